@@ -4,7 +4,7 @@
 from typing import NamedTuple
 
 from fourbar_ros import Bodies, FourBar, round_rod
-from fourbar_ros.dynamics.analysis.flywheel import flywheel_for
+from fourbar_ros.dynamics.flywheel import flywheel_for
 from fourbar_ros.dynamics.model.drives import DCMotor, Drive
 from fourbar_ros.dynamics.model.equation import Equation
 from fourbar_ros.dynamics.model.system import System

@@ -3,8 +3,10 @@
 """Optional packages: one line tells how to install a missing one."""
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from importlib import import_module
 import sys
+from typing import Any
 
 from fourbar_ros.errors import FourBarError
 
@@ -42,7 +44,7 @@ def _command(name: str, module: str) -> int:
     Return 1 with a one-line message if a package is missing.
     """
     try:
-        return import_module(module).main()
+        return int(import_module(module).main())
     except ModuleNotFoundError as error:
         if not MissingPackage.explains(error):
             raise
@@ -58,3 +60,35 @@ def node() -> int:
 def demo() -> int:
     """``fourbar_demo``."""
     return _command('fourbar_demo', 'fourbar_ros.ros.clients.demo')
+
+
+# --- names of a public face, imported when they are asked for ------------------------------------
+
+def lazily(package: str, where: Mapping[str, str]
+           ) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
+    """
+    Return the functions ``__getattr__`` and ``__dir__`` of a package (PEP 562).
+
+    Parameters
+    ----------
+    package : str
+        Its full name.
+    where : mapping
+        {module: its public names as an import writes them: ``'Bag, load as load_scene'``}.
+
+    """
+    found = {}
+    for module, names in where.items():
+        for name, _, public in (entry.partition(' as ') for entry in names.split(', ')):
+            found[public or name] = module, name
+
+    def get(name: str) -> Any:
+        if name not in found:
+            raise AttributeError(f'module {package!r} has no attribute {name!r}')
+        module, its_name = found[name]
+        return getattr(import_module(module), its_name)
+
+    def list_names() -> list[str]:
+        return sorted({*vars(sys.modules[package]), *found})
+
+    return get, list_names

@@ -32,8 +32,11 @@ from math import inf, pi, tau
 from typing import Any, NamedTuple
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, OutOfRange
+from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.parts import Coordinate
 from fourbar_ros.numerics.arrays import Array, EPS
 import numpy as np
+from numpy.typing import ArrayLike
 
 __all__ = ['Branch', 'CannotFollow', 'Trajectory', 'Transmission', 'trajectory']
 
@@ -54,14 +57,14 @@ class Trajectory(NamedTuple):
     are not asked for.
     """
 
-    position: Any
-    rate: Any
-    acceleration: Any
-    effort: Any
+    position: Array
+    rate: Array
+    acceleration: Array | None
+    effort: Array | None
 
 
-def trajectory(position: Any, rate: Any = 0.0, acceleration: Any = 0.0,
-               effort: Any = 0.0) -> Trajectory:
+def trajectory(position: ArrayLike, rate: ArrayLike = 0.0,
+               acceleration: ArrayLike | None = 0.0, effort: ArrayLike | None = 0.0) -> Trajectory:
     """
     Return a :class:`Trajectory` of numbers and arrays, which are broadcast; all finite.
 
@@ -75,7 +78,8 @@ def trajectory(position: Any, rate: Any = 0.0, acceleration: Any = 0.0,
         if not np.isfinite(values).all():
             raise InvalidParameter(name, float(values[~np.isfinite(values)][0]),
                                    'must be finite in every sample')
-    return Trajectory(*map(arrays.get, Trajectory._fields))
+    return Trajectory(arrays['position'], arrays['rate'], arrays.get('acceleration'),
+                      arrays.get('effort'))
 
 
 class Transmission:
@@ -92,7 +96,7 @@ class Transmission:
 
     """
 
-    def __init__(self, mechanism: Any, start: float):
+    def __init__(self, mechanism: Mechanism, start: float):
         self.mechanism, self.branch = mechanism, branch_of(mechanism, start)
         self._input, self._output = mechanism.input_coordinate, mechanism.outputs[0].coordinate
         self._drive_effort = 'driving_torque' if self._input.unit == 'rad' else 'driving_force'
@@ -150,14 +154,14 @@ class Transmission:
         return self._checked(Trajectory(position, rate, more[0] if more else None, effort),
                              self._output, driven, ratio == 0.0, position)
 
-    def static_effort(self, wanted: Trajectory) -> Any:
+    def static_effort(self, wanted: Trajectory) -> Array:
         """Return r M, the effort of the drive without what the links ask for."""
         return self._ratio(self._solve(self._within(wanted.position, self._output)))[0] * (
             wanted.effort)
 
     # --- what cannot be followed ----------------------------------------------------------------
 
-    def _within(self, positions: Array, coordinate: Any) -> Array:
+    def _within(self, positions: Array, coordinate: Coordinate) -> Array:
         """
         Return positions of the input or the output on the branch.
 
@@ -180,7 +184,7 @@ class Transmission:
         return np.clip(positions, low, high)
 
     @staticmethod
-    def _check_angles(positions: Array, coordinate: Any) -> None:
+    def _check_angles(positions: Array, coordinate: Coordinate) -> None:
         apart = np.spacing(np.abs(positions))
         coarse = np.flatnonzero(apart > FINEST)
         if len(coarse):
@@ -189,8 +193,8 @@ class Transmission:
                                f'rad tells no angle: numbers of this size are {apart[first]:.2g} '
                                'rad apart')
 
-    def _checked(self, found: Trajectory, coordinate: Any, given: Trajectory, is_flat: Array,
-                 places: Array) -> Trajectory:
+    def _checked(self, found: Trajectory, coordinate: Coordinate, given: Trajectory,
+                 is_flat: Array, places: Array) -> Trajectory:
         """Return what was found, all finite; CannotFollow at a toggle, and for an overflow."""
         numbers = {name: values for name, values in zip(found._fields, found)
                    if values is not None}
@@ -206,7 +210,7 @@ class Transmission:
         raise CannotFollow(f'sample {first}: the {what} of {coordinate.position} overflows, for '
                            f'{its}')
 
-    def _why_not(self, sample: int, coordinate: Any, place: float, where: str) -> str:
+    def _why_not(self, sample: int, coordinate: Coordinate, place: float, where: str) -> str:
         """Return which sample lies beyond (or at) which end of the branch."""
         assert self.branch.ends
         its = coordinate == self._output
@@ -241,7 +245,8 @@ class Transmission:
             if (np.abs(new - x) <= 2.0 * EPS * np.maximum(np.abs(x), 1e-300)).all():
                 break
             x = new
-        return new + tau * turns
+        found: Array = new + tau * turns
+        return found
 
     def _counted(self, inputs: Array, outputs: Array) -> Array:
         """Return outputs at inputs, angles by the turns that the branch has there."""
@@ -256,19 +261,21 @@ class Transmission:
 
     # --- rates and efforts ----------------------------------------------------------------------
 
-    def _ratio(self, inputs: Array) -> tuple[Any, Any]:
+    def _ratio(self, inputs: Array) -> tuple[Array, Array]:
         """Return r and r'."""
         return self.mechanism.motion(inputs, 1.0, 0.0, fields=(self._output.rate,
                                                                self._output.acceleration))
 
-    def _links(self, *driven: Any) -> Any:
+    def _links(self, position: Array, rate: Array, acceleration: Array | None) -> Array:
         """Return the effort that masses, gravity and external loads of the links ask for."""
         if self.mechanism.bodies is None:
-            return np.zeros(len(driven[0]))
-        if driven[2] is None:
+            return np.zeros(len(position))
+        if acceleration is None:
             raise InvalidParameter('acceleration', None, 'must be given for an effort: the links '
                                    'have masses')
-        return self.mechanism.step(*driven, fields=(self._drive_effort,))[0]
+        effort: Array = self.mechanism.step(position, rate, acceleration,
+                                            fields=(self._drive_effort,))[0]
+        return effort
 
 
 SAMPLES = 4097         # over a range of the input, to see where the output turns back
@@ -315,18 +322,18 @@ class Branch(NamedTuple):
         return 1.0 if self.outputs[-1] > self.outputs[0] else -1.0
 
 
-def ratio_of(mechanism: Any, inputs: Any) -> Any:
+def ratio_of(mechanism: Mechanism, inputs: ArrayLike) -> Any:
     """Return d output / d input at inputs."""
     coordinate = mechanism.outputs[0].coordinate
     return mechanism.motion(inputs, 1.0, 0.0, fields=(coordinate.rate,))[0]
 
 
-def output_of(mechanism: Any, inputs: Any) -> Any:
+def output_of(mechanism: Mechanism, inputs: ArrayLike) -> Any:
     """Return the position of the output at inputs, angles in [-pi, pi]."""
     return mechanism.motion(inputs, fields=(mechanism.outputs[0].coordinate.position,))[0]
 
 
-def branch_of(mechanism: Any, start: float) -> Branch:
+def branch_of(mechanism: Mechanism, start: float) -> Branch:
     """
     Return the :class:`Branch` with an input in it.
 
@@ -339,9 +346,10 @@ def branch_of(mechanism: Any, start: float) -> Branch:
 
     """
     coordinate = mechanism.input_coordinate
-    low, high = _range(mechanism, start)
-    if low is None:
+    around = _range(mechanism, start)
+    if around is None:
         raise OutOfRange(coordinate.position, start, mechanism.input_ranges, coordinate.unit)
+    low, high = around
     # From the start on, so that a full turn has no seam in the branch.
     inputs = np.linspace(low, high, SAMPLES)
     ratios = ratio_of(mechanism, inputs)
@@ -366,7 +374,7 @@ def branch_of(mechanism: Any, start: float) -> Branch:
     return Branch(inside, outputs, (ends[0], ends[1]))
 
 
-def _range(mechanism: Any, start: float) -> tuple[Any, Any]:
+def _range(mechanism: Mechanism, start: float) -> tuple[float, float] | None:
     """Return the range of the input around a start; a whole turn has the start in its middle."""
     if mechanism.turns_fully:
         return start - pi, start + pi
@@ -374,7 +382,7 @@ def _range(mechanism: Any, start: float) -> tuple[Any, Any]:
         for turn in (0.0,) if mechanism.is_driven_by_slide else (0.0, 2.0 * pi, -2.0 * pi):
             if low + turn <= start <= high + turn:
                 return low + turn, high + turn
-    return None, None
+    return None
 
 
 def _changes(inputs: Array, ratios: Array) -> list[tuple[float, float]]:
@@ -385,7 +393,7 @@ def _changes(inputs: Array, ratios: Array) -> list[tuple[float, float]]:
     return [(float(inputs[one[i]]), float(inputs[other[i]])) for i in found]
 
 
-def _turn(mechanism: Any, low: float, high: float) -> float:
+def _turn(mechanism: Mechanism, low: float, high: float) -> float:
     """Return where the ratio is zero between two inputs, by halving."""
     is_negative = ratio_of(mechanism, low) < 0.0
     for _ in range(HALVINGS):
@@ -399,7 +407,7 @@ def _turn(mechanism: Any, low: float, high: float) -> float:
     return 0.5 * (low + high)
 
 
-def _continuous(mechanism: Any, inputs: Array, start: float) -> Array:
+def _continuous(mechanism: Mechanism, inputs: Array, start: float) -> Array:
     """Return the output along rising inputs, an angle without jumps, in [-pi, pi] at a start."""
     outputs = np.array(output_of(mechanism, inputs))
     if mechanism.outputs[0].coordinate.unit == 'rad':

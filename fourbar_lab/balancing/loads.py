@@ -166,7 +166,8 @@ class Loads:
         matrices = self.matrices(x, self.group(name)).values()
         block = np.concatenate([np.sqrt(weights)[:, None] * matrix for matrix in matrices])
         size = float(np.linalg.norm(block @ self.given))
-        return block / size if is_relative and size else block
+        found: Array = block / size if is_relative and size else block
+        return found
 
     def rms(self, name: str, numbers: Array) -> float:
         """Return the root mean square of a load with these numbers of all links."""

@@ -116,7 +116,8 @@ def _pyplot() -> ModuleType:
     matplotlib.use('Agg')
     from matplotlib import pyplot
     matplotlib.rcParams['svg.hashsalt'] = 'fourbar'
-    return pyplot
+    found: ModuleType = pyplot
+    return found
 
 
 def _save(figure: Figure, path: str | Path) -> None:

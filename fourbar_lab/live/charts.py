@@ -9,6 +9,7 @@ from typing import Any
 
 from fourbar_lab.live.model import LIMIT, Shown, written
 from fourbar_ros.extrema.find import CONSTANT, Extremum, INTERIOR, MAXIMUM
+from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.report.cycles import ground_forces
 from fourbar_ros.report.significant import significant
@@ -212,7 +213,7 @@ def _round_axis(largest: float) -> tuple[float, float]:
     return step * ceil(largest / step - 1e-9), step
 
 
-def polar_now(shown: Shown, loads: Any, bound: float, is_dark: bool) -> str:
+def polar_now(shown: Shown, loads: NamedFields, bound: float, is_dark: bool) -> str:
     """Return SVG dots at the present loads, to lie over the polar diagram of that bound [N]."""
     left, right, top, bottom = POLAR_EDGES
     width, height = POLAR_SIZE[0] - left - right, POLAR_SIZE[1] - top - bottom

@@ -3,7 +3,7 @@
 """What a page shows of a scene: a cycle of the mechanism, its extrema, the facts; no page yet."""
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import ceil, degrees, isfinite, remainder, tau
@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 from fourbar_ros.extrema.find import Extremum, find_extrema
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import Quantity
+from fourbar_ros.mechanisms.parts import NamedFields, Quantity
 from fourbar_ros.mechanisms.points import point_motion, PointMotion
 from fourbar_ros.mechanisms.quantities import Function, is_published, positions, select
 from fourbar_ros.numerics.arrays import Array
@@ -19,6 +19,7 @@ from fourbar_ros.pipeline.status import evaluate
 from fourbar_ros.report.axis import AXIS_ANGLE, axis_angle, with_gaps
 from fourbar_ros.report.cycles import cycles, usual_points
 from fourbar_ros.report.joint_labels import Labels, labels_of
+from fourbar_ros.scene.parameters import ParameterValues
 from fourbar_ros.scene.scene import from_values, Scene
 import numpy as np
 
@@ -42,15 +43,15 @@ class Cycle:
     """
 
     inputs: Array
-    motion: Any
-    loads: Any
+    motion: NamedFields
+    loads: NamedFields | None
 
 
 class Pose(NamedTuple):
     """Motion and loads in one pose, records of the mechanism's kind; None: no loads."""
 
-    motion: Any
-    loads: Any
+    motion: NamedFields
+    loads: NamedFields | None
 
 
 @dataclass(frozen=True)
@@ -261,7 +262,7 @@ def _sample(columns: Any, i: int) -> Any:
     return type(columns)(*[float(column[i] if np.ndim(column) else column) for column in columns])
 
 
-def shown(values: Mapping[str, Any], acceleration: float = 0.0,
+def shown(values: ParameterValues, acceleration: float = 0.0,
           speed: float | None = None) -> Shown:
     """
     Return what is shown of a flat dict of parameters.

@@ -14,7 +14,7 @@ from collections.abc import Awaitable, Callable, Mapping
 import contextlib
 from math import isfinite
 import time
-from typing import Any, NamedTuple
+from typing import NamedTuple
 from urllib.parse import urlencode
 
 from fourbar_lab.live import charts
@@ -42,6 +42,7 @@ from fourbar_ros.report.axis import AXIS_ANGLE
 from fourbar_ros.report.mobility import octahedron_svg
 from fourbar_ros.report.tables import facts
 from fourbar_ros.scene import files, parameters
+from fourbar_ros.scene.parameters import ParameterValues
 from nicegui import background_tasks, ui
 
 FRAME = 1.0 / 30.0          # [s]
@@ -70,7 +71,7 @@ class Page:
 
     """
 
-    def __init__(self, title: str, values: Mapping[str, Any], query: dict[str, str],
+    def __init__(self, title: str, values: ParameterValues, query: dict[str, str],
                  playback: Callable[[Shown], Playback] | None = None):
         link, self.problem = Link(title, values, values, None, 0.0), ''
         try:
@@ -164,7 +165,7 @@ class Page:
             self.elements.clear_pose()
             return
         self.pose = pose
-        beside = [(other, *(other.pose(*state) if state else (OUT_OF_RANGE, Pose(None, None))))
+        beside = [(other, *(other.pose(*state) if state else (OUT_OF_RANGE, None)))
                   for other, state in self.playback.others()]
         ghosts = ''.join(ghost_svg(other, its, self.view) for other, status, its in beside
                          if status == OK)
@@ -423,8 +424,8 @@ class Link(NamedTuple):
     """
 
     title: str
-    first: Mapping[str, Any]
-    values: Mapping[str, Any]
+    first: ParameterValues
+    values: ParameterValues
     at: float | None
     acceleration: float
 
@@ -434,7 +435,7 @@ def rounded(at: float) -> float:
     return float(f'{at:.9g}')
 
 
-def address(title: str, first: Mapping[str, Any], values: Mapping[str, Any], at: float,
+def address(title: str, first: ParameterValues, values: ParameterValues, at: float,
             acceleration: float) -> str:
     """Return the query of the state: the scene by name, the input, and each changed parameter."""
     changed = {name: repr(value) if isinstance(value, float) else value
@@ -444,7 +445,7 @@ def address(title: str, first: Mapping[str, Any], values: Mapping[str, Any], at:
                       **({ACCELERATION: f'{acceleration:g}'} if acceleration else {})})
 
 
-def read(query: Mapping[str, str], title: str, values: Mapping[str, Any]) -> Link:
+def read(query: Mapping[str, str], title: str, values: ParameterValues) -> Link:
     """
     Return the :class:`Link` of a query to a page that serves a scene.
 

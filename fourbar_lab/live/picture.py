@@ -7,13 +7,13 @@ from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from math import hypot, inf, isfinite
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from fourbar_lab.live import svg
 from fourbar_lab.live.model import Pose, Shown
 from fourbar_lab.live.svg import HEIGHT, MARGIN, STYLE, View, view_of, WIDTH
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import Arrow, Diagram, without_repeats
+from fourbar_ros.mechanisms.parts import Arrow, Diagram, NamedFields, without_repeats
 from fourbar_ros.mechanisms.picture import Arm, forces_of, of_kind, picture, Pivot
 from fourbar_ros.mechanisms.points import instant_centre, link_motion, LinkMotion
 from fourbar_ros.numerics.arrays import Array
@@ -64,6 +64,7 @@ def _force_arrows(several: Sequence[Shown]) -> tuple[Array, Array]:
     for shown in several:
         per_newton = force_scale(shown)
         for motion, loads in shown.poses if per_newton else ():
+            assert loads is not None, 'there is a force scale'
             found += [(force.place, per_newton * DOWN * force.vector)
                       for force in forces_of(shown.linkage.diagram(motion), loads)]
     tails, arrows = (np.array([pair[i] for pair in found]).reshape(-1, 2) for i in (0, 1))
@@ -142,7 +143,7 @@ def traces_svg(shown: Shown, view: View) -> str:
                     '</g>'])
 
 
-def _forces(shown: Shown, diagram: Diagram, loads: NamedTuple, view: View, per_newton: float
+def _forces(shown: Shown, diagram: Diagram, loads: NamedFields, view: View, per_newton: float
             ) -> list[tuple[tuple[float, float], tuple[float, float], str]]:
     """Return (start, vector, label) of the forces at the joints, in pixels."""
     found = []
@@ -153,7 +154,7 @@ def _forces(shown: Shown, diagram: Diagram, loads: NamedTuple, view: View, per_n
     return found
 
 
-def _centres(linkage: Mechanism, motion: Any, view: View,
+def _centres(linkage: Mechanism, motion: NamedFields, view: View,
              joints: Iterable[tuple[float, float]]) -> list[str]:
     """Return crosses at the instant centres that are no joints, as far as they are in view."""
     links = [(i + 2, link_motion(linkage, motion, link.name))
@@ -173,7 +174,7 @@ def _centres(linkage: Mechanism, motion: Any, view: View,
     return found
 
 
-def _axis(linkage: Mechanism, motion: Any, view: View) -> list[str]:
+def _axis(linkage: Mechanism, motion: NamedFields, view: View) -> list[str]:
     """Return the collineation axis, its poles and the lines through them, as far as in view."""
     lines, poles = axis_parts(linkage, motion, np.array(view.place(0.0, HEIGHT)),
                               np.array(view.place(WIDTH, 0.0)))

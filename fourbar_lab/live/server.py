@@ -9,7 +9,7 @@ node's topics and sets the node's parameters.
 from __future__ import annotations
 
 from asyncio import Lock
-from collections.abc import Awaitable, Callable, Mapping, Sequence
+from collections.abc import Awaitable, Callable, Sequence
 import os
 from pathlib import Path
 import socket
@@ -21,6 +21,7 @@ from fourbar_ros.bag.read.origin import origin_of
 from fourbar_ros.bag.read.reader import Bag
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.scene.message_fields import driven_of
+from fourbar_ros.scene.parameters import ParameterValues
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import DRIVEN
 from nicegui import app, run, ui
@@ -111,7 +112,7 @@ def free_port(wanted: int | None) -> int:
         return int(trial.getsockname()[1])
 
 
-def serve_scene(title: str, values: Mapping[str, Any], port: int, is_opened: bool) -> None:
+def serve_scene(title: str, values: ParameterValues, port: int, is_opened: bool) -> None:
     """Serve the page of a scene until the process is interrupted."""
     _serve(title, lambda query: Page(title, values, query), port, is_opened)
 

@@ -18,13 +18,13 @@ from fourbar_ros.mechanics.moving_frames import acceleration_terms
 from fourbar_ros.mechanisms.contract import CROSSED, OPEN
 from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
 from fourbar_ros.mechanisms.four_bar.io_equations import io_equation, to_half_angle
-from fourbar_ros.mechanisms.four_bar.loads import Loads
-from fourbar_ros.mechanisms.four_bar.motion import Motion
 from fourbar_ros.mechanisms.half_angle import bilinear_factors
 from fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank import InvertedSlider
+from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.mechanisms.points import acceleration_image, link_motion, point_motion
 from fourbar_ros.mechanisms.slider_crank.slider_crank import SliderCrank
-from fourbar_ros.numerics.arrays import Array, Values
+from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.numerics.number_types import Scalar
 import numpy as np
 
 INCH, FOOT = 0.0254, 0.3048
@@ -163,14 +163,16 @@ def paper_table_3() -> dict[str, float]:
                      'rate_at': table_2['mode2_omega4_min_at']}
 
 
-def literal_moment(motion: Motion, loads: Loads) -> Values:
+def literal_moment(motion: NamedFields, loads: NamedFields) -> Scalar:
     """
     Return T14 + r34 x F34 [N m] with the arm r34 of the paper's Fig. 2.
 
     That arm runs from the centre of gravity of link 3 to joint 4.
     """
     along = THIN_RODS.output.cg_along
-    return along * (motion.cos_y * loads.f43_y - motion.sin_y * loads.f43_x) - loads.driving_torque
+    moment: Scalar = along * (motion.cos_y * loads.f43_y - motion.sin_y * loads.f43_x)
+    found: Scalar = moment - loads.driving_torque
+    return found
 
 
 def wrong_curves() -> tuple[Array, Array, Array, Array]:
@@ -190,7 +192,7 @@ def wrong_curves() -> tuple[Array, Array, Array, Array]:
     return theta1, np.hypot(*(f41 + f43).T), np.abs(-torque - 0.01 * f43[:, 1]), np.abs(literal)
 
 
-def solve_eq_9(linkage: FourBar, motion: Motion, with_velocities: bool = False) -> Array:
+def solve_eq_9(linkage: FourBar, motion: NamedFields, with_velocities: bool = False) -> Array:
     """
     Return the nine unknowns of the paper's Eq. (9), shape (n, 9).
 

@@ -20,8 +20,7 @@ from fourbar_ros.mechanics.moving_frames import rolling_contact
 from fourbar_ros.mechanisms.contract import CROSSED, OPEN
 from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
 from fourbar_ros.mechanisms.four_bar.io_equations import io_equation
-from fourbar_ros.mechanisms.four_bar.loads import Loads
-from fourbar_ros.mechanisms.four_bar.motion import Motion
+from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.numerics.arrays import Values
 import numpy as np
 
@@ -88,7 +87,7 @@ def _steps(linkage: FourBar, speed: float) -> dict[str, float]:
             'step_4': _largest(alpha4 - motion.alpha4) / _largest(alpha4)}
 
 
-def _at_extrema(linkage: FourBar, quantity: str, speed: float) -> Motion:
+def _at_extrema(linkage: FourBar, quantity: str, speed: float) -> NamedFields:
     found = [extremum.theta1 for extremum in find_extrema(linkage, (quantity,), speed)]
     return linkage.motion(found, speed)
 
@@ -215,7 +214,7 @@ def least_moment(linkage: FourBar, speed: float, samples: int = 1440
             float(found.ineqlin.marginals @ sides) * size)
 
 
-def _moment_about(point: tuple[float, float], loads: Loads) -> float:
+def _moment_about(point: tuple[float, float], loads: NamedFields) -> float:
     """Return the shaking moment about a point [N m]."""
     return float(loads.shaking_moment - (point[0] * loads.shaking_force_y
                                          - point[1] * loads.shaking_force_x))

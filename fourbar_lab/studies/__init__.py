@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from fourbar_ros.lazy import lazily
+from fourbar_ros.optional import lazily
 
 if TYPE_CHECKING:
     from fourbar_lab.studies.chunks import Chunk, compute

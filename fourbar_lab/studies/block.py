@@ -31,11 +31,12 @@ from fourbar_lab.studies.study import Study
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.extrema.batch import find_extrema_many
 from fourbar_ros.extrema.methods import has_fast_rates
-from fourbar_ros.extrema.sampling import needs_angles, NoLoads
+from fourbar_ros.extrema.sampling import needs_angles
 from fourbar_ros.mechanisms.contract import OPEN
+from fourbar_ros.mechanisms.parts import NoLoads
 from fourbar_ros.mechanisms.points import link_motion, point_of
 from fourbar_ros.mechanisms.quantities import is_position
-from fourbar_ros.numerics.arrays import Array, Values
+from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.exact_sums import exact_sum_of_four
 from fourbar_ros.numerics.number_types import (
     ARRAY,
@@ -44,8 +45,9 @@ from fourbar_ros.numerics.number_types import (
     COMPLEX_WITH_ANGLES,
     Function,
     NumberType,
+    Scalar,
 )
-from fourbar_ros.scene.parameters import find
+from fourbar_ros.scene.parameters import find, ParameterValues
 from fourbar_ros.scene.scene import from_values, Scene
 import numpy as np
 
@@ -105,7 +107,7 @@ class Block:
             alike = np.nonzero((keys == key) & self.is_done)[0]
             values = {name: column[alike[0]].item() for name, column in self.drawn.items()}
             try:
-                names[alike] = from_values(self.study.values | values).linkage.classification
+                names[alike] = from_values({**self.study.values, **values}).linkage.classification
             except InvalidParameter:
                 self.is_done[alike] = False
         return names.astype(str)
@@ -130,7 +132,7 @@ class Block:
 
     def _compute_rates(self, rows: Array) -> None:
         """Compute extrema of rates alone, of any four-bars: their own search is much faster."""
-        values = {name: np.broadcast_to(self.drawn.get(name, self.study.values[name]),
+        values = {name: np.broadcast_to(np.asarray(self.drawn.get(name, self.study.values[name])),
                                         self.size)[rows]
                   for name in ('linkage.a1', 'linkage.a2', 'linkage.a3', 'linkage.a4',
                                'linkage.mode', 'drive.speed')}
@@ -259,14 +261,14 @@ class Designs:
 
     """
 
-    def __init__(self, scene: Scene, values: dict[str, Any], drawn: dict[str, Array],
+    def __init__(self, scene: Scene, values: ParameterValues, drawn: dict[str, Array],
                  with_angles: bool = True):
         self.scene = scene
         self._with_angles = with_angles
         self._complex = COMPLEX_WITH_ANGLES if with_angles else COMPLEX
         self.size = len(next(iter(drawn.values())))
         columns = {name: np.asarray(column, float)[:, None] for name, column in drawn.items()}
-        self.values = values | columns
+        self.values = {**values, **columns}
         constants = constants_of(scene, self.values)
         lengths = tuple([np.broadcast_to(length, (self.size, 1)) for length in constants.lengths])
         self._constants = constants._replace(
@@ -315,7 +317,7 @@ class Designs:
         """Return {name: quantity} of the points of the scene, with columns."""
         return point_quantities_of(self.scene, self.values, self.many)
 
-    def point(self, name: str) -> tuple[Values, Values]:
+    def point(self, name: str) -> tuple[Scalar, Scalar]:
         """Return along and across of a point."""
         return self.values[f'points.{name}.along'], self.values[f'points.{name}.across']
 
@@ -373,8 +375,9 @@ class Extent:
                 found: Array = (most - least if part == 'span'
                                 else np.maximum(np.abs(most), np.abs(least)))
             return found
-        return {'max': most, 'min': least, 'max_at': most_at, 'min_at': least_at,
-                'extrema': self.counts}[part]
+        result: Array = {'max': most, 'min': least, 'max_at': most_at, 'min_at': least_at,
+                         'extrema': self.counts}[part]
+        return result
 
     def rms(self) -> tuple[Array, Array]:
         """Return root mean squares, and where they are right to rounding."""

@@ -23,7 +23,7 @@ arithmetic, 1975).
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 import heapq
@@ -31,9 +31,9 @@ from math import inf, isfinite, isinf, nextafter, pi
 from threading import RLock
 from typing import Any, NamedTuple, TYPE_CHECKING, Union
 
-from fourbar_ros.numerics.arrays import Values
 from fourbar_ros.numerics.duals import Derivatives, derivatives_of, Dual, duals_of, value_of
-from fourbar_ros.numerics.number_types import choose, Function, INFINITESIMAL, NumberType
+from fourbar_ros.numerics.number_types import choose, Function, INFINITESIMAL, NumberType, Scalar
+from fourbar_ros.scene.parameters import ParameterValues
 
 if TYPE_CHECKING:      # an optional package
     from flint import arb
@@ -66,7 +66,7 @@ class Enclosed(NamedTuple):
 # (low, high) of a piece of the input -> for each quantity an Enclosed, or None: nothing is known
 Evaluate = Callable[[float, float], Sequence[Union[Enclosed, None]]]
 # (number type, {parameter: number}) -> function of the input that returns the quantities
-Make = Callable[[NumberType, dict[str, Any]], Callable[[Values], Sequence[Values]]]
+Make = Callable[[NumberType, dict[str, Any]], Callable[[Dual], Sequence[Dual]]]
 Reference = Union[Callable[[float], float], None]
 
 
@@ -77,7 +77,7 @@ class Bounds(NamedTuple):
     high: float
 
 
-def enclosing(make: Make, values: Mapping[str, Any], widths: dict[str, float],
+def enclosing(make: Make, values: ParameterValues, widths: dict[str, float],
               references: Sequence[Reference]) -> Evaluate:
     """
     Return the function that encloses quantities over pieces of the input and a box.
@@ -105,7 +105,7 @@ def enclosing(make: Make, values: Mapping[str, Any], widths: dict[str, float],
              for name, value in values.items()}
     radii = {name: arb(0, width) for name, width in widths.items()}
 
-    def enclosed(whole: Values, x: float, reference: Reference) -> Enclosed | None:
+    def enclosed(whole: Dual, x: float, reference: Reference) -> Enclosed | None:
         middle, by = value_of(whole), dict(derivatives_of(whole))
         by_piece = abs(by.pop(INPUT, arb(0)) * radii[INPUT])
         by_box = sum((abs(part * radii[name]) for name, part in by.items()), start=arb(0))
@@ -212,7 +212,7 @@ def precision(bits: int) -> Iterator[None]:
             ctx.prec = before
 
 
-def _ball(value: Values) -> arb:
+def _ball(value: arb | float) -> arb:
     """Return a number as a ball: a formula may be asked of a constant of its own."""
     if not isinstance(value, (float, int)):
         return value
@@ -221,12 +221,13 @@ def _ball(value: Values) -> arb:
     return arb(value)
 
 
-def _atan2(y: Values, x: Values) -> arb:
-    y = _ball(y)
-    return type(y).atan2(y, _ball(x))
+def _atan2(y: arb | float, x: arb | float) -> arb:
+    from flint import arb
+
+    return arb.atan2(_ball(y), _ball(x))
 
 
-def _sqrt(value: Values) -> arb:
+def _sqrt(value: arb | float) -> arb:
     return _ball(value).sqrt()
 
 
@@ -286,10 +287,11 @@ def _lipschitz(hypot: Function, centred: type[Centred]) -> Function:
 
     There it has no derivative, and changes by no more than (x, y) does.
     """
-    def call(x: Values, y: Values) -> Centred:
+    def call(x: Scalar, y: Scalar) -> Centred:
         found = hypot(x, y)
         if all(part.is_finite() for part in found.by.values()):
-            return found
+            result: Centred = found
+            return result
         one, other = derivatives_of(x), derivatives_of(y)
         either = _ball(0.0).union(_ball(1.0)) * 2.0 - 1.0
         return centred(found.value, {name: either * BALLS.hypot(*[

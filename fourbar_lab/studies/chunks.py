@@ -17,6 +17,7 @@ from fourbar_lab.studies.study import Bound, Study
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.scene.parameters import ParameterValues
 from fourbar_ros.scene.scene import from_values, Scene
 import numpy as np
 
@@ -151,16 +152,16 @@ def _first_scene(study: Study, drawn: dict[str, Array]) -> Scene | None:
     """Return the scene of the first of some designs that can be built, or None."""
     for values in zip(*(column[:TRIED].tolist() for column in drawn.values())):
         try:
-            return from_values(study.values | dict(zip(drawn, values)))
+            return from_values({**study.values, **dict(zip(drawn, values))})
         except InvalidParameter:
             continue
     return None
 
 
-def _row(study: Study, values: dict[str, Any]) -> tuple[str, dict[str, Any]]:
+def _row(study: Study, values: ParameterValues) -> tuple[str, dict[str, Any]]:
     """Return why a design is left out, or FEASIBLE, and what was computed of it."""
     try:
-        scene = from_values(study.values | values)
+        scene = from_values({**study.values, **values})
     except InvalidParameter:
         return NOT_BUILT, {}
     try:

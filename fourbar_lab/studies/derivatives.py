@@ -32,8 +32,9 @@ from fourbar_lab.studies.measures import (
 from fourbar_lab.studies.parametric import dimensions_of, Formulas, formulas_of
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.extrema.find import Extremum
-from fourbar_ros.extrema.sampling import NoLoads
-from fourbar_ros.numerics.arrays import Array, Values
+from fourbar_ros.extrema.sampling import State
+from fourbar_ros.mechanisms.parts import NoLoads
+from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.duals import derivatives_of, Dual, duals_of, value_of
 from fourbar_ros.numerics.number_types import ARRAY, COMPLEX_WITH_ANGLES
 from fourbar_ros.scene.parameters import find
@@ -47,7 +48,7 @@ SHARP = 1e-5
 # Inputs of a mean: of a full turn, of a range.
 POINTS, NODES = 4096, 512
 
-By = dict[str, Values]      # {parameter: derivative}
+By = dict[str, Any]      # {parameter: derivative}
 
 
 class AtExtremum(NamedTuple):
@@ -104,7 +105,7 @@ class Derivatives:
         self._complex = formulas_of(scene, duals_of(COMPLEX_WITH_ANGLES), values)
         self.quantities = self._real.quantities
 
-    def state(self, x: Array, with_loads: bool = True) -> tuple[Any, Any]:
+    def state(self, x: Array, with_loads: bool = True) -> State:
         """
         Return (motion, loads) at inputs x, shape (n,): fields are duals, or plain numbers.
 
@@ -112,7 +113,7 @@ class Derivatives:
         """
         return self._state(self._real, x, with_loads)
 
-    def _state(self, formulas: Formulas, x: Values, with_loads: bool) -> tuple[Any, Any]:
+    def _state(self, formulas: Formulas, x: Array | Dual, with_loads: bool) -> State:
         linkage = self.scene.linkage
         with np.errstate(all='ignore'):
             fields = formulas.motion(x, formulas.rate, self.acceleration)

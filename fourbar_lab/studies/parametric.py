@@ -17,10 +17,11 @@ from fourbar_ros.mechanics.bodies import Applied, bar_numbers, Body, rod_numbers
 from fourbar_ros.mechanisms.contract import Constants
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.quantities import point_acceleration, point_speed
-from fourbar_ros.numerics.arrays import Values
-from fourbar_ros.numerics.number_types import ARRAY, Function, NumberType
+from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.numerics.number_types import ARRAY, Function, NumberType, Scalar
 from fourbar_ros.scene.linkage import Bodies, external_of
 from fourbar_ros.scene.parameter_table import MACHINE
+from fourbar_ros.scene.parameters import ParameterValues
 from fourbar_ros.scene.scene import Scene
 import numpy as np
 
@@ -31,11 +32,11 @@ class _Columns(Bodies):
     body = staticmethod(partial(unchecked, Body))
 
     @staticmethod
-    def rod(length: Values, density: Values, radius: Values) -> Body:
+    def rod(length: Scalar, density: Scalar, radius: Scalar) -> Body:
         return unchecked(Body, *rod_numbers(length, density, radius))
 
     @staticmethod
-    def bar(length: Values, density: Values, width: Values, thickness: Values) -> Body:
+    def bar(length: Scalar, density: Scalar, width: Scalar, thickness: Scalar) -> Body:
         return unchecked(Body, *bar_numbers(length, density, width, thickness))
 
 
@@ -44,7 +45,7 @@ def is_machine(scene: Scene) -> bool:
     return bool(scene.values['linkage.kind'] == MACHINE)
 
 
-def constants_of(scene: Scene, values: dict[str, Any], numbers: NumberType = ARRAY) -> Constants:
+def constants_of(scene: Scene, values: ParameterValues, numbers: NumberType = ARRAY) -> Constants:
     """
     Return what the formulas of a scene's mechanism are made for.
 
@@ -87,7 +88,7 @@ def dimensions_of(scene: Scene) -> tuple[str, ...]:
     return tuple([f'linkage.{name}' for name in scene.linkage.length_names])
 
 
-def with_lengths(linkage: Mechanism, lengths: Sequence[Values]) -> Mechanism:
+def with_lengths(linkage: Mechanism, lengths: Sequence[Scalar | Array]) -> Mechanism:
     """
     Return a linkage whose lengths are any numbers: quantities of points take them from it.
 
@@ -101,7 +102,7 @@ def with_lengths(linkage: Mechanism, lengths: Sequence[Values]) -> Mechanism:
     return many
 
 
-def point_quantities_of(scene: Scene, values: dict[str, Any], many: Mechanism
+def point_quantities_of(scene: Scene, values: ParameterValues, many: Mechanism
                         ) -> dict[str, Searched]:
     """Return {name: quantity} of the points of a scene, whose parameters are any numbers."""
     found: dict[str, Searched] = {}
@@ -120,11 +121,11 @@ class Formulas(NamedTuple):
 
     motion: Function
     loads: Function | None
-    rate: Values
+    rate: Scalar
     quantities: dict[str, Searched]
 
 
-def formulas_of(scene: Scene, numbers: NumberType, values: dict[str, Any]) -> Formulas:
+def formulas_of(scene: Scene, numbers: NumberType, values: ParameterValues) -> Formulas:
     """Return the :class:`Formulas` of a scene for values of its parameters of any type."""
     linkage, constants = scene.linkage, constants_of(scene, values, numbers)
     many = with_lengths(linkage, constants.lengths)

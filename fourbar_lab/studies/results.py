@@ -75,7 +75,7 @@ class Results:
     @property
     def is_whole(self) -> bool:
         """Return whether every chunk is there."""
-        return self.designs == self.study['rows']
+        return bool(self.designs == self.study['rows'])
 
     def blocks(self, names: list[str]) -> Iterator[dict[str, Array]]:
         """Yield columns of one part after the other, feasible rows only."""

@@ -31,6 +31,7 @@ from fourbar_ros.errors import FourBarError, InvalidParameter, nearest
 from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.scene.files import find, read_values
+from fourbar_ros.scene.parameters import ParameterValues
 from fourbar_ros.scene.scene import from_values, Scene
 import numpy as np
 import yaml
@@ -101,7 +102,7 @@ class Study:
 
     """
 
-    values: dict[str, Any]
+    values: ParameterValues
     vary: tuple[Variation, ...]
     method: str
     rows: int
@@ -132,7 +133,7 @@ class Study:
     def scene_values(self, row: int) -> dict[str, Any]:
         """Return all parameters of one row."""
         drawn = self.drawn(row, row + 1)
-        return self.values | {name: column[0].item() for name, column in drawn.items()}
+        return {**self.values, **{name: column[0].item() for name, column in drawn.items()}}
 
 
 class _Loader(yaml.SafeLoader):
@@ -216,7 +217,7 @@ def _require_a_design(study: Study) -> None:
     drawn = {name: column.tolist() for name, column in study.drawn(0, tried).items()}
     for row in zip(*drawn.values()):
         try:
-            from_values(study.values | dict(zip(drawn, row)))
+            from_values({**study.values, **dict(zip(drawn, row))})
             return
         except InvalidParameter as error:
             first = first or error

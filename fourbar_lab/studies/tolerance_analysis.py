@@ -30,9 +30,10 @@ from fourbar_lab.studies.parametric import formulas_of, is_machine
 from fourbar_lab.studies.study import Study
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanisms.quantities import is_position
-from fourbar_ros.numerics.arrays import Array, Values
-from fourbar_ros.numerics.duals import whole_of
-from fourbar_ros.numerics.number_types import NumberType
+from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.numerics.duals import Dual, whole_of
+from fourbar_ros.numerics.number_types import NumberType, Scalar
+from fourbar_ros.scene.parameters import ParameterValues
 from fourbar_ros.scene.scene import from_values, Scene
 import numpy as np
 
@@ -109,7 +110,7 @@ def tolerances(study: Study, prove: bool = True) -> list[Toleranced]:
 
     """
     box = box_of(study)
-    scene = from_values(study.values | {one.name: one.centre for one in box})
+    scene = from_values({**study.values, **{one.name: one.centre for one in box}})
     derivatives = Derivatives(scene, [one.name for one in box], study.acceleration)
     measures = [measure for measure in study.measures if measure.part != CLASS]
     found = sensitivities(derivatives, measures)
@@ -232,13 +233,13 @@ def _angles_of(scene: Scene) -> tuple[str, ...]:
 
 def make_of(scene: Scene, names: Sequence[str], acceleration: float) -> Make:
     """Return what makes, of a number type and parameters, the function of some quantities."""
-    def make(numbers: NumberType, values: dict[str, Any]) -> Callable[[Values], Sequence[Values]]:
+    def make(numbers: NumberType, values: ParameterValues) -> Callable[[Dual], Sequence[Dual]]:
         formulas = formulas_of(scene, numbers, {**scene.values, **values})
         quantities = [formulas.quantities[name] for name in names]
         linkage, needs_loads = scene.linkage, any(one.is_load for one in quantities)
         of_machine = is_machine(scene)
 
-        def rows(x: Values) -> Sequence[Values]:
+        def rows(x: Dual) -> Sequence[Any]:
             fields = formulas.motion(x, formulas.rate, acceleration)
             loads = (linkage.LOADS(*formulas.loads(fields)) if formulas.loads and needs_loads
                      else None)
@@ -250,7 +251,7 @@ def make_of(scene: Scene, names: Sequence[str], acceleration: float) -> Make:
     return make
 
 
-def _require_closing(sine: Values) -> None:
+def _require_closing(sine: Scalar) -> None:
     """
     Refuse a piece and a box in which a dyad may not close, by the product of the sines of all.
 

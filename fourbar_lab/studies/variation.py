@@ -86,12 +86,14 @@ class Variation(NamedTuple):
         """Return the values at p in [0, 1]."""
         if self.kind == 'list':
             place = np.minimum((p * len(self.values)).astype(int), len(self.values) - 1)
-            return np.array(self.values)[place]
+            listed: Array = np.array(self.values)[place]
+            return listed
         one, other = self.values
         if self.kind == 'range':
             return one + (other - one) * p
         if self.kind == 'log_range':
-            return np.exp(np.log(one) + (np.log(other) - np.log(one)) * p)
+            found: Array = np.exp(np.log(one) + (np.log(other) - np.log(one)) * p)
+            return found
         if self.kind == 'uniform':
             return one + other * (2.0 * p - 1.0)
         from scipy.special import ndtri
@@ -102,7 +104,8 @@ class Variation(NamedTuple):
         """Return the values that are least and greatest, or all of a list."""
         if self.kind == 'list':
             return list(self.values)
-        return self.at(np.array((0.0, 1.0))).tolist()
+        found: list[float] = self.at(np.array((0.0, 1.0))).tolist()
+        return found
 
     @property
     def of_grid(self) -> Array:

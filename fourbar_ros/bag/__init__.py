@@ -14,7 +14,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from fourbar_ros.errors import BagError
-from fourbar_ros.lazy import lazily
+from fourbar_ros.optional import lazily
 
 if TYPE_CHECKING:
     from fourbar_ros.bag.comparison.diff import diff, TopicDiff

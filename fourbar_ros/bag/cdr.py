@@ -106,7 +106,7 @@ class Layout:
             good &= (block[:, a:b] == np.frombuffer(value, np.uint8)).all(axis=1)
         return good
 
-    def tree(self, records: Array) -> SimpleNamespace:
+    def tree(self, records: Array) -> Any:
         """
         Return the fields of an array of ``dtype`` as nested namespaces.
 
@@ -116,7 +116,7 @@ class Layout:
         return self._build(self._tree, [records[leaf.name].T if leaf.shape else records[leaf.name]
                                         for leaf in self.leaves])
 
-    def message(self, data: bytes) -> SimpleNamespace:
+    def message(self, data: bytes) -> Any:
         """Return one message as nested namespaces of numbers, lists and str."""
         values = self._struct.unpack(data)
         return self._build(self._tree, [
@@ -264,7 +264,7 @@ class Decoder:
         known.append(Layout(self.definition, data))
         return known[-1]
 
-    def message(self, data: bytes) -> SimpleNamespace:
+    def message(self, data: bytes) -> Any:
         """Return one message as nested namespaces."""
         return self.layout(data).message(data)
 

@@ -27,7 +27,7 @@ from fourbar_ros.bag.mcap.scan import Scan
 from fourbar_ros.bag.mcap.writer import Container
 from fourbar_ros.bag.read.info import info, missing_of, TopicInfo
 from fourbar_ros.bag.read.records import behind, Progress
-from fourbar_ros.bag.yaml_text import dumped, loaded
+from fourbar_ros.bag.yaml_text import dumped, loaded, Told
 from fourbar_ros.errors import BagError
 from mcap import __version__ as mcap_version
 from mcap.opcode import Opcode
@@ -168,12 +168,12 @@ def _missing(found: Sequence[Recovered], topics: Sequence[TopicInfo]) -> dict[st
     return {topic: count for topic, count in missing.items() if count}
 
 
-def _moved(folder: Path, whole: Path, name: str) -> dict[str, Any]:
+def _moved(folder: Path, whole: Path, name: str) -> Told:
     """Move the file of a recovered part under its name into the whole bag; return its metadata."""
     file, = folder.glob('*.mcap')
     file.rename(whole / name)
     text = (folder / 'metadata.yaml').read_text(encoding='utf-8')
-    told = yaml.safe_load(text)['rosbag2_bagfile_information']
+    told: Told = yaml.safe_load(text)['rosbag2_bagfile_information']
     shutil.rmtree(folder)
     told['relative_file_paths'], told['files'][0]['path'] = [name], name
     return told

@@ -16,7 +16,7 @@ import re
 import time
 from typing import Any, BinaryIO, NamedTuple, TYPE_CHECKING
 
-from fourbar_ros.bag.yaml_text import dumped, loaded
+from fourbar_ros.bag.yaml_text import dumped, loaded, Told
 from fourbar_ros.errors import BagError
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ class Channel(NamedTuple):
     latched: bool = False
 
     @property
-    def qos(self) -> dict[str, Any]:
+    def qos(self) -> Told:
         """Return the QoS profile as rosbag2 writes it."""
         return {'history': 'keep_last', 'depth': self.depth,
                 'reliability': 'reliable', 'durability': 'transient_local' if self.latched
@@ -81,7 +81,7 @@ def check_channels(channels: Collection[Channel]) -> None:
 # --- metadata ------------------------------------------------------------------------------------
 
 def describe(file_name: str, container: Container, about: Mapping[str, str],
-             distro: str | None = None, packing: tuple[str, str] = ('', '')) -> dict[str, Any]:
+             distro: str | None = None, packing: tuple[str, str] = ('', '')) -> Told:
     """
     Return the metadata of a bag as rosbag2 of Jazzy writes it.
 
@@ -115,7 +115,7 @@ def describe(file_name: str, container: Container, about: Mapping[str, str],
     }
 
 
-def profiles_of(text: str) -> list[dict[str, Any]]:
+def profiles_of(text: str) -> list[Told]:
     """
     Return the QoS profiles in the metadata of a channel, as dicts.
 
@@ -136,7 +136,7 @@ def about_of(metadata: Any) -> dict[str, str]:
             else {})
 
 
-def mapping_in(about: Mapping[str, str], key: str) -> dict[str, Any]:
+def mapping_in(about: Mapping[str, str], key: str) -> Told:
     """Return the dict stored as JSON under a key of custom_data, empty if there is none."""
     try:
         found = json.loads(about.get(key, '{}'))
@@ -165,7 +165,7 @@ def joined(first: Mapping[str, str], last: Mapping[str, str]) -> dict[str, str]:
     return {**late, **first, **told, **({NUMBERS: json.dumps(pairs)} if pairs else {})}
 
 
-def merged(parts: Sequence[dict[str, Any]]) -> dict[str, Any]:
+def merged(parts: Sequence[Told]) -> Told:
     """Return the metadata of a split bag from those of its parts, in order."""
     if len(parts) == 1:
         return parts[0]
@@ -173,7 +173,7 @@ def merged(parts: Sequence[dict[str, Any]]) -> dict[str, Any]:
     begun = [file for file in files if file['message_count']]
     start = min((_start(file) for file in begun), default=NOT_STARTED)
     end = max((_start(file) + file['duration']['nanoseconds'] for file in begun), default=start)
-    topics: dict[tuple[str, str], dict[str, Any]] = {}
+    topics: dict[tuple[str, str], Told] = {}
     for told in (told for part in parts for told in part['topics_with_message_count']):
         name = told['topic_metadata']['name'], told['topic_metadata']['type']
         count = topics[name]['message_count'] if name in topics else 0
@@ -187,7 +187,7 @@ def merged(parts: Sequence[dict[str, Any]]) -> dict[str, Any]:
 
 
 def _start(file: Mapping[str, Any]) -> int:
-    return file['starting_time']['nanoseconds_since_epoch']
+    return int(file['starting_time']['nanoseconds_since_epoch'])
 
 
 # --- the folder ----------------------------------------------------------------------------------
@@ -343,7 +343,7 @@ def _names(metadata: Mapping[str, Any]) -> list[str]:
     return [Path(str(name)).name for name in told] if isinstance(told, list) else []
 
 
-def _metadata_file(folder: Path) -> dict[str, Any]:
+def _metadata_file(folder: Path) -> Told:
     """Return the content of metadata.yaml, an empty dict if there is none."""
     try:
         text = (folder / 'metadata.yaml').read_text(encoding='utf-8')

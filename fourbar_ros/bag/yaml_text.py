@@ -11,6 +11,7 @@ import yaml
 DEEPEST = 100               # levels in a YAML text
 LARGEST = 1 << 19           # values in a YAML text, those that aliases stand for counted each time
 _LOADER = getattr(yaml, 'CSafeLoader', yaml.SafeLoader)
+Told = dict[str, Any]      # what metadata.yaml or a QoS profile tells, by name
 _DUMPER: Any = getattr(yaml, 'CSafeDumper', yaml.SafeDumper)
 
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any, Generic, TYPE_CHECKING, TypeVar
+from typing import Generic, TYPE_CHECKING, TypeVar
 
 from fourbar_ros.cli.common import (
     add_json,
@@ -19,6 +19,7 @@ from fourbar_ros.cli.common import (
     BAD,
     BAG_HELP,
     bar,
+    Json,
     json_line,
     PICTURE_HELP,
     reading,
@@ -73,7 +74,7 @@ def add(verbs: Verbs) -> None:
 class Report(Generic[Result]):
     """How the result of an action on a bag is reported: in full, or in a row of a table."""
 
-    to_json: Callable[[Path, Result], dict[str, Any]]
+    to_json: Callable[[Path, Result], Json]
     print_in_full: Callable[[Result], None]
     columns: Sequence[str]                   # of the table, behind the bag
     to_row: Callable[[Result], Sequence[str]]
@@ -190,6 +191,9 @@ def _add_recompute(actions: Verbs) -> None:
     recompute.add_argument('--rounding', action='store_true',
                            help='accept differences that rounding explains (exit code 0)')
     add_node(recompute)
+    recompute.add_argument('--with', dest='by', metavar='DIR',
+                           help='compute motion and loads with the C code of this folder, as '
+                                'fourbar generate wrote it')
     recompute.set_defaults(run=_recompute)
 
 
@@ -202,10 +206,14 @@ def _recompute(arguments: Namespace) -> int:
         recomputed_row,
     )
     tolerance, accept_rounding = arguments.tolerance, arguments.rounding
+    work = partial(compare, node=arguments.node)
+    if arguments.by:
+        from fourbar_ros.generated import Compiled
+        work = partial(work, by=Compiled(arguments.by).evaluate)
 
     def problems(found: Recomputed) -> list[str]:
         return found.problems(tolerance, accept_rounding)
-    return _run(arguments, partial(compare, node=arguments.node), 'recomputing', Report(
+    return _run(arguments, work, 'recomputing', Report(
         lambda bag, found: json_of_recomputed(bag, found, tolerance, accept_rounding),
         lambda found: print_recomputed(found, tolerance, problems(found)), RECOMPUTED_COLUMNS,
         lambda found: recomputed_row(found, problems(found)), lambda found: not problems(found)))

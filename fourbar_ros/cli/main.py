@@ -25,6 +25,7 @@ from fourbar_ros.cli import (
     catalogue,
     describe,
     draw,
+    generate,
     layout,
     new,
     record,
@@ -40,7 +41,8 @@ from fourbar_ros.optional import MissingPackage
 from fourbar_ros.scene.arguments import Parser
 
 GROUP = 'fourbar.verbs'
-VERBS = (show, catalogue, new, table, draw, scene, simulate, bag, record, replay, describe, layout)
+VERBS = (show, catalogue, new, table, draw, scene, simulate, bag, record, replay, describe,
+         generate, layout)
 DESCRIPTION = """\
 Motion, loads and extrema of planar linkages, and tools for recorded runs: four-bars,
 slider-cranks, inverted slider-cranks, Scotch yokes and machines of dyads. Works without ROS,
@@ -65,6 +67,7 @@ examples:
   fourbar bag info bags/run                    what a bag contains
   fourbar bag recompute bags/run               recompute every recorded output and compare
   fourbar describe paper -o paper.urdf         the scene as URDF; or --as sdf, --as mjcf
+  fourbar generate paper -o code               the scene as C; or --as fmu2, --as fmu3
   fourbar replay bags/run --rate 2             publish a run again, twice as fast
   fourbar study STUDY.yaml -o DIR              compute many designs of a scene
   fourbar balance paper                        counterweights for a scene

@@ -18,7 +18,7 @@ from fourbar_ros.description.shapes import Shape, shapes_of
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanics.bodies import Body
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import Connection, Coordinate, GROUND
+from fourbar_ros.mechanisms.parts import Connection, Coordinate, GROUND, NamedFields
 from fourbar_ros.mechanisms.points import LinkMotion
 from fourbar_ros.numerics.number_types import direction
 from fourbar_ros.scene.scene import Scene
@@ -212,7 +212,7 @@ def start_of(scene: Scene) -> float:
         return 0.5 * (low + high)
 
 
-def _joint(scene: Scene, place: int, motion: NamedTuple) -> ModelJoint:
+def _joint(scene: Scene, place: int, motion: NamedFields) -> ModelJoint:
     """Return the joint at a place of JOINTS."""
     mechanism, shown = scene.linkage, scene.joint_states
     coordinate, name = mechanism.JOINTS[place].coordinate, scene.joint_names[place]

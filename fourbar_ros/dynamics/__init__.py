@@ -14,12 +14,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from fourbar_ros.lazy import lazily
+from fourbar_ros.optional import lazily
 
 if TYPE_CHECKING:
-    from fourbar_ros.dynamics.analysis.flywheel import Flywheel, flywheel_for
-    from fourbar_ros.dynamics.analysis.free_motion import FreeMotion
-    from fourbar_ros.dynamics.analysis.statics import equilibria, Equilibrium
+    from fourbar_ros.dynamics.flywheel import Flywheel, flywheel_for
+    from fourbar_ros.dynamics.free_motion import FreeMotion
     from fourbar_ros.dynamics.model.drives import (
         ConstantTorque,
         DCMotor,
@@ -53,6 +52,7 @@ if TYPE_CHECKING:
         simulate,
         STOPPED,
     )
+    from fourbar_ros.dynamics.statics import equilibria, Equilibrium
 
 __all__ = [
     'CHANGE_POINT', 'EVENT', 'LIMIT', 'NOT_CHECKED', 'NOT_CONVERGED', 'REACHED', 'STOPPED',
@@ -63,9 +63,9 @@ __all__ = [
 ]
 
 __getattr__, __dir__ = lazily(__name__, {
-    'fourbar_ros.dynamics.analysis.flywheel': 'Flywheel, flywheel_for',
-    'fourbar_ros.dynamics.analysis.free_motion': 'FreeMotion',
-    'fourbar_ros.dynamics.analysis.statics': 'Equilibrium, equilibria',
+    'fourbar_ros.dynamics.flywheel': 'Flywheel, flywheel_for',
+    'fourbar_ros.dynamics.free_motion': 'FreeMotion',
+    'fourbar_ros.dynamics.statics': 'Equilibrium, equilibria',
     'fourbar_ros.dynamics.model.drives':
         'ConstantTorque, DCMotor, Drive, MotorLine, Shaft, SpeedController, TorqueTable',
     'fourbar_ros.dynamics.model.element_forces': 'loads_with',

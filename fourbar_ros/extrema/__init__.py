@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from fourbar_ros.lazy import lazily
+from fourbar_ros.optional import lazily
 
 if TYPE_CHECKING:
     from fourbar_ros.extrema.batch import Extrema, find_extrema_many

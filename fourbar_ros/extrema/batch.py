@@ -17,10 +17,11 @@ from fourbar_ros.extrema.four_bar_rates.search import at_rate, Linkages, RateExt
 from fourbar_ros.extrema.methods import RATES
 from fourbar_ros.mechanisms.contract import CROSSED, OPEN
 from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
-from fourbar_ros.numerics.arrays import Array, EPS, Values
+from fourbar_ros.numerics.arrays import Array, EPS
 from fourbar_ros.numerics.given import array
 from fourbar_ros.numerics.roots import fold
 import numpy as np
+from numpy.typing import ArrayLike
 
 # Linkages searched at a time.
 CHUNK = 16384
@@ -59,8 +60,9 @@ NOTHING = Extrema(np.zeros(0, int), np.zeros(0), np.zeros(0), np.zeros(0, bool),
                   np.zeros(0, bool), np.zeros(0, int))
 
 
-def find_extrema_many(a1: Values, a2: Values, a3: Values, a4: Values, mode: Values = OPEN,
-                      rate: Values = 1.0, progress: Callable[[float], object] | None = None
+def find_extrema_many(a1: ArrayLike, a2: ArrayLike, a3: ArrayLike, a4: ArrayLike,
+                      mode: ArrayLike = OPEN, rate: ArrayLike = 1.0,
+                      progress: Callable[[float], object] | None = None
                       ) -> dict[str, Extrema]:
     """
     Return all extrema of omega4 and alpha4 of many linkages at constant input rate.

@@ -32,6 +32,7 @@ from typing import Any, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
@@ -71,7 +72,7 @@ class CollineationAxis(NamedTuple):
         return np.where(is_none, np.nan, np.arctan2(sense * self.across, sense * self.along))[()]
 
 
-def collineation_axis(linkage: Mechanism, motion: Any) -> CollineationAxis:
+def collineation_axis(linkage: Mechanism, motion: NamedFields) -> CollineationAxis:
     """
     Return the collineation axis of a four-bar or a slider-crank that its crank drives.
 

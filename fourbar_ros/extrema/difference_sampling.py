@@ -8,8 +8,9 @@ from itertools import repeat
 from math import sqrt
 from numbers import Real
 
-from fourbar_ros.extrema.sampling import Asked, not_real, Sampler, State
+from fourbar_ros.extrema.sampling import not_real, Sampler, State
 from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.quantities import Asked
 from fourbar_ros.numerics.arrays import Array, EPS
 import numpy as np
 

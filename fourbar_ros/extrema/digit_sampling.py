@@ -13,8 +13,10 @@ from collections.abc import Iterator
 from dataclasses import replace
 from decimal import Decimal
 
-from fourbar_ros.extrema.sampling import Asked, NoLoads, Sampler, State
+from fourbar_ros.extrema.sampling import Sampler, State
 from fourbar_ros.mechanisms.contract import Constants
+from fourbar_ros.mechanisms.parts import NoLoads
+from fourbar_ros.mechanisms.quantities import Asked
 from fourbar_ros.numerics.arrays import Array, EPS
 from fourbar_ros.numerics.laurent import Laurent, MANY_DIGITS, many_digits, series
 from fourbar_ros.numerics.number_types import converted, Function

@@ -13,15 +13,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
 from math import isfinite, nan
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Union
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.extrema.methods import Methods
 from fourbar_ros.extrema.path_search import Found
-from fourbar_ros.extrema.sampling import Asked
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Quantity
-from fourbar_ros.mechanisms.quantities import Function, select, UnknownQuantity
+from fourbar_ros.mechanisms.quantities import Asked, Function, select, UnknownQuantity
 from fourbar_ros.numerics.arrays import EPS
 from fourbar_ros.numerics.given import number
 from fourbar_ros.numerics.roots import fold
@@ -84,8 +83,11 @@ class Extremum(NamedTuple):
     proof: str = ''
     slide: float = nan
 
+# Quantities that are asked for: names, Quantity or functions (motion, loads) -> value.
+Wanted = Union[str, Asked, Callable[..., Any], Collection[Union[str, Asked, Callable[..., Any]]]]
 
-def find_extrema(linkage: Mechanism, quantities: Any = (), rate: float = 1.0,
+
+def find_extrema(linkage: Mechanism, quantities: Wanted = (), rate: float = 1.0,
                  acceleration: float = 0.0, certify: bool = False, conditions: bool = True,
                  check: Callable[[], None] = lambda: None, seconds: float = 5.0,
                  progress: Callable[[float], None] = lambda share: None) -> list[Extremum]:
@@ -203,4 +205,5 @@ def _crank_angles(linkage: Mechanism, found: Sequence[Found]) -> list[float]:
     places = linkage.input_unit * np.array([part.place for part in found])
     inward = np.array([part.side for part in found]) * 4.0 * EPS * np.abs(places)
     angles, inside = (linkage.crank_angle(linkage.motion(at)) for at in (places, places + inward))
-    return fold(np.where(np.isnan(angles), inside, angles)).tolist()
+    result: list[float] = fold(np.where(np.isnan(angles), inside, angles)).tolist()
+    return result

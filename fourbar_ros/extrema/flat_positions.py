@@ -100,7 +100,8 @@ class FlatSide:
 
     def distance(self, x: Array) -> Array:
         """Return the distances of inputs on this side, in units of the scale of the series."""
-        return self.side * self._turned(x - self.place) / self._scale
+        found: Array = self.side * self._turned(x - self.place) / self._scale
+        return found
 
     @cached_property
     def motion(self) -> Fields:
@@ -118,7 +119,8 @@ class FlatSide:
     @cached_property
     def _constants(self) -> Constants:
         """Return the data of the mechanism as constant series."""
-        return converted(self._mechanism.constants, series)
+        found: Constants = converted(self._mechanism.constants, series)
+        return found
 
     @cached_property
     def _motion(self) -> tuple[Any, ...]:
@@ -126,7 +128,8 @@ class FlatSide:
             unit = self._mechanism.input_unit
             x = self._mechanism.flat_place(unit * self.place) + unit * self.side * self._scale * T
             motion = self._mechanism.motion_formula(LAURENT, self._constants)
-            return motion(x, *map(series, self._rates))
+            found: tuple[Any, ...] = motion(x, *map(series, self._rates))
+            return found
 
     def state(self, t: Array, with_loads: bool) -> list[Array]:
         """Return fields of motion and loads at scaled distances, each (fields, t.size)."""

@@ -19,7 +19,8 @@ from time import thread_time
 from typing import Any, NamedTuple
 
 from fourbar_ros.extrema.input_paths import InputPath
-from fourbar_ros.extrema.sampling import NoLoads, Sampler, State
+from fourbar_ros.extrema.sampling import Sampler, State
+from fourbar_ros.mechanisms.parts import NoLoads
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.number_types import converted
 from fourbar_ros.numerics.taylor_models import (

@@ -30,10 +30,10 @@ from fourbar_ros.extrema.four_bar_rates.paths import SAMPLES as RATE_SAMPLES
 from fourbar_ros.extrema.four_bar_rates.search import at_rate, rate_extrema
 from fourbar_ros.extrema.input_paths import input_paths, InputPath
 from fourbar_ros.extrema.path_search import Found, sampled_conditions, search_path
-from fourbar_ros.extrema.sampling import Asked, Sampler, too_large
+from fourbar_ros.extrema.sampling import Sampler, too_large
 from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.quantities import is_published
+from fourbar_ros.mechanisms.quantities import Asked, is_published
 from fourbar_ros.numerics.roots import fold
 import numpy as np
 

@@ -51,7 +51,8 @@ TURN = 2.0**-12
 def _weights(number: int, terms: Callable[[int], int]) -> Array:
     """Return weights, of sum one, of Lagrange's formula at 0."""
     weights = np.array([(-1)**j * terms(j) / (j + 0.5) for j in range(number)])
-    return weights / weights.sum()
+    found: Array = weights / weights.sum()
+    return found
 
 
 # For samples at +-1/2, 3/2, ... together, and for those on one side.
@@ -321,7 +322,8 @@ def _smooth_slopes(sampler: Sampler, samples: Samples, rows: Array) -> Array:
     values = samples.values[rows]
     scale = np.where((values > 0.0).all(axis=1, keepdims=True), values * sine**(2 * POLE - 1),
                      sine**POLE)
-    return samples.slopes[rows].T * scale.T
+    found: Array = samples.slopes[rows].T * scale.T
+    return found
 
 
 def _at_end(sampler: Sampler, samples: Samples, where: tuple[int, End],
@@ -383,7 +385,8 @@ def _limits_at_toggle(sampler: Sampler, samples: Samples, where: tuple[int, End]
 def _weights_at_zero(u: Array) -> Array:
     """Return weights, of values at u, of the polynomial through them at 0."""
     parts = u / (u - u[:, None] + np.diag(u))       # of number j in the weight of number i
-    return np.prod(parts, axis=1)
+    found: Array = np.prod(parts, axis=1)
+    return found
 
 
 def _continued(sampler: Sampler, here: Array, beyond: Array) -> tuple[Array, Array]:

@@ -7,19 +7,19 @@ The derivative is exact: a complex step through the same formulas that compute t
 """
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from copy import copy
 from math import pi
-from typing import Any, ClassVar, NamedTuple
+from typing import ClassVar, NamedTuple, Union
 
 from fourbar_ros.errors import InvalidParameter, MissingBodies
 from fourbar_ros.extrema.flat_positions import flat_sides, FlatSide, REACH
 from fourbar_ros.extrema.input_paths import InputPath
 from fourbar_ros.mechanisms.contract import Constants
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import Quantity
-from fourbar_ros.mechanisms.quantities import Function, is_position, is_published
-from fourbar_ros.numerics.arrays import Array, EPS, Values
+from fourbar_ros.mechanisms.parts import NamedFields, NoLoads, Quantity
+from fourbar_ros.mechanisms.quantities import Asked, is_position, is_published
+from fourbar_ros.numerics.arrays import Array, EPS, Value
 from fourbar_ros.numerics.number_types import (
     ARRAY,
     columns_of,
@@ -35,22 +35,14 @@ import numpy as np
 STEP = 2.0**-200
 
 
-def _with_part(fields: Sequence[Values], chosen: Array, values: Array) -> Array:
+def _with_part(fields: Sequence[Array], chosen: Array, values: Array) -> Array:
     """Return fields, numbers or arrays, as arrays with some values replaced."""
     whole = np.stack(np.broadcast_arrays(*fields, chosen)[:-1]).astype(values.dtype)
     whole[:, chosen] = values
     return whole
 
 
-class NoLoads:
-    """Stands for the loads of a linkage without masses."""
-
-    def __getattr__(self, name: str) -> Any:
-        raise MissingBodies
-
-
-State = tuple[Any, Any]     # motion and loads: fields are floats or arrays
-Asked = Quantity | Function     # what may be asked for
+State = tuple[NamedFields, Union[NamedFields, NoLoads]]     # motion and loads of floats or arrays
 
 
 class Samples(NamedTuple):
@@ -214,14 +206,14 @@ class Sampler:
         other.flats, other._functions = {}, ((motion,) * 2, (loads,) * 2)
         return other
 
-    def fold(self, x: Values) -> Values:
+    def fold(self, x: Value) -> Value:
         """Return inputs as they are reported: angles in [0, 2 pi)."""
         return x if self.linkage.is_driven_by_slide else fold(x)
 
     def state(self, x: Array) -> State:
         """Return (motion, loads) at real or complex x."""
-        motion: Any
-        motion, loads = (functions[x.dtype.kind == 'c'] for functions in self._functions)
+        motions, of_loads = self._functions
+        motion, loads = motions[x.dtype.kind == 'c'], of_loads[x.dtype.kind == 'c']
         with np.errstate(all='ignore'):
             fields = motion(self.unit * x, *self.rates)
             state = [fields, loads(fields)] if loads else [fields]
@@ -233,7 +225,7 @@ class Sampler:
                 state = [_with_part(part, near, values) for part, values in zip(state, beside)]
         return self._named(state)
 
-    def _named(self, state: Sequence[Any]) -> State:
+    def _named(self, state: Sequence[Iterable[Array]]) -> State:
         """Return (motion, loads) of their fields."""
         return (self.linkage.MOTION(*state[0]), self.linkage.LOADS(*state[1]) if len(state) > 1
                 else NoLoads())
@@ -329,6 +321,7 @@ class Sampler:
             scales['N'] = force = sum(abs(getattr(loads, name).real)
                                       for name in self.linkage.reactions)
             scales['N m'] = max(map(abs, self.linkage.lengths)) * force
-        rows = np.stack([np.broadcast_to(scales.get(q.unit, 0.0), sine.shape)
+        rows = np.stack([np.broadcast_to(scales.get(q.unit, 0.0), np.shape(sine))
                          for q in self.quantities])
-        return 64.0 * EPS * rows / np.minimum(np.abs(sine), 1.0)
+        found: Array = 64.0 * EPS * rows / np.minimum(np.abs(sine), 1.0)
+        return found

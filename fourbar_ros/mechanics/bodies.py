@@ -5,9 +5,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from math import pi
-from typing import Any, NamedTuple
+from typing import NamedTuple, TypeVar
 
 from fourbar_ros.numerics.given import number
+from fourbar_ros.numerics.number_types import Scalar
+
+_Kind = TypeVar('_Kind', bound='Body | Applied')
 
 
 @dataclass(frozen=True)
@@ -113,19 +116,20 @@ def flat_bar(length: float, density: float, width: float, thickness: float) -> B
     return Body(*bar_numbers(length, density, width, thickness))
 
 
-def rod_numbers(length: Any, density: Any, radius: Any) -> tuple[Any, ...]:
+def rod_numbers(length: Scalar, density: Scalar, radius: Scalar) -> tuple[Scalar, ...]:
     """Return mass, cg_along, cg_across and inertia of a rod as :func:`round_rod`; unchecked."""
     mass = density * pi * radius**2 * length
     return mass, 0.5 * length, 0.0, mass * (3.0 * radius**2 + length**2) / 12.0
 
 
-def bar_numbers(length: Any, density: Any, width: Any, thickness: Any) -> tuple[Any, ...]:
+def bar_numbers(length: Scalar, density: Scalar, width: Scalar,
+                thickness: Scalar) -> tuple[Scalar, ...]:
     """Return mass, cg_along, cg_across and inertia of a bar as :func:`flat_bar`; unchecked."""
     mass = density * width * thickness * length
     return mass, 0.5 * length, 0.0, mass * (width**2 + length**2) / 12.0
 
 
-def unchecked(kind: type[Any], *values: Any) -> Any:
+def unchecked(kind: type[_Kind], *values: Scalar) -> _Kind:
     """Return a :class:`Body` or :class:`Applied` of any numbers, as arrays, without checks."""
     made = object.__new__(kind)
     for field, value in zip(fields(kind), values):
@@ -149,7 +153,7 @@ class External(NamedTuple):
     crank: Applied = NOT_APPLIED
 
 
-def applied_to(external: Any, link: str) -> Applied:
+def applied_to(external: NamedTuple, link: str) -> Applied:
     """Return what acts on a link; nothing where a record, as of an older mechanism, names none."""
     acting: Applied = getattr(external, link, NOT_APPLIED)
     return acting

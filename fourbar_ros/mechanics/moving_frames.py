@@ -12,8 +12,9 @@ from __future__ import annotations
 from math import inf
 from typing import NamedTuple
 
-from fourbar_ros.numerics.arrays import Array, Values
+from fourbar_ros.numerics.arrays import Array, Value
 import numpy as np
+from numpy.typing import ArrayLike
 
 
 class AccelerationTerms(NamedTuple):
@@ -38,7 +39,7 @@ class RollingContact(NamedTuple):
     contact_acceleration: Array    # [m/s^2] the rolling acceleration of Eq. (14)
 
 
-def turned(rate: Values, r: Values) -> Array:
+def turned(rate: ArrayLike, r: ArrayLike) -> Array:
     """
     Return rate x r, the vector r turned by a right angle and scaled.
 
@@ -53,18 +54,18 @@ def turned(rate: Values, r: Values) -> Array:
     ndarray, shape (..., 2)
 
     """
-    r = np.asarray(r)
+    rate, r = np.asarray(rate), np.asarray(r)
     return np.stack(np.broadcast_arrays(-rate * r[..., 1], rate * r[..., 0]), axis=-1)
 
 
-def scaled(factor: Values, r: Values) -> Array:
+def scaled(factor: ArrayLike, r: ArrayLike) -> Array:
     """Return factor * r for a factor of shape (...) and vectors of shape (..., 2)."""
     result: Array = np.asarray(factor)[..., None] * np.asarray(r)
     return result
 
 
-def relative_velocity(v_a: Values, omega: Values, r: Values,
-                      v_rel: Values = (0.0, 0.0)) -> Array:
+def relative_velocity(v_a: ArrayLike, omega: ArrayLike, r: ArrayLike,
+                      v_rel: ArrayLike = (0.0, 0.0)) -> Array:
     """
     Return V_B = V_A + omega x r + V_rel (slides, before Eq. (9)).
 
@@ -89,9 +90,9 @@ def relative_velocity(v_a: Values, omega: Values, r: Values,
     return velocity
 
 
-def acceleration_terms(a_a: Values, omega: Values, alpha: Values, r: Values,
-                       v_rel: Values = (0.0, 0.0),
-                       a_rel: Values = (0.0, 0.0)) -> AccelerationTerms:
+def acceleration_terms(a_a: ArrayLike, omega: ArrayLike, alpha: ArrayLike, r: ArrayLike,
+                       v_rel: ArrayLike = (0.0, 0.0),
+                       a_rel: ArrayLike = (0.0, 0.0)) -> AccelerationTerms:
     """
     Return each term of Eq. (9): for polygons, and to see how large each one is.
 
@@ -109,8 +110,8 @@ def acceleration_terms(a_a: Values, omega: Values, alpha: Values, r: Values,
                              scaled(-np.square(omega), r), coriolis_acceleration(omega, v_rel))
 
 
-def relative_acceleration(a_a: Values, omega: Values, alpha: Values, r: Values,
-                          v_rel: Values = (0.0, 0.0), a_rel: Values = (0.0, 0.0)) -> Array:
+def relative_acceleration(a_a: ArrayLike, omega: ArrayLike, alpha: ArrayLike, r: ArrayLike,
+                          v_rel: ArrayLike = (0.0, 0.0), a_rel: ArrayLike = (0.0, 0.0)) -> Array:
     """
     Return A_B, Eqs.
 
@@ -122,20 +123,20 @@ def relative_acceleration(a_a: Values, omega: Values, alpha: Values, r: Values,
     return total
 
 
-def coriolis_acceleration(omega: Values, v_rel: Values) -> Array:
+def coriolis_acceleration(omega: ArrayLike, v_rel: ArrayLike) -> Array:
     """Return 2 omega x V_rel: V_rel turned by 90 deg in the sense of omega [m/s^2]."""
     return turned(2.0 * np.asarray(omega), v_rel)
 
 
-def coincident_acceleration(a_p: Values, omega: Values, v_rel: Values,
-                            a_rel: Values = (0.0, 0.0)) -> Array:
+def coincident_acceleration(a_p: ArrayLike, omega: ArrayLike, v_rel: ArrayLike,
+                            a_rel: ArrayLike = (0.0, 0.0)) -> Array:
     """Return A_B from that of the point P of the frame that B passes over, Eq. (11) [m/s^2]."""
     acceleration: Array = np.asarray(a_p) + coriolis_acceleration(omega, v_rel) + np.asarray(a_rel)
     return acceleration
 
 
-def path_acceleration(tangent: Values, speed: Values, growth: Values,
-                      curvature: Values) -> Array:
+def path_acceleration(tangent: ArrayLike, speed: ArrayLike, growth: ArrayLike,
+                      curvature: ArrayLike) -> Array:
     """
     Return the acceleration along a path, Eq. (2): growth along it, speed^2 curvature to its left.
 
@@ -152,12 +153,12 @@ def path_acceleration(tangent: Values, speed: Values, growth: Values,
     return scaled(growth, tangent) + turned(np.square(speed) * curvature, tangent)
 
 
-def apparent_angular_acceleration(alpha3: Values, alpha2: Values) -> Values:
+def apparent_angular_acceleration(alpha3: Value, alpha2: Value) -> Value:
     """Return alpha_3/2 = alpha3 - alpha2 of link 3 as seen from link 2, Eq. (12) [rad/s^2]."""
     return alpha3 - alpha2
 
 
-def rolling_contact(omega: Values, alpha: Values, radius: float, normal: Values,
+def rolling_contact(omega: ArrayLike, alpha: ArrayLike, radius: float, normal: ArrayLike,
                     ground_radius: float = inf) -> RollingContact:
     """
     Return the :class:`RollingContact` of a disc that rolls without slip on fixed ground, Eqs.

@@ -8,7 +8,7 @@ from typing import Any
 from fourbar_ros.errors import in_words, InvalidParameter
 from fourbar_ros.mechanics.bodies import Applied, Body
 from fourbar_ros.mechanisms.contract import Described
-from fourbar_ros.mechanisms.stroke import within_stroke
+from fourbar_ros.mechanisms.parts import within_stroke
 from fourbar_ros.numerics.given import number, records
 
 LONGEST = 2.0**1000     # [m]

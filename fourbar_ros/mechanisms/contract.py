@@ -14,7 +14,7 @@ from math import fsum, inf, nan, pi, remainder
 from typing import Any, ClassVar, NamedTuple, TypeVar
 
 from fourbar_ros.errors import InvalidParameter, one_of
-from fourbar_ros.mechanics.bodies import Applied, Body, External, NOT_APPLIED
+from fourbar_ros.mechanics.bodies import Applied, Body, NOT_APPLIED
 from fourbar_ros.mechanisms.parts import (
     Arrow,
     Connection,
@@ -23,15 +23,16 @@ from fourbar_ros.mechanisms.parts import (
     Joint,
     Length,
     Link,
+    NamedFields,
     Output,
     Quantity,
     Ranges,
     Reaction,
+    within_stroke,
 )
 from fourbar_ros.mechanisms.points import LinkMotion
-from fourbar_ros.mechanisms.stroke import within_stroke
 from fourbar_ros.numerics.laurent import Laurent, quarter_turns
-from fourbar_ros.numerics.number_types import Function, NumberType, power_of_two
+from fourbar_ros.numerics.number_types import Function, NumberType, power_of_two, Scalar
 import numpy as np
 
 CROSSED, OPEN = 1, 2     # assembly modes: sin(theta4 - beta) < 0, > 0 of a 4R linkage
@@ -57,8 +58,8 @@ class Constants(NamedTuple):
     lengths: Any
     sign: Any
     bodies: Any
-    gravity: Any
-    external: External
+    gravity: tuple[Scalar, Scalar]
+    external: Any
 
 
 class Contract(ABC):
@@ -140,12 +141,12 @@ class Contract(ABC):
     # --- what one is made with ------------------------------------------------------------------
 
     __dataclass_fields__: ClassVar[dict[str, Any]]
-    mode: Any
-    input: Any
+    mode: int
+    input: str
     bodies: Any
-    gravity: Any
+    gravity: tuple[float, float]
     external: Any
-    stroke: Any = None       # of mechanisms that have none
+    stroke: tuple[float, float] | None = None       # of mechanisms that have none
 
     # --- what a kind must give ------------------------------------------------------------------
 
@@ -184,7 +185,7 @@ class Contract(ABC):
         """Return the type by name: which links turn fully."""
 
     @abstractmethod
-    def link_motion(self, motion: Any, link: str) -> LinkMotion:
+    def link_motion(self, motion: NamedFields, link: str) -> LinkMotion:
         """
         Return the :class:`~fourbar_ros.mechanisms.points.LinkMotion` of a link by name.
 
@@ -192,12 +193,12 @@ class Contract(ABC):
         """
 
     @abstractmethod
-    def transmission_sine(self, motion: Any) -> Any:
+    def transmission_sine(self, motion: NamedFields) -> Scalar:
         """Return a number that is zero where the dyad is in line, at most one."""
 
     # --- its pictures ----------------------------------------------------------------------------
 
-    def corners(self, motion: Any) -> tuple[tuple[Any, Any, float], ...]:
+    def corners(self, motion: NamedFields) -> tuple[tuple[Scalar, Scalar, float], ...]:
         """
         Return the joints O1, A, B, O4 of a loop that its crank drives, homogeneous: (x w, y w, w).
 
@@ -206,15 +207,15 @@ class Contract(ABC):
         return ()
 
     @abstractmethod
-    def diagram(self, motion: Any) -> Diagram:
+    def diagram(self, motion: NamedFields) -> Diagram:
         """Return what a picture shows in one pose."""
 
     @abstractmethod
-    def velocity_polygon(self, motion: Any) -> list[Arrow]:
+    def velocity_polygon(self, motion: NamedFields) -> list[Arrow]:
         """Return the arrows of the velocities [m/s]; the pole is the origin."""
 
     @abstractmethod
-    def acceleration_polygon(self, motion: Any) -> list[Arrow]:
+    def acceleration_polygon(self, motion: NamedFields) -> list[Arrow]:
         """Return the arrows of the accelerations [m/s^2]; the pole is the origin."""
 
     # --- what some kinds know -------------------------------------------------------------------
@@ -265,6 +266,16 @@ class Described(Contract):
     def length_names(self) -> tuple[str, ...]:
         """Return the names of the lengths."""
         return tuple([length.name for length in self.LENGTHS])
+
+    @property
+    def numbers_of_lengths(self) -> tuple[str | tuple[int, int], ...]:
+        """
+        Return for each number of ``constants.lengths`` the name of the length that it is.
+
+        Empty: it is none, or other numbers follow from it in more ways than this one: (i, j), the
+        size of the vector of numbers i and j.
+        """
+        return self.length_names
 
     @property
     def change_point_margin(self) -> float:
@@ -322,7 +333,7 @@ class Described(Contract):
                 for name, body in (self.bodies._asdict().items() if self.bodies else ())}
 
     @property
-    def structure(self) -> tuple[Any, ...]:
+    def structure(self) -> tuple[object, ...]:
         """Return what mechanisms have in common whose formulas do the same with other numbers."""
         return type(self), self.input
 
@@ -374,7 +385,7 @@ class Described(Contract):
         turn = inf if self.is_driven_by_slide else 2.0 * pi
         near = BESIDE_FLAT_LIMITS * self.input_unit
 
-        def reaches(position: Any) -> Any:
+        def reaches(position: Scalar) -> bool:
             x = position.real
             inside = (low <= x) & (x <= high)
             for flat in flats:
@@ -393,7 +404,8 @@ class Described(Contract):
         """
         return one - other if self.is_driven_by_slide else remainder(one - other, 2.0 * pi)
 
-    def term_sizes(self, motion: Any, rate: float, acceleration: float) -> dict[str, Any]:
+    def term_sizes(self, motion: NamedFields, rate: Scalar, acceleration: Scalar
+                   ) -> dict[str, Scalar]:
         """Return {unit: size} of the terms of rates and accelerations, for noise bounds."""
         angles = [joint.coordinate for joint in self.JOINTS if joint.coordinate.unit == 'rad']
         omega = sum(abs(getattr(motion, joint.rate).real) for joint in angles)
@@ -402,9 +414,10 @@ class Described(Contract):
         size = max(map(abs, self.lengths))
         return {'rad/s': omega, 'rad/s^2': alpha, 'm/s': size * omega, 'm/s^2': size * alpha}
 
-    def crank_angle(self, motion: Any) -> Any:
+    def crank_angle(self, motion: NamedFields) -> Scalar:
         """Return the angle of the crank in a motion [rad]."""
-        return motion.theta1
+        found: Scalar = motion.theta1
+        return found
 
     @property
     def modes_passed(self) -> tuple[int, ...]:
@@ -429,11 +442,12 @@ class Described(Contract):
         """Return the input of a flat position [rad or m] in many digits, a constant series."""
         return quarter_turns(0 if self.is_driven_by_slide else round(place / (0.5 * pi)))
 
-    def unknown(self, position: float, rate: float, acceleration: float) -> Any:
+    def unknown(self, position: float, rate: float, acceleration: float) -> NamedFields:
         """Return the motion of which only the input is known; the rest is NaN."""
         fields = dict.fromkeys(self.MOTION._fields, nan)
         fields.update(zip(self.input_coordinate, (position, rate, acceleration)))
-        return self.MOTION(**fields)
+        found: NamedFields = self.MOTION(**fields)
+        return found
 
 
 def find_link(links: Iterable[Link], name: str) -> Link:

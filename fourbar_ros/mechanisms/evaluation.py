@@ -12,11 +12,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from decimal import Decimal
 from functools import cache, lru_cache
-from math import isfinite, prod
-from typing import Any, NamedTuple
+from math import isfinite, nan, prod
+from typing import Any, NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.mechanisms.contract import Constants
+from fourbar_ros.numerics.arrays import Array, Values
 from fourbar_ros.numerics.given import array
 from fourbar_ros.numerics.laurent import LAURENT, Laurent, limit, many_digits, series
 from fourbar_ros.numerics.number_types import (
@@ -26,11 +27,17 @@ from fourbar_ros.numerics.number_types import (
     Function,
     numbers_of,
     NumberType,
+    REAL,
+    Scalar,
 )
 from fourbar_ros.numerics.program import program
 from fourbar_ros.numerics.straight_line import lines_of
 from fourbar_ros.numerics.trace import flat, Trace
 import numpy as np
+from numpy.typing import ArrayLike
+
+if TYPE_CHECKING:
+    from fourbar_ros.mechanisms.mechanism import Formulas
 
 # An input next to a flat position at 0; loads have terms of its power -3.
 NEAR = Laurent([Decimal(1)], 1, 10)
@@ -52,24 +59,24 @@ class Formula:
 
     """
 
-    structure: tuple[Any, ...]
+    structure: tuple[object, ...]
     with_loads: bool
-    mechanism: Any = field(compare=False, repr=False)
+    mechanism: Formulas = field(compare=False, repr=False)
 
-    def make(self, numbers: NumberType, data: Any) -> Function:
+    def make(self, numbers: NumberType, data: Constants) -> Function:
         """Return (position, rate, acceleration) -> motion, or (motion, loads)."""
         motion_of = self.mechanism.motion_formula(numbers, data)
         if not self.with_loads:
             return motion_of
         loads_of = self.mechanism.loads_formula(numbers, data)
 
-        def step(*given: Any) -> Any:
+        def step(*given: Scalar) -> tuple[Any, Any]:
             motion = motion_of(*given)
             return motion, loads_of(motion)
         return step
 
 
-def formula_of(mechanism: Any, with_loads: bool) -> tuple[Formula, Any]:
+def formula_of(mechanism: Formulas, with_loads: bool) -> tuple[Formula, Constants]:
     """Return the formula of a mechanism, and the data it is made for."""
     data = mechanism.constants if with_loads else mechanism.constants._replace(bodies=None)
     # forces of springs act on links, as a driven crank, that are not loaded from outside
@@ -86,11 +93,11 @@ class Recorded(NamedTuple):
     """The trace of a mechanism's formula, and what that is before there are inputs."""
 
     trace: Trace
-    constants: list[Any]         # by place
+    constants: list[float | None]         # by place
     zeros: frozenset[int]        # places of those that are zero and used together with inputs
 
 
-def recorded(mechanism: Any, with_loads: bool) -> Recorded:
+def recorded(mechanism: Formulas, with_loads: bool) -> Recorded:
     """Return the trace of a mechanism's motion, or motion and loads, and its own constants."""
     formula, data = formula_of(mechanism, with_loads)
     trace = trace_of(formula)
@@ -106,7 +113,7 @@ def _lines(formula: Formula, zeros: frozenset[int]) -> Callable[[Sequence[float]
     return lines_of(trace_of(formula), zeros, f'{formula.mechanism.TITLE}: {what}')
 
 
-def line_of(mechanism: Any, with_loads: bool) -> Function:
+def line_of(mechanism: Formulas, with_loads: bool) -> Function:
     """
     Return (position, rate, acceleration) -> motion, or (motion, loads), of floats, as tuples.
 
@@ -120,7 +127,7 @@ def line_of(mechanism: Any, with_loads: bool) -> Function:
     return _lines(formula, zeros)(found)
 
 
-def _limits_at_zero(mechanism: Any, rate: float, acceleration: float,
+def limits_at_zero(mechanism: Formulas, rate: float, acceleration: float,
                     with_loads: bool) -> list[float]:
     """
     Return the fields for an input that falls to 0, a flat position, with zeros and infinities.
@@ -137,7 +144,7 @@ def _limits_at_zero(mechanism: Any, rate: float, acceleration: float,
         return list(map(limit, fields))
 
 
-def with_limits(mechanism: Any, line: Function, with_loads: bool) -> Function:
+def with_limits(mechanism: Formulas, line: Function, with_loads: bool) -> Function:
     """
     Return a line of :func:`line_of` with its limits at a flat position at 0.
 
@@ -151,7 +158,7 @@ def with_limits(mechanism: Any, line: Function, with_loads: bool) -> Function:
             return line(position, rate, acceleration)
         if (rate, acceleration) not in known:
             known.clear()
-            known[rate, acceleration] = _limits_at_zero(mechanism, rate, acceleration, with_loads)
+            known[rate, acceleration] = limits_at_zero(mechanism, rate, acceleration, with_loads)
         fields = known[rate, acceleration]
         motion, loads = tuple(fields[:count]), tuple(fields[count:])
         if not all(map(isfinite, loads)):
@@ -160,19 +167,19 @@ def with_limits(mechanism: Any, line: Function, with_loads: bool) -> Function:
     return guarded
 
 
-def _set_limits(mechanism: Any, inputs: list[Any], rows: Any, wanted: Sequence[int],
-                with_loads: bool) -> None:
+def _set_limits(mechanism: Formulas, inputs: list[Array], rows: Sequence[Array],
+                wanted: Sequence[int], with_loads: bool) -> None:
     """Put the limits into rows where the input is at a flat position at 0."""
     at = np.flatnonzero(inputs[0] == 0.0)
     rates = np.stack([np.broadcast_to(v, inputs[0].shape)[at] for v in inputs[1:]])
     for rate, acceleration in np.unique(rates[:, np.isfinite(rates).all(axis=0)], axis=1).T:
-        fields = _limits_at_zero(mechanism, float(rate), float(acceleration), with_loads)
+        fields = limits_at_zero(mechanism, float(rate), float(acceleration), with_loads)
         same = at[(rates[0] == rate) & (rates[1] == acceleration)]
         for row, i in zip(rows, wanted):
             row[same] = fields[i]
 
 
-def evaluate(mechanism: Any, given: tuple[Any, ...], wanted: tuple[int, ...] | None,
+def evaluate(mechanism: Formulas, given: tuple[ArrayLike, ...], wanted: tuple[int, ...] | None,
              with_loads: bool) -> list[Array]:
     """
     Return fields of motion, or of motion and loads, as arrays of the inputs' common shape.
@@ -186,7 +193,6 @@ def evaluate(mechanism: Any, given: tuple[Any, ...], wanted: tuple[int, ...] | N
         Which of the fields; None: all.
 
     """
-    rows: Any
     inputs, shape = _inputs(mechanism, given)
     position = inputs[0]
     # outside of it nothing is known, as where the links cannot close
@@ -197,13 +203,13 @@ def evaluate(mechanism: Any, given: tuple[Any, ...], wanted: tuple[int, ...] | N
         if any(v.dtype.kind == 'c' for v in inputs):
             rows = _complex_rows(mechanism, inputs, shape, wanted, with_loads)
         else:
-            inputs = [float(v) if i and not v.ndim else np.broadcast_to(v, shape).reshape(-1)
-                      for i, v in enumerate(inputs)]
+            of_program = [float(v) if i and not v.ndim else np.broadcast_to(v, shape).reshape(-1)
+                          for i, v in enumerate(inputs)]
             trace, constants, zeros = (mechanism.record_with_loads if with_loads
                                        else mechanism.record_of_motion)
             wanted = range_of(trace) if wanted is None else wanted
-            rows = program(trace, wanted, tuple([type(v) is float for v in inputs]),
-                           zeros).run(inputs, constants, prod(shape))
+            rows = program(trace, wanted, tuple([type(v) is float for v in of_program]),
+                           zeros).run(of_program, constants, prod(shape))
             if mechanism.is_flat_at_zero:
                 _set_limits(mechanism, inputs, rows, wanted, with_loads)
     if reaches is not None:
@@ -220,7 +226,8 @@ def range_of(trace: Trace) -> tuple[int, ...]:
     return tuple(range(len(flat(trace.results))))
 
 
-def _inputs(mechanism: Any, given: tuple[Any, ...]) -> tuple[list[Any], tuple[int, ...]]:
+def _inputs(mechanism: Formulas, given: tuple[ArrayLike, ...]
+            ) -> tuple[list[Array], tuple[int, ...]]:
     """Return the inputs as arrays of (for a complex step, complex) doubles, and their shape."""
     names = mechanism.input_coordinate
     inputs = [array(name, value, name == names.position) for name, value in zip(names, given)]
@@ -233,7 +240,7 @@ def _inputs(mechanism: Any, given: tuple[Any, ...]) -> tuple[list[Any], tuple[in
                                'must have shapes that broadcast') from None
 
 
-def _complex_rows(mechanism: Any, inputs: list[Any], shape: tuple[int, ...],
+def _complex_rows(mechanism: Formulas, inputs: list[Array], shape: tuple[int, ...],
                   wanted: tuple[int, ...] | None, with_loads: bool) -> list[Array]:
     """Return the rows of a complex step; angles carry their derivatives."""
     inputs = [np.broadcast_to(v.astype(complex), shape).reshape(-1) for v in inputs]
@@ -242,3 +249,31 @@ def _complex_rows(mechanism: Any, inputs: list[Any], shape: tuple[int, ...],
         fields += mechanism.make_loads(COMPLEX)(fields)
     fields = fields if wanted is None else [fields[i] for i in wanted]
     return [np.array(np.broadcast_to(field, inputs[0].shape), complex) for field in fields]
+
+
+def motion_within(motion: Function, reaches: Function | None, numbers: NumberType) -> Function:
+    """
+    Return a function of motion that has no pose where the mechanism does not reach.
+
+    There it gives NaN, or ValueError where numbers are floats. ``reaches``: as
+    :attr:`~fourbar_ros.mechanisms.mechanism.Described.reaches`; None: the motion as it is.
+    """
+    if reaches is None:
+        return motion
+
+    def within_one(position: float, rate: float, acceleration: float) -> Sequence[float]:
+        if not reaches(position):
+            raise ValueError
+        fields: Sequence[float] = motion(position, rate, acceleration)
+        return fields
+
+    def within(position: Array, rate: Values, acceleration: Values) -> Any:
+        fields = motion(position, rate, acceleration)
+        outside = ~reaches(position)
+        given = position, rate, acceleration
+        if not outside.any():
+            return fields
+        make = getattr(fields, '_make', tuple)
+        return make([field if any(field is value for value in given)
+                     else np.where(outside, nan, field) for field in fields])
+    return within_one if numbers is REAL else within

@@ -9,23 +9,84 @@ kind states about itself: :mod:`fourbar_ros.mechanisms.contract`.
 """
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import fields as fields_of
 from dataclasses import replace
 from functools import cache, cached_property
 from math import isfinite
 from numbers import Real
-from typing import Any, NoReturn, TypeVar
+from typing import Any, NoReturn, overload, Protocol, TypeVar
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, MissingBodies, OutOfRange, Toggle
 from fourbar_ros.mechanics.bodies import External
 from fourbar_ros.mechanisms.checks import checked, checked_stroke
 from fourbar_ros.mechanisms.contract import Described, of_geometry, OPEN
-from fourbar_ros.mechanisms.evaluation import evaluate, line_of, Recorded, recorded, with_limits
-from fourbar_ros.mechanisms.stroke import motion_within
-from fourbar_ros.numerics.arrays import EPS, Values
+from fourbar_ros.mechanisms.evaluation import (
+    evaluate,
+    line_of,
+    motion_within,
+    Recorded,
+    recorded,
+    with_limits,
+)
+from fourbar_ros.mechanisms.parts import NamedFields, Ranges
+from fourbar_ros.mechanisms.points import Coefficients, Curve, LinkMotion
+from fourbar_ros.numerics.arrays import EPS
 from fourbar_ros.numerics.given import number
-from fourbar_ros.numerics.number_types import Function, NumberType, REAL
+from fourbar_ros.numerics.number_types import Function, NumberType, REAL, Scalar
+from numpy.typing import ArrayLike
+
+
+class DrivenLinks(Protocol):
+    """Links and the coordinate that drives them: a mechanism, or one of its others."""
+
+    @property
+    def mode(self) -> int:
+        """Return the assembly mode."""
+
+    @property
+    def input_unit(self) -> float:
+        """Return the unit in which values of the coordinate are of the size of one."""
+
+    @property
+    def is_driven_by_slide(self) -> bool:
+        """Return whether the coordinate is a length."""
+
+    @property
+    def turns_fully(self) -> bool:
+        """Return whether the coordinate makes full turns."""
+
+    @property
+    def change_point_margin(self) -> float:
+        """Return zero at a change point."""
+
+    @property
+    def input_ranges(self) -> Ranges:
+        """Return the ranges of the coordinate."""
+
+    @property
+    def flat_inputs(self) -> tuple[float, ...]:
+        """Return where a change point lies flat."""
+
+    def distance(self, one: float, other: float) -> float:
+        """Return the signed distance of two values of the coordinate."""
+
+    def mode_beyond(self, _limit: float) -> int:
+        """Return the mode into which a motion goes on smoothly at a flat position."""
+
+    def in_mode(self, mode: int) -> DrivenLinks:
+        """Return the same in another assembly mode."""
+
+    def motion(self, position: float, rate: float, acceleration: float) -> NamedFields:
+        """Return the motion, or say why there is none."""
+
+    def make_coefficients(self, numbers: NumberType) -> Coefficients:
+        """Return the function of the coordinate that gives the curves of all links."""
+
+    def read_coordinate(self, numbers: NumberType,
+                        curves: Sequence[Curve]) -> tuple[Scalar, Scalar, Scalar]:
+        """Return the coordinate and its two derivatives from the curves of all links."""
+
 
 _Self = TypeVar('_Self', bound='Formulas')
 
@@ -44,7 +105,7 @@ class Formulas(Described):
         """Refuse a wrong stroke, and keep a right one as two floats."""
         object.__setattr__(self, 'stroke', checked_stroke(self))
 
-    def __getstate__(self) -> dict[str, Any]:
+    def __getstate__(self) -> dict[str, object]:
         """
         Return what was given.
 
@@ -74,7 +135,7 @@ class Formulas(Described):
                   if isinstance(getattr(type(self), name, None), of_geometry)}
         return self._copy(**shared, external=external)
 
-    def _copy(self: _Self, **changed: Any) -> _Self:
+    def _copy(self: _Self, **changed: object) -> _Self:
         """Return a copy, unchecked; what was computed from what has changed is not copied."""
         other = object.__new__(type(self))
         given = {name: value for name, value in self.__dict__.items()
@@ -123,7 +184,7 @@ class Formulas(Described):
             self._loads[numbers] = self.loads_formula(numbers, self.constants)
         return self._loads[numbers]
 
-    def make_coefficients(self, numbers: NumberType) -> Function:
+    def make_coefficients(self, numbers: NumberType) -> Coefficients:
         """
         Return position -> coefficients of all links for a number type: what dynamics is made of.
 
@@ -135,12 +196,13 @@ class Formulas(Described):
         motion_of, as_motion = self.motion_formula(numbers, self.constants), self.MOTION
         link_motion, links = self.link_motion, [link.name for link in self.LINKS]
 
-        def coefficients(position: Any) -> list[tuple[Any, ...]]:
+        def coefficients(position: Scalar) -> list[LinkMotion]:
             motion = as_motion._make(motion_of(position, 1.0, 0.0))
             return [link_motion(motion, link) for link in links]
         return coefficients
 
-    def read_coordinate(self, numbers: NumberType, curves: Any) -> tuple[Any, Any, Any]:
+    def read_coordinate(self, numbers: NumberType,
+                        curves: Sequence[Curve]) -> tuple[Scalar, Scalar, Scalar]:
         """
         Return the input and its two derivatives from coefficients of the links.
 
@@ -151,20 +213,6 @@ class Formulas(Described):
             return x, d_x, dd_x
         *_, cosine, sine, turn, bend = curves[0]
         return numbers.atan2(sine, cosine), turn, bend
-
-    def driven_otherwise(self) -> tuple[Any, ...]:
-        """
-        Return the same links with another coordinate as the input, one for each assembly mode.
-
-        Where the input turns back at a toggle position, that coordinate goes on. They have
-        ``make_coefficients``, of the same links, ``read_coordinate`` and ``in_mode``. Nothing
-        where no other coordinate is known.
-        """
-        for other in self.INPUTS:
-            if other != self.input:
-                free = replace(self, input=other, mode=OPEN, stroke=None)
-                return tuple([free.in_mode(mode) for mode in sorted(free.modes)])
-        return ()
 
     @of_geometry
     def record_of_motion(self) -> Recorded:
@@ -186,7 +234,7 @@ class Mechanism(Formulas):
     """
 
     @cached_property
-    def _of_one(self) -> tuple[Any, ...]:
+    def _of_one(self) -> tuple[Function, Function, Function]:
         """
         Return what a single step needs: the function of motion and loads, their types.
 
@@ -194,7 +242,12 @@ class Mechanism(Formulas):
         """
         if self.bodies is None:
             raise MissingBodies
-        return self._single(with_loads=True), self.MOTION, self.LOADS
+        return self._single(with_loads=True), self.MOTION._make, self.LOADS._make
+
+    @of_geometry
+    def _as_motion(self) -> Callable[[Iterable[Any]], NamedFields]:
+        make: Callable[[Iterable[Any]], NamedFields] = self.MOTION._make
+        return make
 
     def prepare(self) -> Function:
         """
@@ -205,10 +258,32 @@ class Mechanism(Formulas):
         made: Function = self._of_one[0] if self.bodies else self._motion_of_one
         return made
 
+    def driven_otherwise(self) -> tuple[DrivenLinks, ...]:
+        """
+        Return the same links with another coordinate as the input, one for each assembly mode.
+
+        Where the input turns back at a toggle position, that coordinate goes on. They have
+        ``make_coefficients``, of the same links, ``read_coordinate`` and ``in_mode``. Nothing
+        where no other coordinate is known.
+        """
+        for other in self.INPUTS:
+            if other != self.input:
+                free = replace(self, input=other, mode=OPEN, stroke=None)
+                return tuple([free.in_mode(mode) for mode in sorted(free.modes)])
+        return ()
+
     # --- evaluated ------------------------------------------------------------------------------
 
-    def motion(self, position: Values, rate: Values = 0.0, acceleration: Values = 0.0,
-               fields: Iterable[str] | None = None) -> Any:
+    @overload
+    def motion(self, position: ArrayLike, rate: ArrayLike = 0.0, acceleration: ArrayLike = 0.0,
+               fields: None = None) -> NamedFields: ...
+
+    @overload
+    def motion(self, position: ArrayLike, rate: ArrayLike = 0.0, acceleration: ArrayLike = 0.0,
+               *, fields: Iterable[str]) -> tuple[Any, ...]: ...
+
+    def motion(self, position: ArrayLike, rate: ArrayLike = 0.0, acceleration: ArrayLike = 0.0,
+               fields: Iterable[str] | None = None) -> NamedFields | tuple[Any, ...]:
         """
         Return the motion for given input, its rate and acceleration.
 
@@ -239,23 +314,34 @@ class Mechanism(Formulas):
         """
         if fields is not None:
             return self._only(fields, (position, rate, acceleration), False)
-        if not (type(position) is type(rate) is type(acceleration) is float):
+        if not (type(position) is float and type(rate) is float and type(acceleration) is float):
             if _are_numbers(position, rate, acceleration):
                 return self.motion(*self._numbers(position, rate, acceleration))
-            return self.MOTION._make(evaluate(self, (position, rate, acceleration), None, False))
+            rows = evaluate(self, (position, rate, acceleration), None, False)
+            return self._as_motion(rows)
         if (position + rate * rate + acceleration) * 0.0 != 0.0:
             self._require_finite(position, rate, acceleration)
         try:
-            return self.MOTION._make(self._motion_of_one(position, rate, acceleration))
+            return self._as_motion(self._motion_of_one(position, rate, acceleration))
         except (ValueError, ZeroDivisionError):
             raise self._why_no_motion(position) from None
 
-    def loads(self, position: Values, rate: Values = 0.0, acceleration: Values = 0.0) -> Any:
+    def loads(self, position: ArrayLike, rate: ArrayLike = 0.0,
+              acceleration: ArrayLike = 0.0) -> NamedFields:
         """Return the loads; arguments and errors as in :meth:`motion`, or MissingBodies."""
         return self.step(position, rate, acceleration)[1]
 
-    def step(self, position: Values, rate: Values = 0.0, acceleration: Values = 0.0,
-             fields: Iterable[str] | None = None) -> Any:
+    @overload
+    def step(self, position: ArrayLike, rate: ArrayLike = 0.0, acceleration: ArrayLike = 0.0,
+             fields: None = None) -> tuple[NamedFields, NamedFields]: ...
+
+    @overload
+    def step(self, position: ArrayLike, rate: ArrayLike = 0.0, acceleration: ArrayLike = 0.0,
+             *, fields: Iterable[str]) -> tuple[Any, ...]: ...
+
+    def step(self, position: ArrayLike, rate: ArrayLike = 0.0, acceleration: ArrayLike = 0.0,
+             fields: Iterable[str] | None = None
+             ) -> tuple[NamedFields, NamedFields] | tuple[Any, ...]:
         """
         Return (motion, loads) together, at the cost of one.
 
@@ -267,7 +353,7 @@ class Mechanism(Formulas):
         if fields is not None:
             return self._only(fields, (position, rate, acceleration), True)
         line, as_motion, as_loads = self._of_one
-        if not (type(position) is type(rate) is type(acceleration) is float):
+        if not (type(position) is float and type(rate) is float and type(acceleration) is float):
             if _are_numbers(position, rate, acceleration):
                 return self.step(*self._numbers(position, rate, acceleration))
             rows, count = evaluate(self, (position, rate, acceleration), None,
@@ -282,14 +368,14 @@ class Mechanism(Formulas):
         if sum(loads) * 0.0 != 0.0:          # one is not finite, or nearly so
             raise InvalidParameter(self.input_coordinate.rate, rate,
                                    'so fast, or with such masses, that loads overflow')
-        return as_motion._make(motion), as_loads._make(loads)
+        return as_motion(motion), as_loads(loads)
 
-    def motion_and_loads(self, position: Values, rate: Values = 0.0, acceleration: Values = 0.0
-                         ) -> tuple[Any, Any]:
+    def motion_and_loads(self, position: ArrayLike, rate: ArrayLike = 0.0,
+                         acceleration: ArrayLike = 0.0) -> tuple[NamedFields, NamedFields | None]:
         """Return (motion, loads) as :meth:`step` does; without masses the loads are None."""
         if self.bodies is None:
             return self.motion(position, rate, acceleration), None
-        return tuple(self.step(position, rate, acceleration))
+        return self.step(position, rate, acceleration)
 
     def _require_finite(self, *values: float) -> NoReturn:
         for name, value in zip(self.input_coordinate, values):
@@ -298,7 +384,7 @@ class Mechanism(Formulas):
         raise InvalidParameter(self.input_coordinate.rate, values[1],
                                'so fast that its square overflows')
 
-    def _numbers(self, *values: Any) -> tuple[float, float, float]:
+    def _numbers(self, *values: ArrayLike) -> tuple[float, float, float]:
         position, rate, acceleration = map(number, self.input_coordinate, values)
         return position, rate, acceleration
 
@@ -314,7 +400,8 @@ class Mechanism(Formulas):
             return Toggle(name, position, unit)
         return OutOfRange(name, position, self.input_ranges, unit)
 
-    def _only(self, fields: Any, given: tuple[Values, ...], with_loads: bool) -> tuple[Any, ...]:
+    def _only(self, fields: Iterable[str], given: tuple[ArrayLike, ArrayLike, ArrayLike],
+              with_loads: bool) -> tuple[Any, ...]:
         """Return the fields of these names alone, as a tuple in their order."""
         if isinstance(fields, Iterable) and not isinstance(fields, str):
             fields = tuple(fields)
@@ -324,12 +411,12 @@ class Mechanism(Formulas):
         if not _are_numbers(*given):
             return tuple(evaluate(self, given, wanted, needs_loads))
         motion, *loads = self.step(*given) if needs_loads else (self.motion(*given),)
-        values = sum(loads, tuple(motion))
+        values = [*motion, *(load for record in loads for load in record)]
         return tuple([values[i] for i in wanted])
 
 
 @cache
-def _places(motion: Any, loads: Any, fields: Any) -> tuple[tuple[int, ...], bool]:
+def _places(motion: NamedFields, loads: NamedFields, fields: Any) -> tuple[tuple[int, ...], bool]:
     """Return the places of fields among those of motion and loads, and if any is a load."""
     known = motion._fields + (loads._fields if loads else ())
     for name in fields if isinstance(fields, tuple) else (fields,):
@@ -339,5 +426,5 @@ def _places(motion: Any, loads: Any, fields: Any) -> tuple[tuple[int, ...], bool
     return wanted, any(i >= len(motion._fields) for i in wanted)
 
 
-def _are_numbers(*values: Any) -> bool:
+def _are_numbers(*values: ArrayLike) -> bool:
     return all(isinstance(value, Real) for value in values)

@@ -7,14 +7,25 @@ Coordinates, lengths, links, and what a picture of them shows.
 """
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, ClassVar, NamedTuple, NoReturn, Protocol
 
+from fourbar_ros.errors import MissingBodies
 from fourbar_ros.mechanics.moving_frames import acceleration_terms
+from fourbar_ros.mechanisms.points import LinkMotion
 from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.numerics.number_types import Scalar
 import numpy as np
 
 Ranges = tuple[tuple[float, float], ...]        # (low, high) of an input [rad or m]
+
+
+def within_stroke(ranges: Ranges, stroke: tuple[float, float] | None) -> Ranges:
+    """Return the parts of ranges of the input that lie in the stroke, if there is one."""
+    if stroke is None:
+        return ranges
+    parts = ((max(low, stroke[0]), min(high, stroke[1])) for low, high in ranges)
+    return tuple((low, high) for low, high in parts if low < high)
 
 
 class Coordinate(NamedTuple):
@@ -32,6 +43,33 @@ class Coordinate(NamedTuple):
         Else rad.
         """
         return 'm' if self.rate.endswith('_velocity') else 'rad'
+
+
+class NamedFields(Protocol):
+    """
+    A motion, or loads: one of the types that mechanisms state as ``MOTION`` and ``LOADS``.
+
+    Its fields are floats, arrays, or numbers of any other type that it was computed with.
+    """
+
+    _fields: ClassVar[tuple[str, ...]]
+
+    def __getattr__(self, name: str) -> Any: ...
+
+    def __getitem__(self, number: int | slice) -> Any: ...
+
+    def __iter__(self) -> Iterator[Any]: ...
+
+    def __len__(self) -> int: ...
+
+    def _asdict(self) -> dict[str, Any]: ...
+
+
+class NoLoads:
+    """Stands for the loads of a linkage without masses."""
+
+    def __getattr__(self, name: str) -> NoReturn:
+        raise MissingBodies
 
 
 class Output(NamedTuple):
@@ -64,9 +102,10 @@ class Quantity(NamedTuple):
     text: str
     is_load: bool
 
-    def of(self, motion: Any, loads: Any) -> Any:
+    def of(self, motion: NamedFields, loads: NamedFields | NoLoads | None) -> Scalar:
         """Return its value from what :meth:`.Mechanism.step` returns."""
-        return getattr(loads if self.is_load else motion, self.name)
+        value: Scalar = getattr(loads if self.is_load else motion, self.name)
+        return value
 
 
 class Length(NamedTuple):
@@ -278,7 +317,7 @@ def chain(start: Array, *steps: tuple[Array, str]) -> list[Arrow]:
     return arrows
 
 
-def around(start: Array, link: Any, arm: Array, name: str) -> list[Arrow]:
+def around(start: Array, link: LinkMotion, arm: Array, name: str) -> list[Arrow]:
     """
     Return the normal and the tangential acceleration of a point beside another of its link.
 

@@ -13,7 +13,7 @@ from math import hypot
 from typing import NamedTuple, TypeVar
 
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import Bar, Block, Diagram
+from fourbar_ros.mechanisms.parts import Bar, Block, Diagram, NamedFields
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
@@ -61,7 +61,7 @@ class Force(NamedTuple):
         return hypot(*self.vector)
 
 
-def picture(mechanism: Mechanism, motion: NamedTuple, points: Points | None = None
+def picture(mechanism: Mechanism, motion: NamedFields, points: Points | None = None
             ) -> list[Primitive]:
     """Return the primitives of a mechanism in a pose, with points that are fixed to its links."""
     diagram = mechanism.diagram(motion)
@@ -72,7 +72,7 @@ def picture(mechanism: Mechanism, motion: NamedTuple, points: Points | None = No
             *diagram.blocks, *(Joint(*item) for item in diagram.joints.items())]
 
 
-def forces_of(diagram: Diagram, loads: NamedTuple) -> list[Force]:
+def forces_of(diagram: Diagram, loads: NamedFields) -> list[Force]:
     """Return the forces at the joints."""
     return [Force(name, joint, diagram.joints[joint],
                   np.array([getattr(loads, f'{name}_x'), getattr(loads, f'{name}_y')]))

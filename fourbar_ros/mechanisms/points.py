@@ -11,13 +11,18 @@ From the fields of a motion alone, so a point costs nothing until it is asked fo
 """
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from math import atan2, nan
-from typing import Any, NamedTuple
+from typing import NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.given import number
 from fourbar_ros.numerics.number_types import ARRAY, Function, NumberType, REAL, Scalar
 import numpy as np
+
+if TYPE_CHECKING:
+    from fourbar_ros.mechanisms.mechanism import Mechanism
+    from fourbar_ros.mechanisms.parts import NamedFields
 
 
 class LinkMotion(NamedTuple):
@@ -45,6 +50,10 @@ class LinkMotion(NamedTuple):
         return vector(self.cosine, self.sine)
 
 
+# The numbers of a LinkMotion, and the function that gives them for all links of a mechanism at a
+# value of its input, as derivatives with respect to that.
+Curve = tuple[Scalar, Scalar, Scalar, Scalar, Scalar, Scalar, Scalar, Scalar, Scalar, Scalar]
+Coefficients = Callable[[Scalar], Sequence[Curve]]
 # The ground as a link.
 FIXED = LinkMotion(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
 
@@ -78,7 +87,7 @@ class LinkFields(NamedTuple):
     acceleration_y: float
 
 
-def link_fields(mechanism: Any, motion: Any, link: str) -> LinkFields:
+def link_fields(mechanism: Mechanism, motion: NamedFields, link: str) -> LinkFields:
     """Return the :class:`LinkFields` of a link in one sample of a motion."""
     x, y, v_x, v_y, a_x, a_y, cosine, sine, omega, alpha = link_motion(mechanism, motion, link)
     return LinkFields(atan2(sine, cosine), omega, alpha, x, y, v_x, v_y, a_x, a_y)
@@ -119,14 +128,14 @@ class PointMotion(NamedTuple):
         return vector(self.acceleration_x, self.acceleration_y)
 
 
-def vector(x: Any, y: Any) -> Array:
+def vector(x: Scalar | Array, y: Scalar | Array) -> Array:
     """Return components of one shape (...) as vectors of shape (..., 2)."""
     if isinstance(x, float) and isinstance(y, float):
         return np.array((x, y))                          # a tenth of the time
     return np.stack(np.broadcast_arrays(x, y), axis=-1)
 
 
-def link_motion(mechanism: Any, motion: Any, link: str) -> LinkMotion:
+def link_motion(mechanism: Mechanism, motion: NamedFields, link: str) -> LinkMotion:
     """
     Return the :class:`LinkMotion` of a link.
 
@@ -143,7 +152,7 @@ def link_motion(mechanism: Any, motion: Any, link: str) -> LinkMotion:
     return mechanism.link_motion(motion, mechanism.link(link).name)
 
 
-def point_of(link: LinkMotion | tuple[Scalar, ...], along: Scalar,
+def point_of(link: Curve, along: Scalar,
              across: Scalar = 0.0) -> MovingPoint:
     """
     Return the :class:`MovingPoint` of a link, slides Eq. (6).
@@ -158,13 +167,13 @@ def point_of(link: LinkMotion | tuple[Scalar, ...], along: Scalar,
                        a_x - alpha * y - square * x, a_y + alpha * x - square * y)
 
 
-def crank_motion(motion: Any) -> LinkMotion:
+def crank_motion(motion: NamedFields) -> LinkMotion:
     """Return the :class:`LinkMotion` of a crank that turns about O1."""
     return LinkMotion(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, motion.cos_x, motion.sin_x, motion.omega1,
                       motion.alpha1)
 
 
-def instant_centre(link: LinkMotion, other: LinkMotion | None = None) -> Any:
+def instant_centre(link: LinkMotion, other: LinkMotion | None = None) -> Array:
     """
     Return the instant centre of a link relative to another one, or to the ground.
 
@@ -181,7 +190,7 @@ def instant_centre(link: LinkMotion, other: LinkMotion | None = None) -> Any:
     ndarray, shape (..., 2) [m]
 
     """
-    def at_origin(one: LinkMotion) -> tuple[Any, Any]:
+    def at_origin(one: LinkMotion) -> tuple[Scalar, Scalar]:
         return one.v_x + one.omega * one.y, one.v_y - one.omega * one.x
 
     (v_x, v_y), omega = at_origin(link), link.omega
@@ -192,12 +201,12 @@ def instant_centre(link: LinkMotion, other: LinkMotion | None = None) -> Any:
         return vector(np.divide(-v_y, omega), np.divide(v_x, omega))
 
 
-def make_point(n: NumberType, mechanism: Any, link: str, along: float,
+def make_point(n: NumberType, mechanism: Mechanism, link: str, along: float,
                across: float) -> Function:
     """Return motion -> fields of :class:`PointMotion` for a point fixed to a link."""
     hypot, where = n.hypot, n.where
 
-    def point(motion: Any) -> tuple[Any, ...]:
+    def point(motion: NamedFields) -> tuple[Scalar, ...]:
         x, y, v_x, v_y, a_x, a_y = point_of(link_motion(mechanism, motion, link), along, across)
         speed = hypot(v_x, v_y)
         square = speed * speed
@@ -208,7 +217,7 @@ def make_point(n: NumberType, mechanism: Any, link: str, along: float,
     return point
 
 
-def point_motion(mechanism: Any, motion: Any, link: str, along: float,
+def point_motion(mechanism: Mechanism, motion: NamedFields, link: str, along: float,
                  across: float = 0.0) -> PointMotion:
     """
     Return the :class:`PointMotion` of a point fixed to a link.
@@ -238,12 +247,12 @@ def point_motion(mechanism: Any, motion: Any, link: str, along: float,
     return PointMotion._make(np.broadcast_to(field, shape) for field in fields)
 
 
-def velocity_image(omega: Any) -> tuple[Any, Any]:
+def velocity_image(omega: Scalar) -> tuple[Scalar, Scalar]:
     """Return (scale [1/s], turn [rad]) of the velocity image of a link: |omega|, +-90 deg."""
     return np.abs(omega), np.copysign(0.5 * np.pi, omega)
 
 
-def acceleration_image(omega: Any, alpha: Any) -> tuple[Any, Any]:
+def acceleration_image(omega: Scalar, alpha: Scalar) -> tuple[Scalar, Scalar]:
     """
     Return (scale [1/s^2], turn [rad]) of the acceleration image of a link.
 

@@ -3,27 +3,30 @@
 """What can be asked for by name: searched for extrema, tabulated, plotted."""
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import cache, partial
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Union
 
 from fourbar_ros.errors import FourBarError, nearest
 from fourbar_ros.mechanisms.contract import CRANK
 from fourbar_ros.mechanisms.kinds import KINDS
-from fourbar_ros.mechanisms.parts import Coordinate, Quantity
+from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.parts import Coordinate, NamedFields, Quantity
 from fourbar_ros.mechanisms.points import link_motion, point_of
+from fourbar_ros.numerics.number_types import Scalar
 import numpy as np
 
 
 class UnknownQuantity(FourBarError, KeyError):
     """A mechanism has no quantity of this name; the message names the nearest or lists all."""
 
-    def __init__(self, name: str, known: Any) -> None:
+    def __init__(self, name: str, known: Iterable[str]) -> None:
         self.name = name
         super().__init__(f'unknown quantity {name!r}{nearest(name, known)}')
 
     def __str__(self) -> str:
-        return self.args[0]
+        found: str = self.args[0]
+        return found
 
 
 class Function(NamedTuple):
@@ -36,7 +39,7 @@ class Function(NamedTuple):
     is_load: bool = False     # not known; without masses, loads raise MissingBodies when used
 
 
-def point_speed(mechanism: Any, link: str, along: float, across: float = 0.0,
+def point_speed(mechanism: Mechanism, link: str, along: float, across: float = 0.0,
                 name: str = 'point') -> Function:
     """Return the speed [m/s] of a point fixed to a link, the quantity ``name.speed``."""
     return Function(f'{name}.speed', 'm/s', f'speed of the point ({along:g}, {across:g}) m of the '
@@ -44,7 +47,7 @@ def point_speed(mechanism: Any, link: str, along: float, across: float = 0.0,
                     partial(_length, mechanism, link, along, across, 2))
 
 
-def point_acceleration(mechanism: Any, link: str, along: float, across: float = 0.0,
+def point_acceleration(mechanism: Mechanism, link: str, along: float, across: float = 0.0,
                        name: str = 'point') -> Function:
     """Return the acceleration's magnitude [m/s^2] of a point, ``name.acceleration``."""
     return Function(f'{name}.acceleration', 'm/s^2', f'acceleration of the point ({along:g}, '
@@ -52,12 +55,15 @@ def point_acceleration(mechanism: Any, link: str, along: float, across: float = 
                     partial(_length, mechanism, link, along, across, 4))
 
 
-def _length(mechanism: Any, link: str, along: float, across: float, first: int, motion: Any,
-            loads: Any) -> Any:
+def _length(mechanism: Mechanism, link: str, along: float, across: float, first: int,
+            motion: NamedFields, loads: NamedFields) -> Scalar:
     """Return the length of a vector of :func:`.point_of` whose x is number ``first``."""
     x, y = point_of(link_motion(mechanism, motion, link), along, across)[first:first + 2]
-    return np.sqrt(x * x + y * y)
+    found: Scalar = np.sqrt(x * x + y * y)
+    return found
 
+
+Asked = Union[Quantity, Function]      # what may be asked for
 
 QUANTITIES = {quantity.name: quantity for quantity in (
     Quantity('omega4', 'rad/s', 'angular velocity of the output link', False),
@@ -91,14 +97,14 @@ POSITIONS = {quantity.name: quantity for quantity in (
 )}
 
 
-def known(mechanism: Any, driven: str = CRANK) -> dict[str, Quantity]:
+def known(mechanism: Mechanism, driven: str = CRANK) -> dict[str, Quantity]:
     """Return {name: Quantity} of a mechanism, or of a kind driven at its crank or slide."""
     return _known(mechanism.MOTION._fields, mechanism.LOADS._fields, mechanism.INPUTS[driven],
                   mechanism.QUANTITIES)
 
 
 @cache
-def _known(motion: Any, loads: Any, coordinate: Coordinate,
+def _known(motion: Sequence[str], loads: Sequence[str], coordinate: Coordinate,
            own: tuple[Quantity, ...]) -> dict[str, Quantity]:
     """Return {name: Quantity} of these fields, without those that are given or zero."""
     absent = {coordinate.rate, coordinate.acceleration,
@@ -108,13 +114,13 @@ def _known(motion: Any, loads: Any, coordinate: Coordinate,
             if name not in absent and name in (loads if quantity.is_load else motion)}
 
 
-def positions(mechanism: Any, driven: str = CRANK) -> dict[str, Quantity]:
+def positions(mechanism: Mechanism, driven: str = CRANK) -> dict[str, Quantity]:
     """Return {name: Quantity} of the positions of a mechanism, or a kind, that are not given."""
     return _positions(mechanism.MOTION._fields, mechanism.INPUTS[driven], mechanism.QUANTITIES)
 
 
 @cache
-def _positions(motion: Any, coordinate: Coordinate,
+def _positions(motion: Sequence[str], coordinate: Coordinate,
                own: tuple[Quantity, ...]) -> dict[str, Quantity]:
     """Return {name: Quantity} of these fields of a motion, without the one that is given."""
     every = POSITIONS | {quantity.name: quantity for quantity in own if is_position(quantity)}
@@ -122,17 +128,18 @@ def _positions(motion: Any, coordinate: Coordinate,
             if name in motion and name != coordinate.position}
 
 
-def is_published(quantity: Any) -> bool:
+def is_published(quantity: Asked) -> bool:
     """Return whether this is one of the quantities with a name."""
     return isinstance(quantity, Quantity)
 
 
-def is_position(quantity: Any) -> bool:
+def is_position(quantity: Asked) -> bool:
     """Return whether this is one of the positions with a name."""
     return is_published(quantity) and not quantity.is_load and quantity.unit in ('rad', 'm')
 
 
-def select(names: Sequence[str], mechanism: Any, others: Sequence[Any] = ()) -> list[Any]:
+def select(names: Sequence[str], mechanism: Mechanism,
+           others: Sequence[Asked] = ()) -> list[Asked]:
     """
     Return the quantities of these names.
 

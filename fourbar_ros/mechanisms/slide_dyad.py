@@ -14,6 +14,10 @@ from __future__ import annotations
 from math import fsum, sqrt
 from typing import NamedTuple
 
+from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.mechanisms.contract import CRANK, of_geometry, SLIDE
+from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.parts import THETA1, TRAVEL
 from fourbar_ros.numerics.exact_sums import difference_of_squares
 from fourbar_ros.numerics.number_types import Function, nudge, NumberType, power_of_two, Scalar
 from fourbar_ros.numerics.vectors import Vector
@@ -375,3 +379,27 @@ def singular_slides(p: float, r: float, e: float) -> list[complex]:
              for k in reach(p / unit, r / unit, e / unit)]
     return [*roots, *(-z for z in roots if z.imag == 0.0 != z.real),
             *([complex(0.0, e)] if e else [])]
+
+
+# --- what both slider-cranks state alike ---------------------------------------------------------
+
+class OffsetSlide(Mechanism):
+    """Base of the kinds whose three lengths make the triangle of :mod:`.slide_dyad`."""
+
+    INPUTS = {CRANK: THETA1, SLIDE: TRAVEL}
+    LOADS = SliderLoads
+    MARGIN_SIGNS = ((-1, 1, -1), (1, -1, -1))
+
+    def __post_init__(self) -> None:
+        self._check()
+        if not closes(*self.lengths):
+            one, other, _ = self.length_names
+            raise InvalidParameter('offset', self.lengths[2], 'the links cannot close: it must be '
+                                   f'shorter than {one} + {other} '
+                                   f'({self.lengths[0] + self.lengths[1]!r})')
+        self._check_stroke()
+
+    @of_geometry
+    def margins(self) -> tuple[float, ...]:
+        """Return r - p - |e| and p - r - |e| [m] of the lengths p, r and e."""
+        return margins(*self.lengths)

@@ -14,13 +14,15 @@ A derivative that is not listed is zero, and costs nothing: masses do not act on
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import Any, Union
 
-from fourbar_ros.numerics.number_types import Function, NumberType
+from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 import numpy as np
 
 Derivatives = dict[str, Any]
+Operand = Union['Dual', Scalar]
 
 
 class Dual:
@@ -51,11 +53,12 @@ class Dual:
         return type(self)(value, by)
 
     @property
-    def real(self) -> Any:
+    def real(self) -> Scalar:
         """Return the real part of the value: formulas choose by it."""
-        return getattr(self.value, 'real', self.value)
+        real: Scalar = getattr(self.value, 'real', self.value)
+        return real
 
-    def __add__(self, other: Any) -> Dual:
+    def __add__(self, other: Operand) -> Dual:
         if not isinstance(other, Dual):
             return self.of(self.value + other, self.by)
         return self.of(self.value + other.value, _sum(self.by, other.by))
@@ -65,7 +68,7 @@ class Dual:
     def __neg__(self) -> Dual:
         return self.of(-self.value, {name: -part for name, part in self.by.items()})
 
-    def __sub__(self, other: Any) -> Dual:
+    def __sub__(self, other: Operand) -> Dual:
         if not isinstance(other, Dual):
             return self.of(self.value - other, self.by)
         by = dict(self.by)
@@ -73,10 +76,10 @@ class Dual:
             by[name] = by[name] - part if name in by else -part
         return self.of(self.value - other.value, by)
 
-    def __rsub__(self, other: Any) -> Dual:
+    def __rsub__(self, other: Scalar) -> Dual:
         return self.of(other - self.value, {name: -part for name, part in self.by.items()})
 
-    def __mul__(self, other: Any) -> Dual:
+    def __mul__(self, other: Operand) -> Dual:
         if not isinstance(other, Dual):
             return self.of(self.value * other, _scaled(self.by, other))
         return self.of(self.value * other.value,                                        # (D1)
@@ -84,7 +87,7 @@ class Dual:
 
     __rmul__ = __mul__
 
-    def __truediv__(self, other: Any) -> Dual:
+    def __truediv__(self, other: Operand) -> Dual:
         if not isinstance(other, Dual):
             return self.of(self.value / other, {name: part / other
                                                 for name, part in self.by.items()})
@@ -92,7 +95,7 @@ class Dual:
         return self.of(self.value / other.value,
                        _sum(_scaled(self.by, per), _scaled(other.by, -(self.whole * per * per))))
 
-    def __rtruediv__(self, other: Any) -> Dual:
+    def __rtruediv__(self, other: Scalar) -> Dual:
         per = 1.0 / self.whole
         return self.of(other / self.value, _scaled(self.by, -(other * per * per)))
 
@@ -100,11 +103,13 @@ class Dual:
         return self.of(self.value**exponent,
                        _scaled(self.by, exponent * self.whole**(exponent - 1)))
 
-    def __gt__(self, other: Any) -> Any:
-        return self.value > value_of(other)
+    def __gt__(self, other: Operand) -> bool:
+        is_greater: bool = self.value > value_of(other)
+        return is_greater
 
-    def __lt__(self, other: Any) -> Any:
-        return self.value < value_of(other)
+    def __lt__(self, other: Operand) -> bool:
+        is_less: bool = self.value < value_of(other)
+        return is_less
 
     def sqrt(self) -> Dual:
         """Return the root, as ``numpy.sqrt`` asks for it."""
@@ -118,29 +123,29 @@ class Dual:
         return operation(*given)
 
 
-def value_of(number: Any) -> Any:
+def value_of(number: Operand) -> Any:
     """Return the value of a dual, and any other number as it is."""
     return number.value if isinstance(number, Dual) else number
 
 
-def whole_of(number: Any) -> Any:
+def whole_of(number: Operand) -> Any:
     """Return :attr:`Dual.whole` of a dual, and any other number as it is."""
     return number.whole if isinstance(number, Dual) else number
 
 
-def derivatives_of(number: Any) -> Mapping[str, Any]:
+def derivatives_of(number: Operand) -> Derivatives:
     """Return {parameter: derivative} of a dual, nothing of any other number."""
     return number.by if isinstance(number, Dual) else {}
 
 
-def _sum(one: Mapping[str, Any], other: Mapping[str, Any]) -> Derivatives:
+def _sum(one: Derivatives, other: Derivatives) -> Derivatives:
     by = dict(one)
     for name, part in other.items():
         by[name] = by[name] + part if name in by else part
     return by
 
 
-def _scaled(by: Mapping[str, Any], factor: Any) -> Derivatives:
+def _scaled(by: Derivatives, factor: Scalar) -> Derivatives:
     return {name: factor * part for name, part in by.items()}
 
 
@@ -162,7 +167,7 @@ _OF_ARRAYS: dict[Any, Callable[..., Any]] = {
 
 def _where_of(choose: Function, dual: type[Dual]) -> Function:
     """Return ``where`` of duals."""
-    def where(condition: Any, one: Any, other: Any) -> Any:
+    def where(condition: bool | Array, one: Any, other: Any) -> Any:
         if isinstance(one, tuple):
             return tuple([where(condition, a, b) for a, b in zip(one, other)])
         if not (isinstance(one, Dual) or isinstance(other, Dual)):
@@ -176,43 +181,45 @@ def _where_of(choose: Function, dual: type[Dual]) -> Function:
 
 def duals_of(numbers: NumberType, dual: type[Dual] = Dual) -> NumberType:
     """Return the type of duals whose values and derivatives are of a type of numbers."""
-    def of_one(function: Function, derivative: Callable[[Any], Any]) -> Function:
-        def call(number: Any) -> Any:
-            if not isinstance(number, Dual):
-                return function(number)
-            return dual(function(number.value), _scaled(number.by, derivative(number.whole)))
+    def of_one(function: Function, derivative: Callable[[Scalar], Scalar]) -> Function:
+        def call(number: Operand) -> Operand:
+            value = function(value_of(number))
+            return (dual(value, _scaled(number.by, derivative(number.whole)))
+                    if isinstance(number, Dual) else value)
         return call
 
-    def sqrt(number: Any) -> Any:
+    def sqrt(number: Operand) -> Operand:
         return _root(number, numbers.sqrt) if isinstance(number, Dual) else numbers.sqrt(number)
 
-    def atan2(y: Any, x: Any) -> Any:                                                   # (D2)
+    def atan2(y: Operand, x: Operand) -> Dual:                             # (D2)
         whole_y, whole_x = whole_of(y), whole_of(x)
         per = 1.0 / (whole_x * whole_x + whole_y * whole_y)
         return dual(numbers.atan2(value_of(y), value_of(x)),
                     _sum(_scaled(derivatives_of(y), whole_x * per),
                          _scaled(derivatives_of(x), -(whole_y * per))))
 
-    def hypot(x: Any, y: Any) -> Any:
+    def hypot(x: Operand, y: Operand) -> Dual:
         per = 1.0 / numbers.hypot(whole_of(x), whole_of(y))
         return dual(numbers.hypot(value_of(x), value_of(y)),
                     _sum(_scaled(derivatives_of(x), whole_of(x) * per),
                          _scaled(derivatives_of(y), whole_of(y) * per)))
 
-    def fabs(number: Any) -> Any:
+    def fabs(number: Operand) -> Operand:
         if not isinstance(number, Dual):
-            return numbers.fabs(number)
+            size: Scalar = numbers.fabs(number)
+            return size
         sign = numbers.where(number.real < 0.0, -1.0, 1.0)
         return dual(numbers.fabs(number.value), _scaled(number.by, sign))
 
-    def exact_sum(terms: Any) -> Any:
+    def exact_sum(terms: Sequence[Operand]) -> Dual:
         by: Derivatives = {}
         for term in terms:
             by = _sum(by, derivatives_of(term))
         return dual(numbers.exact_sum([value_of(term) for term in terms]), by)
 
-    def power_of_two(*lengths: Any) -> Any:      # nothing depends on a unit
-        return numbers.power_of_two(*map(value_of, lengths))
+    def power_of_two(*lengths: Operand) -> Scalar:      # nothing depends on a unit
+        power: Scalar = numbers.power_of_two(*map(value_of, lengths))
+        return power
 
     where = _where_of(numbers.where, dual)
     return NumberType(f'duals of {numbers.name}', of_one(numbers.sin, numbers.cos),

@@ -38,7 +38,8 @@ def exact_sum_of_four(terms: Sequence[Array]) -> Array:
     a, b, c, d = terms
     (one, e1), (other, e2) = _two_sum(a, b), _two_sum(c, d)
     total, e3 = _two_sum(one, other)
-    return total + (e3 + (e1 + e2))
+    found: Array = total + (e3 + (e1 + e2))
+    return found
 
 
 def _two_sum(a: Array, b: Array) -> tuple[Array, Array]:

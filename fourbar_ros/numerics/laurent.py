@@ -303,7 +303,9 @@ def _atan2(y: Operand, x: Operand) -> Laurent:
     one, other = (value.coefficient(0) for value in series(near)._sine_and_cosine())
     left = (sine * other - cosine * one) / (sine * sine + cosine * cosine).sqrt()
     square = left * left
-    return rate.integral() + (Decimal(near) + left * (1 + square / 6 * (1 + square * 9 / 20)))
+    start = Decimal(near) + left * (1 + square / 6 * (1 + square * 9 / 20))
+    angle: Laurent = rate.integral() + start
+    return angle
 
 
 def _power_of_two(*lengths: Laurent) -> Laurent:

@@ -28,14 +28,17 @@ from copy import copy
 from dataclasses import dataclass, fields, replace
 from functools import cache, reduce
 import math
-from typing import Any
+from typing import Any, TypeVar
 
+from fourbar_ros.numerics.arrays import Array, Values
 import numpy as np
 
 Function = Callable[..., Any]
 # A number of any type in a formula. Type checkers take it for a float: a formula uses nothing of
 # its numbers that floats do not have.
 Scalar = float
+
+_Choice = TypeVar('_Choice')
 
 # Added at an exact change point to sin(x/2): nothing, except at x = 0 exactly, where 0/0 thereby
 # is the quotient for x -> 0+. Its third power is still a normal number.
@@ -91,15 +94,15 @@ class NumberType:
         return least
 
 
-def nudge(n: NumberType, *margins: Any) -> Any:
+def nudge(n: NumberType, *margins: Scalar) -> Scalar:
     """Return what to add to a number that must not be zero if a margin is: see INFINITESIMAL."""
-    added: Any = 0.0
+    added = 0.0
     for margin in margins:
         added = n.where(n.fabs(margin).real > 0.0, added, n.infinitesimal)
     return added
 
 
-def choose(condition: Any, one: Any, other: Any) -> Any:
+def choose(condition: bool, one: _Choice, other: _Choice) -> _Choice:
     """Return ``one`` if ``condition`` else ``other``."""
     return one if condition else other
 
@@ -117,7 +120,7 @@ def direction(angle: float) -> tuple[float, float]:
     return math.cos(angle), math.sin(angle)
 
 
-def _choose_in_arrays(condition: Any, one: Any, other: Any) -> Any:
+def _choose_in_arrays(condition: bool | Array, one: Any, other: Any) -> Any:
     if isinstance(condition, bool):
         return one if condition else other
     if isinstance(one, tuple):
@@ -125,7 +128,7 @@ def _choose_in_arrays(condition: Any, one: Any, other: Any) -> Any:
     return np.where(condition, one, other)
 
 
-def hypot_of_arrays(x: Any, y: Any, out: Any = None) -> Any:
+def hypot_of_arrays(x: Values, y: Values, out: Array | None = None) -> Array:
     """Return sqrt(x^2 + y^2), as fast as that where no square can be too large or too small."""
     length = np.asarray(np.sqrt(x * x + y * y, out=out))
     if length.size and length.min() > 1e-140 and length.max() < 1e150:
@@ -135,16 +138,18 @@ def hypot_of_arrays(x: Any, y: Any, out: Any = None) -> Any:
     return length
 
 
-def _size_of_complex(x: Any) -> Any:
+def _size_of_complex(x: Array) -> Array:
     """Return x or -x, whichever has a positive real part."""
-    return np.where(x.real < 0.0, -x, x) if np.iscomplexobj(x) else np.abs(x)
+    found: Array = np.where(x.real < 0.0, -x, x) if np.iscomplexobj(x) else np.abs(x)
+    return found
 
 
-def _angle_of_complex(y: Any, x: Any) -> Any:
+def _angle_of_complex(y: Array, x: Array) -> Array:
     """Return the angle of a complex pair: its imaginary part is the derivative along the step."""
     y, x = np.asarray(y), np.asarray(x)
     turn = 1j * (x.real * y.imag - y.real * x.imag) / (x.real**2 + y.real**2)
-    return np.arctan2(y.real, x.real) + turn
+    angle: Array = np.arctan2(y.real, x.real) + turn
+    return angle
 
 
 REAL = NumberType('floats', math.sin, math.cos, math.sqrt, math.atan2, math.hypot, math.fabs,
@@ -157,14 +162,15 @@ COMPLEX = replace(ARRAY, name='complex arrays without angles', atan2=lambda y, x
 COMPLEX_WITH_ANGLES = replace(COMPLEX, name='complex arrays', atan2=_angle_of_complex)
 
 
-def _exact_sum_of_columns(columns: Any) -> Any:
+def _exact_sum_of_columns(columns: Sequence[Array]) -> Array:
     rows = zip(*(column[:, 0].tolist() for column in np.broadcast_arrays(*columns)))
     return np.array([[math.fsum(row)] for row in rows])
 
 
-def power_of_two_of_arrays(*lengths: Any) -> Any:
+def power_of_two_of_arrays(*lengths: Array) -> Array:
     """Return the same as :func:`power_of_two` for arrays of lengths, element by element."""
-    return np.ldexp(1.0, np.frexp(reduce(np.maximum, map(np.abs, lengths)))[1])
+    found: Array = np.ldexp(1.0, np.frexp(reduce(np.maximum, map(np.abs, lengths)))[1])
+    return found
 
 
 _COLUMNS = {numbers: replace(numbers, name=f'columns of {numbers.name}',
@@ -206,6 +212,6 @@ def numbers_of(record: Any) -> list[float]:
 
 
 @cache
-def _names_of(kind: Any) -> tuple[str, ...]:
+def _names_of(kind: type[Any]) -> tuple[str, ...]:
     """Return the names of the fields of a dataclass."""
     return tuple([field.name for field in fields(kind)])

@@ -10,9 +10,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import nan, pi
-from typing import Any
 
-from fourbar_ros.numerics.arrays import Array, Values
+from fourbar_ros.numerics.arrays import Array, Value, Values
 from fourbar_ros.numerics.number_types import Function
 import numpy as np
 
@@ -27,12 +26,13 @@ DEEP = 0.25
 HALVINGS = 26
 
 
-def turn_after(x: Values, start: Values) -> Values:
+def turn_after(x: Array, start: Array) -> Array:
     """Return the angle x as the one that comes after ``start``, less than half a turn away."""
-    return x + 2.0 * pi * (x < start - pi)
+    found: Array = x + 2.0 * pi * (x < start - pi)
+    return found
 
 
-def fold(x: Values) -> Values:
+def fold(x: Value) -> Value:
     """Return angles, an array or a float of at most a turn less or more, in [0, 2 pi)."""
     if isinstance(x, float):
         x = x + 2.0 * pi if x < 0.0 else x - 2.0 * pi if x >= 2.0 * pi else x + 0.0
@@ -41,9 +41,10 @@ def fold(x: Values) -> Values:
     return np.where(x < 2.0 * pi, x, 0.0)
 
 
-def turns_back(f: Values, rise: Values) -> Values:
+def turns_back(f: Array, rise: Array) -> Array:
     """Return whether the Bernstein coefficient at a sample (nearly) has the other sign."""
-    return ((1.0 - CAUTION) * f + rise >= 0.0) != (f >= 0.0)
+    found: Array = ((1.0 - CAUTION) * f + rise >= 0.0) != (f >= 0.0)
+    return found
 
 
 def intervals_with_roots(f: Array, rise: Array, is_closed: bool) -> tuple[Array, Array, Array]:
@@ -154,7 +155,7 @@ def _ends(samples: Array, part: Array, column: Array) -> tuple[Array, Array]:
     return samples[part, column], samples[part + 1, column]
 
 
-def _may_touch(xs: Array, fs: Array) -> Any:
+def _may_touch(xs: Array, fs: Array) -> Array:
     """
     Return whether the function may have roots between three samples of one sign.
 
@@ -166,11 +167,13 @@ def _may_touch(xs: Array, fs: Array) -> Any:
         slope_left, slope_right = (fs[1] - fs[0]) / left, (fs[2] - fs[1]) / right
         curvature = (slope_right - slope_left) / (left + right)
         slope = (slope_left * right + slope_right * left) / (left + right)
-        return ((slope * slope > 2.0 * abs(fs[1] * curvature))
-                | (np.abs(fs[1]) < DEEP * np.abs(curvature) * np.minimum(left, right)**2))
+        found: Array = ((slope * slope > 2.0 * abs(fs[1] * curvature))
+                        | (np.abs(fs[1]) < DEEP * np.abs(curvature) * np.minimum(left, right)**2))
+        return found
 
 
-def first_guesses(xa: Array, xb: Array, fa: Array, fb: Array, step_a: Any, step_b: Any) -> Array:
+def first_guesses(xa: Array, xb: Array, fa: Array, fb: Array, step_a: Values,
+                  step_b: Values) -> Array:
     """
     Return where roots are by the inverse of f, between xa and xb.
 

@@ -205,4 +205,5 @@ def _compiled(text: str, name: str) -> Function:
     _files.append(file)
     linecache.cache[file] = len(text), None, text.splitlines(True), file     # for tracebacks
     make: Any = names['make']
-    return make
+    found: Function = make
+    return found

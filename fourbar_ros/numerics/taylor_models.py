@@ -23,13 +23,15 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import cached_property
 from math import fsum
-from typing import Any
+from typing import Any, Union
 
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.numerics.number_types import NumberType
+from fourbar_ros.numerics.number_types import NumberType, Scalar
 import numpy as np
 
 ORDER = 10                    # n
+# What a model is computed with: another one, or a number.
+Operand = Union['Model', Scalar]
 # What one operation on doubles rounds; more than errors round; than what underflows.
 UNIT, UP, TINY = 2.0**-53, 1.0 + 2.0**-40, 1e-280
 REACH = 1.25                  # of the disc |t| <= 1, over the piece
@@ -61,12 +63,14 @@ class Model:
     @cached_property
     def weight(self) -> Array:
         """Return the sum of (k + 1) |c_k|."""
-        return self.tails.sum(axis=0)
+        found: Array = self.tails.sum(axis=0)
+        return found
 
     @property
     def norm(self) -> Array:
         """Return a bound of the function on the disc |t| <= 1."""
-        return (self.tails[0] + self.error) * UP
+        found: Array = (self.tails[0] + self.error) * UP
+        return found
 
     @property
     def real(self) -> Middle:
@@ -88,10 +92,10 @@ class Model:
         return function(*map(model, values)) if function and method == '__call__' else (
             NotImplemented)
 
-    def __lt__(self, other: Any) -> bool:
+    def __lt__(self, other: Operand) -> bool:
         return bool((self - other)._alone() < 0.0)
 
-    def __gt__(self, other: Any) -> bool:
+    def __gt__(self, other: Operand) -> bool:
         return bool((self - other)._alone() > 0.0)
 
     def _alone(self) -> float:
@@ -103,7 +107,7 @@ class Model:
     def __neg__(self) -> Model:
         return Model(-self.c, self.error)
 
-    def __add__(self, other: Any) -> Model:
+    def __add__(self, other: Operand) -> Model:
         other = model(other)
         one, two = (self, other) if len(self.c) >= len(other.c) else (other, self)
         if two.is_zero:
@@ -117,13 +121,13 @@ class Model:
 
     __radd__ = __add__
 
-    def __sub__(self, other: Any) -> Model:
+    def __sub__(self, other: Operand) -> Model:
         return self + -model(other)
 
-    def __rsub__(self, other: Any) -> Model:
+    def __rsub__(self, other: Operand) -> Model:
         return -self + other
 
-    def __mul__(self, other: Any) -> Model:
+    def __mul__(self, other: Operand) -> Model:
         other = model(other)
         if len(self.c) < len(other.c):
             return other * self
@@ -139,10 +143,10 @@ class Model:
 
     __rmul__ = __mul__
 
-    def __truediv__(self, other: Any) -> Model:
+    def __truediv__(self, other: Operand) -> Model:
         return self if model(other).is_one else self * model(other).inverse()
 
-    def __rtruediv__(self, other: Any) -> Model:
+    def __rtruediv__(self, other: Operand) -> Model:
         return self.inverse() * other
 
     def __pow__(self, exponent: int) -> Model:
@@ -245,14 +249,16 @@ class Middle:
     def __init__(self, at: Array) -> None:
         self.at = at
 
-    def __lt__(self, other: Any) -> Array:
-        return self.at < _middle(other)
+    def __lt__(self, other: Operand) -> Array:
+        found: Array = self.at < _middle(other)
+        return found
 
-    def __gt__(self, other: Any) -> Array:
-        return self.at > _middle(other)
+    def __gt__(self, other: Operand) -> Array:
+        found: Array = self.at > _middle(other)
+        return found
 
 
-def _middle(value: Any) -> Any:
+def _middle(value: Operand | Middle) -> Scalar | Array:
     return value.at if isinstance(value, Middle) else value.c[0] if isinstance(
         value, Model) else value
 
@@ -262,7 +268,7 @@ def constant(value: float, error: float = 0.0) -> Model:
     return Model(np.array([[float(value)]]), np.array([error]))
 
 
-def model(value: Any) -> Model:
+def model(value: Operand) -> Model:
     """Return a number as a model."""
     return value if isinstance(value, Model) else constant(value)
 
@@ -336,7 +342,7 @@ def _in_whole_numbers(angle: float) -> tuple[float, float]:
     return (sums[0] - sums[2]) / (1 << BITS), (sums[1] - sums[3]) / (1 << BITS)
 
 
-def _angle(y: Any, x: Any) -> Model:
+def _angle(y: Operand, x: Operand) -> Model:
     """Return the angle of (x, y): continuous over a piece, near its value in the middle."""
     return Later(lambda: _angle_of(model(y), model(x)))
 
@@ -349,17 +355,18 @@ def _angle_of(y: Model, x: Model) -> Model:
     return tangent * _series(tangent * tangent, _ARCTAN) + Model(middle[None], np.zeros(1))
 
 
-def _hypot(x: Any, y: Any) -> Root:
+def _hypot(x: Operand, y: Operand) -> Root:
     return Root(model(x) * x + model(y) * y)
 
 
-def _fabs(v: Any) -> Any:
+def _fabs(v: Operand) -> Model:
     """Return |v|; of a model by its middle, for forms that are right whatever the sign."""
     v = model(v)
-    return _where(v.real < 0.0, -v, v)
+    size: Model = _where(v.real < 0.0, -v, v)
+    return size
 
 
-def _where(condition: Any, one: Any, other: Any) -> Any:
+def _where(condition: bool | Array, one: Any, other: Any) -> Any:
     if isinstance(condition, (bool, np.bool_)):
         return one if condition else other
     if isinstance(one, tuple):
@@ -377,10 +384,10 @@ def _FLAT(size: int) -> Model:
     return Model(np.zeros((ORDER + 1, size)), np.zeros(size))
 
 
-def _exact_sum(terms: Any) -> Model:
-    terms = [model(term) for term in terms]
-    return constant(value := fsum(term.c[0, 0] for term in terms),
-                    sum(float(term.error[0]) for term in terms) * UP + 2.0**-52 * abs(value))
+def _exact_sum(terms: Sequence[Operand]) -> Model:
+    models = [model(term) for term in terms]
+    return constant(value := fsum(one.c[0, 0] for one in models),
+                    sum(float(one.error[0]) for one in models) * UP + 2.0**-52 * abs(value))
 
 
 _OF_NUMPY: dict[str, Callable[..., Any]] = {

@@ -18,7 +18,7 @@ known zeros and ones do; the sign of a zero may change there.
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from functools import cached_property
 import itertools
 import math
@@ -98,10 +98,14 @@ class Number:
         raise TypeError('formulas choose with where(), not with if')
 
 
+# What an operation of a trace is written down for.
+Recordable = Union[Number, float]
+
+
 def _method(name: str, is_reflected: bool) -> Function:
-    def method(self: Number, *others: Any) -> Any:
+    def method(self: Number, *others: Recordable) -> Number:
         if not all(isinstance(other, (Number, float, int)) for other in others):
-            return NotImplemented
+            return NotImplemented       # type: ignore[no-any-return]  # a sign for Python
         return self.trace.add(name, *(others + (self,) if is_reflected else (self, *others)))
     return method
 
@@ -113,7 +117,7 @@ for _name in ('add', 'sub', 'mul', 'truediv', 'neg', 'pow', 'gt', 'lt'):
 
 
 def _function(name: str) -> Function:
-    def call(*values: Any) -> Any:
+    def call(*values: Recordable) -> Recordable:
         known = [value for value in values if isinstance(value, Number)]
         return known[0].trace.add(name, *values) if known else OPERATIONS[name](*values)
     return call
@@ -127,7 +131,7 @@ def _choice(condition: Any, one: Any, other: Any) -> Any:
     return condition.trace.add('where', condition, one, other)
 
 
-def _call(function: Function, x: Any) -> Any:
+def _call(function: Function, x: Recordable) -> Any:
     return x.trace.add('call', x, value=function) if isinstance(x, Number) else function(x)
 
 
@@ -165,7 +169,7 @@ class Trace:
 
     def __init__(self, make_formula: MakeFormula, count: int, data: Any = ()) -> None:
         self.steps: list[Step] = []
-        self._places: dict[Any, int] = {}
+        self._places: dict[Hashable, int] = {}
         self.count, self.size = count, len(numbers_of(data))
         given = iter([Number(self, self._append(Step('input' if i < count else 'datum')))
                       for i in range(count + self.size)])
@@ -174,7 +178,7 @@ class Trace:
         formula = make_formula(RECORDED, converted(data, lambda _: next(given)))
         self.results: Places = self._of(formula(*inputs))
 
-    def add(self, operation: str, *values: Any, value: Any = None) -> Number:
+    def add(self, operation: str, *values: Recordable, value: Any = None) -> Number:
         """Write down an operation on numbers of this trace and floats; return its result."""
         return Number(self, self._add(operation, tuple([self._place(v) for v in values]), value))
 
@@ -195,7 +199,7 @@ class Trace:
                                                                *places[i + 1:])),))
         return self._append(Step(operation, places, value))
 
-    def _place(self, value: Any) -> int:
+    def _place(self, value: Recordable) -> int:
         return (value.place if isinstance(value, Number)
                 else self._append(Step('constant', (), float(value))))
 
@@ -213,12 +217,22 @@ class Trace:
             return tuple([self._of(value) for value in results])
         return self._place(results)
 
+    def begin_apart(self) -> int:
+        """Return the number of steps; those that follow repeat none of them."""
+        self._places.clear()
+        return len(self.steps)
+
     # --- what is known of it --------------------------------------------------------------------
 
     @property
     def operations(self) -> int:
         """Return the number of operations that depend on the inputs."""
         return len(self.varies) - self.count
+
+    def part(self, number: int) -> Places:
+        """Return the places of one of several results: motion, loads."""
+        assert not isinstance(self.results, int), 'the formula returns one number'
+        return self.results[number]
 
     @cached_property
     def used_constants(self) -> list[int]:
@@ -227,7 +241,7 @@ class Trace:
         return [i for i in sorted(used.union(flat(self.results)) - self.varies)
                 if self.steps[i].operation != 'constant']
 
-    def constants(self, data: Sequence[float]) -> list[Any]:
+    def constants(self, data: Sequence[float]) -> list[float | None]:
         """Return by place what does not depend on the inputs, for some data; None elsewhere."""
         values: list[Any] = [None] * len(self.steps)
         values[self.count:self.count + self.size] = data
@@ -256,17 +270,18 @@ class Trace:
                 left += self.steps[place].arguments
         return sorted(found)
 
-    def literals(self) -> dict[int, Any]:
+    def literals(self) -> dict[int, float]:
         """Return the constants that stand in the text of the formula, by place."""
         return {place: step.value for place, step in enumerate(self.steps)
                 if step.operation == 'constant'}
 
-    def simplified(self, known: Mapping[int, Any]) -> Trace:
+    def simplified(self, known: Mapping[int, float], end: int | None = None) -> Trace:
         """
         Return the same trace, of the same places, with what some known numbers make needless.
 
         Operations on known numbers become constants; products and sums of zero, factors of one
-        and choices that are made are passed by. An operation that refuses its arguments stays.
+        and choices that are made are passed by. An operation that refuses its arguments stays,
+        and so do all from place ``end`` on.
         """
         other = object.__new__(Trace)
         other.steps, other.count, other.size = list(self.steps), self.count, self.size
@@ -278,6 +293,9 @@ class Trace:
             if step.is_given:
                 continue
             step = step._replace(arguments=tuple([same[i] for i in step.arguments]))
+            if end is not None and place >= end:
+                other.steps[place] = step
+                continue
             same_as = _passed(step, values)
             if same_as is None:
                 try:
@@ -296,7 +314,7 @@ class Trace:
         return other
 
 
-def _key(step: Step) -> Any:
+def _key(step: Step) -> Hashable:
     """Return what two steps of the same result have in common; 0.0 is not -0.0."""
     if step.operation == 'constant':
         return step.operation, float(step.value).hex()
@@ -304,7 +322,7 @@ def _key(step: Step) -> Any:
     return step.operation, tuple(arguments), step.value
 
 
-def _passed(step: Step, values: Mapping[int, Any]) -> int | None:
+def _passed(step: Step, values: Mapping[int, float]) -> int | None:
     """Return the argument that is the result of an operation that does nothing, or None."""
     operation, arguments = step.operation, step.arguments
     known = [values.get(i) for i in arguments]

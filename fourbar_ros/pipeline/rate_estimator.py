@@ -150,8 +150,13 @@ class RateEstimator:
 
     @property
     def is_noise(self) -> bool:
-        """Return whether noise is a large part of the acceleration, or of velocity^2/length."""
-        return self.noise > TOO_NOISY * sqrt(self._size.value)
+        """
+        Return whether noise is a large part of the acceleration, or of velocity^2/length.
+
+        Not where it is that of the last digit alone, as at rest.
+        """
+        return (self.noise > TOO_NOISY * sqrt(self._size.value)
+                and self._scatter.value > self._resolution**2)
 
     def update(self, time: int, position: float, velocity: float = nan) -> tuple[float, float]:
         """

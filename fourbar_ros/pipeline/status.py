@@ -3,12 +3,14 @@
 """One evaluation that never raises: its status qualifies the numbers."""
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cache
 from math import isfinite, isinf, isnan, nan
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter, OutOfRange, Toggle
 from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.parts import NamedFields
 import numpy as np
 
 # The same numbers as the STATUS_ constants of fourbar_msgs/LinkageState (a test compares them).
@@ -17,13 +19,16 @@ STATUS_NAMES = ('ok', 'out of range', 'invalid input', 'toggle', 'rates unknown'
                 'loads unknown')
 
 
-Evaluated = tuple[int, NamedTuple, NamedTuple]      # status, MOTION and LOADS of the mechanism
+Evaluated = tuple[int, NamedFields, NamedFields]      # status, MOTION and LOADS of the mechanism
+Evaluate = Callable[[Mechanism, float, float, float, bool], Evaluated]     # as evaluate()
 
 
 @cache
-def _none_of(fields: type[NamedTuple]) -> NamedTuple:
-    """Return a NamedTuple of this type, all NaN."""
-    return fields._make([nan] * len(fields._fields))
+def _none_of(fields: type[NamedTuple]) -> NamedFields:
+    """Return a record of this type, all NaN."""
+    unknown: Any = fields._make([nan] * len(fields._fields))
+    found: NamedFields = unknown
+    return found
 
 
 def evaluate(mechanism: Mechanism, position: float, rate: float, acceleration: float,

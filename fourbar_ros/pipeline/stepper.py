@@ -6,13 +6,21 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Mapping
 from functools import partial
 from math import nan, nextafter
-from typing import NamedTuple, Union
+from typing import Union
 
 from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.mechanisms.points import link_fields, LinkFields, make_point, PointMotion
 from fourbar_ros.numerics.number_types import REAL
 from fourbar_ros.pipeline.joints import Joints
-from fourbar_ros.pipeline.status import evaluate, INVALID_INPUT, LOADS_UNKNOWN, OK, OUT_OF_RANGE
+from fourbar_ros.pipeline.status import (
+    Evaluate,
+    evaluate,
+    INVALID_INPUT,
+    LOADS_UNKNOWN,
+    OK,
+    OUT_OF_RANGE,
+)
 from fourbar_ros.pipeline.wrenches import drive_wrench, external, in_silence, Wrench
 from fourbar_ros.scene.message_fields import joint_values, mode_number
 from fourbar_ros.scene.scene import Scene
@@ -39,13 +47,16 @@ class Stepper:
     wrenches : dict, optional
         A :class:`~fourbar_ros.pipeline.wrenches.Wrench` for each link that a topic loads; not
         given: as before the first.
+    by : callable, optional
+        What evaluates within range in place of :func:`~fourbar_ros.pipeline.status.evaluate`.
 
     """
 
-    def __init__(self, scene: Scene, wrenches: Mapping[str, Wrench] | None = None) -> None:
-        self._scene = scene
+    def __init__(self, scene: Scene, wrenches: Mapping[str, Wrench] | None = None,
+                 by: Evaluate = evaluate) -> None:
+        self._scene, self._evaluate = scene, by
         self.linkage, self._policy = scene.linkage, scene.drive.out_of_range
-        self._parts: list[tuple[str, Callable[[NamedTuple], Iterable[float]],
+        self._parts: list[tuple[str, Callable[[NamedFields], Iterable[float]],
                                 tuple[float, ...]]] = [
             (f'points/{name}', make_point(REAL, scene.linkage, *point), _NO_POINT)
             for name, point in scene.points.items()]
@@ -91,8 +102,8 @@ class Stepper:
         if self._with_element_forces and with_loads:                  # with the forces of elements
             loaded = self._with_element_forces(position, rate)
             linkage, with_loads = loaded or linkage, loaded is not None
-        status, motion, loads = evaluate(linkage, position, rate, acceleration,
-                                         with_loads and not self._loads_unknown)
+        status, motion, loads = self._evaluate(linkage, position, rate, acceleration,
+                                               with_loads and not self._loads_unknown)
         if self._loads_unknown and status == OK:
             status = LOADS_UNKNOWN
         values = self._completed((*motion, *loads, *self._of_parts(motion, with_parts)))
@@ -114,7 +125,7 @@ class Stepper:
             values += self._drive_wrench(values)
         return values + self._joints.of(values) if self._joints else values
 
-    def _of_parts(self, motion: NamedTuple, wanted: Wanted) -> list[float]:
+    def _of_parts(self, motion: NamedFields, wanted: Wanted) -> list[float]:
         return [value for name, part, unknown in self._parts
                 for value in (part(motion) if wanted is True or wanted and name in wanted
                               else unknown)]
@@ -148,13 +159,15 @@ class InModes:
     ----------
     scene : Scene
     wrenches : dict, optional
+    by : callable, optional
         As of a stepper.
 
     """
 
-    def __init__(self, scene: Scene, wrenches: Mapping[str, Wrench] | None = None) -> None:
-        self._scene, self.own_mode = scene, mode_number(scene.linkage.mode)
-        self._own = Stepper(scene, wrenches)
+    def __init__(self, scene: Scene, wrenches: Mapping[str, Wrench] | None = None,
+                 by: Evaluate = evaluate) -> None:
+        self._scene, self.own_mode, self._by = scene, mode_number(scene.linkage.mode), by
+        self._own = Stepper(scene, wrenches, by)
         self._all = {self.own_mode: self._own}
 
     @property
@@ -171,7 +184,7 @@ class InModes:
         """Make the steppers of modes that may come."""
         for mode in modes:
             if mode not in self._all:
-                self._all[mode] = Stepper(self._scene.taken_in(mode), self.wrenches)
+                self._all[mode] = Stepper(self._scene.taken_in(mode), self.wrenches, self._by)
 
     def step(self, mode: int, position: float, rate: float, acceleration: float,
              with_loads: bool, with_parts: Wanted) -> Sample:

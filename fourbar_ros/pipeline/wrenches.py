@@ -66,7 +66,8 @@ def external(scene: Scene, acting: Mapping[str, Wrench]) -> External | None:
     given = scene.linkage.external._asdict()
     for link, (force_x, force_y, couple) in acting.items():
         given[link] = Applied(force_x, force_y, given[link].along, given[link].across, couple)
-    return scene.linkage.EXTERNAL(**given)
+    found: External | None = scene.linkage.EXTERNAL(**given)
+    return found
 
 
 DriveWrench = Callable[[Sequence[float]], tuple[float, float, float]]

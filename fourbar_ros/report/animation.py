@@ -4,11 +4,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import NamedTuple, TYPE_CHECKING
+from typing import TYPE_CHECKING
 
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import Bar, Block
+from fourbar_ros.mechanisms.parts import Bar, Block, NamedFields
 from fourbar_ros.mechanisms.picture import Arm, Joint, picture, Pivot, Points
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.report.cycles import cycles, usual_points
@@ -65,8 +65,8 @@ def _writer(path: Path) -> AbstractMovieWriter:
     return FFMpegWriter(fps=PER_SECOND)
 
 
-def _poses(mechanism: Mechanism, rate: float) -> list[NamedTuple]:
-    """Return the motions of the frames, one NamedTuple of floats each."""
+def _poses(mechanism: Mechanism, rate: float) -> list[NamedFields]:
+    """Return the motions of the frames, one record of floats each."""
     inputs = cycles(mechanism, FRAMES)[0]
     if mechanism.turns_fully:
         inputs = inputs[:-1] if rate >= 0.0 else inputs[:0:-1]
@@ -84,7 +84,7 @@ def _poses(mechanism: Mechanism, rate: float) -> list[NamedTuple]:
 class _Frame:
     """Draws the frames; the axes keep one scale for all of them."""
 
-    def __init__(self, axes: Axes, mechanism: Mechanism, points: Points, poses: list[NamedTuple]):
+    def __init__(self, axes: Axes, mechanism: Mechanism, points: Points, poses: list[NamedFields]):
         self.axes, self.mechanism, self.points, self.poses = axes, mechanism, points, poses
         self.paths = {name: np.array([point_motion(mechanism, motion, *point).place
                                       for motion in poses]) for name, point in points.items()}

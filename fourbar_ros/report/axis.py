@@ -8,13 +8,15 @@ Only the functions that draw import matplotlib.
 from __future__ import annotations
 
 from math import degrees, hypot, inf, remainder, tau
-from typing import Any, NamedTuple, TYPE_CHECKING
+from typing import NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.extrema.collineation import collineation_axis
 from fourbar_ros.extrema.find import find_extrema, INTERIOR
 from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.mechanisms.quantities import Function
-from fourbar_ros.numerics.arrays import Array, Values
+from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.numerics.number_types import Scalar
 from fourbar_ros.report.cycles import cycles
 from fourbar_ros.report.drawing import CannotDraw, need_matplotlib, STYLE
 from fourbar_ros.report.mechanism_panel import draw_plainly
@@ -47,7 +49,7 @@ class AxisParts(NamedTuple):
     poles: dict[str, Array]
 
 
-def axis_parts(linkage: Mechanism, motion: Any, low: Array, high: Array) -> AxisParts:
+def axis_parts(linkage: Mechanism, motion: NamedFields, low: Array, high: Array) -> AxisParts:
     """Return the :class:`AxisParts` in one pose; ``low``, ``high``: corners of the window [m]."""
     axis, unit = collineation_axis(linkage, motion), max(map(abs, linkage.lengths))
     clipped = {name: _clipped(line, low / unit, high / unit) for name, line in axis.lines.items()}
@@ -77,8 +79,9 @@ def _clipped(line: Array, low: Array, high: Array) -> Array | None:
 
 def axis_angle(linkage: Mechanism) -> Function:
     """Return the angle from coupler to axis in [0, 180) deg: smooth where it is square."""
-    def angle(motion: Any, loads: Any) -> Values:
-        return np.degrees(collineation_axis(linkage, motion).angle) % 180.0
+    def angle(motion: NamedFields, loads: NamedFields) -> Scalar:
+        degrees: Scalar = np.degrees(collineation_axis(linkage, motion).angle) % 180.0
+        return degrees
     return Function(AXIS_ANGLE, 'deg', 'angle from the coupler to the collineation axis', angle)
 
 
@@ -87,7 +90,7 @@ def with_gaps(angle: Array) -> Array:
     return np.where(np.abs(np.diff(angle, prepend=angle[0])) > 90.0, np.nan, angle)
 
 
-def draw_axis(axes: Axes, linkage: Mechanism, motion: Any, title: str = '') -> None:
+def draw_axis(axes: Axes, linkage: Mechanism, motion: NamedFields, title: str = '') -> None:
     """Draw a linkage with its poles, its axis and the four lines through them."""
     places = np.array(list(linkage.diagram(motion).joints.values()))
     size, middle = max(np.ptp(places, axis=0)), 0.5 * (places.min(axis=0) + places.max(axis=0))

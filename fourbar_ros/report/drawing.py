@@ -14,7 +14,7 @@ from typing import NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import Arrow, ORIGIN, without_repeats
+from fourbar_ros.mechanisms.parts import Arrow, NamedFields, ORIGIN, without_repeats
 from fourbar_ros.mechanisms.picture import Points
 from fourbar_ros.report.joint_labels import labels_of
 from fourbar_ros.report.mechanism_panel import draw_mechanism, renamed
@@ -87,7 +87,7 @@ def draw_polygon(axes: Axes, arrows: Sequence[Arrow], title: str, unit: tuple[st
     sheet.write([f'${arrow.label}$ = {significant(hypot(*arrow.vector))}' for arrow in shown])
 
 
-def make_figure(mechanism: Mechanism, motion: NamedTuple, loads: NamedTuple | None = None,
+def make_figure(mechanism: Mechanism, motion: NamedFields, loads: NamedFields | None = None,
                 title: str = '', points: Points | None = None,
                 names: Mapping[str, str] | None = None, units: Units = Units()) -> Figure:
     """

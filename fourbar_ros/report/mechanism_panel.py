@@ -6,10 +6,10 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from math import pi, remainder
 import re
-from typing import NamedTuple, TYPE_CHECKING
+from typing import TYPE_CHECKING
 
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import Bar, Block, Diagram
+from fourbar_ros.mechanisms.parts import Bar, Block, Diagram, NamedFields
 from fourbar_ros.mechanisms.picture import (
     Arm,
     forces_of,
@@ -50,8 +50,8 @@ def renamed(label: str, names: Mapping[str, str]) -> str:
     return re.sub(r'_(\{[^}]*\}|\w)', replace, label) if names else label
 
 
-def draw_mechanism(axes: Axes, mechanism: Mechanism, motion: NamedTuple,
-                   loads: NamedTuple | None = None, points: Points | None = None,
+def draw_mechanism(axes: Axes, mechanism: Mechanism, motion: NamedFields,
+                   loads: NamedFields | None = None, points: Points | None = None,
                    names: Mapping[str, str] | None = None, unit: tuple[str, float] = ('m', 1.0),
                    title: str = 'mechanism') -> None:
     """
@@ -113,7 +113,7 @@ def draw_mechanism(axes: Axes, mechanism: Mechanism, motion: NamedTuple,
                 motion_lines(mechanism, motion, unit))
 
 
-def draw_plainly(axes: Axes, mechanism: Mechanism, motion: NamedTuple, points: Points,
+def draw_plainly(axes: Axes, mechanism: Mechanism, motion: NamedFields, points: Points,
                  paths: Sequence[Array], others: Sequence[Array] = ()) -> Sheet:
     """
     Draw links, joints, points, and paths of shape (n, 2) [m]; neither angles nor forces.
@@ -146,15 +146,15 @@ def draw_plainly(axes: Axes, mechanism: Mechanism, motion: NamedTuple, points: P
 
 # --- what is drawn -------------------------------------------------------------------------------
 
-def _centres(mechanism: Mechanism, motion: NamedTuple) -> dict[str, Array]:
+def _centres(mechanism: Mechanism, motion: NamedFields) -> dict[str, Array]:
     """Return {link: centre of gravity} of the bodies that have a mass."""
     bodies = mechanism.bodies._asdict().items() if mechanism.bodies else ()
     return {link: point_motion(mechanism, motion, link, body.cg_along, body.cg_across).place
             for link, body in bodies if body.mass}
 
 
-def _extensions(mechanism: Mechanism, motion: NamedTuple, points: Points, centres: Collection[str],
-                drawn_whole: Collection[str]) -> Iterator[Bar]:
+def _extensions(mechanism: Mechanism, motion: NamedFields, points: Points,
+                centres: Collection[str], drawn_whole: Collection[str]) -> Iterator[Bar]:
     """Return lines of links that extend beyond their joints, to points and CGs."""
     reach = {link.name: [0.0] for link in mechanism.LINKS}
     for link, along, _ in points.values():
@@ -219,7 +219,7 @@ def _draw_centre(sheet: Sheet, at: Array) -> None:
     sheet.occupy(at, at)
 
 
-def _draw_angles(sheet: Sheet, motion: NamedTuple, diagram: Diagram
+def _draw_angles(sheet: Sheet, motion: NamedFields, diagram: Diagram
                  ) -> list[tuple[str, list[Array]]]:
     """Draw the arcs of the absolute angles from x; return [(label, places for it)]."""
     found, radius = [], 0.3 * sheet.inch
@@ -239,7 +239,7 @@ def _draw_angles(sheet: Sheet, motion: NamedTuple, diagram: Diagram
     return found
 
 
-def _draw_torque(sheet: Sheet, torque: float, mechanism: Mechanism, motion: NamedTuple,
+def _draw_torque(sheet: Sheet, torque: float, mechanism: Mechanism, motion: NamedFields,
                  places: Mapping[str, Array]) -> None:
     """Draw the torque as a turning arrow about the driven joint, away from the links."""
     radius, sense = 0.45 * sheet.inch, 1.0 if torque > 0.0 else -1.0

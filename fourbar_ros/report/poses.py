@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import Coordinate, reaction
+from fourbar_ros.mechanisms.parts import Coordinate, NamedFields, reaction
 from fourbar_ros.mechanisms.picture import Points
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.mechanisms.quantities import known
@@ -42,8 +42,8 @@ class Pose(NamedTuple):
     """
 
     status: int
-    motion: NamedTuple
-    loads: NamedTuple | None
+    motion: NamedFields
+    loads: NamedFields | None
 
 
 def position_of(linkage: Mechanism, at: float) -> float:
@@ -146,7 +146,7 @@ def motion_table(linkage: Mechanism, pose: Pose) -> PlainTable:
     return table
 
 
-def loads_table(linkage: Mechanism, loads: NamedTuple) -> PlainTable:
+def loads_table(linkage: Mechanism, loads: NamedFields) -> PlainTable:
     """Return the table of all forces with their components, and of torques."""
     table = plain_table('loads', ('', 'x>', 'y>', 'magnitude>', 'unit', 'of'))
     values = loads._asdict()
@@ -167,7 +167,7 @@ def loads_table(linkage: Mechanism, loads: NamedTuple) -> PlainTable:
     return table
 
 
-def points_table(linkage: Mechanism, motion: NamedTuple, points: Points) -> PlainTable:
+def points_table(linkage: Mechanism, motion: NamedFields, points: Points) -> PlainTable:
     """Return the table of the points of a scene: place, velocity, acceleration."""
     table = plain_table('points', ('', '', 'x>', 'y>', 'magnitude>', 'unit'))
     for name, point in points.items():

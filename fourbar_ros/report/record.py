@@ -18,6 +18,7 @@ from fourbar_ros.report.mobility import AXES, mobility
 from fourbar_ros.report.poses import Pose
 from fourbar_ros.report.tables import (
     class_name,
+    counted,
     input_of,
     known_output_ranges,
     mode_name,
@@ -54,7 +55,8 @@ def record_of(linkage: Mechanism, extrema: Sequence[Extremum], points: Points,
                               'nearest_change_point': AXES[seen.nearest]},
         'bodies': linkage.bodies and {name: asdict(body)
                                       for name, body in linkage.bodies._asdict().items()},
-        'extrema': [extremum._asdict() for extremum in extrema]}
+        'extrema': [extremum._asdict() | {'theta1': counted(linkage, extremum.theta1)}
+                    for extremum in extrema]}
     if pose:
         found['pose'] = _pose(linkage, pose, points)
     return found
@@ -67,7 +69,8 @@ def _with_ranges(coordinate: Coordinate, ranges: Sequence[tuple[float, float]]) 
 
 def _dead_point(linkage: Mechanism, point: Any) -> Record:
     coordinates = linkage.input_coordinate, *(output.coordinate for output in linkage.outputs)
-    places: Record = {its.position: value for its, value in zip(coordinates, point)}
+    values = counted(linkage, point[0]), *point[1:]
+    places: Record = {its.position: value for its, value in zip(coordinates, values)}
     if hasattr(point, 'stretched'):
         places['stretched'] = bool(point.stretched)
     return places

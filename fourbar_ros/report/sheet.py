@@ -25,7 +25,8 @@ HEAD = 6.5          # heads of arrows of 0.5 in an inch (matplotlib: of the font
 def _size_of(text: str) -> Array:
     """Return width and height of a label [inches]."""
     from matplotlib.textpath import TextPath
-    return TextPath((0.0, 0.0), f'${text}$', size=FONT).get_extents().size / 72.0 + PAD
+    found: Array = TextPath((0.0, 0.0), f'${text}$', size=FONT).get_extents().size / 72.0 + PAD
+    return found
 
 
 def nice(value: float) -> float:

@@ -5,9 +5,9 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from math import degrees, pi, remainder
-from typing import NamedTuple
 
 from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.report.joint_labels import Labels
 
 SYMBOLS = {'theta': r'\theta_', 'omega': r'\omega_', 'alpha': r'\alpha_'}
@@ -33,7 +33,7 @@ def symbol_of(name: str) -> str:
         else rf'\mathrm{{{words}}}')
 
 
-def motion_lines(mechanism: Mechanism, motion: NamedTuple, unit: tuple[str, float]) -> list[str]:
+def motion_lines(mechanism: Mechanism, motion: NamedFields, unit: tuple[str, float]) -> list[str]:
     """Return a line for each absolute angle and slide: position, rate, acceleration."""
     lines, (text, size) = [], unit
     for coordinate in mechanism.DRAWN:
@@ -54,7 +54,7 @@ def motion_lines(mechanism: Mechanism, motion: NamedTuple, unit: tuple[str, floa
     return lines
 
 
-def load_lines(loads: NamedTuple, labels: Labels, drawn: Collection[str],
+def load_lines(loads: NamedFields, labels: Labels, drawn: Collection[str],
                torque: str) -> list[str]:
     """
     Return the lines of text about loads.

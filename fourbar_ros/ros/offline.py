@@ -148,7 +148,8 @@ def _torque(scene: Scene, torque: float, start: int) -> bytes:
         message.wrench.force.x = torque
     else:
         message.wrench.torque.z = torque
-    return serialize_message(message)
+    found: bytes = serialize_message(message)
+    return found
 
 
 def _resolved(topic: str) -> str:

@@ -23,7 +23,8 @@ def channel(topic: Topic, name: str) -> Channel:
 def type_hash(type_name: str) -> str:
     """Return the RIHS01 hash of 'package/msg/Name'."""
     hashes = json.loads(_share(type_name, 'json').read_text(encoding='utf-8'))['type_hashes']
-    return next(item['hash_string'] for item in hashes if item['type_name'] == type_name)
+    found: str = next(item['hash_string'] for item in hashes if item['type_name'] == type_name)
+    return found
 
 
 def definition(type_name: str) -> str:

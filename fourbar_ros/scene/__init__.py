@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from fourbar_ros.lazy import lazily
+from fourbar_ros.optional import lazily
 
 if TYPE_CHECKING:
     from fourbar_ros.scene.chain import remappings

@@ -7,13 +7,14 @@ They are ROS 2 parameter files, read here without ROS.
 """
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from math import inf, isinf, nan
 from pathlib import Path
 import re
 from typing import Any
 
 from fourbar_ros.errors import FourBarError, nearest
+from fourbar_ros.scene.parameters import ParameterValues
 import yaml
 
 NODE = '/fourbar'
@@ -37,6 +38,9 @@ class SceneError(FourBarError, ValueError):
 
 class NotForNode(SceneError):
     """A parameter file contains nothing for the given node."""
+
+
+Tree = dict[str, Any]       # {name: value} of YAML, whose values may be trees
 
 
 def folder() -> Path:
@@ -74,7 +78,7 @@ def shipped(among: Path | None = None) -> dict[str, Path]:
     return {file.stem: file for place in places for file in sorted(place.glob('*.yaml'))}
 
 
-def read_values(path: str | Path, node: str | None = None) -> dict[str, Any]:
+def read_values(path: str | Path, node: str | None = None) -> Tree:
     """
     Return the flat dict of parameters in a ROS 2 parameter file as ROS reads them, unchecked.
 
@@ -102,19 +106,23 @@ def read_values(path: str | Path, node: str | None = None) -> dict[str, Any]:
                          f'{", ".join(there)}; write "/**:" there'
                          + (f', or name one: {path}:{next(iter(there)).lstrip("/*")}'
                             if node is None else ''))
-    values: dict[str, Any] = {}
+    values: Tree = {}
     for tree in found:
         values |= flatten(tree, path)
+    others = [key for key in there if not is_for(key, node)]
+    if node is None and others and not any(name.startswith('linkage.') for name in values):
+        raise NotForNode(f'{path}: has the nodes {", ".join(others)}; name one: '
+                         f'{path}:{others[0].lstrip("/*")}')
     return beside(values, path)
 
 
-def table_files(values: Mapping[str, Any]) -> list[str]:
+def table_files(values: ParameterValues) -> list[str]:
     """Return the names of the parameters of a scene that name the file of a table."""
     return [name for name, value in values.items()
             if TABLE.fullmatch(name) and isinstance(value, str) and value]
 
 
-def beside(values: Mapping[str, Any], scene: Path) -> dict[str, Any]:
+def beside(values: ParameterValues, scene: Path) -> Tree:
     """Return values with the files of tables, which stand beside a scene, as paths from here."""
     return {**values, **{name: str(scene.parent / values[name]) for name in table_files(values)}}
 
@@ -127,7 +135,7 @@ def _file_and_node(path: str | Path, node: str | None) -> tuple[Path, str | None
     return find(path), node
 
 
-def sections(path: str | Path) -> dict[str, dict[str, Any]]:
+def sections(path: str | Path) -> dict[str, Tree]:
     """
     Return {key for nodes: tree of parameters} of a ROS 2 parameter file.
 
@@ -199,7 +207,7 @@ def is_for(key: str, node: str | None) -> bool:
     return re.fullmatch(pattern, node) is not None
 
 
-def _sections(tree: dict[Any, Any], prefix: str = '') -> Iterator[tuple[str, dict[str, Any]]]:
+def _sections(tree: dict[Any, Any], prefix: str = '') -> Iterator[tuple[str, Tree]]:
     """Yield (name of the node, its parameters) of a document; namespaces may be nested."""
     for key, below in tree.items():
         if isinstance(below, dict):
@@ -209,13 +217,13 @@ def _sections(tree: dict[Any, Any], prefix: str = '') -> Iterator[tuple[str, dic
             yield from _sections({k: v for k, v in below.items() if k != 'ros__parameters'}, name)
 
 
-def flatten(tree: dict[Any, Any], path: str | Path = '', prefix: str = '') -> dict[str, Any]:
+def flatten(tree: dict[Any, Any], path: str | Path = '', prefix: str = '') -> Tree:
     """
     Return a nested dict with its keys joined by dots, as ROS does.
 
     Raises SceneError for a duplicate name.
     """
-    flat: dict[str, Any] = {}
+    flat: Tree = {}
     for key, value in tree.items():
         part = (flatten(value, path, f'{prefix}{key}.') if isinstance(value, dict)
                 else {f'{prefix}{key}': value})
@@ -250,13 +258,13 @@ def scalar(text: str) -> bool | int | float | str:
     return NAMED.get(text.lower(), text)
 
 
-def as_text(values: dict[str, Any]) -> str:
+def as_text(values: ParameterValues) -> str:
     """
     Return a flat dict of parameters as the text of a ROS 2 parameter file for any node.
 
     Those that are not given (NaN) are left out; numbers have all their digits.
     """
-    tree: dict[str, Any] = {}
+    tree: Tree = {}
     for name, value in values.items():
         if value != value:
             continue
@@ -283,13 +291,14 @@ class _Loader(yaml.SafeLoader):
 
 def _plain_or_quoted(loader: yaml.SafeLoader, node: yaml.ScalarNode) -> bool | int | float | str:
     if node.style is not None:
-        return node.value
+        found: bool | int | float | str = node.value
+        return found
     if not node.value:
         raise yaml.MarkedYAMLError(problem='a key without a value', problem_mark=node.start_mark)
     return scalar(node.value)
 
 
-def _mapping(loader: yaml.SafeLoader, node: yaml.MappingNode) -> dict[str, Any]:
+def _mapping(loader: yaml.SafeLoader, node: yaml.MappingNode) -> Tree:
     found = {}
     for key_node, value_node in node.value:
         key = key_node.value if isinstance(key_node, yaml.ScalarNode) else None

@@ -13,7 +13,7 @@ from fourbar_ros.mechanisms.contract import SLIDE
 from fourbar_ros.mechanisms.kinds import AT_MOVING_JOINTS, kind_of, KINDS
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Link
-from fourbar_ros.numerics.arrays import Values
+from fourbar_ros.numerics.number_types import Scalar
 from fourbar_ros.scene.parameter_table import LENGTHS, MACHINE, PARAMETERS
 from fourbar_ros.scene.parameters import member_of, of_name, ParameterValues
 
@@ -88,9 +88,11 @@ def _of_kind(values: ParameterValues) -> Mechanism:
         arguments['stroke'] = tuple(values['linkage.range'])
     bodies = Bodies(values, kind.LINKS,
                     {length: values[f'linkage.{length}'] for length in LENGTHS})
-    return kind(**arguments, mode=values['linkage.mode'],
-                bodies=kind.BODIES(**bodies.every()) if bodies.are_given else None,
-                gravity=_gravity(values), external=kind.EXTERNAL(**external_of(values, kind)))
+    linkage: Mechanism = kind(
+        **arguments, mode=values['linkage.mode'],
+        bodies=kind.BODIES(**bodies.every()) if bodies.are_given else None,
+        gravity=_gravity(values), external=kind.EXTERNAL(**external_of(values, kind)))
+    return linkage
 
 
 def _machine(values: ParameterValues) -> Mechanism:
@@ -146,7 +148,7 @@ class Bodies:
     body, rod, bar = staticmethod(Body), staticmethod(round_rod), staticmethod(flat_bar)
 
     def __init__(self, values: ParameterValues, links: Sequence[Link],
-                 lengths: Mapping[str, Values]) -> None:
+                 lengths: Mapping[str, Scalar]) -> None:
         self._values, self._links, self._lengths = values, links, lengths
         self._has_rods = any(map(self._has, ALWAYS))
         self._section = self._section_of_rods() if self._has_rods else ()

@@ -24,8 +24,7 @@ from fourbar_ros.mechanisms.machine.machine import Machine, NO_BODY
 from fourbar_ros.mechanisms.machine.solve.pairs import shaped, slides_of
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import GROUND
-from fourbar_ros.numerics.arrays import Values
-from fourbar_ros.numerics.number_types import direction, NumberType
+from fourbar_ros.numerics.number_types import direction, NumberType, Scalar
 from fourbar_ros.scene.parameters import names_in, ParameterValues
 import numpy as np
 
@@ -77,7 +76,7 @@ def numbers_of(machine: Machine, values: ParameterValues,
         That of what is no float.
 
     """
-    def along(angle: Values) -> tuple[Values, Values]:
+    def along(angle: Scalar) -> tuple[Scalar, Scalar]:
         return (direction(angle) if isinstance(angle, float)         # exact at right angles
                 else (numbers.cos(angle), numbers.sin(angle)))
 
@@ -102,13 +101,13 @@ def bodies_of(machine: Machine, given: dict[str, Body] | None) -> Any:
 
 
 def _numbers(dyad: Dyad, values: ParameterValues,
-             along: Callable[[Values], tuple[Values, Values]], is_cylinder: bool) -> Numbers:
+             along: Callable[[Scalar], tuple[Scalar, Scalar]], is_cylinder: bool) -> Numbers:
     """Return the numbers of a dyad, or of the cylinder, which is one too."""
     where, places = (('cylinder.', ('pin', 'base')) if is_cylinder else
                      (f'dyads.{dyad.name}.', ('first', 'second')))
     p, q = [(values[f'{where}{place}.along'], values[f'{where}{place}.across'])
             for place in places]
-    sizes: list[Values] = []
+    sizes: list[Scalar] = []
     for name in OF_KIND[dyad.kind]:
         value = values.get(where + name)
         if value is None or isinstance(value, float) and isnan(value):

@@ -26,7 +26,7 @@ from fourbar_ros.mechanisms.parts import (
     TRAVEL,
 )
 from fourbar_ros.mechanisms.points import LinkFields, PointMotion
-from fourbar_ros.numerics.arrays import Array, Values
+from fourbar_ros.numerics.arrays import Array
 
 # Fields of the messages LinkageState and LinkageLoads, which are made for four joints: what a
 # mechanism does not have is NaN there, what it has more goes out as links/NAME, reactions/NAME.
@@ -215,7 +215,7 @@ def driven_of(message: Any, joint: str = '') -> Any:
     return position, message.velocity[i] if i < len(message.velocity) else nan, nan
 
 
-def is_time(sec: Values, nanosec: Values) -> Values:
+def is_time(sec: int | Array, nanosec: int | Array) -> Any:
     """
     Return whether a stamp is a valid time.
 

@@ -112,6 +112,8 @@ WRONG_FILES = [
     (scene_of({}) + '    linkage.a1: 0.5\n', 'line 7: not YAML that ROS reads: linkage.a1 is '
      'given twice'),
     (scene_of({}).replace('/**', 'other'), 'contains nothing for the node'),
+    ('/**:\n  ros__parameters: {outputs: [state]}\n' + scene_of({}).replace('/**', 'left'),
+     'has the nodes /left; name one: '),
     ('/**:\n  ros__parameters:\n    linkage: &l {a1: 0.4}\n    drive: *l\n', 'no aliases'),
     ('\x00', 'not YAML'), ('"open', 'line 1: not YAML that ROS reads: a quote is open')]
 

@@ -4,7 +4,7 @@
 from math import exp, inf, pi
 
 from fourbar_ros import Applied, Bodies, Body, External, FourBar, InvalidParameter, SliderCrank
-from fourbar_ros.dynamics.analysis.free_motion import FreeMotion
+from fourbar_ros.dynamics.free_motion import FreeMotion
 from fourbar_ros.dynamics.model.drives import (
     ConstantTorque,
     DCMotor,

@@ -6,7 +6,6 @@ from math import inf, nan, pi
 import pickle
 
 from fourbar_ros import Bodies, Body, FourBar, InvalidParameter
-from fourbar_ros.dynamics.analysis.statics import equilibria
 from fourbar_ros.dynamics.model.drives import (
     ConstantTorque,
     Drive,
@@ -27,6 +26,7 @@ from fourbar_ros.dynamics.solve.simulate import (
     simulate,
     STOPPED,
 )
+from fourbar_ros.dynamics.statics import equilibria
 from fourbar_ros.dynamics.step.mover import Mover, NOT_FINITE, OK
 from fourbar_ros.scene.scene import load
 import mpmath as mp

@@ -4,7 +4,7 @@
 from math import pi
 
 from fourbar_ros import Applied, Bodies, Body, External, FourBar
-from fourbar_ros.dynamics.analysis.free_motion import FreeMotion, NotResolved
+from fourbar_ros.dynamics.free_motion import FreeMotion, NotResolved
 from fourbar_ros.dynamics.model.drives import DCMotor, Drive
 from fourbar_ros.dynamics.model.elements import Attachment, GROUND, Spring, TorsionSpring
 from fourbar_ros.dynamics.model.system import System

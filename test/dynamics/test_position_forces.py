@@ -5,8 +5,7 @@ from math import cos, pi, sin
 import pickle
 
 from fourbar_ros import Bodies, FourBar, InvertedSlider, round_rod, SliderCrank
-from fourbar_ros.dynamics.analysis.flywheel import flywheel_for
-from fourbar_ros.dynamics.analysis.statics import equilibria
+from fourbar_ros.dynamics.flywheel import flywheel_for
 from fourbar_ros.dynamics.model.drives import ConstantTorque, Drive, MotorLine
 from fourbar_ros.dynamics.model.element_forces import loads_with, make_loaded
 from fourbar_ros.dynamics.model.elements import (
@@ -21,6 +20,7 @@ from fourbar_ros.dynamics.model.equation import Equation
 from fourbar_ros.dynamics.model.force_table import ForceTable
 from fourbar_ros.dynamics.model.system import System
 from fourbar_ros.dynamics.solve.simulate import REACHED, simulate, STOPPED
+from fourbar_ros.dynamics.statics import equilibria
 from fourbar_ros.dynamics.step.mover import Mover
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Body

@@ -4,7 +4,7 @@
 from math import pi
 
 from fourbar_ros import SliderCrank
-from fourbar_ros.dynamics.analysis.free_motion import FreeMotion
+from fourbar_ros.dynamics.free_motion import FreeMotion
 from fourbar_ros.dynamics.model.drives import Drive, MotorLine, Shaft
 from fourbar_ros.dynamics.model.system import System
 from fourbar_ros.dynamics.solve.simulate import REACHED, simulate

@@ -83,7 +83,7 @@ def test_a_run_stops_at_an_angle(name):
 
 def test_a_swing_from_rest_stops_at_its_next_rest():
     """Half a period after the start, where it is at rest; the start itself does not count."""
-    from fourbar_ros.dynamics.analysis.free_motion import FreeMotion
+    from fourbar_ros.dynamics.free_motion import FreeMotion
     system = System(LINKAGE, -1.2)
     run = simulate(system, 10.0, 1e-10, stop_when=lambda t, y: y[1])
     assert run.status == EVENT and abs(run.rate[-1]) < 1e-9

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Steps of given length: accuracy, stability and work on soft and stiff shafts."""
 from fourbar_ros import Bodies, FourBar, round_rod
-from fourbar_ros.dynamics.analysis.free_motion import FreeMotion
+from fourbar_ros.dynamics.free_motion import FreeMotion
 from fourbar_ros.dynamics.model.drives import (
     ConstantTorque,
     DCMotor,

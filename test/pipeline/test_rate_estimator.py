@@ -200,6 +200,9 @@ def test_noise_is_never_less_than_stamps_and_floats_can_say():
     feed(estimator, times, 25.0 * np.arange(50) * 0.001)
     assert estimator.noise == pytest.approx(math.sqrt(6.0 / 12.0) * 25e-9 / 0.001**2, rel=0.01)
     assert not estimator.is_noise
+    at_rest = RateEstimator(3)
+    feed(at_rest, times, np.full(50, 1.2217))
+    assert at_rest.noise > 0.0 and not at_rest.is_noise
     estimator.reset()
     assert np.isnan(estimator.noise) and np.isnan(estimator.lag)
 

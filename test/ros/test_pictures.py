@@ -10,7 +10,7 @@ from fourbar_ros.bag.comparison.recompute import compare
 from fourbar_ros.bag.read.reader import Bag
 from fourbar_ros.description.formats import describe
 from fourbar_ros.mechanisms.points import point_motion
-from fourbar_ros.ros.pictures import traces
+from fourbar_ros.ros.node import traces
 from fourbar_ros.ros.schemas import type_hash
 from fourbar_ros.scene.scene import from_values, load
 from fourbar_ros.scene.topics import PICTURES

@@ -10,6 +10,8 @@ import math
 import re
 import shutil
 import signal
+import subprocess
+import sys
 import time
 
 from builtin_interfaces.msg import Time
@@ -329,3 +331,38 @@ def test_nodes_of_one_name_in_two_namespaces_have_diagnostics_of_their_own(run_n
         run_node(DRIVEN, remaps=[f'__ns:=/{namespace}'])
     expected = {'left/fourbar: linkage', 'right/fourbar: linkage'}
     client.until(lambda: expected <= {m.status[0].name for m in messages}, 'both')
+
+
+def test_an_input_that_never_comes_is_told_with_where_its_type_comes(run_node, client, heard):
+    assert client.node.create_publisher(JointState, '/joint_states', 10)
+    run_node({**PAPER, 'drive.source': 'joint_state', 'drive.joint': 'crank',
+              'outputs': ['state']})
+    client.until(lambda: 'comes on /joint_states' in heard()[0].message, 'diagnostics')
+    status, _ = heard()
+    assert status.level == DiagnosticStatus.WARN
+    assert status.message == ('no input yet: /fourbar/input_joint_states has no publisher; '
+                              'sensor_msgs/msg/JointState comes on /joint_states')
+
+
+def test_a_second_node_of_one_name_is_told(run_node, client, heard):
+    nodes = [run_node(PAPER) for _ in range(2)]
+    client.until(lambda: 'another node has this name' in heard()[0].message, 'a warning')
+    assert all(node.process.poll() is None for node in nodes)
+
+
+def test_frames_that_two_nodes_move_are_told(client, tmp_path):
+    """One process, two fingers: without a prefix TF would jump between them."""
+    hand = tmp_path / 'hand.yaml'
+    hand.write_text('\n'.join(f"""/{name}:
+  ros__parameters:
+    linkage: {{a1: 0.4, a2: 1.2, a3: 0.8, a4: 1.0}}
+    joint_states: {{prefix: {prefix}}}
+    outputs: [tf]""" for name, prefix in (('left', 'l_'), ('right', "''"), ('third', "''"))))
+    process = subprocess.Popen(
+        [sys.executable, '-m', 'fourbar_ros.ros.node.start', 'left', 'right', 'third',
+         '--ros-args', '--params-file', str(hand)], stderr=subprocess.PIPE, text=True)
+    said = [process.stderr.readline() for _ in range(4)]      # how each moves, and the warning
+    process.terminate()
+    assert process.wait(PATIENCE) == 0
+    warned, = (line for line in said if 'keeps them apart' in line)
+    assert 'frames coupler_link, crank_link, output_link: also of right' in warned

@@ -186,7 +186,8 @@ class Condition:
         with np.errstate(invalid='ignore'):
             apart = abs(np.array(changed) - values) / STEP
         # NaN: there is no such value, or no pose beside this one; that only lowers the sum
-        return np.nan_to_num(apart, posinf=0.0).sum(axis=0) + np.nan_to_num(abs(values))
+        found: Array = np.nan_to_num(apart, posinf=0.0).sum(axis=0) + np.nan_to_num(abs(values))
+        return found
 
     def _neighbours(self, motion: list[float]) -> Iterator[list[float]]:
         """Yield the motion with one of its numbers changed, an angle by its part of one turn."""

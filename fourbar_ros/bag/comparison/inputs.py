@@ -384,7 +384,8 @@ def _distance(changes: Array, times: Array) -> Array:
     after = np.searchsorted(changes, times)
     before = changes[np.maximum(after - 1, 0)]
     next_one = changes[np.minimum(after, len(changes) - 1)]
-    return np.minimum(abs(times - before), abs(times - next_one))
+    found: Array = np.minimum(abs(times - before), abs(times - next_one))
+    return found
 
 
 def _messages(columns: Columns, is_received: bool, frame_id: str) -> list[tuple[int, int, Wrench]]:

@@ -28,7 +28,7 @@ from fourbar_ros.bag.read.reader import Bag
 from fourbar_ros.bag.read.records import Columns, Progress, Record
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.pipeline import rate_estimator
-from fourbar_ros.pipeline.status import LOADS_UNKNOWN, OK
+from fourbar_ros.pipeline.status import Evaluate, evaluate, LOADS_UNKNOWN, OK
 from fourbar_ros.pipeline.stepper import InModes
 from fourbar_ros.scene.message_fields import driven_of
 from fourbar_ros.scene.scene import from_values, Scene
@@ -46,8 +46,8 @@ def recompute(path: str | Path) -> list[Difference]:
     return compare(path).differences
 
 
-def compare(path: str | Path, progress: Progress | None = None, node: str | None = None
-            ) -> Recomputed:
+def compare(path: str | Path, progress: Progress | None = None, node: str | None = None,
+            by: Evaluate = evaluate) -> Recomputed:
     """
     Return the :class:`Recomputed` of a bag.
 
@@ -63,11 +63,13 @@ def compare(path: str | Path, progress: Progress | None = None, node: str | None
         Called with the number of bytes read.
     node : str, optional
         Which node, if a bag of rosbag2 has several.
+    by : callable, optional
+        What computes motion and loads in place of Python, as ``evaluate`` of generated code.
 
     """
     bag = Bag(path)
     origin = origin_of(bag, node)
-    work = Comparison(origin, bag.about())
+    work = Comparison(origin, bag.about(), by)
     waiting: list[Columns] | None = None      # a change of the scene may be near its end
     for block in bag.blocks(topics=list(origin.topics.values()), apart=origin.topics.get('scene'),
                             progress=progress):
@@ -95,10 +97,13 @@ class Comparison:
     origin : Origin
     about : dict
         custom_data of the bag.
+    by : callable
+        What computes motion and loads.
 
     """
 
-    def __init__(self, origin: Origin, about: Mapping[str, str]) -> None:
+    def __init__(self, origin: Origin, about: Mapping[str, str], by: Evaluate) -> None:
+        self._by = by
         self._topics, self._in_order = origin.topics, origin.in_order
         self._name_of = {topic: name for name, topic in origin.topics.items()}
         self._source = next((name for name in (*INPUTS, DRIVE_STATE.name)
@@ -133,7 +138,8 @@ class Comparison:
             self._settled = time + UNSETTLED
 
     def _start(self, scene: Scene) -> None:
-        self._scene, self._stepper = scene, InModes(scene, self._wrenches.in_effect)
+        self._scene, self._stepper = scene, InModes(scene, self._wrenches.in_effect,
+                                                       self._by)
         self._wrenches.in_effect = self._stepper.wrenches
         self._differences.change(scene, self._stepper.wrenches)
         self._driven.change(scene)

@@ -100,7 +100,8 @@ def says_silence(columns: Columns, name: str, layout: FieldMap) -> Array:
     joint_states may hold positions meanwhile.
     """
     if 'status' in columns.fields:
-        return columns.records['status'] == INPUT_TIMEOUT
+        found: Array = columns.records['status'] == INPUT_TIMEOUT
+        return found
     fields = ('velocity',) if name == 'joint_states' else layout.fields[name]
     silent = np.ones(len(columns.times), bool)
     for field in fields:

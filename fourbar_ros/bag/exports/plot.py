@@ -127,7 +127,8 @@ def thinned(places: Array, values: Array, stretches: int) -> Array:
     low = np.lexsort((np.where(unknown, np.inf, values), stretch))[begins]
     high = np.lexsort((-np.where(unknown, -np.inf, values), stretch))[begins]
     gaps = np.lexsort((~unknown, stretch))[begins]       # a gap in the curve stays one
-    return np.unique(np.concatenate((low, high, gaps[unknown[gaps]], [0, count - 1])))
+    found: Array = np.unique(np.concatenate((low, high, gaps[unknown[gaps]], [0, count - 1])))
+    return found
 
 
 def _starts(bag: Bag) -> tuple[int, int | None]:
@@ -194,7 +195,8 @@ def _column(columns: Columns, field: str) -> Array | None:
         return None
     elements, joints = records[element[1]].T, columns.layout.texts.get('name', [])
     if len(joints) == len(elements) and element[2] in joints:
-        return elements[joints.index(element[2])]
+        found: Array | None = elements[joints.index(element[2])]
+        return found
     index = int(element[2]) if element[2].isdecimal() else len(elements)
     return elements[index] if index < len(elements) else None
 

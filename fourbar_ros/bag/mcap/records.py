@@ -97,7 +97,8 @@ def encoded(*records: McapRecord) -> bytes:
     builder = RecordBuilder()
     for record in records:
         record.write(builder)
-    return builder.end()
+    found: bytes = builder.end()
+    return found
 
 
 def seal(record: Metadata) -> str:
@@ -128,7 +129,8 @@ def _decompressed(chunk: Chunk) -> bytes:
     """
     size = chunk.uncompressed_size
     if chunk.compression == '':
-        return chunk.data
+        found: bytes = chunk.data
+        return found
     if size > LARGEST:
         raise Damaged(f'chunk of {size} bytes; the limit is {LARGEST}')
     if chunk.compression == 'zstd':
@@ -143,12 +145,14 @@ def _decompressed(chunk: Chunk) -> bytes:
 def unzstd(data: bytes, size: int) -> bytes:
     """Return what was compressed, at most one byte more than ``size``."""
     with zstandard.ZstdDecompressor().stream_reader(data, read_across_frames=True) as stream:
-        return stream.read(size + 1)
+        found: bytes = stream.read(size + 1)
+        return found
 
 
 def unlz4(data: bytes, size: int) -> bytes:
     """Return what was compressed, at most one byte more than ``size``."""
-    return lz4.frame.LZ4FrameDecompressor().decompress(data, max_length=size + 1)
+    found: bytes = lz4.frame.LZ4FrameDecompressor().decompress(data, max_length=size + 1)
+    return found
 
 
 # What some writers (rosbag2 with compression_mode message) put in place of a message; CDR begins

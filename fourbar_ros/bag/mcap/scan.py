@@ -248,7 +248,7 @@ class Scan:
                                     lambda number, at: self._number(number, begin + at)))
         for end in sorted(ends):
             if offset < end <= size and (end == size or self._record_at(end)):
-                return end
+                return int(end)
         loose = not self._chunked and opcode != Opcode.CHUNK
         return self._search(offset + 1, size, loose) or self._limit or offset
 

@@ -97,13 +97,13 @@ class Container:
         """Return the number of a new schema; it is written with the next messages."""
         schema = Schema(len(self.schemas) + 1, text.encode(), encoding, name)
         self._define(self.schemas, schema)
-        return schema.id
+        return int(schema.id)
 
     def add_channel(self, topic: str, schema: int, metadata: dict[str, str]) -> int:
         """Return the number of a new channel of CDR messages, written with the next ones."""
         channel = Channel(len(self.channels) + 1, topic, 'cdr', metadata, schema)
         self._define(self.channels, channel)
-        return channel.id
+        return int(channel.id)
 
     def copy(self, record: Definition, checked: bool = True) -> bool:
         """

@@ -155,7 +155,8 @@ def missing_of(numbers: Any, count: int, last: int | None = None, gaps: int | No
             end = last + 1             # type: ignore[operator] # None: not known
         elif end is None:
             end = first
-        return max(end - first - count, 0)
+        found: int | None = max(end - first - count, 0)
+        return found
     except (TypeError, ValueError):
         return gaps
 

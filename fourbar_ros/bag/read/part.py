@@ -4,13 +4,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+import contextlib
 from dataclasses import replace
+import json
 from pathlib import Path
 from typing import Any, BinaryIO
 
 from fourbar_ros.bag import rosbag2
 from fourbar_ros.bag.cdr import Decoder
-from fourbar_ros.bag.mcap.metadata import repeats_in
 from fourbar_ros.bag.mcap.records import (
     Damaged,
     HEAD,
@@ -22,11 +23,13 @@ from fourbar_ros.bag.mcap.records import (
     split,
     unpacked,
 )
-from fourbar_ros.bag.mcap.scan import chunk_index, Found, Scan
+from fourbar_ros.bag.mcap.scan import chunk_index, ending, Found, Scan
 from fourbar_ros.bag.read.records import Message, Progress
+from fourbar_ros.bag.rosbag2 import KEY, NUMBERS, RECORD, repeated
+from fourbar_ros.bag.yaml_text import loaded, Told
 from fourbar_ros.errors import BagError
 from mcap.opcode import Opcode
-from mcap.records import Channel, Schema
+from mcap.records import Channel, Metadata, MetadataIndex, Schema, Statistics
 
 
 class PartReader:
@@ -254,7 +257,7 @@ class Channels:
             raise BagError(f'{self._path}: {channel.topic} has no schema')
         return schema
 
-    def qos(self, topic: str) -> list[dict[str, Any]]:
+    def qos(self, topic: str) -> list[Told]:
         """Return the QoS profiles under which a topic was offered."""
         return rosbag2.profiles_of(self.of(topic).metadata.get(rosbag2.QOS, ''))
 
@@ -280,3 +283,40 @@ def _is_same(a: Schema | Channel, b: Schema | Channel) -> bool:
         return (a.topic, a.message_encoding, a.schema_id) == (b.topic, b.message_encoding,
                                                               b.schema_id)
     return (a.name, a.encoding, a.data) == (b.name, b.encoding, b.data)
+
+
+# --- metadata of rosbag2 in a file, also in one that was cut off ---------------------------------
+
+def metadata_in(path: str | Path) -> Told | None:
+    """Return the rosbag2 metadata of a file, None if it has none."""
+    found = None
+    with open(path, 'rb') as file:
+        for record in metadata_records(file):
+            if record.name == RECORD and KEY in record.metadata:
+                with contextlib.suppress(BagError):
+                    found = loaded(record.metadata[KEY])
+    return found if isinstance(found, dict) else None
+
+
+def metadata_records(file: BinaryIO) -> Iterator[Metadata]:
+    """Yield every undamaged metadata record, by the index if there is one."""
+    end = ending(file)
+    places = end.of(MetadataIndex) if end else ()
+    is_told = places or end and any(not told.metadata_count for told in end.of(Statistics))
+    for place in places:
+        file.seek(place.offset)
+        with contextlib.suppress(Damaged):
+            yield parse(Opcode.METADATA, file.read(place.length)[HEAD.size:])
+    for _, opcode, body in () if is_told else Scan(file):
+        if opcode == Opcode.METADATA:
+            yield parse(opcode, body)
+
+
+def repeats_in(path: str | Path) -> dict[str, int]:
+    """Return {topic: number of its first new message} of a later part of a split bag of ours."""
+    try:
+        about = (metadata_in(path) or {})['custom_data']
+        numbers = json.loads(about[NUMBERS])
+        return {topic: int(numbers[topic][0]) for topic in repeated(about)}
+    except (KeyError, TypeError, ValueError, IndexError):
+        return {}

@@ -19,10 +19,10 @@ from typing import Any
 from fourbar_ros.bag import rosbag2
 from fourbar_ros.bag.cdr import Decoder
 from fourbar_ros.bag.file_system import is_being_written
-from fourbar_ros.bag.mcap.metadata import metadata_in
 from fourbar_ros.bag.mcap.scan import ending
-from fourbar_ros.bag.read.part import Channels, PartReader
+from fourbar_ros.bag.read.part import Channels, metadata_in, PartReader
 from fourbar_ros.bag.read.records import behind, Columns, Message, Progress, Raw, Record
+from fourbar_ros.bag.yaml_text import Told
 from fourbar_ros.errors import BagError
 from mcap.reader import make_reader, Summary
 import numpy as np
@@ -94,7 +94,7 @@ class Bag:
             return None if end is None or end.damage else make_reader(file).get_summary()
         return None
 
-    def metadata(self) -> dict[str, Any]:
+    def metadata(self) -> Told:
         """
         Return the rosbag2 metadata kept in the file itself; the last undamaged record wins.
 
@@ -128,7 +128,8 @@ class Bag:
 
     def decode(self, raw: Raw) -> SimpleNamespace:
         """Return the message of a :class:`Raw` as nested namespaces."""
-        return self.decoder_of(raw.channel).message(raw.data)
+        found: SimpleNamespace = self.decoder_of(raw.channel).message(raw.data)
+        return found
 
     def raw(self, topics: Iterable[str] | None = None, start: int | None = None,
             follow: bool = False) -> Iterator[Raw]:
@@ -225,15 +226,17 @@ class Bag:
 
     def type_of_channel(self, number: int) -> str:
         """Return the type of a channel."""
-        return self._channels.schema(number).name
+        found: str = self._channels.schema(number).name
+        return found
 
-    def qos_of(self, topic: str) -> list[dict[str, Any]]:
+    def qos_of(self, topic: str) -> list[Told]:
         """Return the QoS profiles, as dicts, under which a topic was offered."""
         return self._channels.qos(topic)
 
     def hash_of(self, topic: str) -> str:
         """Return the type hash of a topic, empty if the bag does not say."""
-        return self._channels.of(topic).metadata.get(rosbag2.HASH, '')
+        found: str = self._channels.of(topic).metadata.get(rosbag2.HASH, '')
+        return found
 
     def decoder(self, topic: str) -> Decoder:
         """Return the Decoder of a topic, of its first channel if it has several."""

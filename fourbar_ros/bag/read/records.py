@@ -60,7 +60,8 @@ class Columns(NamedTuple):
     @property
     def tree(self) -> SimpleNamespace:
         """Return the fields as nested namespaces of arrays: ``tree.header.stamp.sec``."""
-        return self.layout.tree(self.records)
+        found: SimpleNamespace = self.layout.tree(self.records)
+        return found
 
     @property
     def fields(self) -> tuple[str, ...]:
@@ -84,5 +85,6 @@ class Columns(NamedTuple):
         """Return the stamps of the headers [ns], None if the messages have none."""
         if 'header.stamp.sec' not in self.fields:
             return None
-        return (self.records['header.stamp.sec'].astype(np.int64) * 10**9
-                + self.records['header.stamp.nanosec'])
+        found: Array | None = (self.records['header.stamp.sec'].astype(np.int64) * 10**9
+                               + self.records['header.stamp.nanosec'])
+        return found

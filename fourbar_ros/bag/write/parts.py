@@ -14,7 +14,7 @@ import contextlib
 import json
 import os
 from pathlib import Path
-from typing import Any, BinaryIO, NamedTuple
+from typing import BinaryIO, NamedTuple
 
 from fourbar_ros import __version__
 from fourbar_ros.bag import rosbag2
@@ -22,7 +22,7 @@ from fourbar_ros.bag.file_system import mark_as_being_written, sync_folders
 from fourbar_ros.bag.mcap.records import OURS
 from fourbar_ros.bag.mcap.writer import Container
 from fourbar_ros.bag.rosbag2 import Channel
-from fourbar_ros.bag.yaml_text import dumped
+from fourbar_ros.bag.yaml_text import dumped, Told
 from mcap import __version__ as mcap_version
 
 SPLIT = 'split'             # why a part ended that another one follows
@@ -61,7 +61,7 @@ class Parts:
         # files to sync, recorded messages, dropped ones by topic.
         self._firsts = [0] * len(channels)
         self._repeats: list[tuple[int, int, int, bytes]] = []
-        self._done: list[dict[str, Any]] = []
+        self._done: list[Told] = []
         self._unsynced: deque[BinaryIO] = deque()
         self._recorded = 0
         self._lost: dict[str, int] = {}
@@ -189,7 +189,7 @@ class Parts:
     def _describe(self) -> None:
         self.container.add_metadata(rosbag2.RECORD, {rosbag2.KEY: dumped(self._metadata())})
 
-    def _metadata(self) -> dict[str, Any]:
+    def _metadata(self) -> Told:
         return rosbag2.describe(self._path.name, self.container,
                                 {**self._about, **self._numbers()})
 

@@ -40,11 +40,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import inf, nan
-from typing import Any, ClassVar, NamedTuple, Protocol
+from typing import ClassVar, NamedTuple, Protocol
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.numerics.arrays import EPS
 from fourbar_ros.numerics.given import array, check_quantities, quantity
+from fourbar_ros.numerics.number_types import Scalar
 import numpy as np
 
 State = Sequence[float]
@@ -74,12 +75,12 @@ class Source(Protocol):
 class Piece(NamedTuple):
     """Coefficients of (M1), w the speed behind the gear; floats or any number type."""
 
-    torque: Any
-    by_speed: Any = 0.0
-    by_state: Any = 0.0
-    change: Any = 0.0
-    change_by_speed: Any = 0.0
-    change_by_state: Any = 0.0
+    torque: Scalar
+    by_speed: Scalar = 0.0
+    by_state: Scalar = 0.0
+    change: Scalar = 0.0
+    change_by_speed: Scalar = 0.0
+    change_by_state: Scalar = 0.0
 
     def torque_at(self, speed: float, state: float) -> float:
         """Return T."""
@@ -93,7 +94,7 @@ class Piece(NamedTuple):
 
 
 Margins = Callable[[float, float, float], tuple[float, ...]]
-Tangent = Callable[[Any], Piece]
+Tangent = Callable[[Scalar], Piece]
 
 
 class Regime(NamedTuple):

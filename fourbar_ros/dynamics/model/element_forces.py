@@ -7,7 +7,7 @@ from collections import namedtuple
 from collections.abc import Callable, Sequence
 from functools import lru_cache
 from math import isfinite
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Union
 
 from fourbar_ros.dynamics.model.elements import (
     Element,
@@ -15,30 +15,31 @@ from fourbar_ros.dynamics.model.elements import (
     Spring,
     TorsionSpring,
 )
-from fourbar_ros.dynamics.model.terms import deflection, make_push
+from fourbar_ros.dynamics.model.terms import Curves, deflection, make_push
 from fourbar_ros.errors import FourBarError, InvalidParameter, MissingBodies
 from fourbar_ros.mechanics.bodies import Applied, applied_to, unchecked
-from fourbar_ros.mechanisms.parts import GROUND
-from fourbar_ros.mechanisms.points import FIXED, LinkMotion, point_of
-from fourbar_ros.numerics.number_types import ARRAY, NumberType, REAL
+from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.parts import GROUND, NamedFields
+from fourbar_ros.mechanisms.points import Curve, FIXED, point_of
+from fourbar_ros.numerics.number_types import ARRAY, NumberType, REAL, Scalar
 import numpy as np
+from numpy.typing import ArrayLike
 
-Loaded = Callable[[float, float], Any]
-Curves = dict[str, LinkMotion]
+Loaded = Callable[[float, float], Union[Mechanism, None]]
 
 
 class Acting(NamedTuple):
     """A force [N] at a place [m] and a couple [N m] on a link, along the ground axes."""
 
     link: str
-    x: Any
-    y: Any
-    force_x: Any
-    force_y: Any
-    couple: Any
+    x: Scalar
+    y: Scalar
+    force_x: Scalar
+    force_y: Scalar
+    couple: Scalar
 
 
-def forces_of(element: Spring | TorsionSpring, one: LinkMotion, two: LinkMotion,
+def forces_of(element: Spring | TorsionSpring, one: Curve, two: Curve,
               n: NumberType = REAL) -> tuple[Acting, Acting]:
     """
     Return what a spring does to its first and to its second link.
@@ -70,14 +71,14 @@ def forces_of(element: Spring | TorsionSpring, one: LinkMotion, two: LinkMotion,
             Acting(second, q.x, q.y, -pull * x, -pull * y, 0.0))
 
 
-def _make_all(n: NumberType, linkage: Any, elements: Sequence[Element]
+def _make_all(n: NumberType, linkage: Mechanism, elements: Sequence[Element]
               ) -> Callable[[Curves, Any], list[Acting]]:
     """Return the function (curves by link, input) -> what all elements do."""
     springs = [element for element in elements if not isinstance(element, PositionForce)]
     pushes = [(element, make_push(n, element, element.make_value(linkage)))
               for element in elements if isinstance(element, PositionForce)]
 
-    def acting(curves: Curves, position: Any) -> list[Acting]:
+    def acting(curves: Curves, position: Scalar) -> list[Acting]:
         found = [force for spring in springs for force in
                  forces_of(spring, curves[spring.links[0]], curves[spring.links[1]], n)]
         for element, push in pushes:
@@ -90,7 +91,7 @@ def _make_all(n: NumberType, linkage: Any, elements: Sequence[Element]
     return acting
 
 
-def _known_links(linkage: Any, elements: Sequence[Element]) -> set[str]:
+def _known_links(linkage: Mechanism, elements: Sequence[Element]) -> set[str]:
     """Return the moving links of which elements need to know the motion."""
     links = [link.name for link in linkage.LINKS]
     named = {link for element in elements for link in element.links} - {GROUND}
@@ -100,7 +101,7 @@ def _known_links(linkage: Any, elements: Sequence[Element]) -> set[str]:
     return named
 
 
-def make_loaded(linkage: Any, elements: Sequence[Element]) -> Loaded:
+def make_loaded(linkage: Mechanism, elements: Sequence[Element]) -> Loaded:
     """
     Return the function (position, rate) -> linkage with the elements' forces of this moment.
 
@@ -112,7 +113,7 @@ def make_loaded(linkage: Any, elements: Sequence[Element]) -> Loaded:
     known, all_acting = _known_links(linkage, elements), _make_all(REAL, linkage, elements)
     on_links = _on_links(links)
 
-    def loaded(position: float, rate: float) -> Any:
+    def loaded(position: float, rate: float) -> Mechanism | None:
         try:
             motion = linkage.motion(position, rate, 0.0)
         except FourBarError:
@@ -132,8 +133,8 @@ def make_loaded(linkage: Any, elements: Sequence[Element]) -> Loaded:
     return loaded
 
 
-def loads_with(linkage: Any, elements: Sequence[Element], position: Any, rate: Any = 0.0,
-               acceleration: Any = 0.0) -> Any:
+def loads_with(linkage: Mechanism, elements: Sequence[Element], position: ArrayLike,
+               rate: ArrayLike = 0.0, acceleration: ArrayLike = 0.0) -> NamedFields:
     """
     Return the loads of a prescribed motion with springs, dampers and forces over a position.
 
@@ -158,21 +159,23 @@ def loads_with(linkage: Any, elements: Sequence[Element], position: Any, rate: A
         raise MissingBodies
     given = np.broadcast_arrays(*(np.asarray(value, float) for value in
                                   (position, rate, acceleration)))
-    shape, flat = given[0].shape, [np.ravel(value) for value in given]
+    shape = given[0].shape
+    positions, rates, accelerations = (np.ravel(value) for value in given)
     with np.errstate(all='ignore'):
-        motion = linkage.motion(*flat)
+        motion = linkage.motion(positions, rates, accelerations)
         links = tuple(link.name for link in linkage.LINKS)
         curves = {link: linkage.link_motion(motion, link)
                   for link in _known_links(linkage, elements)}
         curves[GROUND] = FIXED
-        acting = _make_all(ARRAY, linkage, elements)(curves, flat[0])
+        acting = _make_all(ARRAY, linkage, elements)(curves, positions)
         external = {link: applied_to(linkage.external, link) for link in links}
         for link in {force.link for force in acting} - {GROUND}:
             here = [force for force in acting if force.link == link]
             external[link] = unchecked(Applied, *_with(external[link], curves[link], here))
         loads = linkage.with_external(_on_links(links)(**external)).make_loads(ARRAY)(motion)
-    rows = [np.broadcast_to(row, flat[0].shape).reshape(shape) for row in loads]
-    return linkage.LOADS(*(rows if shape else [float(row) for row in rows]))
+    rows = [np.broadcast_to(row, positions.shape).reshape(shape) for row in loads]
+    found: NamedFields = linkage.LOADS(*(rows if shape else [float(row) for row in rows]))
+    return found
 
 
 @lru_cache(maxsize=64)
@@ -181,7 +184,7 @@ def _on_links(links: tuple[str, ...]) -> Any:
     return namedtuple('OnLinks', links)  # noqa: PYI024
 
 
-def _with(given: Applied, curve: LinkMotion, acting: Sequence[Acting]) -> tuple[Any, ...]:
+def _with(given: Applied, curve: Curve, acting: Sequence[Acting]) -> tuple[Scalar, ...]:
     """Return the numbers of an external force with others, moved to its point."""
     at = point_of(curve, given.along, given.across)
     couple = given.couple + sum(force.couple + (force.x - at.x) * force.force_y

@@ -15,7 +15,9 @@ from typing import Any, Union
 
 from fourbar_ros.dynamics.model.force_table import ForceTable
 from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import GROUND
+from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.given import check_quantities, number, quantity
 import numpy as np
 
@@ -195,12 +197,12 @@ class PositionForce:
             return 1
         return max(1, round(table.span / tau))
 
-    def is_over_angle(self, mechanism: Any) -> bool:
+    def is_over_angle(self, mechanism: Mechanism) -> bool:
         """Return whether its place is an angle."""
         return (not mechanism.is_driven_by_slide if self.over == INPUT
                 else isinstance(self.over, LinkAngle))
 
-    def make_value(self, mechanism: Any) -> Callable[[Any], Any]:
+    def make_value(self, mechanism: Mechanism) -> Callable[[Any], Any]:
         """
         Return the function s -> F(s), times the factor, of floats and arrays.
 
@@ -217,9 +219,10 @@ class PositionForce:
                 return factor * number('value', value(place), f'at {place!r} must be a finite '
                                                               'number')
 
-            def of_many(places: Any) -> Any:
-                return np.vectorize(lambda place: factor * value(float(place)),
-                                    otypes=[float])(places)
+            def of_many(places: Array) -> Array:
+                found: Array = np.vectorize(lambda place: factor * value(float(place)),
+                                            otypes=[float])(places)
+                return found
             return lambda place: (of_one if isinstance(place, float) else of_many)(place)
         is_angle = self.is_over_angle(mechanism)
         _require_fitting(value, is_angle, mechanism.turns_fully and self.over == INPUT)

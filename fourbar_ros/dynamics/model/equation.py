@@ -54,43 +54,47 @@ from fourbar_ros.dynamics.model.terms import (
 )
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import NOT_APPLIED
+from fourbar_ros.mechanisms.mechanism import DrivenLinks, Mechanism
 from fourbar_ros.mechanisms.parts import GROUND
-from fourbar_ros.mechanisms.points import FIXED
-from fourbar_ros.numerics.number_types import ARRAY, Function, NumberType
+from fourbar_ros.mechanisms.points import Curve, FIXED
+from fourbar_ros.numerics.arrays import Array, Value
+from fourbar_ros.numerics.number_types import ARRAY, Function, NumberType, Scalar
 from fourbar_ros.numerics.straight_line import straight_line
 import numpy as np
+
+MakeFormula = Callable[[DrivenLinks, NumberType], Function]      # of the coordinate
 
 
 class Terms(NamedTuple):
     """Terms of (E1) at one input; each a float, or an array of the input's shape."""
 
-    inertia: Any          # J [kg m^2], of a slide [kg]
-    half_slope: Any       # J'/2 [kg m^2/rad], [kg/m]
-    force: Any            # Q of gravity, loads and springs [N m], [N]
-    damping: Any          # D [N m s/rad], [N s/m]
+    inertia: Any             # J [kg m^2], of a slide [kg]
+    half_slope: Any          # J'/2 [kg m^2/rad], [kg/m]
+    force: Any               # Q of gravity, loads and springs [N m], [N]
+    damping: Any             # D [N m s/rad], [N s/m]
 
 
 class InBothModes:
     """A formula of the input in the mode that holds there: of floats, or of arrays."""
 
-    def __init__(self, make_formula: Callable[[Any, NumberType], Function], modes: Sequence[Any],
+    def __init__(self, make_formula: MakeFormula, modes: Sequence[DrivenLinks],
                  is_alternate: Function | None) -> None:
         self._lines = [straight_line(partial(make_formula, mode)) for mode in modes]
         self._formulas = [make_formula(mode, ARRAY) for mode in modes]
         self._is_alternate, self._mechanism = is_alternate, modes[0]
 
-    def of_one(self, position: float) -> tuple[Any, ...]:
+    def of_one(self, position: float) -> tuple[Scalar, ...]:
         """Return the results for a float; where there are none, the mechanism says why."""
         alternate = self._is_alternate
         line = self._lines[0 if alternate is None else alternate(position)]
         try:
-            found: tuple[Any, ...] = line(position)
+            found: tuple[Scalar, ...] = line(position)
             return found
         except (ValueError, ZeroDivisionError):
             self._mechanism.motion(position, 1.0, 0.0)
             raise
 
-    def of_many(self, positions: Any) -> list[Any]:
+    def of_many(self, positions: Array) -> list[Array]:
         """Return the results as arrays of the shape of the positions, NaN where there are none."""
         positions = np.asarray(positions, float)
         with np.errstate(all='ignore'):
@@ -99,14 +103,16 @@ class InBothModes:
             found[0] = [np.where(self._is_alternate(positions), b, a) for a, b in zip(*found)]
         return [np.broadcast_to(row, positions.shape) for row in found[0]]
 
-    def __call__(self, position: Any) -> Sequence[Any]:
+    def __call__(self, position: Scalar | Array) -> Sequence[Any]:
         """Return the results for a number or an array of numbers."""
-        return self.of_many(position) if np.ndim(position) else self.of_one(float(position))
+        if isinstance(position, np.ndarray) and position.ndim:
+            return self.of_many(position)
+        return self.of_one(float(position))
 
 
-def make_reading(of: Any) -> Callable[[Any, NumberType], Function]:
+def make_reading(of: DrivenLinks) -> MakeFormula:
     """Return (coordinate, number type) -> formula: input of a mechanism and its derivatives."""
-    def make(coordinate: Any, n: NumberType) -> Function:
+    def make(coordinate: DrivenLinks, n: NumberType) -> Function:
         coefficients = coordinate.make_coefficients(n)
         return lambda position: of.read_coordinate(n, coefficients(position))
     return make
@@ -139,11 +145,11 @@ class Equation:
 
     """
 
-    def __init__(self, mechanism: Any, elements: Sequence[Element] = (),
+    def __init__(self, mechanism: Mechanism, elements: Sequence[Element] = (),
                  extra_inertia: float = 0.0, start: float | None = None,
-                 coordinate: Any = None) -> None:
+                 coordinate: DrivenLinks | None = None) -> None:
         self.mechanism, self.elements = mechanism, tuple(elements)
-        self.coordinate = mechanism if coordinate is None else coordinate
+        self.coordinate: DrivenLinks = mechanism if coordinate is None else coordinate
         self.extra_inertia = extra_inertia
         loads, links = loads_of_links(mechanism), [link.name for link in mechanism.LINKS]
         self._bodies = [(links.index(name), *what) for name, what in loads.items()
@@ -162,7 +168,7 @@ class Equation:
         self._terms = self.in_both_modes(self.make_terms)
         self.of_one = self._terms.of_one      # (J, J'/2, Q, D, part without potential), fast
 
-    def in_both_modes(self, make_formula: Callable[[Any, NumberType], Function]) -> InBothModes:
+    def in_both_modes(self, make_formula: MakeFormula) -> InBothModes:
         """Return a formula made for (coordinate, number type) in the mode that holds."""
         modes = [self.coordinate]
         if self._is_alternate is not None:
@@ -191,7 +197,7 @@ class Equation:
         return ((lambda position: (*of_one(position), 1.0, 0.0)) if self.is_input
                 else self.with_ratio.of_one)
 
-    def make_with_ratio(self, coordinate: Any, n: NumberType) -> Function:
+    def make_with_ratio(self, coordinate: DrivenLinks, n: NumberType) -> Function:
         """Return the formula of it for a coordinate and a number type."""
         terms = self.make_terms(coordinate, n)
         if self.is_input:
@@ -209,7 +215,7 @@ class Equation:
         """Return whether the mechanism goes on in the other mode at flat positions."""
         return self._is_alternate is not None
 
-    def make_terms(self, mechanism: Any, n: NumberType) -> Function:
+    def make_terms(self, mechanism: DrivenLinks, n: NumberType) -> Function:
         """Return the formula position -> (J, J'/2, Q, D, part of Q without a potential)."""
         coefficients, gravity = mechanism.make_coefficients(n), self.mechanism.gravity
         extra = self.extra_inertia
@@ -220,7 +226,7 @@ class Equation:
                    for element, one, two in self._springs]
         forces = self._make_forces(n)
 
-        def terms(position: Any) -> tuple[Any, ...]:
+        def terms(position: Scalar) -> tuple[Scalar, ...]:
             moving = coefficients(position)
             curves = [*moving, FIXED]
             value, turn, bend = (position, 1.0, 0.0) if is_input else read(n, moving)
@@ -243,20 +249,20 @@ class Equation:
         """Return the function (curves, input) -> Q of the forces over a position, if any, (E7)."""
         terms = [make_force_term(n, element, self.mechanism) for element in self.forces]
 
-        def forces(curves: Any, position: Any) -> Any:
+        def forces(curves: Sequence[Curve], position: Scalar) -> Scalar:
             by_link, total = dict(zip(self._links, curves)), 0.0
             for term in terms:
                 total = total + term(by_link, position)
             return total
         return forces if terms else None
 
-    def _make_potential(self, mechanism: Any, n: NumberType) -> Function:
+    def _make_potential(self, mechanism: DrivenLinks, n: NumberType) -> Function:
         """Return the function position -> (V, -dQ/dq, sum of the sizes of the parts of V)."""
         coefficients, gravity = mechanism.make_coefficients(n), self.mechanism.gravity
         is_input, read = self.is_input, self.mechanism.read_coordinate
         forces = [make_force_stiffness(n, element, self.mechanism) for element in self.forces]
 
-        def potential(position: Any) -> tuple[Any, ...]:
+        def potential(position: Scalar) -> tuple[Scalar, ...]:
             moving = coefficients(position)
             curves = [*moving, FIXED]
             energy, stiffness, size = 0.0, 0.0, 0.0
@@ -279,37 +285,44 @@ class Equation:
     def _potential(self) -> InBothModes:
         return self.in_both_modes(self._make_potential)
 
-    def terms(self, position: Any) -> Terms:
+    def terms(self, position: Value) -> Terms:
         """Return J, J'/2, Q and D at an input or an array of inputs; errors as of ``motion``."""
         return Terms(*self._terms(position)[:4])
 
-    def acceleration(self, position: Any, rate: Any, drive: Any = 0.0) -> Any:
+    def acceleration(self, position: Value, rate: Value,
+                     drive: float = 0.0) -> Value:
         """Return dw/dt under the torque (force) of the drive on the input, by (E1)."""
         inertia, half_slope, force, damping = self.terms(position)
-        return (force + drive - (damping + half_slope * rate) * rate) / inertia
+        found: Value = (force + drive - (damping + half_slope * rate) * rate) / inertia
+        return found
 
-    def torque(self, position: Any, rate: Any, acceleration: Any) -> Any:
+    def torque(self, position: Value, rate: Value, acceleration: Value) -> Value:
         """Return the torque (force) of the drive that this motion needs, by (E1)."""
         inertia, half_slope, force, damping = self.terms(position)
-        return inertia * acceleration + (half_slope * rate + damping) * rate - force
+        found: Value = inertia * acceleration + (half_slope * rate + damping) * rate - force
+        return found
 
-    def stiffness(self, position: Any) -> Any:
+    def stiffness(self, position: Value) -> Value:
         """Return -dQ/dq [N m/rad], [N/m]: exact but for dF/ds of forces over a position."""
-        return self._potential(position)[1]
+        found: Value = self._potential(position)[1]
+        return found
 
-    def couples(self, position: Any) -> Any:
+    def couples(self, position: Value) -> Value:
         """Return the part of Q that has no potential: of couples, of forces over a position."""
-        return self._terms(position)[4]
+        found: Value = self._terms(position)[4]
+        return found
 
-    def potential(self, position: Any) -> Any:
+    def potential(self, position: Value) -> Value:
         """Return V [J], Q = -V' but for :meth:`couples`: of gravity, constant forces, springs."""
-        return self._potential(position)[0]
+        found: Value = self._potential(position)[0]
+        return found
 
-    def potential_and_size(self, position: Any) -> tuple[Any, Any]:
+    def potential_and_size(self, position: Value) -> tuple[Value, Value]:
         """Return V and the sum of the sizes of its parts [J], in whose rounding it is known."""
         potential, _, size = self._potential(position)
         return potential, size
 
-    def energy(self, position: Any, rate: Any) -> Any:
+    def energy(self, position: Value, rate: Value) -> Value:
         """Return kinetic plus potential energy [J]."""
-        return 0.5 * self.terms(position).inertia * rate * rate + self.potential(position)
+        found: Value = 0.5 * self.terms(position).inertia * rate * rate + self.potential(position)
+        return found

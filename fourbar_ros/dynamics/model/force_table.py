@@ -16,10 +16,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import isfinite
-from typing import Any
 
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.numerics.arrays import Array, Value
 from fourbar_ros.numerics.given import number
 from fourbar_ros.optional import MissingPackage
 import numpy as np
@@ -104,11 +103,12 @@ class ForceTable:
         """Return the middle of its places."""
         return 0.5 * (self.places[0] + self.places[-1])
 
-    def __call__(self, place: Any) -> Any:
+    def __call__(self, place: Value) -> Value:
         """Return the value at a place, a float or an array."""
         if not isinstance(place, float):
             (a, b, c, d), t = self._of_many(place)
-            return ((a * t + b) * t + c) * t + d
+            force: Array = ((a * t + b) * t + c) * t + d
+            return force
         first, last, period, inner, rows = self._for_one
         if period:
             place = first + (place - first) % period
@@ -120,7 +120,7 @@ class ForceTable:
         t = place - start
         return ((a * t + b) * t + c) * t + d
 
-    def _of_many(self, place: Any) -> tuple[Array, Array]:
+    def _of_many(self, place: Array) -> tuple[Array, Array]:
         """Return the coefficients of pieces, highest first, and how far into them places are."""
         places, place = np.array(self.places), np.asarray(place, float)
         if self.is_periodic:

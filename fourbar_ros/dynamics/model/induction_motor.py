@@ -18,10 +18,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import tau
-from typing import Any
 
 from fourbar_ros.dynamics.model.drives import always, Law, Piece, RegimeAt
 from fourbar_ros.numerics.given import quantity
+from fourbar_ros.numerics.number_types import Scalar
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class InductionMotor(Law):
         synchronous, s_b = self.synchronous_speed, self.breakdown_slip
         factor = 2.0 * self.gear * self.breakdown_torque * s_b
 
-        def tangent(speed: Any) -> Piece:
+        def tangent(speed: Scalar) -> Piece:
             slip = 1.0 - speed / synchronous
             whole = slip * slip + s_b * s_b
             torque = factor * slip / whole                                                  # (K1)

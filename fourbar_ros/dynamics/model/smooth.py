@@ -11,14 +11,14 @@ one interval to the next.
 """
 from __future__ import annotations
 
-from collections.abc import Callable
 from math import floor, tau
-from typing import Any
 
+from fourbar_ros.mechanisms.mechanism import DrivenLinks
+from fourbar_ros.numerics.number_types import Function, Scalar
 import numpy as np
 
 
-def flat_positions(mechanism: Any) -> tuple[float, ...]:
+def flat_positions(mechanism: DrivenLinks) -> tuple[float, ...]:
     """Return the inputs at which a change point lies flat: of an angle in [0, 2 pi), in order."""
     if mechanism.change_point_margin != 0.0:
         return ()
@@ -30,25 +30,25 @@ def flat_positions(mechanism: Any) -> tuple[float, ...]:
     return tuple(sorted({value % tau if is_angle else value for value in inside}))
 
 
-def beyond(mechanism: Any) -> Any:
+def beyond(mechanism: DrivenLinks) -> DrivenLinks:
     """Return a mechanism in the mode into which it goes on at its flat positions."""
     return mechanism.in_mode(mechanism.mode_beyond(flat_positions(mechanism)[0]))
 
 
-def make_interval_of(mechanism: Any) -> Callable[[Any], Any]:
+def make_interval_of(mechanism: DrivenLinks) -> Function:
     """Return the function input -> number of flat positions below it, counted from 0 up."""
     places = flat_positions(mechanism)
     if mechanism.is_driven_by_slide:
         return lambda position: sum(position >= place for place in places)
 
-    def interval_of(position: Any) -> Any:
+    def interval_of(position: Scalar) -> int:
         if isinstance(position, float):
             return sum(floor((position - place) / tau) for place in places)
         return sum(np.floor((position - place) / tau) for place in places)
     return interval_of
 
 
-def make_is_alternate(mechanism: Any, start: float) -> Callable[[Any], Any] | None:
+def make_is_alternate(mechanism: DrivenLinks, start: float) -> Function | None:
     """
     Return the function input -> whether a smooth motion is in the other mode there.
 

@@ -15,7 +15,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import partial
 from math import inf
-from typing import Any
 
 from fourbar_ros.dynamics.model.drives import (
     Answer,
@@ -30,7 +29,10 @@ from fourbar_ros.dynamics.model.equation import Equation
 from fourbar_ros.dynamics.model.smooth import flat_positions
 from fourbar_ros.dynamics.solve.phase import AT_LIMIT, Course, Phase
 from fourbar_ros.errors import FourBarError, InvalidParameter
+from fourbar_ros.mechanisms.mechanism import DrivenLinks, Mechanism
+from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.given import number
+from fourbar_ros.numerics.number_types import Function
 import numpy as np
 
 State = Sequence[float]
@@ -62,7 +64,7 @@ class System:
 
     """
 
-    def __init__(self, mechanism: Any, position: float, rate: float = 0.0,
+    def __init__(self, mechanism: Mechanism, position: float, rate: float = 0.0,
                  elements: Sequence[Element] = (), drive: Drive | None = None,
                  stops_at_change_points: bool = False) -> None:
         if not isinstance(drive, (Drive, type(None))):
@@ -76,7 +78,8 @@ class System:
         motion = (number('position', position), number('rate', rate))
         elements = tuple(elements)
 
-        def make_equation(mechanism: Any, start: float, coordinate: Any) -> Equation:
+        def make_equation(mechanism: Mechanism, start: float,
+                          coordinate: DrivenLinks | None) -> Equation:
             return Equation(mechanism, elements, drive.rigid_inertia if drive else 0.0, start,
                             coordinate)
         self.equation = make_equation(mechanism, motion[0], None)
@@ -95,7 +98,7 @@ class System:
         self.course = Course(make_equation, mechanism, motion[0], self)
         self.derivative = self.course.first.derivative
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         """Pickle what it was made of: the functions of its equations are made again."""
         return System, (self._given, *self.start[:2], self.equation.elements, self.drive,
                         self.stops_at_change_points)
@@ -134,8 +137,8 @@ class System:
         """Return functions (time, state in a phase) whose zeros end a run."""
         passes = phase.can_end or self.has_no_limits
 
-        def limit(time: float, state: Any) -> float:
-            state = phase.states_of_input(np.asarray(state))
+        def limit(time: float, state: State) -> float:
+            state = phase.states_of_input(np.asarray(state)).tolist()
             return (self.distance_to_end(float(state[0])) if passes
                     else self.distance_to_limit(time, state))
 
@@ -206,20 +209,20 @@ class System:
             state[self._speed + 1] = regime.own(self._speed_in(phase, state), 0.0)
         return state
 
-    def kinks(self, phase: Phase, regime: Regime) -> Callable[[float, Any], tuple[float, ...]]:
+    def kinks(self, phase: Phase, regime: Regime) -> Callable[[float, Array], tuple[float, ...]]:
         """Return (time, state) -> numbers of which one falls below zero where a regime ends."""
         derivative = self.make_derivative(phase, regime)
         assert regime.margins is not None
         margins, has_slope = regime.margins, regime.edge is not None
 
-        def margins_at(time: float, state: Any) -> tuple[float, ...]:
-            state = state.tolist()
+        def margins_at(time: float, values: Array) -> tuple[float, ...]:
+            state = values.tolist()
             slope = self._slope_in(phase, state, derivative(time, state)) if has_slope else 0.0
             own = state[self._speed + 1:-1]
             return margins(self._speed_in(phase, state), own[0] if own else 0.0, slope)
         return margins_at
 
-    def make_derivative(self, phase: Phase, regime: Regime | None = None) -> Any:
+    def make_derivative(self, phase: Phase, regime: Regime | None = None) -> Function:
         """Return the function (time, state) -> d state / dt in the coordinate of a phase."""
         plain = self._make_derivative(phase, regime)
         if regime is None or regime.edge is None:
@@ -232,7 +235,7 @@ class System:
                     *change[own + 1:])
         return sliding
 
-    def _make_derivative(self, phase: Phase, regime: Regime | None) -> Any:
+    def _make_derivative(self, phase: Phase, regime: Regime | None) -> Function:
         terms_of, drive = phase.equation.of_one, self._drive if self.drive else None
         if drive and regime:
             drive = partial(drive, regime=regime)

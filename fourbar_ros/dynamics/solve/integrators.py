@@ -308,7 +308,8 @@ def _restarts(system: System, until: float, is_finer: bool) -> Array:
     breaks = breaks[(breaks > 0.0) & (breaks < until)]
     if is_finer and 0 < breaks.size <= MOST_STOPS:
         ends = np.concatenate([[0.0], breaks, [until]])
-        return np.unique(np.concatenate([breaks, 0.5 * (ends[1:] + ends[:-1])]))
+        found: Array = np.unique(np.concatenate([breaks, 0.5 * (ends[1:] + ends[:-1])]))
+        return found
     return breaks
 
 

@@ -16,18 +16,22 @@ long before a toggle, so that both are accurate where one takes over from the ot
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property, partial
 from math import inf, remainder, sin, sqrt, tau
-from typing import Any, Union
+from typing import TYPE_CHECKING, Union
 
-from fourbar_ros.dynamics.model.equation import Equation, make_reading
+from fourbar_ros.dynamics.model.equation import Equation, InBothModes, make_reading
 from fourbar_ros.dynamics.model.smooth import flat_positions, make_interval_of
-from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.numerics.number_types import ARRAY
+from fourbar_ros.mechanisms.mechanism import DrivenLinks, Mechanism
+from fourbar_ros.numerics.arrays import Array, Value
+from fourbar_ros.numerics.number_types import ARRAY, Function, NumberType, Scalar
 from fourbar_ros.numerics.straight_line import straight_line
 import numpy as np
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from fourbar_ros.dynamics.model.system import System
 
 State = Union[Sequence[float], Array]
 # how a part of a run ends
@@ -36,6 +40,9 @@ COMPLETE, GAVE_UP, AT_LIMIT, AT_CHANGE_POINT, HANDED_OVER, PROJECTED = (
 AT_EVENT = 'at an event'
 CLOSE = 1e-3       # largest part of the kinetic energy that a projection may change
 LONGEST = 2.0      # |do/dp| at which o takes over from p
+
+
+MakeEquation = Callable[[Mechanism, float, Union[DrivenLinks, None]], Equation]
 
 
 class Phase:
@@ -56,22 +63,27 @@ class Phase:
     """
 
     def __init__(self, course: Course, equation: Equation, start: float,
-                 other: Any = None) -> None:
+                 other: DrivenLinks | None = None) -> None:
         self.course, self.equation, self._other = course, equation, other
         self.is_input = equation.coordinate is equation.mechanism
         self._key = self.is_input, equation.coordinate.mode, start
         self.derivative = course.system.make_derivative(self)
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         """Pickle the system and which of its phases this is."""
         return _of_system, (self.course.system, self._key)
 
-    @cached_property
-    def _reading(self) -> Any:
-        return self.equation.in_both_modes(make_reading(self._other))
+    @property
+    def _next_coordinate(self) -> DrivenLinks:
+        assert self._other is not None, 'no coordinate takes over'
+        return self._other
 
     @cached_property
-    def pose(self) -> Any:
+    def _reading(self) -> InBothModes:
+        return self.equation.in_both_modes(make_reading(self._next_coordinate))
+
+    @cached_property
+    def pose(self) -> InBothModes:
         """Return the function position -> places and directions of all links."""
         return self.equation.in_both_modes(_make_directions)
 
@@ -83,7 +95,7 @@ class Phase:
     def excess(self, time: float, state: State) -> float:
         """Return a number that rises above zero where the other coordinate takes over."""
         ratio = abs(self._reading(float(state[0]))[1])
-        unit = self.equation.coordinate.input_unit / self._other.input_unit
+        unit = self.equation.coordinate.input_unit / self._next_coordinate.input_unit
         return float(min(ratio * unit, 1e3) - LONGEST)
 
     # as an event of an integrator: what it does, and how a part of a run then ends
@@ -158,13 +170,13 @@ class Phase:
         return found
 
 
-def _of_system(system: Any, key: tuple[bool, int, float]) -> Phase:
+def _of_system(system: System, key: tuple[bool, int, float]) -> Phase:
     """Return a phase of a system that was pickled."""
-    phase: Phase = system.course.of(*key)
-    return phase
+    return system.course.of(*key)
 
 
-def _make_directions(coordinate: Any, n: Any) -> Callable[[Any], list[Any]]:
+def _make_directions(coordinate: DrivenLinks, n: NumberType
+                     ) -> Callable[[Scalar], list[Scalar]]:
     """Return the formula of places and directions of all links: the pose."""
     coefficients = coordinate.make_coefficients(n)
     return lambda position: [value for curve in coefficients(position)
@@ -188,8 +200,8 @@ class Course:
 
     """
 
-    def __init__(self, make_equation: Callable[[Any, float, Any], Equation], mechanism: Any,
-                 start: float, system: Any) -> None:
+    def __init__(self, make_equation: MakeEquation, mechanism: Mechanism, start: float,
+                 system: System) -> None:
         self._make_equation, self._mechanism = make_equation, mechanism
         self.system, self._start = system, start
         others = () if mechanism.turns_fully else mechanism.driven_otherwise()
@@ -199,8 +211,8 @@ class Course:
             middles = [0.5 * (low + high) for low, high in mechanism.input_ranges]
             middle = min(middles, key=lambda value: abs(remainder(start - value, tau)))
             self._middle = start - remainder(start - middle, tau)
-        self._phases: dict[Any, Phase] = {}
-        self._poses: dict[Any, Any] = {}
+        self._phases: dict[tuple[bool, int, int], Phase] = {}
+        self._poses: dict[tuple[bool, int], Function] = {}
         self.first = self.of(True, mechanism.mode, start)
 
     def at(self, state: State) -> tuple[Phase, list[float]]:
@@ -208,7 +220,7 @@ class Course:
         has_ended = self.first.can_end and self.first.excess(0.0, state) > 0.0
         return self.first.next(state) if has_ended else (self.first, list(state))
 
-    def continuous(self, value: Any) -> Any:
+    def continuous(self, value: Value) -> Value:
         """Return an input, known but for whole turns, in the range of this motion."""
         if self._mechanism.is_driven_by_slide:
             return value
@@ -216,7 +228,7 @@ class Course:
             return self._middle + remainder(value - self._middle, tau)
         return value - tau * np.round((value - self._middle) / tau)
 
-    def _in_modes(self, is_input: bool) -> dict[int, Any]:
+    def _in_modes(self, is_input: bool) -> Mapping[int, DrivenLinks]:
         mechanism = self._mechanism
         return ({mode: mechanism.in_mode(mode) for mode in mechanism.modes_passed} if is_input
                 else self._others)
@@ -229,7 +241,7 @@ class Course:
         if key not in self._phases:
             other = self._in_modes(not is_input) if self._others else {}
             if is_input:
-                equation = self._make_equation(coordinate, start, None)
+                equation = self._make_equation(self._mechanism.in_mode(mode), start, None)
             else:
                 equation = self._make_equation(self._mechanism, start, coordinate)
             self._phases[key] = Phase(self, equation, start, next(iter(other.values()), None))
@@ -255,13 +267,14 @@ class Course:
             self._pose_line(phase.is_input, phase.equation.coordinate.mode)
         return phases
 
-    def _pose_line(self, is_input: bool, mode: int) -> Any:
+    def _pose_line(self, is_input: bool, mode: int) -> Function:
         if (is_input, mode) not in self._poses:
             coordinate = self._in_modes(is_input)[mode]
             self._poses[is_input, mode] = straight_line(partial(_make_directions, coordinate))
         return self._poses[is_input, mode]
 
-    def _distance(self, pose: Any, is_input: bool, mode: int, position: float) -> float:
+    def _distance(self, pose: Sequence[float], is_input: bool, mode: int,
+                  position: float) -> float:
         """Return how far a pose is from that of a mode at a position."""
         try:
             found = self._pose_line(is_input, mode)(position)

@@ -4,7 +4,7 @@
 Motion over time, with the result checked: no wrong answer is called a success.
 
 A motion without drive and dampers that goes round or swings is periodic: a Fourier series
-(:mod:`fourbar_ros.dynamics.analysis.free_motion`). That of a crank that goes round under a
+(:mod:`fourbar_ros.dynamics.free_motion`). That of a crank that goes round under a
 constant torque follows from its energy (:mod:`fourbar_ros.dynamics.solve.by_energy`). Scipy
 integrates all others over time, by DOP853, and from where a system turns out to be stiff by LSODA.
 
@@ -20,9 +20,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import inf, isfinite, nan
-from typing import Any
+from typing import TYPE_CHECKING
 
-from fourbar_ros.dynamics.analysis import free_motion
+from fourbar_ros.dynamics import free_motion
 from fourbar_ros.dynamics.model.element_forces import loads_with
 from fourbar_ros.dynamics.model.system import System
 from fourbar_ros.dynamics.solve import by_energy
@@ -37,11 +37,15 @@ from fourbar_ros.dynamics.solve.integrators import (
 )
 from fourbar_ros.dynamics.solve.phase import AT_CHANGE_POINT, AT_EVENT, AT_LIMIT, COMPLETE, GAVE_UP
 from fourbar_ros.errors import FourBarError, InvalidParameter
+from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.given import array, number
 from fourbar_ros.optional import MissingPackage
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 REACHED, LIMIT = 'reached the end', 'reached a limit of the input'
 CHANGE_POINT, EVENT = 'reached a change point', 'stopped where asked'
@@ -140,7 +144,7 @@ class Run:
 
     # --- between its times, and what follows from it --------------------------------------------
 
-    def resampled(self, times: Any) -> Run:
+    def resampled(self, times: ArrayLike) -> Run:
         """
         Return the same run at other times, increasing; it is integrated again, as well as before.
 
@@ -160,7 +164,7 @@ class Run:
                            is_finer=self.status != NOT_CHECKED)
         return _run(self.system, result, wanted, self.error, self.tolerance, allowance)
 
-    def at(self, time: Any) -> Array:
+    def at(self, time: ArrayLike) -> Array:
         """
         Return the states at any times, one or more, in any order, as a solution of scipy does.
 
@@ -187,7 +191,7 @@ class Run:
         return found
 
     @cached_property
-    def loads(self) -> Any:
+    def loads(self) -> NamedFields:
         """Return the loads over time, the forces of all elements in them, fields of shape (n,)."""
         mechanism, modes = self.system.mechanism, self.modes
         elements = self.system.equation.elements
@@ -196,16 +200,18 @@ class Run:
         for mode in np.unique(modes).tolist():
             here = modes == mode
             rows[:, here] = loads_with(mechanism.in_mode(mode), elements, *motion[:, here])
-        return mechanism.LOADS(*rows)
+        loads: NamedFields = mechanism.LOADS(*rows)
+        return loads
 
-    def loads_at(self, time: Any) -> Any:
+    def loads_at(self, time: ArrayLike) -> NamedFields:
         """Return the loads at increasing times, fields of their shape; a call as of :meth:`at`."""
         given = array('time', time)
         loads = self.resampled(np.ravel(given)).loads
-        return loads._make([field.reshape(given.shape) if given.shape else float(field[0])
-                            for field in loads])
+        found: NamedFields = loads._make(
+            [field.reshape(given.shape) if given.shape else float(field[0]) for field in loads])
+        return found
 
-    def plot(self) -> Any:
+    def plot(self) -> Figure:
         """
         Return a matplotlib figure of position, rate, acceleration and torque over time.
 
@@ -233,7 +239,7 @@ class Run:
 
 
 def simulate(system: System, until: float, tolerance: float = 1e-8, method: str = 'auto',
-             times: Sequence[float] | None = None, check: bool = True, evaluations: float = MOST,
+             times: ArrayLike | None = None, check: bool = True, evaluations: float = MOST,
              seconds: float = inf, progress: Callable[[float], None] | None = None,
              stop_when: Stop | None = None) -> Run:
     """
@@ -353,7 +359,7 @@ def _checked(system: System, asked: float, method: str, wanted: Array | None,
         tolerance = max(tolerance * min(0.1, max(1e-4, wanted_part)), LAST)
 
 
-def _wanted(times: Sequence[float], until: float) -> Array:
+def _wanted(times: ArrayLike, until: float) -> Array:
     wanted = array('times', times)
     if wanted.ndim != 1 or not wanted.size or not (wanted[0] >= 0.0 and wanted[-1] <= until
                                                    and np.all(np.diff(wanted) > 0.0)):

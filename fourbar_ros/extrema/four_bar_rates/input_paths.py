@@ -61,14 +61,14 @@ class HalfTurn(NamedTuple):
 
     """
 
-    period: Values
-    unit: Values
-    up: Values
-    down: Values
-    steps: list[tuple[Values, Values]]
+    period: Array
+    unit: Array
+    up: Array
+    down: Array
+    steps: list[tuple[Array, Array]]
     crosses: tuple[bool, bool]
 
-    def __call__(self, sine: Values, cosine: Values) -> tuple[Values, Values]:
+    def __call__(self, sine: Array, cosine: Array) -> tuple[Array, Array]:
         """
         Return numerator and denominator of the tangent of theta1/2.
 
@@ -101,6 +101,7 @@ def half_turn(s1: Values, s2: Values, k: Values, crosses_out: bool, crosses_in: 
         Whether s1 > 0, so that theta1 reaches pi, and s2 > 0, so that it reaches 0.
 
     """
+    s1, s2 = np.asarray(s1), np.asarray(s2)
     s1b, s2b = s1 + k, s2 + k
     p, q = abs(s1 * s2), s1b * s2b
     up = (abs(s2) if crosses_out else s1b)**0.5
@@ -108,7 +109,7 @@ def half_turn(s1: Values, s2: Values, k: Values, crosses_out: bool, crosses_in: 
     q = q if crosses_out == crosses_in else p + q
     steps, unit = landen_steps(p / q), 4.0 / q**0.5
 
-    period: Values = 0.5 * pi
+    period = np.asarray(0.5 * pi)
     for step, _ in steps:
         period = period * (1.0 + step)
     return HalfTurn(period, unit, up, down, steps, (crosses_out, crosses_in))
@@ -141,7 +142,7 @@ def input_paths(linkage: FourBar, points: int) -> list[InputPath]:
     s1, s2 = s1 or CLEARANCE * k, s2 or CLEARANCE * k
 
     half = half_turn(s1, s2, k, s1 > 0.0, s2 > 0.0)
-    count = int(max(points // 2, POINTS_PER_FEATURE * half.period))
+    count = int(max(points // 2, POINTS_PER_FEATURE * float(half.period)))
     before, after = closer_points(low, count), closer_points(high, count)
     phase = 0.5 * pi * np.concatenate((before[::-1], (np.arange(count) + 0.5) / count,
                                        1.0 - after))
@@ -166,7 +167,7 @@ def _mirror(end: End) -> End:
     return End(-end.x, end.is_flat)
 
 
-def landen_steps(m1: Values) -> list[tuple[Values, Values]]:
+def landen_steps(m1: Array) -> list[tuple[Array, Array]]:
     """
     Return the steps of the descending Landen transformation.
 
@@ -176,7 +177,7 @@ def landen_steps(m1: Values) -> list[tuple[Values, Values]]:
     only, it loses nothing for m1 -> 0. It ends where k' is 1 to 1e-3, and errors are of this size:
     the functions only place samples.
     """
-    steps: list[tuple[Values, Values]] = []
+    steps: list[tuple[Array, Array]] = []
     modulus, smallest = m1**0.5, float(np.min(m1))**0.5
     while not steps or smallest < 1.0 - 1e-3:
         next_one = 1.0 / (1.0 + modulus)
@@ -185,8 +186,8 @@ def landen_steps(m1: Values) -> list[tuple[Values, Values]]:
     return steps[::-1]
 
 
-def jacobi(sine: Values, cosine: Values,
-           steps: Sequence[tuple[Values, Values]]) -> tuple[Values, Values, Values]:
+def jacobi(sine: Array, cosine: Array,
+           steps: Sequence[tuple[Array, Array]]) -> tuple[Array, Array, Array]:
     """Return sn, cn, dn of u at the phase pi u/(2 K), given by its sine and cosine."""
     sn, cn, dn = sine, cosine, sine * sine + cosine * cosine
     for k, k1 in steps:

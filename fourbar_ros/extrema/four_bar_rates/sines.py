@@ -19,12 +19,13 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from fourbar_ros.mechanisms.half_angle import Factors, half_angle_coefficients
-from fourbar_ros.numerics.number_types import NumberType
+from fourbar_ros.numerics.arrays import Array, Values
+from fourbar_ros.numerics.number_types import NumberType, Scalar
 
 Sines = Callable[..., tuple[Any, ...]]
 
 
-def make_sines(n: NumberType, constants: Sequence[Any], by_loop: bool = False) -> Sines:
+def make_sines(n: NumberType, constants: Sequence[Scalar] | Array, by_loop: bool = False) -> Sines:
     """
     Return the function (ss, cc, sc) -> g, g_u, k, k_u, X, Y.
 
@@ -45,7 +46,7 @@ def make_sines(n: NumberType, constants: Sequence[Any], by_loop: bool = False) -
     if by_loop:     # (a3^2 + a4^2 - a1^2 - a2^2) / (2 a2 a3)
         excess = 0.25 * half * (yM * (1.0 / r13 - r13) + bM * (1.0 / r42 - r42))
 
-    def sines(ss: Any, cc: Any, sc: Any, adds: Any = None) -> tuple[Any, ...]:
+    def sines(ss: Scalar, cc: Scalar, sc: Scalar, adds: bool | None = None) -> tuple[Scalar, ...]:
         u, w = s1 + k * cc, s2 + k * ss
         root = sign * sqrt(fabs(u * w))       # at a toggle u or w may round to less than zero
         y_s, y_c, b_s, b_c, side = where(sc * root > 0.0 if adds is None else adds, adding, other)
@@ -71,7 +72,7 @@ def make_sines(n: NumberType, constants: Sequence[Any], by_loop: bool = False) -
     return sines
 
 
-def sine_constants(lengths: Sequence[Any], factors: Factors, sign: Any) -> tuple[Any, ...]:
+def sine_constants(lengths: Sequence[Values], factors: Factors, sign: Values) -> tuple[Any, ...]:
     """
     Return the constants of :func:`make_sines`; the largest length should be about one.
 

@@ -17,7 +17,7 @@ The picture of a 4R linkage and its velocity and acceleration polygons.
 """
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from math import acos, asin, asinh, atan2, fsum, pi, sqrt
 from typing import Any, NamedTuple
@@ -39,6 +39,7 @@ from fourbar_ros.mechanisms.parts import (
     Joint,
     Length,
     Link,
+    NamedFields,
     ORIGIN,
     Output,
     Ranges,
@@ -50,14 +51,16 @@ from fourbar_ros.mechanisms.parts import (
     total,
 )
 from fourbar_ros.mechanisms.points import (
+    Coefficients,
     crank_motion,
+    Curve,
     link_motion,
     LinkMotion,
     point_motion,
     point_of,
 )
 from fourbar_ros.numerics.exact_sums import difference_of_squares, scaled
-from fourbar_ros.numerics.number_types import Function, NumberType
+from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 import numpy as np
 
 # Signs of (a4 - a1 + a3 - a2, a4 - a1 - a3 + a2, a2 + a3 - a4 - a1) for the eight basic planar 4R
@@ -268,7 +271,7 @@ class FourBar(FourBarLinks):
         return {'theta4': self.output_ranges}
 
     @of_geometry
-    def dead_points(self) -> tuple[Any, ...]:
+    def dead_points(self) -> tuple[DeadPoint, ...]:
         """
         Return where theta4 turns back in this mode: its rate is zero at any speed of the crank.
 
@@ -306,16 +309,18 @@ class FourBar(FourBarLinks):
         mirrored = replace(self, a1=self.a3, a3=self.a1, bodies=None, external=External())
         return tuple(SeenFromOutput(mirrored.in_mode(mode), self.a1) for mode in self.MODES)
 
-    def transmission_sine(self, motion: Any) -> Any:
+    def transmission_sine(self, motion: NamedFields) -> Scalar:
         """Return a number that is zero where the dyad is in line, at most one: sin(mu)."""
-        return motion.sin_mu
+        found: Scalar = motion.sin_mu
+        return found
 
-    def term_sizes(self, motion: Any, rate: Any, acceleration: Any) -> dict[str, Any]:
+    def term_sizes(self, motion: NamedFields, rate: Scalar, acceleration: Scalar
+                   ) -> dict[str, Scalar]:
         """Return {unit: size} of the terms of rates and accelerations, for noise bounds."""
         gain = min(1.0, self.a1 / min(self.a2, self.a3))
         return {'rad/s': gain * abs(rate), 'rad/s^2': gain * (abs(acceleration) + rate**2)}
 
-    def corners(self, motion: Any) -> tuple[tuple[Any, Any, float], ...]:
+    def corners(self, motion: NamedFields) -> tuple[tuple[Scalar, Scalar, float], ...]:
         """Return O1, A, B, O4, homogeneous."""
         return ((0.0, 0.0, 1.0),
                 (self.a1 * np.cos(motion.theta1), self.a1 * np.sin(motion.theta1), 1.0),
@@ -407,11 +412,11 @@ class SeenFromOutput:
         """Return the same in another assembly mode."""
         return SeenFromOutput(self.mirrored.in_mode(mode), self._crank)
 
-    def make_coefficients(self, numbers: NumberType) -> Function:
+    def make_coefficients(self, numbers: NumberType) -> Coefficients:
         """Return p -> coefficients of crank, coupler and output, as those of a mechanism."""
         mirrored, crank, ground = self.mirrored.make_coefficients(numbers), self._crank, self.a4
 
-        def coefficients(position: Any) -> list[tuple[Any, ...]]:
+        def coefficients(position: Scalar) -> list[Curve]:
             (*_, cos_p, sin_p, _, _), (*_, cos_b, sin_b, d_b, dd_b), (
                 *_, cos_x, sin_x, d_x, dd_x) = mirrored(position)
             first = LinkMotion(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -cos_x, sin_x, -d_x, -dd_x)
@@ -419,7 +424,8 @@ class SeenFromOutput:
                     (ground, 0.0, 0.0, 0.0, 0.0, 0.0, -cos_p, sin_p, -1.0, 0.0)]
         return coefficients
 
-    def read_coordinate(self, numbers: NumberType, curves: Any) -> tuple[Any, Any, Any]:
+    def read_coordinate(self, numbers: NumberType,
+                        curves: Sequence[Curve]) -> tuple[Scalar, Scalar, Scalar]:
         """Return p in (-pi, pi] and its two derivatives from coefficients of the links."""
         *_, cosine, sine, turn, bend = curves[2]
         return pi - numbers.atan2(sine, cosine), -turn, -bend

@@ -24,16 +24,17 @@ functions of angles use the same polynomial homogeneous in sin and cos(theta/2),
 """
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 import math
-from typing import Any, NamedTuple, overload
+from typing import NamedTuple, overload
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanisms.four_bar.slide_equations import equation_of_slides, SlideEquation
 from fourbar_ros.mechanisms.half_angle import bilinear_factors
-from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.numerics.arrays import Array, Values
 from fourbar_ros.numerics.given import array, number
 import numpy as np
+from numpy.typing import ArrayLike
 
 # For each pair the factors of v_i^2 v_j^2, v_i^2, v_j^2, 1; the lengths in the coefficient of v_i
 # v_j, and that coefficient over their product: Eqs. (17), (18), (16), (19), (20), (21) of the
@@ -67,12 +68,12 @@ class IOEquation(NamedTuple):
 
     # --- in v = tan(theta/2), as printed ---------------------------------------------------------
 
-    def position(self, vi: Any, vj: Any) -> Any:
+    def position(self, vi: Values, vj: Values) -> Values:
         """Return the left-hand side of Eqs. (16)-(21) [m^2]; zero for a pose."""
         return (self.both * vi**2 * vj**2 + self.first * vi**2 + self.second * vj**2
                 + self.mixed * vi * vj + self.constant)
 
-    def velocity(self, vi: Any, vj: Any, dvi: Any, dvj: Any) -> Array:
+    def velocity(self, vi: Values, vj: Values, dvi: Values, dvj: Values) -> Values:
         """
         Return half the time derivative of :meth:`position`, Eqs.
 
@@ -81,7 +82,8 @@ class IOEquation(NamedTuple):
         by_i, by_j = self._slopes(vi, vj)
         return by_i * dvi + by_j * dvj
 
-    def acceleration(self, vi: Any, vj: Any, dvi: Any, dvj: Any, ddvi: Any, ddvj: Any) -> Any:
+    def acceleration(self, vi: Values, vj: Values, dvi: Values, dvj: Values, ddvi: Values,
+                     ddvj: Values) -> Values:
         """
         Return the time derivative of :meth:`velocity`: Eqs. (28)-(33) with "= 0" [m^2/s^2].
 
@@ -92,11 +94,11 @@ class IOEquation(NamedTuple):
                 + (self.both * vi**2 + self.second) * dvj**2
                 + (4.0 * self.both * vi * vj + self.mixed) * dvi * dvj)
 
-    def _slopes(self, vi: Any, vj: Any) -> Any:
+    def _slopes(self, vi: Values, vj: Values) -> tuple[Values, Values]:
         return ((self.both * vj**2 + self.first) * vi + 0.5 * self.mixed * vj,
                 (self.both * vi**2 + self.second) * vj + 0.5 * self.mixed * vi)
 
-    def denavit_hartenberg(self) -> Any:
+    def denavit_hartenberg(self) -> IOEquation:
         """
         Return the same equation in the paper's chain, Eqs.
 
@@ -116,7 +118,7 @@ class IOEquation(NamedTuple):
 
     # --- in angles: no angle is special ----------------------------------------------------------
 
-    def residual(self, ti: Any, tj: Any) -> Any:
+    def residual(self, ti: ArrayLike, tj: ArrayLike) -> Array:
         """
         Return :meth:`position` times cos^2(theta_i/2) cos^2(theta_j/2).
 
@@ -126,7 +128,7 @@ class IOEquation(NamedTuple):
         """
         return self._form(_powers(ti)[0], _powers(tj)[0])
 
-    def ratio(self, ti: Any, tj: Any) -> Any:
+    def ratio(self, ti: ArrayLike, tj: ArrayLike) -> Array:
         """
         Return d theta_j / d theta_i at a pose, Eqs.
 
@@ -136,7 +138,7 @@ class IOEquation(NamedTuple):
         with np.errstate(divide='ignore', invalid='ignore'):
             return -self._form(i1, j0) / self._form(i0, j1)
 
-    def second_ratio(self, ti: Any, tj: Any) -> Any:
+    def second_ratio(self, ti: ArrayLike, tj: ArrayLike) -> Array:
         """Return d^2 theta_j / d theta_i^2 at a pose, from Eqs. (28)-(33) and (36)."""
         (i0, i1, i2), (j0, j1, j2) = _powers(ti), _powers(tj)
         with np.errstate(divide='ignore', invalid='ignore'):
@@ -145,7 +147,7 @@ class IOEquation(NamedTuple):
             return -(self._form(i2, j0)
                      + ratio * (2.0 * self._form(i1, j1) + ratio * self._form(i0, j2))) / by_j
 
-    def solve(self, ti: Any) -> Any:
+    def solve(self, ti: ArrayLike) -> tuple[Array, Array]:
         """
         Return both theta_j that belong to theta_i, or NaN where the linkage cannot close.
 
@@ -178,7 +180,7 @@ class IOEquation(NamedTuple):
             root = -root
         return _double_angle(p, r, m, root), _double_angle(p, r, m, -root)
 
-    def _form(self, one: Any, other: Any) -> Any:
+    def _form(self, one: Sequence[Array], other: Sequence[Array]) -> Array:
         """Return the bilinear form of (sin^2, cos^2, sin cos) of two half-angles."""
         return ((self.both * one[0] + self.second * one[1]) * other[0]
                 + (self.first * one[0] + self.constant * one[1]) * other[1]
@@ -186,14 +188,15 @@ class IOEquation(NamedTuple):
 
 
 @overload
-def io_equation(lengths: Any, i: int, j: int) -> IOEquation: ...
+def io_equation(lengths: Sequence[float], i: int, j: int) -> IOEquation: ...
 
 
 @overload
-def io_equation(lengths: Any, i: int, j: int, slides: Mapping[int, float]) -> SlideEquation: ...
+def io_equation(lengths: Sequence[float], i: int, j: int,
+                slides: Mapping[int, float]) -> SlideEquation: ...
 
 
-def io_equation(lengths: Any, i: int, j: int,
+def io_equation(lengths: Sequence[float], i: int, j: int,
                 slides: Mapping[int, float] | None = None) -> IOEquation | SlideEquation:
     """
     Return the :class:`IOEquation` between theta_i and theta_j.
@@ -220,17 +223,17 @@ def io_equation(lengths: Any, i: int, j: int,
         raise InvalidParameter('pair', (i, j), 'must be two different of the joints 1 to 4: '
                                                f'{PAIRS}')
     *products, mixed_lengths, factor = _TERMS[min(i, j), max(i, j)]
-    lengths = four_lengths(lengths)
-    factors = bilinear_factors(*lengths)
+    a1, a2, a3, a4 = sides = four_lengths(lengths)
+    factors = bilinear_factors(a1, a2, a3, a4)
     both, first, second, constant = (getattr(factors, one) * getattr(factors, other)
                                      for one, other in products)
-    mixed = factor * math.prod(lengths[n - 1] for n in mixed_lengths)
+    mixed = factor * math.prod(sides[n - 1] for n in mixed_lengths)
     if i > j:
         first, second = second, first
-    return IOEquation(i, j, both, first, second, mixed, constant, lengths)
+    return IOEquation(i, j, both, first, second, mixed, constant, sides)
 
 
-def four_lengths(lengths: Any) -> tuple[float, ...]:
+def four_lengths(lengths: Sequence[float]) -> tuple[float, ...]:
     """Return four finite numbers [m] as a tuple of floats, or raise InvalidParameter."""
     try:
         a1, a2, a3, a4 = lengths
@@ -240,21 +243,23 @@ def four_lengths(lengths: Any) -> tuple[float, ...]:
     return tuple(number(f'a{i}', length) for i, length in enumerate((a1, a2, a3, a4), 1))
 
 
-def to_half_angle(theta: Any, omega: Any = 0.0, alpha: Any = 0.0) -> Any:
+def to_half_angle(theta: ArrayLike, omega: Values = 0.0,
+                  alpha: Values = 0.0) -> tuple[Array, Array, Array]:
     """Return v = tan(theta/2) and its two time derivatives, Eqs. (34) and (36)."""
     v = np.tan(0.5 * array('theta', theta))
     stretch = 0.5 * (1.0 + v * v)
     return v, stretch * omega, stretch * (alpha + omega**2 * v)
 
 
-def from_half_angle(v: Any, dv: Any = 0.0, ddv: Any = 0.0) -> Any:
+def from_half_angle(v: Values, dv: Values = 0.0,
+                    ddv: Values = 0.0) -> tuple[Values, Values, Values]:
     """Return theta = 2 atan(v) [rad] and its two time derivatives, Eqs. (35) and (37)."""
     stretch = 2.0 / (1.0 + v * v)
     omega = stretch * dv
     return 2.0 * np.arctan(v), omega, stretch * ddv - omega**2 * v
 
 
-def _powers(theta: Any) -> Any:
+def _powers(theta: ArrayLike) -> tuple[tuple[Array, Array, Array], ...]:
     """Return (sin^2, cos^2, sin cos) of the half-angle and two derivatives by theta."""
     half = 0.5 * array('theta', theta)
     sine, cosine = np.sin(half), np.cos(half)
@@ -263,9 +268,10 @@ def _powers(theta: Any) -> Any:
     return (square, rest, product), (product, -product, slope), (slope, -slope, -product)
 
 
-def _double_angle(p: Any, r: Any, m: Any, root: Any) -> Any:
+def _double_angle(p: Array, r: Array, m: Array, root: Array) -> Array:
     """Return the angle whose half has the tangent (m + root)/p = r/(m - root)."""
     adds = m * root > 0.0
     numerator, denominator = np.where(adds, m + root, r), np.where(adds, p, m - root)
-    return np.arctan2(2.0 * numerator * denominator,
-                      (denominator - numerator) * (denominator + numerator))
+    angle: Array = np.arctan2(2.0 * numerator * denominator,
+                              (denominator - numerator) * (denominator + numerator))
+    return angle

@@ -9,6 +9,7 @@ Picture and velocity and acceleration polygons of an inverted slider-crank.
 """
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import atan2, atanh, pi, sqrt
 from typing import Any, NamedTuple
@@ -22,7 +23,6 @@ from fourbar_ros.mechanisms.inverted_slider_crank.motion import (
     make_crank_motion,
     make_slide_motion,
 )
-from fourbar_ros.mechanisms.offset_slide import OffsetSlide
 from fourbar_ros.mechanisms.parts import (
     around,
     Arrow,
@@ -35,6 +35,7 @@ from fourbar_ros.mechanisms.parts import (
     Joint,
     Length,
     Link,
+    NamedFields,
     ORIGIN,
     Output,
     Ranges,
@@ -47,15 +48,16 @@ from fourbar_ros.mechanisms.parts import (
 )
 from fourbar_ros.mechanisms.points import (
     crank_motion,
+    Curve,
     link_motion,
     LinkMotion,
     point_motion,
     point_of,
 )
-from fourbar_ros.mechanisms.slide_dyad import reach, singular_slides, slide_ranges
+from fourbar_ros.mechanisms.slide_dyad import OffsetSlide, reach, singular_slides, slide_ranges
 from fourbar_ros.numerics.arrays import EPS
 from fourbar_ros.numerics.exact_sums import difference_of_squares, scaled
-from fourbar_ros.numerics.number_types import Function, NumberType
+from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 import numpy as np
 
 
@@ -76,7 +78,7 @@ def _tube(mechanism: Any) -> float:
     Its rod is in at the shortest, or half the longest.
     """
     low, high = sorted(map(abs, mechanism.input_ranges[-1]))
-    return max(0.9 * low, 0.45 * high)
+    return float(max(0.9 * low, 0.45 * high))
 
 
 @dataclass(frozen=True)
@@ -200,7 +202,7 @@ class InvertedSlider(OffsetSlide):
         return [complex(angle), complex(-angle), pole]
 
     @property
-    def dead_points(self) -> tuple[Any, ...]:
+    def dead_points(self) -> tuple[InvertedDeadPoint, ...]:
         """
         Return where the bar of a driven crank turns back in this mode.
 
@@ -235,7 +237,7 @@ class InvertedSlider(OffsetSlide):
                 Connection('output', 'coupler', (0.0, self.offset), axis=(1.0, 0.0)),
                 Connection(GROUND, 'output', (self.a4, 0.0)))
 
-    def link_motion(self, motion: Any, link: str) -> LinkMotion:
+    def link_motion(self, motion: NamedFields, link: str) -> LinkMotion:
         """Return the LinkMotion of a link by name."""
         if link == 'output':
             return LinkMotion(self.a4, 0.0, 0.0, 0.0, 0.0, 0.0, motion.cos_y, motion.sin_y,
@@ -246,7 +248,8 @@ class InvertedSlider(OffsetSlide):
         return LinkMotion(*point_of(crank, self.a1), motion.cos_y, motion.sin_y,
                           motion.omega4, motion.alpha4)
 
-    def read_coordinate(self, numbers: NumberType, curves: Any) -> tuple[Any, Any, Any]:
+    def read_coordinate(self, numbers: NumberType,
+                        curves: Sequence[Curve]) -> tuple[Scalar, Scalar, Scalar]:
         """Return the input and its two derivatives from coefficients of the links."""
         if not self.is_driven_by_slide:
             return super().read_coordinate(numbers, curves)
@@ -259,14 +262,15 @@ class InvertedSlider(OffsetSlide):
                 dd_x * cosine + dd_y * sine + 2.0 * turn * d_across + bend * across
                 - turn * turn * along)
 
-    def transmission_sine(self, motion: Any) -> Any:
+    def transmission_sine(self, motion: NamedFields) -> Scalar:
         """Return a number that is zero where the dyad is in line, at most one."""
         size = max(map(abs, self.lengths))
         slide, aside = motion.slide / size, self.offset / size
         opposite = slide if self.input == CRANK else self.a4 / size * motion.sin_x
-        return opposite / (slide * slide + aside * aside)**0.5
+        found: Scalar = opposite / (slide * slide + aside * aside)**0.5
+        return found
 
-    def corners(self, motion: Any) -> tuple[tuple[Any, Any, float], ...]:
+    def corners(self, motion: NamedFields) -> tuple[tuple[Scalar, Scalar, float], ...]:
         """Return O1, A, B, which is at infinity, and O4, homogeneous."""
         if self.is_driven_by_slide:
             return ()
@@ -274,7 +278,7 @@ class InvertedSlider(OffsetSlide):
                 (self.a1 * np.cos(motion.theta1), self.a1 * np.sin(motion.theta1), 1.0),
                 (-np.sin(motion.theta4), np.cos(motion.theta4), 0.0), (self.a4, 0.0, 1.0))
 
-    def diagram(self, motion: Any) -> Diagram:
+    def diagram(self, motion: NamedFields) -> Diagram:
         """
         Return the :class:`Diagram` of one pose.
 
@@ -296,7 +300,7 @@ class InvertedSlider(OffsetSlide):
                        tuple(blocks), {'f41': 'O_1', 'f21': 'A', 'f32': 'A', 'f43': 'O_4'},
                        {'theta1': 'O_1', 'theta4': 'O_4'}, drawn_whole=('output',))
 
-    def velocity_polygon(self, motion: Any) -> list[Arrow]:
+    def velocity_polygon(self, motion: NamedFields) -> list[Arrow]:
         """Return the arrows of V_A = V_Q + V_rel, Q of the bar at A [m/s]."""
         output = link_motion(self, motion, 'output')
         v_a = point_motion(self, motion, 'crank', self.a1).velocity
@@ -304,7 +308,7 @@ class InvertedSlider(OffsetSlide):
         return [total(v_a, 'V_A'), total(v_q, 'V_Q'),
                 Arrow(v_q, motion.slide_velocity * output.direction, 'V_{rel}', False)]
 
-    def acceleration_polygon(self, motion: Any) -> list[Arrow]:
+    def acceleration_polygon(self, motion: NamedFields) -> list[Arrow]:
         """Return the arrows of A_A = A_Q + A_Cor + A_rel, Eq. (9), Q of the bar at A [m/s^2]."""
         crank, output = (link_motion(self, motion, link) for link in ('crank', 'output'))
         a_a = point_motion(self, motion, 'crank', self.a1).acceleration

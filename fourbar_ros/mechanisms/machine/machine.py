@@ -20,12 +20,14 @@ from fourbar_ros.mechanisms.checks import two_numbers
 from fourbar_ros.mechanisms.contract import Constants, CRANK, of_geometry, SLIDE
 from fourbar_ros.mechanisms.machine.describe import diagram
 from fourbar_ros.mechanisms.machine.describe.description import (
+    ANGLES,
     by_link,
     checked_cylinder,
     checked_dyads,
     connections_of,
     CYLINDER,
     Cylinder,
+    DIMENSIONS,
     Dyad,
     Numbers,
     RPR,
@@ -33,13 +35,13 @@ from fourbar_ros.mechanisms.machine.describe.description import (
 )
 from fourbar_ros.mechanisms.machine.describe.layout import layout_of
 from fourbar_ros.mechanisms.machine.describe.names import lengths_of, names_of
-from fourbar_ros.mechanisms.machine.limits.limits import WithLimits
+from fourbar_ros.mechanisms.machine.limits import WithLimits
 from fourbar_ros.mechanisms.machine.solve.loads import make_loads
 from fourbar_ros.mechanisms.machine.solve.motion import make_motion
 from fourbar_ros.mechanisms.machine.solve.pairs import shaped, with_pairs
-from fourbar_ros.mechanisms.parts import Arrow, Connection, Diagram
+from fourbar_ros.mechanisms.parts import Arrow, Connection, Diagram, NamedFields
 from fourbar_ros.mechanisms.points import LinkMotion
-from fourbar_ros.numerics.number_types import Function, NumberType
+from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 
 DRIVERS = (CRANK, SLIDE, CYLINDER)
 NO_BODY = Body(0.0)
@@ -159,6 +161,23 @@ class Machine(WithLimits):
                           cylinder=cylinder)
 
     @property
+    def numbers_of_lengths(self) -> tuple[str | tuple[int, int], ...]:
+        """Return the name of each number of its dyads; of closed forms of kinds no length is."""
+        found: list[str | tuple[int, int]] = []
+        is_free = not any(stage.pair for stage in self.layout.stages)
+        for dyad, own in zip(self.stages, self.numbers):
+            first = len(found)
+            reach = (first, first + 1), (first + 2, first + 3)
+            found += [f'{dyad.name}.{place}.{name}' for place in ('first', 'second')
+                      for name in ('along', 'across')]
+            for name in DIMENSIONS[dyad.kind]:
+                found += ('', '') if name in ANGLES else (f'{dyad.name}.{name}',)
+            found += reach + reach[:len(own.shape)] * (dyad.name == CYLINDER)
+            if not is_free:
+                found[first:] = [''] * sum(map(len, own))
+        return tuple(found)
+
+    @property
     def signs(self) -> tuple[float, ...]:
         """Return the assembly modes of all dyads as +-1."""
         return tuple([dyad.sign for dyad in self.stages])
@@ -166,7 +185,7 @@ class Machine(WithLimits):
     sign = signs     # type: ignore[assignment]
 
     @property
-    def mode(self) -> int:
+    def mode(self) -> int:  # type: ignore[override]  # set by those of the dyads
         """Return the modes of all dyads as one number: 1 + sum (mode - 1) 2^i, i from 0."""
         return 1 + sum((dyad.mode - 1) << i for i, dyad in enumerate(self.stages))
 
@@ -178,14 +197,15 @@ class Machine(WithLimits):
         return self._with_stages([replace(dyad, mode=own)
                                   for dyad, own in zip(self.stages, modes)])
 
-    def crank_angle(self, motion: Any) -> Any:
+    def crank_angle(self, motion: NamedFields) -> Scalar:
         """Return the angle of the crank in a motion [rad]; NaN of a machine without one."""
-        return motion.theta_crank if self.input != SLIDE else nan * motion.rate
+        found: Scalar = motion.theta_crank if self.input != SLIDE else nan * motion.rate
+        return found
 
     # --- the contract ---------------------------------------------------------------------------
 
     @property
-    def structure(self) -> tuple[Any, ...]:
+    def structure(self) -> tuple[object, ...]:
         """Return what mechanisms have in common whose formulas do the same with other numbers."""
         return type(self), self.layout
 
@@ -224,32 +244,34 @@ class Machine(WithLimits):
         """Return which links the joints connect."""
         return connections_of(self.layout.driven, self.stages)
 
-    def link_motion(self, motion: Any, link: str) -> LinkMotion:
+    def link_motion(self, motion: NamedFields, link: str) -> LinkMotion:
         """Return the LinkMotion of a link by name."""
         i = self.MOTION._fields.index(f'x_{link}')
-        x, y, dx, dy, ddx, ddy, cosine, sine, turn, bend = motion[i:i + 10]
+        x, y, dx, dy, ddx, ddy, cosine, sine, turn, bend = tuple(motion)[i:i + 10]
         rate, acceleration = motion.rate, motion.acceleration
         square = rate * rate
         return LinkMotion(x, y, dx * rate, dy * rate, dx * acceleration + ddx * square,
                           dy * acceleration + ddy * square, cosine, sine, turn * rate,
                           turn * acceleration + bend * square)
 
-    def transmission_sine(self, motion: Any) -> Any:
+    def transmission_sine(self, motion: NamedFields) -> Scalar:
         """Return the product of the sines of all dyads: zero where one is in line."""
-        product = 1.0 + 0.0 * motion[-1]
-        for sine in motion[len(motion) - len(self.stages):]:
+        fields = tuple(motion)
+        product = 1.0 + 0.0 * fields[-1]
+        for sine in fields[len(fields) - len(self.stages):]:
             product = product * sine
-        return product
+        found: Scalar = product
+        return found
 
-    def diagram(self, motion: Any) -> Diagram:
+    def diagram(self, motion: NamedFields) -> Diagram:
         """Return what a picture shows in one pose."""
         return diagram.diagram(self, motion)
 
-    def velocity_polygon(self, motion: Any) -> list[Arrow]:
+    def velocity_polygon(self, motion: NamedFields) -> list[Arrow]:
         """Return the arrows of the velocities of all joints [m/s]; the pole is the origin."""
         return diagram.velocity_polygon(self, motion)
 
-    def acceleration_polygon(self, motion: Any) -> list[Arrow]:
+    def acceleration_polygon(self, motion: NamedFields) -> list[Arrow]:
         """Return the arrows of the accelerations of all joints [m/s^2]."""
         return diagram.acceleration_polygon(self, motion)
 

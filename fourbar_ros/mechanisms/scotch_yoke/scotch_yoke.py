@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import pi
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from fourbar_ros.mechanics.bodies import Bodies, External
 from fourbar_ros.mechanisms.contract import Constants, CRANK, OPEN, SLIDE
@@ -26,6 +26,7 @@ from fourbar_ros.mechanisms.parts import (
     Joint,
     Length,
     Link,
+    NamedFields,
     ORIGIN,
     Output,
     Quantity,
@@ -49,7 +50,7 @@ from fourbar_ros.mechanisms.scotch_yoke.motion import (
     make_slide_motion,
     ScotchYokeMotion,
 )
-from fourbar_ros.numerics.number_types import Function, NumberType
+from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 import numpy as np
 
 
@@ -189,7 +190,7 @@ class ScotchYoke(Mechanism):
                 Connection('output', 'coupler', axis=(0.0, 1.0), turn=0.5 * pi),
                 Connection(GROUND, 'output', (0.0, self.offset), axis=(1.0, 0.0)))
 
-    def link_motion(self, motion: Any, link: str) -> LinkMotion:
+    def link_motion(self, motion: NamedFields, link: str) -> LinkMotion:
         """Return the LinkMotion of a link by name."""
         if link == 'output':
             return LinkMotion(motion.slide, self.offset, motion.slide_velocity, 0.0,
@@ -200,11 +201,12 @@ class ScotchYoke(Mechanism):
             return crank
         return LinkMotion(*point_of(crank, self.a1), 0.0, 1.0, 0.0, 0.0)
 
-    def transmission_sine(self, motion: Any) -> Any:
+    def transmission_sine(self, motion: NamedFields) -> Scalar:
         """Return a number that is zero where the yoke cannot turn the crank, at most one."""
-        return 1.0 + 0.0 * motion.sin_x if self.input == CRANK else motion.sin_x
+        found: Scalar = 1.0 + 0.0 * motion.sin_x if self.input == CRANK else motion.sin_x
+        return found
 
-    def diagram(self, motion: Any) -> Diagram:
+    def diagram(self, motion: NamedFields) -> Diagram:
         """
         Return the :class:`Diagram` of one pose.
 
@@ -219,14 +221,14 @@ class ScotchYoke(Mechanism):
                        (Block(b, X, is_guided=True), Block(a, Y)),
                        {'f41': 'O_1', 'f21': 'A', 'f32': 'A', 'f43': 'B'}, {'theta1': 'O_1'})
 
-    def velocity_polygon(self, motion: Any) -> list[Arrow]:
+    def velocity_polygon(self, motion: NamedFields) -> list[Arrow]:
         """Return the arrows of V_A = V_B + V_rel, along guide and slot [m/s]."""
         v_a = point_motion(self, motion, 'crank', self.a1).velocity
         v_b = motion.slide_velocity * X
         return [total(v_a, 'V_A'), total(v_b, 'V_B'),
                 *chain(v_b, (motion.slot_velocity * Y, 'V_{rel}'))]
 
-    def acceleration_polygon(self, motion: Any) -> list[Arrow]:
+    def acceleration_polygon(self, motion: NamedFields) -> list[Arrow]:
         """
         Return the arrows of A_A = A_B + A_rel.
 

@@ -11,11 +11,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import asin, atan2, fsum, log1p, pi, sqrt
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from fourbar_ros.mechanics.bodies import Bodies, External
 from fourbar_ros.mechanisms.contract import Constants, CRANK, of_geometry, OPEN, SLIDE
-from fourbar_ros.mechanisms.offset_slide import OffsetSlide
 from fourbar_ros.mechanisms.parts import (
     around,
     Arrow,
@@ -28,6 +27,7 @@ from fourbar_ros.mechanisms.parts import (
     Joint,
     Length,
     Link,
+    NamedFields,
     ORIGIN,
     Output,
     Ranges,
@@ -45,7 +45,7 @@ from fourbar_ros.mechanisms.points import (
     point_motion,
     point_of,
 )
-from fourbar_ros.mechanisms.slide_dyad import reach, singular_slides, slide_ranges
+from fourbar_ros.mechanisms.slide_dyad import OffsetSlide, reach, singular_slides, slide_ranges
 from fourbar_ros.mechanisms.slider_crank.loads import make_loads
 from fourbar_ros.mechanisms.slider_crank.motion import (
     make_crank_motion,
@@ -53,7 +53,7 @@ from fourbar_ros.mechanisms.slider_crank.motion import (
     SliderCrankMotion,
 )
 from fourbar_ros.numerics.exact_sums import scaled
-from fourbar_ros.numerics.number_types import Function, NumberType, power_of_two
+from fourbar_ros.numerics.number_types import Function, NumberType, power_of_two, Scalar
 import numpy as np
 
 
@@ -191,7 +191,7 @@ class SliderCrank(OffsetSlide):
         return found
 
     @property
-    def dead_points(self) -> tuple[Any, ...]:
+    def dead_points(self) -> tuple[SliderDeadPoint, ...]:
         """
         Return where the slider of a driven crank turns back in this mode.
 
@@ -221,7 +221,7 @@ class SliderCrank(OffsetSlide):
         return self.a1 > 2.0 * self.a2
 
     @property
-    def structure(self) -> tuple[Any, ...]:
+    def structure(self) -> tuple[object, ...]:
         """Return what mechanisms have in common whose formulas do the same with other numbers."""
         return *super().structure, self._has_long_crank
 
@@ -238,7 +238,7 @@ class SliderCrank(OffsetSlide):
                 Connection('coupler', 'output', (self.a2, 0.0)),
                 Connection(GROUND, 'output', (0.0, self.offset), axis=(1.0, 0.0)))
 
-    def link_motion(self, motion: Any, link: str) -> LinkMotion:
+    def link_motion(self, motion: NamedFields, link: str) -> LinkMotion:
         """Return the LinkMotion of a link by name."""
         if link == 'output':
             return LinkMotion(motion.slide, self.offset, motion.slide_velocity, 0.0,
@@ -250,11 +250,12 @@ class SliderCrank(OffsetSlide):
         return LinkMotion(*point_of(crank, self.a1), motion.cos_b, motion.sin_b,
                           motion.omega_beta, motion.alpha_beta)
 
-    def transmission_sine(self, motion: Any) -> Any:
+    def transmission_sine(self, motion: NamedFields) -> Scalar:
         """Return a number that is zero where the dyad is in line, at most one."""
-        return motion.cos_b if self.input == CRANK else motion.sin_2
+        found: Scalar = motion.cos_b if self.input == CRANK else motion.sin_2
+        return found
 
-    def corners(self, motion: Any) -> tuple[tuple[Any, Any, float], ...]:
+    def corners(self, motion: NamedFields) -> tuple[tuple[Scalar, Scalar, float], ...]:
         """Return O1, A, B and O4, which is at infinity, homogeneous."""
         if self.is_driven_by_slide:
             return ()
@@ -262,7 +263,7 @@ class SliderCrank(OffsetSlide):
                 (self.a1 * np.cos(motion.theta1), self.a1 * np.sin(motion.theta1), 1.0),
                 (motion.slide, self.offset, 1.0), (0.0, 1.0, 0.0))
 
-    def diagram(self, motion: Any) -> Diagram:
+    def diagram(self, motion: NamedFields) -> Diagram:
         """Return the :class:`Diagram` of one pose."""
         a, b = (point_motion(self, motion, link, along).place
                 for link, along in (('crank', self.a1), ('output', 0.0)))
@@ -270,13 +271,13 @@ class SliderCrank(OffsetSlide):
                        (Block(b, np.array([1.0, 0.0]), is_guided=True),),
                        {'f41': 'O_1', 'f21': 'A', 'f32': 'B', 'f43': 'B'}, {'theta1': 'O_1'})
 
-    def velocity_polygon(self, motion: Any) -> list[Arrow]:
+    def velocity_polygon(self, motion: NamedFields) -> list[Arrow]:
         """Return the arrows of V_B = V_A + V_B/A [m/s]."""
         v_a = point_motion(self, motion, 'crank', self.a1).velocity
         v_b = point_motion(self, motion, 'coupler', self.a2).velocity
         return [total(v_a, 'V_A'), total(v_b, 'V_B'), Arrow(v_a, v_b - v_a, 'V_{B/A}', False)]
 
-    def acceleration_polygon(self, motion: Any) -> list[Arrow]:
+    def acceleration_polygon(self, motion: NamedFields) -> list[Arrow]:
         """Return the arrows of A_B = A_A + A_B/A, with normal and tangential parts [m/s^2]."""
         crank, coupler = (link_motion(self, motion, link) for link in ('crank', 'coupler'))
         a_a = point_motion(self, motion, 'crank', self.a1).acceleration

@@ -150,4 +150,5 @@ def record(what: str, name: str, node: str, patience: float = PATIENCE) -> str:
             answer = client.call('stop_recording', node)
     if not answer.success:
         raise NoAnswer(answer.message)
-    return answer.path if what == 'start' else answer.message
+    found: str = answer.path if what == 'start' else answer.message
+    return found

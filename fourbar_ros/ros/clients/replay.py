@@ -142,8 +142,9 @@ class Replayer:
         package, _, name = info.topic_type.split('/')
         if (package, name) != (kind.__module__.split('.')[0], kind.__name__):
             return False
-        return qos_check_compatible(publisher.qos_profile,
-                                    info.qos_profile)[0] != QoSCompatibility.ERROR
+        found: bool = qos_check_compatible(publisher.qos_profile,
+                                           info.qos_profile)[0] != QoSCompatibility.ERROR
+        return found
 
     def publish(self, raw: Raw) -> bool:
         """Publish one message; return whether its type is installed."""

@@ -132,7 +132,8 @@ class _Changes:
 
 
 def _is_same(a: Any, b: Any) -> bool:
-    return a == b or (a != a and b != b)                 # NaN: not given
+    found: bool = a == b or (a != a and b != b)                 # NaN: not given
+    return found
 
 
 class _Live(Client):
@@ -169,7 +170,8 @@ class _Live(Client):
 
     def wait_until_found(self) -> None:
         """Wait for the node's input and outputs."""
-        what = f'{self._name}: no node with drive.source: motion and the outputs of the bag'
+        what = (f'{self._name}: no node with drive.source: motion and the outputs of the bag; '
+                '"fourbar bag scene BAG > FILE" writes the parameters of one')
 
         def is_found() -> bool:
             if not self.tick(0):

@@ -7,8 +7,8 @@ from collections.abc import Callable
 from traceback import format_exc
 
 from fourbar_ros.ros.messages import Message, resolve
+from fourbar_ros.ros.node.base import Running
 from fourbar_ros.ros.node.extrema import Canceled, Search
-from fourbar_ros.ros.node.running import Running
 from fourbar_ros.scene.topics import FIND_EXTREMA
 from rclpy.action import ActionServer, CancelResponse
 from rclpy.action.server import ServerGoalHandle

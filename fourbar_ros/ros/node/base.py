@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from traceback import format_exc
-from typing import Any
+from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.ros.messages import Message
 from fourbar_ros.ros.node.circles import Circles
@@ -17,6 +17,13 @@ from rcl_interfaces.msg import SetParametersResult
 from rclpy.exceptions import ParameterNotDeclaredException
 from rclpy.node import Node
 from rclpy.parameter import Parameter
+
+if TYPE_CHECKING:      # these parts import this file
+    from fourbar_ros.ros.node.drives import Drive
+    from fourbar_ros.ros.node.recording import Recording
+    from fourbar_ros.ros.node.stream import Stream
+    from fourbar_ros.ros.node.trajectories import Trajectories
+    from fourbar_ros.ros.node.wrenches import WrenchInputs
 
 
 class Base(Node):
@@ -44,9 +51,10 @@ class Base(Node):
     def declare_parameters(self, namespace: str, parameters: Any,
                            ignore_override: bool = False) -> list[Parameter]:
         """Declare parameters; an empty list of a file reaches rclpy without type and value."""
-        return super().declare_parameters(
-            namespace, [(name, [] if value is None else value, *rest)
-                        for name, value, *rest in parameters], ignore_override)
+        found: list[Parameter] = super().declare_parameters(
+                              namespace, [(name, [] if value is None else value, *rest)
+                                          for name, value, *rest in parameters], ignore_override)
+        return found
 
     def set_parameters_atomically(self, parameter_list: Sequence[Parameter]
                                   ) -> SetParametersResult:
@@ -80,3 +88,17 @@ def _as_declared(given: Parameter) -> Parameter:
     if kind == 'strings' and is_empty:
         return Parameter(given.name, types.STRING_ARRAY, [])
     return given
+
+
+class Running(Base):
+    """
+    The node with all its parts, as parameters, services and diagnostics ask them.
+
+    None for those that its scene does not need.
+    """
+
+    recording: Recording
+    stream: Stream
+    drive: Drive
+    wrenches: WrenchInputs | None
+    trajectories: Trajectories | None

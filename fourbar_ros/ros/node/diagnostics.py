@@ -8,7 +8,7 @@ import time
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from fourbar_ros.pipeline.status import OK, STATUS_NAMES
-from fourbar_ros.ros.node.running import Running
+from fourbar_ros.ros.node.base import Running
 
 PERIOD = 1.0               # [s]
 NEAR_TOGGLE = 0.05         # |sin| of the transmission angle below which a warning is due
@@ -47,6 +47,9 @@ class Diagnostics:
 
         problems += [f'{count} {name.replace("_", " ")}' for name, count in grown.items()
                      if count and name not in HARMLESS]
+        if node.get_node_names_and_namespaces().count(
+                (node.get_name(), node.get_namespace())) > 1:
+            problems.append('another node has this name: services and parameters reach either')
         if stream.bad_steps - bad:
             problems.append(f'{stream.bad_steps - bad} steps not ok')
         if stream.status != OK:

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import Quantity
-from fourbar_ros.mechanisms.quantities import select, UnknownQuantity
+from fourbar_ros.mechanisms.quantities import Asked, select, UnknownQuantity
 from fourbar_ros.ros.messages import Message, resolve
 from fourbar_ros.scene.message_fields import mode_number
 from fourbar_ros.scene.scene import Scene
@@ -71,7 +70,7 @@ class Search:
         response.extrema = [_message(extremum) for extremum in found]
         return response
 
-    def _found(self, mode: int, quantities: Sequence[Quantity], velocity: float
+    def _found(self, mode: int, quantities: Sequence[Asked], velocity: float
                ) -> list[Extremum]:
         from fourbar_ros.extrema.find import find_extrema  # not needed by a node that only streams
 
@@ -79,7 +78,7 @@ class Search:
         return find_extrema(linkage, quantities, velocity, request.acceleration, request.certify,
                             check=self._check)
 
-    def _checked(self) -> tuple[list[Quantity], tuple[int, ...], float]:
+    def _checked(self) -> tuple[list[Asked], tuple[int, ...], float]:
         """Return (quantities, modes, velocity) of the request."""
         scene, request, linkage = self._scene, self._request, self._scene.known_linkage
         turning = scene.drive.speed if scene.drive.source == 'timer' else 0.0

@@ -11,12 +11,12 @@ from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.ros.node import parameters, services
+from fourbar_ros.ros.node.base import Running
 from fourbar_ros.ros.node.circles import Circles
 from fourbar_ros.ros.node.diagnostics import Diagnostics
 from fourbar_ros.ros.node.drives import Drive, SimulatedTimerDrive, TimerDrive
 from fourbar_ros.ros.node.quiet_log import QuietLog
 from fourbar_ros.ros.node.recording import Recording
-from fourbar_ros.ros.node.running import Running
 from fourbar_ros.ros.node.steady import SteadyTimers
 from fourbar_ros.ros.node.stream import Stream
 from fourbar_ros.ros.node.worker import Worker
@@ -186,6 +186,7 @@ def main(args: list[str] | None = None, stop: Stop | None = None) -> int:
         close(nodes)
         rclpy.try_shutdown()
         return 2
+    warn_of_shared_frames(nodes)
     sys.setswitchinterval(SWITCH)
     gc.freeze()          # else each full collection stops the stream for 20 ms over the imports
     try:
@@ -198,6 +199,23 @@ def main(args: list[str] | None = None, stop: Stop | None = None) -> int:
         if node.failure:
             raise node.failure
     return 0
+
+
+def warn_of_shared_frames(nodes: Sequence[FourBarNode]) -> None:
+    """Say so where two nodes move a frame of the same name: TF would jump between them."""
+    movers = [node for node in nodes if 'tf' in node.stream.scene.outputs]
+    if len(movers) < 2:
+        return
+    from fourbar_ros.ros.node.transforms import frames_of
+    moved: dict[str, str] = {}
+    for node in movers:
+        frames = frames_of(node.stream.scene)
+        shared = sorted(frames & moved.keys())
+        if shared:
+            node.get_logger().warning(
+                f'frames {", ".join(shared)}: also of {moved[shared[0]]}; a prefix keeps them '
+                'apart: joint_states.prefix')
+        moved.update(dict.fromkeys(frames, node.get_name()))
 
 
 def close(nodes: Sequence[FourBarNode], why: str = 'the node ended') -> None:

@@ -51,7 +51,8 @@ def writer(output: str, message: Message, layout: FieldMap) -> tuple[Pack, bool]
 
     def serialised(stamp: Stamp, status: int, mode: int, values: Sequence[float]) -> bytes:
         fill(stamp, status, mode, values)
-        return serialize_message(message)
+        found: bytes = serialize_message(message)
+        return found
 
     pack = _packer(serialised, hasattr(message, 'status'), layout.in_use(output),
                    len(layout.place))

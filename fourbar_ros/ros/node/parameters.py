@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.ros.node import qos
-from fourbar_ros.ros.node.running import Running
+from fourbar_ros.ros.node.base import Running
 from fourbar_ros.scene.files import beside, flatten, is_for, parse, sections, table_files
 from fourbar_ros.scene.parameter_table import Parameter
 from fourbar_ros.scene.parameters import find, meant, of_name

@@ -99,7 +99,7 @@ class Pictures:
         return qos.create(self._node, 'publisher', resolve(topic.type), topic.topic, profile)
 
     def _is_subscribed(self, name: str) -> bool:
-        return self._publishers[name].get_subscription_count() > 0
+        return bool(self._publishers[name].get_subscription_count() > 0)
 
     def _send(self, name: str, data: bytes) -> None:
         self._publishers[name].publish(data)
@@ -118,14 +118,14 @@ def drawn_of(scene: Scene) -> Drawn:
 
 def _makers() -> dict[str, Callable[[Scene], Make]]:
     """Return {output: function (scene) -> function (stamp, values) -> message or None}."""
-    from fourbar_ros.ros.pictures import markers, transforms
+    from fourbar_ros.ros.node import markers, transforms
     return {'tf': transforms.maker, 'markers': markers.maker}
 
 
 def _latched() -> dict[str, Callable[[Scene], Message]]:
     """Return {output: function (scene) -> message}."""
     from fourbar_ros.description.formats import describe
-    from fourbar_ros.ros.pictures import traces
+    from fourbar_ros.ros.node import traces
     from std_msgs.msg import String
     return {'robot_description': lambda scene: String(data=describe(scene)),
             'traces': traces.message}

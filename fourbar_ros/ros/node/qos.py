@@ -60,7 +60,7 @@ def create(node: Node, entity: str, message_type: type[Any], topic: str, *given:
 
 def has_override(node: Node, entity: str, topic: str, policy: str) -> bool:
     """Return whether a policy of a topic is overridden."""
-    return node.has_parameter(f'{PREFIX}{node.resolve_topic_name(topic)}.{entity}.{policy}')
+    return bool(node.has_parameter(f'{PREFIX}{node.resolve_topic_name(topic)}.{entity}.{policy}'))
 
 
 def check(node: Node, scene: Scene) -> None:

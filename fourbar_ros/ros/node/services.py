@@ -13,9 +13,10 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from math import nan
 from traceback import format_exc
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from fourbar_ros.errors import FourBarError, OutOfRange
+from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.quantities import known
 from fourbar_ros.pipeline.status import (
     evaluate,
@@ -26,8 +27,8 @@ from fourbar_ros.pipeline.status import (
     TOGGLE,
 )
 from fourbar_ros.ros.messages import filler, Message, resolve, sec_nanosec, set_constants
+from fourbar_ros.ros.node.base import Running
 from fourbar_ros.ros.node.extrema import Search
-from fourbar_ros.ros.node.running import Running
 from fourbar_ros.scene.message_fields import mode_number
 from fourbar_ros.scene.topics import SERVICES
 
@@ -140,7 +141,7 @@ class Named(NamedTuple):
     unit: str
 
 
-def names(mechanism: Any) -> tuple[Named, ...]:
+def names(mechanism: Mechanism) -> tuple[Named, ...]:
     """
     Return the numbers of a mechanism that have a meaning of their own.
 

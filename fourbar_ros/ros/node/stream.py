@@ -134,7 +134,8 @@ class Stream:
             self._stepper.prepare(self.scene.dynamics.modes_passed(self.scene.linkage))
 
     def _scene_bytes(self) -> bytes:
-        return serialize_message(String(data=self.scene.as_json))
+        found: bytes = serialize_message(String(data=self.scene.as_json))
+        return found
 
     # --- steps ----------------------------------------------------------------------------------
 

@@ -13,8 +13,8 @@ from fourbar_ros.pipeline.rate_estimator import estimator_of
 from fourbar_ros.ros.messages import resolve, sec_nanosec, Stamp
 from fourbar_ros.ros.node import qos
 from fourbar_ros.ros.node.circles import Repeats
-from fourbar_ros.ros.node.drives import Drive, SLEEP
-from fourbar_ros.ros.node.sequence import SequenceNumbers, WithInfo
+from fourbar_ros.ros.node.drives import Drive, Reported, SLEEP
+from fourbar_ros.ros.node.sequence import Info, SequenceNumbers, WithInfo
 from fourbar_ros.ros.node.steady import clock_of
 from fourbar_ros.scene.message_fields import is_time
 from fourbar_ros.scene.scene import DriveSettings
@@ -23,6 +23,7 @@ from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 
+SILENT = 2.0           # [s] without a first message after which the diagnostics warn
 FUTURE = 1.0           # [s] a stamp further ahead of our clock is counted as of the future
 UNHEARD = 20           # messages of a relay without the driven joint before it says so
 
@@ -84,7 +85,7 @@ class TopicDrive(Drive):
         """Return the time since the newest input [s]: steady, or simulated with use_sim_time."""
         return self._now() - self._received
 
-    def state(self) -> tuple[dict[str, Any], list[str]]:
+    def state(self) -> Reported:
         """Return (values, problems): lost, circles, the quality of an estimated acceleration."""
         self.counts.update(lost=self._sequence.lost, late=self.estimator.late,
                            estimate_restarts=self.estimator.restarts)
@@ -94,6 +95,8 @@ class TopicDrive(Drive):
             values['lost'] = 'unknown: the middleware gives no numbers'
         if self._is_relay and self.counts['of_other_joints'] and not self.counts['received']:
             problems.append(f'joint {self.settings.joint!r} never came')
+        elif not self.counts['received'] and self.age() > SILENT:
+            problems.append(f'no input yet: {self._where_it_comes()}')
         if isnan(self.estimator.lag) or not self._estimated:
             return values, problems
         unit = 'm/s^2' if self._stream.scene.linkage.is_driven_by_slide else 'rad/s^2'
@@ -103,7 +106,18 @@ class TopicDrive(Drive):
                  'lag of the estimated acceleration [s]': f'{self.estimator.lag:.3g}'},
                 problems + ['the estimated acceleration is noise'] * self.estimator.is_noise)
 
-    def _receive(self, data: bytes, info: dict[str, Any]) -> None:
+    def _where_it_comes(self) -> str:
+        """Return who publishes the input, or on which topics its type comes instead."""
+        name = self._subscription.topic_name
+        if self._subscription.get_publisher_count():
+            return f'the publisher of {name} is silent'
+        others = [other for other, types in self._node.get_topic_names_and_types()
+                  if self._topic.type in types and other != name
+                  and self._node.count_publishers(other)]
+        return f'{name} has no publisher' + (
+            f'; {self._topic.type} comes on {", ".join(sorted(others))}' if others else '')
+
+    def _receive(self, data: bytes, info: Info) -> None:
         try:
             self._sequence.take(info['publication_sequence_number'])
             if not self._node.circles.is_own(self._subscription.topic_name, data):

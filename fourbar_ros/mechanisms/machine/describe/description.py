@@ -20,7 +20,7 @@ from fourbar_ros.errors import InvalidParameter, nearest
 from fourbar_ros.mechanisms.contract import CROSSED, OPEN
 from fourbar_ros.mechanisms.parts import Connection, GROUND
 from fourbar_ros.numerics.given import number
-from fourbar_ros.numerics.number_types import direction
+from fourbar_ros.numerics.number_types import direction, Scalar
 
 CRANK_LINK, SLIDER_LINK, CYLINDER = 'crank', 'slider', 'cylinder'
 # Squares and fourth powers of lengths are computed without scaling.
@@ -59,11 +59,11 @@ class Numbers(NamedTuple):
 
     """
 
-    p: tuple[Any, Any]
-    q: tuple[Any, Any]
-    sizes: tuple[Any, ...]
-    reach: tuple[Any, ...] = ()
-    shape: tuple[Any, ...] = ()
+    p: tuple[Scalar, Scalar]
+    q: tuple[Scalar, Scalar]
+    sizes: tuple[Scalar, ...]
+    reach: tuple[Scalar, ...] = ()
+    shape: tuple[Scalar, ...] = ()
 
 
 class Point(NamedTuple):

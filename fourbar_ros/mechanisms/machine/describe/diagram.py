@@ -3,15 +3,31 @@
 """The picture of a machine and its velocity and acceleration polygons."""
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.mechanisms.machine.describe.layout import BASE, SLIDES, Stage
-from fourbar_ros.mechanisms.parts import around, Arrow, Bar, Block, Diagram, ORIGIN, total
-from fourbar_ros.mechanisms.points import point_motion, point_of, vector
+from fourbar_ros.mechanisms.parts import (
+    around,
+    Arrow,
+    Bar,
+    Block,
+    Diagram,
+    NamedFields,
+    ORIGIN,
+    total,
+)
+from fourbar_ros.mechanisms.points import LinkMotion, point_motion, point_of, PointMotion, vector
+from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
+if TYPE_CHECKING:
+    from fourbar_ros.mechanisms.machine.machine import Machine
 
-def places_of(mechanism: Any, motion: Any) -> dict[str, Any]:
+Places = Mapping[str, Array]        # of joints, by name
+
+
+def places_of(mechanism: Machine, motion: NamedFields) -> dict[str, Array]:
     """Return {joint: place [m]} in one pose; a slide is where its block is."""
     links = mechanism.layout.links
     found = {BASE: _at(mechanism, motion, links[1], 0.0, 0.0)}
@@ -21,7 +37,7 @@ def places_of(mechanism: Any, motion: Any) -> dict[str, Any]:
     return found
 
 
-def _place(mechanism: Any, motion: Any, stage: Stage, dyad: Any, place: str) -> Any:
+def _place(mechanism: Machine, motion: NamedFields, stage: Stage, dyad: Any, place: str) -> Array:
     """Return where a joint of a dyad is."""
     slides = SLIDES[stage.kind]
     if place in slides:
@@ -33,7 +49,7 @@ def _place(mechanism: Any, motion: Any, stage: Stage, dyad: Any, place: str) -> 
     return _at(mechanism, motion, *getattr(dyad, place))
 
 
-def _at(mechanism: Any, motion: Any, link: str, along: float, across: float) -> Any:
+def _at(mechanism: Machine, motion: NamedFields, link: str, along: float, across: float) -> Array:
     """Return the place of a point of a link or the ground."""
     if link == mechanism.layout.links[0]:
         return np.array((along, across))
@@ -41,7 +57,7 @@ def _at(mechanism: Any, motion: Any, link: str, along: float, across: float) -> 
     return vector(x, y)
 
 
-def diagram(mechanism: Any, motion: Any) -> Diagram:
+def diagram(mechanism: Machine, motion: NamedFields) -> Diagram:
     """
     Return the :class:`Diagram` of one pose.
 
@@ -67,18 +83,18 @@ def diagram(mechanism: Any, motion: Any) -> Diagram:
                    {name: name for name in joints}, _angles(mechanism, joints))
 
 
-def _direction(motion: Any, link: str) -> Any:
+def _direction(motion: NamedFields, link: str) -> Array:
     return vector(getattr(motion, f'cos_{link}'), getattr(motion, f'sin_{link}'))
 
 
-def _bars_of(stage: Stage, joints: Any, names: Any) -> list[Bar]:
+def _bars_of(stage: Stage, joints: Places, names: Mapping[str, str]) -> list[Bar]:
     """Return the rods of a dyad, and the bar on which a block slides."""
     ends = {'RRR': (('first', 'inner'), ('second', 'inner')), 'RRP': (('first', 'inner'),),
             'RPR': (('second', 'inner'),), 'RPP': (('second', 'inner'),), 'PRP': ()}[stage.kind]
     return [Bar(joints[names[one]], joints[names[other]]) for one, other in ends]
 
 
-def _bars_of_parents(mechanism: Any, motion: Any, joints: Any) -> list[Bar]:
+def _bars_of_parents(mechanism: Machine, motion: NamedFields, joints: Places) -> list[Bar]:
     """Return bars from the first joint of a link to the points on it at which dyads hang."""
     found = []
     for stage, dyad in zip(mechanism.layout.stages, mechanism.stages):
@@ -91,10 +107,10 @@ def _bars_of_parents(mechanism: Any, motion: Any, joints: Any) -> list[Bar]:
     return found
 
 
-def _third_sides(mechanism: Any, motion: Any, joints: Any) -> list[Bar]:
+def _third_sides(mechanism: Machine, motion: NamedFields, joints: Places) -> list[Bar]:
     """Return the sides of links with three joints and more that do not begin at the first."""
     layout = mechanism.layout
-    on_link: dict[str, list[Any]] = {link: [] for link in layout.moving}
+    on_link: dict[str, list[Array]] = {link: [] for link in layout.moving}
     for stage, dyad in zip(layout.stages, mechanism.stages):
         names, slides = dict(stage.joints()), SLIDES[stage.kind]
         for i, place in enumerate(('first', 'second')):
@@ -114,7 +130,7 @@ def _third_sides(mechanism: Any, motion: Any, joints: Any) -> list[Bar]:
     return found
 
 
-def _angles(mechanism: Any, joints: Any) -> dict[str, str]:
+def _angles(mechanism: Machine, joints: Places) -> dict[str, str]:
     """Return {angle of the input or the output: joint about which its arc is drawn}."""
     places = {link.name: link.first_joint for link in mechanism.LINKS}
     found = {}
@@ -125,13 +141,13 @@ def _angles(mechanism: Any, joints: Any) -> dict[str, str]:
     return found
 
 
-def velocity_polygon(mechanism: Any, motion: Any) -> list[Arrow]:
+def velocity_polygon(mechanism: Machine, motion: NamedFields) -> list[Arrow]:
     """Return the arrows of the velocities of all moving joints [m/s]; the pole is the origin."""
     return [total(point.velocity, f'V_{{{name}}}')
             for name, _, point in _moving(mechanism, motion)]
 
 
-def acceleration_polygon(mechanism: Any, motion: Any) -> list[Arrow]:
+def acceleration_polygon(mechanism: Machine, motion: NamedFields) -> list[Arrow]:
     """Return the arrows of the accelerations of all moving joints, with those of the crank."""
     found = []
     for name, link, point in _moving(mechanism, motion):
@@ -141,7 +157,8 @@ def acceleration_polygon(mechanism: Any, motion: Any) -> list[Arrow]:
     return found
 
 
-def _moving(mechanism: Any, motion: Any) -> list[tuple[str, Any, Any]]:
+def _moving(mechanism: Machine, motion: NamedFields
+            ) -> list[tuple[str, LinkMotion | None, PointMotion]]:
     """Return (name, motion of the crank if it is on that, PointMotion) of joints that move."""
     found = []
     for stage, dyad in zip(mechanism.layout.stages, mechanism.stages):
@@ -153,7 +170,7 @@ def _moving(mechanism: Any, motion: Any) -> list[tuple[str, Any, Any]]:
                 found.append((f'{stage.name}_{place}', link,
                               point_motion(mechanism, motion, *point)))
         inner = stage.links[1] if stage.kind != 'RRR' else stage.links[0]
-        along = dyad.length_1 if stage.kind == 'RRR' else 0.0
+        along = (stage.kind == 'RRR' and dyad.length_1) or 0.0
         found.append((f'{stage.name}_inner', None,
                       point_motion(mechanism, motion, inner, along)))
     return found

@@ -11,12 +11,13 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from functools import cache
 from graphlib import CycleError, TopologicalSorter
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from fourbar_ros.errors import InvalidParameter, nearest
 from fourbar_ros.mechanisms.machine.describe.description import (
     CRANK_LINK,
     CYLINDER,
+    Dyad,
     PRP,
     RPP,
     RPR,
@@ -156,7 +157,7 @@ class Layout(NamedTuple):
             for place, name in stage.joints()]
 
 
-def layout_of(driver: str, dyads: Sequence[Any], output: str | None = None) -> Layout:
+def layout_of(driver: str, dyads: Sequence[Dyad], output: str | None = None) -> Layout:
     """
     Return the :class:`Layout` of dyads, a cylinder's own first.
 
@@ -197,7 +198,7 @@ def layout_of(driver: str, dyads: Sequence[Any], output: str | None = None) -> L
     return layout
 
 
-def _why_not_there(dyads: Sequence[Any], link: str, known: Sequence[str]) -> str:
+def _why_not_there(dyads: Sequence[Dyad], link: str, known: Sequence[str]) -> str:
     """Return why no dyad can hang on a link yet, and what helps."""
     owner = next((dyad for dyad in dyads if link in dyad.links), None)
     if owner is None:

@@ -18,6 +18,7 @@ from fourbar_ros.mechanisms.machine.describe.description import (
     CRANK_LINK,
     CYLINDER,
     DIMENSIONS,
+    Dyad,
     RRP,
     RRR,
     SLIDER_LINK,
@@ -159,7 +160,7 @@ def _of_coordinate(its: Coordinate, text: str) -> list[Quantity]:
             Quantity(its.acceleration, 'rad/s^2', f'angular acceleration {text}', False)]
 
 
-def lengths_of(dyads: Sequence[Any]) -> list[tuple[Length, float]]:
+def lengths_of(dyads: Sequence[Dyad]) -> list[tuple[Length, float]]:
     """Return all lengths that are not zero: places of points, rods, offsets; and their values."""
     found = []
     for dyad in dyads:

@@ -60,10 +60,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
+from fourbar_ros.mechanisms.points import Curve
 from fourbar_ros.numerics.number_types import NumberType, Scalar
 
 Node = tuple[Scalar, Scalar, Scalar, Scalar, Scalar, Scalar]
-Curve = tuple[Scalar, Scalar, Scalar, Scalar, Scalar, Scalar, Scalar, Scalar, Scalar, Scalar]
 # Cosine and sine of the angle of a link, its first and second derivative.
 Direction = tuple[Scalar, Scalar, Scalar, Scalar]
 # The curves of the two links, (s, s', s'') of each slide, sine and cosine of the transmission
@@ -97,7 +97,6 @@ class Driven(NamedTuple):
     of_cylinder: tuple[Any, ...] | None = None
 
 
-FIXED: Curve = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)     # of the ground
 
 
 def between(at_p: Node, at_q: Node) -> Node:

@@ -35,11 +35,9 @@ from fourbar_ros.mechanisms.machine.describe.description import (
 from fourbar_ros.mechanisms.machine.describe.layout import Layout, Stage
 from fourbar_ros.mechanisms.machine.solve.dyads import (
     between,
-    Curve,
     Direction,
     Driven,
     DyadMotion,
-    FIXED,
     Node,
     ORIGIN,
 )
@@ -52,7 +50,7 @@ from fourbar_ros.mechanisms.machine.solve.pairs import (
     Slide,
     slides_of,
 )
-from fourbar_ros.mechanisms.points import point_of
+from fourbar_ros.mechanisms.points import Curve, FIXED, point_of
 from fourbar_ros.numerics.number_types import Scalar
 
 # Of a link whose joint is that of another: (that link, where).

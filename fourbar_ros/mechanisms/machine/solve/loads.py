@@ -45,7 +45,7 @@ PRP, with N1 n1, C1 and N2 n2, C2 of the lines on the blocks, f = f1 + f2:
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 from fourbar_ros.mechanics.bodies import Applied, applied_to, Body
 from fourbar_ros.mechanics.newton_euler import about_first_joint
@@ -67,8 +67,8 @@ from fourbar_ros.mechanisms.machine.describe.layout import (
     Stage,
     travel,
 )
-from fourbar_ros.mechanisms.machine.solve.dyads import Curve
 from fourbar_ros.mechanisms.machine.solve.pairs import Place, slides_of
+from fourbar_ros.mechanisms.points import Curve
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 from fourbar_ros.numerics.vectors import Vector
 
@@ -91,7 +91,7 @@ def make_needs(body: Body, gravity: tuple[Scalar, Scalar], applied: Applied) -> 
 
 
 def make_loads(n: NumberType, layout: Layout, numbers: Sequence[Numbers], bodies: Iterable[Body],
-               gravity: tuple[Scalar, Scalar], external: Any) -> Function:
+               gravity: tuple[Scalar, Scalar], external: NamedTuple) -> Function:
     """Return the function (fields of motion) -> fields of :func:`.layout.load_fields`."""
     needs_of = [make_needs(body, gravity, applied_to(external, name))
                 for name, body in zip(layout.moving, bodies)]
@@ -199,14 +199,18 @@ def make_arms(stage: Stage, own: Numbers) -> Function:
     return lambda slides: (first(slides), second(slides))
 
 
-def driven_along(forces: tuple[Any, ...], drive: Scalar, x: Scalar, y: Scalar) -> tuple[Any, ...]:
+# The nine forces and couples of a dyad, and what its slides transmit.
+Forces = tuple[Any, ...]
+
+
+def driven_along(forces: Forces, drive: Scalar, x: Scalar, y: Scalar) -> Forces:
     """Return the forces in a cylinder: with that of its drive along (x, y) on the rod."""
     p_x, p_y, _, q_x, q_y, _, f_x, f_y, *others = forces
     d_x, d_y = drive * x, drive * y
     return (p_x - d_x, p_y - d_y, 0.0, q_x + d_x, q_y + d_y, 0.0, f_x + d_x, f_y + d_y, *others)
 
 
-def make_fields(n: NumberType, stage: Stage) -> Callable[[tuple[Any, ...]], tuple[Scalar, ...]]:
+def make_fields(n: NumberType, stage: Stage) -> Callable[[Forces], tuple[Scalar, ...]]:
     """Return the function forces in a dyad -> fields of its joints."""
     hypot = n.hypot
     slides = list(SLIDES[stage.kind])
@@ -214,7 +218,7 @@ def make_fields(n: NumberType, stage: Stage) -> Callable[[tuple[Any, ...]], tupl
     places = [(starts[place], slides.index(place) if place in slides else -1)
               for place in PLACES]
 
-    def fields(forces: tuple[Any, ...]) -> tuple[Scalar, ...]:
+    def fields(forces: Forces) -> tuple[Scalar, ...]:
         found: list[Scalar] = []
         for at, normal in places:
             x, y, couple = forces[at:at + 3]
@@ -232,13 +236,13 @@ Needs = tuple[Scalar, Scalar, Scalar]
 # links; at the inner joint, of the second link on the first; normal forces of the joints that
 # slide, in their order. Couples are about the first joints of the links.
 # (directions (cosine, sine) of both links, slides, sine, needs of both) -> forces.
-SolvesDyad = Callable[[Place, Place, Sequence[Scalar], Scalar, Needs, Needs], tuple[Any, ...]]
+SolvesDyad = Callable[[Place, Place, Sequence[Scalar], Scalar, Needs, Needs], Forces]
 
 
 def make_rrr_loads(r1: Scalar, r2: Scalar) -> SolvesDyad:
     """Return the forces in the dyad RRR."""
     def loads(first: Place, second: Place, _slides: Sequence[Scalar], sine: Scalar, needs1: Needs,
-              needs2: Needs) -> tuple[Any, ...]:
+              needs2: Needs) -> Forces:
         (f1x, f1y, m1), (f2x, f2y, m2) = needs1, needs2
         b, a = m1 / (r1 * sine), m2 / (r2 * sine)                                       # (F1)
         fx, fy = a * first[0] + b * second[0], a * first[1] + b * second[1]
@@ -249,7 +253,7 @@ def make_rrr_loads(r1: Scalar, r2: Scalar) -> SolvesDyad:
 def make_rrp_loads(r1: Scalar, *_: Scalar) -> SolvesDyad:
     """Return the forces in the dyad RRP."""
     def loads(first: Place, second: Place, _slides: Sequence[Scalar], sine: Scalar, needs1: Needs,
-              needs2: Needs) -> tuple[Any, ...]:
+              needs2: Needs) -> Forces:
         (f1x, f1y, m1), (f2x, f2y, m2) = needs1, needs2
         tx, ty = second
         h, g = r1 * (first[1] * tx - first[0] * ty), r1 * sine
@@ -264,7 +268,7 @@ def make_rrp_loads(r1: Scalar, *_: Scalar) -> SolvesDyad:
 def make_rpr_loads(*_: Scalar) -> SolvesDyad:
     """Return the forces in the dyad RPR."""
     def loads(first: Place, _second: Place, slides: Sequence[Scalar], _sine: Scalar, needs1: Needs,
-              needs2: Needs) -> tuple[Any, ...]:
+              needs2: Needs) -> Forces:
         (f1x, f1y, m1), (f2x, f2y, m2) = needs1, needs2
         normal = -(m1 + m2) / slides[0]                                                 # (F3)
         fx, fy = -normal * first[1], normal * first[0]
@@ -275,7 +279,7 @@ def make_rpr_loads(*_: Scalar) -> SolvesDyad:
 def make_rpp_loads(_cos_t: Scalar, _sin_t: Scalar, cos_g: Scalar, sin_g: Scalar) -> SolvesDyad:
     """Return the forces in the dyad RPP."""
     def loads(first: Place, second: Place, slides: Sequence[Scalar], _sine: Scalar, needs1: Needs,
-              needs2: Needs) -> tuple[Any, ...]:
+              needs2: Needs) -> Forces:
         (f1x, f1y, m1), (f2x, f2y, m2) = needs1, needs2
         tx, ty = second
         slot = (f2x * tx + f2y * ty) / sin_g                                            # (F4)
@@ -289,7 +293,7 @@ def make_rpp_loads(_cos_t: Scalar, _sin_t: Scalar, cos_g: Scalar, sin_g: Scalar)
 def make_prp_loads(*_: Scalar) -> SolvesDyad:
     """Return the forces in the dyad PRP."""
     def loads(first: Place, second: Place, _slides: Sequence[Scalar], sine: Scalar, needs1: Needs,
-              needs2: Needs) -> tuple[Any, ...]:
+              needs2: Needs) -> Forces:
         (f1x, f1y, m1), (f2x, f2y, m2) = needs1, needs2
         (x1, y1), (x2, y2) = first, second
         fx, fy = (f1x + f2x) / sine, (f1y + f2y) / sine

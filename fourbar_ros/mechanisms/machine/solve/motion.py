@@ -36,9 +36,10 @@ from fourbar_ros.mechanisms.machine.describe.description import (
     RRR,
 )
 from fourbar_ros.mechanisms.machine.describe.layout import Layout, Stage
-from fourbar_ros.mechanisms.machine.solve.dyads import Curve, Direction, Driven, FIXED
+from fourbar_ros.mechanisms.machine.solve.dyads import Direction, Driven
 from fourbar_ros.mechanisms.machine.solve.frames import Frames
 from fourbar_ros.mechanisms.machine.solve.pairs import make_moves, turned_by
+from fourbar_ros.mechanisms.points import Curve, FIXED
 from fourbar_ros.mechanisms.slide_dyad import make_triangle
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 

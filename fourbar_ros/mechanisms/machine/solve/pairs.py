@@ -47,13 +47,13 @@ from fourbar_ros.mechanisms.machine.describe.description import (
 )
 from fourbar_ros.mechanisms.machine.describe.layout import Layout, Pair, Stage
 from fourbar_ros.mechanisms.machine.solve.dyads import (
-    Curve,
     Direction,
     DyadMotion,
     MAKERS,
     MovesDyad,
     Node,
 )
+from fourbar_ros.mechanisms.points import Curve
 from fourbar_ros.mechanisms.slide_dyad import make_block_on_bar, make_rod_on_line, make_triangle
 from fourbar_ros.numerics.exact_sums import difference_of_squares
 from fourbar_ros.numerics.number_types import Function, nudge, NumberType, power_of_two, Scalar
@@ -71,13 +71,15 @@ def slides_of(stage: Stage, own: Numbers) -> list[tuple[int, Slide]]:
     """Return [(number of a link that slides, its :data:`Slide`)] in the order of the joints."""
     one, two, sizes = stage.number, stage.number + 1, own.sizes
     if stage.kind == RRP:
-        return [(two, (stage.second, own.q, sizes[1:]))]
+        return [(two, (stage.second, own.q, (sizes[1], sizes[2])))]
     if stage.kind == RPR:
         return [(one, (two, (0.0, sizes[0]), (1.0, 0.0)))]
     if stage.kind == RPP:
-        return [(one, (two, HERE, sizes[2:])), (two, (stage.second, own.q, sizes[:2]))]
+        return [(one, (two, HERE, (sizes[2], sizes[3]))),
+                (two, (stage.second, own.q, (sizes[0], sizes[1])))]
     if stage.kind == PRP:
-        return [(one, (stage.first, own.p, sizes[:2])), (two, (stage.second, own.q, sizes[2:]))]
+        return [(one, (stage.first, own.p, (sizes[0], sizes[1]))),
+                (two, (stage.second, own.q, (sizes[2], sizes[3])))]
     return []
 
 
@@ -423,8 +425,9 @@ class Closure:
         rods = [*own.sizes[:{RRR: 2, RRP: 1, RPR: 0}[stage.kind]],
                 *(() if self.slides else own.shape[:1 if self.is_sine else 2])]
         self._rods = min(rods, default=1.0), max(rods, default=1.0)
-        self._square = ((other * other, 1.0) if self.slides else
-                        ((one - other)**2 / (one + other)**2, 1.0))
+        self._square: tuple[Scalar, Scalar] = (
+            (other * other, 1.0) if self.slides else
+            ((one - other)**2 / (one + other)**2, 1.0))
         self.is_impossible = any(factor.is_impossible for factor in self._factors)
         self.has_limits = any(factor.is_limit for factor in self._factors)
         self.flats = [sign for factor in self._factors for sign in self._flats_of(factor)]
@@ -475,13 +478,16 @@ class Closure:
     def make_square(self, n: NumberType) -> Function:
         """Return the angle or slide of a pair -> |D|^2, scaled."""
         place, half_angle = self.make_place(n), make_half_angle(n)
+        one, other = self._square
 
         def square(way: Sequence[Scalar]) -> Scalar:
             beside, ahead = place(way)
             if self.slides:
-                return beside * beside + self._square[0]
-            ss, cc, _ = half_angle(ahead, beside)
-            return self._square[0] * cc + self._square[1] * ss
+                size: Scalar = beside * beside + one
+            else:
+                ss, cc, _ = half_angle(ahead, beside)
+                size = one * cc + other * ss
+            return size
         return square
 
     def input_at(self, flat: float, is_driven: bool) -> float:
@@ -491,7 +497,7 @@ class Closure:
         ``is_driven``: whether it is the driven link that moves in the frame.
         """
         if self.slides:
-            return 0.0 - self._start
+            return float(0.0 - self._start)
         angle = atan2(*((flat, 0.0) if self.is_sine else (0.0, flat)))
         turn = angle - atan2(*self._start[::-1])
         folded = remainder(turn if is_driven else -turn, 2.0 * pi)

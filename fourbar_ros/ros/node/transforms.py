@@ -41,6 +41,12 @@ def maker(scene: Scene) -> Callable[[Stamp, Sequence[float]], TFMessage | None]:
     return make
 
 
+def frames_of(scene: Scene) -> set[str]:
+    """Return the names of the frames that a scene moves."""
+    model = model_of(scene)
+    return {*(link.frame for link in model.links), *model.points}
+
+
 def _frame(message: TFMessage, parent: str, child: str) -> TransformStamped:
     """Add a frame to the message and return it."""
     one = TransformStamped(child_frame_id=child)

@@ -18,15 +18,16 @@ from functools import cached_property
 from math import pi, tau
 from typing import Any
 
-from fourbar_ros.dynamics.analysis.statics import roots_of
 from fourbar_ros.dynamics.model.smooth import flat_positions
 from fourbar_ros.dynamics.model.system import System
 from fourbar_ros.dynamics.solve.integrators import Part
 from fourbar_ros.dynamics.solve.phase import COMPLETE
+from fourbar_ros.dynamics.statics import roots_of
 from fourbar_ros.errors import FourBarError, InvalidParameter
-from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.numerics.arrays import Array, Value
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 ComplexArray = NDArray[np.complexfloating[Any, Any]]
 MOST_SAMPLES, MOST_TO_FOLLOW = 2**17, 2**13      # with more, other methods are as fast
@@ -85,7 +86,7 @@ class FreeMotion:
             self._middle, self._half = 0.5 * (low + high), 0.5 * (high - low)
             self._cycle = tau
 
-    def _turning_points(self, mechanism: Any, rate: float) -> tuple[float, float] | None:
+    def _turning_points(self, mechanism: Mechanism, rate: float) -> tuple[float, float] | None:
         """Return the ends of the swing, or None for a crank that goes round."""
         if rate == 0.0:      # the start is one of them: which one, the force says
             pushes = self._equation.terms(self._start).force
@@ -101,7 +102,7 @@ class FreeMotion:
             raise InvalidParameter('system', None, 'must not reach a limit of its input')
         return min(one, other), max(one, other)
 
-    def _turning_point(self, mechanism: Any, side: float,
+    def _turning_point(self, mechanism: Mechanism, side: float,
                        at_rest: bool = False) -> float | None:
         """Return the nearest turning point on one side of the start, or None."""
         reach = tau
@@ -124,7 +125,7 @@ class FreeMotion:
     def _phase(self) -> float:
         """Return u at the start."""
         if not self.swings:
-            return self._direction * self._start
+            return float(self._direction * self._start)
         sine = min(max((self._start - self._middle) / self._half, -1.0), 1.0)
         phase = float(np.arcsin(sine))
         if abs(sine) > 0.5:      # near a turning point the rate tells it better, (F2)
@@ -133,7 +134,7 @@ class FreeMotion:
             phase = 0.5 * pi - beside if sine > 0.0 else beside - 0.5 * pi
         return phase if self._rate >= 0.0 else pi - phase
 
-    def _input(self, u: Any) -> Any:
+    def _input(self, u: Value) -> Value:
         return self._middle + self._half * np.sin(u) if self.swings else self._direction * u
 
     def _slope(self, u: Array) -> Array:
@@ -201,7 +202,7 @@ class FreeMotion:
         time, slope = (np.concatenate(rows) for rows in zip(*found))
         return time.reshape(np.shape(u)), slope.reshape(np.shape(u))
 
-    def states(self, times: Any) -> Array:
+    def states(self, times: ArrayLike) -> Array:
         """Return input and rate at these times: [rad] or [m], [rad/s] or [m/s]."""
         times = np.asarray(times, float)
         start = self._time(np.array(self._phase))[0]
@@ -221,12 +222,12 @@ class FreeMotion:
                               self._direction / slope])
         return found
 
-    def position(self, times: Any) -> Array:
+    def position(self, times: ArrayLike) -> Array:
         """Return the input at these times [rad] or [m]."""
         position: Array = self.states(times)[0]
         return position
 
-    def rate(self, times: Any) -> Array:
+    def rate(self, times: ArrayLike) -> Array:
         """Return the rate of the input at these times [rad/s] or [m/s]."""
         rate: Array = self.states(times)[1]
         return rate

@@ -15,7 +15,7 @@ I = (largest change of energy) / (coefficient w^2), which leaves out that J vari
 from __future__ import annotations
 
 from math import tau
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from fourbar_ros.dynamics.model.equation import Equation, Terms
 from fourbar_ros.errors import InvalidParameter
@@ -126,7 +126,7 @@ def _integral(values: Array) -> Array:
 
 def _rates(gained: Array, total: Array, rate: float) -> Array:
     """Return w from (W1), with E0 so that ``rate`` is the mean of its extrema."""
-    def rates_at(energy: Any) -> Array:
+    def rates_at(energy: float) -> Array:
         rates: Array = np.sqrt(2.0 * np.maximum(energy + gained, 0.0) / total)
         return rates
 

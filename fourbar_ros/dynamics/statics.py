@@ -14,9 +14,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import nan, pi, sqrt, tau
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from fourbar_ros.dynamics.model.equation import Equation
+from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.numerics.number_types import Function
 from fourbar_ros.optional import MissingPackage
 import numpy as np
 
@@ -71,7 +74,7 @@ def _jumps(equation: Equation, place: float, drive: float) -> bool:
     return bool(min(abs(below), abs(above)) > 1e3 * bend + 1e-6 * abs(above - below))
 
 
-def _samples(mechanism: Any, turns: int) -> list[Any]:
+def _samples(mechanism: Mechanism, turns: int) -> list[Array]:
     """
     Return inputs in each range.
 
@@ -85,7 +88,7 @@ def _samples(mechanism: Any, turns: int) -> list[Any]:
             for low, high in mechanism.input_ranges]
 
 
-def roots_of(function: Any, samples: Any) -> list[float]:
+def roots_of(function: Function, samples: Array) -> list[float]:
     """Return the places where a function of floats and arrays changes its sign."""
     try:
         from scipy.optimize import brentq, minimize_scalar

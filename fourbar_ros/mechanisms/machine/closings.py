@@ -12,8 +12,7 @@ That of a pair is in :mod:`.pairs`; of others
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 from fourbar_ros.mechanisms.machine.describe.description import (
     CYLINDER,
@@ -24,14 +23,15 @@ from fourbar_ros.mechanisms.machine.describe.description import (
     RRR,
 )
 from fourbar_ros.mechanisms.machine.describe.layout import Layout, Stage
-from fourbar_ros.mechanisms.machine.solve.dyads import Curve, turned
+from fourbar_ros.mechanisms.machine.solve.dyads import turned
 from fourbar_ros.mechanisms.machine.solve.frames import Frames
 from fourbar_ros.mechanisms.machine.solve.motion import make_driver
 from fourbar_ros.mechanisms.machine.solve.pairs import Closure, make_moves
+from fourbar_ros.mechanisms.points import Curve
 from fourbar_ros.numerics.number_types import converted, Function, NumberType, Scalar
 
 CLOSING = (RRR, RRP, RPR, PRP)     # kinds that do not close at any input
-Closing = Callable[[Any], Any]      # of an input, returns the closings of some dyads
+Closing = Function      # of an input, returns the closings of some dyads
 
 
 def make_closing(n: NumberType, stage: Stage, own: Numbers) -> Function:

@@ -15,8 +15,8 @@ from fourbar_ros.errors import FourBarError
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.ros.pictures import markers as shapes
-from fourbar_ros.ros.pictures.markers import size_of, WIDTH
+from fourbar_ros.ros.node import markers as shapes
+from fourbar_ros.ros.node.markers import size_of, WIDTH
 from fourbar_ros.scene.scene import Scene
 import numpy as np
 from visualization_msgs.msg import Marker, MarkerArray

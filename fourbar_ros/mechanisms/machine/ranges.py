@@ -27,15 +27,15 @@ from math import inf, nextafter, pi
 from typing import Any, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.mechanisms.machine.describe.description import CYLINDER, Numbers, PRP
-from fourbar_ros.mechanisms.machine.describe.layout import Layout
-from fourbar_ros.mechanisms.machine.limits.closings import (
+from fourbar_ros.mechanisms.machine.closings import (
     Closing,
     has_toggles,
     make_closings,
     make_places,
     make_squares,
 )
+from fourbar_ros.mechanisms.machine.describe.description import CYLINDER, Numbers, PRP
+from fourbar_ros.mechanisms.machine.describe.layout import Layout
 from fourbar_ros.mechanisms.machine.solve.pairs import Closure, other_of
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.laurent import FIRST_TERMS, LAURENT, Laurent, many_digits, series
@@ -175,7 +175,9 @@ class _Path(NamedTuple):
         """Return phi in equal steps; without a toggle at either end, where it is singular."""
         if self.is_closed:
             return np.linspace(-pi, pi, PIECES + 1) + SEAM
-        return 0.5 * pi * np.sin(0.5 * pi * np.linspace(-1.0, 1.0, PIECES + 1)) * (1.0 - 1e-7)
+        way = np.linspace(-1.0, 1.0, PIECES + 1)
+        phi: Array = 0.5 * pi * np.sin(0.5 * pi * way) * (1.0 - 1e-7)
+        return phi
 
 
 def flat_place(layout: Layout, numbers: Sequence[Numbers], signs: Sequence[float], number: int,

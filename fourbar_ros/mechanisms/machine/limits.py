@@ -17,11 +17,12 @@ from abc import abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from math import hypot, pi, remainder
-from typing import Any, ClassVar, NamedTuple
+from typing import ClassVar, NamedTuple, NoReturn, TypeVar
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, Toggle
 from fourbar_ros.mechanisms.checks import STROKE, two_numbers
 from fourbar_ros.mechanisms.contract import CRANK, CROSSED, of_geometry, OPEN, SLIDE
+from fourbar_ros.mechanisms.machine.closings import make_closings
 from fourbar_ros.mechanisms.machine.describe.description import (
     Dyad,
     Numbers,
@@ -29,8 +30,7 @@ from fourbar_ros.mechanisms.machine.describe.description import (
     RRR,
 )
 from fourbar_ros.mechanisms.machine.describe.layout import Layout
-from fourbar_ros.mechanisms.machine.limits.closings import make_closings
-from fourbar_ros.mechanisms.machine.limits.ranges import (
+from fourbar_ros.mechanisms.machine.ranges import (
     Bound,
     Closings,
     DOUBLE,
@@ -41,9 +41,7 @@ from fourbar_ros.mechanisms.machine.limits.ranges import (
 )
 from fourbar_ros.mechanisms.machine.solve.dyads import (
     between,
-    Curve,
     Driven,
-    FIXED,
     make_rrr,
     ORIGIN,
 )
@@ -52,9 +50,9 @@ from fourbar_ros.mechanisms.machine.solve.motion import EXACT
 from fourbar_ros.mechanisms.machine.solve.pairs import make_moves
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import GROUND
-from fourbar_ros.mechanisms.points import point_of
+from fourbar_ros.mechanisms.points import Coefficients, Curve, FIXED, point_of
 from fourbar_ros.numerics.laurent import Laurent
-from fourbar_ros.numerics.number_types import Function, NumberType, REAL
+from fourbar_ros.numerics.number_types import NumberType, REAL, Scalar
 
 LIMIT, FLAT_LIMIT, FLAT, TOGGLE, POLE = 'limit', 'flat limit', 'flat', 'toggle', 'pole'
 # How near another one is the same: a double root is found beside it as far as the root of its
@@ -73,6 +71,9 @@ class Singularity(NamedTuple):
 
     input: complex
     kind: str
+
+
+_Self = TypeVar('_Self', bound='WithLimits')
 
 
 class WithLimits(Mechanism):
@@ -156,11 +157,12 @@ class WithLimits(Mechanism):
         return tuple([(-pi, pi) if bound is None else (bound[0].x, bound[1].x)
                       for bound in self._closings.limits])
 
-    def without_stroke(self) -> Any:
+    def without_stroke(self: _Self) -> _Self:
         """Return the same machine without a stroke, or with one ten times as long."""
         try:
             return super().without_stroke()
         except InvalidParameter:        # no dyad limits the slide
+            assert self.stroke is not None
             low, high = self.stroke
             reach = 4.5 * (high - low)
             return replace(self, stroke=(low - reach, high + reach))
@@ -216,7 +218,7 @@ class WithLimits(Mechanism):
         ends = [end.x for end in self._ends if end.dyad]
         return tuple(sorted({*self.modes, *map(self.mode_beyond, ends)}))
 
-    def driven_otherwise(self) -> tuple[SeenFromLink, ...]:
+    def driven_otherwise(self) -> tuple[SeenFromLink, ...]:  # type: ignore[override]  # never flat
         """Return the machine driven at its link on the ground, if the crank turns back by it."""
         names = {end.dyad for end in self._ends}
         dyads = [i for i, dyad in enumerate(self.stages) if {dyad.name} == names]
@@ -303,18 +305,18 @@ class SeenFromLink:
         """Return the same in another assembly mode."""
         return SeenFromLink(self._layout, self._numbers, self._signs, self._number, mode)
 
-    def motion(self, position: float, *_: float) -> Any:
+    def motion(self, position: float, *_: float) -> NoReturn:
         """Refuse an angle at which the dyad does not close, which an integrator may try."""
         link = self._layout.moving[self._link]
         raise FourBarError(f'theta_{link} = {position!r}: the links do not close')
 
-    def make_coefficients(self, numbers: NumberType) -> Function:
+    def make_coefficients(self, numbers: NumberType) -> Coefficients:
         """Return p -> coefficients of all links, as those of a mechanism."""
         inverse, number = self._make_inverse(numbers), self._number
         frames = Frames(self._layout, self._numbers)
         work = make_moves(numbers, self._layout, self._numbers, self._signs)
 
-        def coefficients(position: Any) -> list[Curve]:
+        def coefficients(position: Scalar) -> list[Curve]:
             crank, one, two = inverse(position)
             poses, curves = frames.begin(Driven(crank, EXACT)), [crank]
             for i, moves in enumerate(work):
@@ -324,7 +326,7 @@ class SeenFromLink:
             return curves
         return coefficients
 
-    def _make_inverse(self, n: NumberType) -> Callable[[Any], tuple[Curve, Curve, Curve]]:
+    def _make_inverse(self, n: NumberType) -> Callable[[Scalar], tuple[Curve, Curve, Curve]]:
         """Return p -> curves of the crank and of both links of the dyad, (O1)."""
         own, turns_first = self._numbers[self._number], self._turns_first
         pin, at_q, (rod, output) = own.p, own.q, own.sizes
@@ -334,7 +336,7 @@ class SeenFromLink:
         moves = make_rrr(n, 1.0 if self.mode == 2 else -1.0, rod, length)
         sin, cos, c0, s0 = n.sin, n.cos, pin[0] / length, pin[1] / length
 
-        def inverse(p: Any) -> tuple[Curve, Curve, Curve]:
+        def inverse(p: Scalar) -> tuple[Curve, Curve, Curve]:
             driven = (*point_of(FIXED, *at_q), cos(p), sin(p), 1.0, 0.0)
             at_b = point_of(driven, output, 0.0)
             (*_, c1, s1, d_rod, dd_rod), (*_, c2, s2, turn, bend), *_ = moves(
@@ -345,7 +347,7 @@ class SeenFromLink:
         return inverse
 
     def read_coordinate(self, numbers: NumberType,
-                        curves: Sequence[Curve]) -> tuple[Any, Any, Any]:
+                        curves: Sequence[Curve]) -> tuple[Scalar, Scalar, Scalar]:
         """Return p in (-pi, pi] and its two derivatives from coefficients of the links."""
         *_, cosine, sine, turn, bend = curves[self._link]
         return numbers.atan2(sine, cosine), turn, bend

@@ -10,10 +10,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from math import atan2, cos, isnan, sin
-from typing import Any, NamedTuple, Union
+from typing import Union
 
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import Bar, Block, Diagram, ORIGIN
+from fourbar_ros.mechanisms.parts import Bar, Block, Diagram, NamedFields, ORIGIN
 from fourbar_ros.mechanisms.picture import Arm, Force, forces_of, Joint, of_kind, picture
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.ros.messages import Stamp
@@ -59,7 +59,7 @@ def maker(scene: Scene) -> Callable[[Stamp, Sequence[float]], MarkerArray | None
     return make
 
 
-def pose(scene: Scene, motion: NamedTuple) -> list[Marker]:
+def pose(scene: Scene, motion: NamedFields) -> list[Marker]:
     """Return the markers of links, joints, blocks and points."""
     frame, width = scene.frame_id, WIDTH * size_of(scene.linkage)
     parts = picture(scene.linkage, motion, scene.points)
@@ -94,7 +94,7 @@ class Scales:
         return self._longest / self._moment if self._moment else 0.0
 
 
-def arrows(scene: Scene, loads: Any, diagram: Diagram, scales: Scales) -> list[Marker]:
+def arrows(scene: Scene, loads: NamedFields, diagram: Diagram, scales: Scales) -> list[Marker]:
     """Return the arrows of the forces at the joints, shaking force, shaking moment and drive."""
     frame, width = scene.frame_id, 0.6 * WIDTH * size_of(scene.linkage)
     forces = [Force('shaking force', '', ORIGIN,

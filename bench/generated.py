@@ -1,0 +1,167 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Generated C beside Python and numpy, its floor, what compiler flags cost and change."""
+from __future__ import annotations
+
+from collections import Counter
+import ctypes
+from pathlib import Path
+import shutil
+import subprocess
+from tempfile import TemporaryDirectory
+
+from fourbar_ros import load_scene
+from fourbar_ros.generated.c_code import Code
+from fourbar_ros.generated.model import Model
+import numpy as np
+
+from . import ROOT
+from .pages import best_time, table
+
+SAMPLES, ROUNDS = 20_000, 15
+SCENES = ('paper', 'slider_crank', 'cylinder', 'scotch_yoke', 'bucket', 'watt', 'jansen',
+          'andrews', 'classics/v8')
+C = ['-std=c99', '-O2']
+LOOP = """
+#include <math.h>
+#include <stddef.h>
+#include "NAME.h"
+void many(const NAME_input *inputs, int count, double *to, int width)
+{
+  NAME_parameters parameters;
+  NAME_constants constants;
+  int i;
+  NAME_defaults(&parameters);
+  NAME_prepare(&parameters, &constants);
+  for (i = 0; i < count; ++i) {
+    NAME_motion *motion = (NAME_motion *)(to + (size_t)i * (size_t)width);
+    NAME_step(&constants, inputs + i, motion, (NAME_loads *)(motion + 1));
+  }
+}
+double alone(const NAME_input *inputs, int count, double unit)
+{
+  double sum = 0.0;
+  int i;
+  for (i = 0; i < count; ++i) {
+    const double *given = (const double *)(inputs + i);
+    const double x = given[0];
+FLOOR
+  }
+  return sum;
+}
+"""
+FLAGS = ([['gcc', '-std=c99', level] for level in ('-O0', '-O1', '-O2', '-O3')]
+         + [['gcc', '-std=gnu99', '-O2', '-march=native'],
+            ['gcc', '-std=gnu99', '-O2', '-march=native', 'NO_PRAGMA'],
+            ['gcc', '-std=c99', '-O2', '-ffast-math', '-U__FAST_MATH__']]
+         + [['clang', '-std=c99', level] for level in ('-O0', '-O1', '-O2', '-O3')]
+         + [['clang', '-std=c99', '-O2', '-march=native'],
+            ['clang', '-std=c99', '-O2', '-ffast-math', '-U__FAST_MATH__']])
+
+
+class Built:
+    """The code of a scene and a loop, compiled."""
+
+    def __init__(self, name, folder, command):
+        scene = load_scene(ROOT / 'config' / f'{name}.yaml')
+        self.model = Model(scene, Path(name).name)
+        self.code, name = Code(self.model), self.model.name
+        counts = Counter(self.model.trace.steps[place].operation
+                         for place in self.model.needed(True)
+                         if place in self.model.trace.varies)
+        self.calls = {what: counts[what] for what in ('sin', 'cos', 'sqrt', 'atan2', 'hypot')}
+        floor = [f'    sum += {text.format(0.01 * i)};' for what, text in (
+            ('sin', 'sin(x + {})'), ('cos', 'cos(x + {})'), ('sqrt', 'sqrt(unit + x * x + {})'),
+            ('atan2', 'atan2(x + {}, unit)')) for i in range(self.calls[what])]
+        source = self.code.source()
+        if 'NO_PRAGMA' in command:
+            source = source.replace('#pragma GCC optimize ("fp-contract=off")', '')
+        command = [word for word in command if word != 'NO_PRAGMA']
+        (folder / f'{name}.h').write_text(self.code.header())
+        (folder / f'{name}.c').write_text(source)
+        (folder / 'loop.c').write_text(LOOP.replace('FLOOR', '\n'.join(floor)).replace(
+            'NAME', name))
+        library = folder / f'{len(list(folder.iterdir()))}.so'
+        subprocess.run([*command, '-shared', '-fPIC', '-o', library, f'{name}.c', 'loop.c', '-lm'],
+                       check=True, cwd=folder)
+        self.library = ctypes.CDLL(str(library))
+        self.width = len(self.model.motion) + len(self.model.loads)
+        low, high = self.model.mechanism.input_ranges[0]
+        rng = np.random.default_rng(0)
+        self.inputs = np.column_stack([rng.uniform(low, high, SAMPLES),
+                                       rng.normal(0.0, 20.0, (SAMPLES, 2))])
+        self.values = np.zeros((SAMPLES, self.width))
+
+    def of_step(self):
+        """Return the time of a sample [ns]."""
+        given = [array.ctypes.data_as(ctypes.c_void_p) for array in (self.inputs, self.values)]
+        return 1e9 / SAMPLES * best_time(lambda: self.library.many(
+            given[0], SAMPLES, given[1], self.width), ROUNDS)
+
+    def of_floor(self):
+        """Return the time of its sines, cosines, roots and arc tangents alone [ns]."""
+        alone = self.library.alone
+        alone.argtypes = [ctypes.c_void_p, ctypes.c_int, ctypes.c_double]
+        alone.restype = ctypes.c_double
+        given = self.inputs.ctypes.data
+        return 1e9 / SAMPLES * best_time(lambda: alone(given, SAMPLES, 1.0), ROUNDS)
+
+    def in_python(self):
+        """Return the time of a sample by floats, and by arrays [ns]."""
+        step, rows = self.model.mechanism.step, self.inputs[:2000].tolist()
+        one = 1e9 / len(rows) * best_time(lambda: [step(*row) for row in rows])
+        columns = self.inputs.T.copy()
+        return one, 1e9 / SAMPLES * best_time(lambda: step(*columns))
+
+
+def main():
+    """Print the tables."""
+    with TemporaryDirectory() as folder:
+        _machines(Path(folder))
+        _flags(Path(folder))
+
+
+def _machines(folder):
+    print(f'Motion and all loads, gcc {" ".join(C)}, ns a sample; the least of {ROUNDS} rounds. '
+          'A line without loops has one path: its operations are the longest. Floor: its sines, '
+          'cosines, roots and arc tangents alone.\n')
+    rows = []
+    for name in SCENES:
+        (folder / Path(name).name).mkdir()
+        built = Built(name, folder / Path(name).name, ['gcc', *C])
+        step, floor = built.of_step(), built.of_floor()
+        one, many = built.in_python()
+        rows.append((Path(name).name, built.code.operations[True],
+                     ' + '.join(map(str, built.calls.values())), f'{step:.0f}', f'{floor:.0f}',
+                     f'{step / floor:.2f}', f'{one:.0f}', f'{many:.0f}', built.code.stack))
+    table(('scene', 'operations', 'sin + cos + root + atan2 + hypot', 'C', 'floor', 'C / floor',
+           'Python', 'numpy batch', 'stack bound [bytes]'), rows)
+    print('Operations of every shipped scene (motion; with loads):\n')
+    counts = []
+    for path in sorted((ROOT / 'config').glob('*.yaml')) + sorted(
+            (ROOT / 'config' / 'classics').glob('*.yaml')):
+        found = Code(Model(load_scene(path), path.stem.replace('-', '_'))).operations
+        counts.append(f'{path.stem} {found[False]}'
+                      + (f'; {found[True]}' if True in found else ''))
+    print(', '.join(f'{text.replace(";", " and")}' for text in counts) + '.\n')
+
+
+def _flags(folder):
+    print(f'Compiler flags, four-bar, {SAMPLES} inputs: values that differ in any bit from '
+          f'gcc {" ".join(C)}, which has those of Python.\n')
+    reference, rows = Built('paper', folder, ['gcc', *C]), []
+    reference.of_step()
+    for command in FLAGS:
+        if shutil.which(command[0]) is None:
+            continue
+        built = Built('paper', folder, command)
+        ns = built.of_step()
+        one, other = reference.values, built.values
+        differ = (one.view(np.uint64) != other.view(np.uint64)) & ~(np.isnan(one)
+                                                                    & np.isnan(other))
+        with np.errstate(divide='ignore', invalid='ignore'):
+            apart = np.nanmax(np.where(differ, abs(one - other) / abs(one), 0.0))
+        what = ' '.join('without the pragma of the source' if word == 'NO_PRAGMA' else word
+                        for word in command if not word.startswith('-U'))
+        rows.append((what, f'{ns:.0f}', f'{differ.sum()} of {differ.size}', f'{apart:.1e}'))
+    table(('flags', 'ns', 'values that differ', 'at most, relative'), rows)

@@ -1,0 +1,69 @@
+/* What both versions of FMI share: all state is in one struct without pointers. */
+#include <stdlib.h>
+
+#if defined(_WIN32)
+#define EXPORT __declspec(dllexport)
+#else
+#define EXPORT __attribute__((visibility("default")))
+#endif
+
+typedef struct {
+  NAME_input input;
+  NAME_parameters parameters;
+  NAME_motion motion;
+LOADS_FIELD
+  NAME_constants constants;
+  double status, time;
+  int constants_are_old, results_are_old;
+} State;
+
+enum { GIVEN = INPUTS + PARAMETERS, RESULTS = GIVEN + MOTIONS + LOADS, STATUS = RESULTS,
+       TIME = RESULTS + 1, NUMBERS };
+
+static void reset(State *state)
+{
+  memset(state, 0, sizeof *state);
+  NAME_defaults(&state->parameters);
+  STARTS
+  state->constants_are_old = state->results_are_old = 1;
+}
+
+/* The number of a value reference. */
+static void *number(State *state, unsigned reference)
+{
+  if (reference < INPUTS) return (char *)&state->input + reference * sizeof(double);
+  if (reference < GIVEN)
+    return (char *)&state->parameters + (reference - INPUTS) * sizeof(double);
+  if (reference < GIVEN + MOTIONS)
+    return (char *)&state->motion + (reference - GIVEN) * sizeof(double);
+LOADS_NUMBER
+  return reference == STATUS ? &state->status : &state->time;
+}
+
+static int get_numbers(State *state, const unsigned *references, size_t count, double *to)
+{
+  size_t i;
+  for (i = 0; i < count; ++i) {
+    if (references[i] >= NUMBERS) return 3;
+    if (references[i] >= GIVEN && references[i] <= STATUS && state->results_are_old) {
+      if (state->constants_are_old) NAME_prepare(&state->parameters, &state->constants);
+      state->status = (double)STEP;
+      state->constants_are_old = state->results_are_old = 0;
+    }
+    memcpy(to + i, number(state, references[i]), sizeof *to);
+  }
+  return 0;
+}
+
+static int set_numbers(State *state, const unsigned *references, size_t count,
+                       const double *from)
+{
+  size_t i;
+  for (i = 0; i < count; ++i) {
+    if (references[i] >= GIVEN) return 3;
+    memcpy(number(state, references[i]), from + i, sizeof *from);
+    if (references[i] >= INPUTS) state->constants_are_old = 1;
+    state->results_are_old = 1;
+  }
+  return 0;
+}

@@ -1,0 +1,41 @@
+// Wrapper of NAME.h in a namespace. Not to be edited.
+#ifndef GUARD
+#define GUARD
+#include "NAME.h"
+
+namespace fourbar
+{
+namespace NAME
+{
+using Input = NAME_input;
+using Parameters = NAME_parameters;
+using Motion = NAME_motion;
+using Loads = NAME_loads;
+using Status = NAME_status;
+
+inline Parameters defaults()
+{
+  Parameters found;
+  NAME_defaults(&found);
+  return found;
+}
+
+/// One linkage; it keeps what follows from its parameters. No call allocates, locks or throws.
+class Linkage
+{
+public:
+  explicit Linkage(const Parameters & given = defaults()) {set(given);}
+  void set(const Parameters & given) {NAME_prepare(&given, &constants_);}
+  Status motion(const Input & at, Motion & to) const {return NAME_motion_at(&constants_, &at, &to);}
+  Status loads(const Input & at, Loads & to) const {return NAME_loads_at(&constants_, &at, &to);}
+  Status step(const Input & at, Motion & to, Loads & loads) const
+  {
+    return NAME_step(&constants_, &at, &to, &loads);
+  }
+
+private:
+  NAME_constants constants_;
+};
+}  // namespace NAME
+}  // namespace fourbar
+#endif

@@ -1,0 +1,244 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+A model as an FMU for co-simulation, FMI 2.0 or 3.0: description, sources, binary of this platform.
+
+The input and, of links that topics load, the external forces are inputs; parameters are tunable.
+A sample out of range is no error: its outputs are NaN, and ``status`` says why.
+"""
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from math import pi
+from pathlib import Path
+import platform
+import sys
+from tempfile import TemporaryDirectory
+from typing import NamedTuple
+import uuid
+from xml.etree import ElementTree
+import zipfile
+
+from fourbar_ros import __version__
+from fourbar_ros.generated.c_code import Code, FLAGS, snippet, STATUS
+from fourbar_ros.generated.compiled import build, NoCompiler
+from fourbar_ros.generated.model import Model, Named, NotGenerated
+
+# Exponents of kg, m, s, rad.
+BASES = {'rad': (0, 0, 0, 1), 'rad/s': (0, 0, -1, 1), 'rad/s^2': (0, 0, -2, 1),
+         'm': (0, 1, 0, 0), 'm/s': (0, 1, -1, 0), 'm/s^2': (0, 1, -2, 0), '1/m': (0, -1, 0, 0),
+         'kg': (1, 0, 0, 0), 'kg m^2': (1, 2, 0, 0), 'N': (1, 1, -2, 0), 'N m': (1, 2, -2, 0),
+         's': (0, 0, 1, 0)}
+PLATFORMS = {'linux': ('linux64', '{}-linux', 'so'), 'darwin': ('darwin64', '{}-darwin', 'dylib'),
+             'win32': ('win64', '{}-windows', 'dll')}
+STEP = '0.001'                   # [s] of the default experiment
+MADE = (1980, 1, 1, 0, 0, 0)     # of all files of the archive: the same scene, the same bytes
+STATUS_TEXT = ', '.join(f'{i} {text.replace("_", " ")}' for i, text in enumerate(STATUS))
+
+
+class Variable(NamedTuple):
+    """A variable of an FMU; ``reference``: its place among the numbers of the instance."""
+
+    name: str
+    reference: int
+    causality: str
+    unit: str
+    text: str
+    start: float
+
+
+def write(model: Model, directory: Path, version: int) -> tuple[Path, list[str], int]:
+    """
+    Write NAME.fmu; return it, what its user must know, and the operations of a sample.
+
+    Without a compiler it has sources alone, which many masters build.
+    """
+    if model.outputs is None:
+        texts = model.texts
+        model = replace(model, outputs=[one.name for one in (*model.motion, *model.loads)
+                                        if texts.get(one.name, ('', ''))[0]])
+    code = Code(model)
+    variables = _variables(model)
+    _check_names(model, variables)
+    text = _source(code, version)
+    guid = str(uuid.uuid5(uuid.NAMESPACE_URL, text + repr(variables)))
+    source = text.replace('GUID', f'{{{guid}}}')
+    description = (_description_2 if version == 2 else _description_3)(model, variables,
+                                                                       f'{{{guid}}}')
+    inside = {'modelDescription.xml': _as_text(description),
+              f'sources/{model.name}.c': source.encode()}
+    if version == 3:
+        inside['sources/buildDescription.xml'] = _as_text(_build_description(model))
+    notes = []
+    try:
+        inside.update(_binary(model.name, source, version))
+    except (NoCompiler, NotGenerated) as error:
+        notes.append(f'{error}: the FMU has sources alone')
+    path = directory / f'{model.name}.fmu'
+    with zipfile.ZipFile(path, 'w', zipfile.ZIP_DEFLATED) as archive:
+        for name, content in inside.items():
+            archive.writestr(zipfile.ZipInfo(name, MADE), content, zipfile.ZIP_DEFLATED)
+    return path, notes, max(code.operations.values())
+
+
+def _variables(model: Model) -> list[Variable]:
+    topics = {f'external.{link}' for link in model.scene.wrenches.links}
+    given = {one.name for one in model.inputs}
+    start = model.sample()[0][0]      # a pose that exists
+
+    def of(named: tuple[Named, ...], first: int, causality: str) -> Iterator[Variable]:
+        for i, one in enumerate(named):
+            is_topic = one.name.rpartition('.')[0] in topics
+            yield Variable(one.name, first + i, 'input' if is_topic else causality, one.unit,
+                           one.text, one.value)
+    inputs = [one._replace(value=start * (not i)) for i, one in enumerate(model.inputs)]
+    places = [0, len(inputs), len(inputs) + len(model.tunable)]
+    found = [*of(tuple(inputs), 0, 'input'), *of(model.tunable, places[1], 'parameter'),
+             *of(model.motion, places[2], 'output'),
+             *of(model.loads, places[2] + len(model.motion), 'output')]
+    found = [one for one in found if one.causality != 'output' or one.name not in given]
+    last = places[2] + len(model.motion) + len(model.loads)
+    return [*found, Variable('status', last, 'output', '', STATUS_TEXT, 0.0)]
+
+
+def _check_names(model: Model, variables: list[Variable]) -> None:
+    """Refuse two names that differ in dots alone: ROS makes one topic of both."""
+    seen: dict[str, str] = {}
+    for one in variables:
+        other = seen.setdefault(one.name.replace('.', '_'), one.name)
+        if other != one.name:
+            raise NotGenerated(f'{model.name}: {one.name} and {other} would be one topic')
+
+
+def _source(code: Code, version: int) -> str:
+    """Return header, formulas and the functions of FMI as one file."""
+    model, name = code.model, code.name
+    header = code.header().replace('extern "C" {', '').replace('#ifdef __cplusplus\n}\n#endif\n',
+                                                                '')
+    loads = len(model.loads)
+    shared = snippet('fmu.c').replace(
+        'LOADS_FIELD', f'  {name}_loads loads;' if loads else '').replace(
+        'LOADS_NUMBER', '  if (reference < RESULTS)\n    return (char *)&state->loads + (reference'
+        ' - GIVEN - MOTIONS) * sizeof(double);' if loads else '').replace(
+        'STEP;', (f'{name}_step(&state->constants, &state->input, &state->motion, &state->loads);'
+                  if loads else
+                  f'{name}_motion_at(&state->constants, &state->input, &state->motion);')).replace(
+        'STARTS', f'state->input.{model.inputs[0].field} = {model.sample()[0][0]!r};').replace(
+        'enum { GIVEN', f'enum {{ INPUTS = {len(model.inputs)}, PARAMETERS = '
+        f'{len(model.tunable)}, LOADS = {loads} }};\nenum {{ GIVEN')
+    text = code.source().replace(f'#include "{name}.h"\n', header)
+    return text + (shared + snippet(f'fmu{version}.c')).replace('NAME', name)
+
+
+def _binary(name: str, source: str, version: int) -> dict[str, bytes]:
+    """Return {place in the archive: bytes} of the library for this platform."""
+    two, three, ending = PLATFORMS[sys.platform]
+    machine = {'AMD64': 'x86_64', 'arm64': 'aarch64'}.get(platform.machine(), platform.machine())
+    if version == 2 and machine != 'x86_64':
+        raise NotGenerated(f'FMI 2.0 has no name for a binary of {machine}')
+    with TemporaryDirectory() as folder:
+        path, library = Path(folder) / f'{name}.c', Path(folder) / f'{name}.{ending}'
+        path.write_text(source, encoding='utf-8')
+        build([path], library, flags=[*FLAGS.split(), '-fvisibility=hidden', '-s'])
+        where = two if version == 2 else three.format(machine)
+        return {f'binaries/{where}/{library.name}': library.read_bytes()}
+
+
+# --- descriptions --------------------------------------------------------------------------------
+
+def _as_text(element: ElementTree.Element) -> bytes:
+    ElementTree.indent(element)
+    text: bytes = ElementTree.tostring(element, 'utf-8', xml_declaration=True)
+    return text
+
+
+def _element(under: ElementTree.Element | None, tag: str, **attributes: object
+             ) -> ElementTree.Element:
+    given = {name: str(value) for name, value in attributes.items() if value != ''}
+    return (ElementTree.Element(tag, given) if under is None
+            else ElementTree.SubElement(under, tag, given))
+
+
+def _unit(unit: str) -> str:
+    """Return a unit as FMI writes it: N.m, rad/s2."""
+    return unit.replace(' ', '.').replace('^', '')
+
+
+def _head(model: Model, version: str, **attributes: str) -> ElementTree.Element:
+    return _element(None, 'fmiModelDescription', fmiVersion=version, modelName=model.name,
+                    description=f'{model.mechanism.description}, mode {model.mechanism.mode}',
+                    version=__version__, generationTool=f'fourbar_ros {__version__}',
+                    variableNamingConvention='structured', **attributes)
+
+
+def _units(root: ElementTree.Element, variables: list[Variable]) -> None:
+    units = _element(root, 'UnitDefinitions')
+    for unit in sorted({one.unit for one in variables if one.unit} | {'s'}):
+        own = _element(units, 'Unit', name=_unit(unit))
+        exponents = zip(('kg', 'm', 's', 'rad'), BASES[unit])
+        _element(own, 'BaseUnit', **{name: value for name, value in exponents if value})
+        if unit == 'rad':
+            _element(own, 'DisplayUnit', name='deg', factor=repr(180.0 / pi))
+
+
+def _attributes(one: Variable) -> dict[str, object]:
+    return {'name': one.name, 'valueReference': one.reference, 'description': one.text,
+            'causality': one.causality,
+            'variability': 'tunable' if one.causality == 'parameter' else 'continuous'}
+
+
+def _real(one: Variable) -> dict[str, object]:
+    start = {} if one.causality == 'output' else {'start': repr(one.start)}
+    return {'unit': _unit(one.unit), **start}
+
+
+def _description_2(model: Model, variables: list[Variable], guid: str) -> ElementTree.Element:
+    root = _head(model, '2.0', guid=guid)
+    kind = _element(root, 'CoSimulation', modelIdentifier=model.name, canGetAndSetFMUstate='true',
+                    canSerializeFMUstate='true', canHandleVariableCommunicationStepSize='true')
+    _element(_element(kind, 'SourceFiles'), 'File', name=f'{model.name}.c')
+    _units(root, variables)
+    _element(root, 'DefaultExperiment', startTime='0', stopTime='1', stepSize=STEP)
+    listed = _element(root, 'ModelVariables')
+    for one in variables:
+        variable = _element(listed, 'ScalarVariable', **_attributes(one))
+        _element(variable, 'Real', **_real(one))
+    structure = _element(root, 'ModelStructure')
+    inputs = ' '.join(str(i + 1) for i, one in enumerate(variables) if one.causality == 'input')
+    known = ' '.join(str(i + 1) for i, one in enumerate(variables) if one.causality != 'output')
+    for tag, on in (('Outputs', inputs), ('InitialUnknowns', known)):
+        group = _element(structure, tag)
+        for i, one in enumerate(variables):
+            if one.causality == 'output':
+                _element(group, 'Unknown', index=i + 1, dependencies=on)
+    return root
+
+
+def _description_3(model: Model, variables: list[Variable], token: str) -> ElementTree.Element:
+    root = _head(model, '3.0', instantiationToken=token)
+    _element(root, 'CoSimulation', modelIdentifier=model.name, canGetAndSetFMUState='true',
+             canSerializeFMUState='true', canHandleVariableCommunicationStepSize='true')
+    _units(root, variables)
+    _element(root, 'DefaultExperiment', startTime='0', stopTime='1', stepSize=STEP)
+    listed = _element(root, 'ModelVariables')
+    _element(listed, 'Float64', name='time', valueReference=variables[-1].reference + 1,
+             causality='independent', variability='continuous', unit='s')
+    for one in variables:
+        _element(listed, 'Float64', **_attributes(one), **_real(one))
+    structure = _element(root, 'ModelStructure')
+    for tag, causes in (('Output', ('input',)), ('InitialUnknown', ('input', 'parameter'))):
+        on = ' '.join(str(one.reference) for one in variables if one.causality in causes)
+        for one in variables:
+            if one.causality == 'output':
+                _element(structure, tag, valueReference=one.reference, dependencies=on)
+    return root
+
+
+def _build_description(model: Model) -> ElementTree.Element:
+    root = _element(None, 'fmiBuildDescription', fmiVersion='3.0')
+    own = _element(root, 'BuildConfiguration', modelIdentifier=model.name)
+    files = _element(own, 'SourceFileSet', language='C99', compiler='gcc',
+                     compilerOptions=FLAGS)
+    _element(files, 'SourceFile', name=f'{model.name}.c')
+    return root

@@ -1,0 +1,208 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""FMUs: what they contain, their functions called as a master calls them, FMPy's verdict."""
+import ctypes
+from ctypes import byref, c_char_p, c_double, c_int, c_size_t, c_void_p
+import math
+import sys
+from xml.etree import ElementTree
+import zipfile
+
+from fourbar_ros import load_scene
+from fourbar_ros.generated import compiled, generate
+from fourbar_ros.pipeline.status import evaluate
+from fourbar_ros.scene.scene import from_values
+import numpy as np
+import pytest
+from support.generated import COMPILERS
+
+needs_compiler = pytest.mark.skipif(not COMPILERS or sys.platform != 'linux',
+                                    reason='no C compiler, or a binary of another platform')
+SCENES = ('paper', 'sundials', 'jansen', 'parallelogram', 'slides_7_6')
+
+
+class Unit:
+    """An FMU of FMI 2.0, its binary loaded."""
+
+    def __init__(self, path, folder):
+        with zipfile.ZipFile(path) as archive:
+            archive.extractall(folder)
+        self.root = ElementTree.parse(folder / 'modelDescription.xml').getroot()
+        variables = self.root.findall('ModelVariables/ScalarVariable')
+        self.reference = {one.get('name'): int(one.get('valueReference')) for one in variables}
+        self.causality = {one.get('name'): one.get('causality') for one in variables}
+        self.library = ctypes.CDLL(str(next((folder / 'binaries' / 'linux64').iterdir())))
+        self.library.fmi2Instantiate.restype = c_void_p
+        self.instance = self.instantiate(self.root.get('guid').encode())
+
+    def instantiate(self, guid):
+        return self.library.fmi2Instantiate(b'one', 1, guid, b'', None, 0, 0)
+
+    def __call__(self, name, *arguments):
+        """Call a function of FMI with the instance; fail unless it returns OK."""
+        assert getattr(self.library, f'fmi2{name}')(c_void_p(self.instance), *arguments) == 0
+
+    def of(self, names):
+        references = (ctypes.c_uint * len(names))(*map(self.reference.get, names))
+        return references, c_size_t(len(names)), (c_double * len(names))()
+
+    def set(self, **values):
+        references, count, room = self.of(list(values))
+        room[:] = list(values.values())
+        self('SetReal', references, count, room)
+
+    def get(self, *names):
+        references, count, room = self.of(names)
+        self('GetReal', references, count, room)
+        return list(room)
+
+
+@pytest.fixture
+def paper(tmp_path):
+    return Unit(generate('paper', tmp_path, 'fmu2').files[0], tmp_path / 'paper')
+
+
+@needs_compiler
+def test_a_master_gets_the_bits_of_the_node(paper):
+    linkage = load_scene('paper').linkage
+    names = [name for name, cause in paper.causality.items()
+             if cause == 'output' and name != 'status']
+    paper('SetupExperiment', 1, c_double(1e-6), c_double(0.0), 0, c_double(0.0))
+    paper('EnterInitializationMode')
+    paper('ExitInitializationMode')
+    for i in range(300):
+        given = 0.02 * i, 2.0 * math.sin(i), 0.3 * i
+        paper.set(theta1=given[0], omega1=given[1], alpha1=given[2])
+        paper('DoStep', c_double(0.001 * i), c_double(0.001), 1)
+        _, motion, loads = evaluate(linkage, *given, True)
+        expected = {**motion._asdict(), **loads._asdict()}
+        assert paper.get('status', *names) == [0.0, *map(expected.get, names)]
+    paper('Terminate')
+
+
+@needs_compiler
+def test_out_of_range_is_a_status_and_parameters_change(paper):
+    paper.set(theta1=1.0, a1=5.0)
+    status, theta4 = paper.get('status', 'theta4')
+    assert status == 1.0 and math.isnan(theta4)
+    paper.set(a1=0.37)
+    other = load_scene('paper').linkage.with_lengths((0.37, 1.2, 0.8, 1.0))
+    assert paper.get('status', 'theta4', 'f32') == [0.0, other.motion(1.0).theta4,
+                                                    other.loads(1.0).f32]
+    paper.set(theta1=math.inf)
+    assert paper.get('status') == [2.0]
+
+
+@needs_compiler
+def test_states_are_kept_restored_and_serialised(paper):
+    kept, again, size = c_void_p(), c_void_p(), c_size_t()
+    paper.set(theta1=0.7, omega1=3.0, bodies_crank_mass=1.5) if 'bodies_crank_mass' in \
+        paper.reference else paper.set(**{'theta1': 0.7, 'omega1': 3.0, 'bodies.crank.mass': 1.5})
+    before = paper.get('f41', 'status')
+    paper('GetFMUstate', byref(kept))
+    paper('SerializedFMUstateSize', kept, byref(size))
+    room = ctypes.create_string_buffer(size.value)
+    paper('SerializeFMUstate', kept, room, size)
+    paper.set(theta1=2.0, a1=0.3)
+    assert paper.get('f41', 'status') != before
+    paper('SetFMUstate', kept)
+    assert paper.get('f41', 'status') == before
+    paper('Reset')
+    paper('DeSerializeFMUstate', room, size, byref(again))
+    paper('SetFMUstate', again)
+    assert paper.get('f41', 'status') == before
+    for state in (kept, again):
+        paper('FreeFMUstate', byref(state))
+        assert state.value is None
+
+
+@needs_compiler
+def test_what_is_not_there_is_refused(paper):
+    assert paper.instantiate(b'{another}') is None
+    references, room = (ctypes.c_uint * 1)(10_000), (c_double * 1)()
+    for name in ('GetReal', 'SetReal'):
+        function = getattr(paper.library, f'fmi2{name}')
+        assert function(c_void_p(paper.instance), references, c_size_t(1), room) == 3
+    text = c_char_p()
+    assert paper.library.fmi2GetStringStatus(c_void_p(paper.instance), c_int(0),
+                                             byref(text)) == 3
+    paper.library.fmi2FreeInstance(c_void_p(paper.instance))
+
+
+@pytest.mark.parametrize('as_', ['fmu2', 'fmu3'])
+def test_every_unit_has_a_definition_and_outputs_are_listed_once(as_, tmp_path):
+    path = generate('jansen', tmp_path, as_).files[0]
+    with zipfile.ZipFile(path) as archive:
+        root = ElementTree.fromstring(archive.read('modelDescription.xml'))
+    units = {one.get('name') for one in root.findall('UnitDefinitions/Unit')}
+    assert {'rad', 'rad/s2', 'N.m', 'kg.m2'} <= units
+    assert {one.get('unit') for one in root.iter() if one.get('unit')} <= units
+    variables = root.findall('ModelVariables/*')
+    outputs = [i for i, one in enumerate(variables) if one.get('causality') == 'output']
+    listed = root.findall('ModelStructure/Output') or root.findall(
+        'ModelStructure/Outputs/Unknown')
+    assert len(outputs) == len(listed)
+    assert {'foot.x', 'status', 'driving_torque'} <= {one.get('name') for one in variables}
+    names = [one.get('name').replace('.', '_') for one in variables]
+    assert len(set(names)) == len(names)
+
+
+def test_the_same_scene_gives_the_same_bytes(tmp_path):
+    one, two = (generate('cylinder', tmp_path / name, 'fmu2').files[0] for name in 'ab')
+    assert one.read_bytes() == two.read_bytes()
+
+
+def test_without_a_compiler_it_has_sources_and_says_so(tmp_path, monkeypatch):
+    monkeypatch.setattr(compiled, 'COMPILERS', ('no_such_compiler',))
+    found = generate('paper', tmp_path, 'fmu2')
+    assert any('no C compiler' in note for note in found.notes)
+    with zipfile.ZipFile(found.files[0]) as archive:
+        assert set(archive.namelist()) == {'modelDescription.xml', 'sources/paper.c'}
+
+
+def test_forces_of_topics_are_inputs(tmp_path):
+    values = {**load_scene('paper').values, 'external.output.from_topic': True}
+    path = generate(from_values(values), tmp_path, 'fmu2', name='loaded').files[0]
+    with zipfile.ZipFile(path) as archive:
+        root = ElementTree.fromstring(archive.read('modelDescription.xml'))
+    inputs = [one.get('name') for one in root.iter('ScalarVariable')
+              if one.get('causality') == 'input']
+    assert inputs[:3] == ['theta1', 'omega1', 'alpha1']
+    assert 'external.output.force_x' in inputs and 'external.coupler.force_x' not in inputs
+
+
+@pytest.mark.slow
+@needs_compiler
+@pytest.mark.parametrize('as_', ['fmu2', 'fmu3'])
+@pytest.mark.parametrize('name', SCENES)
+def test_fmpy_finds_it_valid_and_steps_it_with_the_same_bits(name, as_, tmp_path):
+    pytest.importorskip('fmpy')
+    from fmpy import simulate_fmu
+    from fmpy.validation import validate_fmu
+    path = generate(name, tmp_path, as_).files[0]
+    assert validate_fmu(str(path)) == []
+    scene = load_scene(name)
+    linkage = scene.known_linkage
+    names, count, step = linkage.input_coordinate, 1000, 0.001
+    times = step * np.arange(count + 1)
+    low, high = linkage.input_ranges[0]
+    given = (0.5 * (low + high) + 0.4 * (high - low) * np.sin(9.0 * times + 0.1),
+             3.6 * (high - low) * np.cos(9.0 * times), -32.0 * (high - low) * np.sin(9.0 * times))
+    table = np.array(list(zip(times, *given)), dtype=[(one, float) for one in ('time', *names)])
+    found = simulate_fmu(str(path), start_time=0.0, stop_time=times[-1], step_size=step,
+                         output_interval=step, input=table)
+    known = [name for name in found.dtype.names
+             if name in linkage.MOTION._fields + linkage.LOADS._fields]
+    assert len(known) > 10 and len(found) >= count
+    compared = 0
+    for time, row in zip(found['time'][1:], found[1:]):
+        at = round(time / step) - 1               # a step sees the inputs of its beginning
+        status, motion, loads = evaluate(linkage, *(float(one[at]) for one in given),
+                                         linkage.bodies is not None)
+        expected = {**motion._asdict(), **loads._asdict()}
+        assert row['status'] == status
+        compared += len(known)
+        wrong = [one for one in known if not (row[one] == expected[one] or (
+            math.isnan(row[one]) and math.isnan(expected[one])))]
+        assert not wrong, (time, wrong)
+    assert compared > 10_000
