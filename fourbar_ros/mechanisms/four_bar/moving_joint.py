@@ -217,7 +217,8 @@ class MovingJointFourBar(FourBarLinks):
 
     def driven_otherwise(self) -> tuple[FourBar, ...]:
         """Return the same links driven at the crank, which goes on at toggles of this drive."""
-        return tuple(FourBar(*self.lengths, mode, self.bodies, self.gravity, self.external)
+        a1, a2, a3, a4 = self.lengths
+        return tuple(FourBar(a1, a2, a3, a4, mode, self.bodies, self.gravity, self.external)
                      for mode in FourBar.MODES)
 
     def read_coordinate(self, numbers: NumberType, curves: Any) -> tuple[Any, Any, Any]:
