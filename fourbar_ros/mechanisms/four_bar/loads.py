@@ -103,7 +103,6 @@ def make_loads(n: NumberType, a1: Scalar, a2: Scalar, a3: Scalar, a4: Scalar, bo
     output_terms = about_first_joint(bodies.output, unit, gravity, external.output)
     crank_terms = crank_with_pin(bodies, unit, gravity, external, coupler_terms, a1)
 
-    along = Vector(1.0, 0.0)
 
     def loads(m: Any) -> Loads:
         e_x, e_b = Vector(m.cos_x, m.sin_x), Vector(m.cos_b, m.sin_b)
@@ -123,14 +122,7 @@ def make_loads(n: NumberType, a1: Scalar, a2: Scalar, a3: Scalar, a4: Scalar, bo
             T = (crank.moment * m.crank_ratio + coupler.moment * m.coupler_ratio        # (L8)
                  - coupler.a_cross_r * (m.crank_ratio * m.omega_beta * m.omega2)
                  + output.moment * m.velocity_ratio)
-            every = (crank.moment + coupler.moment + output.moment
-                     - coupler.a_cross_r * (m.omega2 * (m.omega1 + m.omega_beta)))
-            if driven == 'A':
-                F32 = (e_y * every + along * (a4 / a3 * output.moment)) * (             # (L9)
-                    1.0 / (a4 * m.sin_y))
-            else:
-                M1 = crank.moment - coupler.a_cross_r * (m.omega_beta * m.omega_beta)
-                F32 = (e_x * (every / a4) - along * (M1 / a1)) * (1.0 / m.sin_x)        # (L10)
+            F32 = _force_at_b(m, driven, (a1, a3, a4), (crank, coupler, output))
         F21 = F32 - coupler.force                                                       # (L2)
         F43 = output.force + F32                                                        # (L3)
         F41 = crank.force - F21                                                         # (L4)
@@ -146,3 +138,20 @@ def make_loads(n: NumberType, a1: Scalar, a2: Scalar, a3: Scalar, a4: Scalar, bo
             shaking_force=hypot(shaking_force.x, shaking_force.y),
             shaking_moment=unit * shaking_moment)
     return loads
+
+
+def _force_at_b(m: Any, driven: str, lengths: tuple[Scalar, ...],
+                needs: tuple[Any, ...]) -> Vector:
+    """Return F32 of a drive at joint A or B; ``lengths``: a1, a3, a4."""
+    (a1, a3, a4), (crank, coupler, output) = lengths, needs
+    along = Vector(1.0, 0.0)
+    every = (crank.moment + coupler.moment + output.moment
+             - coupler.a_cross_r * (m.omega2 * (m.omega1 + m.omega_beta)))
+    if driven == 'A':                                                                   # (L9)
+        e_y = Vector(m.cos_y, m.sin_y)
+        at_a: Vector = (e_y * every + along * (a4 / a3 * output.moment)) * (1.0 / (a4 * m.sin_y))
+        return at_a
+    M1 = crank.moment - coupler.a_cross_r * (m.omega_beta * m.omega_beta)
+    e_x = Vector(m.cos_x, m.sin_x)                                                      # (L10)
+    at_b: Vector = (e_x * (every / a4) - along * (M1 / a1)) * (1.0 / m.sin_x)
+    return at_b
