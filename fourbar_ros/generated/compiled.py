@@ -37,7 +37,7 @@ def compiler() -> str:
 
 def build(sources: Sequence[Path], library: Path, command: str = '',
           flags: Sequence[str] = tuple(FLAGS.split())) -> None:
-    """Compile C into a shared library; NotGenerated with the compiler's first line, if it fails."""
+    """Compile C into a shared library; NotGenerated with the compiler's first line."""
     done = subprocess.run([command or compiler(), *flags, '-shared', '-fPIC', '-o', str(library),
                            *map(str, sources), '-lm'], capture_output=True, text=True, check=False)
     if done.returncode:
@@ -97,7 +97,7 @@ class Compiled:
         NotGenerated where the code is not of this mechanism.
         """
         self._take(mechanism, with_loads)
-        self._input[:] = position, rate, acceleration
+        self._input[:] = [position, rate, acceleration]
         if with_loads:
             status = self._of['step'](self._constants, self._input, self._motion, self._loads)
         else:

@@ -149,7 +149,8 @@ def _binary(name: str, source: str, version: int) -> dict[str, bytes]:
 
 def _as_text(element: ElementTree.Element) -> bytes:
     ElementTree.indent(element)
-    return ElementTree.tostring(element, 'utf-8', xml_declaration=True)
+    text: bytes = ElementTree.tostring(element, 'utf-8', xml_declaration=True)
+    return text
 
 
 def _element(under: ElementTree.Element | None, tag: str, **attributes: object
@@ -165,11 +166,10 @@ def _unit(unit: str) -> str:
 
 
 def _head(model: Model, version: str, **attributes: str) -> ElementTree.Element:
-    root = _element(None, 'fmiModelDescription', fmiVersion=version, modelName=model.name,
+    return _element(None, 'fmiModelDescription', fmiVersion=version, modelName=model.name,
                     description=f'{model.mechanism.description}, mode {model.mechanism.mode}',
                     version=__version__, generationTool=f'fourbar_ros {__version__}',
                     variableNamingConvention='structured', **attributes)
-    return root
 
 
 def _units(root: ElementTree.Element, variables: list[Variable]) -> None:
