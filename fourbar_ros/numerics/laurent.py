@@ -146,6 +146,7 @@ class Laurent:
         return math.prod([self] * exponent, start=series(1.0))
 
     def _inverse(self) -> Laurent:
+        """Return 1/f, coefficient by coefficient: sum c[i] inverse[k - i] = 0 for each k > 0."""
         if self._is_number():
             return _number(1 / self.c[0])
         c = self._unit()
