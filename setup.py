@@ -17,7 +17,8 @@ setup(
     version=re.search("__version__ = '(.+)'", (HERE / NAME / '__init__.py').read_text())[1],
     packages=[*find_packages(include=[NAME, NAME + '.*', LAB, LAB + '.*']), *SCENES],
     package_dir=SCENES,
-    package_data={NAME: ['py.typed'], f'{NAME}.generated': ['c/*'], LAB: ['py.typed'], f'{LAB}.reproduction': ['*.yaml'],
+    package_data={NAME: ['py.typed'], f'{NAME}.generated': ['c/*'], LAB: ['py.typed'],
+                  f'{LAB}.reproduction': ['*.yaml'],
                   f'{LAB}.live': ['*.js'],
                   **dict.fromkeys(SCENES, ['*.yaml', '*.csv'])},
     data_files=[

@@ -120,7 +120,7 @@ class Formulas:
                     f'{its_name} = {step.operation}({len(names)}, terms); }}']
         if step.operation == 'where':
             chosen = step.arguments[0]
-            is_double = not (chosen in self.varies)
+            is_double = chosen not in self.varies
             text = f'{names[0]}{" > 0.0" * is_double} ? {names[1]} : {names[2]}'
         else:
             text = _FORMS.get(step.operation, step.operation + '({})'
@@ -130,7 +130,7 @@ class Formulas:
         return [f'const {kind} {its_name} = {text};']
 
     def _refusal(self, step: Step) -> str:
-        """Return the statement that notes what floats refuse in Python, where there may be some."""
+        """Return the statement that notes what floats refuse in Python, or nothing."""
         if step.operation not in JUDGED:
             return ''
         last = step.arguments[-1]
@@ -154,7 +154,7 @@ class Code:
 
     @property
     def stack(self) -> int:
-        """Return a bound of the bytes of stack of any function: each name in a place of its own."""
+        """Return a bound of the bytes of stack of any call: each name in a place of its own."""
         results = len(self.model.motion) + len(self.model.loads)
         return 16 * max(map(len, (*self.lines.values(), self.preparation))) + 8 * results + 1024
 
@@ -174,10 +174,11 @@ class Code:
             *self._about(), f'#ifndef {guard}', f'#define {guard}', '',
             '#ifdef __cplusplus', 'extern "C" {', '#endif', '',
             f'/* {self._meaning()} */',
-            'typedef enum {', ',\n'.join(f'  {name}_{text} = {i}' for i, text in enumerate(STATUS)),
+            'typedef enum {',
+            ',\n'.join(f'  {name}_{text} = {i}' for i, text in enumerate(STATUS)),
             f'}} {name}_status;', '',
-            *(text for which, named, about in records for text in self._struct(which, named, about)),
-            '/* What follows from parameters alone; NAME_prepare makes it. */'.replace('NAME', name),
+            *(text for record in records for text in self._struct(*record)),
+            f'/* What follows from parameters alone; {name}_prepare makes it. */',
             f'typedef struct {{ double k[{kept}]; }} {name}_constants;', '',
             *self._declarations(), '', '#ifdef __cplusplus', '}', '#endif', '#endif', ''])
 
@@ -240,8 +241,9 @@ class Code:
     def _signature(self, which: str) -> str:
         name = self.name
         to = [part for part in ('motion', 'loads') if which in (part, 'step')]
-        return (f'{name}_status {name}_{CALLS[which]}(const {name}_constants *with, const {name}_input '
-                f'*input,\n    {", ".join(f"{name}_{part} *{part}" for part in to)})')
+        return (f'{name}_status {name}_{CALLS[which]}(const {name}_constants *with, '
+                f'const {name}_input *input,\n'
+                f'    {", ".join(f"{name}_{part} *{part}" for part in to)})')
 
     # --- source ---------------------------------------------------------------------------------
 
@@ -292,9 +294,10 @@ class Code:
         at_ends = ' || '.join([f'fabs({self._apart(literal(end))}) <= near' for end in ends]
                               + ['x == 0.0'] * mechanism.is_flat_at_zero)
         summed = sum(one.name in mechanism.MOTION._fields for one in model.motion)
+        depends = ', '.join(map(str, model.depends))
         return [f'enum {{ MOTIONS = {len(model.motion)}, SUMMED = {summed} }};', '',
-                f'static const unsigned char depends[] = {{{", ".join(map(str, model.depends))}}};',
-                '', 'static int reaches(double x)\n{', '  (void)x;',
+                f'static const unsigned char depends[] = {{{depends}}};', '',
+                'static int reaches(double x)\n{', '  (void)x;',
                 f'  return {" && ".join(reach) or "1"};', '}', '',
                 'static int is_at_limit(double x)\n{',
                 '  const double near = 4.0 * DBL_EPSILON * fabs(x);', '  (void)near;',
@@ -308,6 +311,8 @@ class Code:
 
     def _functions(self) -> list[str]:
         name, model, found = self.name, self.model, list[str]()
+        given = [f'    values[{i}] = input->{mine.field};' for i, its in enumerate(model.motion)
+                 for mine in model.inputs if its.name == mine.name]
         for with_loads, which in ((False, 'motion'), (True, 'step')):
             if with_loads not in self.lines:
                 continue
@@ -327,13 +332,8 @@ class Code:
                 *self._at_zero(with_loads),
                 f'    status = judged(status, refused, closes, x0, values, {loads});', '  }',
                 f'  if (status != 0) without_answer(status, x1, x2, values, {loads});',
-                *(['  if (status == 1 || status == 2) {', *(
-                    f'    values[{i}] = input->{one.field};' for i, given in enumerate(model.motion)
-                    for one in model.inputs if given.name == one.name), '  }']
-                  if any(given.name == one.name for given in model.motion
-                         for one in model.inputs) else []),
-                *(['  memcpy(motion, values, sizeof *motion);'] if model.motion else
-                  ['  motion->none = 0.0;']),
+                '  if (status == 1 || status == 2) {', *given, '  }',
+                '  memcpy(motion, values, sizeof *motion);',
                 *(['  memcpy(loads, values + MOTIONS, sizeof *loads);'] if has_both else []),
                 f'  return ({name}_status)status;', '}', '']
         if model.loads:
@@ -373,7 +373,7 @@ class Code:
             '  int differ = 0;', *(f'  input.{one.field} = {literal(value)};'
                                    for one, value in zip(model.inputs, given)),
             f'  {name}_defaults(&parameters);', f'  {name}_prepare(&parameters, &constants);',
-            f'  (void){name}_{CALLS[which]}(&constants, &input, {", ".join("&" + p for p in parts)});',
+            f'  (void){name}_{CALLS[which]}(&constants, &input, &{", &".join(parts)});',
             *(f'  differ += differing(&{part}, {part}_of_python, '
               f'{len(expected[part])});' for part in parts), '  return differ;', '}']
 

@@ -37,7 +37,7 @@ def compiler() -> str:
 
 def build(sources: Sequence[Path], library: Path, command: str = '',
           flags: Sequence[str] = tuple(FLAGS.split())) -> None:
-    """Compile C into a shared library; NotGenerated with the compiler's first line, if it fails."""
+    """Compile C into a shared library; NotGenerated with the compiler's first line."""
     done = subprocess.run([command or compiler(), *flags, '-shared', '-fPIC', '-o', str(library),
                            *map(str, sources), '-lm'], capture_output=True, text=True, check=False)
     if done.returncode:

@@ -166,11 +166,10 @@ def _unit(unit: str) -> str:
 
 
 def _head(model: Model, version: str, **attributes: str) -> ElementTree.Element:
-    root = _element(None, 'fmiModelDescription', fmiVersion=version, modelName=model.name,
+    return _element(None, 'fmiModelDescription', fmiVersion=version, modelName=model.name,
                     description=f'{model.mechanism.description}, mode {model.mechanism.mode}',
                     version=__version__, generationTool=f'fourbar_ros {__version__}',
                     variableNamingConvention='structured', **attributes)
-    return root
 
 
 def _units(root: ElementTree.Element, variables: list[Variable]) -> None:

@@ -25,14 +25,15 @@ UNITS_OF_BODIES = {'mass': 'kg', 'inertia': 'kg m^2', 'force_x': 'N', 'force_y':
 UNITS_OF_POINTS = dict(zip(PointMotion._fields, ('m', 'm', 'm/s', 'm/s', 'm/s^2', 'm/s^2', 'm/s',
                                                  'm/s^2', 'm/s^2', '1/m')))
 JUDGED = ('sqrt', 'truediv')       # refuse an input by their last argument
-RESERVED = frozenset("""
+_WORDS = """
     alignas alignof and and_eq asm auto bitand bitor bool break case catch char class compl const
     constexpr continue decltype default delete do double else enum explicit export extern false
     float for friend goto if inline int long mutable namespace new noexcept not not_eq nullptr
     operator or or_eq private protected public register reinterpret_cast requires restrict return
     short signed sizeof static static_assert static_cast struct switch template this thread_local
     throw true try typedef typeid typename typeof union unsigned using virtual void volatile
-    wchar_t while xor xor_eq linux unix errno NAN INFINITY NULL EOF""".split())
+    wchar_t while xor xor_eq linux unix errno NAN INFINITY NULL EOF"""
+RESERVED = frozenset(_WORDS.split())
 
 
 class NotGenerated(FourBarError):
@@ -219,20 +220,21 @@ class Model:
         motion, points = self.mechanism.MOTION._fields, self.scene.points
         return self._wanted([*motion, *(f'{point}.{what}' for point in points
                                         for what in PointMotion._fields)],
-                            (self.trace.part(0), self.trace.part(2)), False)
+                            [*_parts(self.trace)[0], *_parts(self.trace)[2]], False)
 
     @cached_property
     def loads(self) -> tuple[Named, ...]:
         """Return the wanted fields of the loads."""
         return self._wanted(self.mechanism.LOADS._fields if self.mechanism.bodies else (),
-                            self.trace.part(1), True)
+                            _parts(self.trace)[1], True)
 
-    def _wanted(self, names: Sequence[str], places: Any, are_loads: bool) -> tuple[Named, ...]:
+    def _wanted(self, names: Sequence[str], places: Sequence[int], are_loads: bool
+                ) -> tuple[Named, ...]:
         texts = self.texts
         given = dict.fromkeys(self.mechanism.input_coordinate)
         return self._with_fields([
             Named(name, '', *texts.get(name, ('', '')), 0.0, place)
-            for name, place in zip(names, flat(places))
+            for name, place in zip(names, places)
             if self.outputs is None or name in self.outputs
             or name in given and not are_loads])
 
@@ -326,9 +328,10 @@ class Model:
 
     @property
     def depends(self) -> list[int]:
-        """Return for each field of :attr:`motion` 1 if the rate is in its formula, + 2: ...
+        """
+        Return for each field of :attr:`motion` what its formula has: 1 rate, 2 acceleration, 3.
 
-        the acceleration, as the formula is written: with terms that are zero in this scene.
+        As it is written, with terms that are zero in this scene.
         """
         trace = self._traced
         found = [{0: 0, 1: 1, 2: 2}.get(place, 0) for place in range(len(trace.steps))]
@@ -337,7 +340,7 @@ class Model:
                 found[place] |= found[i]
         names = [*self.mechanism.MOTION._fields, *(
             f'{point}.{what}' for point in self.scene.points for what in PointMotion._fields)]
-        places = dict(zip(names, flat((trace.part(0), trace.part(2)))))
+        places = dict(zip(names, _parts(trace)[0] + _parts(trace)[2]))
         return [found[places[one.name]] for one in self.motion]
 
     def sample(self) -> tuple[tuple[float, float, float], dict[str, float]]:
@@ -373,8 +376,14 @@ class Model:
     @property
     def transmission(self) -> int:
         """Return the place of the transmission angle, which is a number where the links close."""
-        number: int = self.mechanism.MOTION._fields.index('transmission_angle')
-        return flat(self.trace.part(0))[number]
+        names: Sequence[str] = self.mechanism.MOTION._fields
+        return _parts(self.trace)[0][names.index('transmission_angle')]
+
+
+def _parts(trace: Trace) -> list[list[int]]:
+    """Return the places of the fields of motion, loads and points."""
+    assert not isinstance(trace.results, int)
+    return [flat(part) for part in trace.results]
 
 
 def word(name: str) -> str:

@@ -6,6 +6,7 @@ from dataclasses import replace
 import json
 import math
 from pathlib import Path
+import shutil
 import subprocess
 import sys
 
@@ -310,3 +311,15 @@ def test_the_command_refuses_in_one_line(tmp_path, capsys):
 def test_the_same_scene_gives_the_same_text(tmp_path):
     one, two = (generate('bucket', tmp_path / name).files for name in 'ab')
     assert [Path(path).read_text() for path in one] == [Path(path).read_text() for path in two]
+
+
+@pytest.mark.skipif(not shutil.which('c++'), reason='no C++ compiler')
+def test_the_example_of_a_transmission_goes_both_ways(tmp_path):
+    generate('paper', tmp_path)
+    subprocess.run([*C, *STRICT, '-c', 'paper.c'], check=True, cwd=tmp_path)
+    subprocess.run(['c++', '-std=c++17', *STRICT, '-I.', str(ROOT / 'examples/transmission.cpp'),
+                    'paper.o', '-o', 'transmission'], check=True, cwd=tmp_path)
+    said = subprocess.run(['./transmission'], check=True, cwd=tmp_path, capture_output=True,
+                          text=True).stdout
+    # position, velocity and effort of the motor again: 1e-12 is where Newton ends
+    assert np.abs(np.array(said.split(), float) - [1.0, 25.0, 3.0]).max() < 1e-9
