@@ -203,7 +203,7 @@ class _Copy:
             if progress:
                 progress(scan.end)
 
-    def _begin(self, file: BinaryIO, opcode: int | None, body: Any) -> None:
+    def _begin(self, file: BinaryIO, opcode: int | None, body: bytes) -> None:
         """Start the new file with what the header and the end of the old one tell."""
         header = parse(Opcode.HEADER, body) if opcode == Opcode.HEADER else None
         by = f'recovered by {OURS}{__version__}, mcap {mcap_version}'
