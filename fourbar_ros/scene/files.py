@@ -299,6 +299,7 @@ def _plain_or_quoted(loader: yaml.SafeLoader, node: yaml.ScalarNode) -> bool | i
 
 
 def _mapping(loader: yaml.SafeLoader, node: yaml.MappingNode) -> Tree:
+    """Return a mapping of YAML; a key that is no text, or given twice, is an error."""
     found = {}
     for key_node, value_node in node.value:
         key = key_node.value if isinstance(key_node, yaml.ScalarNode) else None

@@ -338,7 +338,7 @@ def _blocks(data: bytes, at: int, count: int) -> list[Array]:
     return blocks if same else []
 
 
-def _point(lengths: Sequence[int], begin: int) -> np.dtype[Any]:
+def _point(lengths: Sequence[int], begin: int) -> np.dtype[np.void]:
     """Return the dtype of a point that begins so many bytes behind a multiple of 8."""
     names, formats, offsets, at = [], [], [], begin
     for name, length in zip(FIELDS, lengths):
