@@ -280,7 +280,8 @@ class Code:
         results = [*model.motion, *(model.loads if with_loads else ())]
         return [*self.lines[with_loads],
                 *(f'values[{i}] = {of(one.place)};' for i, one in enumerate(results)),
-                f'*closes = {of(model.transmission)};']
+                f'*closes = {of(model.transmission)};',
+                *(f'if ({of(place)} < 0.0) *closes = NAN;' for place in model.roots_left_out)]
 
     def _guards(self) -> list[str]:
         """Return the functions that judge inputs and results; the same for all models."""

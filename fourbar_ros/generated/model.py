@@ -374,6 +374,15 @@ class Model:
                 if step.operation in REFUSING and place in trace.varies]
 
     @property
+    def roots_left_out(self) -> list[int]:
+        """Return the arguments of roots that the transmission angle has but for zeros."""
+        whole, trace = self._traced, self.trace
+        place = _parts(whole)[0][self.mechanism.MOTION._fields.index('transmission_angle')]
+        lost = set(whole.needed([place])) - set(trace.needed([self.transmission]))
+        return [trace.steps[i].arguments[0] for i in sorted(lost)
+                if trace.steps[i].operation == 'sqrt' and i in trace.varies]
+
+    @property
     def transmission(self) -> int:
         """Return the place of the transmission angle, which is a number where the links close."""
         names: Sequence[str] = self.mechanism.MOTION._fields

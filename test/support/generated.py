@@ -10,7 +10,14 @@ from fourbar_ros.generated.files import generate
 from fourbar_ros.generated.model import Model, word
 from fourbar_ros.mechanisms.points import make_point, PointMotion
 from fourbar_ros.numerics.number_types import REAL
-from fourbar_ros.pipeline.status import evaluate, OK, RATES_UNKNOWN, TOGGLE
+from fourbar_ros.pipeline.status import (
+    evaluate,
+    INVALID_INPUT,
+    OK,
+    OUT_OF_RANGE,
+    RATES_UNKNOWN,
+    TOGGLE,
+)
 import numpy as np
 from support import ROOT
 
@@ -119,6 +126,10 @@ def of_python(mechanism, points, inputs):
         statuses.append(status)
         rows.append(values + [*loads] * with_loads)
     statuses, rows = np.array(statuses), np.array(rows)
+    # without a pose C gives NaN of points too; Python what is constant, as y of a yoke
+    first = len(mechanism.MOTION._fields)
+    lost = (statuses == OUT_OF_RANGE) | (statuses == INVALID_INPUT)
+    rows[lost, first:first + len(PointMotion._fields) * len(points)] = math.nan
     if mechanism.is_flat_at_zero:
         rows[(statuses == RATES_UNKNOWN) & (inputs[:, 0] == 0.0)] = math.inf
     return statuses, rows, (statuses == TOGGLE) | (statuses == RATES_UNKNOWN)
@@ -152,9 +163,3 @@ def differences(found, expected, motions):
                 f'{column} ({motions} of motion): {values[row, column]!r} for '
                 f'{rows[row, column]!r}')
     return '' if (statuses == OK).any() else 'no input is good'
-
-
-def width_of_motion(model):
-    """Return how many numbers a motion has, those of points among them."""
-    return len(model.mechanism.MOTION._fields) + len(PointMotion._fields) * len(
-        model.scene.points)

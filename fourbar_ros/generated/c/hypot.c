@@ -30,7 +30,7 @@ static double hypot_of(double x, double y)
   largest = y > x ? y : x;
   memcpy(&bits, &largest, sizeof bits);
   bits >>= 52;
-  if (bits - 1u < 2043u && x <= DBL_MAX && y <= DBL_MAX) {         /* a normal number */
+  if (bits - 1u < 2043u) {              /* a normal number; the other is less, or no number */
     const uint64_t down = (2045u - bits) << 52, up = (bits + 1u) << 52;
     memcpy(&scale, &down, sizeof scale);
     memcpy(&unit, &up, sizeof unit);

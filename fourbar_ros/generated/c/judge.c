@@ -18,18 +18,31 @@ static int first_look(double x, double rate, double acceleration)
   return is_finite(sum + acceleration) ? 0 : 2;
 }
 
+/* The sum of the sizes of some numbers, four at a time. */
+static double size_of(const double *values, int count)
+{
+  double a = 0.0, b = 0.0, c = 0.0, d = 0.0;
+  int i;
+  for (i = 0; i + 3 < count; i += 4) {
+    a += fabs(values[i]);
+    b += fabs(values[i + 1]);
+    c += fabs(values[i + 2]);
+    d += fabs(values[i + 3]);
+  }
+  for (; i < count; ++i) a += fabs(values[i]);
+  return (a + b) + (c + d);
+}
+
 /* The status by the results too. `closes` is a number where the links close. */
 static int judged(int status, int refused, double closes, double x, const double *values,
                   int loads)
 {
-  double motion = 0.0, load = 0.0, size[4] = {0.0, 0.0, 0.0, 0.0};      /* four at a time */
+  double motion = 0.0, load = 0.0;
   int i;
   if (!reaches(x)) return 1;
   if (status == 0 && refused) status = is_at_limit(x) ? 3 : 1;
   if (status != 0) return closes != closes ? 1 : status;
-  for (i = 0; i < SUMMED; ++i) size[i & 3] += fabs(values[i]);
-  for (i = 0; i < loads; ++i) size[i & 3] += fabs(values[MOTIONS + i]);
-  if (size[0] + size[1] + size[2] + size[3] < 1e300) return 0;
+  if (size_of(values, SUMMED) + size_of(values + MOTIONS, loads) < 1e300) return 0;
   for (i = 0; i < SUMMED; ++i) motion += values[i];
   for (i = MOTIONS; i < MOTIONS + loads; ++i) load += values[i];
   return is_finite(motion + load) ? 0 : 2;

@@ -29,6 +29,7 @@ from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Bodies, External
 from fourbar_ros.mechanisms.contract import Constants, of_geometry, OPEN
 from fourbar_ros.mechanisms.four_bar.four_bar import (
+    FourBar,
     FourBarLinks,
     ranges_of,
     singular_angles,
@@ -213,6 +214,20 @@ class MovingJointFourBar(FourBarLinks):
     def turns_fully(self) -> bool:
         """Return whether the driven joint makes full turns."""
         return self.input_ranges == ((-pi, pi),)
+
+    def driven_otherwise(self) -> tuple[FourBar, ...]:
+        """Return the same links driven at the crank, which goes on at toggles of this drive."""
+        a1, a2, a3, a4 = self.lengths
+        return tuple(FourBar(a1, a2, a3, a4, mode, self.bodies, self.gravity, self.external)
+                     for mode in FourBar.MODES)
+
+    def read_coordinate(self, numbers: NumberType, curves: Any) -> tuple[Any, Any, Any]:
+        """Return theta2 or theta3 and its two derivatives from coefficients of the links."""
+        first = 0 if self.input == JOINT_A else 1
+        (*_, c, s, d, dd), (*_, cosine, sine, turn, bend) = curves[first:first + 2]
+        side = 1.0 if self.input == JOINT_A else -1.0       # theta3 counts from B A
+        return (numbers.atan2(side * (sine * c - cosine * s), side * (cosine * c + sine * s)),
+                turn - d, bend - dd)
 
     def motion_formula(self, numbers: NumberType, constants: Constants) -> Function:
         """Return (position, rate, acceleration) -> fields of MOTION for a number type."""

@@ -20,6 +20,8 @@ from fourbar_ros import (
     OutOfRange,
 )
 from fourbar_ros.bag.comparison.recompute import compare
+from fourbar_ros.dynamics import simulate, System
+from fourbar_ros.report.drawing import make_figure
 from fourbar_ros.scene.parameters import check
 import mpmath as mp
 import numpy as np
@@ -192,3 +194,32 @@ def test_what_it_cannot_do_is_refused():
     with pytest.raises(InvalidParameter, match='input'):
         MovingJointFourBar(0.4, 1.2, 0.8, 1.0, input='crank')
     assert MovingJointFourBar(0.4, 1.2, 0.8, 1.0, input='B').closing_ranges != ((-pi, pi),)
+
+
+@pytest.mark.parametrize('joint, index', [('A', 3), ('B', 6)])
+def test_a_free_linkage_moves_alike_whichever_joint_counts(joint, index):
+    """The same masses under gravity, as a function of theta1, theta2 or theta3."""
+    lengths, bodies = (0.4, 1.2, 0.8, 1.0), bodies_of(np.random.default_rng(6))
+    crank = FourBar(*lengths, bodies=bodies, gravity=(0.0, -9.81))
+    start, times = crank.motion(1.3, 9.0), [0.1, 0.3, 0.5, 1.0, 1.5]
+    linkage = MovingJointFourBar(*lengths, input=joint, bodies=bodies, gravity=(0.0, -9.81))
+    assert start.sin_y > 0.0 and start.sin_x > 0.0          # mode 2 of both
+    free, seen = (simulate(System(its, *given), times[-1], 1e-10, times=times) for its, given in (
+        (crank, (1.3, 9.0)), (linkage, start[index:index + 2])))
+    # the crank turns fully; a drive at B passes toggles, from mode to mode
+    assert (set(seen.modes) == {1, 2}) == (joint == 'B')
+    for k, mode in enumerate(seen.modes):
+        one = crank.motion(float(free.position[k]), float(free.rate[k]))
+        other = linkage.in_mode(int(mode)).motion(float(seen.position[k]), float(seen.rate[k]))
+        assert abs(np.sin(one.theta4 - other.theta4)) < 1e-8
+        assert abs(one.omega4 - other.omega4) < 1e-7 * 9.0
+
+
+def test_pictures_name_the_torque_by_its_links():
+    pytest.importorskip('matplotlib')
+    for joint, symbol in (('A', 'T_{12}'), ('B', 'T_{23}')):
+        linkage = MovingJointFourBar(0.4, 1.2, 0.8, 1.0, input=joint, bodies=bodies_of(
+            np.random.default_rng(7)))
+        words = [text.get_text() for text in make_figure(
+            linkage, *linkage.step(2.0, 3.0)).axes[0].texts]
+        assert f'${symbol}$' in words and any(f'drive ${symbol}$' in word for word in words)
