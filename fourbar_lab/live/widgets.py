@@ -77,7 +77,7 @@ GO_THERE = """<q-td :props="props"><q-btn flat dense no-caps :label="props.value
   @click.stop="() => $parent.$emit('go', props.row.input)" /></q-td>"""
 
 
-class Picture(ContentElement, component='picture.js'):      # type: ignore[call-arg]
+class Picture(ContentElement, component='picture.js'):  # type: ignore[call-arg]  # as NiceGUI asks
     """An SVG picture, whose grips can be dragged; ``under``: what rarely changes below it."""
 
     CONTENT_PROP = 'content'

@@ -27,7 +27,7 @@ import numpy as np
 try:
     import fcntl
 except ImportError:
-    fcntl = None        # type: ignore[assignment]
+    fcntl = None        # type: ignore[assignment]  # Windows has none
 
 # Raise it when results change in their bits: a study begun before is then not resumed.
 KERNELS = '3'

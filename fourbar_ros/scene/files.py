@@ -283,6 +283,7 @@ class _Loader(yaml.SafeLoader):
 
     def compose_node(self, parent: yaml.Node | None, index: int) -> yaml.Node | None:
         if self.check_event(yaml.AliasEvent):
+            # yaml has no types for it
             event: Any = self.peek_event()      # type: ignore[no-untyped-call]
             raise yaml.MarkedYAMLError(problem='ROS reads no aliases',
                                        problem_mark=event.start_mark)

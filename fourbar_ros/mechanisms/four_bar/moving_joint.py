@@ -190,7 +190,7 @@ class MovingJointFourBar(FourBarLinks):
         return f'{self.classification}, driven at its joint {self.input}'
 
     @property
-    def TORQUE(self) -> str:        # type: ignore[override]    # noqa: N802
+    def TORQUE(self) -> str:        # type: ignore[override]  # of each input  # noqa: N802
         """Return the symbol of the torque: of crank on coupler, of coupler on output link."""
         return 'T_{12}' if self.input == JOINT_A else 'T_{23}'
 

@@ -184,6 +184,7 @@ class Dyad:
             raise InvalidParameter(f'{where}.slot', self.slot, 'must not be parallel to the '
                                    'direction in which the yoke slides: not a multiple of pi')
         if self.kind == PRP and self.first.link == self.second.link:
+            # a PRP has both: checked
             turn = self.direction_2 - self.direction_1      # type: ignore[operator]
             if abs(sin(turn)) < PARALLEL:
                 raise InvalidParameter(f'{where}.direction_2', self.direction_2,
