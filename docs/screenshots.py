@@ -12,6 +12,7 @@ from support import bags  # noqa: E402, I100
 from support.browser import browser, live, Tab  # noqa: E402
 from support.scenes import PAPER, RODS  # noqa: E402
 
+HEIGHT = 1250                     # [px] with the first curves
 STEPS = 500                       # of a run, 1 ms each
 PAGES = {                         # scene, width [px], address, tab, is dark
     'light': ('paper', 1280, '?at=-50', 'Curves', False),
@@ -33,6 +34,7 @@ def take(name, scene, width, query, view, is_dark):
     with TemporaryDirectory() as folder:
         shown = [scene] if scene else two_runs(Path(folder))
         with live(*shown) as address, browser(f'{folder}/browser', width) as driver:
+            driver.set_window_size(width, HEIGHT)
             tab = Tab(driver, address + query)
             if is_dark:
                 tab.by('dark or light').click()

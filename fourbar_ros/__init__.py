@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from fourbar_ros.mechanisms.four_bar.io_equations import io_equation
     from fourbar_ros.mechanisms.four_bar.loads import Loads
     from fourbar_ros.mechanisms.four_bar.motion import Motion
+    from fourbar_ros.mechanisms.four_bar.moving_joint import MovingJointFourBar
     from fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank import InvertedSlider
     from fourbar_ros.mechanisms.mechanism import Mechanism
     from fourbar_ros.mechanisms.points import point_motion
@@ -57,8 +58,8 @@ __version__ = '1.0.0'
 __all__ = [
     'CROSSED', 'OPEN', 'Applied', 'Bodies', 'Body', 'External', 'FourBar', 'FourBarError',
     'InvalidParameter', 'InvertedSlider', 'Loads', 'Mechanism', 'MissingBodies', 'Motion',
-    'OutOfRange', 'ScotchYoke', 'SliderCrank', 'Toggle', 'find_extrema', 'find_extrema_many',
-    'flat_bar', 'io_equation', 'load_scene', 'point_motion', 'round_rod',
+    'MovingJointFourBar', 'OutOfRange', 'ScotchYoke', 'SliderCrank', 'Toggle', 'find_extrema',
+    'find_extrema_many', 'flat_bar', 'io_equation', 'load_scene', 'point_motion', 'round_rod',
 ]
 
 __getattr__, __dir__ = lazily(__name__, {
@@ -71,6 +72,7 @@ __getattr__, __dir__ = lazily(__name__, {
     'fourbar_ros.mechanisms.four_bar.io_equations': 'io_equation',
     'fourbar_ros.mechanisms.four_bar.loads': 'Loads',
     'fourbar_ros.mechanisms.four_bar.motion': 'Motion',
+    'fourbar_ros.mechanisms.four_bar.moving_joint': 'MovingJointFourBar',
     'fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank': 'InvertedSlider',
     'fourbar_ros.mechanisms.mechanism': 'Mechanism',
     'fourbar_ros.mechanisms.points': 'point_motion',

@@ -39,7 +39,7 @@ THIRD_PARTY = {'yaml': ('scene', 'bag', 'reproduction', 'studies', 'ros',
                               'dynamics'),
                'nicegui': ('live',),
                'flint': ('numerics', 'extrema', 'studies'),
-               'scipy': ('dynamics', 'studies', 'balancing'),
+               'scipy': ('dynamics', 'studies', 'balancing', 'reproduction'),
                'pyarrow': ('bag', 'report', 'studies'),
                'distributed': ('studies',), 'openpyxl': ('report',)}
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 from types import ModuleType
-from typing import Any, NamedTuple, TYPE_CHECKING
+from typing import NamedTuple, TYPE_CHECKING
 
 from fourbar_lab.balancing.loads import body_of, Loads, NUMBERS
 from fourbar_lab.balancing.peak import peak
@@ -46,7 +46,7 @@ def unit_of(loads: Loads, name: str) -> str:
     return 'N m' if loads.group(name)[0].endswith(('moment', 'torque')) else 'N'
 
 
-def scene_values(scene: Scene, numbers: Array) -> dict[str, Any]:
+def scene_values(scene: Scene, numbers: Array) -> dict[str, float]:
     """Return the parameters of a scene with these numbers of its links, without defaults."""
     values = dict(scene.values)
     for name in values:

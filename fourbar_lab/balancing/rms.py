@@ -184,7 +184,13 @@ def front(places: Places, names: Iterable[str], masses: Iterable[float]) -> list
 
 def nearest_to_zero(places: Places, root: Array, mass: float,
                     start: Sequence[Counterweight] = ()) -> Balance:
-    """Return the design of least |root p|: Wolfe's algorithm."""
+    """
+    Return the design of least |root p|, p the numbers of :class:`.Loads`, by Wolfe's algorithm.
+
+    Corners are designs with all of the mass at one spot, or without any (None). The design is
+    their weighted mean; each round adds the corner that is lowest along the gradient x, until none
+    is lower than the design itself.
+    """
     given = root @ places.loads.given
     scale = float(np.linalg.norm(given))
     spots = [(one.link, one.along, one.across) for one in start]

@@ -101,7 +101,7 @@ class UserValue(ValueElement, DisableableElement):
         return self._take(value) if self._take else None
 
 
-class Field(UserValue, component='field.js'):       # type: ignore[call-arg]
+class Field(UserValue, component='field.js'):       # type: ignore[call-arg]  # as NiceGUI asks
     """A number with a label; a typed one takes effect on Enter or leaving it."""
 
     def __init__(self, label: str, value: float, take: Callable[[float], Answer],
@@ -114,7 +114,7 @@ class Field(UserValue, component='field.js'):       # type: ignore[call-arg]
         return f'{value:.{self._digits}g}'
 
 
-class Slider(UserValue, component='slider.js'):     # type: ignore[call-arg]
+class Slider(UserValue, component='slider.js'):     # type: ignore[call-arg]  # as NiceGUI asks
     """A slider, whose values come while it is moved."""
 
     def __init__(self, low: float, high: float, step: float, value: float,

@@ -9,7 +9,7 @@ import io
 import json
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import TYPE_CHECKING
 
 from fourbar_lab.live.model import Shown
 from fourbar_lab.live.picture import document, Layers, mechanism_svg, traces_svg
@@ -17,6 +17,9 @@ from fourbar_lab.live.svg import HEIGHT, STYLE, WIDTH
 from fourbar_lab.live.tables import extrema_rows
 from fourbar_ros.errors import FourBarError
 from nicegui import run, ui
+
+if TYPE_CHECKING:
+    from fourbar_lab.live.page import Page
 
 FRAMES = 120             # pictures in a page of its own
 
@@ -36,7 +39,7 @@ image.src = 'data:image/svg+xml;charset=utf-8,' + encodeURIComponent(svg);
 }"""
 
 
-def menu(page: Any) -> None:
+def menu(page: Page) -> None:
     """Build the menu of downloads."""
     kinds = {'scene file (YAML)': ('yaml', lambda: page.shown.scene.as_text),
              'picture (SVG)': ('svg', lambda: picture(page)),
@@ -50,7 +53,7 @@ def menu(page: Any) -> None:
             ui.menu_item(text, lambda suffix=suffix, make=make: _send(page, suffix, make))
 
 
-async def _send(page: Any, suffix: str, make: Callable[[], str | bytes]) -> None:
+async def _send(page: Page, suffix: str, make: Callable[[], str | bytes]) -> None:
     """Make a file without stopping the page, and send it; or say why there is none."""
     why = page.refusal if page.refusal or suffix not in ('svg', 'png', 'html') else page.no_pose
     if why:
@@ -70,8 +73,9 @@ async def _send(page: Any, suffix: str, make: Callable[[], str | bytes]) -> None
         ui.download.content(content, name)
 
 
-def picture(page: Any) -> str:
+def picture(page: Page) -> str:
     """Return the present picture as an SVG file."""
+    assert page.pose is not None, 'nobody asks where there is no pose'
     return document(traces_svg(page.shown, page.view) + mechanism_svg(
         page.shown, page.pose, page.view, page.per_newton, page.layers))
 
@@ -91,7 +95,7 @@ def cycle_csv(shown: Shown) -> str:
     return text.getvalue()
 
 
-def html(page: Any) -> str:
+def html(page: Page) -> str:
     """Return a page of its own: the moving mechanism, its scene and its extrema, no server."""
     shown, layers = page.shown, Layers(page.layers.curves, page.layers.forces)
     frames = [mechanism_svg(shown, pose, page.view, page.per_newton, layers)

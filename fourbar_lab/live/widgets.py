@@ -3,7 +3,7 @@
 """What a page consists of: controls, picture and transport, curves and tables."""
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 from fourbar_lab.live.charts import CURSOR, GAP, Options, POLAR_SIZE, TOP
 from fourbar_lab.live.controls import build, Field, Slider
@@ -12,6 +12,9 @@ from fourbar_lab.live.svg import HEIGHT, STYLE, WIDTH
 from fourbar_lab.live.tables import EXTREMA_COLUMNS, now_columns
 from nicegui import ui
 from nicegui.elements.mixins.content_element import ContentElement
+
+if TYPE_CHECKING:
+    from fourbar_lab.live.page import Page
 
 HEAD = f"""<style>{STYLE}
 body{{--fb-paper:#ffffff;--fb-ink:#1c1c1c;--fb-link:#dfe5ec;--fb-point:#8a5200;--fb-force:#1e6b37;
@@ -74,7 +77,7 @@ GO_THERE = """<q-td :props="props"><q-btn flat dense no-caps :label="props.value
   @click.stop="() => $parent.$emit('go', props.row.input)" /></q-td>"""
 
 
-class Picture(ContentElement, component='picture.js'):      # type: ignore[call-arg]
+class Picture(ContentElement, component='picture.js'):  # type: ignore[call-arg]  # as NiceGUI asks
     """An SVG picture, whose grips can be dragged; ``under``: what rarely changes below it."""
 
     CONTENT_PROP = 'content'
@@ -102,7 +105,7 @@ class Elements:
 
     """
 
-    def __init__(self, page: Any):
+    def __init__(self, page: Page):
         self.page = page
         ui.add_head_html(HEAD)
         ui.page_title(f'{page.title} - fourbar live')

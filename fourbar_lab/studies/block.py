@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from math import pi
-from typing import Any
 
 from fourbar_lab.studies.full_turns import rank_of, search_turns, Turns
 from fourbar_lab.studies.measures import (
@@ -31,7 +30,7 @@ from fourbar_lab.studies.study import Study
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.extrema.batch import find_extrema_many
 from fourbar_ros.extrema.methods import has_fast_rates
-from fourbar_ros.extrema.sampling import needs_angles
+from fourbar_ros.extrema.sampling import needs_angles, State
 from fourbar_ros.mechanisms.contract import OPEN
 from fourbar_ros.mechanisms.parts import NoLoads
 from fourbar_ros.mechanisms.points import link_motion, point_of
@@ -289,7 +288,7 @@ class Designs:
                          & ((value > 0.0) | (not parameter.positive)))
         return good
 
-    def state(self, x: Array, acceleration: float, with_loads: bool) -> tuple[Any, Any]:
+    def state(self, x: Array, acceleration: float, with_loads: bool) -> State:
         """Return (motion, loads) at inputs of shape (n, any), real or complex."""
         motion_of, loads_of = self._formulas(x.dtype.kind == 'c')
         if x.strides[0] == 0:       # the same inputs for all: functions of them alone once

@@ -78,7 +78,7 @@ class Design:
         return str(self.linkage.outputs[0].coordinate.position)
 
     def of(self, measure: Measure) -> float | str:
-        """Return the value of a measure."""
+        """Return a measure of the mechanism, or of a quantity over a cycle, as its maximum."""
         if not measure.quantity:
             return self._of_mechanism[measure.part](self)
         if measure.part == 'rms':

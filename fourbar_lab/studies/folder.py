@@ -27,7 +27,7 @@ import numpy as np
 try:
     import fcntl
 except ImportError:
-    fcntl = None        # type: ignore[assignment]
+    fcntl = None        # type: ignore[assignment]  # Windows has none
 
 # Raise it when results change in their bits: a study begun before is then not resumed.
 KERNELS = '3'
@@ -39,6 +39,9 @@ KEY = b'fourbar_ros'        # of our metadata in a part
 MOST_FAILURES = 1000        # that are read at once
 
 
+Manifest = dict[str, Any]       # of a folder, as JSON
+
+
 class PartInfo(NamedTuple):
     """What a part says about its chunk."""
 
@@ -46,7 +49,7 @@ class PartInfo(NamedTuple):
     failures: list[tuple[int, str]]
 
 
-def as_json(study: Study) -> dict[str, Any]:
+def as_json(study: Study) -> Manifest:
     """Return a study as JSON has it; NaN, "not given", is left out of the scene."""
     tree = asdict(study)
     tree['values'] = {name: value for name, value in study.values.items() if value == value}
@@ -56,7 +59,7 @@ def as_json(study: Study) -> dict[str, Any]:
     return tree
 
 
-def _plain(record: Any) -> dict[str, Any]:
+def _plain(record: Any) -> Manifest:
     return {name: _plain(value) if hasattr(value, '_asdict') else
             str(value) if isinstance(value, float) and not np.isfinite(value) else value
             for name, value in record._asdict().items()}
@@ -84,7 +87,7 @@ def units_of(study: Study) -> dict[str, str]:
     return {name: unit for name, unit in units.items() if unit}
 
 
-def encode(study: Study, chunk: Chunk, about: dict[str, Any] | None = None) -> bytes:
+def encode(study: Study, chunk: Chunk, about: Manifest | None = None) -> bytes:
     """
     Return a chunk as a Parquet file; the same bytes for the same numbers.
 
@@ -178,7 +181,7 @@ class Folder:
         finally:
             os.close(held)
 
-    def _there(self) -> dict[str, Any] | None:
+    def _there(self) -> Manifest | None:
         """Return the manifest, or None if there is none."""
         names = MANIFEST, OLD_MANIFEST
         return self.manifest() if any((self.path / name).exists() for name in names) else None
@@ -186,7 +189,7 @@ class Folder:
     def _visible(self) -> Iterator[Path]:
         return (path for path in self.path.iterdir() if not path.name.startswith('.'))
 
-    def manifest(self) -> dict[str, Any]:
+    def manifest(self) -> Manifest:
         """Return the manifest; StudyError if there is none that can be read."""
         name = OLD_MANIFEST if (self.path / OLD_MANIFEST).exists() else MANIFEST
         try:
@@ -253,7 +256,7 @@ def _about(path: Path) -> Any:
     return json.loads(parquet.read_schema(path).metadata[KEY])      # ArrowInvalid is one
 
 
-def _difference(there: dict[str, Any], study: Study) -> str:
+def _difference(there: Manifest, study: Study) -> str:
     """Return in what a study differs from that of a manifest, as text."""
     if there.get('made_with') != made_with():
         return (f'was begun with {_versions(there.get("made_with", {}))}, and this is '

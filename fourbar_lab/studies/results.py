@@ -10,14 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from fourbar_lab.studies.folder import Folder
 from fourbar_lab.studies.study import Study, StudyError
 from fourbar_lab.studies.variation import Variation
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.scene.files import as_text
-from fourbar_ros.scene.parameters import find
+from fourbar_ros.scene.parameters import find, ParameterValues
 import numpy as np
 
 SHOWN, BEST = 2**18, 5
@@ -143,7 +143,7 @@ class Results:
             rows, points = rows[kept], points[kept]
         return {'row': rows, **dict(zip(names, (points * signs).T))}
 
-    def design(self, row: int) -> dict[str, Any]:
+    def design(self, row: int) -> ParameterValues:
         """Return the columns of one row, as far as they are kept."""
         from pyarrow import parquet
         import pyarrow.compute as pc
@@ -154,7 +154,7 @@ class Results:
         found = table.filter(pc.equal(table['row'], row)).to_pylist()
         return found[0] if found else {}
 
-    def scene_values(self, row: int) -> dict[str, Any]:
+    def scene_values(self, row: int) -> ParameterValues:
         """Return the parameters of the scene of one row, those that differ from the default."""
         values = self._study.scene_values(row)
         return {name: value for name, value in values.items() if value == value

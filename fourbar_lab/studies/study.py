@@ -130,7 +130,7 @@ class Study:
                              tuple(one.of_grid for one in self.vary), self.rows)
         return {one.name: one.at(p) for one, p in zip(self.vary, points.T)}
 
-    def scene_values(self, row: int) -> dict[str, Any]:
+    def scene_values(self, row: int) -> ParameterValues:
         """Return all parameters of one row."""
         drawn = self.drawn(row, row + 1)
         return {**self.values, **{name: column[0].item() for name, column in drawn.items()}}

@@ -16,7 +16,7 @@ from typing import BinaryIO
 try:
     import fcntl
 except ImportError:
-    fcntl = None        # type: ignore[assignment]
+    fcntl = None        # type: ignore[assignment]  # Windows has none
 
 
 def mark_as_being_written(file: BinaryIO) -> None:

@@ -203,7 +203,7 @@ class _Copy:
             if progress:
                 progress(scan.end)
 
-    def _begin(self, file: BinaryIO, opcode: int | None, body: Any) -> None:
+    def _begin(self, file: BinaryIO, opcode: int | None, body: bytes) -> None:
         """Start the new file with what the header and the end of the old one tell."""
         header = parse(Opcode.HEADER, body) if opcode == Opcode.HEADER else None
         by = f'recovered by {OURS}{__version__}, mcap {mcap_version}'
@@ -215,9 +215,10 @@ class _Copy:
                 self.container.copy(record)            # the chunk that has it may be damaged
 
     def _record(self, offset: int, opcode: int, body: bytes) -> None:
+        """Copy a record that can be read, or raise Damaged; others are written anew at the end."""
         container = self.container
         if opcode == Opcode.CHUNK:
-            container.flush()
+            container.flush()                          # keeps the order of messages
             for record in container.copy_chunk(body, partial(self._scan.admit, offset)):
                 self._scan.damage.append(f'before byte {offset}: {type(record).__name__.lower()} '
                                          f'{record.id} is another one than in the chunk there')

@@ -154,13 +154,18 @@ def repeated(about: Mapping[str, str]) -> set[str]:
 
 
 def joined(first: Mapping[str, str], last: Mapping[str, str]) -> dict[str, str]:
-    """Return the custom_data of a split bag from those of its first and its last part."""
+    """
+    Return the custom_data of a split bag from those of its first and its last part.
+
+    From the last part: why recording ended, what was dropped or lost, and the last sequence
+    numbers. All else is the first part's where it has it: sequence numbers from the start.
+    """
     ends, numbers = mapping_in(last, NUMBERS), mapping_in(first, NUMBERS)
     pairs = {topic: (numbers[topic][0], ends[topic][1]) for topic in numbers.keys() & ends.keys()
              if all(isinstance(pair, list) and len(pair) == 2
                     for pair in (numbers[topic], ends[topic]))}
     told = {key: last[key] for key in (ENDED, DROPPED, LOST) if key in last}
-    # what the bag itself begins with
+    # REPEATS of a later part is no matter of the whole bag
     late = {key: value for key, value in last.items() if key != REPEATS}
     return {**late, **first, **told, **({NUMBERS: json.dumps(pairs)} if pairs else {})}
 

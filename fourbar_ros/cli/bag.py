@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any, Generic, TYPE_CHECKING, TypeVar
+from typing import Generic, TYPE_CHECKING, TypeVar
 
 from fourbar_ros.cli.common import (
     add_json,
@@ -19,6 +19,7 @@ from fourbar_ros.cli.common import (
     BAD,
     BAG_HELP,
     bar,
+    Json,
     json_line,
     PICTURE_HELP,
     reading,
@@ -73,7 +74,7 @@ def add(verbs: Verbs) -> None:
 class Report(Generic[Result]):
     """How the result of an action on a bag is reported: in full, or in a row of a table."""
 
-    to_json: Callable[[Path, Result], dict[str, Any]]
+    to_json: Callable[[Path, Result], Json]
     print_in_full: Callable[[Result], None]
     columns: Sequence[str]                   # of the table, behind the bag
     to_row: Callable[[Result], Sequence[str]]

@@ -10,11 +10,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from datetime import datetime
 from pathlib import Path
-from typing import Any
 
 from fourbar_ros.bag.comparison.diff import TopicDiff
 from fourbar_ros.bag.comparison.difference import Recomputed
 from fourbar_ros.bag.read.info import Info, software_of
+from fourbar_ros.cli.common import Json
 from fourbar_ros.report.terminal import make_console, plain_table, PlainTable
 
 INFO_COLUMNS = ('state', 's>', 'MB>', 'parts>', 'messages>', 'missing>', 'damage, end')
@@ -135,12 +135,12 @@ def diff_table(found: Sequence[TopicDiff], tolerance: float) -> PlainTable:
 
 # --- JSON ----------------------------------------------------------------------------------------
 
-def json_of_error(bag: str | Path, error: BaseException) -> dict[str, Any]:
+def json_of_error(bag: str | Path, error: BaseException) -> Json:
     """Return the dict of a bag that could not be read."""
     return {'bag': str(bag), 'error': str(error)}
 
 
-def json_of_info(bag: str | Path, info: Info) -> dict[str, Any]:
+def json_of_info(bag: str | Path, info: Info) -> Json:
     """Return the dict of an Info."""
     return {'bag': str(bag), 'sound': info.is_sound, 'state': info.state, 'size': info.size,
             'parts': info.parts,
@@ -154,7 +154,7 @@ def json_of_info(bag: str | Path, info: Info) -> dict[str, Any]:
 
 
 def json_of_recomputed(bag: str | Path, found: Recomputed, tolerance: float,
-                       accept_rounding: bool = False) -> dict[str, Any]:
+                       accept_rounding: bool = False) -> Json:
     """Return the dict of a Recomputed."""
     problems = found.problems(tolerance, accept_rounding)
     return {'bag': str(bag), 'good': not problems, 'problems': problems,
@@ -168,7 +168,7 @@ def json_of_recomputed(bag: str | Path, found: Recomputed, tolerance: float,
 
 
 def json_of_diff(first: str | Path, second: str | Path, topics: Sequence[TopicDiff],
-                 tolerance: float) -> dict[str, Any]:
+                 tolerance: float) -> Json:
     """Return the dict of a list of TopicDiff."""
     return {'first': str(first), 'second': str(second), 'tolerance': tolerance,
             'same': all(topic.is_same(tolerance) for topic in topics),

@@ -22,6 +22,9 @@ if TYPE_CHECKING:      # verbs import when they run
     from fourbar_ros.scene.scene import Scene
 
 
+Json = dict[str, Any]      # what --json prints: text, numbers, lists and records
+
+
 class Verbs(Protocol):
     """What argparse gives to add verbs to, whose class it keeps to itself."""
 
@@ -140,7 +143,7 @@ def warn(scene: Scene) -> None:
         print(f'fourbar: warning: {warning}', file=sys.stderr)
 
 
-def json_line(found: dict[str, Any]) -> str:
+def json_line(found: Json) -> str:
     """Return a dict as one line of JSON; infinities and NaN become text: "inf", "nan"."""
     return json.dumps(_plain(found), allow_nan=False)
 

@@ -5,9 +5,18 @@ from __future__ import annotations
 
 from argparse import Namespace
 from pathlib import Path
-from typing import Any, NamedTuple, TYPE_CHECKING
+from typing import NamedTuple, TYPE_CHECKING
 
-from fourbar_ros.cli.common import add_pose, add_scene, add_verb, bar, json_line, Verbs, warn
+from fourbar_ros.cli.common import (
+    add_pose,
+    add_scene,
+    add_verb,
+    bar,
+    Json,
+    json_line,
+    Verbs,
+    warn,
+)
 from fourbar_ros.scene.arguments import positive
 
 if TYPE_CHECKING:      # verbs import when they run
@@ -88,7 +97,7 @@ class Shown(NamedTuple):
                 'no masses given, so no loads: see bodies.* in docs/reference.md')
 
 
-def _record(shown: Shown, found: list[Extremum]) -> dict[str, Any]:
+def _record(shown: Shown, found: list[Extremum]) -> Json:
     from fourbar_ros.report.record import record_of
     return {'scene': str(shown.path), 'speed': shown.speed, 'acceleration': shown.acceleration,
             'why_no_loads': shown.why_no_loads,

@@ -28,7 +28,7 @@ docs/why.md derives both.
 """
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanisms.mechanism import Mechanism
@@ -56,12 +56,12 @@ class CollineationAxis(NamedTuple):
 
     p13: Array
     p24: Array
-    along: Any
-    across: Any
+    along: Array
+    across: Array
     lines: dict[str, Array]
 
     @property
-    def angle(self) -> Any:
+    def angle(self) -> Array:
         """
         Return the angle l from the coupler line to the axis, in (-pi/2, pi/2] [rad].
 

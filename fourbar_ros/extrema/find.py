@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
 from math import isfinite, nan
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Union
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.extrema.methods import Methods
@@ -83,8 +83,11 @@ class Extremum(NamedTuple):
     proof: str = ''
     slide: float = nan
 
+# Quantities that are asked for: names, Quantity or functions (motion, loads) -> value.
+Wanted = Union[str, Asked, Callable[..., Any], Collection[Union[str, Asked, Callable[..., Any]]]]
 
-def find_extrema(linkage: Mechanism, quantities: Any = (), rate: float = 1.0,
+
+def find_extrema(linkage: Mechanism, quantities: Wanted = (), rate: float = 1.0,
                  acceleration: float = 0.0, certify: bool = False, conditions: bool = True,
                  check: Callable[[], None] = lambda: None, seconds: float = 5.0,
                  progress: Callable[[float], None] = lambda share: None) -> list[Extremum]:

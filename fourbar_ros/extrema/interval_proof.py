@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from math import comb, perm, pi
 from time import thread_time
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from fourbar_ros.extrema.input_paths import InputPath
 from fourbar_ros.extrema.sampling import Sampler, State
@@ -194,7 +194,7 @@ class _Pieces(NamedTuple):
     is_open: Array
     error: Array
 
-    def of(self, which: Any) -> _Pieces:
+    def of(self, which: Array | np.bool_ | slice) -> _Pieces:
         """Return some of them."""
         return _Pieces(*(part[..., which] for part in self))
 

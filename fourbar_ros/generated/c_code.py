@@ -102,7 +102,9 @@ class Formulas:
         return self._literal(place)
 
     def _literal(self, place: int) -> str:
-        return literal(self._values[place])
+        value = self._values[place]
+        assert value is not None, 'it depends on an input'
+        return literal(value)
 
     def _statement(self, place: int, name_of: object) -> list[str]:
         assert callable(name_of)

@@ -110,6 +110,8 @@ class Contract(ABC):
     LEAVES_OUT_ZEROS : bool
         Whether a single step leaves out products with masses and lengths of zero. A zero in its
         results may then have the other sign.
+    TORQUE : str
+        Symbol of the driving torque: of which link on which.
     mode, input, bodies, gravity, external, stroke
         What one is made with, beside its lengths; see the kinds.
 
@@ -134,6 +136,7 @@ class Contract(ABC):
     MODES: Mapping[int, str] = {CROSSED: '1', OPEN: '2'}
     SLIDE_DIRECTION: tuple[str, str] | None = None
     LEAVES_OUT_ZEROS: bool = False
+    TORQUE: str = 'T_{41}'
 
     # --- what one is made with ------------------------------------------------------------------
 

@@ -18,7 +18,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from decimal import Context, Decimal, localcontext
 import math
-from typing import Any
+from typing import Union
 
 from fourbar_ros.numerics.number_types import choose, NumberType, power_of_two
 
@@ -43,7 +43,7 @@ def _sum(terms: list[Decimal]) -> Decimal:
     return total if abs(total) > NOTHING * sum(map(abs, terms), Decimal(0)) else Decimal(0)
 
 
-Operand = Any      # Laurent, Decimal, float
+Operand = Union['Laurent', Decimal, float]
 
 
 class Laurent:
@@ -146,6 +146,7 @@ class Laurent:
         return math.prod([self] * exponent, start=series(1.0))
 
     def _inverse(self) -> Laurent:
+        """Return 1/f, coefficient by coefficient: sum c[i] inverse[k - i] = 0 for each k > 0."""
         if self._is_number():
             return _number(1 / self.c[0])
         c = self._unit()

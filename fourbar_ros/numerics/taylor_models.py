@@ -220,12 +220,12 @@ class Later(Model):
         return self._make()
 
     @property
-    def c(self) -> Array:       # type: ignore[override]
+    def c(self) -> Array:       # type: ignore[override]  # made when asked for
         """Return the coefficients."""
         return self._made.c
 
     @property
-    def error(self) -> Array:   # type: ignore[override]
+    def error(self) -> Array:   # type: ignore[override]  # made when asked for
         """Return the error."""
         return self._made.error
 

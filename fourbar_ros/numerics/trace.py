@@ -229,6 +229,11 @@ class Trace:
         """Return the number of operations that depend on the inputs."""
         return len(self.varies) - self.count
 
+    def part(self, number: int) -> Places:
+        """Return the places of one of several results: motion, loads."""
+        assert not isinstance(self.results, int), 'the formula returns one number'
+        return self.results[number]
+
     @cached_property
     def used_constants(self) -> list[int]:
         """Return the places of what is made of data alone and used together with inputs."""

@@ -16,7 +16,6 @@ from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.mechanisms.quantities import Function
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.numerics.number_types import Scalar
 from fourbar_ros.report.cycles import cycles
 from fourbar_ros.report.drawing import CannotDraw, need_matplotlib, STYLE
 from fourbar_ros.report.mechanism_panel import draw_plainly
@@ -79,8 +78,8 @@ def _clipped(line: Array, low: Array, high: Array) -> Array | None:
 
 def axis_angle(linkage: Mechanism) -> Function:
     """Return the angle from coupler to axis in [0, 180) deg: smooth where it is square."""
-    def angle(motion: NamedFields, loads: NamedFields) -> Scalar:
-        degrees: Scalar = np.degrees(collineation_axis(linkage, motion).angle) % 180.0
+    def angle(motion: NamedFields, loads: NamedFields) -> Array:
+        degrees: Array = np.degrees(collineation_axis(linkage, motion).angle) % 180.0
         return degrees
     return Function(AXIS_ANGLE, 'deg', 'angle from the coupler to the collineation axis', angle)
 

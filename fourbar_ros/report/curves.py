@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, NamedTuple, TYPE_CHECKING
+from typing import NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.errors import InvalidParameter, nearest
 from fourbar_ros.mechanisms.mechanism import Mechanism
@@ -218,7 +218,7 @@ def write_picture(curves: Curves, path: str | Path) -> Path:
     """Write the figure as .png, .svg or .pdf, or as a page, .html; return its path."""
     from fourbar_ros.report.drawing import save
     path = _checked(path, PICTURES)
-    figure: Any = make_figure(curves)
+    figure = make_figure(curves)
     if path.suffix != '.html':
         return save(figure, path)
     return write_page(path, curves.title, {'': figure})

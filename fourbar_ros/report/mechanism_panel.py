@@ -96,7 +96,7 @@ def draw_mechanism(axes: Axes, mechanism: Mechanism, motion: NamedFields,
         sheet.arrow(force.place, force.vector, FORCE, 1.8)
         sheet.occupy(force.place, force.place + force.vector)
     if torque:
-        _draw_torque(sheet, torque, getattr(motion, mechanism.input_coordinate.position))
+        _draw_torque(sheet, torque, mechanism, motion, places)
     for text, free in angles:
         sheet.label(text, free, ANGLE)
     for name, at in labels.joints.items():
@@ -108,7 +108,8 @@ def draw_mechanism(axes: Axes, mechanism: Mechanism, motion: NamedFields,
     sheet.scale(*unit)
     if forces:
         sheet.scale('N', ARROW * size / longest, 0.5)
-    sheet.write(load_lines(loads, labels, [force.name for force in forces]) if loads else [],
+    sheet.write(load_lines(loads, labels, [force.name for force in forces], mechanism.TORQUE)
+                if loads else [],
                 motion_lines(mechanism, motion, unit))
 
 
@@ -238,16 +239,21 @@ def _draw_angles(sheet: Sheet, motion: NamedFields, diagram: Diagram
     return found
 
 
-def _draw_torque(sheet: Sheet, torque: float, theta1: float) -> None:
-    """Draw the torque on the crank as a turning arrow about O1, opposite of the crank."""
+def _draw_torque(sheet: Sheet, torque: float, mechanism: Mechanism, motion: NamedFields,
+                 places: Mapping[str, Array]) -> None:
+    """Draw the torque as a turning arrow about the driven joint, away from the links."""
     radius, sense = 0.45 * sheet.inch, 1.0 if torque > 0.0 else -1.0
-    middle = theta1 + pi
-    arc = radius * _directions(middle + sense * np.linspace(-0.35 * pi, 0.35 * pi, 40))
+    centre = places.get(mechanism.input, np.zeros(2))       # O1, or a joint that moves
+    away = centre - np.mean(list(places.values()), axis=0)
+    middle = (np.arctan2(away[1], away[0]) if mechanism.input in places
+              else getattr(motion, mechanism.input_coordinate.position) + pi)
+    arc = centre + radius * _directions(middle + sense * np.linspace(-0.35 * pi, 0.35 * pi, 40))
     sheet.axes.plot(*arc[:-3].T, color=FORCE, lw=1.4, zorder=5)
     sheet.arrow(arc[-6], arc[-1] - arc[-6], FORCE, 1.4)
     for point in arc[::3]:
         sheet.occupy(point, point)
-    sheet.label('T_{41}', [1.4 * arc[i] for i in (12, 6, 18, 24, 0, 30)], FORCE)
+    sheet.label(mechanism.TORQUE, [centre + 1.4 * (arc[i] - centre)
+                                   for i in (12, 6, 18, 24, 0, 30)], FORCE)
 
 
 def _directions(angles: Array) -> Array:

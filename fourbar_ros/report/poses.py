@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from math import degrees, hypot, radians
+import re
 from typing import NamedTuple
 
 from fourbar_ros.errors import FourBarError
@@ -155,9 +156,10 @@ def loads_table(linkage: Mechanism, loads: NamedFields) -> PlainTable:
         table.add_row(force.symbol, *(number(values[field])
                                       for field in (force.x, force.y, force.magnitude)), 'N',
                       force.text)
+    torque = re.sub('[_{}]', '', linkage.TORQUE)
     for name, (text, unit) in MOMENTS.items():
         if name in values:
-            table.add_row(text, '', '', number(values[name]), unit)
+            table.add_row(text.replace('T41', torque), '', '', number(values[name]), unit)
     its = known(linkage, linkage.input)
     for name, value in values.items():               # what only one kind of mechanism has
         if name in its and name not in done and name not in MOMENTS:

@@ -54,8 +54,13 @@ def motion_lines(mechanism: Mechanism, motion: NamedFields, unit: tuple[str, flo
     return lines
 
 
-def load_lines(loads: NamedFields, labels: Labels, drawn: Collection[str]) -> list[str]:
-    """Return the lines of text about loads; ``drawn``: the forces that have an arrow."""
+def load_lines(loads: NamedFields, labels: Labels, drawn: Collection[str],
+               torque: str) -> list[str]:
+    """
+    Return the lines of text about loads.
+
+    ``drawn``: the forces that have an arrow; ``torque``: symbol of the driving torque.
+    """
     lines = [' '.join(filter(None, (f'${symbol}$', labels.words.get(name),
                                     f'= {significant(getattr(loads, name))} N',
                                     '' if name in drawn or labels.words else '(not drawn)')))
@@ -63,7 +68,7 @@ def load_lines(loads: NamedFields, labels: Labels, drawn: Collection[str]) -> li
     found = loads._asdict()
     force = found.get('driving_force', 0.0)
     lines.append(f'drive $P$ = {significant(force)} N' if force else
-                 f'drive $T_{{41}}$ = {significant(found["driving_torque"])} N m')
+                 f'drive ${torque}$ = {significant(found["driving_torque"])} N m')
     if 'guide_force' in found:
         lines += [f'guide force {significant(found["guide_force"])} N',
                   f'guide couple {significant(found["guide_couple"])} N m']

@@ -189,9 +189,11 @@ def transmission_angles(linkage: Mechanism) -> list[tuple[str, str]]:
 def extrema_table(linkage: Mechanism, extrema: Sequence[Extremum], title: str) -> PlainTable:
     """Return the table of a list of Extremum."""
     slides = any(extremum.slide == extremum.slide for extremum in extrema)
+    driven = linkage.input_coordinate.position
+    driven = driven if driven.startswith('theta') else 'theta1'
     table = plain_table(title, ('quantity', 'kind', '', 'value>', 'unit',
                                 *(('slide [m]>',) if slides else ()),
-                                'theta1 [rad]>', '[deg]>', ''))
+                                f'{driven} [rad]>', '[deg]>', ''))
     last = None
     for extremum in extrema:
         if last not in (None, extremum.quantity):

@@ -7,12 +7,12 @@ from collections.abc import Callable, Iterator
 from math import isnan
 from pathlib import Path
 import time
-from typing import Any
 
 from fourbar_ros.bag.write.recorder import BagWriter, SteadyClock
 from fourbar_ros.dynamics.step.mover import KEY, SILENT
 from fourbar_ros.dynamics.step.mover import OK as MOVES
 from fourbar_ros.errors import BagError
+from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.pipeline.status import OK as KNOWN
 from fourbar_ros.pipeline.stepper import InModes
 from fourbar_ros.ros.messages import resolve, sec_nanosec, set_constants, to_stamp
@@ -92,7 +92,7 @@ def write_bag(simulated: SimulatedScene, path: Path, progress: Callable[[int], N
     return writer.path
 
 
-def _shows_modes(scene: Scene, modes: Any) -> bool:
+def _shows_modes(scene: Scene, modes: Array) -> bool:
     """Return whether messages tell these modes, and the equation of motion follows from them."""
     linkage = scene.linkage
     # with toggles and flat positions of a change point, the mode does not give the branch

@@ -7,16 +7,19 @@ Imports little, so that they are caught before the long imports.
 """
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 import contextlib
 import signal
 import sys
 import time
-from typing import Any
+from types import FrameType
+from typing import Union
 
 # Windows has no SIGHUP
 SIGNALS = tuple(signal.Signals[name] for name in ('SIGINT', 'SIGTERM', 'SIGHUP')
                 if hasattr(signal, name))
+
+Handler = Union[Callable[[int, Union[FrameType, None]], object], int, None]
 
 
 class Stop:
@@ -29,7 +32,7 @@ class Stop:
 
     def __init__(self) -> None:
         self.requested, self.name = False, ''
-        self._before: dict[signal.Signals, Any] = {}
+        self._before: dict[signal.Signals, Handler] = {}
 
     def catch(self) -> Stop:
         """Catch signals from now on, but for a SIGHUP that ``nohup`` ignores; return self."""

@@ -40,6 +40,9 @@ class NotForNode(SceneError):
     """A parameter file contains nothing for the given node."""
 
 
+Tree = dict[str, Any]       # {name: value} of YAML, whose values may be trees
+
+
 def folder() -> Path:
     """Return the folder of the supplied scenes: in the package, or beside it in its source."""
     package = Path(__file__).resolve().parent.parent
@@ -75,7 +78,7 @@ def shipped(among: Path | None = None) -> dict[str, Path]:
     return {file.stem: file for place in places for file in sorted(place.glob('*.yaml'))}
 
 
-def read_values(path: str | Path, node: str | None = None) -> dict[str, Any]:
+def read_values(path: str | Path, node: str | None = None) -> Tree:
     """
     Return the flat dict of parameters in a ROS 2 parameter file as ROS reads them, unchecked.
 
@@ -103,7 +106,7 @@ def read_values(path: str | Path, node: str | None = None) -> dict[str, Any]:
                          f'{", ".join(there)}; write "/**:" there'
                          + (f', or name one: {path}:{next(iter(there)).lstrip("/*")}'
                             if node is None else ''))
-    values: dict[str, Any] = {}
+    values: Tree = {}
     for tree in found:
         values |= flatten(tree, path)
     others = [key for key in there if not is_for(key, node)]
@@ -119,7 +122,7 @@ def table_files(values: ParameterValues) -> list[str]:
             if TABLE.fullmatch(name) and isinstance(value, str) and value]
 
 
-def beside(values: ParameterValues, scene: Path) -> dict[str, Any]:
+def beside(values: ParameterValues, scene: Path) -> Tree:
     """Return values with the files of tables, which stand beside a scene, as paths from here."""
     return {**values, **{name: str(scene.parent / values[name]) for name in table_files(values)}}
 
@@ -132,7 +135,7 @@ def _file_and_node(path: str | Path, node: str | None) -> tuple[Path, str | None
     return find(path), node
 
 
-def sections(path: str | Path) -> dict[str, dict[str, Any]]:
+def sections(path: str | Path) -> dict[str, Tree]:
     """
     Return {key for nodes: tree of parameters} of a ROS 2 parameter file.
 
@@ -204,7 +207,7 @@ def is_for(key: str, node: str | None) -> bool:
     return re.fullmatch(pattern, node) is not None
 
 
-def _sections(tree: dict[Any, Any], prefix: str = '') -> Iterator[tuple[str, dict[str, Any]]]:
+def _sections(tree: dict[Any, Any], prefix: str = '') -> Iterator[tuple[str, Tree]]:
     """Yield (name of the node, its parameters) of a document; namespaces may be nested."""
     for key, below in tree.items():
         if isinstance(below, dict):
@@ -214,13 +217,13 @@ def _sections(tree: dict[Any, Any], prefix: str = '') -> Iterator[tuple[str, dic
             yield from _sections({k: v for k, v in below.items() if k != 'ros__parameters'}, name)
 
 
-def flatten(tree: dict[Any, Any], path: str | Path = '', prefix: str = '') -> dict[str, Any]:
+def flatten(tree: dict[Any, Any], path: str | Path = '', prefix: str = '') -> Tree:
     """
     Return a nested dict with its keys joined by dots, as ROS does.
 
     Raises SceneError for a duplicate name.
     """
-    flat: dict[str, Any] = {}
+    flat: Tree = {}
     for key, value in tree.items():
         part = (flatten(value, path, f'{prefix}{key}.') if isinstance(value, dict)
                 else {f'{prefix}{key}': value})
@@ -261,7 +264,7 @@ def as_text(values: ParameterValues) -> str:
 
     Those that are not given (NaN) are left out; numbers have all their digits.
     """
-    tree: dict[str, Any] = {}
+    tree: Tree = {}
     for name, value in values.items():
         if value != value:
             continue
@@ -280,6 +283,7 @@ class _Loader(yaml.SafeLoader):
 
     def compose_node(self, parent: yaml.Node | None, index: int) -> yaml.Node | None:
         if self.check_event(yaml.AliasEvent):
+            # yaml has no types for it
             event: Any = self.peek_event()      # type: ignore[no-untyped-call]
             raise yaml.MarkedYAMLError(problem='ROS reads no aliases',
                                        problem_mark=event.start_mark)
@@ -295,7 +299,8 @@ def _plain_or_quoted(loader: yaml.SafeLoader, node: yaml.ScalarNode) -> bool | i
     return scalar(node.value)
 
 
-def _mapping(loader: yaml.SafeLoader, node: yaml.MappingNode) -> dict[str, Any]:
+def _mapping(loader: yaml.SafeLoader, node: yaml.MappingNode) -> Tree:
+    """Return a mapping of YAML; a key that is no text, or given twice, is an error."""
     found = {}
     for key_node, value_node in node.value:
         key = key_node.value if isinstance(key_node, yaml.ScalarNode) else None

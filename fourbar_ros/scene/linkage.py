@@ -10,7 +10,7 @@ from typing import Any
 from fourbar_ros.errors import InvalidParameter, nearest
 from fourbar_ros.mechanics.bodies import Applied, Body, flat_bar, round_rod
 from fourbar_ros.mechanisms.contract import SLIDE
-from fourbar_ros.mechanisms.kinds import KINDS
+from fourbar_ros.mechanisms.kinds import AT_MOVING_JOINTS, kind_of, KINDS
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Link
 from fourbar_ros.numerics.number_types import Scalar
@@ -69,7 +69,7 @@ def _check_lengths(values: ParameterValues) -> None:
 def _of_kind(values: ParameterValues) -> Mechanism:
     """Return the mechanism of a kind."""
     name = values['linkage.kind']
-    kind: Any = KINDS[name]            # its lengths are its arguments
+    kind: Any = kind_of(name, values['linkage.input'])     # its lengths are its arguments
     for only in ('linkage.dyads', 'linkage.output'):
         if values[only]:
             raise InvalidParameter(only, values[only], f'linkage.kind {MACHINE} alone has it')
@@ -77,8 +77,10 @@ def _of_kind(values: ParameterValues) -> Mechanism:
     if len(kind.INPUTS) > 1:
         arguments['input'] = values['linkage.input']
     elif values['linkage.input'] not in kind.INPUTS:
+        inputs = [*kind.INPUTS, *(AT_MOVING_JOINTS[name].INPUTS if name in AT_MOVING_JOINTS
+                                  else ())]
         raise InvalidParameter('linkage.input', values['linkage.input'],
-                               f'linkage.kind {name} is driven at its crank')
+                               f'linkage.kind {name} is driven at its {" or ".join(inputs)}')
     if values['linkage.range']:
         if arguments.get('input') != SLIDE:
             raise InvalidParameter('linkage.range', values['linkage.range'],

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 from fourbar_ros.dynamics.model.drives import DCMotor, Law, MotorLine, SpeedController
 from fourbar_ros.dynamics.model.induction_motor import InductionMotor
 from fourbar_ros.mechanisms.contract import find_link
-from fourbar_ros.mechanisms.kinds import KINDS
+from fourbar_ros.mechanisms.kinds import AT_MOVING_JOINTS, KINDS
 from fourbar_ros.mechanisms.machine.describe.description import DIMENSIONS
 from fourbar_ros.mechanisms.parts import GROUND
 from fourbar_ros.numerics.given import quantities_of
@@ -131,7 +131,8 @@ def _first_joint(link: str) -> str:
 LENGTHS = tuple(dict.fromkeys(length.name for kind in KINDS.values() for length in kind.LENGTHS))
 LINKS = {name: _first_joint(name)
          for name in dict.fromkeys(link.name for kind in KINDS.values() for link in kind.LINKS)}
-_DRIVEN = tuple(dict.fromkeys(name for kind in KINDS.values() for name in kind.INPUTS))
+_DRIVEN = tuple(dict.fromkeys(name for kind in (*KINDS.values(), *AT_MOVING_JOINTS.values())
+                              for name in kind.INPUTS))
 _KINDS_IN_WORDS = '; '.join(f'{kind.TEXT} ({name})' for name, kind in KINDS.items())
 _JOINTS_IN_WORDS = '; '.join(f'{", ".join(joint.name for joint in kind.JOINTS)} ({name})'
                              for name, kind in KINDS.items())
@@ -188,7 +189,8 @@ PARAMETERS = _table(
               choices=(*KINDS, MACHINE), live=False),
     Parameter('linkage.input', 'string', 'crank', '',
               f'driven joint: the crank, or the slide of a {_WITH_SLIDES} or '
-              f'{MACHINE}; of a {MACHINE} also a cylinder that turns the crank',
+              f'{MACHINE}; of a {MACHINE} also a cylinder that turns the crank, of a four_bar '
+              'also A or B: a drive between two moving links, given theta2 or theta3',
               choices=(*_DRIVEN, 'cylinder'), live=False),
     *map(_length, LENGTHS),
     Parameter('linkage.range', 'doubles', [], 'm',

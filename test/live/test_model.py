@@ -419,3 +419,12 @@ def test_inputs_are_shown_in_the_unit_of_the_page():
     assert slide.shown_input(1.5) == 1.5 and slide.input_unit == 'm'
     middle = point_motion(crank.linkage, crank.pose(1.0)[1].motion, *crank.points['middle'])
     assert np.isfinite(middle.place).all()
+
+
+def test_the_angle_of_the_axis_is_a_curve_without_extrema():
+    found = shown_of('paper')
+    (inputs, angles), = found.curves('axis_angle')
+    assert found.has_axis and inputs.shape == angles.shape and np.nanmax(np.abs(angles)) <= 180.0
+    assert np.isnan(angles).sum() <= 4                      # only where it jumps
+    assert found.extrema(['axis_angle']) == [] and found.extrema(['axis_angle', 'omega4'])
+    assert not shown_of('jansen').has_axis and 'axis_angle' not in shown_of('jansen').quantities

@@ -27,6 +27,8 @@ SCOTCH_YOKE = {'linkage.kind': 'scotch_yoke', 'linkage.a1': 0.1, 'linkage.offset
                'bodies.coupler.mass': 0.2, 'external.output.force_x': -200.0}
 MECHANISMS = {
     'four-bar': ({**PAPER, **RODS}, ['crank', 'coupler', 'coupler_output', 'output']),
+    'four-bar at A': ({**PAPER, **RODS, 'linkage.input': 'A'},
+                      ['crank', 'coupler', 'coupler_output', 'output']),
     'slider-crank': (SLIDER_CRANK, ['crank', 'rod', 'pin', 'slider']),
     'slider-crank, slide': ({**SLIDER_CRANK, 'linkage.input': 'slide'},
                             ['crank', 'rod', 'pin', 'slider']),

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 import json
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from fourbar_ros.bag.comparison.recompute import Difference, distance
 from fourbar_ros.bag.read.reader import Bag
@@ -152,7 +152,7 @@ def _by_parameter(here: Array, there: Array) -> dict[str, float] | None:
     return {name: value for name, value in sorted(found.items()) if value}
 
 
-def _between(a: Any, b: Any) -> float:
+def _between(a: float, b: float) -> float:
     """Return the difference of two parameters; infinite if they differ and are not numbers."""
     numbers = all(isinstance(value, (int, float)) for value in (a, b))
     return (distance(np.array([a], float), np.array([b], float)) if numbers else 0.0 if a == b

@@ -85,13 +85,14 @@ class DrivenMotions:
         """Compare driven motions, in order, with the inputs taken before them."""
         waiting, at = self._inputs, 0
         for place, stamp, motion in zip(places.tolist(), stamps.tolist(), motions.tolist()):
-            source = None
+            newest = None           # of the inputs between the output before and this one
             while at < len(waiting) and waiting[at][0] < place:
-                source, at = waiting[at], at + 1
-            if source is None:
+                newest, at = waiting[at], at + 1
+            if newest is None:
                 self.without += 1
             else:
-                self._one(stamp, motion, *source[1:])
+                _, input_stamp, input_motion = newest
+                self._one(stamp, motion, input_stamp, input_motion)
         self._inputs = waiting[at:]
 
     def summary(self, topic: str | None, in_order: bool, states: DriveStates | None = None) -> str:

@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Callable, Collection, Iterable, Mapping
 import struct
-from typing import Any, BinaryIO, Union
+from typing import BinaryIO, Union
 import zlib
 
 from fourbar_ros.bag.mcap.records import (
@@ -252,7 +252,7 @@ class Container:
         return Chunk('zstd', self._compressor.compress(content),
                      0, 0, zlib.crc32(content), len(content))
 
-    def _define(self, known: dict[int, Any], record: Definition) -> None:
+    def _define(self, known: dict[int, Definition], record: Definition) -> None:
         self.flush()
         known[record.id] = record
         if isinstance(record, Channel) and record.schema_id:

@@ -8,7 +8,7 @@ import contextlib
 from dataclasses import replace
 import json
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import BinaryIO
 
 from fourbar_ros.bag import rosbag2
 from fourbar_ros.bag.cdr import Decoder
@@ -120,7 +120,7 @@ class PartReader:
             raise BagError(f'{self._name}: at byte {offset}: {error}; fourbar bag recover keeps '
                            'the rest') from None
 
-    def _item(self, scan: Scan, offset: int, opcode: int | None, body: Any) -> Sequence[Message]:
+    def _item(self, scan: Scan, offset: int, opcode: int | None, body: bytes) -> Sequence[Message]:
         if opcode is None:
             raise Damaged(body)
         if opcode == Opcode.CHUNK:

@@ -100,13 +100,14 @@ class Bag:
 
         For a split bag, that of the first part with what the last one adds to its custom_data.
         """
-        told = [found for found in (metadata_in(file)
-                                    for file in (self.files[0], *self.files[1:][-1:])) if found]
-        if not told:
+        first = metadata_in(self.files[0])
+        last = metadata_in(self.files[-1]) if len(self.files) > 1 else None
+        found = first or last
+        if not found:
             raise BagError(f'{self.path}: has no rosbag2 metadata')
-        if len(told) > 1:
-            told[0]['custom_data'] = rosbag2.joined(*map(rosbag2.about_of, told))
-        return told[0]
+        if first and last:
+            found['custom_data'] = rosbag2.joined(rosbag2.about_of(first), rosbag2.about_of(last))
+        return found
 
     def about(self) -> dict[str, str]:
         """Return the custom_data of a bag as {str: str}; empty if it has none."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from types import SimpleNamespace
-from typing import Any, NamedTuple, TYPE_CHECKING
+from typing import NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.errors import BagError
 from fourbar_ros.numerics.arrays import Array
@@ -29,7 +29,7 @@ class Record(NamedTuple):
 
     topic: str
     time: int
-    message: Any
+    message: SimpleNamespace
 
 
 class Raw(NamedTuple):

@@ -142,6 +142,7 @@ class System:
             return (self.distance_to_end(float(state[0])) if passes
                     else self.distance_to_limit(time, state))
 
+        # of a function, as integrators ask
         limit.terminal, limit.end = True, AT_LIMIT      # type: ignore[attr-defined]
         ends = not passes or self._stroke is not None
         stops = self.stops_at_change_points and flat_positions(phase.equation.coordinate)

@@ -381,6 +381,18 @@ def _ends_at(task: Task, times: Sequence[float], state: Array) -> str:
     return COMPLETE
 
 
+def _make_begin(solver: Any, task: Task, keep: Callable[[float, Array], int]
+                ) -> Callable[[float, Sequence[float] | Array, float], None]:
+    """Return the function (time, state, first step) with which the compiled integrator begins."""
+    def begin(time: float, state: Sequence[float] | Array, step: float) -> None:
+        solver.set_integrator(task.compiled, rtol=task.tolerance, atol=task.tolerance,
+                              nsteps=MOST_STEPS, first_step=step,
+                              max_step=task.last - task.first)      # scipy 1.17.0: else 1 s
+        solver.set_solout(keep)
+        solver.set_initial_value(state, time)
+    return begin
+
+
 def _run_compiled(task: Task) -> Part:
     """Run the compiled DOP853, with a tenth of the overhead of scipy's own, step by step."""
     try:
@@ -400,14 +412,7 @@ def _run_compiled(task: Task) -> Part:
         return 0 if end == COMPLETE else -1
 
     solver = ode(counted)
-
-    def begin(time: float, state: Sequence[float] | Array, step: float) -> None:
-        """Begin with a first step: without one, scipy 1.17 guesses, too long behind a bend."""
-        solver.set_integrator(task.compiled, rtol=task.tolerance, atol=task.tolerance,
-                              nsteps=MOST_STEPS, first_step=step,
-                              max_step=task.last - task.first)      # scipy 1.17.0: else 1 s
-        solver.set_solout(keep)
-        solver.set_initial_value(state, time)
+    begin = _make_begin(solver, task, keep)
     begin(task.first, task.start, task.step)
     stops = np.unique(np.concatenate([task.stops, [task.last]]))
     latest = stops[np.searchsorted(stops, task.asked)] if task.asked.size else task.asked
@@ -420,7 +425,8 @@ def _run_compiled(task: Task) -> Part:
                 begin(time, solver.y, task.step)
                 keep(time, solver.y)
                 continue
-            if len(times) > 2:      # the last step, or the one before a rest up to the stop
+            if len(times) > 2:      # the last step, or the one before a rest up to the stop:
+                # scipy 1.17 would guess one, too long behind a bend
                 begin(times[-1], solver.y,
                       max(times[-1] - times[-2], times[-2] - times[-3], 100.0 * EPS * times[-1]))
             solver.integrate(time)

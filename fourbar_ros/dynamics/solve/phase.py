@@ -109,7 +109,7 @@ class Phase:
             product *= way if coordinate.is_driven_by_slide else sin(0.5 * way)
         return product
 
-    to_flat.terminal, to_flat.end = True, AT_CHANGE_POINT      # type: ignore[attr-defined]
+    to_flat.terminal, to_flat.end = True, AT_CHANGE_POINT  # type: ignore[attr-defined]  # as above
 
     @property
     def can_end(self) -> bool:

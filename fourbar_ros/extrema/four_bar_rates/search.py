@@ -10,14 +10,14 @@ the work of both documents' algorithms of extreme values, on arrays and without 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from fourbar_ros.extrema.four_bar_rates.paths import Path, paths_of, SAMPLES, stacked
 from fourbar_ros.extrema.four_bar_rates.sines import make_sines, sine_constants, Sines
 from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
 from fourbar_ros.mechanisms.four_bar.motion import make_motion
 from fourbar_ros.mechanisms.half_angle import bilinear_factors, Factors
-from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.numerics.arrays import Array, Values
 from fourbar_ros.numerics.exact_sums import exact_sum_of_four
 from fourbar_ros.numerics.newton import newton_roots_and_states
 from fourbar_ros.numerics.number_types import ARRAY, Function, power_of_two_of_arrays
@@ -64,7 +64,7 @@ NOTHING = RateExtrema(np.zeros(0, int), np.zeros(0), np.zeros(0), np.zeros(0, bo
 Both = tuple[RateExtrema, RateExtrema]      # of theta4' and of theta4''
 
 
-def at_rate(found: RateExtrema, rate: Any, order: int) -> tuple[Array, Array]:
+def at_rate(found: RateExtrema, rate: Values, order: int) -> tuple[Array, Array]:
     """
     Return values of omega4 (order 0) or alpha4 (1), and whether each is a maximum.
 

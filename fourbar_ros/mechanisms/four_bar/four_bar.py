@@ -17,7 +17,7 @@ The picture of a 4R linkage and its velocity and acceleration polygons.
 """
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from math import acos, asin, asinh, atan2, fsum, pi, sqrt
 from typing import Any, NamedTuple
@@ -78,8 +78,111 @@ _CLASSES: dict[tuple[int, ...], str] = {
 }
 
 
+class FourBarLinks(Mechanism):
+    """What a 4R linkage is whichever of its joints is driven: four bars, four joints."""
+
+    a1: float
+    a2: float
+    a3: float
+    a4: float
+
+    TITLE = 'four-bar'
+    TEXT = 'four revolute joints'
+    LENGTHS = (Length('a1', 'length of the crank O1-A'), Length('a2', 'length of the coupler A-B'),
+               Length('a3', 'length of the output link O4-B'),
+               Length('a4', 'length of the ground link O1-O4'))
+    LINKS = (Link('crank', 'crank', 'O1', 'a1'),
+             Link('coupler', 'coupler', 'A', 'a2'),
+             Link('output', 'output link', 'O4', 'a3'))
+    MODES = {CROSSED: '1 (crossed)', OPEN: '2 (open)'}
+    MARGIN_SIGNS = ((-1, -1, 1, 1), (-1, 1, -1, 1), (-1, 1, 1, -1))
+    JOINTS = (Joint('O1', THETA1, 'crank'), Joint('A', THETA2, 'coupler'),
+              Joint('B', THETA3, 'coupler_output'), Joint('O4', THETA4, 'output'))
+    REACTIONS = (reaction('O1', 'ground on crank', 'f41'),
+                 reaction('A', 'coupler on crank', 'f21'),
+                 reaction('B', 'output link on coupler', 'f32'),
+                 reaction('O4', 'ground on output link', 'f43'))
+    PARTS = {THETA1: 'crank', THETA2: 'coupler to crank', THETA3: 'output link to coupler',
+             THETA4: 'output link',
+             BETA: 'coupler'}
+    DRAWN = (THETA1, BETA, THETA4)
+    LOADS = Loads
+    BODIES, EXTERNAL = Bodies, External
+
+    def __post_init__(self) -> None:
+        self._check()
+        lengths = self.lengths
+        longest = max(lengths)
+        if fsum(lengths + (-longest, -longest)) <= 0.0:
+            raise InvalidParameter(f'a{lengths.index(longest) + 1}', longest,
+                                   'the links cannot close: it must be shorter than the other '
+                                   f'three together ({fsum(lengths + (-longest,))!r})')
+
+    @of_geometry
+    def margins(self) -> tuple[float, ...]:
+        """Return a4 - a1 + a3 - a2, a4 - a1 - a3 + a2 and a2 + a3 - a4 - a1 [m]."""
+        a1, a2, a3, a4 = self.lengths
+        return (fsum((a4, -a1, a3, -a2)), fsum((a4, -a1, -a3, a2)), fsum((a2, a3, -a4, -a1)))
+
+    @of_geometry
+    def classification(self) -> str:
+        """
+        Return the Grashof type by name.
+
+        'change point' where the sums of two links are equal.
+        """
+        if 0.0 in self.margins:
+            return 'change point'
+        return _CLASSES[tuple(1 if margin > 0.0 else -1 for margin in self.margins)]
+
+    @property
+    def connections(self) -> tuple[Connection, ...]:
+        """Return which links the four joints connect."""
+        return (Connection(GROUND, 'crank'), Connection('crank', 'coupler', (self.a1, 0.0)),
+                Connection('coupler', 'output', (self.a2, 0.0), (self.a3, 0.0), turn=pi),
+                Connection(GROUND, 'output', (self.a4, 0.0)))
+
+    def link_motion(self, motion: Any, link: str) -> LinkMotion:
+        """Return the LinkMotion of a link by name."""
+        if link == 'output':
+            return LinkMotion(self.a4, 0.0, 0.0, 0.0, 0.0, 0.0, motion.cos_y, motion.sin_y,
+                              motion.omega4, motion.alpha4)
+        crank = crank_motion(motion)
+        if link == 'crank':
+            return crank
+        return LinkMotion(*point_of(crank, self.a1), motion.cos_b, motion.sin_b,
+                          motion.omega_beta, motion.alpha_beta)
+
+    def diagram(self, motion: Any) -> Diagram:
+        """Return the :class:`Diagram` of one pose."""
+        joints = {'O_1': ORIGIN, 'A': point_motion(self, motion, 'crank', self.a1).place,
+                  'B': point_motion(self, motion, 'output', self.a3).place,
+                  'O_4': point_motion(self, motion, 'output', 0.0).place}
+        bars = tuple(Bar(joints[one], joints[other])
+                     for one, other in (('O_1', 'A'), ('A', 'B'), ('O_4', 'B')))
+        return Diagram(joints, ('O_1', 'O_4'), bars, (), {'f41': 'O_1', 'f21': 'A', 'f32': 'B',
+                                                          'f43': 'O_4'},
+                       {'theta1': 'O_1', 'theta4': 'O_4'})
+
+    def velocity_polygon(self, motion: Any) -> list[Arrow]:
+        """Return the arrows of V_B = V_A + V_B/A [m/s]."""
+        v_a = point_motion(self, motion, 'crank', self.a1).velocity
+        v_b = point_motion(self, motion, 'coupler', self.a2).velocity
+        return [total(v_a, 'V_A'), total(v_b, 'V_B'), Arrow(v_a, v_b - v_a, 'V_{B/A}', False)]
+
+    def acceleration_polygon(self, motion: Any) -> list[Arrow]:
+        """Return the arrows of A_B = A_A + A_B/A, with normal and tangential parts [m/s^2]."""
+        crank, coupler, output = (link_motion(self, motion, link)
+                                  for link in ('crank', 'coupler', 'output'))
+        a_a = point_motion(self, motion, 'crank', self.a1).acceleration
+        a_b = point_motion(self, motion, 'coupler', self.a2).acceleration
+        return [total(a_a, 'A_A'), *around(ORIGIN, crank, self.a1 * crank.direction, 'A'),
+                *around(a_a, coupler, self.a2 * coupler.direction, 'B/A'), total(a_b, 'A_B'),
+                *around(ORIGIN, output, self.a3 * output.direction, 'B')]
+
+
 @dataclass(frozen=True)
-class FourBar(Mechanism):
+class FourBar(FourBarLinks):
     """
     Planar four-bar linkage O1-A-B-O4 with four revolute joints.
 
@@ -117,58 +220,11 @@ class FourBar(Mechanism):
     gravity: tuple[float, float] = (0.0, 0.0)
     external: External = External()
 
-    TITLE = 'four-bar'
-    TEXT = 'four revolute joints'
-    LENGTHS = (Length('a1', 'length of the crank O1-A'), Length('a2', 'length of the coupler A-B'),
-               Length('a3', 'length of the output link O4-B'),
-               Length('a4', 'length of the ground link O1-O4'))
-    LINKS = (Link('crank', 'crank', 'O1', 'a1'),
-             Link('coupler', 'coupler', 'A', 'a2'),
-             Link('output', 'output link', 'O4', 'a3'))
-    MODES = {CROSSED: '1 (crossed)', OPEN: '2 (open)'}
-    MARGIN_SIGNS = ((-1, -1, 1, 1), (-1, 1, -1, 1), (-1, 1, 1, -1))
     input = CRANK
     INPUTS, OUTPUTS = {CRANK: THETA1}, {CRANK: (Output(THETA4, 'velocity_ratio'),)}
-    JOINTS = (Joint('O1', THETA1, 'crank'), Joint('A', THETA2, 'coupler'),
-              Joint('B', THETA3, 'coupler_output'), Joint('O4', THETA4, 'output'))
-    REACTIONS = (reaction('O1', 'ground on crank', 'f41'),
-                 reaction('A', 'coupler on crank', 'f21'),
-                 reaction('B', 'output link on coupler', 'f32'),
-                 reaction('O4', 'ground on output link', 'f43'))
-    PARTS = {THETA1: 'crank', THETA2: 'coupler to crank', THETA3: 'output link to coupler',
-             THETA4: 'output link',
-             BETA: 'coupler'}
-    DRAWN = (THETA1, BETA, THETA4)
-    MOTION, LOADS = Motion, Loads
-    BODIES, EXTERNAL = Bodies, External
-
-    def __post_init__(self) -> None:
-        self._check()
-        lengths = self.lengths
-        longest = max(lengths)
-        if fsum(lengths + (-longest, -longest)) <= 0.0:
-            raise InvalidParameter(f'a{lengths.index(longest) + 1}', longest,
-                                   'the links cannot close: it must be shorter than the other '
-                                   f'three together ({fsum(lengths + (-longest,))!r})')
+    MOTION = Motion
 
     # --- what it is -----------------------------------------------------------------------------
-
-    @of_geometry
-    def margins(self) -> tuple[float, ...]:
-        """Return a4 - a1 + a3 - a2, a4 - a1 - a3 + a2 and a2 + a3 - a4 - a1 [m]."""
-        a1, a2, a3, a4 = self.lengths
-        return (fsum((a4, -a1, a3, -a2)), fsum((a4, -a1, -a3, a2)), fsum((a2, a3, -a4, -a1)))
-
-    @of_geometry
-    def classification(self) -> str:
-        """
-        Return the Grashof type by name.
-
-        'change point' where the sums of two links are equal.
-        """
-        if 0.0 in self.margins:
-            return 'change point'
-        return _CLASSES[tuple(1 if margin > 0.0 else -1 for margin in self.margins)]
 
     @property
     def description(self) -> str:
@@ -196,15 +252,7 @@ class FourBar(Mechanism):
         A list of toggles (real), flat positions of change points (real) and others, as
         :attr:`.SliderCrank.singular_inputs`; accurate to about 1e-8 next to change points.
         """
-        a1, a2, a3, a4 = scaled(self.lengths)
-        root = 2.0 * sqrt(a1 * a4)
-        s1, s2 = difference_of_squares(a2, a3, a1, a4), difference_of_squares(a1, -a4, a2, -a3)
-        outer, inner = sqrt(abs(s1)) / root, sqrt(abs(s2)) / root
-        far = (complex(pi, 2.0 * asinh(outer)) if s1 >= 0.0
-               else complex(2.0 * acos(min(outer, 1.0))))
-        near = (complex(0.0, 2.0 * asinh(inner)) if s2 >= 0.0
-                else complex(2.0 * asin(min(inner, 1.0))))
-        return [far, -far, near, -near, complex(0.0, 2.0 * asinh(abs(a1 - a4) / root))]
+        return singular_angles(*self.lengths)
 
     @of_geometry
     def output_ranges(self) -> Ranges:
@@ -213,13 +261,9 @@ class FourBar(Mechanism):
 
         At an end that is no full turn, crank and coupler are in line: a dead point of the output.
         """
-        ranges = []
         # seen from O4, of pi - theta4
-        for low, high in ranges_of(self.a3, self.a2, self.a1, self.a4):
-            low, high = pi - high, pi - low
-            turn = 2.0 * pi if low >= pi else 0.0
-            ranges.append((low - turn, high - turn))
-        return ((-pi, pi),) if ranges == [(0.0, 2.0 * pi)] else tuple(sorted(ranges))
+        return turned_ranges([(-high, -low) for low, high in ranges_of(self.a3, self.a2, self.a1,
+                                                                       self.a4)])
 
     @property
     def ranges_of_both_modes(self) -> dict[str, Ranges]:
@@ -260,24 +304,6 @@ class FourBar(Mechanism):
         return make_loads(numbers, a1, a2, a3, a4, constants.bodies, constants.gravity,
                           constants.external)
 
-    @property
-    def connections(self) -> tuple[Connection, ...]:
-        """Return which links the four joints connect."""
-        return (Connection(GROUND, 'crank'), Connection('crank', 'coupler', (self.a1, 0.0)),
-                Connection('coupler', 'output', (self.a2, 0.0), (self.a3, 0.0), turn=pi),
-                Connection(GROUND, 'output', (self.a4, 0.0)))
-
-    def link_motion(self, motion: NamedFields, link: str) -> LinkMotion:
-        """Return the LinkMotion of a link by name."""
-        if link == 'output':
-            return LinkMotion(self.a4, 0.0, 0.0, 0.0, 0.0, 0.0, motion.cos_y, motion.sin_y,
-                              motion.omega4, motion.alpha4)
-        crank = crank_motion(motion)
-        if link == 'crank':
-            return crank
-        return LinkMotion(*point_of(crank, self.a1), motion.cos_b, motion.sin_b,
-                          motion.omega_beta, motion.alpha_beta)
-
     def driven_otherwise(self) -> tuple[SeenFromOutput, ...]:
         """Return the same linkage driven at its output link, once for each assembly mode."""
         mirrored = replace(self, a1=self.a3, a3=self.a1, bodies=None, external=External())
@@ -301,34 +327,6 @@ class FourBar(Mechanism):
                 (self.a4 + self.a3 * np.cos(motion.theta4), self.a3 * np.sin(motion.theta4), 1.0),
                 (self.a4, 0.0, 1.0))
 
-    def diagram(self, motion: NamedFields) -> Diagram:
-        """Return the :class:`Diagram` of one pose."""
-        joints = {'O_1': ORIGIN, 'A': point_motion(self, motion, 'crank', self.a1).place,
-                  'B': point_motion(self, motion, 'output', self.a3).place,
-                  'O_4': point_motion(self, motion, 'output', 0.0).place}
-        bars = tuple(Bar(joints[one], joints[other])
-                     for one, other in (('O_1', 'A'), ('A', 'B'), ('O_4', 'B')))
-        return Diagram(joints, ('O_1', 'O_4'), bars, (), {'f41': 'O_1', 'f21': 'A', 'f32': 'B',
-                                                          'f43': 'O_4'},
-                       {'theta1': 'O_1', 'theta4': 'O_4'})
-
-    def velocity_polygon(self, motion: NamedFields) -> list[Arrow]:
-        """Return the arrows of V_B = V_A + V_B/A [m/s]."""
-        v_a = point_motion(self, motion, 'crank', self.a1).velocity
-        v_b = point_motion(self, motion, 'coupler', self.a2).velocity
-        return [total(v_a, 'V_A'), total(v_b, 'V_B'), Arrow(v_a, v_b - v_a, 'V_{B/A}', False)]
-
-    def acceleration_polygon(self, motion: NamedFields) -> list[Arrow]:
-        """Return the arrows of A_B = A_A + A_B/A, with normal and tangential parts [m/s^2]."""
-        crank, coupler, output = (link_motion(self, motion, link)
-                                  for link in ('crank', 'coupler', 'output'))
-        a_a = point_motion(self, motion, 'crank', self.a1).acceleration
-        a_b = point_motion(self, motion, 'coupler', self.a2).acceleration
-        return [total(a_a, 'A_A'), *around(ORIGIN, crank, self.a1 * crank.direction, 'A'),
-                *around(a_a, coupler, self.a2 * coupler.direction, 'B/A'), total(a_b, 'A_B'),
-                *around(ORIGIN, output, self.a3 * output.direction, 'B')]
-
-
 class DeadPoint(NamedTuple):
     """Crank and coupler in line, one behind the other (stretched) or folded; angles in [rad]."""
 
@@ -341,6 +339,23 @@ def squares_of_half(one: float, other: float, a3: float, a4: float) -> tuple[flo
     """Return 4 r a4 (sin^2, cos^2) of half the angle at O1 of r = one + other, a3, a4."""
     return (fsum((a3, -one, -other, a4)) * fsum((a3, one, other, -a4)),
             fsum((one, other, a4, -a3)) * fsum((one, other, a4, a3)))
+
+
+def singular_angles(a1: float, a2: float, a3: float, a4: float) -> list[complex]:
+    """
+    Return the complex angles between a1 and a4 of singular poses.
+
+    See :attr:`FourBar.singular_inputs`.
+    """
+    a1, a2, a3, a4 = scaled((a1, a2, a3, a4))
+    root = 2.0 * sqrt(a1 * a4)
+    s1, s2 = difference_of_squares(a2, a3, a1, a4), difference_of_squares(a1, -a4, a2, -a3)
+    outer, inner = sqrt(abs(s1)) / root, sqrt(abs(s2)) / root
+    far = (complex(pi, 2.0 * asinh(outer)) if s1 >= 0.0
+           else complex(2.0 * acos(min(outer, 1.0))))
+    near = (complex(0.0, 2.0 * asinh(inner)) if s2 >= 0.0
+            else complex(2.0 * asin(min(inner, 1.0))))
+    return [far, -far, near, -near, complex(0.0, 2.0 * asinh(abs(a1 - a4) / root))]
 
 
 def ranges_of(a1: float, a2: float, a3: float, a4: float) -> Ranges:
@@ -358,6 +373,16 @@ def ranges_of(a1: float, a2: float, a3: float, a4: float) -> Ranges:
     if s1 >= 0.0:
         return ((-pi, pi),) if s2 >= 0.0 else ((near, 2.0 * pi - near),)
     return ((-far, far),) if s2 >= 0.0 else ((-far, -near), (near, far))
+
+
+def turned_ranges(ranges: Iterable[tuple[float, float]]) -> Ranges:
+    """Return ranges of an angle half a turn on, each in the turn that contracts have."""
+    turned = []
+    for low, high in ranges:
+        low, high = pi + low, pi + high
+        turn = 2.0 * pi if low >= pi else 0.0
+        turned.append((low - turn, high - turn))
+    return ((-pi, pi),) if turned == [(0.0, 2.0 * pi)] else tuple(sorted(turned))
 
 
 class SeenFromOutput:

@@ -24,14 +24,26 @@ over the links, not over the reactions: inner forces much larger than the sums w
     (L6)  shaking force = -(F1 + F2 + F3)
     (L7)  shaking moment about O1 = -(M1 + M2 + M3 + (O4 - O1) x F3)
 
+A drive between two links, at A or B, changes two equations. Its torque is that of virtual power at
+unit rate of its own joint, x' = d(theta1)/d(theta2 or theta3),
+
+    (L8)  T = M1 x' + M2 b' + M3 y'
+
+and the moments in which it does not appear give the force at B: of crank and coupler together
+about O1 and of the output link about O4 for A, of the crank alone about O1 and of all about O1
+for B,
+
+    (L9)  at A:  F32 = ((M1 + M2 + M3) e_y + a4/a3 M3 x) / (a4 sin(y))
+    (L10) at B:  F32 = ((M1 + M2 + M3)/a4 e_x - M1/a1 x) / sin(x),   x also the unit vector O1-O4
+
 Assumed: rigid links moving in one plane; joints without clearance and without friction (a joint
 transmits a force through its centre and no couple); gravity uniform; external forces and couples
 constant along the ground axes, at points fixed in their link. The drive is a pure torque on the
-crank.
+crank, or on the second of two links from the first.
 """
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from fourbar_ros.mechanics.bodies import Bodies, External
 from fourbar_ros.mechanics.newton_euler import (
@@ -42,7 +54,7 @@ from fourbar_ros.mechanics.newton_euler import (
     needs_of_pivoted,
     Turning,
 )
-from fourbar_ros.mechanisms.four_bar.motion import Motion
+from fourbar_ros.mechanisms.contract import CRANK
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 from fourbar_ros.numerics.vectors import Vector
 
@@ -68,7 +80,7 @@ class Loads(NamedTuple):
     f21: float
     f32: float
     f43: float
-    driving_torque: float     # T41, of the drive on the crank
+    driving_torque: float     # T41, of the drive on the crank, or on the next link at A or B
     shaking_force_x: float    # F14 + F34, on the ground
     shaking_force_y: float
     shaking_force: float      # magnitude
@@ -76,9 +88,11 @@ class Loads(NamedTuple):
 
 
 def make_loads(n: NumberType, a1: Scalar, a2: Scalar, a3: Scalar, a4: Scalar, bodies: Bodies,
-               gravity: Gravity, external: External) -> Function:
+               gravity: Gravity, external: External, driven: str = CRANK) -> Function:
     """
     Return the function Motion -> :class:`Loads` for a fixed linkage.
+
+    ``driven``: the crank, or the joint A or B, of motions with ``crank_ratio``.
 
     ``gravity``: (x, y) of the field [m/s^2]. Lengths are scaled by a power of two into masses and
     inertias, so that no square of a length can overflow.
@@ -89,7 +103,8 @@ def make_loads(n: NumberType, a1: Scalar, a2: Scalar, a3: Scalar, a4: Scalar, bo
     output_terms = about_first_joint(bodies.output, unit, gravity, external.output)
     crank_terms = crank_with_pin(bodies, unit, gravity, external, coupler_terms, a1)
 
-    def loads(m: Motion) -> Loads:
+
+    def loads(m: Any) -> Loads:
         e_x, e_b = Vector(m.cos_x, m.sin_x), Vector(m.cos_b, m.sin_b)
         e_y = Vector(m.cos_y, m.sin_y)
         crank, coupler = needs_of_crank_and_carried(
@@ -97,13 +112,20 @@ def make_loads(n: NumberType, a1: Scalar, a2: Scalar, a3: Scalar, a4: Scalar, bo
             coupler_terms, Turning(e_b, m.omega_beta, m.alpha_beta), a1)
         output = needs_of_pivoted(output_terms, Turning(e_y, m.omega4, m.alpha4))
 
-        M2 = coupler.moment + coupler.a_cross_r * (m.omega1 * m.omega1)
-        F32 = e_b * (output.moment / (a3 * m.sin_mu)) + e_y * (M2 / (a2 * m.sin_mu))    # (L1)
+        if driven == CRANK:
+            M2 = coupler.moment + coupler.a_cross_r * (m.omega1 * m.omega1)
+            F32 = e_b * (output.moment / (a3 * m.sin_mu)) + e_y * (M2 / (a2 * m.sin_mu))    # (L1)
+            T = (crank.moment + coupler.moment * m.coupler_ratio                        # (L5)
+                 - coupler.a_cross_r * (m.omega_beta * m.omega2)
+                 + output.moment * m.velocity_ratio)
+        else:
+            T = (crank.moment * m.crank_ratio + coupler.moment * m.coupler_ratio        # (L8)
+                 - coupler.a_cross_r * (m.crank_ratio * m.omega_beta * m.omega2)
+                 + output.moment * m.velocity_ratio)
+            F32 = _force_at_b(m, driven, (a1, a3, a4), (crank, coupler, output))
         F21 = F32 - coupler.force                                                       # (L2)
         F43 = output.force + F32                                                        # (L3)
         F41 = crank.force - F21                                                         # (L4)
-        T41 = (crank.moment + coupler.moment * m.coupler_ratio                          # (L5)
-               - coupler.a_cross_r * (m.omega_beta * m.omega2) + output.moment * m.velocity_ratio)
         shaking_force = -(crank.force + coupler.force + output.force)                   # (L6)
         shaking_moment = (coupler.a_cross_r * (m.omega2 * (m.omega1 + m.omega_beta))    # (L7)
                           - (crank.moment + coupler.moment + output.moment
@@ -111,8 +133,25 @@ def make_loads(n: NumberType, a1: Scalar, a2: Scalar, a3: Scalar, a4: Scalar, bo
         return Loads(
             f41_x=F41.x, f41_y=F41.y, f21_x=F21.x, f21_y=F21.y, f32_x=F32.x, f32_y=F32.y,
             f43_x=F43.x, f43_y=F43.y, f41=hypot(F41.x, F41.y), f21=hypot(F21.x, F21.y),
-            f32=hypot(F32.x, F32.y), f43=hypot(F43.x, F43.y), driving_torque=unit * T41,
+            f32=hypot(F32.x, F32.y), f43=hypot(F43.x, F43.y), driving_torque=unit * T,
             shaking_force_x=shaking_force.x, shaking_force_y=shaking_force.y,
             shaking_force=hypot(shaking_force.x, shaking_force.y),
             shaking_moment=unit * shaking_moment)
     return loads
+
+
+def _force_at_b(m: Any, driven: str, lengths: tuple[Scalar, ...],
+                needs: tuple[Any, ...]) -> Vector:
+    """Return F32 of a drive at joint A or B; ``lengths``: a1, a3, a4."""
+    (a1, a3, a4), (crank, coupler, output) = lengths, needs
+    along = Vector(1.0, 0.0)
+    every = (crank.moment + coupler.moment + output.moment
+             - coupler.a_cross_r * (m.omega2 * (m.omega1 + m.omega_beta)))
+    if driven == 'A':                                                                   # (L9)
+        e_y = Vector(m.cos_y, m.sin_y)
+        at_a: Vector = (e_y * every + along * (a4 / a3 * output.moment)) * (1.0 / (a4 * m.sin_y))
+        return at_a
+    M1 = crank.moment - coupler.a_cross_r * (m.omega_beta * m.omega_beta)
+    e_x = Vector(m.cos_x, m.sin_x)                                                      # (L10)
+    at_b: Vector = (e_x * (every / a4) - along * (M1 / a1)) * (1.0 / m.sin_x)
+    return at_b

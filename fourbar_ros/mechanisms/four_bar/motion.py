@@ -61,9 +61,12 @@ def make_motion(n: NumberType, a1: Scalar, a2: Scalar, a3: Scalar, a4: Scalar,
     """
     Return the function (theta1, omega1, alpha1) -> :class:`Motion` for fixed lengths.
 
-    ``sign`` is the sign of sin(theta4 - beta): +1 for mode 2 (open), -1 for mode 1 (crossed).
+    Crank a1, coupler a2, output link a3, ground a4; x, b and y are the angles theta1, beta and
+    theta4, mu is theta4 - beta, d_ and dd_ derivatives with respect to x. ``sign`` is that of sin
+    mu: +1 for mode 2 (open), -1 for mode 1 (crossed).
     """
     sin, cos, atan2, straight = n.sin, n.cos, n.atan2, sign * pi
+    # infinitesimal where the links lie flat at theta1 = 0, for the pose just beside it; else 0
     beside_0 = nudge(n, n.exact_sum((a1, -a4, a2, -a3)), n.exact_sum((a1, -a4, -a2, a3)))
     loop = make_loop(n, a1, a2, a3, a4, sign)
 

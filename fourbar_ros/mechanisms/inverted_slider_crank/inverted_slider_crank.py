@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import atan2, atanh, pi, sqrt
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from fourbar_ros.mechanics.bodies import Bodies, External
 from fourbar_ros.mechanics.moving_frames import acceleration_terms, turned
@@ -71,7 +71,7 @@ class InvertedDeadPoint(NamedTuple):
 BEYOND = 0.14      # length of the bar beyond its block, over the size of the mechanism
 
 
-def _tube(mechanism: Any) -> float:
+def _tube(mechanism: InvertedSlider) -> float:
     """
     Return the length of the tube of a cylinder.
 

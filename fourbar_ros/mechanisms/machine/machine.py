@@ -182,7 +182,7 @@ class Machine(WithLimits):
         """Return the assembly modes of all dyads as +-1."""
         return tuple([dyad.sign for dyad in self.stages])
 
-    sign = signs     # type: ignore[assignment]
+    sign = signs     # type: ignore[assignment]  # one for each dyad
 
     @property
     def mode(self) -> int:  # type: ignore[override]  # set by those of the dyads

@@ -97,6 +97,9 @@ class Driver(Client):
         self.input.publish(message)
 
 
+Entry = dict[str, Any]      # of the printed extrema and poses of a scene, from published.yaml
+
+
 def live_table(client: Driver, seconds: float) -> PlainTable:
     """Return the table of the latest messages."""
     table = plain_table(f'{NODE} at {seconds:4.1f} s', ('', '        value>', 'unit'))
@@ -136,13 +139,13 @@ def watch(client: Driver, node: subprocess.Popen[bytes], seconds: float, console
         console.print()
 
 
-def published_for(path: str | Path) -> list[dict[str, Any]]:
+def published_for(path: str | Path) -> list[Entry]:
     """Return the published values for a scene file: the entries of published/NAME beside it."""
     file = Path(path).parent / 'published' / Path(path).name
     return yaml.safe_load(file.read_text(encoding='utf-8')) if file.exists() else []
 
 
-def compare_extrema(client: Driver, published: Sequence[dict[str, Any]],
+def compare_extrema(client: Driver, published: Sequence[Entry],
                     console: Console) -> Sequence[Message]:
     """Request all extrema, print the global ones beside the published values; return all."""
     linkage, speed = client.scene.linkage, client.scene.drive.speed
@@ -178,7 +181,7 @@ def compare_extrema(client: Driver, published: Sequence[dict[str, Any]],
     return extrema
 
 
-def compare_poses(client: Driver, published: Sequence[dict[str, Any]], console: Console) -> None:
+def compare_poses(client: Driver, published: Sequence[Entry], console: Console) -> None:
     """Evaluate the published poses; print our values beside the published ones."""
     for entry in published:
         if 'at' not in entry:

@@ -14,7 +14,7 @@ import json
 from pathlib import Path
 import struct
 import time
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from fourbar_ros.bag.cdr import Decoder
 from fourbar_ros.bag.comparison.difference import distance
@@ -27,6 +27,7 @@ from fourbar_ros.ros.clients.client import Client, name_on, NoAnswer
 from fourbar_ros.ros.clients.replay import installed, Replayer
 from fourbar_ros.ros.messages import resolve
 from fourbar_ros.scene import parameters
+from fourbar_ros.scene.parameters import ParameterValues
 from fourbar_ros.scene.scene import from_values, Scene
 from fourbar_ros.scene.topics import INPUT_DEPTH, INPUTS
 import numpy as np
@@ -131,7 +132,7 @@ class _Changes:
         self._pace.pause(False)
 
 
-def _is_same(a: Any, b: Any) -> bool:
+def _is_same(a: float | None, b: float | None) -> bool:
     found: bool = a == b or (a != a and b != b)                 # NaN: not given
     return found
 
@@ -191,7 +192,7 @@ class _Live(Client):
                 break
         return self._replayer.tick(0)
 
-    def set(self, changed: Mapping[str, Any]) -> str:
+    def set(self, changed: ParameterValues) -> str:
         """Change parameters of the node; return the outcome in words."""
         fixed = [name for name in changed if not parameters.of_name(name).live]
         if fixed:

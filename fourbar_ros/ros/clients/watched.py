@@ -11,6 +11,7 @@ import time
 from typing import Any
 
 from fourbar_ros.ros.clients.client import Client, NoAnswer, opened, PATIENCE
+from fourbar_ros.ros.messages import Message
 from fourbar_ros.scene.parameters import check
 from fourbar_ros.scene.topics import DRIVEN, SCENE
 from rcl_interfaces.srv import SetParameters
@@ -84,11 +85,11 @@ class Watched:
         self._thread.join()
         self._stack.close()
 
-    def _take_scene(self, message: Any) -> None:
+    def _take_scene(self, message: Message) -> None:
         self.values = check(json.loads(message.data))
         self.version += 1
 
-    def _take(self, message: Any) -> None:
+    def _take(self, message: Message) -> None:
         self._latest = message.position, message.velocity, message.acceleration
 
     def _listen(self) -> None:

@@ -95,16 +95,17 @@ class Repeats:
     Parameters
     ----------
     node : rclpy.node.Node
-    heard : str
-        Full name of the topic of the input.
-    sent : callable
+    input_topic : str
+        Full name.
+    output_topics : callable
         Returns the full names of the topics of the answers.
 
     """
 
-    def __init__(self, node: Node, heard: str, sent: Callable[[], Collection[str]]) -> None:
-        self._node, self._heard, self._sent = node, heard, sent
-        self._stamps: dict[int, None] = {}
+    def __init__(self, node: Node, input_topic: str,
+                 output_topics: Callable[[], Collection[str]]) -> None:
+        self._node, self._heard, self._sent = node, input_topic, output_topics
+        self._stamps: dict[int, None] = {}           # the newest ones [ns], in order
         self._count, self._before = 0, (time.monotonic(), 0)
 
     def take(self, stamp: int) -> None:

@@ -28,6 +28,9 @@ def wake_on_time() -> None:
     with suppress(OSError):                              # another system
         Path(f'/proc/{threading.get_native_id()}/timerslack_ns').write_text('1')
 
+# What a drive tells the diagnostics: values by name, and problems.
+Reported = tuple[dict[str, Any], list[str]]
+
 
 class Drive(ABC):
     """Base of all drives: counters for the diagnostics, and a new scene between two samples."""
@@ -58,7 +61,7 @@ class Drive(ABC):
         """Return the time since the newest input [s]; NaN if the drive has no input."""
         return nan
 
-    def state(self) -> tuple[dict[str, Any], list[str]]:
+    def state(self) -> Reported:
         """Return (values, problems) for the diagnostics, beside the counters."""
         return {}, []
 
@@ -87,7 +90,7 @@ class TimerDrive(Drive):
         self._stopping = True
         self._thread.join()
 
-    def state(self) -> tuple[dict[str, Any], list[str]]:
+    def state(self) -> Reported:
         """Return (values, problems): whether it sleeps."""
         return ({'asleep': 'nobody listens'} if self._is_asleep else {}), []
 

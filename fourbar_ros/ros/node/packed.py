@@ -117,7 +117,7 @@ def _runs(numbers: Sequence[tuple[int, int]]
 
 
 def _trials(count: int) -> Iterator[_Given]:
-    """Yield what a message may be made of at its worst."""
+    """Yield extreme contents: packed, each must have the bytes that rclpy gives it."""
     for k, hard in enumerate(_HARD):
         yield _Given(((2**31 - 1) * (k % 2), 999_999_999 * (k % 3) // 2), k % 6, 1 + k % 2,
                      [hard if (place + k) % 3 else place / 3.0 for place in range(count)])

@@ -13,8 +13,8 @@ from fourbar_ros.pipeline.rate_estimator import estimator_of
 from fourbar_ros.ros.messages import resolve, sec_nanosec, Stamp
 from fourbar_ros.ros.node import qos
 from fourbar_ros.ros.node.circles import Repeats
-from fourbar_ros.ros.node.drives import Drive, SLEEP
-from fourbar_ros.ros.node.sequence import SequenceNumbers, WithInfo
+from fourbar_ros.ros.node.drives import Drive, Reported, SLEEP
+from fourbar_ros.ros.node.sequence import Info, SequenceNumbers, WithInfo
 from fourbar_ros.ros.node.steady import clock_of
 from fourbar_ros.scene.message_fields import is_time
 from fourbar_ros.scene.scene import DriveSettings
@@ -85,7 +85,7 @@ class TopicDrive(Drive):
         """Return the time since the newest input [s]: steady, or simulated with use_sim_time."""
         return self._now() - self._received
 
-    def state(self) -> tuple[dict[str, Any], list[str]]:
+    def state(self) -> Reported:
         """Return (values, problems): lost, circles, the quality of an estimated acceleration."""
         self.counts.update(lost=self._sequence.lost, late=self.estimator.late,
                            estimate_restarts=self.estimator.restarts)
@@ -117,7 +117,7 @@ class TopicDrive(Drive):
         return f'{name} has no publisher' + (
             f'; {self._topic.type} comes on {", ".join(sorted(others))}' if others else '')
 
-    def _receive(self, data: bytes, info: dict[str, Any]) -> None:
+    def _receive(self, data: bytes, info: Info) -> None:
         try:
             self._sequence.take(info['publication_sequence_number'])
             if not self._node.circles.is_own(self._subscription.topic_name, data):

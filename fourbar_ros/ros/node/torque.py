@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 from math import inf, isfinite, isnan, nan
-from typing import Any
 
 from fourbar_ros.dynamics.step.mover import (
     AT_LIMIT,
@@ -19,7 +18,7 @@ from fourbar_ros.dynamics.step.mover import (
 from fourbar_ros.ros.messages import resolve, sec_nanosec, Stamp
 from fourbar_ros.ros.node import qos
 from fourbar_ros.ros.node.base import Base
-from fourbar_ros.ros.node.drives import CATCH_UP, Drive, TimerDrive
+from fourbar_ros.ros.node.drives import CATCH_UP, Drive, Reported, TimerDrive
 from fourbar_ros.ros.node.steady import clock_of
 from fourbar_ros.ros.node.stream import Stream
 from fourbar_ros.scene.scene import DriveSettings, Scene
@@ -134,7 +133,7 @@ class Moving(Drive):
         """Return the time since the newest torque [s], NaN if there is none to wait for."""
         return self._command.age if self._command else nan
 
-    def state(self) -> tuple[dict[str, Any], list[str]]:
+    def state(self) -> Reported:
         """Return (values, problems) for the diagnostics."""
         if self._values is None:
             return {}, []

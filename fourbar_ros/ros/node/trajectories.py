@@ -31,7 +31,7 @@ from fourbar_ros.pipeline.joints import Scale
 from fourbar_ros.ros.messages import resolve
 from fourbar_ros.ros.node import qos
 from fourbar_ros.ros.node.base import Base
-from fourbar_ros.ros.node.sequence import SequenceNumbers, WithInfo
+from fourbar_ros.ros.node.sequence import Info, SequenceNumbers, WithInfo
 from fourbar_ros.ros.node.worker import Abandoned, Worker
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import ANSWERS, INPUT_DEPTH, QUEUE_DEPTH, TRAJECTORIES
@@ -95,7 +95,7 @@ class Trajectories:
         full = self._node.resolve_topic_name(topic.topic)
         sequence = SequenceNumbers(lambda: subscription.get_publisher_count())
 
-        def take(data: bytes, info: dict[str, Any]) -> None:
+        def take(data: bytes, info: Info) -> None:
             sequence.take(info['publication_sequence_number'])
             if not self._node.circles.is_own(full, data):
                 self._take(name, data)
@@ -338,7 +338,7 @@ def _blocks(data: bytes, at: int, count: int) -> list[Array]:
     return blocks if same else []
 
 
-def _point(lengths: Sequence[int], begin: int) -> np.dtype[Any]:
+def _point(lengths: Sequence[int], begin: int) -> np.dtype[np.void]:
     """Return the dtype of a point that begins so many bytes behind a multiple of 8."""
     names, formats, offsets, at = [], [], [], begin
     for name, length in zip(FIELDS, lengths):
@@ -361,9 +361,9 @@ DELAY = 0.1            # [s] by which the arrival of messages without a stamp ma
 class Samples(NamedTuple):
     """Samples of a message, arrays of shape (n,): times [s], positions [rad], rates."""
 
-    times: Any
-    positions: Any
-    rates: Any
+    times: Array
+    positions: Array
+    rates: Array
 
 
 class Counted(NamedTuple):

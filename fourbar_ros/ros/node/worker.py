@@ -49,7 +49,7 @@ class Worker:
         service = node.create_service(kind, name, lambda *asked: asked)
         send = service.send_response
 
-        def answer(asked: tuple[Message, Message], header: Any) -> None:
+        def answer(asked: tuple[Message, Message], header: Message) -> None:
             self.do(lambda: send(handler(*asked), header))
         service.send_response = answer
 

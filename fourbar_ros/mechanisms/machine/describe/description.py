@@ -184,6 +184,7 @@ class Dyad:
             raise InvalidParameter(f'{where}.slot', self.slot, 'must not be parallel to the '
                                    'direction in which the yoke slides: not a multiple of pi')
         if self.kind == PRP and self.first.link == self.second.link:
+            # a PRP has both: checked
             turn = self.direction_2 - self.direction_1      # type: ignore[operator]
             if abs(sin(turn)) < PARALLEL:
                 raise InvalidParameter(f'{where}.direction_2', self.direction_2,
@@ -324,19 +325,24 @@ def with_lengths(dyad: Dyad, given: dict[str, float]) -> Dyad:
     return replace(dyad, **changed)
 
 
-def by_link(name: str, given: Any, kind: type, whole: Any, default: Any) -> Any:
-    """Return {link: record}, or a tuple of them, as ``whole``; None for None."""
+def by_link(name: str, given: Any, kind: type, of_links: Any, default: Any) -> Any:
+    """
+    Return what is given for links, {link: record} or a tuple, as one NamedTuple ``of_links``.
+
+    Each record is a ``kind``, a Body or an Applied; links without one get the default. None: None.
+    """
     if given is None:
         return None
     if not isinstance(given, Mapping):
-        given = given._asdict() if hasattr(given, '_asdict') else dict(zip(whole._fields, given))
+        given = (given._asdict() if hasattr(given, '_asdict')
+                 else dict(zip(of_links._fields, given)))
     for link, record in given.items():
-        if link not in whole._fields:
+        if link not in of_links._fields:
             raise InvalidParameter(f'{name}.{link}', None, 'there is no such link'
-                                   f'{nearest(link, whole._fields)}')
+                                   f'{nearest(link, of_links._fields)}')
         if not isinstance(record, kind):
             raise InvalidParameter(f'{name}.{link}', record, f'must be of type {kind.__name__}')
-    return whole(**{link: given.get(link, default) for link in whole._fields})
+    return of_links(**{link: given.get(link, default) for link in of_links._fields})
 
 
 X = (1.0, 0.0)
