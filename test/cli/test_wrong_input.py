@@ -42,7 +42,7 @@ WRONG_VALUES = [
     ({'linkage.kind': 'fourbar'}, 'four_bar'),
     ({'linkage.kind': 'slider_crank'}, 'linkage.a3'),
     ({'linkage.input': 'slide'}, 'is driven at its crank'),
-    ({'linkage.input': 'rocker'}, 'must be one of crank, slide, cylinder'),
+    ({'linkage.input': 'rocker'}, 'must be one of crank, slide, A, B, cylinder'),
     ({'linkage.range': '[0.1, 0.2]'}, 'only a driven slide has a stroke'),
     ({'linkage.dyads': '[one]'}, 'linkage.kind machine alone has it'),
     ({'linkages.a1': '0.4'}, 'did you mean linkage.a1'),

@@ -33,8 +33,8 @@ and the moments in which it does not appear give the force at B: of crank and co
 about O1 and of the output link about O4 for A, of the crank alone about O1 and of all about O1
 for B,
 
-    (L9)  at A:  F32 = ((M1 + M2 + M3) e_y + a4/a3 M3 x) / (a4 sin(y))
-    (L10) at B:  F32 = ((M1 + M2 + M3)/a4 e_x - M1/a1 x) / sin(x),   x also the unit vector O1-O4
+    (L9)   at A:  F32 = ((M1 + M2 + M3) e_y + a4/a3 M3 x) / (a4 sin(y))
+    (L10)  at B:  F32 = ((M1 + M2 + M3)/a4 e_x - M1/a1 x) / sin(x),   x also the unit vector O1-O4
 
 Assumed: rigid links moving in one plane; joints without clearance and without friction (a joint
 transmits a force through its centre and no couple); gravity uniform; external forces and couples
