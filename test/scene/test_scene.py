@@ -7,7 +7,7 @@ import random
 
 from fourbar_ros import FourBarError, InvalidParameter
 from fourbar_ros.scene import scene
-from fourbar_ros.scene.parameter_table import FAMILIES, LINKS, PARAMETERS, REQUIRED
+from fourbar_ros.scene.parameter_table import FAMILIES, LINKS, OF_MOTORS, PARAMETERS, REQUIRED
 from fourbar_ros.scene.parameters import check_value, find
 import pytest
 from support import ROOT
@@ -163,6 +163,14 @@ def test_every_text_of_a_parameter_reads_alone(parameter):
     words = parameter.text.split()
     assert len(words) >= 3 and words[0] not in ('and', 'or', 'but', 'of', 'so'), parameter.text
     assert not parameter.text.endswith('.') and 'extremes' not in words
+
+
+def test_kinds_of_motors_share_no_parameter_that_differs():
+    found = {}
+    for kind in OF_MOTORS.values():
+        for parameter in kind.values():
+            same = found.setdefault(parameter.name, parameter)
+            assert (same.unit, same.default) == (parameter.unit, parameter.default), parameter.name
 
 
 @pytest.mark.parametrize('file', sorted(CONFIG.glob('*.yaml')), ids=lambda file: file.stem)
