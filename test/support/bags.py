@@ -8,6 +8,7 @@ from fourbar_ros.bag.write.recorder import BagWriter, Channel
 from fourbar_ros.pipeline.stepper import Stepper
 from fourbar_ros.pipeline.wrenches import Wrench
 from fourbar_ros.scene import scene as scenes
+from fourbar_ros.scene.message_fields import mode_number
 from fourbar_ros.scene.topics import applied_topic, DRIVEN, SCENE, wrench_topic
 import numpy as np
 from rosbags.typesys import get_types_from_msg, get_typestore, Stores
@@ -74,7 +75,7 @@ def output_message(name, when, status, values, scene):
     message = zero(topic.type)
     message.header = stamp(when)
     if hasattr(message, 'status'):
-        message.status, message.mode = status, scene.linkage.mode
+        message.status, message.mode = status, mode_number(scene.linkage.mode)
     if name == 'state':
         message.change_point_margin = float(scene.linkage.change_point_margin)
     if name == 'joint_states':
@@ -154,7 +155,8 @@ def run(directory, name, values, cranks, changes=(), step_ns=10**6, paced=False,
             stepper.act(link, Wrench(*given))
             for topic, frame in ((wrench_topic(link), ''), (applied_topic(link), scene.frame_id)):
                 writer.write(number[topic.name], wrench(k, given, frame))
-        status, found = stepper.step(*crank, scene.needs_loads, 'points' in scene.outputs)
+        status, found = stepper.step(*crank, scene.needs_loads,
+                                     not {'points', 'links'}.isdisjoint(scene.outputs))
         writer.write(number['driven'], output_message('driven', (k + 1) * step_ns, 0,
                                                       scene.linkage.unknown(*crank), scene))
         for output in scene.topics:
