@@ -24,7 +24,7 @@ def shown() -> Iterator[Callable[[Progress], None]]:
     console = Console(stderr=True)
     text = '{task.fields[text]}'
     with Bar(BarColumn(), TextColumn(text), console=console, transient=True,
-                  disable=not console.is_terminal) as bar:
+             disable=not console.is_terminal) as bar:
         task = bar.add_task('designs', text='', total=None)
         last = time.monotonic()
 

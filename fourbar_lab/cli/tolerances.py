@@ -10,7 +10,7 @@ import tempfile
 from typing import TYPE_CHECKING
 
 from fourbar_lab.cli.progress import shown
-from fourbar_ros.cli.common import HelpFormatter
+from fourbar_ros.cli.common import HelpFormatter, Verbs
 from fourbar_ros.scene.arguments import positive_integer
 
 if TYPE_CHECKING:      # verbs import when they run
@@ -18,7 +18,6 @@ if TYPE_CHECKING:      # verbs import when they run
 
     from fourbar_lab.studies import Study, Summary, Toleranced
     from fourbar_lab.studies.tolerance_analysis import Tolerance
-    from fourbar_ros.cli.common import HelpFormatter, Verbs
 
 DESCRIPTION = """\
 Show how the measures of a study change with the parameters that vary in it, around the middle of

@@ -82,7 +82,7 @@ class Page:
             self.shown = shown_of(link.values)
         self.title, self.first, self.values, at, self.acceleration = link
         self.playback = (playback(self.shown) if playback
-                       else CyclePlayback(self.shown, self.shown.scene.drive.start))
+                         else CyclePlayback(self.shown, self.shown.scene.drive.start))
         if at is not None:
             self.playback.go(at)
         self.names = self.shown.usual_quantities

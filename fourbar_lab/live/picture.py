@@ -106,7 +106,7 @@ def mechanism_svg(shown: Shown, pose: Pose, view: View, per_newton: float,
     forces = (_forces(shown, diagram, loads, view, per_newton)
               if layers.forces and loads is not None else [])
     room = svg.Room(at.values(), [force[:2] for force in forces
-                                      if hypot(*force[1]) <= 2.0 * LONGEST_FORCE])
+                                  if hypot(*force[1]) <= 2.0 * LONGEST_FORCE])
     middle = np.mean(list(at.values()), axis=0)
     parts += [room.label('', place, tuple(place - middle), letter)
               for letter, place in letters.items()]

@@ -314,7 +314,7 @@ def _known_types(scene: Scene) -> list[str]:
     for lengths in product(RATIOS, repeat=len(names)):
         with suppress(InvalidParameter):
             other = from_values({**scene.values, **{f'linkage.{name}': length
-                                            for name, length in zip(names, lengths)}})
+                                                    for name, length in zip(names, lengths)}})
             found[other.linkage.classification] = None
     return list(found)
 

@@ -83,6 +83,7 @@ class Extremum(NamedTuple):
     proof: str = ''
     slide: float = nan
 
+
 # Quantities that are asked for: names, Quantity or functions (motion, loads) -> value.
 Wanted = Union[str, Asked, Callable[..., Any], Collection[Union[str, Asked, Callable[..., Any]]]]
 

@@ -206,7 +206,7 @@ class Code:
         loads = (f'No loads: {scene.why_no_loads}.' if not model.mechanism.bodies else '')
         renamed = f'Changed names: {", ".join(model.renamed)}.' if model.renamed else ''
         return ['/*', *(f' * {line}' for part in (text, count, signs, bits, fixed, left_out,
-                                                 loads, renamed) if part
+                                                  loads, renamed) if part
                         for line in wrap(part, 92)), ' */']
 
     @staticmethod

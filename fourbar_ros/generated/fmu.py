@@ -115,7 +115,7 @@ def _source(code: Code, version: int) -> str:
     """Return header, formulas and the functions of FMI as one file."""
     model, name = code.model, code.name
     header = code.header().replace('extern "C" {', '').replace('#ifdef __cplusplus\n}\n#endif\n',
-                                                                '')
+                                                               '')
     loads = len(model.loads)
     shared = snippet('fmu.c').replace(
         'LOADS_FIELD', f'  {name}_loads loads;' if loads else '').replace(

@@ -128,7 +128,7 @@ def line_of(mechanism: Formulas, with_loads: bool) -> Function:
 
 
 def limits_at_zero(mechanism: Formulas, rate: float, acceleration: float,
-                    with_loads: bool) -> list[float]:
+                   with_loads: bool) -> list[float]:
     """
     Return the fields for an input that falls to 0, a flat position, with zeros and infinities.
 

@@ -42,7 +42,7 @@ def test_a_bag_recomputes_with_differences_of_0(name, tmp_path, capsys):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
+@pytest.mark.parametrize('path', SCENES, ids=lambda path: path.stem)
 def test_every_shipped_scene_that_records_does(path, tmp_path, capsys):
     scene = load_scene(path)
     if scene.known_linkage.bodies is not scene.linkage.bodies:

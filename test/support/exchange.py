@@ -42,7 +42,7 @@ def check_topics(client, its, count=40):
     for k, message in enumerate(inputs):        # one by one: no queue is too short
         publisher.publish(message)
         client.until(lambda k=k: all(len(answers(m)) > k
-                                         for m in client.received.values()),
+                                     for m in client.received.values()),
                      f'answer {k} on every topic')
     for topic, messages in client.received.items():
         for sent, message in zip(inputs, answers(messages)):

@@ -139,7 +139,7 @@ class Comparison:
 
     def _start(self, scene: Scene) -> None:
         self._scene, self._stepper = scene, InModes(scene, self._wrenches.in_effect,
-                                                       self._by)
+                                                    self._by)
         self._wrenches.in_effect = self._stepper.wrenches
         self._differences.change(scene, self._stepper.wrenches)
         self._driven.change(scene)

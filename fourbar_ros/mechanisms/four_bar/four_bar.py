@@ -327,6 +327,7 @@ class FourBar(FourBarLinks):
                 (self.a4 + self.a3 * np.cos(motion.theta4), self.a3 * np.sin(motion.theta4), 1.0),
                 (self.a4, 0.0, 1.0))
 
+
 class DeadPoint(NamedTuple):
     """Crank and coupler in line, one behind the other (stretched) or folded; angles in [rad]."""
 

@@ -103,7 +103,6 @@ def make_loads(n: NumberType, a1: Scalar, a2: Scalar, a3: Scalar, a4: Scalar, bo
     output_terms = about_first_joint(bodies.output, unit, gravity, external.output)
     crank_terms = crank_with_pin(bodies, unit, gravity, external, coupler_terms, a1)
 
-
     def loads(m: Any) -> Loads:
         e_x, e_b = Vector(m.cos_x, m.sin_x), Vector(m.cos_b, m.sin_b)
         e_y = Vector(m.cos_y, m.sin_y)

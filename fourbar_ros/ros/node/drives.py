@@ -28,6 +28,7 @@ def wake_on_time() -> None:
     with suppress(OSError):                              # another system
         Path(f'/proc/{threading.get_native_id()}/timerslack_ns').write_text('1')
 
+
 # What a drive tells the diagnostics: values by name, and problems.
 Reported = tuple[dict[str, Any], list[str]]
 

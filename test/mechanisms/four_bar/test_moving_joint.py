@@ -163,7 +163,7 @@ def test_ranges_end_where_its_own_dyad_is_in_line_and_extrema_are_those_of_a_sca
             assert np.isfinite(motion.theta1).all()
             if linkage.turns_fully:
                 full += 1
-                found = [e for e in find_extrema(linkage, ('omega4',), 1.0)]
+                found = list(find_extrema(linkage, ('omega4',), 1.0))
                 changes = np.count_nonzero(np.diff(np.sign(np.diff(motion.omega4))))
                 assert len(found) in (changes, changes + 1), lengths
                 assert max(e.value for e in found) >= motion.omega4.max() * (1.0 - 1e-12)

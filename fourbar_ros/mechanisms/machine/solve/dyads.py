@@ -97,8 +97,6 @@ class Driven(NamedTuple):
     of_cylinder: tuple[Any, ...] | None = None
 
 
-
-
 def between(at_p: Node, at_q: Node) -> Node:
     """Return the coefficients of D = Q - P."""
     return (at_q[0] - at_p[0], at_q[1] - at_p[1], at_q[2] - at_p[2], at_q[3] - at_p[3],
