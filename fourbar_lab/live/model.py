@@ -177,9 +177,7 @@ class Shown:
 
         Those of the scene, or the middle of the first link that no pivot of the ground holds.
         """
-        return dict(usual_points(self.linkage, {
-            name: (point.link, point.along, point.across)
-            for name, point in self.scene.points.items()}))
+        return dict(usual_points(self.linkage, self.scene.points))
 
     @cached_property
     def traces(self) -> dict[str, list[PointMotion]]:

@@ -176,6 +176,7 @@ def force_share(linkage: FourBar) -> float:
 
 
 def largest_alpha4(linkage: FourBar) -> float:
+    """Return theta1 of the largest alpha4, of either sign [rad]."""
     return max(find_extrema(linkage, ('alpha4',), 1.0),
                key=lambda extremum: abs(extremum.value)).theta1
 

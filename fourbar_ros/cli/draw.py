@@ -51,8 +51,7 @@ def _draw(arguments: Namespace) -> None:
     linkage = scene.in_mode(arguments.mode)
     require_units(linkage, arguments.at, arguments.speed, arguments.acceleration)
     speed = scene.drive.speed if arguments.speed is None else arguments.speed
-    points = {name: (point.link, point.along, point.across)
-              for name, point in scene.points.items()}
+    points = scene.points
     if arguments.animate:
         from fourbar_ros.report.animation import animate
         print(animate(linkage, speed, points, arguments.out))

@@ -7,7 +7,7 @@ What depends on parameters alone is computed once, by ``NAME_prepare``.
 """
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from importlib.resources import files
 from math import inf, isfinite
 from textwrap import wrap
@@ -106,8 +106,7 @@ class Formulas:
         assert value is not None, 'it depends on an input'
         return literal(value)
 
-    def _statement(self, place: int, name_of: object) -> list[str]:
-        assert callable(name_of)
+    def _statement(self, place: int, name_of: Callable[[int], str]) -> list[str]:
         step, is_line = self._steps[place], place in self.varies
         names = [name_of(i) for i in step.arguments]
         its_name, kind = f'{"v" if is_line else "d"}{place}', 'double'
@@ -211,7 +210,7 @@ class Code:
 
     @staticmethod
     def _meaning() -> str:
-        return ('Of a sample, as of the node: out of range has no pose, all but the input is NaN; '
+        return ('As in the node: a sample out of range has no pose, all but the input is NaN; '
                 'invalid\n   input is not finite, or so fast that a result overflows; at a toggle '
                 'rates are unbounded,\n   NaN, the pose is valid; where the rate or acceleration '
                 'is NaN, all that depends on it is. Loads\n   are NaN unless ok.')

@@ -66,9 +66,12 @@ class Compiled:
         if len(found) != 1:
             raise NotGenerated(f'{directory}: expected one NAME.json of fourbar generate, found '
                                f'{len(found)}')
-        given = json.loads(found[0].read_text(encoding='utf-8'))
-        self.model = Model(from_values(given['scene']), given['name'], given['outputs'],
-                           given['tunable'])
+        try:
+            given = json.loads(found[0].read_text(encoding='utf-8'))
+            self.model = Model(from_values(given['scene']), given['name'], given['outputs'],
+                               given['tunable'])
+        except (ValueError, KeyError, TypeError):
+            raise NotGenerated(f'{found[0]}: not of fourbar generate') from None
         with TemporaryDirectory() as folder:
             library = Path(folder) / 'generated.so'
             build([found[0].with_suffix('.c')], library)

@@ -133,6 +133,8 @@ def _source(code: Code, version: int) -> str:
 
 def _binary(name: str, source: str, version: int) -> dict[str, bytes]:
     """Return {place in the archive: bytes} of the library for this platform."""
+    if sys.platform not in PLATFORMS:
+        raise NotGenerated(f'FMI has no name for a binary of {sys.platform}')
     two, three, ending = PLATFORMS[sys.platform]
     machine = {'AMD64': 'x86_64', 'arm64': 'aarch64'}.get(platform.machine(), platform.machine())
     if version == 2 and machine != 'x86_64':

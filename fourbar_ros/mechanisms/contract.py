@@ -37,6 +37,7 @@ import numpy as np
 
 CROSSED, OPEN = 1, 2     # assembly modes: sin(theta4 - beta) < 0, > 0 of a 4R linkage
 CRANK, SLIDE = 'crank', 'slide'     # inputs
+JOINT_A, JOINT_B = 'A', 'B'         # ... between two moving links
 _T = TypeVar('_T')
 
 

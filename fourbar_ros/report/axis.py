@@ -7,7 +7,7 @@ Only the functions that draw import matplotlib.
 """
 from __future__ import annotations
 
-from math import degrees, hypot, inf, remainder, tau
+from math import degrees, hypot, inf
 from typing import NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.extrema.collineation import collineation_axis
@@ -19,6 +19,7 @@ from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.report.cycles import cycles
 from fourbar_ros.report.drawing import CannotDraw, need_matplotlib, STYLE
 from fourbar_ros.report.mechanism_panel import draw_plainly
+from fourbar_ros.report.tables import counted
 import numpy as np
 
 if TYPE_CHECKING:      # drawings alone need it
@@ -79,8 +80,8 @@ def _clipped(line: Array, low: Array, high: Array) -> Array | None:
 def axis_angle(linkage: Mechanism) -> Function:
     """Return the angle from coupler to axis in [0, 180) deg: smooth where it is square."""
     def angle(motion: NamedFields, loads: NamedFields) -> Array:
-        degrees: Array = np.degrees(collineation_axis(linkage, motion).angle) % 180.0
-        return degrees
+        found: Array = np.degrees(collineation_axis(linkage, motion).angle) % 180.0
+        return found
     return Function(AXIS_ANGLE, 'deg', 'angle from the coupler to the collineation axis', angle)
 
 
@@ -122,13 +123,6 @@ def largest_rate(linkage: Mechanism, rate: float) -> float:
     return max(found, key=lambda extremum: abs(extremum.value)).theta1
 
 
-def _in_range(linkage: Mechanism, theta1: float) -> float:
-    """Return an angle in the turn that brings it nearest to the middle of a range."""
-    middle, away = min(((middle, remainder(theta1 - middle, tau)) for middle in (
-        0.5 * (low + high) for low, high in linkage.input_ranges)), key=lambda pair: abs(pair[1]))
-    return middle + away
-
-
 def make_axis_figure(linkage: Mechanism, rate: float, position: float | None = None) -> Figure:
     """
     Return a matplotlib Figure: the axis in a pose, and rate and angle over the input.
@@ -137,9 +131,9 @@ def make_axis_figure(linkage: Mechanism, rate: float, position: float | None = N
     ----------
     linkage : FourBar, SliderCrank or InvertedSlider
     rate : float
-        Of the crank [rad/s].
+        Speed of the crank [rad/s].
     position : float, optional
-        Of the crank [rad]; not given: where the output is fastest.
+        Angle of the crank [rad]; not given: where the output is fastest.
 
     Raises
     ------
@@ -151,7 +145,7 @@ def make_axis_figure(linkage: Mechanism, rate: float, position: float | None = N
     import matplotlib
     from matplotlib.figure import Figure
     coordinate = linkage.outputs[0].coordinate
-    collineation_axis(linkage, linkage.motion(cycles(linkage)[0][1], rate))
+    collineation_axis(linkage, linkage.motion(cycles(linkage)[0][1], rate))     # refuses others
     at = largest_rate(linkage, rate) if position is None else position
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(12.6, 5.6))
@@ -159,14 +153,14 @@ def make_axis_figure(linkage: Mechanism, rate: float, position: float | None = N
         draw_axis(left, linkage, linkage.motion(at, rate),
                   f'{linkage.description}, theta1 {degrees(at):.4f} deg')
         upper, lower = (figure.add_axes((0.6, bottom, 0.38, 0.38)) for bottom in (0.56, 0.1))
-        for inputs in cycles(linkage):
+        for inputs in cycles(linkage, from_zero=True):
             motion = linkage.motion(inputs, rate)
             angle = with_gaps(axis_angle(linkage).of(motion, None))
             upper.plot(np.degrees(inputs), getattr(motion, coordinate.rate), color='C0')
             lower.plot(np.degrees(inputs), angle, color=AXIS)
         for extremum in find_extrema(linkage, (coordinate.rate,), rate):
             if extremum.place == INTERIOR:
-                x = degrees(_in_range(linkage, extremum.theta1))
+                x = degrees(counted(linkage, extremum.theta1))
                 upper.plot(x, extremum.value, 'o', ms=6, mfc='none', mec='k')
                 lower.plot(x, 90.0, 'o', ms=6, mfc='none', mec='k')
         unit = 'm/s' if coordinate.unit == 'm' else 'rad/s'
@@ -175,5 +169,5 @@ def make_axis_figure(linkage: Mechanism, rate: float, position: float | None = N
                   yticks=(0, 45, 90, 135, 180))
         for axes in (upper, lower):
             axes.grid(alpha=0.3)
-            axes.axvline(degrees(_in_range(linkage, at)), color='0.6', lw=0.8)
+            axes.axvline(degrees(counted(linkage, at)), color='0.6', lw=0.8)
     return figure

@@ -89,9 +89,7 @@ def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: flo
                         or linkage.bodies is not None]
     of_points = {quantity.name: quantity for quantity in scene.point_quantities}
     needs_loads = any(name in linkage.LOADS._fields for name in wanted)
-    for inputs in cycles(linkage, samples):
-        if linkage.turns_fully:      # from 0, as extrema are counted
-            inputs = inputs - inputs[0]
+    for inputs in cycles(linkage, samples, from_zero=True):
         motion = linkage.motion(inputs, speed, acceleration)
         loads = linkage.loads(inputs, speed, acceleration) if needs_loads else None
         rows = [inputs] + [

@@ -27,12 +27,17 @@ WITHIN = 1e-9        # of a range that ends in toggles: rates are unbounded at i
 OUTLIER = 30.0       # vectors so many times the median one are beyond the picture
 
 
-def cycles(mechanism: Mechanism, count: int = SAMPLES) -> list[Array]:
-    """Return inputs over each range of a mechanism, arrays of shape (count,) [rad] or [m]."""
+def cycles(mechanism: Mechanism, count: int = SAMPLES, from_zero: bool = False) -> list[Array]:
+    """
+    Return inputs over each range of a mechanism, arrays of shape (count,) [rad] or [m].
+
+    ``from_zero``: a full turn begins at 0, where extrema are counted from, not at -pi.
+    """
     found = []
     for low, high in mechanism.input_ranges:
         margin = 0.0 if mechanism.turns_fully else WITHIN * (high - low)
-        found.append(np.linspace(low + margin, high - margin, count))
+        found.append(np.linspace(low + margin, high - margin, count)
+                     - low * (from_zero and mechanism.turns_fully))
     return found
 
 

@@ -85,7 +85,7 @@ def octahedron_svg(linkage: Mechanism) -> str:
     """
     Return the octahedron as SVG: the linkage, its octant, its way to the nearest change point.
 
-    Of a mechanism without one: ''.
+    Empty for another mechanism.
     """
     found = mobility(linkage)
     if not found:

@@ -71,3 +71,10 @@ def test_it_passes_from_process_to_process(tmp_path):
     linkage = load_scene('paper').linkage
     given = linkage, 1.0, 2.0, 3.0, True
     assert found.evaluate(*given) == evaluate(*given)
+
+
+@pytest.mark.parametrize('text', ['{', '{}', '[]', '{"scene": {}, "name": 1}'])
+def test_a_folder_of_another_program_is_refused(text, tmp_path):
+    (tmp_path / 'other.json').write_text(text)
+    with pytest.raises(NotGenerated, match='other.json: not of fourbar generate'):
+        Compiled(tmp_path)

@@ -334,14 +334,14 @@ def test_nodes_of_one_name_in_two_namespaces_have_diagnostics_of_their_own(run_n
 
 
 def test_an_input_that_never_comes_is_told_with_where_its_type_comes(run_node, client, heard):
-    assert client.node.create_publisher(JointState, '/joint_states', 10)
+    assert client.node.create_publisher(JointState, '/robot/joint_states', 10)
     run_node({**PAPER, 'drive.source': 'joint_state', 'drive.joint': 'crank',
-              'outputs': ['state']})
-    client.until(lambda: 'comes on /joint_states' in heard()[0].message, 'diagnostics')
+              'outputs': ['joint_states']})          # of its own they are no hint
+    client.until(lambda: 'comes on /robot/joint_states' in heard()[0].message, 'diagnostics')
     status, _ = heard()
     assert status.level == DiagnosticStatus.WARN
     assert status.message == ('no input yet: /fourbar/input_joint_states has no publisher; '
-                              'sensor_msgs/msg/JointState comes on /joint_states')
+                              'sensor_msgs/msg/JointState comes on /robot/joint_states')
 
 
 def test_a_second_node_of_one_name_is_told(run_node, client, heard):

@@ -67,3 +67,26 @@ static int set_numbers(State *state, const unsigned *references, size_t count,
   }
   return 0;
 }
+
+/* Copies of the whole state, kept by the master; `to` is made if it is not there. */
+static int copy_state(const void *from, void **to)
+{
+  if (*to == NULL) *to = malloc(sizeof(State));
+  if (*to == NULL) return 3;
+  memcpy(*to, from, sizeof(State));
+  return 0;
+}
+
+static int free_state(void **kept)
+{
+  free(*kept);
+  *kept = NULL;
+  return 0;
+}
+
+static int write_state(const void *kept, void *to, size_t size)
+{
+  if (size < sizeof(State)) return 3;
+  memcpy(to, kept, sizeof(State));
+  return 0;
+}

@@ -74,10 +74,7 @@ EXPORT Status fmi2DoStep(Component component, double time, double step, int is_f
 
 EXPORT Status fmi2GetFMUstate(Component component, void **to)
 {
-  if (*to == NULL) *to = malloc(sizeof(State));
-  if (*to == NULL) return ERROR;
-  memcpy(*to, component, sizeof(State));
-  return OK;
+  return copy_state(component, to);
 }
 
 EXPORT Status fmi2SetFMUstate(Component component, void *from)
@@ -89,9 +86,7 @@ EXPORT Status fmi2SetFMUstate(Component component, void *from)
 EXPORT Status fmi2FreeFMUstate(Component component, void **kept)
 {
   (void)component;
-  free(*kept);
-  *kept = NULL;
-  return OK;
+  return free_state(kept);
 }
 
 EXPORT Status fmi2SerializedFMUstateSize(Component component, void *kept, size_t *size)
@@ -104,20 +99,14 @@ EXPORT Status fmi2SerializedFMUstateSize(Component component, void *kept, size_t
 EXPORT Status fmi2SerializeFMUstate(Component component, void *kept, char *to, size_t size)
 {
   (void)component;
-  if (size < sizeof(State)) return ERROR;
-  memcpy(to, kept, sizeof(State));
-  return OK;
+  return write_state(kept, to, size);
 }
 
 EXPORT Status fmi2DeSerializeFMUstate(Component component, const char *from, size_t size,
                                       void **to)
 {
   (void)component;
-  if (size != sizeof(State)) return ERROR;
-  if (*to == NULL) *to = malloc(sizeof(State));
-  if (*to == NULL) return ERROR;
-  memcpy(*to, from, sizeof(State));
-  return OK;
+  return size == sizeof(State) ? copy_state(from, to) : ERROR;
 }
 
 /* Every number is real and no step is pending; the functions must be there all the same. */

@@ -87,10 +87,7 @@ EXPORT Status fmi3DoStep(Instance instance, double time, double step, bool no_wa
 
 EXPORT Status fmi3GetFMUState(Instance instance, void **to)
 {
-  if (*to == NULL) *to = malloc(sizeof(State));
-  if (*to == NULL) return ERROR;
-  memcpy(*to, instance, sizeof(State));
-  return OK;
+  return copy_state(instance, to);
 }
 
 EXPORT Status fmi3SetFMUState(Instance instance, void *from)
@@ -102,9 +99,7 @@ EXPORT Status fmi3SetFMUState(Instance instance, void *from)
 EXPORT Status fmi3FreeFMUState(Instance instance, void **kept)
 {
   (void)instance;
-  free(*kept);
-  *kept = NULL;
-  return OK;
+  return free_state(kept);
 }
 
 EXPORT Status fmi3SerializedFMUStateSize(Instance instance, void *kept, size_t *size)
@@ -117,20 +112,14 @@ EXPORT Status fmi3SerializedFMUStateSize(Instance instance, void *kept, size_t *
 EXPORT Status fmi3SerializeFMUState(Instance instance, void *kept, unsigned char *to, size_t size)
 {
   (void)instance;
-  if (size < sizeof(State)) return ERROR;
-  memcpy(to, kept, sizeof(State));
-  return OK;
+  return write_state(kept, to, size);
 }
 
 EXPORT Status fmi3DeserializeFMUState(Instance instance, const unsigned char *from, size_t size,
                                       void **to)
 {
   (void)instance;
-  if (size != sizeof(State)) return ERROR;
-  if (*to == NULL) *to = malloc(sizeof(State));
-  if (*to == NULL) return ERROR;
-  memcpy(*to, from, sizeof(State));
-  return OK;
+  return size == sizeof(State) ? copy_state(from, to) : ERROR;
 }
 
 /* Every number is a Float64 without events and derivatives; the functions must be there. */

@@ -54,7 +54,7 @@ from fourbar_ros.mechanics.newton_euler import (
     needs_of_pivoted,
     Turning,
 )
-from fourbar_ros.mechanisms.contract import CRANK
+from fourbar_ros.mechanisms.contract import CRANK, JOINT_A
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 from fourbar_ros.numerics.vectors import Vector
 
@@ -146,7 +146,7 @@ def _force_at_b(m: Any, driven: str, lengths: tuple[Scalar, ...],
     along = Vector(1.0, 0.0)
     every = (crank.moment + coupler.moment + output.moment
              - coupler.a_cross_r * (m.omega2 * (m.omega1 + m.omega_beta)))
-    if driven == 'A':                                                                   # (L9)
+    if driven == JOINT_A:                                                                # (L9)
         e_y = Vector(m.cos_y, m.sin_y)
         at_a: Vector = (e_y * every + along * (a4 / a3 * output.moment)) * (1.0 / (a4 * m.sin_y))
         return at_a

@@ -27,7 +27,7 @@ from typing import Any, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Bodies, External
-from fourbar_ros.mechanisms.contract import Constants, of_geometry, OPEN
+from fourbar_ros.mechanisms.contract import Constants, JOINT_A, JOINT_B, of_geometry, OPEN
 from fourbar_ros.mechanisms.four_bar.four_bar import (
     FourBar,
     FourBarLinks,
@@ -39,8 +39,6 @@ from fourbar_ros.mechanisms.four_bar.loads import make_loads
 from fourbar_ros.mechanisms.loop import make_loop
 from fourbar_ros.mechanisms.parts import Output, Ranges, THETA1, THETA2, THETA3, THETA4
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
-
-JOINT_A, JOINT_B = 'A', 'B'
 
 
 class MovingJointMotion(NamedTuple):

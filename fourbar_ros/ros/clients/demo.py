@@ -216,8 +216,6 @@ def write_page_of(scene: Scene, extrema: Sequence[Message], bag: Path) -> Path:
     linkage, speed = scene.linkage, scene.drive.speed
     position = scene.drive.start if linkage.turns_fully else 0.5 * sum(linkage.input_ranges[-1])
     motion = linkage.motion(position, speed, 0.0)
-    points = {name: (point.link, point.along, point.across)
-              for name, point in scene.points.items()}
     names = [quantity.name for quantity in select((), linkage, scene.point_quantities)]
     over_input = curves.curves_of(scene, linkage, names, speed)
     of_turn = degrees(1.0) if linkage.input_coordinate.unit == 'rad' else 1.0
@@ -227,7 +225,7 @@ def write_page_of(scene: Scene, extrema: Sequence[Message], bag: Path) -> Path:
                 if topic in scene.outputs
                 and name in resolve(OUTPUTS[topic].type).get_fields_and_field_types()]
     loads = linkage.loads(position, speed, 0.0) if linkage.bodies is not None else None
-    figures = {'Mechanism': drawing.make_figure(linkage, motion, loads, points=points),
+    figures = {'Mechanism': drawing.make_figure(linkage, motion, loads, points=scene.points),
                'Over the input, with all extrema': curves.make_figure(over_input, marks)}
     if recorded:
         figures['Recorded'] = plot.make_figure(bag, recorded)

@@ -52,8 +52,8 @@ class Base(Node):
                            ignore_override: bool = False) -> list[Parameter]:
         """Declare parameters; an empty list of a file reaches rclpy without type and value."""
         found: list[Parameter] = super().declare_parameters(
-                              namespace, [(name, [] if value is None else value, *rest)
-                                          for name, value, *rest in parameters], ignore_override)
+            namespace, [(name, [] if value is None else value, *rest)
+                        for name, value, *rest in parameters], ignore_override)
         return found
 
     def set_parameters_atomically(self, parameter_list: Sequence[Parameter]

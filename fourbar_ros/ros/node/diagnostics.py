@@ -49,7 +49,8 @@ class Diagnostics:
                      if count and name not in HARMLESS]
         if node.get_node_names_and_namespaces().count(
                 (node.get_name(), node.get_namespace())) > 1:
-            problems.append('another node has this name: services and parameters reach either')
+            problems.append('another node has this name, or was killed just now: services and '
+                            'parameters reach either')
         if stream.bad_steps - bad:
             problems.append(f'{stream.bad_steps - bad} steps not ok')
         if stream.status != OK:

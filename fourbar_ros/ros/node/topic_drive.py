@@ -111,9 +111,10 @@ class TopicDrive(Drive):
         name = self._subscription.topic_name
         if self._subscription.get_publisher_count():
             return f'the publisher of {name} is silent'
+        own = self._stream.outputs.topics()
         others = [other for other, types in self._node.get_topic_names_and_types()
                   if self._topic.type in types and other != name
-                  and self._node.count_publishers(other)]
+                  and self._node.count_publishers(other) > (other in own)]
         return f'{name} has no publisher' + (
             f'; {self._topic.type} comes on {", ".join(sorted(others))}' if others else '')
 
