@@ -118,8 +118,8 @@ def _run(arguments: Namespace, work: Callable[..., Result], text: str, report: R
 
 def _print_table(bags: Sequence[Path], results: Sequence[Result | Exception],
                  report: Report[Result]) -> None:
-    from fourbar_ros.report.terminal import make_console, plain_table
-    table = plain_table('', ('bag', *report.columns))
+    from fourbar_ros.report.terminal import make_console, PlainTable
+    table = PlainTable('', ('bag', *report.columns))
     for bag, result in zip(bags, results):
         if isinstance(result, Exception):
             table.add_row(str(bag), *[''] * (len(report.columns) - 1), f'error: {result}')

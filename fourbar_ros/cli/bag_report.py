@@ -15,7 +15,7 @@ from fourbar_ros.bag.comparison.diff import TopicDiff
 from fourbar_ros.bag.comparison.difference import Recomputed
 from fourbar_ros.bag.read.info import Info, software_of
 from fourbar_ros.cli.common import Json
-from fourbar_ros.report.terminal import make_console, plain_table, PlainTable
+from fourbar_ros.report.terminal import make_console, PlainTable
 
 INFO_COLUMNS = ('state', 's>', 'MB>', 'parts>', 'messages>', 'missing>', 'damage, end')
 RECOMPUTED_COLUMNS = ('inputs>', 'outputs compared>', 'largest difference>', 'verdict')
@@ -47,7 +47,7 @@ def print_info(found: Info, was_checked: bool) -> None:
 
 
 def _about(found: Info, was_checked: bool) -> PlainTable:
-    table = plain_table(str(found.file), ('', ''))
+    table = PlainTable(str(found.file), ('', ''))
     table.show_header = False
     extent = 'read up to the damage' if found.damage else 'every message read'
     table.add_row('state', found.state + (f', {extent}' if was_checked else ''))
@@ -67,8 +67,8 @@ def _about(found: Info, was_checked: bool) -> PlainTable:
 
 
 def _topics(found: Info) -> PlainTable:
-    table, seconds = plain_table('', ('topic', 'type', 'messages>', 'Hz>',
-                                      'missing>')), _seconds(found)
+    table, seconds = PlainTable('', ('topic', 'type', 'messages>', 'Hz>',
+                                     'missing>')), _seconds(found)
     for topic in found.topics:
         rate = f'{(topic.messages - 1) / seconds:.2f}' if seconds and topic.messages > 1 else ''
         table.add_row(topic.topic, topic.type, str(topic.messages), rate,
@@ -104,7 +104,7 @@ def print_recomputed(found: Recomputed, tolerance: float, problems: Sequence[str
 
 
 def _differences(found: Recomputed, tolerance: float) -> PlainTable:
-    table = plain_table('', ('topic', 'field', 'messages>', 'largest difference>'))
+    table = PlainTable('', ('topic', 'field', 'messages>', 'largest difference>'))
     for topic in dict.fromkeys(difference.topic for difference in found.differences):
         of_topic = [difference for difference in found.differences if difference.topic == topic]
         shown = [difference for difference in of_topic if difference.largest > tolerance]
@@ -121,8 +121,8 @@ def _differences(found: Recomputed, tolerance: float) -> PlainTable:
 
 def diff_table(found: Sequence[TopicDiff], tolerance: float) -> PlainTable:
     """Return the table of all topics, with the fields that differ by more than the tolerance."""
-    table = plain_table('', ('topic', 'in both>', 'only first>', 'only second>', 'field',
-                             'largest difference>'))
+    table = PlainTable('', ('topic', 'in both>', 'only first>', 'only second>', 'field',
+                            'largest difference>'))
     for topic in found:
         worst = [difference for difference in topic.differences if difference.largest > tolerance]
         counts = [str(count) for count in (topic.messages, topic.only_first, topic.only_second)]

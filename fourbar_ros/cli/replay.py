@@ -140,10 +140,10 @@ def status_line(now: int, first: int, last: int | None, pace: Pace) -> str:
 
 
 def _inputs_only(arguments: argparse.Namespace, ros_args: Sequence[str]) -> int:
-    from fourbar_ros.report.terminal import make_console, plain_table
+    from fourbar_ros.report.terminal import make_console, PlainTable
     from fourbar_ros.ros.clients.rerun import drive_live
     found = drive_live(arguments.bag, arguments.node, arguments.rate, arguments.start, ros_args)
-    table = plain_table('', ('topic', 'answers>', 'missing>', 'largest difference>', 'field'))
+    table = PlainTable('', ('topic', 'answers>', 'missing>', 'largest difference>', 'field'))
     for answer in found.answers:
         table.add_row(answer.topic, str(answer.messages), str(answer.missing),
                       f'{answer.largest:g}', answer.field)

@@ -118,9 +118,9 @@ def _torque_in_words(scene: Scene) -> str:
 
 
 def _outputs_table(scene: Scene) -> PlainTable:
-    from fourbar_ros.report.terminal import plain_table
+    from fourbar_ros.report.terminal import PlainTable
     from fourbar_ros.scene.topics import OUTPUTS, PICTURES
-    table = plain_table('outputs', ('name', 'topic', 'type', ''))
+    table = PlainTable('outputs', ('name', 'topic', 'type', ''))
     for topic in (*scene.topics.values(), *scene.pictures.values()):
         table.add_row(topic.name, topic.topic, topic.type, 'loads' if topic.needs_loads else '')
     for name in (*OUTPUTS, *PICTURES):
@@ -130,10 +130,10 @@ def _outputs_table(scene: Scene) -> PlainTable:
 
 
 def _changed_table(scene: Scene) -> PlainTable:
-    from fourbar_ros.report.terminal import plain_table
+    from fourbar_ros.report.terminal import PlainTable
     from fourbar_ros.scene.parameters import of_name
-    table = plain_table('parameters that differ from their default',
-                        ('parameter', 'value', 'unit'))
+    table = PlainTable('parameters that differ from their default',
+                       ('parameter', 'value', 'unit'))
     for name, value in scene.values.items():
         parameter = of_name(name)
         if value != parameter.default and value == value:

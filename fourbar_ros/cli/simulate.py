@@ -12,7 +12,7 @@ import time
 from typing import TYPE_CHECKING
 
 from fourbar_ros.cli.common import add_scene, add_verb, BAD, bar, Verbs
-from fourbar_ros.report.terminal import make_console, plain_table
+from fourbar_ros.report.terminal import make_console, PlainTable
 from fourbar_ros.scene.arguments import finite, positive
 
 if TYPE_CHECKING:
@@ -149,8 +149,8 @@ def print_summary(simulated: SimulatedScene, name: str, tolerance: float, took: 
     if len(modes) > 1:
         console.print(f'The motion goes through both assembly modes, {modes[0]} and {modes[1]}.')
     console.print()
-    table = plain_table('extrema over the run', ('quantity', 'unit', 'lowest>', 'at [s]>',
-                                                 'highest>', 'at [s]>'))
+    table = PlainTable('extrema over the run', ('quantity', 'unit', 'lowest>', 'at [s]>',
+                                                'highest>', 'at [s]>'))
     for peak in simulated.peaks():
         table.add_row(peak.name, peak.unit, f'{peak.low:.6g}', f'{peak.low_at:g}',
                       f'{peak.high:.6g}', f'{peak.high_at:g}')
