@@ -35,7 +35,7 @@ def _list(arguments: Namespace) -> None:
 
 
 def about(text: str) -> str:
-    """Return the first sentence of the comment at the top of a scene."""
+    """Return the first sentence of the comment at the top of a scene file."""
     words = []
     for line in text.splitlines():
         if not line.startswith('#'):
