@@ -23,7 +23,6 @@ from fourbar_ros.mechanisms.machine.describe.description import DIMENSIONS as OF
 from fourbar_ros.mechanisms.machine.machine import Machine, NO_BODY
 from fourbar_ros.mechanisms.machine.solve.pairs import shaped, slides_of
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import GROUND
 from fourbar_ros.numerics.number_types import direction, NumberType, Scalar
 from fourbar_ros.scene.parameters import names_in, ParameterValues
 import numpy as np
@@ -133,7 +132,6 @@ def _cylinder(values: ParameterValues) -> Cylinder | None:
     """Return the cylinder of a machine that is driven by one."""
     if values['linkage.input'] != CYLINDER:
         return None
-    base, pin = ((values[f'cylinder.{end}.along'], values[f'cylinder.{end}.across'])
-                 for end in ('base', 'pin'))
-    return Cylinder(Point(GROUND, *base), Point(CRANK, *pin), tuple(values['cylinder.links']),
+    pin = Point(CRANK, values['cylinder.pin.along'], values['cylinder.pin.across'])
+    return Cylinder(_point(values, 'cylinder.base'), pin, tuple(values['cylinder.links']),
                     values['cylinder.mode'])
