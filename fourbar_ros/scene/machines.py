@@ -28,7 +28,7 @@ from fourbar_ros.scene.parameters import names_in, ParameterValues
 import numpy as np
 
 DIMENSIONS = 'length_1', 'length_2', 'offset', 'direction_1', 'direction_2', 'slot'
-CRANK, ROD_MODEL = 'crank', 'rods'
+ROD_MODEL = 'rods'
 
 
 def machine_of(values: ParameterValues) -> Machine:
@@ -132,6 +132,5 @@ def _cylinder(values: ParameterValues) -> Cylinder | None:
     """Return the cylinder of a machine that is driven by one."""
     if values['linkage.input'] != CYLINDER:
         return None
-    pin = Point(CRANK, values['cylinder.pin.along'], values['cylinder.pin.across'])
-    return Cylinder(_point(values, 'cylinder.base'), pin, tuple(values['cylinder.links']),
-                    values['cylinder.mode'])
+    return Cylinder(_point(values, 'cylinder.base'), _point(values, 'cylinder.pin'),
+                    tuple(values['cylinder.links']), values['cylinder.mode'])

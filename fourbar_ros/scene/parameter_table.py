@@ -211,6 +211,9 @@ PARAMETERS = _table(
               'with linkage.input cylinder: x of the pivot of its tube on that link'),
     Parameter('cylinder.base.across', 'double', 0.0, 'm',
               'with linkage.input cylinder: y of that pivot'),
+    Parameter('cylinder.pin.link', 'string', 'crank', '',
+              'with linkage.input cylinder: link on which its rod is pinned, the crank',
+              live=False),
     Parameter('cylinder.pin.along', 'double', 0.0, 'm',
               'with linkage.input cylinder: pin of its rod on the crank, distance from O1 along '
               'the crank'),

@@ -186,15 +186,17 @@ def from_random(seed, near_limit=False):
         yield Drawn(machine, given)
 
 
-def between_moving_links(seed):
+def between_moving_links(seed, near_limit=False):
     """Yield machines with a cylinder between two moving links: any dyad's link stands still."""
     rng = np.random.default_rng(seed)
-    for machine, given in random_machines(seed, 10**9, dyads=(1, 5), driver='cylinder'):
+    for machine, given in random_machines(seed, 10**9, dyads=(1, 5), driver='cylinder',
+                                          near_limit=near_limit):
         dyad = machine.dyads[int(rng.integers(len(machine.dyads)))]
         machine = standing_on(machine, dyad.links[int(rng.integers(2))])
         motion = machine.motion(*given)
         if max(abs(getattr(motion, f'{what}_{link}')) for link in machine.layout.moving
-               for what in ('x', 'y', 'dx', 'dy', 'ratio', 'ddx', 'ddy', 'bend')) < 10.0:
+               for what in (('x', 'y') if near_limit else
+                            ('x', 'y', 'dx', 'dy', 'ratio', 'ddx', 'ddy', 'bend'))) < 10.0:
             yield Drawn(machine, given)
 
 
@@ -215,6 +217,7 @@ def standing_on(machine, link):
 
 FAMILIES = {
     'between moving links': between_moving_links,
+    'between moving links, near a toggle': lambda seed: between_moving_links(seed, True),
     'plain': lambda seed: from_random(seed),
     'near a toggle': lambda seed: from_random(seed, True),
     'at a change point': lambda seed: at_change_points(np.random.default_rng(seed)),

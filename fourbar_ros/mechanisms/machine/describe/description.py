@@ -298,10 +298,13 @@ def checked_cylinder(given: Any, driven: str) -> Cylinder | None:
                                                   'mode)') from None
     base, pin = checked_point('cylinder.base', base), checked_point('cylinder.pin', pin)
     require_name('cylinder.base.link', base.link)
+    if base.link in (CRANK_LINK, *links):
+        raise InvalidParameter('cylinder.base', tuple(base), 'must be a point of the ground, or '
+                               'of a moving link to which the crank is pinned')
     if pin.link != CRANK_LINK:
-        raise InvalidParameter('cylinder.pin', tuple(pin), 'must be a point of the crank, the link '
-                               'that is pinned to the one at its base. Between links that no pin '
-                               'joins a cylinder closes an Assur group of a higher class')
+        raise InvalidParameter('cylinder.pin', tuple(pin), 'must be a point of the crank, which '
+                               'is pinned to the link at the base: a cylinder between links that '
+                               'no pin joins closes an Assur group of a higher class')
     for name, point in (('base', base), ('pin', pin)):
         if not (point.along or point.across):
             raise InvalidParameter(f'cylinder.{name}', tuple(point), f'must be a point of the '

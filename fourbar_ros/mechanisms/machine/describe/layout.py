@@ -180,7 +180,9 @@ def layout_of(driver: str, dyads: Sequence[Dyad], output: str | None = None) -> 
     """
     driven = SLIDER_LINK if driver == 'slide' else CRANK_LINK
     frame = dyads[0].second.link if driver == CYLINDER else GROUND
-    links, owners, stages = [frame, driven], {frame: '', driven: ''}, []
+    links, owners, stages = [frame, driven], {frame: '', driven: 'of the driven link'}, []
+    if frame != GROUND:
+        owners[frame] = 'of the link at the base of the cylinder'
     names: set[str] = set()
     for dyad in dyads:
         where = f'dyads.{dyad.name}'
@@ -199,10 +201,10 @@ def layout_of(driver: str, dyads: Sequence[Dyad], output: str | None = None) -> 
         stages.append(Stage(dyad.name, dyad.kind, links.index(dyad.first.link),
                             links.index(dyad.second.link), dyad.links, len(links)))
         links += dyad.links
-        owners.update(dict.fromkeys(dyad.links, dyad.name))
+        owners.update(dict.fromkeys(dyad.links, f'of dyad {dyad.name}'))
     if GROUND not in links:
-        raise InvalidParameter('cylinder.base.link', frame, 'moves: one dyad must have the ground '
-                               'among its links')
+        raise InvalidParameter('cylinder.base.link', frame, 'a machine with a cylinder on a link '
+                               'that moves has the ground among the links of a dyad')
     layout = Layout(driver, tuple(links), tuple(stages), '')
     moving = layout.moving
     if output is not None and output not in moving:
@@ -241,12 +243,11 @@ def _require_new(where: str, links: Sequence[str], owners: dict[str, str]) -> No
     if links[0] == links[1]:
         raise InvalidParameter(f'{where}.links', tuple(links), 'must be two names')
     for link in links:
-        if link == GROUND == next(iter(owners)):
+        if link == GROUND and not owners.get(GROUND, 'no frame'):
             raise InvalidParameter(f'{where}.links', tuple(links), 'the ground is no link of a '
-                                   'dyad, unless cylinder.base is of a link that moves')
+                                   'dyad, unless cylinder.base is a point of a moving link')
         if link in owners:
-            owner = f'of dyad {owners[link]}' if owners[link] else 'of the driven link'
-            raise InvalidParameter(f'{where}.links', link, f'is the name {owner} already')
+            raise InvalidParameter(f'{where}.links', link, f'is the name {owners[link]} already')
 
 
 def _require_single(layout: Layout) -> None:
