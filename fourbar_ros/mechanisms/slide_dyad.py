@@ -20,7 +20,6 @@ from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import THETA1, TRAVEL
 from fourbar_ros.numerics.exact_sums import difference_of_squares
 from fourbar_ros.numerics.number_types import Function, nudge, NumberType, power_of_two, Scalar
-from fourbar_ros.numerics.vectors import Vector
 
 
 class SliderLoads(NamedTuple):
@@ -105,26 +104,6 @@ class BarMotion(NamedTuple):
     dd_y: Scalar
     per_l: Scalar
     per_q: Scalar
-
-
-def slider_loads(n: NumberType, forces: tuple[Vector, Vector, Vector], f32: Vector, f43: Vector,
-                 **given: Scalar) -> SliderLoads:
-    """
-    Return the :class:`SliderLoads` by what the joints of all links must give, F1, F2 and F3.
-
-    And by the forces of link 3 on 2 and of link 4 on 3; ``given``: the fields that are not forces
-    at joints.
-    """
-    hypot, (F1, F2, F3) = n.hypot, forces
-    f21 = f32 - F2
-    f41 = F1 - f21
-    shaking_force = -(F1 + F2 + F3)
-    return SliderLoads(
-        f41_x=f41.x, f41_y=f41.y, f21_x=f21.x, f21_y=f21.y, f32_x=f32.x, f32_y=f32.y,
-        f43_x=f43.x, f43_y=f43.y, f41=hypot(f41.x, f41.y), f21=hypot(f21.x, f21.y),
-        f32=hypot(f32.x, f32.y), f43=hypot(f43.x, f43.y), shaking_force_x=shaking_force.x,
-        shaking_force_y=shaking_force.y, shaking_force=hypot(shaking_force.x, shaking_force.y),
-        **given)
 
 
 def make_triangle(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar) -> Function:
