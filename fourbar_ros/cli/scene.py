@@ -57,7 +57,6 @@ def _policy(arguments: Namespace) -> None:
 
 def _check(arguments: Namespace) -> None:
     """Load a scene as a node would, with its pictures, and print what the node will do."""
-    from fourbar_ros.report.tables import class_name
     from fourbar_ros.report.terminal import make_console
     from fourbar_ros.scene.scene import load
     scene, console = load(arguments.scene), make_console()
@@ -65,7 +64,7 @@ def _check(arguments: Namespace) -> None:
     if scene.pictures:
         from fourbar_ros.description.formats import check_pictures
         check_pictures(scene)
-    console.print(f'{arguments.scene}: valid. {class_name(linkage)}, mode {linkage.mode}.')
+    console.print(f'{arguments.scene}: valid. {linkage.description}, mode {linkage.mode}.')
     console.print(_drive_in_words(scene))
     if drive.source == 'timer' and not linkage.turns_fully:
         console.print(_leaves_the_range(linkage, drive))

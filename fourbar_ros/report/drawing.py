@@ -3,7 +3,7 @@
 """
 A mechanism in a pose with its forces, and its velocity and acceleration polygons, to scale.
 
-What a teacher draws on the board. Only the functions that draw import matplotlib.
+Only the functions that draw import matplotlib.
 """
 from __future__ import annotations
 
@@ -26,8 +26,7 @@ if TYPE_CHECKING:      # drawings alone need it
     from matplotlib.figure import Figure
 
 STYLE = {'font.family': 'STIXGeneral', 'mathtext.fontset': 'stix', 'font.size': 11,
-         'svg.hashsalt': 'fourbar_ros',
-         'svg.fonttype': 'path'}
+         'svg.hashsalt': 'fourbar_ros', 'svg.fonttype': 'path'}
 LEAST = 0.004          # arrows shorter than this share of the longest are left out
 PART, SUM = '#a02c2c', '#1f4e8c'      # dark enough for print in grey
 
@@ -55,15 +54,16 @@ def need_matplotlib(what: str) -> None:
 def draw_polygon(axes: Axes, arrows: Sequence[Arrow], title: str, unit: tuple[str, float],
                  names: Mapping[str, str] | None = None) -> None:
     """
-    Draw a polygon to scale.
+    Draw a velocity or acceleration polygon to scale, and every magnitude as text below it.
 
-    Sums from the pole, parts in a chain, every magnitude below it in a unit (text, size in SI).
+    Absolute vectors (sums) start at the pole o, relative ones form chains between their ends.
+    ``unit``: (text, size in SI); ``names``: other letters for joints.
     """
     text, size = unit
     arrows = [arrow._replace(start=arrow.start / size, vector=arrow.vector / size,
                              label=renamed(arrow.label, names or {}))
               for arrow in arrows]
-    # joints at one place have one letter
+    # joints at one place have one letter: of equal labels the first is drawn
     arrows = list({(arrow.label, arrow.is_sum): arrow for arrow in reversed(arrows)}.values())
     arrows.reverse()
     longest = max(hypot(*arrow.vector) for arrow in arrows)
@@ -121,18 +121,18 @@ def make_figure(mechanism: Mechanism, motion: NamedFields, loads: NamedFields | 
 
 def save(figure: Figure, path: str | Path) -> Path:
     """
-    Write a figure as .svg, .pdf, .png, ... and return the path.
+    Write a figure as .svg, .pdf, .png (also without a suffix), ... and return the path.
 
-    One figure gives the same bytes each time.
+    One figure gives the same bytes each time, so an SVG has no date.
     """
     import matplotlib
     path = Path(path)
     if not path.suffix:
         path = path.with_name(path.name + '.png')
+    options = {'metadata': {'Date': None}} if path.suffix == '.svg' else {}
     try:
         with matplotlib.rc_context(STYLE):
-            figure.savefig(path, dpi=200, **({'metadata': {'Date': None}} if path.suffix == '.svg'
-                                             else {}))
+            figure.savefig(path, dpi=200, **options)
     except OSError as error:
         raise CannotDraw(f'{path}: {error.strerror}') from None
     except ValueError as error:

@@ -1,9 +1,10 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Letters for the joints of a picture where their names are words."""
+"""Letters for the joints of a picture, and symbols of forces, where their names are words."""
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from itertools import count
 from math import hypot
 import re
 from string import ascii_uppercase
@@ -18,64 +19,52 @@ SAME = 1e-9      # joints nearer to each other than this share of the picture ar
 
 
 class Labels(NamedTuple):
-    """
-    What a picture calls its joints and forces.
+    """Names of joints and forces in a picture; textbook names need no ``words``, ``letters``."""
 
-    Parameters
-    ----------
-    joints : mapping
-        {letter as mathtext: place}, one for each place.
-    forces : mapping
-        {field of the loads: symbol as mathtext}.
-    words : mapping
-        {field of the loads: what follows its symbol in a text}; empty for textbook letters.
-    letters : mapping
-        {joint: letter}; empty for textbook letters.
-
-    """
-
-    joints: Mapping[str, Array]
-    forces: Mapping[str, str]
-    words: Mapping[str, str]
-    letters: Mapping[str, str]
+    joints: Mapping[str, Array]         # {letter as mathtext: place}
+    forces: Mapping[str, str]           # {field of the loads: symbol as mathtext}
+    words: Mapping[str, str]            # {field of the loads: words behind its symbol in a text}
+    letters: Mapping[str, str]          # {joint: letter}
 
 
 def labels_of(diagram: Diagram) -> Labels:
-    """Return the :class:`Labels` of a Diagram; letters it has already stay."""
+    """
+    Return the labels of a diagram.
+
+    Joints named A, B, O_1, ... keep their names, with forces F_41 etc. Others, as those of a
+    machine, get one letter for each place; several joints there make forces F_A1, F_A2.
+    """
     if all(map(LETTER.fullmatch, diagram.joints)):
         return Labels(diagram.joints, {name: f'F_{{{name[1:]}}}' for name in diagram.forces},
                       {}, {})
     size = max(np.ptp(np.array(list(diagram.joints.values())), axis=0))
-    places: list[list[str]] = []
-    for name, at in diagram.joints.items():
-        for names in places:
-            there = diagram.joints[names[0]]
-            if hypot(at[0] - there[0], at[1] - there[1]) <= SAME * size:
+    groups: list[list[str]] = []             # joints at one place
+    for name, place in diagram.joints.items():
+        for names in groups:
+            other = diagram.joints[names[0]]
+            if hypot(place[0] - other[0], place[1] - other[1]) <= SAME * size:
                 names.append(name)
                 break
         else:
-            places.append([name])
-    letters = _letters()
+            groups.append([name])
+    free_letters = _letters()
     joints: dict[str, Array] = {}
-    symbols: dict[str, str] = {}
-    of_joints: dict[str, str] = {}
-    for names in places:
-        at = diagram.joints[names[0]]
-        letter = 'O_1' if not joints and not at.any() else next(letters)
-        joints[letter] = at
-        of_joints.update(dict.fromkeys(names, letter))
-        marks = [''] if len(names) == 1 else [str(i + 1) for i in range(len(names))]
-        symbols.update((name, f'F_{{{letter.replace("_", "")}{mark}}}')
-                       for name, mark in zip(names, marks))
+    symbols: dict[str, str] = {}             # of the force at each joint
+    letters: dict[str, str] = {}
+    for names in groups:
+        place = diagram.joints[names[0]]
+        letter = 'O_1' if not joints and not place.any() else next(free_letters)
+        joints[letter] = place
+        letters.update(dict.fromkeys(names, letter))
+        for number, name in enumerate(names, 1):
+            mark = number if len(names) > 1 else ''
+            symbols[name] = f'F_{{{letter.replace("_", "")}{mark}}}'
     forces = {force: symbols[joint] for force, joint in diagram.forces.items()}
-    return Labels(joints, forces, {force: force.replace('_', ' ') for force in forces},
-                  of_joints)
+    return Labels(joints, forces, {force: force.replace('_', ' ') for force in forces}, letters)
 
 
 def _letters() -> Iterator[str]:
-    """Yield A, B, ... without O, which is a pivot's; then A_1, B_1, ..."""
-    mark = 0
-    while True:
+    """Yield A, B, ..., A_1, B_1, ... without O, for pivots on the ground, and F, for forces."""
+    for round_ in count():
         for letter in ascii_uppercase.replace('O', '').replace('F', ''):
-            yield f'{letter}_{mark}' if mark else letter
-        mark += 1
+            yield f'{letter}_{round_}' if round_ else letter

@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Figures on one HTML page, without anything beside it."""
+"""Figures on one HTML page that needs no other file."""
 from __future__ import annotations
 
 from collections.abc import Mapping
@@ -31,20 +31,13 @@ class CannotWrite(FourBarError, ValueError):
 
 
 def write_page(path: Path, title: str, figures: Mapping[str, Figure]) -> Path:
-    """
-    Write figures under each other, {heading: figure}; return the path.
-
-    Raises
-    ------
-    CannotWrite
-
-    """
+    """Write figures, {heading: figure}, as SVG in a page; return its path or raise CannotWrite."""
     parts = []
     for heading, figure in figures.items():
         text = StringIO()
         figure.savefig(text, format='svg')
-        parts += [f'<h2>{escape(heading)}</h2>' if heading else '',
-                  text.getvalue().partition('<!DOCTYPE')[2].partition('>')[2]]
+        svg = text.getvalue().partition('<!DOCTYPE')[2].partition('>')[2]
+        parts += [f'<h2>{escape(heading)}</h2>' if heading else '', svg]
     try:
         path.write_text(PAGE.format(title=escape(title), body='\n'.join(parts)), encoding='utf-8')
     except OSError as error:
