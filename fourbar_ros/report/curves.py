@@ -13,8 +13,7 @@ from fourbar_ros.mechanisms.quantities import known, positions, UnknownQuantity
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.optional import MissingPackage
 from fourbar_ros.report.cycles import cycles
-from fourbar_ros.report.drawing import need_matplotlib, STYLE
-from fourbar_ros.report.page import CannotWrite, write_page
+from fourbar_ros.report.drawing import CannotDraw, need_matplotlib, save, STYLE, write_page
 import numpy as np
 
 if TYPE_CHECKING:
@@ -115,7 +114,7 @@ def write_table(curves: Curves, path: str | Path) -> Path:
 
     Raises
     ------
-    CannotWrite
+    CannotDraw
         The suffix is another one, or the file cannot be written.
     MissingPackage
         openpyxl or pyarrow is not installed.
@@ -139,7 +138,7 @@ def write_table(curves: Curves, path: str | Path) -> Path:
     except ModuleNotFoundError as error:
         raise MissingPackage(f'a table as {path.suffix}', error) from None
     except OSError as error:
-        raise CannotWrite(f'{path}: {error.strerror or error}') from None
+        raise CannotDraw(f'{path}: {error.strerror or error}') from None
     return path
 
 
@@ -155,10 +154,10 @@ def _write_sheet(path: Path, heads: list[str], rows: Array) -> None:
 
 
 def _checked(path: str | Path, suffixes: Sequence[str]) -> Path:
-    """Return a path; raise CannotWrite unless its suffix is one of these."""
+    """Return a path; raise CannotDraw unless its suffix is one of these."""
     path = Path(path)
     if path.suffix not in suffixes:
-        raise CannotWrite(f'{path}: must end in {", ".join(suffixes[:-1])} or {suffixes[-1]}'
+        raise CannotDraw(f'{path}: must end in {", ".join(suffixes[:-1])} or {suffixes[-1]}'
                           + nearest(path.suffix, suffixes))
     return path
 
@@ -197,7 +196,6 @@ def make_figure(curves: Curves, extrema: Sequence[tuple[str, float, float]] = ()
 
 def write_picture(curves: Curves, path: str | Path) -> Path:
     """Write the figure as .png, .svg or .pdf, or as a page, .html; return its path."""
-    from fourbar_ros.report.drawing import save
     path = _checked(path, PICTURES)
     figure = make_figure(curves)
     if path.suffix != '.html':

@@ -16,7 +16,7 @@ from fourbar_ros.mechanisms.picture import Points
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.report.drawing import CannotDraw, need_matplotlib, STYLE
-from fourbar_ros.report.joint_labels import labels_of
+from fourbar_ros.report.labels import labels_of
 import numpy as np
 
 if TYPE_CHECKING:      # drawings alone need it

@@ -8,6 +8,8 @@ Only the functions that draw import matplotlib.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from html import escape
+from io import StringIO
 from math import hypot
 from pathlib import Path
 from typing import NamedTuple, TYPE_CHECKING
@@ -16,10 +18,9 @@ from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Arrow, NamedFields, ORIGIN, without_repeats
 from fourbar_ros.mechanisms.picture import Points
-from fourbar_ros.report.joint_labels import labels_of
+from fourbar_ros.report.labels import labels_of, significant
 from fourbar_ros.report.mechanism_panel import draw_mechanism, renamed
 from fourbar_ros.report.sheet import Sheet
-from fourbar_ros.report.significant import significant
 
 if TYPE_CHECKING:      # drawings alone need it
     from matplotlib.axes import Axes
@@ -28,6 +29,16 @@ if TYPE_CHECKING:      # drawings alone need it
 STYLE = {'font.family': 'STIXGeneral', 'mathtext.fontset': 'stix', 'font.size': 11,
          'svg.hashsalt': 'fourbar_ros', 'svg.fonttype': 'path'}
 LEAST = 0.004          # arrows shorter than this share of the longest are left out
+PAGE = """\
+<!DOCTYPE html>
+<html lang="en">
+<head><meta charset="utf-8"><title>{title}</title>
+<style>body {{ font-family: sans-serif; margin: 2em auto; max-width: 60em }} svg {{ width: 100% }}
+</style></head>
+<body><h1>{title}</h1>
+{body}
+</body></html>
+"""
 PART, SUM = '#a02c2c', '#1f4e8c'      # dark enough for print in grey
 
 
@@ -40,7 +51,7 @@ class Units(NamedTuple):
 
 
 class CannotDraw(FourBarError, ValueError):
-    """The picture cannot be made or written; the message says why."""
+    """A picture or a table cannot be made or written; the message says why."""
 
 
 def need_matplotlib(what: str) -> None:
@@ -137,4 +148,19 @@ def save(figure: Figure, path: str | Path) -> Path:
         raise CannotDraw(f'{path}: {error.strerror}') from None
     except ValueError as error:
         raise CannotDraw(f'{path}: {error}') from None
+    return path
+
+
+def write_page(path: Path, title: str, figures: Mapping[str, Figure]) -> Path:
+    """Write figures, {heading: figure}, as SVG in a page; return its path or raise CannotDraw."""
+    parts = []
+    for heading, figure in figures.items():
+        text = StringIO()
+        figure.savefig(text, format='svg')
+        svg = text.getvalue().partition('<!DOCTYPE')[2].partition('>')[2]
+        parts += [f'<h2>{escape(heading)}</h2>' if heading else '', svg]
+    try:
+        path.write_text(PAGE.format(title=escape(title), body='\n'.join(parts)), encoding='utf-8')
+    except OSError as error:
+        raise CannotDraw(f'{path}: {error.strerror or error}') from None
     return path

@@ -22,9 +22,8 @@ from fourbar_ros.mechanisms.picture import (
 )
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.report.joint_labels import labels_of
+from fourbar_ros.report.labels import labels_of, load_lines, motion_lines, symbol_of
 from fourbar_ros.report.sheet import Sheet
-from fourbar_ros.report.significant import load_lines, motion_lines, symbol_of
 import numpy as np
 
 if TYPE_CHECKING:      # drawings alone need it
