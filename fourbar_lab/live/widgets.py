@@ -94,16 +94,7 @@ class Picture(ContentElement, component='picture.js'):  # type: ignore[call-arg]
 
 
 class Elements:
-    """
-    What a page consists of; what its user does goes to the page.
-
-    Parameters
-    ----------
-    page : Page
-        With ``title``, ``shown``, ``playback``, ``names``, ``layers``, ``acceleration`` and the
-        methods that answer to each control.
-
-    """
+    """What a page consists of. What its user does calls methods of the page, which changes it."""
 
     def __init__(self, page: Page):
         self.page = page
@@ -129,6 +120,7 @@ class Elements:
                     'fb-tight' if page.playback.beside else '')
 
     def _header(self) -> None:
+        """Build the bar on top: title, description, downloads, dark or light."""
         page = self.page
         with ui.header(elevated=False).classes('fb-middle fb-head no-wrap'):
             # narrow windows show the controls after a click, wide ones until a click
@@ -141,6 +133,7 @@ class Elements:
                 'flat dense color=white aria-label="dark or light"')
 
     def _controls(self) -> None:
+        """Build the panel of all parameters."""
         page = self.page
         self.show_value = build(page.shown, page.change, page.refuse)
         Field('acceleration of the input', page.acceleration, page.set_acceleration,
@@ -148,6 +141,7 @@ class Elements:
             'dense aria-label="acceleration of the input"').classes('full-width')
 
     def _picture(self) -> None:
+        """Build the picture of the mechanism, whose joints can be dragged."""
         page = self.page
         self.picture = Picture('the mechanism in its pose')
         self.picture.on('take', lambda event: page.take(event.args))
@@ -155,6 +149,7 @@ class Elements:
         self.picture.on('leave', page.leave)
 
     def _transport(self) -> None:
+        """Build what moves the input: play button, slider and field."""
         page = self.page
         with ui.row().classes('fb-middle full-width no-wrap q-pt-xs'):
             self.play = ui.button(icon='play_arrow', on_click=page.play).props(
@@ -166,6 +161,7 @@ class Elements:
                 'dense aria-label="input value"').classes('fb-number')
 
     def _options(self) -> None:
+        """Build the pace of the playback, and a box for each layer of the picture."""
         page, pace = self.page, self.page.playback.pace
         if pace:
             ui.label(pace.label)
@@ -177,6 +173,7 @@ class Elements:
                         ).set_visibility(name != 'axis' or page.shown.has_axis)
 
     def _views(self) -> None:
+        """Build a tab for each view; they are filled when they are opened."""
         page = self.page
         with ui.tabs().props('dense no-caps align=left').classes('full-width') as self.tabs:
             for name in TABS:
@@ -234,7 +231,7 @@ class Elements:
         self.now.rows = []
 
     def clear_views(self, besides: str | None = None) -> None:
-        """Take away what shows a mechanism over its cycle, but for one view."""
+        """Empty the charts and tables of all views but one."""
         for name, chart in ((CURVES, self.curves), (FORCES, self.polar)):
             if name != besides and chart.options:
                 set_chart(chart, {})
@@ -248,6 +245,7 @@ def _panel(name: str) -> ui.tab_panel:
 
 
 def _table(columns: list[dict[str, str]], key: str, props: str = '') -> ui.table:
+    """Return an empty table without pages; ``key``: the column that tells rows apart."""
     return ui.table(columns=columns, rows=[], row_key=key).props(
         f'dense flat hide-pagination {props} :rows-per-page-options="[0]"').classes(
         'full-width fb-table')
