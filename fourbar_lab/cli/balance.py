@@ -151,18 +151,18 @@ PLATE_COLUMNS = {'radius': 'radius [m]>', 'half_angle': 'half-angle [rad]>'}
 def _tables(loads: Loads, balance: Balance) -> tuple[PlainTable, PlainTable]:
     """Return the tables of the counterweights and of the loads before and after."""
     from fourbar_lab.balancing import changes
-    from fourbar_ros.report.terminal import plain_table
+    from fourbar_ros.report.terminal import PlainTable
     weights = balance.counterweights
     # after link, mass, along and across come the dimensions of a plate
     dimensions: tuple[str, ...] = weights[0]._fields[4:] if weights else ()
-    table = plain_table('counterweights, from the first joint of their link',
-                        ('link', 'mass [kg]>', 'along [m]>', 'across [m]>',
-                         *(PLATE_COLUMNS[name] for name in dimensions)))
+    table = PlainTable('counterweights, from the first joint of their link',
+                       ('link', 'mass [kg]>', 'along [m]>', 'across [m]>',
+                        *(PLATE_COLUMNS[name] for name in dimensions)))
     for weight in weights:
         # a workshop's digits; those behind them are the solver's, and the scene file's
         table.add_row(weight.link, *(f'{value:.7g}' for value in weight[1:]))
-    of_loads = plain_table('loads of inertia', ('', 'unit', 'RMS before>', 'after>',
-                                                'peak before>', 'after>'))
+    of_loads = PlainTable('loads of inertia', ('', 'unit', 'RMS before>', 'after>',
+                                               'peak before>', 'after>'))
     for change in changes(loads, balance.numbers):
         of_loads.add_row(change.name, change.unit,
                          *(f'{value:.6g}' for value in (*change.rms, *change.peak)))
