@@ -12,6 +12,7 @@ from collections.abc import Iterable, Sequence
 from html import escape
 from itertools import product
 from math import atan2, cos, hypot, inf, sin
+from pathlib import Path
 import re
 from typing import NamedTuple
 
@@ -30,28 +31,8 @@ LESS = 0.75                        # size of a subscript
 AROUND, FARTHER = (0.0, 0.6, -0.6, 1.2, -1.2, 2.0, -2.0, 3.1), (5.0, 22.0, 44.0, 70.0)
 ALONG, FREE = (0.35, 0.6, 0.8, 1.0), 5.0        # parts of an arrow that stay free, [px] around
 LEAST = 4.0                        # [px] shorter arrows are left out
-STYLE = """
-.fb text{font:italic 15px 'STIX Two Text',Georgia,serif;fill:var(--fb-ink,#1c1c1c);
-paint-order:stroke;stroke:var(--fb-paper,#fff);stroke-width:3px;stroke-linejoin:round}
-.fb .bar{stroke:var(--fb-ink,#1c1c1c);stroke-width:9;stroke-linecap:round}
-.fb .core{stroke:var(--fb-link,#dfe5ec);stroke-width:6;stroke-linecap:round}
-.fb .block{fill:var(--fb-link,#dfe5ec);stroke:var(--fb-ink,#1c1c1c);stroke-width:1.6}
-.fb .pin{fill:var(--fb-paper,#fff);stroke:var(--fb-ink,#1c1c1c);stroke-width:1.6}
-.fb .ground{fill:none;stroke:var(--fb-ink,#1c1c1c);stroke-width:1.6}
-.fb .trace{fill:none;stroke:var(--fb-point,#8a5200);stroke-width:1.6}
-.fb .point{fill:var(--fb-point,#8a5200)} .fb text.point{fill:var(--fb-point,#8a5200)}
-.fb .arm{stroke:var(--fb-point,#8a5200);stroke-dasharray:5 3;stroke-width:1.2}
-.fb .force{stroke:var(--fb-force,#1e6b37);fill:var(--fb-force,#1e6b37);stroke-width:2.4}
-.fb text.force{stroke:var(--fb-paper,#fff);stroke-width:3px}
-.fb .part{stroke:var(--fb-part,#a02c2c);fill:var(--fb-part,#a02c2c);stroke-width:2}
-.fb text.part{stroke:var(--fb-paper,#fff);stroke-width:3px}
-.fb .sum{stroke:var(--fb-sum,#1f4e8c);fill:var(--fb-sum,#1f4e8c);stroke-width:2.6}
-.fb text.sum{stroke:var(--fb-paper,#fff);stroke-width:3px}
-.fb .ghost{opacity:.42} .fb .ghost .core{stroke:var(--fb-point,#8a5200)}
-.fb .through{stroke:var(--fb-ink,#1c1c1c);stroke-dasharray:6 5;stroke-width:.8;opacity:.6}
-.fb .centre{stroke:var(--fb-part,#a02c2c);stroke-width:1.8}
-.fb text.centre{stroke:var(--fb-paper,#fff);stroke-width:3px;fill:var(--fb-part,#a02c2c)}
-"""
+# Without the lines of its licence, which every saved picture would repeat.
+STYLE = Path(__file__).with_name('picture.css').read_text(encoding='utf-8').partition('*/')[2]
 
 
 Pixel = tuple[float, float]           # [px], y downwards
