@@ -21,9 +21,10 @@ from xml.etree import ElementTree
 import zipfile
 
 from fourbar_ros import __version__
-from fourbar_ros.generated.c_code import Code, FLAGS, snippet, STATUS
+from fourbar_ros.generated.c_code import Code, FLAGS, STATUS
 from fourbar_ros.generated.compiled import build, NoCompiler
 from fourbar_ros.generated.model import Model, Named, NotGenerated
+from fourbar_ros.generated.statements import snippet
 
 # Exponents of kg, m, s, rad.
 BASES = {'rad': (0, 0, 0, 1), 'rad/s': (0, 0, -1, 1), 'rad/s^2': (0, 0, -2, 1),

@@ -11,6 +11,7 @@ import re
 from typing import Any, NamedTuple
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, one_of
+from fourbar_ros.generated.statements import JUDGED
 from fourbar_ros.mechanisms import quantities
 from fourbar_ros.mechanisms.evaluation import limits_at_zero
 from fourbar_ros.mechanisms.mechanism import Mechanism
@@ -24,7 +25,6 @@ UNITS_OF_BODIES = {'mass': 'kg', 'inertia': 'kg m^2', 'force_x': 'N', 'force_y':
                    'couple': 'N m'}
 UNITS_OF_POINTS = dict(zip(PointMotion._fields, ('m', 'm', 'm/s', 'm/s', 'm/s^2', 'm/s^2', 'm/s',
                                                  'm/s^2', 'm/s^2', '1/m')))
-JUDGED = ('sqrt', 'truediv')       # refuse an input by their last argument
 _WORDS = """
     alignas alignof and and_eq asm auto bitand bitor bool break case catch char class compl const
     constexpr continue decltype default delete do double else enum explicit export extern false
@@ -100,6 +100,11 @@ class Model:
     def is_fixed(self) -> bool:
         """Return whether it has change points, whose limits belong to its own numbers."""
         return self.mechanism.is_flat_at_zero or bool(self.mechanism.flat_limits)
+
+    @property
+    def moves_by_torque(self) -> bool:
+        """Return whether its motion follows from torque."""
+        return self.scene.dynamics is not None
 
     # --- its trace ------------------------------------------------------------------------------
 

@@ -86,7 +86,7 @@ class ForceTable:
         if self.is_periodic:
             object.__setattr__(self, 'values', (*values[:-1], values[0]))
         try:
-            is_good = all(isfinite(number) for row in self._for_one[4] for number in row)
+            is_good = all(isfinite(number) for row in self.for_one[4] for number in row)
         except ValueError:     # of scipy, whose slopes are not finite
             is_good = False
         if not is_good:
@@ -109,7 +109,7 @@ class ForceTable:
             (a, b, c, d), t = self._of_many(place)
             force: Array = ((a * t + b) * t + c) * t + d
             return force
-        first, last, period, inner, rows = self._for_one
+        first, last, period, inner, rows = self.for_one
         if period:
             place = first + (place - first) % period
         elif place < first:
@@ -130,7 +130,7 @@ class ForceTable:
         return self._coefficients[:, i], place - places[i]
 
     @cached_property
-    def _for_one(self) -> tuple[float, float, float, tuple[float, ...], list[tuple[float, ...]]]:
+    def for_one(self) -> tuple[float, float, float, tuple[float, ...], list[tuple[float, ...]]]:
         """Return first and last place, period or zero, places between, pieces with their start."""
         places = tuple(self.places)
         rows = [(*row, start) for row, start in zip(self._coefficients.T.tolist(), places)]

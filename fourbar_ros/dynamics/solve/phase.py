@@ -78,14 +78,23 @@ class Phase:
         assert self._other is not None, 'no coordinate takes over'
         return self._other
 
+    def make_other(self, coordinate: DrivenLinks, n: NumberType) -> Function:
+        """Return the formula of the coordinate that takes over, with its two derivatives."""
+        return make_reading(self._next_coordinate)(coordinate, n)
+
     @cached_property
     def _reading(self) -> InBothModes:
-        return self.equation.in_both_modes(make_reading(self._next_coordinate))
+        return self.equation.in_both_modes(self.make_other)
+
+    @property
+    def unit_of_ratio(self) -> float:
+        """Return the unit of this coordinate in units of the one that takes over."""
+        return self.equation.coordinate.input_unit / self._next_coordinate.input_unit
 
     @cached_property
     def pose(self) -> InBothModes:
         """Return the function position -> places and directions of all links."""
-        return self.equation.in_both_modes(_make_directions)
+        return self.equation.in_both_modes(make_pose)
 
     def prepare(self) -> None:
         """Make the functions of this phase, which takes as long as hundreds of steps."""
@@ -95,8 +104,7 @@ class Phase:
     def excess(self, time: float, state: State) -> float:
         """Return a number that rises above zero where the other coordinate takes over."""
         ratio = abs(self._reading(float(state[0]))[1])
-        unit = self.equation.coordinate.input_unit / self._next_coordinate.input_unit
-        return float(min(ratio * unit, 1e3) - LONGEST)
+        return float(min(ratio * self.unit_of_ratio, 1e3) - LONGEST)
 
     # as an event of an integrator: what it does, and how a part of a run then ends
     excess.terminal, excess.end = True, HANDED_OVER      # type: ignore[attr-defined]
@@ -164,7 +172,7 @@ class Phase:
         far = []
         for mode in mechanism.modes_passed:
             with np.errstate(all='ignore'):
-                pose = _make_directions(mechanism.in_mode(mode), ARRAY)(inputs)
+                pose = make_pose(mechanism.in_mode(mode), ARRAY)(inputs)
             far.append(np.nan_to_num(sum((a - b)**2 for a, b in zip(own, pose)), nan=np.inf))
         found: NDArray[np.int64] = np.array(mechanism.modes_passed)[np.argmin(far, axis=0)]
         return found
@@ -175,7 +183,7 @@ def _of_system(system: System, key: tuple[bool, int, float]) -> Phase:
     return system.course.of(*key)
 
 
-def _make_directions(coordinate: DrivenLinks, n: NumberType
+def make_pose(coordinate: DrivenLinks, n: NumberType
                      ) -> Callable[[Scalar], list[Scalar]]:
     """Return the formula of places and directions of all links: the pose."""
     coefficients = coordinate.make_coefficients(n)
@@ -206,11 +214,11 @@ class Course:
         self.system, self._start = system, start
         others = () if mechanism.turns_fully else mechanism.driven_otherwise()
         self._others = {other.mode: other for other in others}
-        self._middle = 0.0
+        self.middle = 0.0
         if others and not mechanism.is_driven_by_slide:
             middles = [0.5 * (low + high) for low, high in mechanism.input_ranges]
             middle = min(middles, key=lambda value: abs(remainder(start - value, tau)))
-            self._middle = start - remainder(start - middle, tau)
+            self.middle = start - remainder(start - middle, tau)
         self._phases: dict[tuple[bool, int, int], Phase] = {}
         self._poses: dict[tuple[bool, int], Function] = {}
         self.first = self.of(True, mechanism.mode, start)
@@ -225,8 +233,8 @@ class Course:
         if self._mechanism.is_driven_by_slide:
             return value
         if isinstance(value, float):
-            return self._middle + remainder(value - self._middle, tau)
-        return value - tau * np.round((value - self._middle) / tau)
+            return self.middle + remainder(value - self.middle, tau)
+        return value - tau * np.round((value - self.middle) / tau)
 
     def _in_modes(self, is_input: bool) -> Mapping[int, DrivenLinks]:
         mechanism = self._mechanism
@@ -270,7 +278,7 @@ class Course:
     def _pose_line(self, is_input: bool, mode: int) -> Function:
         if (is_input, mode) not in self._poses:
             coordinate = self._in_modes(is_input)[mode]
-            self._poses[is_input, mode] = straight_line(partial(_make_directions, coordinate))
+            self._poses[is_input, mode] = straight_line(partial(make_pose, coordinate))
         return self._poses[is_input, mode]
 
     def _distance(self, pose: Sequence[float], is_input: bool, mode: int,
