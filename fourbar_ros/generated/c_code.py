@@ -12,7 +12,7 @@ from math import inf
 from textwrap import wrap
 
 from fourbar_ros import __version__
-from fourbar_ros.generated.drive import DriveCode
+from fourbar_ros.generated.drive import DriveCode, tables
 from fourbar_ros.generated.model import Model, Named
 from fourbar_ros.generated.statements import JUDGED, literal, snippet, Statements
 from fourbar_ros.numerics.trace import Step
@@ -202,6 +202,9 @@ class Code:
                   for which, about in (('motion', 'The motion.'), ('loads', 'The loads.'),
                                        ('step', 'Both, at the cost of the loads.'))
                   if which == 'motion' or self.model.loads),
+                *([f'/* Take an assembly mode, as of a drive that has passed a toggle. */\n'
+                   f'void {name}_set_mode({name}_parameters *to, double mode);']
+                  if self.model.signs else []),
                 '/* Return how many results differ in any bit from those of Python: 0. */\n'
                 f'int {name}_self_check(void);']
 
@@ -234,14 +237,22 @@ class Code:
               ' ? 1 : -1];' for which, count in zip(('motion', 'loads'), counts) if count), '',
             f'void {name}_defaults({name}_parameters *to)\n{{', *defaults, '}', '',
             f'void {name}_prepare(const {name}_parameters *from, {name}_constants *made)\n{{',
-            *unused, *prepared, '}', '', *self._guards(), *self._functions(),
+            *unused, *prepared, '}', '', *self._set_mode(), *self._guards(), *self._functions(),
             *(self.drive.source() if self.drive else ()),
             *self._self_check(), ''])
+
+    def _set_mode(self) -> list[str]:
+        fields = {one.place: one.field for one in self.model.tunable}
+        lines = [f'  to->{fields[place]} = mode == {literal(modes[1])} ? {literal(numbers[1])} : '
+                 f'{literal(numbers[0])};' for place, of in self.model.signs.items()
+                 for modes, numbers in [(list(of), list(of.values()))]]
+        return [f'void {self.name}_set_mode({self.name}_parameters *to, double mode)\n{{', *lines,
+                '}', ''] if lines else []
 
     def _runtime(self) -> list[str]:
         used = sorted(self.writer.used)
         return [*([f'enum {{ MOST_TERMS = {self.writer.most_terms} }};', '']
-                  if 'exact_sum' in used else []), *(snippet(f'{name}.c') for name in used)]
+                  if 'exact_sum' in used else []), *(snippet(f'{name}.c') for name in used), *tables(self.writer.called, self.name)]
 
     def _body(self, with_loads: bool) -> list[str]:
         model, of = self.model, self.formulas.of_line
@@ -344,7 +355,8 @@ class Code:
             f'  {name}_defaults(&parameters);', f'  {name}_prepare(&parameters, &constants);',
             f'  (void){name}_{CALLS[which]}(&constants, &input, &{", &".join(parts)});',
             *(f'  differ += differing(&{part}, {part}_of_python, '
-              f'{len(expected[part])});' for part in parts), '  return differ;', '}']
+              f'{len(expected[part])});' for part in parts),
+            *(self.drive.self_check() if self.drive else ()), '  return differ;', '}']
 
     @staticmethod
     def _list(values: Iterable[float]) -> str:

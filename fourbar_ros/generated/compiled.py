@@ -132,8 +132,12 @@ class Compiled:
             raise NotGenerated(f'{model.name}: generated without {", ".join(self._lack[:3])}')
         if with_loads and not model.loads:
             raise NotGenerated(f'{model.name}: generated without loads')
-        data = numbers_of(mechanism.constants if model.mechanism.bodies
-                          else mechanism.constants._replace(bodies=None))
+        constants = mechanism.constants
+        if not model.mechanism.bodies:
+            constants = constants._replace(bodies=None)
+        if model.scene.elements:              # whose forces the node adds, and so does the code
+            constants = constants._replace(external=model.mechanism.constants.external)
+        data = numbers_of(constants)
         if data == self._data:
             return
         tuned = {one.place for one in model.tunable} | model.derived.keys()

@@ -8,7 +8,7 @@ written from their traces; what decides (length of steps, kinks, limits) is C of
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property, partial
 from math import inf, tau
 from typing import Any
@@ -29,6 +29,7 @@ from fourbar_ros.numerics.number_types import Function
 from fourbar_ros.numerics.trace import flat, Trace
 from fourbar_ros.scene.topics import TORQUE
 
+CHECKED = 3            # steps of the self-check
 STATUS = ('ok', 'silent', 'out_of_budget', 'at_limit', 'not_finite')      # as in DriveState
 TEXTS = {
     'step': ('s', 'length of the step'), 'command': ('N m', 'torque given from outside'),
@@ -156,6 +157,18 @@ class DriveCode:
         return [(name, OF_SLIDES.get(unit, unit) if is_slide else unit, text)
                 for name, (unit, text) in TEXTS.items()]
 
+    @property
+    def numbers(self) -> list[tuple[str, str, str]]:
+        """Return name, unit and text of the numbers of a state as they follow each other."""
+        return [*self.fields, *([('mode', '', 'assembly mode')] if self.modes else [])]
+
+    @property
+    def there(self) -> set[str]:
+        """Return the names of those that it has, beside position, velocity and acceleration."""
+        own = {self._source.own} if self._source.start else set()
+        return ({'torque', 'motor_torque', 'evaluations'} | own | ({'mode'} if self.modes else set())
+                | ({'twist', 'motor_position', 'motor_velocity'} if self._drive.shaft else set()))
+
     def declarations(self) -> list[str]:
         """Return what the header says of it."""
         name, drive = self._model.name, self._scene.drive
@@ -208,10 +221,22 @@ class DriveCode:
                 ('  FORGET_PLACE\n', '  drive->place[0] = 0.0;\n' if self.modes else ''),
                 ('STARTS', '\n'.join(starts)), ('NAME', name)):
             text = text.replace(word, meaning)
-        return [*self._constants(), *self._tables(), *self._functions, snippet('regime.c'),
+        return [*self._constants(), *self._functions, snippet('regime.c'),
                 *self._law(), *self._limits(),
                 *(self._of_toggles() if self.modes else [snippet('no_toggles.c')]),
                 snippet('step.c'), snippet('toggles.c' if self.modes else 'held.c'), text]
+
+    def self_check(self) -> list[str]:
+        """Return what compares the state after some steps with that of Python."""
+        mover, step, name = self._scene.mover, 1.0 / self._scene.drive.rate, self._model.name
+        values, torque = mover.start(), ', 0.0' * self.takes_torque
+        for _ in range(CHECKED):
+            _, values = mover.next(values, step)
+        return ['  {', f'    static const double drive_of_python[] = {{{_list(values)}}};',
+                f'    {name}_drive drive;', '    int i;', f'    {name}_start(&drive{torque});',
+                f'    for (i = 0; i < {CHECKED}; ++i) '
+                f'(void){name}_advance(&drive, {literal(step)}{torque});',
+                f'    differ += differing(&drive, drive_of_python, {len(values)});', '  }']
 
     def _constants(self) -> list[str]:
         units = [phase.equation.coordinate.input_unit for phase in self._phases]
@@ -285,29 +310,29 @@ class DriveCode:
         return ['static int is_at_end(double x)\n{', *lines, *['  (void)x;'] * (not ends),
                 f'  return {" || ".join(ends) or "0"};', '}', '']
 
-    def _tables(self) -> list[str]:
-        """Return the functions of forces over a position, from their tables."""
-        forces = self._writer.called
-        if any(not isinstance(force, TableForce) for force in forces):
-            raise NotGenerated(f'{self._model.name}: a force that is a Python function')
-        names = {'wrapped' if force.table.is_periodic else 'clamped' for force in forces}
-        found = [snippet(f'{name}.c') for name in sorted(names)]
-        found += [snippet('table.c')] * bool(forces)
-        for i, force in enumerate(forces):
-            first, last, period, inner, rows = force.table.for_one
-            turned = ([f'  place = {literal(force.middle)} + remainder(place - '
-                       f'{literal(force.middle)}, 6.283185307179586);']
-                      if force.middle is not None else [])
-            found += [
-                f'static double called_{i}(double place)\n{{',
-                f'  static const double inner[] = {{{_list(inner or (0.0,))}}};',
-                '  static const double pieces[][5] = {',
-                ',\n'.join(f'    {{{_list(row)}}}' for row in rows), '  };', *turned,
-                f'  place = {"wrapped" if force.table.is_periodic else "clamped"}(place, {literal(first)}, '
-                f'{literal(period or last)});',
-                f'  return {literal(force.factor)} * cubic(pieces[piece_at(place, inner, '
-                f'{len(inner)})], place);', '}', '']
-        return found
+
+def tables(forces: Sequence[Any], name: str) -> list[str]:
+    """Return the functions of forces over a position, from their tables."""
+    if any(not isinstance(force, TableForce) for force in forces):
+        raise NotGenerated(f'{name}: a force that is a Python function')
+    names = {'wrapped' if force.table.is_periodic else 'clamped' for force in forces}
+    found = [snippet(f'{name}.c') for name in sorted(names)]
+    found += [snippet('table.c')] * bool(forces)
+    for i, force in enumerate(forces):
+        first, last, period, inner, rows = force.table.for_one
+        turned = ([f'  place = {literal(force.middle)} + remainder(place - '
+                   f'{literal(force.middle)}, 6.283185307179586);']
+                  if force.middle is not None else [])
+        found += [
+            f'static double called_{i}(double place)\n{{',
+            f'  static const double inner[] = {{{_list(inner or (0.0,))}}};',
+            '  static const double pieces[][5] = {',
+            ',\n'.join(f'    {{{_list(row)}}}' for row in rows), '  };', *turned,
+            f'  place = {"wrapped" if force.table.is_periodic else "clamped"}(place, '
+            f'{literal(first)}, {literal(period or last)});',
+            f'  return {literal(force.factor)} * cubic(pieces[piece_at(place, inner, '
+            f'{len(inner)})], place);', '}', '']
+    return found
 
 
 def _definitions(numbers: dict[str, float]) -> list[str]:

@@ -133,6 +133,29 @@ def make_loaded(linkage: Mechanism, elements: Sequence[Element]) -> Loaded:
     return loaded
 
 
+def make_external(n: NumberType, linkage: Mechanism, elements: Sequence[Element]
+                  ) -> Callable[[NamedFields, Scalar, Any], Any]:
+    """
+    Return (motion, input, external forces) -> external forces with those of the elements.
+
+    Of any number type, and unchecked.
+    """
+    links = tuple(link.name for link in linkage.LINKS)
+    known, all_acting = _known_links(linkage, elements), _make_all(n, linkage, elements)
+
+    def external(motion: NamedFields, position: Scalar, given: Any) -> Any:
+        curves: dict[str, Curve] = {link: linkage.link_motion(motion, link) for link in known}
+        curves[GROUND] = FIXED
+        acting, found = all_acting(curves, position), []
+        for link in links:
+            applied = applied_to(given, link)
+            here = [force for force in acting if force.link == link]
+            found.append(unchecked(Applied, *_with(applied, curves[link], here)) if link in known
+                         else applied)
+        return _on_links(links)(*found)
+    return external
+
+
 def loads_with(linkage: Mechanism, elements: Sequence[Element], position: ArrayLike,
                rate: ArrayLike = 0.0, acceleration: ArrayLike = 0.0) -> NamedFields:
     """
@@ -163,16 +186,8 @@ def loads_with(linkage: Mechanism, elements: Sequence[Element], position: ArrayL
     positions, rates, accelerations = (np.ravel(value) for value in given)
     with np.errstate(all='ignore'):
         motion = linkage.motion(positions, rates, accelerations)
-        links = tuple(link.name for link in linkage.LINKS)
-        curves = {link: linkage.link_motion(motion, link)
-                  for link in _known_links(linkage, elements)}
-        curves[GROUND] = FIXED
-        acting = _make_all(ARRAY, linkage, elements)(curves, positions)
-        external = {link: applied_to(linkage.external, link) for link in links}
-        for link in {force.link for force in acting} - {GROUND}:
-            here = [force for force in acting if force.link == link]
-            external[link] = unchecked(Applied, *_with(external[link], curves[link], here))
-        loads = linkage.with_external(_on_links(links)(**external)).make_loads(ARRAY)(motion)
+        external = make_external(ARRAY, linkage, elements)(motion, positions, linkage.external)
+        loads = linkage.with_external(external).make_loads(ARRAY)(motion)
     rows = [np.broadcast_to(row, positions.shape).reshape(shape) for row in loads]
     found: NamedFields = linkage.LOADS(*(rows if shape else [float(row) for row in rows]))
     return found
@@ -187,8 +202,10 @@ def _on_links(links: tuple[str, ...]) -> Any:
 def _with(given: Applied, curve: Curve, acting: Sequence[Acting]) -> tuple[Scalar, ...]:
     """Return the numbers of an external force with others, moved to its point."""
     at = point_of(curve, given.along, given.across)
-    couple = given.couple + sum(force.couple + (force.x - at.x) * force.force_y
-                                - (force.y - at.y) * force.force_x for force in acting)
-    return (given.force_x + sum(force.force_x for force in acting),
-            given.force_y + sum(force.force_y for force in acting), given.along,
-            given.across, couple)
+    couple, force_x, force_y = 0.0, 0.0, 0.0
+    for force in acting:                  # one by one: sum() rounds otherwise from Python 3.12 on
+        couple = couple + (force.couple + (force.x - at.x) * force.force_y
+                           - (force.y - at.y) * force.force_x)
+        force_x, force_y = force_x + force.force_x, force_y + force.force_y
+    return (given.force_x + force_x, given.force_y + force_y, given.along, given.across,
+            given.couple + couple)
