@@ -166,7 +166,8 @@ class DriveCode:
     def there(self) -> set[str]:
         """Return the names of those that it has, beside position, velocity and acceleration."""
         own = {self._source.own} if self._source.start else set()
-        return ({'torque', 'motor_torque', 'evaluations'} | own | ({'mode'} if self.modes else set())
+        return ({'torque', 'motor_torque', 'evaluations'} | own
+                | ({'mode'} if self.modes else set())
                 | ({'twist', 'motor_position', 'motor_velocity'} if self._drive.shaft else set()))
 
     def declarations(self) -> list[str]:
@@ -176,8 +177,8 @@ class DriveCode:
         what = ('; torque: that of the source during it' if self.takes_torque else '')
         width = max(len(field) for field, *_ in self.fields)
         return [
-            f'/* Motion by torque: a step takes at most {drive.budget} evaluations of the equation '
-            'of motion,\n   whatever its length; the node makes steps of '
+            '/* Motion by torque. Whatever its length, a step takes at most '
+            f'{drive.budget} evaluations of the\n   equation of motion; the node makes steps of '
             f'{literal(1.0 / drive.rate)} s. */',
             'typedef enum {', ',\n'.join(f'  {name}_drive_{text} = {i}'
                                          for i, text in enumerate(STATUS)),
@@ -319,7 +320,9 @@ def tables(forces: Sequence[Any], name: str) -> list[str]:
     found = [snippet(f'{name}.c') for name in sorted(names)]
     found += [snippet('table.c')] * bool(forces)
     for i, force in enumerate(forces):
-        first, last, period, inner, rows = force.table.for_one
+        table = force.table
+        inner, first = table.places[1:-1], table.places[0]
+        second = table.span if table.is_periodic else table.places[-1]
         turned = ([f'  place = {literal(force.middle)} + remainder(place - '
                    f'{literal(force.middle)}, 6.283185307179586);']
                   if force.middle is not None else [])
@@ -327,9 +330,9 @@ def tables(forces: Sequence[Any], name: str) -> list[str]:
             f'static double called_{i}(double place)\n{{',
             f'  static const double inner[] = {{{_list(inner or (0.0,))}}};',
             '  static const double pieces[][5] = {',
-            ',\n'.join(f'    {{{_list(row)}}}' for row in rows), '  };', *turned,
-            f'  place = {"wrapped" if force.table.is_periodic else "clamped"}(place, '
-            f'{literal(first)}, {literal(period or last)});',
+            ',\n'.join(f'    {{{_list(row)}}}' for row in table.pieces), '  };', *turned,
+            f'  place = {"wrapped" if table.is_periodic else "clamped"}(place, '
+            f'{literal(first)}, {literal(second)});',
             f'  return {literal(force.factor)} * cubic(pieces[piece_at(place, inner, '
             f'{len(inner)})], place);', '}', '']
     return found
