@@ -25,12 +25,13 @@ from fourbar_ros.dynamics.step.rosenbrock import EVALUATIONS, GIVEN, Rosenbrock
 from fourbar_ros.dynamics.step.step_equations import Elastic, Rigid
 from fourbar_ros.generated.model import Model, NotGenerated
 from fourbar_ros.generated.statements import literal, snippet, Statements
+from fourbar_ros.numerics.arrays import EPS
 from fourbar_ros.numerics.number_types import Function
 from fourbar_ros.numerics.trace import flat, Trace
 from fourbar_ros.scene.topics import TORQUE
 
 CHECKED = 3            # steps of the self-check
-STATUS = ('ok', 'silent', 'out_of_budget', 'at_limit', 'not_finite')      # as in DriveState
+STATUS_OF_DRIVE = ('ok', 'silent', 'out_of_budget', 'at_limit', 'not_finite')  # as DriveState
 TEXTS = {
     'step': ('s', 'length of the step'), 'command': ('N m', 'torque given from outside'),
     'position': ('rad', 'of the input'), 'velocity': ('rad/s', 'of the input'),
@@ -181,7 +182,7 @@ class DriveCode:
             f'{drive.budget} evaluations of the\n   equation of motion; the node makes steps of '
             f'{literal(1.0 / drive.rate)} s. */',
             'typedef enum {', ',\n'.join(f'  {name}_drive_{text} = {i}'
-                                         for i, text in enumerate(STATUS)),
+                                         for i, text in enumerate(STATUS_OF_DRIVE)),
             f'}} {name}_drive_status;', '',
             '/* As fourbar_msgs/DriveState; NaN: it has none. */', 'typedef struct {',
             *(f'  double {field};{" " * (width - len(field))}  /* [{unit or "-"}] {text} */'
@@ -193,8 +194,8 @@ class DriveCode:
             f'}} {name}_drive;', '',
             f'/* The state at the start of the scene{what}. */',
             f'void {name}_start({name}_drive *drive{torque});',
-            '/* Acceleration and torques of a state whose position, velocity, twist, motor_velocity, '
-            f'current\n   and speed_error_integral{" and mode" * bool(self.modes)} were set. */',
+            '/* Acceleration and torques of a state whose position, velocity, twist, motor_velocity,'
+            f'\n   current and speed_error_integral{" and mode" * bool(self.modes)} were set. */',
             f'void {name}_complete({name}_drive *drive{torque});',
             f'/* Move on by a step [s]{what}. At a limit, and where\n   numbers overflow, it is '
             'held at rest. */',
@@ -284,7 +285,7 @@ class DriveCode:
             assert isinstance(source, SpeedController)
             numbers = {'WANTED': source.speed, 'KP': source.proportional, 'KI': source.integral,
                        'TORQUE_LIMIT': source.limit, 'NEAREST': drives.NEAREST,
-                       'NEAR': drives.NEAR, 'EIGHT_EPS': 8.0 * drives.EPS,
+                       'NEAR': drives.NEAR, 'EIGHT_EPS': 8.0 * EPS,
                        'SHORTEST': phase_steps.SHORTEST}
             return [f'enum {{ BISECTIONS = {phase_steps.BISECTIONS} }};', *_definitions(numbers),
                     '', snippet('controller.c')]

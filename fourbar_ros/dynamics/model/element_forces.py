@@ -125,7 +125,7 @@ def make_loaded(linkage: Mechanism, elements: Sequence[Element]) -> Loaded:
 
 
 def make_external(n: NumberType, linkage: Mechanism, elements: Sequence[Element]
-                  ) -> Callable[[NamedFields, Scalar, Any], Any]:
+                  ) -> Callable[[NamedFields, Any, Any], Any]:
     """
     Return (motion, input, external forces) -> external forces with those of the elements.
 
@@ -134,7 +134,7 @@ def make_external(n: NumberType, linkage: Mechanism, elements: Sequence[Element]
     links = tuple(link.name for link in linkage.LINKS)
     named, forces = _links_of(elements, linkage), _make_all(n, linkage, elements)
 
-    def external(motion: NamedFields, position: Scalar, constant: Any) -> Any:
+    def external(motion: NamedFields, position: Any, constant: Any) -> Any:
         motions = {link: linkage.link_motion(motion, link) for link in named}
         motions[GROUND] = FIXED
         acting, found = forces(motions, position), []
