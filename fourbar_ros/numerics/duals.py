@@ -45,11 +45,11 @@ class Dual:
 
     @property
     def whole(self) -> Any:
-        """Return the value that derivatives are computed with: over a box, if there is one."""
+        """Return the value that derivatives are computed with; a subclass may take a range."""
         return self.value
 
     def of(self, value: Any, by: Derivatives) -> Dual:
-        """Return another number of this type."""
+        """Return another dual of this class: subclasses carry more than a value."""
         return type(self)(value, by)
 
     @property
@@ -59,6 +59,7 @@ class Dual:
         return real
 
     def __add__(self, other: Operand) -> Dual:
+        """Return the sum; a number without derivatives adds none."""
         if not isinstance(other, Dual):
             return self.of(self.value + other, self.by)
         return self.of(self.value + other.value, _sum(self.by, other.by))
@@ -116,7 +117,7 @@ class Dual:
         return _root(self, np.sqrt)
 
     def __array_ufunc__(self, function: Any, method: str, *given: Any, **more: Any) -> Any:
-        """Take part in operations that an array begins."""
+        """Return array + dual, np.sqrt(dual) and the like, which numpy asks for by this method."""
         operation = _OF_ARRAYS.get(function)
         if method != '__call__' or more or operation is None:
             return NotImplemented
@@ -139,6 +140,7 @@ def derivatives_of(number: Operand) -> Derivatives:
 
 
 def _sum(one: Derivatives, other: Derivatives) -> Derivatives:
+    """Return the sums by parameter; {a: 1, b: 2} and {b: 3} give {a: 1, b: 5}."""
     by = dict(one)
     for name, part in other.items():
         by[name] = by[name] + part if name in by else part
@@ -166,8 +168,9 @@ _OF_ARRAYS: dict[Any, Callable[..., Any]] = {
 
 
 def _where_of(choose: Function, dual: type[Dual]) -> Function:
-    """Return ``where`` of duals."""
+    """Return ``where`` of duals of a class, from that of their values, ``choose``."""
     def where(condition: bool | Array, one: Any, other: Any) -> Any:
+        """Return one of two duals, or of each pair in two tuples, with its derivatives."""
         if isinstance(one, tuple):
             return tuple([where(condition, a, b) for a, b in zip(one, other)])
         if not (isinstance(one, Dual) or isinstance(other, Dual)):
@@ -182,6 +185,7 @@ def _where_of(choose: Function, dual: type[Dual]) -> Function:
 def duals_of(numbers: NumberType, dual: type[Dual] = Dual) -> NumberType:
     """Return the type of duals whose values and derivatives are of a type of numbers."""
     def of_one(function: Function, derivative: Callable[[Scalar], Scalar]) -> Function:
+        """Return a function of one number for duals, by the chain rule."""
         def call(number: Operand) -> Operand:
             value = function(value_of(number))
             return (dual(value, _scaled(number.by, derivative(number.whole)))
