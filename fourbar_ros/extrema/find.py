@@ -12,7 +12,7 @@ positions of change points, where they have one-sided values.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
-from math import isfinite, nan
+from math import isfinite, isnan, nan
 from typing import Any, NamedTuple, Union
 
 from fourbar_ros.errors import InvalidParameter
@@ -82,6 +82,11 @@ class Extremum(NamedTuple):
     value_condition: float = nan
     proof: str = ''
     slide: float = nan
+
+    @property
+    def input(self) -> float:
+        """Return the driven joint there: ``theta1`` [rad], or the slide [m]."""
+        return self.theta1 if isnan(self.slide) else self.slide
 
 
 # Quantities that are asked for: names, Quantity or functions (motion, loads) -> value.

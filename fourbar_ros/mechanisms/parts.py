@@ -8,6 +8,7 @@ Coordinates, lengths, links, and what a picture of them shows.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from math import cos, sin
 from typing import Any, ClassVar, NamedTuple, NoReturn, Protocol
 
 from fourbar_ros.errors import MissingBodies
@@ -189,6 +190,13 @@ class Connection(NamedTuple):
     on_child: tuple[float, float] = (0.0, 0.0)
     axis: tuple[float, float] | None = None
     turn: float = 0.0
+
+    def reversed(self) -> Connection:
+        """Return the same joint with parent and child exchanged; a pin has -q then."""
+        c, s = cos(self.turn), sin(self.turn)
+        axis = self.axis and (-c * self.axis[0] - s * self.axis[1],
+                              s * self.axis[0] - c * self.axis[1])
+        return Connection(self.child, self.parent, self.on_child, self.on_parent, axis, -self.turn)
 
 
 class Reaction(NamedTuple):

@@ -23,13 +23,12 @@ from fourbar_ros.mechanisms.machine.describe.description import DIMENSIONS as OF
 from fourbar_ros.mechanisms.machine.machine import Machine, NO_BODY
 from fourbar_ros.mechanisms.machine.solve.pairs import shaped, slides_of
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import GROUND
 from fourbar_ros.numerics.number_types import direction, NumberType, Scalar
 from fourbar_ros.scene.parameters import names_in, ParameterValues
 import numpy as np
 
 DIMENSIONS = 'length_1', 'length_2', 'offset', 'direction_1', 'direction_2', 'slot'
-CRANK, ROD_MODEL = 'crank', 'rods'
+ROD_MODEL = 'rods'
 
 
 def machine_of(values: ParameterValues) -> Machine:
@@ -133,7 +132,5 @@ def _cylinder(values: ParameterValues) -> Cylinder | None:
     """Return the cylinder of a machine that is driven by one."""
     if values['linkage.input'] != CYLINDER:
         return None
-    base, pin = ((values[f'cylinder.{end}.along'], values[f'cylinder.{end}.across'])
-                 for end in ('base', 'pin'))
-    return Cylinder(Point(GROUND, *base), Point(CRANK, *pin), tuple(values['cylinder.links']),
-                    values['cylinder.mode'])
+    return Cylinder(_point(values, 'cylinder.base'), _point(values, 'cylinder.pin'),
+                    tuple(values['cylinder.links']), values['cylinder.mode'])

@@ -16,6 +16,7 @@ import re
 from typing import Any, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter, nearest, one_of
+from fourbar_ros.mechanisms.parts import GROUND
 from fourbar_ros.scene.parameter_table import (
     FAMILIES,
     GOES_WITH,
@@ -206,15 +207,17 @@ def _dyads(values: ParameterValues) -> list[str]:
 
 
 def _links_of_machine(values: ParameterValues) -> list[str]:
-    return [*(link for name in _dyads(values)
-              for link in _names(values.get(f'dyads.{name}.links'))), *_driven_links(values)]
+    return [link for link in (*(own for name in _dyads(values)
+                                for own in _names(values.get(f'dyads.{name}.links'))),
+                              *_driven_links(values)) if link != GROUND]
 
 
 def _driven_links(values: ParameterValues) -> list[str]:
     """Return the links of a machine that need not be named, those of its cylinder included."""
     driver = values.get('linkage.input')
     rods = _names(values.get('cylinder.links', PARAMETERS['cylinder.links'].default))
-    return {'slide': ['slider'], 'cylinder': ['crank', *rods]}.get(str(driver), ['crank'])
+    base = _names([values.get('cylinder.base.link')])
+    return {'slide': ['slider'], 'cylinder': ['crank', *rods, *base]}.get(str(driver), ['crank'])
 
 
 def _names(value: Any) -> list[str]:
