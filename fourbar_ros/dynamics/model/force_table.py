@@ -116,16 +116,17 @@ class ForceTable:
             place = first + (place - first) % self.span
         else:
             place = min(max(place, first), last)
-        piece = bisect_right(self.places, place, 1, len(self.places) - 1) - 1
-        a, b, c, d = self._rows[piece]
-        t = place - self.places[piece]
+        *_, inner, rows = self.for_one
+        a, b, c, d, start = rows[bisect_right(inner, place)]
+        t = place - start
         return ((a * t + b) * t + c) * t + d
 
     @cached_property
-    def _rows(self) -> list[list[float]]:
-        """Return the four coefficients of each piece as floats, for single values."""
-        rows: list[list[float]] = self._coefficients.T.tolist()
-        return rows
+    def for_one(self) -> tuple[float, float, float, tuple[float, ...], list[tuple[float, ...]]]:
+        """Return first and last place, period or zero, places between, pieces with their start."""
+        places = tuple(self.places)
+        rows = [(*row, start) for row, start in zip(self._coefficients.T.tolist(), places)]
+        return places[0], places[-1], self.is_periodic * self.span, places[1:-1], rows
 
     @cached_property
     def _coefficients(self) -> Array:

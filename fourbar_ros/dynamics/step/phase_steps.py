@@ -216,7 +216,7 @@ class PhaseSteps:
             return False
 
     def _linear(self, state: State, piece: Piece) -> tuple[Terms, State, float]:
-        """Return the terms, dx/dt and, as a difference, the derivative of du/dt by p, at a state."""
+        """Return the terms, dx/dt and, as a difference, the derivative of du/dt by p."""
         self.evaluations += 2
         position, derivative = state[0], self._equations.derivative
         terms = self._terms_at(position)
