@@ -53,26 +53,16 @@ class Part(NamedTuple):
     """
     A part of the input range with exactly one extremum of a quantity.
 
-    Parameters
-    ----------
-    low, high : float
-        Inputs, in the mechanism's unit.
-    sense : int
-        +1 maximum, -1 minimum.
-    middle, radius, c, error
-        Of the piece: the quantity (of a root its square) as a Taylor model of
-        t = (x - middle) / radius.
-    is_square : bool
-
+    The quantity (of a root its square) is a Taylor model of t = (x - middle) / radius.
     """
 
-    low: float
+    low: float           # inputs, in the mechanism's unit
     high: float
-    sense: int
-    middle: float
+    sense: int           # +1 maximum, -1 minimum
+    middle: float        # of the piece in which the part lies
     radius: float
-    c: Array
-    error: float
+    c: Array             # coefficients of the Taylor model
+    error: float         # and its error
     is_square: bool
 
     @property
@@ -82,22 +72,11 @@ class Part(NamedTuple):
 
 
 class Parts(NamedTuple):
-    """
-    All extrema of a quantity on a path.
-
-    Parameters
-    ----------
-    parts : list of Part
-    why_not : str
-        Why they may not be all; empty if they are.
-    largest : float
-        Of the sizes of the values, of a root of its squares.
-
-    """
+    """All extrema of a quantity on a path."""
 
     parts: list[Part]
-    why_not: str
-    largest: float
+    why_not: str         # why they may not be all; empty if they are
+    largest: float       # size of the values, of a root of its squares
 
 
 class Enclosure(NamedTuple):

@@ -26,17 +26,7 @@ Operand = Union['Dual', Scalar]
 
 
 class Dual:
-    """
-    A number and its derivatives.
-
-    Parameters
-    ----------
-    value
-        A number of the type that the duals are made of.
-    by : dict
-        {parameter: derivative}.
-
-    """
+    """A number of another type, and its derivatives ``by`` = {parameter: derivative}."""
 
     __slots__ = ('by', 'value')
 

@@ -55,19 +55,11 @@ def _carriers(trace: Trace, places: Sequence[int]) -> list[frozenset[int]]:
 
 class Program:
     """
-    The operations of a trace of three inputs that some results need.
+    The operations of a trace of three inputs that the results ``wanted`` need.
 
-    Parameters
-    ----------
-    trace : Trace
-    wanted : sequence of int
-        Which results.
-    single : tuple of 3 bool
-        Which inputs are one number, not arrays.
-    zeros : frozenset of int
-        Places of numbers that do not depend on the inputs and are zero: what only adds zero is
-        left out, unless a result would then no longer be NaN where it should.
-
+    ``single``: which inputs are one number, not arrays. ``zeros``: places of numbers that do not
+    depend on the inputs and are zero: what only adds zero is left out, unless a result would then
+    no longer be NaN where it should.
     """
 
     def __init__(self, trace: Trace, wanted: Sequence[int], single: Sequence[bool],

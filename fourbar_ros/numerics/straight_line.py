@@ -41,21 +41,11 @@ _numbers = itertools.count(1)
 def straight_line(make_formula: Callable[[NumberType], Function], count: int = 1,
                   name: str = 'formula') -> Function:
     """
-    Return a function of ``count`` floats that gives a tuple of floats.
+    Return a function of ``count`` floats that gives a tuple of floats, as a formula does.
 
-    Parameters
-    ----------
-    make_formula : callable
-        Number type -> formula, a function of ``count`` numbers that gives a sequence of numbers or
-        of such sequences.
-    count : int
-    name : str
-        What tracebacks call it.
-
-    Raises
-    ------
-    ValueError, ZeroDivisionError
-        By the function, as the formula with floats.
+    ``make_formula``: number type -> formula, a function of ``count`` numbers that gives a sequence
+    of numbers or of such sequences. ``name``: what tracebacks call the function, which raises
+    ValueError and ZeroDivisionError as the formula with floats does.
 
     Examples
     --------
@@ -74,21 +64,10 @@ def make_lines(make_formula: Callable[[NumberType, Any], Function], data: Any, c
     """
     Return numbers of data -> straight line, for all data of one structure.
 
-    Without zeros nothing is known of the data, and the line has the bits of the formula with
-    floats, the signs of zeros too.
-
-    Parameters
-    ----------
-    make_formula : callable
-        (Number type, data) -> formula, a function of ``count`` numbers as for
-        :func:`straight_line`.
-    data
-        Nested records of floats: any, as all data have the same record.
-    count : int
-    zeros : collection of int
-        Which numbers of the data are zero in all of them: what they add is left out.
-    name : str
-        What tracebacks call it.
+    ``make_formula``: (number type, data) -> formula, as for :func:`straight_line`; ``data``:
+    nested records of floats, any, as all data have the same record. ``zeros``: which numbers of
+    the data are zero in all of them: what they add is left out. Without zeros nothing is known of
+    the data, and the line has the bits of the formula with floats, the signs of zeros too.
 
     Examples
     --------

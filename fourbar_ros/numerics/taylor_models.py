@@ -40,16 +40,9 @@ BITS = 120                    # of sines and cosines of middles, in whole number
 
 class Model:
     """
-    A function over n pieces, (T1); a constant if it has one coefficient.
+    A function over n pieces, (T1); numpy functions like ``np.sqrt`` find its methods.
 
-    numpy functions like ``np.sqrt`` find its methods.
-
-    Parameters
-    ----------
-    c : ndarray, shape (ORDER + 1, n), or (1, 1) of a constant
-        Coefficients.
-    error : ndarray, shape (n,), or (1,)
-
+    ``c``: coefficients, shape (ORDER + 1, n), or (1, 1) of a constant; ``error``: (n,), or (1,).
     """
 
     def __init__(self, c: Array, error: Array) -> None:

@@ -53,21 +53,13 @@ class Step(NamedTuple):
     """
     One operation of a trace.
 
-    Parameters
-    ----------
-    operation : str
-        One of :data:`OPERATIONS`; 'call' of a function that is no formula; 'input', 'datum' or
-        'constant' of a number that is given; 'nothing' where a step was left out.
-    arguments : tuple of int
-        Places of the steps whose results it takes.
-    value : float or callable, optional
-        Of a constant its number, of a call its function.
-
+    It is one of :data:`OPERATIONS`; 'call' of a function that is no formula; 'input', 'datum' or
+    'constant' of a number that is given; 'nothing' where a step was left out.
     """
 
     operation: str
-    arguments: tuple[int, ...] = ()
-    value: Any = None
+    arguments: tuple[int, ...] = ()      # places of the steps whose results it takes
+    value: Any = None                    # of a constant its number, of a call its function
 
     @property
     def is_given(self) -> bool:
@@ -150,6 +142,10 @@ class Trace:
     """
     What a formula does.
 
+    ``make_formula``: (number type, data) -> formula, a function of ``count`` numbers that gives a
+    sequence of numbers or of such sequences. ``data``: nested records of floats, any, as all data
+    of a structure have the same record.
+
     Attributes
     ----------
     steps : list of Step
@@ -160,15 +156,6 @@ class Trace:
         Places of what the formula returns.
     varies : set of int
         Places of all that depends on an input.
-
-    Parameters
-    ----------
-    make_formula : callable
-        (number type, data) -> formula, a function of ``count`` numbers that gives a sequence of
-        numbers or of such sequences.
-    count : int
-    data
-        Nested records of floats: any, as all data of a structure have the same record.
 
     """
 

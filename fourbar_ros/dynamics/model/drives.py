@@ -102,25 +102,14 @@ class Regime(NamedTuple):
     """
     A law and where it ends.
 
-    Parameters
-    ----------
-    name : str
-    piece : Piece
-        The law where it is linear.
-    margins : callable, optional
-        (speed w, own state z, dw/dt) -> numbers; the regime ends where one falls below zero.
-    edge : tuple, optional
-        (z_0, z_w) with z = z_0 + z_w w while the source slides along its limit, (M2).
-    tangent : callable, optional
-        w -> Piece with the torque of a smooth law at w and its derivative, of any number type; in
-        place of ``piece``.
-
+    ``tangent``, of any number type, takes the place of ``piece`` for a smooth law: w -> Piece with
+    the torque at w and its derivative.
     """
 
     name: str
-    piece: Piece
-    margins: Margins | None = None
-    edge: tuple[float, float] | None = None
+    piece: Piece                       # the law where it is linear
+    margins: Margins | None = None     # (w, z, dw/dt) -> numbers; it ends where one is negative
+    edge: tuple[float, float] | None = None      # (z_0, z_w), z = z_0 + z_w w if it slides, (M2)
     tangent: Tangent | None = None
 
     def piece_at(self, speed: float) -> Piece:

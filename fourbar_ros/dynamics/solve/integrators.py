@@ -95,29 +95,15 @@ class Result(NamedTuple):
 
 @dataclass
 class Allowance:
-    """
-    What the runs of a simulation may cost together.
+    """What the runs of a simulation may cost together, and what they have cost."""
 
-    Parameters
-    ----------
-    until : float
-        End of a run [s].
-    evaluations, seconds : float
-        Most evaluations of the equation of motion, and most time [s].
-    progress : callable, optional
-        Called with how much of a run is done, 0 to 1.
-    may_stop : bool
-        Whether a run may end long before, so that its length tells nothing of what it takes.
-
-    """
-
-    until: float
-    evaluations: float = inf
-    seconds: float = inf
-    progress: Callable[[float], None] | None = None
-    may_stop: bool = False
-    used: int = 0
-    reason: str = ''
+    until: float                   # end of a run [s]
+    evaluations: float = inf       # most evaluations of the equation of motion
+    seconds: float = inf           # most time [s]
+    progress: Callable[[float], None] | None = None     # called with the share of a run, 0 to 1
+    may_stop: bool = False         # a run may end long before: its length does not tell its cost
+    used: int = 0                  # evaluations so far
+    reason: str = ''               # why a run was given up
     _before: int = 0
     _window: tuple[int, float] = (0, 0.0)
     _began: float = field(default_factory=clock.monotonic)
@@ -173,21 +159,10 @@ def integrate(system: System, method: str, tolerance: float, asked: Array, allow
     """
     Integrate a system from time 0, part by part, to the end or to where the run stops.
 
-    Parameters
-    ----------
-    system : System
-    method : str
-        'auto': DOP853 first.
-    tolerance : float
-        Relative and absolute, of every state.
-    asked : ndarray
-        Times that must be among those of the result, beside those of the steps.
-    allowance : Allowance
-    stop_when : callable, optional
-        The run ends where it crosses zero after the start; of the time and the state of the input.
-    is_finer : bool
-        With other restarts between those at jumps of the torque, so that two runs differ.
-
+    ``tolerance``: relative and absolute, of every state. ``asked``: times that must be among those
+    of the result. ``stop_when``: (time, state of the input) -> number at whose zeros after the
+    start the run ends. ``is_finer``: with restarts between those at jumps of the torque, so that
+    two runs differ.
     """
     allowance.begin()
     plan = _Plan(system, method, tolerance, asked, allowance, stop_when, is_finer)

@@ -44,22 +44,10 @@ class PhaseSteps:
     """
     Steps of a system in one coordinate.
 
-    Parameters
-    ----------
-    system : System
-    tolerance : float
-        Allowed error of one step: in the coordinate and the twist, and in speeds times its length.
-    budget : int
-        Most evaluations of the equation of motion in one step.
-    phase : Phase, optional
-        Its coordinate and assembly mode; a part of a step then ends where another one takes over.
-        Not given: the input in the mode of the system, up to its limits.
-
-    Attributes
-    ----------
-    evaluations : int
-        Of the equation of motion; to be set to zero where a step begins.
-
+    ``tolerance``, ``budget``: as of :class:`~fourbar_ros.dynamics.step.mover.Mover`. ``phase``:
+    its coordinate and assembly mode; a part of a step then ends where another one takes over.
+    None: the input in the mode of the system, up to its limits. ``evaluations``: of the equation
+    of motion; to be set to zero where a step begins.
     """
 
     def __init__(self, system: System, tolerance: float, budget: int,

@@ -38,17 +38,10 @@ GIVEN = 5 + 1 + 7 + 1 + len(Piece._fields)
 
 class Rosenbrock:
     """
-    One step of given length.
+    One step of given length, of an equation of motion with the equations of shaft and source.
 
-    Parameters
-    ----------
-    equation : Equation
-    equations : Elastic or Rigid
-    has_own : bool
-        The source has a state of its own.
-    tangent : callable, optional
-        Of a source whose law is not linear: the law next to a speed.
-
+    ``has_own``: the source has a state of its own; ``tangent``: of a source whose law is not
+    linear, the law next to a speed.
     """
 
     def __init__(self, equation: Equation, equations: Elastic | Rigid, has_own: bool,

@@ -31,17 +31,8 @@ def count_extrema(lengths: Sequence[float]) -> list[int | None]:
     """
     Return the numbers of extrema of theta4' and theta4'' in one mode, without ends of the range.
 
-    Parameters
-    ----------
-    lengths : sequence of 4 floats
-        a1, a2, a3, a4.
-
-    Returns
-    -------
-    list of 2 (int or None)
-        The counts for theta4' and theta4''. None where the count proves nothing: the quantity is
-        constant in a range, or its derivative may touch zero without a change of sign.
-
+    ``lengths``: a1, a2, a3, a4. A count is None where it proves nothing: the quantity is constant
+    in a range, or its derivative may touch zero without a change of sign.
     """
     ratios = [float(length).as_integer_ratio() for length in lengths]
     unit = max(denominator for _, denominator in ratios)
@@ -76,19 +67,12 @@ def rate_polynomials(a1: int, a2: int, a3: int, a4: int) -> tuple[Polynomial, ..
 
 
 class Polynomial:
-    """
-    A polynomial with integer coefficients of any size.
-
-    Parameters
-    ----------
-    c : sequence of int
-        Coefficients, the lowest power first; zeros at the end are dropped.
-
-    """
+    """A polynomial with integer coefficients c of any size, the lowest power first."""
 
     __slots__ = ('c',)
 
     def __init__(self, c: Sequence[int]):
+        """Drop zeros at the end, so that the degree is right."""
         size = len(c)
         while size and c[size - 1] == 0:
             size -= 1

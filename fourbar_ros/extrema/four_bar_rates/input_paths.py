@@ -41,31 +41,14 @@ POINTS_PER_FEATURE = 4      # samples for each unit of :attr:`HalfTurn.period`
 
 
 class HalfTurn(NamedTuple):
-    """
-    theta1/2 as a function of u, over the range of theta1 in [0, pi].
+    """theta1/2 as a function of u over theta1 in [0, pi], of one linkage or of many."""
 
-    Parameters
-    ----------
-    period : float or ndarray
-        K: the length of the range in units in which quantities have features no narrower than
-        about one.
-    unit : float or ndarray
-        Such a unit, in u.
-    up, down : float or ndarray
-        Factors of numerator and denominator of the tangent.
-    steps : list
-        Those of :func:`.landen_steps`.
-    crosses : tuple of 2 bools
-        Whether theta1 reaches pi, and whether it reaches 0.
-
-    """
-
-    period: Array
-    unit: Array
-    up: Array
-    down: Array
-    steps: list[tuple[Array, Array]]
-    crosses: tuple[bool, bool]
+    period: Array        # K: length of the range in units of about the narrowest feature
+    unit: Array          # such a unit, in u
+    up: Array            # factor of the numerator of tan(theta1/2)
+    down: Array          # factor of its denominator
+    steps: list[tuple[Array, Array]]      # those of :func:`.landen_steps`
+    crosses: tuple[bool, bool]            # whether theta1 reaches pi, and whether it reaches 0
 
     def __call__(self, sine: Array, cosine: Array) -> tuple[Array, Array]:
         """
@@ -89,15 +72,10 @@ class HalfTurn(NamedTuple):
 
 def half_turn(s1: Values, s2: Values, k: Values, crosses_out: bool, crosses_in: bool) -> HalfTurn:
     """
-    Return the :class:`HalfTurn` of one or many linkages.
+    Return the :class:`HalfTurn` of one or many linkages with s1, s2, not zero, and k = 4 a1 a4.
 
-    Parameters
-    ----------
-    s1, s2, k : float or ndarray
-        Not zero; k = 4 a1 a4.
-    crosses_out, crosses_in : bool
-        Whether s1 > 0, so that theta1 reaches pi, and s2 > 0, so that it reaches 0.
-
+    ``crosses_out``: s1 > 0, so that theta1 reaches pi; ``crosses_in``: s2 > 0, so that it reaches
+    0.
     """
     s1, s2 = np.asarray(s1), np.asarray(s2)
     s1b, s2b = s1 + k, s2 + k
