@@ -222,17 +222,14 @@ class _Search:
                              error=np.full(some.error.shape, np.inf))
         left.is_open[which[i], j], left.error[which[i], j] = stays, error
         # cuts do not help where it is rounding that leaves parts open
+        is_refused = np.array([row in self._evaluate.why_not for row in self._rows])
         is_hopeless = left.is_open & (
-            (left.error > 0.5 * some.error) | self._is_refused()[:, None]
+            (left.error > 0.5 * some.error) | is_refused[:, None]
             | (some.high - some.low < NARROWEST * np.maximum(np.abs(some.low), 1.0)))
         left = left.of(left.is_open.any(axis=0)).cut()
         self._pieces = _Pieces(*(np.concatenate(parts, axis=-1) for parts in zip(left, later)))
         self._leave(some._replace(is_open=is_hopeless),
                     'a kink, or nearly two extrema at one place')
-
-    def _is_refused(self) -> Array:
-        """Return which quantities are functions that do not work on enclosures."""
-        return np.array([row in self._evaluate.why_not for row in self._rows])
 
     def _leave(self, pieces: _Pieces, why_not: str) -> None:
         """Give up the quantities that are open on these pieces, and note why and at what input."""

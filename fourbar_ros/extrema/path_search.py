@@ -152,7 +152,7 @@ class Roots(NamedTuple):
 
 
 def _roots(sampler: Sampler, samples: Samples, rows: Array) -> Roots:
-    """Return where the slopes of the quantities ``rows`` change sign between the samples."""
+    """Return where the slopes of the quantities ``rows`` change sign, hidden pairs too."""
     x, is_closed = samples.path.x, samples.path.is_closed
     f = _smooth_slopes(sampler, samples, rows)
     turn = rises(np.unwrap(x)[:, None], False)[:, 0]
@@ -252,8 +252,7 @@ def _drop(samples: Samples, roots: Roots, value: Array) -> Array:
     i = roots.before + np.array((-1, 0, 1, 2))[:, None]
     i = i % count if samples.path.is_closed else np.clip(i, 0, count - 1)
     away = np.abs(samples.values[roots.row, i] - value)
-    drop: Array = np.minimum(np.maximum(*away[:2]), np.maximum(*away[2:]))
-    return drop
+    return np.asarray(np.minimum(np.maximum(*away[:2]), np.maximum(*away[2:])))
 
 
 def _decided(sampler: Sampler, samples: Samples, roots: Roots, value: Array, noise: Array,

@@ -60,6 +60,7 @@ class Dual:
         return self.of(-self.value, {name: -part for name, part in self.by.items()})
 
     def __sub__(self, other: Operand) -> Dual:
+        """Return the difference."""
         if not isinstance(other, Dual):
             return self.of(self.value - other, self.by)
         by = dict(self.by)
@@ -71,6 +72,7 @@ class Dual:
         return self.of(other - self.value, {name: -part for name, part in self.by.items()})
 
     def __mul__(self, other: Operand) -> Dual:
+        """Return the product, by (D1); a number without derivatives scales."""
         if not isinstance(other, Dual):
             return self.of(self.value * other, _scaled(self.by, other))
         return self.of(self.value * other.value,                                        # (D1)
@@ -79,6 +81,7 @@ class Dual:
     __rmul__ = __mul__
 
     def __truediv__(self, other: Operand) -> Dual:
+        """Return the quotient, by (D1)."""
         if not isinstance(other, Dual):
             return self.of(self.value / other, {name: part / other
                                                 for name, part in self.by.items()})
@@ -182,10 +185,9 @@ def duals_of(numbers: NumberType, dual: type[Dual] = Dual) -> NumberType:
                     if isinstance(number, Dual) else value)
         return call
 
-    def sqrt(number: Operand) -> Operand:
-        return _root(number, numbers.sqrt) if isinstance(number, Dual) else numbers.sqrt(number)
 
-    def atan2(y: Operand, x: Operand) -> Dual:                             # (D2)
+    def atan2(y: Operand, x: Operand) -> Dual:
+        """Return the angle of (x, y), by (D2)."""
         whole_y, whole_x = whole_of(y), whole_of(x)
         per = 1.0 / (whole_x * whole_x + whole_y * whole_y)
         return dual(numbers.atan2(value_of(y), value_of(x)),
@@ -193,12 +195,14 @@ def duals_of(numbers: NumberType, dual: type[Dual] = Dual) -> NumberType:
                          _scaled(derivatives_of(x), -(whole_y * per))))
 
     def hypot(x: Operand, y: Operand) -> Dual:
+        """Return sqrt(x^2 + y^2), by (D2)."""
         per = 1.0 / numbers.hypot(whole_of(x), whole_of(y))
         return dual(numbers.hypot(value_of(x), value_of(y)),
                     _sum(_scaled(derivatives_of(x), whole_of(x) * per),
                          _scaled(derivatives_of(y), whole_of(y) * per)))
 
     def fabs(number: Operand) -> Operand:
+        """Return |x|, its derivatives those of x or -x."""
         if not isinstance(number, Dual):
             size: Scalar = numbers.fabs(number)
             return size
@@ -206,16 +210,17 @@ def duals_of(numbers: NumberType, dual: type[Dual] = Dual) -> NumberType:
         return dual(numbers.fabs(number.value), _scaled(number.by, sign))
 
     def exact_sum(terms: Sequence[Operand]) -> Dual:
+        """Return the sum, its value rounded once."""
         by: Derivatives = {}
         for term in terms:
             by = _sum(by, derivatives_of(term))
         return dual(numbers.exact_sum([value_of(term) for term in terms]), by)
 
-    def power_of_two(*lengths: Operand) -> Scalar:      # nothing depends on a unit
-        power: Scalar = numbers.power_of_two(*map(value_of, lengths))
-        return power
-
     where = _where_of(numbers.where, dual)
     return NumberType(f'duals of {numbers.name}', of_one(numbers.sin, numbers.cos),
-                      of_one(numbers.cos, lambda value: -numbers.sin(value)), sqrt, atan2, hypot,
-                      fabs, where, exact_sum, power_of_two, numbers.infinitesimal)
+                      of_one(numbers.cos, lambda value: -numbers.sin(value)),
+                      lambda x: (_root(x, numbers.sqrt) if isinstance(x, Dual)
+                                 else numbers.sqrt(x)),
+                      atan2, hypot, fabs, where, exact_sum,
+                      lambda *lengths: numbers.power_of_two(*map(value_of, lengths)),    # a unit
+                      numbers.infinitesimal)

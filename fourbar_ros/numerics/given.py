@@ -34,7 +34,8 @@ def number(name: str, value: Any, allowed: str = 'must be a finite number', leas
     if isinstance(value, np.ndarray) and value.shape == () and not is_masked(value):
         value = value.item()
     if not isinstance(value, Real) or isinstance(value, bool):
-        raise InvalidParameter(name, value, _of_a_type(value, allowed))
+        kind = 'None' if value is None else f'of type {type(value).__name__}'
+        raise InvalidParameter(name, value, f'{allowed}, not {kind}')
     try:
         result = float(value)
     except OverflowError:
@@ -42,10 +43,6 @@ def number(name: str, value: Any, allowed: str = 'must be a finite number', leas
     if not (isfinite(result) and result >= least and result > above):
         raise InvalidParameter(name, value, allowed)
     return result
-
-
-def _of_a_type(value: Any, allowed: str) -> str:
-    return f'{allowed}, not {"None" if value is None else "of type " + type(value).__name__}'
 
 
 def array(name: str, value: Any, with_complex: bool = False) -> Array:

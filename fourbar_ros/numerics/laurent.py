@@ -108,6 +108,7 @@ class Laurent:
                         for i in range(low, int(min(high, end)))], low, end)
 
     def __neg__(self) -> Laurent:
+        """Return minus the series."""
         if self._is_number():
             return _number(-self.c[0])
         return Laurent([-v for v in self.c], self.order, self.end)

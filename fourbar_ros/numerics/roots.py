@@ -86,8 +86,7 @@ def rises(f: Array, is_closed: bool) -> Array:
         f = np.concatenate((f[-2:], f, f[:2]))
     else:
         f = np.concatenate((_beyond(f)[::-1], f, _beyond(f[::-1])))
-    slopes: Array = (8.0 * (f[3:-1] - f[1:-3]) - (f[4:] - f[:-4])) / 36.0
-    return slopes
+    return np.asarray((8.0 * (f[3:-1] - f[1:-3]) - (f[4:] - f[:-4])) / 36.0)
 
 
 def _beyond(f: Array) -> Array:

@@ -155,7 +155,7 @@ class Model:
         return power
 
     def inverse(self) -> Model:
-        """Return 1 / itself: an approximation q by Newton's method, with its error by (T2)."""
+        """Return 1/g of a model g by Newton's method, with the error by (T2)."""
         q, count = 1.0 / self.c[:1], 1
         while count < len(self.c):
             count = min(2 * count, len(self.c))
@@ -170,7 +170,7 @@ class Model:
         return Root(self)
 
     def root(self) -> Model:
-        """Return its root g w, with w near 1 / sqrt(g) by Newton's method, and error by (T3)."""
+        """Return sqrt(g) as g w, w near 1/sqrt(g) by Newton's method, with the error by (T3)."""
         if self.is_zero:
             return self
         w, count = 1.0 / np.sqrt(self.c[:1]), 1

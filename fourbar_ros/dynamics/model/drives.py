@@ -215,21 +215,7 @@ class MotorLine(Law):
 
 @dataclass(frozen=True)
 class DCMotor(Law):
-    """
-    Permanent-magnet DC motor with a gear, (D4).
-
-    Parameters
-    ----------
-    voltage : float
-        [V]
-    resistance, inductance : float
-        [ohm], [H]; their ratio is the electrical time constant. An inductance of zero: none.
-    constant : float
-        Torque constant [N m/A], and speed constant [V s/rad].
-    gear : float
-        N.
-
-    """
+    """Permanent-magnet DC motor with a gear of ratio N, (D4); fields state units and meanings."""
 
     own: ClassVar[str] = 'current'
     voltage: float = quantity(unit='V', text='voltage of the armature')
@@ -260,15 +246,7 @@ class SpeedController(Law):
     """
     PI controller of the speed with a limited torque and conditional integration, (D5).
 
-    Parameters
-    ----------
-    speed : float
-        Set point [rad/s].
-    proportional, integral : float
-        [N m s/rad], [N m/rad].
-    limit : float
-        Largest torque [N m].
-
+    Fields state units and meanings.
     """
 
     own: ClassVar[str] = 'speed_error_integral'

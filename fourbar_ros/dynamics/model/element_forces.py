@@ -16,6 +16,7 @@ from fourbar_ros.mechanics.bodies import Applied, applied_to, unchecked
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import GROUND, NamedFields
 from fourbar_ros.mechanisms.points import FIXED, LinkMotion, point_of
+from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.number_types import ARRAY, NumberType, REAL, Scalar
 import numpy as np
 from numpy.typing import ArrayLike
@@ -91,12 +92,12 @@ def _links_of(elements: Sequence[Element], linkage: Mechanism) -> set[str]:
 
 
 def make_external(n: NumberType, linkage: Mechanism, elements: Sequence[Element]
-                  ) -> Callable[[NamedFields, Scalar, Any], Any]:
+                  ) -> Callable[[NamedFields, Scalar | Array, Any], Any]:
     """Return (motion, input, external forces) -> these with those of the elements, unchecked."""
     links = tuple(link.name for link in linkage.LINKS)
     named, forces = _links_of(elements, linkage), _make_all(n, linkage, elements)
 
-    def external(motion: NamedFields, position: Scalar, constant: Any) -> Any:
+    def external(motion: NamedFields, position: Scalar | Array, constant: Any) -> Any:
         """Return a record with the external force on each link, of the number type ``n``."""
         motions = {link: linkage.link_motion(motion, link) for link in named}
         motions[GROUND] = FIXED

@@ -204,7 +204,7 @@ class Equation:
     @cached_property
     def of_one_with_ratio(self) -> Function:
         """
-        Return the function of one q -> (J, J'/2, Q, D, C, r, r'), r = dq_input/dq.
+        Return the function of a float q -> (J, J'/2, Q, D, C, r, r'), r = d(input)/dq, r' = dr/dq.
 
         A drive acts on the input: its torque counts r times in another coordinate.
         """

@@ -134,13 +134,15 @@ class PhaseSteps:
         """Return the speed of the motor behind the gear [rad/s], [m/s]."""
         if self._is_input or self._motor == 3:
             return state[self._motor]
-        return self._terms_at(state[0])[5] * state[1]
+        *_, ratio, _ = self._terms_at(state[0])
+        return ratio * state[1]
 
     def _slope(self, terms: Terms, state: State, change: State) -> float:
         """Return the acceleration of the input, (T3)."""
         if self._is_input:
             return change[1]
-        return terms[5] * change[1] + terms[6] * state[1] * state[1]
+        *_, ratio, ratio_slope = terms
+        return ratio * change[1] + ratio_slope * state[1] * state[1]
 
     def _terms_at(self, position: float) -> Terms:
         """Return the terms at a position; the last ones are kept, as values ask for them again."""

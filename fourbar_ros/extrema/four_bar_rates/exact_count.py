@@ -93,6 +93,7 @@ class Polynomial:
         return self + -1 * other
 
     def __mul__(self, other: Polynomial) -> Polynomial:
+        """Return the product, coefficient by coefficient."""
         c = [0] * (len(self.c) + len(other.c))
         for i, a in enumerate(self.c):
             for j, b in enumerate(other.c):

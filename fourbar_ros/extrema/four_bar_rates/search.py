@@ -189,7 +189,7 @@ def _improve(given: Linkages, unequal: Array, of_one: Function | None,
 
 class _Sines:
     """
-    The functions of :func:`.make_sines` at (theta1, linkage), as root finders call them.
+    The functions g and k of :func:`.make_sines` at (theta1, linkage), as root finders call them.
 
     Constants of the last rows are kept: Newton's method asks for the same ones again.
     """
@@ -201,7 +201,7 @@ class _Sines:
 
     def _of(self, x: Array, row: Array) -> tuple[Array, ...]:
         """Return g, g_u, k, k_u, X, Y at theta1 = x of the linkages ``row``."""
-        if row is not self._row:
+        if row is not self._row:       # Newton's method asks for the same linkages again
             self._row, self._at = row, make_sines(
                 ARRAY, tuple(self._constants.take(row, axis=1)))
         x = 0.5 * x
