@@ -61,8 +61,9 @@ def constants_of(scene: Scene, values: ParameterValues, numbers: NumberType = AR
         from fourbar_ros.machine import Machine
         from fourbar_ros.scene import machines
 
-        bodies = _BodiesOfAnyNumbers(values, linkage.LINKS, {link.length: values[f'dyads.{link.length}']
-                                                  for link in linkage.LINKS if link.length})
+        lengths = {link.length: values[f'dyads.{link.length}']
+                   for link in linkage.LINKS if link.length}
+        bodies = _BodiesOfAnyNumbers(values, linkage.LINKS, lengths)
         assert isinstance(linkage, Machine)
         return constants._replace(
             lengths=machines.numbers_of(linkage, values, numbers),

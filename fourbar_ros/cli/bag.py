@@ -199,8 +199,8 @@ def _add_recompute(actions: Verbs) -> None:
                            help='accept differences that rounding explains (exit code 0)')
     add_node(recompute)
     recompute.add_argument('--with', dest='by', metavar='DIR',
-                           help='compute motion, loads and steps with the C code of this folder, as '
-                                'fourbar generate wrote it')
+                           help='compute motion, loads and steps with the C code of this folder, '
+                                'as fourbar generate wrote it')
     recompute.set_defaults(run=_recompute)
 
 

@@ -252,7 +252,8 @@ class Code:
     def _runtime(self) -> list[str]:
         used = sorted(self.writer.used)
         return [*([f'enum {{ MOST_TERMS = {self.writer.most_terms} }};', '']
-                  if 'exact_sum' in used else []), *(snippet(f'{name}.c') for name in used), *tables(self.writer.called, self.name)]
+                  if 'exact_sum' in used else []), *(snippet(f'{name}.c') for name in used),
+                *tables(self.writer.called, self.name)]
 
     def _body(self, with_loads: bool) -> list[str]:
         model, of = self.model, self.formulas.of_line

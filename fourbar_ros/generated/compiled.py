@@ -195,7 +195,7 @@ class CompiledMover(Mover):
 
     def _set(self, values: DriveValues, mode: int, command: float) -> None:
         size = len(values)
-        self._drive[:size] = values
+        self._drive[:size] = list(values)
         self._drive[size] = mode              # where it passes toggles
         self._of['complete'](self._drive, *self._torques(command))
 

@@ -25,12 +25,13 @@ from fourbar_ros.dynamics.step.rosenbrock import EVALUATIONS, GIVEN, Rosenbrock
 from fourbar_ros.dynamics.step.step_equations import Elastic, Rigid
 from fourbar_ros.generated.model import Model, NotGenerated
 from fourbar_ros.generated.statements import literal, snippet, Statements
+from fourbar_ros.numerics.arrays import EPS
 from fourbar_ros.numerics.number_types import Function
 from fourbar_ros.numerics.trace import flat, Trace
 from fourbar_ros.scene.topics import TORQUE
 
 CHECKED = 3            # steps of the self-check
-STATUS = ('ok', 'silent', 'out_of_budget', 'at_limit', 'not_finite')      # as in DriveState
+STATUS_OF_DRIVE = ('ok', 'silent', 'out_of_budget', 'at_limit', 'not_finite')  # as DriveState
 TEXTS = {
     'step': ('s', 'length of the step'), 'command': ('N m', 'torque given from outside'),
     'position': ('rad', 'of the input'), 'velocity': ('rad/s', 'of the input'),
@@ -166,7 +167,8 @@ class DriveCode:
     def there(self) -> set[str]:
         """Return the names of those that it has, beside position, velocity and acceleration."""
         own = {self._source.own} if self._source.start else set()
-        return ({'torque', 'motor_torque', 'evaluations'} | own | ({'mode'} if self.modes else set())
+        return ({'torque', 'motor_torque', 'evaluations'} | own
+                | ({'mode'} if self.modes else set())
                 | ({'twist', 'motor_position', 'motor_velocity'} if self._drive.shaft else set()))
 
     def declarations(self) -> list[str]:
@@ -176,11 +178,11 @@ class DriveCode:
         what = ('; torque: that of the source during it' if self.takes_torque else '')
         width = max(len(field) for field, *_ in self.fields)
         return [
-            f'/* Motion by torque: a step takes at most {drive.budget} evaluations of the equation '
-            'of motion,\n   whatever its length; the node makes steps of '
+            '/* Motion by torque. Whatever its length, a step takes at most '
+            f'{drive.budget} evaluations of the\n   equation of motion; the node makes steps of '
             f'{literal(1.0 / drive.rate)} s. */',
             'typedef enum {', ',\n'.join(f'  {name}_drive_{text} = {i}'
-                                         for i, text in enumerate(STATUS)),
+                                         for i, text in enumerate(STATUS_OF_DRIVE)),
             f'}} {name}_drive_status;', '',
             '/* As fourbar_msgs/DriveState; NaN: it has none. */', 'typedef struct {',
             *(f'  double {field};{" " * (width - len(field))}  /* [{unit or "-"}] {text} */'
@@ -192,8 +194,8 @@ class DriveCode:
             f'}} {name}_drive;', '',
             f'/* The state at the start of the scene{what}. */',
             f'void {name}_start({name}_drive *drive{torque});',
-            '/* Acceleration and torques of a state whose position, velocity, twist, motor_velocity, '
-            f'current\n   and speed_error_integral{" and mode" * bool(self.modes)} were set. */',
+            '/* Acceleration and torques of a state whose position, velocity, twist, motor_velocity,'
+            f'\n   current and speed_error_integral{" and mode" * bool(self.modes)} were set. */',
             f'void {name}_complete({name}_drive *drive{torque});',
             f'/* Move on by a step [s]{what}. At a limit, and where\n   numbers overflow, it is '
             'held at rest. */',
@@ -283,7 +285,7 @@ class DriveCode:
             assert isinstance(source, SpeedController)
             numbers = {'WANTED': source.speed, 'KP': source.proportional, 'KI': source.integral,
                        'TORQUE_LIMIT': source.limit, 'NEAREST': drives.NEAREST,
-                       'NEAR': drives.NEAR, 'EIGHT_EPS': 8.0 * drives.EPS,
+                       'NEAR': drives.NEAR, 'EIGHT_EPS': 8.0 * EPS,
                        'SHORTEST': phase_steps.SHORTEST}
             return [f'enum {{ BISECTIONS = {phase_steps.BISECTIONS} }};', *_definitions(numbers),
                     '', snippet('controller.c')]
@@ -319,7 +321,9 @@ def tables(forces: Sequence[Any], name: str) -> list[str]:
     found = [snippet(f'{name}.c') for name in sorted(names)]
     found += [snippet('table.c')] * bool(forces)
     for i, force in enumerate(forces):
-        first, last, period, inner, rows = force.table.for_one
+        table = force.table
+        inner, first = table.places[1:-1], table.places[0]
+        second = table.span if table.is_periodic else table.places[-1]
         turned = ([f'  place = {literal(force.middle)} + remainder(place - '
                    f'{literal(force.middle)}, 6.283185307179586);']
                   if force.middle is not None else [])
@@ -327,9 +331,9 @@ def tables(forces: Sequence[Any], name: str) -> list[str]:
             f'static double called_{i}(double place)\n{{',
             f'  static const double inner[] = {{{_list(inner or (0.0,))}}};',
             '  static const double pieces[][5] = {',
-            ',\n'.join(f'    {{{_list(row)}}}' for row in rows), '  };', *turned,
-            f'  place = {"wrapped" if force.table.is_periodic else "clamped"}(place, '
-            f'{literal(first)}, {literal(period or last)});',
+            ',\n'.join(f'    {{{_list(row)}}}' for row in table.pieces), '  };', *turned,
+            f'  place = {"wrapped" if table.is_periodic else "clamped"}(place, '
+            f'{literal(first)}, {literal(second)});',
             f'  return {literal(force.factor)} * cubic(pieces[piece_at(place, inner, '
             f'{len(inner)})], place);', '}', '']
     return found

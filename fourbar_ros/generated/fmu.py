@@ -23,7 +23,7 @@ import zipfile
 from fourbar_ros import __version__
 from fourbar_ros.generated.c_code import Code, FLAGS, STATUS
 from fourbar_ros.generated.compiled import build, NoCompiler
-from fourbar_ros.generated.drive import DriveCode, STATUS as OF_DRIVE
+from fourbar_ros.generated.drive import DriveCode, STATUS_OF_DRIVE
 from fourbar_ros.generated.model import Model, Named, NotGenerated
 from fourbar_ros.generated.statements import snippet
 
@@ -35,7 +35,7 @@ BASES = {'A': (0, 0, 0, 0, 1), 'rad': (0, 0, 0, 1), 'rad/s': (0, 0, -1, 1), 'rad
 PLATFORMS = {'linux': ('linux64', '{}-linux', 'so'), 'darwin': ('darwin64', '{}-darwin', 'dylib'),
              'win32': ('win64', '{}-windows', 'dll')}
 MADE = (1980, 1, 1, 0, 0, 0)     # of all files of the archive: the same scene, the same bytes
-DRIVE_TEXT = ', '.join(f'{i} {text.replace("_", " ")}' for i, text in enumerate(OF_DRIVE))
+DRIVE_TEXT = ', '.join(f'{i} {text.replace("_", " ")}' for i, text in enumerate(STATUS_OF_DRIVE))
 STATUS_TEXT = ', '.join(f'{i} {text.replace("_", " ")}' for i, text in enumerate(STATUS))
 
 
@@ -270,7 +270,8 @@ def _description_3(model: Model, variables: list[Variable], token: str) -> Eleme
     _units(root, variables)
     _element(root, 'DefaultExperiment', startTime='0', stopTime='1', stepSize=_step_of(model))
     listed = _element(root, 'ModelVariables')
-    _element(listed, 'Float64', name='time', valueReference=variables[-1].reference + 1,
+    status = next(one for one in variables if one.name == 'status')
+    _element(listed, 'Float64', name='time', valueReference=status.reference + 1,
              causality='independent', variability='continuous', unit='s')
     for one in variables:
         _element(listed, 'Float64', **_attributes(one), **_real(one))

@@ -101,7 +101,7 @@ class Model:
     @cached_property
     def signs(self) -> dict[int, dict[int, float]]:
         """Return {place among the data: {mode: number}}: what differs between modes passed."""
-        mechanism, modes = self.mechanism, ()
+        mechanism, modes = self.mechanism, tuple[int, ...]()
         if self.moves_by_torque:
             from fourbar_ros.dynamics.step.mover import modes_of
             modes = modes_of(mechanism)

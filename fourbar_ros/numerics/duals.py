@@ -185,7 +185,6 @@ def duals_of(numbers: NumberType, dual: type[Dual] = Dual) -> NumberType:
                     if isinstance(number, Dual) else value)
         return call
 
-
     def atan2(y: Operand, x: Operand) -> Dual:
         """Return the angle of (x, y), by (D2)."""
         whole_y, whole_x = whole_of(y), whole_of(x)
@@ -203,11 +202,10 @@ def duals_of(numbers: NumberType, dual: type[Dual] = Dual) -> NumberType:
 
     def fabs(number: Operand) -> Operand:
         """Return |x|, its derivatives those of x or -x."""
+        size: Scalar = numbers.fabs(value_of(number))
         if not isinstance(number, Dual):
-            size: Scalar = numbers.fabs(number)
             return size
-        sign = numbers.where(number.real < 0.0, -1.0, 1.0)
-        return dual(numbers.fabs(number.value), _scaled(number.by, sign))
+        return dual(size, _scaled(number.by, numbers.where(number.real < 0.0, -1.0, 1.0)))
 
     def exact_sum(terms: Sequence[Operand]) -> Dual:
         """Return the sum, its value rounded once."""

@@ -116,17 +116,21 @@ class ForceTable:
             place = first + (place - first) % self.span
         else:
             place = min(max(place, first), last)
-        *_, inner, rows = self.for_one
-        a, b, c, d, start = rows[bisect_right(inner, place)]
-        t = place - start
+        piece = bisect_right(self.places, place, 1, len(self.places) - 1) - 1
+        a, b, c, d = self._rows[piece]
+        t = place - self.places[piece]
         return ((a * t + b) * t + c) * t + d
 
+    @property
+    def pieces(self) -> list[tuple[float, ...]]:
+        """Return the coefficients of the pieces, highest power first, each with its start."""
+        return [(*row, start) for row, start in zip(self._rows, self.places)]
+
     @cached_property
-    def for_one(self) -> tuple[float, float, float, tuple[float, ...], list[tuple[float, ...]]]:
-        """Return first and last place, period or zero, places between, pieces with their start."""
-        places = tuple(self.places)
-        rows = [(*row, start) for row, start in zip(self._coefficients.T.tolist(), places)]
-        return places[0], places[-1], self.is_periodic * self.span, places[1:-1], rows
+    def _rows(self) -> list[list[float]]:
+        """Return the four coefficients of each piece as floats, for single values."""
+        rows: list[list[float]] = self._coefficients.T.tolist()
+        return rows
 
     @cached_property
     def _coefficients(self) -> Array:
