@@ -128,6 +128,7 @@ class CyclePlayback(Playback):
             at if self.shown.linkage.is_driven_by_slide else radians(at))
 
     def advance(self, seconds: float) -> None:
+        """Move on by a time: round, in the sense of the rate, or back and forth between limits."""
         assert self.pace is not None            # a node has none, and moves by itself
         low, high = self.shown.range_of(self.position)
         way = seconds / self.pace.value * (high - low)      # of a cycle: a turn, or there and back

@@ -233,6 +233,7 @@ def make_of(scene: Scene, names: Sequence[str], acceleration: float) -> Make:
         linkage, needs_loads = scene.linkage, any(one.is_load for one in quantities)
 
         def evaluate(x: Dual) -> Sequence[Any]:
+            """Return the quantities at an input; ZeroDivisionError where a dyad may not close."""
             fields = formulas.motion(x, formulas.rate, acceleration)
             loads = (linkage.LOADS(*formulas.loads(fields)) if formulas.loads and needs_loads
                      else None)
