@@ -273,11 +273,11 @@ class NodePlayback(CyclePlayback):
         """Do nothing: the node decides."""
 
     def advance(self, seconds: float) -> None:
-        """Take the latest motion."""
-        found = self.latest()
-        if found is not None and found is not self._last:
-            self._last, self._heard = found, monotonic()
-            self._state = State(*found)
+        """Take the latest motion of the node; its largest rate so far scales the pictures."""
+        motion = self.latest()
+        if motion is not None and motion is not self._last:
+            self._last, self._heard = motion, monotonic()
+            self._state = State(*motion)
             if abs(self._state.rate) <= FASTEST:
                 self.speed = max(self.speed or 0.0, self._state.rate, key=abs)
             if isfinite(self._state.position):

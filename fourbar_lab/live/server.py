@@ -175,7 +175,7 @@ class NodePage(Page):
         super().__init__(watched.node, watched.values, {},
                          lambda shown: NodePlayback(shown, watched.latest))
         self.watched, self.version = watched, watched.version
-        self._one_by_one = Lock()
+        self._one_by_one = Lock()               # held while the node answers
         self._under_way: list[str] = []         # names of parameters without an answer yet
 
     def build(self) -> None:
