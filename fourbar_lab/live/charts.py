@@ -12,7 +12,7 @@ from fourbar_ros.extrema.find import CONSTANT, Extremum, INTERIOR, MAXIMUM
 from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.report.cycles import ground_forces
-from fourbar_ros.report.significant import significant
+from fourbar_ros.report.labels import significant
 import numpy as np
 
 COLOURS = ('#2463a8', '#a3501c', '#1e6b37', '#7b3294', '#8a1538', '#4d5b00')

@@ -18,7 +18,7 @@ from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.pipeline.status import evaluate
 from fourbar_ros.report.axis import AXIS_ANGLE, axis_angle, with_gaps
 from fourbar_ros.report.cycles import cycles, usual_points
-from fourbar_ros.report.joint_labels import Labels, labels_of
+from fourbar_ros.report.labels import Labels, labels_of
 from fourbar_ros.scene.parameters import ParameterValues
 from fourbar_ros.scene.scene import from_values, Scene
 import numpy as np

@@ -19,8 +19,8 @@ from fourbar_ros.mechanisms.picture import Arm, forces_of, of_kind, picture, Piv
 from fourbar_ros.mechanisms.points import instant_centre, link_motion, LinkMotion
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.report.axis import axis_angle, axis_parts
+from fourbar_ros.report.labels import significant
 from fourbar_ros.report.mechanism_panel import renamed
-from fourbar_ros.report.significant import significant
 import numpy as np
 
 LONGEST_FORCE = 105.0              # [px]

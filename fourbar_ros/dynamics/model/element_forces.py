@@ -124,6 +124,29 @@ def make_loaded(linkage: Mechanism, elements: Sequence[Element]) -> Loaded:
     return loaded
 
 
+def make_external(n: NumberType, linkage: Mechanism, elements: Sequence[Element]
+                  ) -> Callable[[NamedFields, Any, Any], Any]:
+    """
+    Return (motion, input, external forces) -> external forces with those of the elements.
+
+    Of any number type, and unchecked.
+    """
+    links = tuple(link.name for link in linkage.LINKS)
+    named, forces = _links_of(elements, linkage), _make_all(n, linkage, elements)
+
+    def external(motion: NamedFields, position: Any, constant: Any) -> Any:
+        motions = {link: linkage.link_motion(motion, link) for link in named}
+        motions[GROUND] = FIXED
+        acting, found = forces(motions, position), []
+        for link in links:
+            applied = applied_to(constant, link)
+            on_link = [force for force in acting if force.link == link]
+            found.append(unchecked(Applied, *_sum_of(applied, motions[link], on_link))
+                         if link in named else applied)
+        return _on_links(links)(*found)
+    return external
+
+
 def loads_with(linkage: Mechanism, elements: Sequence[Element], position: ArrayLike,
                rate: ArrayLike = 0.0, acceleration: ArrayLike = 0.0) -> NamedFields:
     """
@@ -141,16 +164,8 @@ def loads_with(linkage: Mechanism, elements: Sequence[Element], position: ArrayL
     positions, rates, accelerations = (np.ravel(value) for value in given)
     with np.errstate(all='ignore'):
         motion = linkage.motion(positions, rates, accelerations)
-        links = tuple(link.name for link in linkage.LINKS)
-        motions = {link: linkage.link_motion(motion, link)
-                   for link in _links_of(elements, linkage)}
-        motions[GROUND] = FIXED
-        acting = _make_all(ARRAY, linkage, elements)(motions, positions)
-        external = {link: applied_to(linkage.external, link) for link in links}
-        for link in {force.link for force in acting} - {GROUND}:
-            on_link = [force for force in acting if force.link == link]
-            external[link] = unchecked(Applied, *_sum_of(external[link], motions[link], on_link))
-        loads = linkage.with_external(_on_links(links)(**external)).make_loads(ARRAY)(motion)
+        external = make_external(ARRAY, linkage, elements)(motion, positions, linkage.external)
+        loads = linkage.with_external(external).make_loads(ARRAY)(motion)
     rows = [np.broadcast_to(row, positions.shape).reshape(shape) for row in loads]
     record: NamedFields = linkage.LOADS(*(rows if shape else [float(row) for row in rows]))
     return record
@@ -165,8 +180,10 @@ def _on_links(links: tuple[str, ...]) -> Any:
 def _sum_of(constant: Applied, link: LinkMotion, acting: Sequence[Acting]) -> tuple[Scalar, ...]:
     """Return the fields of one external force that does the same as a constant one and others."""
     at = point_of(link, constant.along, constant.across)
-    couple = constant.couple + sum(force.couple + (force.x - at.x) * force.force_y
-                                   - (force.y - at.y) * force.force_x for force in acting)
-    return (constant.force_x + sum(force.force_x for force in acting),
-            constant.force_y + sum(force.force_y for force in acting), constant.along,
-            constant.across, couple)
+    couple, force_x, force_y = 0.0, 0.0, 0.0
+    for force in acting:                  # one by one: sum() rounds otherwise from Python 3.12 on
+        couple = couple + (force.couple + (force.x - at.x) * force.force_y
+                           - (force.y - at.y) * force.force_x)
+        force_x, force_y = force_x + force.force_x, force_y + force.force_y
+    return (constant.force_x + force_x, constant.force_y + force_y, constant.along,
+            constant.across, constant.couple + couple)

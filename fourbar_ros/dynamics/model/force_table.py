@@ -121,6 +121,11 @@ class ForceTable:
         t = place - self.places[piece]
         return ((a * t + b) * t + c) * t + d
 
+    @property
+    def pieces(self) -> list[tuple[float, ...]]:
+        """Return the coefficients of the pieces, highest power first, each with its start."""
+        return [(*row, start) for row, start in zip(self._rows, self.places)]
+
     @cached_property
     def _rows(self) -> list[list[float]]:
         """Return the four coefficients of each piece as floats, for single values."""

@@ -14,7 +14,7 @@ from typing import Any
 from fourbar_ros.dynamics.model.drives import Piece, Tangent
 from fourbar_ros.dynamics.model.equation import Equation
 from fourbar_ros.dynamics.step.step_equations import Elastic, plus, Rigid, State, Terms
-from fourbar_ros.numerics.number_types import Function
+from fourbar_ros.numerics.number_types import Function, NumberType
 from fourbar_ros.numerics.straight_line import straight_line
 
 GAMMA = 0.25
@@ -54,12 +54,11 @@ class Rosenbrock:
     def __init__(self, equation: Equation, equations: Elastic | Rigid, has_own: bool,
                  tangent: Tangent | None = None) -> None:
         self._equations, self._has_own, self._is_input = equations, has_own, equation.is_input
-        self._tangent = tangent
+        self._tangent, self._equation = tangent, equation
         self._formula = self._make(equation.of_one_with_ratio)
         # in both modes of a change point there is no one formula
         self._line = (self._formula if equation.changes_mode else
-                      straight_line(lambda n: self._make(
-                          equation.make_with_ratio(equation.coordinate, n)), GIVEN))
+                      straight_line(self.make, GIVEN))
 
     def __call__(self, state: State, h: float, terms: Terms, by_position: float,
                  piece: Piece) -> Stepped:
@@ -76,6 +75,10 @@ class Rosenbrock:
         except (ValueError, ArithmeticError):      # of a number; the formula says why
             stepped = self._formula(*state, h, *terms, by_position, *piece)
         return stepped
+
+    def make(self, n: NumberType) -> Function:
+        """Return the formula of a step for a number type, in the mode of the equation."""
+        return self._make(self._equation.make_with_ratio(self._equation.coordinate, n))
 
     def _make(self, terms_at: Function) -> Function:
         """Return the formula of numbers, GIVEN of them, for a function position -> Terms."""
