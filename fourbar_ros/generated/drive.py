@@ -194,8 +194,8 @@ class DriveCode:
             f'}} {name}_drive;', '',
             f'/* The state at the start of the scene{what}. */',
             f'void {name}_start({name}_drive *drive{torque});',
-            '/* Acceleration and torques of a state whose position, velocity, twist, motor_velocity,'
-            f'\n   current and speed_error_integral{" and mode" * bool(self.modes)} were set. */',
+            '/* Acceleration and torques of a state that was set: position, velocity, twist,\n   '
+            f'motor_velocity, current, speed_error_integral{", mode" * bool(self.modes)}. */',
             f'void {name}_complete({name}_drive *drive{torque});',
             f'/* Move on by a step [s]{what}. At a limit, and where\n   numbers overflow, it is '
             'held at rest. */',

@@ -14,8 +14,8 @@ from fourbar_ros import load_scene
 from fourbar_ros.cli.main import main
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.generated import Compiled, generate
-from fourbar_ros.generated.statements import snippet
 from fourbar_ros.generated.model import NotGenerated
+from fourbar_ros.generated.statements import snippet
 from fourbar_ros.mechanics.bodies import Applied
 from fourbar_ros.pipeline.status import evaluate
 import numpy as np
