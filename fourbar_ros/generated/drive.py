@@ -149,6 +149,11 @@ class DriveCode:
         """Return whether the input cannot go on for ever."""
         return not self._system.has_no_limits
 
+    @property
+    def stack(self) -> int:
+        """Return a bound of the bytes of stack of a step."""
+        return 16 * max(text.count('\n') for text in self._functions) + 4096
+
     # --- its text -------------------------------------------------------------------------------
 
     @cached_property

@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Torque-driven steps as C have the bits of the node's, whatever drives; bags are stepped by it."""
+"""Torque-driven steps as C have the bits of the node's, whatever drives; bags stepped by it."""
 import ctypes
 import math
 import subprocess
