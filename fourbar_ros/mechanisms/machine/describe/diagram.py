@@ -101,8 +101,8 @@ def _bars_of(stage: Stage, joints: Places, names: Mapping[str, str]) -> list[Bar
 def _bars_of_parents(mechanism: Machine, motion: NamedFields, joints: Places) -> list[Bar]:
     """Return bars from the first joint of a link to the points on it at which dyads hang."""
     found = []
-    for stage, dyad in zip(mechanism.layout.stages, mechanism.stages):
-        for place, parent in (('first', stage.first), ('second', stage.second)):
+    for dyad in mechanism.stages:
+        for place in ('first', 'second'):
             point = getattr(dyad, place)
             if point.link != GROUND and (point.along or point.across):
                 start, end = (_at(mechanism, motion, point.link, *at)

@@ -77,9 +77,10 @@ def seen_from(curves: Sequence[Curve], ground: int) -> list[Curve]:
 
     The frame takes the place of that link.
     """
-    *place, c, s, turn, bend = curves[ground]
-    turned = composed((*ORIGIN, c, -s, -turn, -bend), (*place, 1.0, 0.0, 0.0, 0.0))
-    frame = (*[-number for number in turned[:6]], *turned[6:])
+    x, y, dx, dy, ddx, ddy, c, s, turn, bend = curves[ground]
+    x, y, dx, dy, ddx, ddy, c, s, turn, bend = composed(
+        (*ORIGIN, c, -s, -turn, -bend), (x, y, dx, dy, ddx, ddy, 1.0, 0.0, 0.0, 0.0))
+    frame = (-x, -y, -dx, -dy, -ddx, -ddy, c, s, turn, bend)
     return [frame if number == ground else composed(frame, curve)
             for number, curve in enumerate(curves)]
 
