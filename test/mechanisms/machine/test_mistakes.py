@@ -40,7 +40,7 @@ MISTAKES = {
     'a name with a blank': (lambda: rrr('a b'), 'name of a dyad = .a b.*letters'),
     'a name that is a word of Python': (lambda: rrr(links=('lambda', 'b')), 'dyads.d.links = .la'),
     'a link named as the ground': (lambda: Machine([rrr(links=('ground', 'b'))]),
-                              'dyads.d.links.*ground'),
+                                   'dyads.d.links.*ground'),
     'two links of one name': (lambda: Machine([rrr(links=('rod', 'rod'))]),
                               'dyads.d.links = .*must be two names'),
     'one link': (lambda: rrr(links=('rod',)), 'dyads.d.links.*names of two links'),
