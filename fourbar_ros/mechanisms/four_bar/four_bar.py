@@ -122,6 +122,12 @@ class FourBarLinks(Mechanism):
             return 'change point'
         return _CLASSES[tuple(1 if margin > 0.0 else -1 for margin in self.margins)]
 
+    def loads_formula(self, numbers: NumberType, constants: Constants) -> Function:
+        """Return (fields of MOTION) -> fields of LOADS for constants of a number type."""
+        a1, a2, a3, a4 = constants.lengths
+        return make_loads(numbers, a1, a2, a3, a4, constants.bodies, constants.gravity,
+                          constants.external, self.input)
+
     @property
     def connections(self) -> tuple[Connection, ...]:
         """Return which links the four joints connect."""
@@ -277,12 +283,6 @@ class FourBar(FourBarLinks):
         """Return (position, rate, acceleration) -> fields of MOTION for a number type."""
         a1, a2, a3, a4 = constants.lengths
         return make_motion(numbers, a1, a2, a3, a4, constants.sign)
-
-    def loads_formula(self, numbers: NumberType, constants: Constants) -> Function:
-        """Return (fields of MOTION) -> fields of LOADS for constants of a number type."""
-        a1, a2, a3, a4 = constants.lengths
-        return make_loads(numbers, a1, a2, a3, a4, constants.bodies, constants.gravity,
-                          constants.external)
 
     def driven_otherwise(self) -> tuple[SeenFromOutput, ...]:
         """Return the same linkage driven at its output link, once for each assembly mode."""

@@ -138,7 +138,7 @@ class Frames:
     """
 
     def __init__(self, layout: Layout, numbers: Sequence[Numbers]) -> None:
-        # of each link but the ground: the link that carries it; in which it is solved
+        # {link: the one that carries it}, {link: the one in whose frame it is solved}
         self._frame, self._solved = {1: 0}, {1: 0}
         self._sliding: set[int] = set()
         self._slides = [slides_of(stage, own) for stage, own in zip(layout.stages, numbers)]

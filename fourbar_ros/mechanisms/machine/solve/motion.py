@@ -131,10 +131,11 @@ def make_errors(n: NumberType, stage: Stage, own: Numbers) -> Function:
 
 
 def make_errors_on_ground(n: NumberType, ground: int) -> Function:
-    """Return (errors in the frame, curves on the ground, a link) -> errors of that, a bound."""
+    """Return (errors in the frame, curves on the ground, a link) -> its errors there, a bound."""
     fabs = n.fabs
 
     def on_ground(errors: Sequence[Errors], curves: Sequence[Curve], link: int) -> Errors:
+        """Return the errors of a link plus those of the ground, whose angle moves the link."""
         (place, turn), (x, y) = errors[ground], curves[link][:2]
         at, turned = (0.0, 0.0) if link == ground else errors[link]
         return place + at + (fabs(x) + fabs(y)) * turn, turn + turned
@@ -195,6 +196,7 @@ def make_motion(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
     with_cylinder = layout.driver == CYLINDER
 
     def motion(position: Scalar, rate: Scalar, acceleration: Scalar) -> tuple[Scalar, ...]:
+        """Return the fields in the order of motion_fields: links, slides, pins, angles, curves."""
         curves, slides, transmissions, errors, pins = walk(position)
         condition = errors[output][error_of_output]
         if ground:

@@ -419,6 +419,7 @@ class Closure:
     def __init__(self, stage: Stage, own: Numbers) -> None:
         assert stage.pair is not None
         self.slides, self.is_sine = stage.pair.slides, stage.kind == RRP
+        # sigma where the slide is zero, or the direction of the other link where the angle is
         self._start: Any = own.shape[0] if self.slides else own.shape[2:4]
         self._factors = _factors(stage, own)
         one, other = own.shape[:2]
