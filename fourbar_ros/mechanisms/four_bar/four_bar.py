@@ -301,7 +301,7 @@ class FourBar(FourBarLinks):
         return {'rad/s': gain * abs(rate), 'rad/s^2': gain * (abs(acceleration) + rate**2)}
 
     def corners(self, motion: NamedFields) -> tuple[tuple[Scalar, Scalar, float], ...]:
-        """Return O1, A, B, O4, homogeneous."""
+        """Return O1, A, B, O4, each as (x w, y w, w) with w = 1; see Contract.corners."""
         return ((0.0, 0.0, 1.0),
                 (self.a1 * np.cos(motion.theta1), self.a1 * np.sin(motion.theta1), 1.0),
                 (self.a4 + self.a3 * np.cos(motion.theta4), self.a3 * np.sin(motion.theta4), 1.0),

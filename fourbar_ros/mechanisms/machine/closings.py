@@ -47,7 +47,7 @@ def make_closing(n: NumberType, stage: Stage, own: Numbers) -> Function:
     size = sum(map(abs, (*own.p, *own.q, *sizes)), start=0.0)
 
     def closing(apart: Sequence[Scalar], first: Curve, second: Curve) -> Scalar:
-        """Return the closing of a dyad that is no pair."""
+        """Return the closing by (R1) to (R3), of the distance or the directions of its ends."""
         if kind == PRP:
             (x1, y1), (x2, y2) = turned(first, *sizes[:2])[:2], turned(second, *sizes[2:])[:2]
             return x1 * y2 - y1 * x2

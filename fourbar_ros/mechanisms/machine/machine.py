@@ -165,20 +165,18 @@ class Machine(WithLimits):
         """
         Return what each number of its dyads is, see :attr:`.Described.numbers_of_lengths`.
 
-        Nothing ('') where a dyad has the form of a pair: its shape follows from several lengths.
+        All '' where any dyad has the form of a pair, whose shape follows from several lengths.
         """
+        if any(stage.pair for stage in self.layout.stages):
+            return ('',) * sum(len(part) for own in self.numbers for part in own)
         found: list[str | tuple[int, int]] = []
-        is_free = not any(stage.pair for stage in self.layout.stages)
-        for dyad, own in zip(self.stages, self.numbers):
-            first = len(found)
-            reach = (first, first + 1), (first + 2, first + 3)
+        for dyad in self.stages:            # in the order of Numbers: p, q, sizes, reach, shape
+            p, q = (len(found), len(found) + 1), (len(found) + 2, len(found) + 3)
             found += [f'{dyad.name}.{place}.{name}' for place in ('first', 'second')
                       for name in ('along', 'across')]
             for name in DIMENSIONS[dyad.kind]:
                 found += ('', '') if name in ANGLES else (f'{dyad.name}.{name}',)
-            found += reach + reach[:len(own.shape)] * (dyad.name == CYLINDER)
-            if not is_free:
-                found[first:] = [''] * sum(map(len, own))
+            found += (p, q, p, q) if dyad.name == CYLINDER else (p, q)
         return tuple(found)
 
     @property

@@ -170,7 +170,7 @@ class _Path(NamedTuple):
         return cls(-pi, pi, True) if bound is None else cls(bound[0].x, bound[1].x, False)
 
     def to_input(self, phi: Any) -> Any:
-        """Return the inputs at phi, real or complex, counted from the nearer end."""
+        """Return the inputs at phi, real or complex, from the nearer end, which keeps digits."""
         if self.is_closed:
             return phi
         half = 0.5 * (self.high - self.low)
@@ -456,7 +456,11 @@ def _sampled(values: Function, path: _Path) -> Callable[[Array], tuple[Array, Ar
 
 def _resolved(phi: Array, sample: Callable[[Array], tuple[Array, Array]],
               dyad: str) -> tuple[Array, Array, Array]:
-    """Return phi, values and derivatives at samples so close that cubics between them hold."""
+    """
+    Return phi, values and slopes of a closing at samples so close that cubics between them hold.
+
+    Pieces that :func:`_doubtful` names are halved. InvalidParameter for ``dyad`` if too many are.
+    """
     value, slope = sample(phi)
     pending = np.ones(phi.size - 1, bool)
     for _ in range(MOST_HALVINGS):

@@ -115,7 +115,7 @@ def make_rrr(n: NumberType, sign: Scalar, r1: Scalar, r2: Scalar) -> MovesDyad:
 
     def motion(at_p: Node, at_q: Node, apart: Node, _first: Curve,
                _second: Curve) -> DyadMotion:
-        """Return both rods, by (D1) to (D3)."""
+        """Return the curves of both rods from P, Q and D = Q - P, by (D1) to (D3)."""
         px, py, pdx, pdy, pddx, pddy = at_p
         qx, qy, qdx, qdy, qddx, qddy = at_q
         x, y, dx, dy, ddx, ddy = apart
@@ -150,7 +150,7 @@ def make_rrp(n: NumberType, sign: Scalar, r1: Scalar, cos_t: Scalar, sin_t: Scal
 
     def motion(at_p: Node, at_q: Node, apart: Node, _first: Curve,
                second: Curve) -> DyadMotion:
-        """Return rod and block, by (D4) to (D6)."""
+        """Return the curves of rod and block, and the slide, by (D4) to (D6)."""
         px, py, pdx, pdy, pddx, pddy = at_p
         qx, qy, qdx, qdy, qddx, qddy = at_q
         x, y, dx, dy, ddx, ddy = apart
@@ -181,7 +181,7 @@ def make_rpr(n: NumberType, sign: Scalar, h: Scalar) -> MovesDyad:
     sqrt = n.sqrt
 
     def motion(at_p: Node, at_q: Node, apart: Node, _first: Curve, _second: Curve) -> DyadMotion:
-        """Return block and bar, by (D7) to (D9), the block at P."""
+        """Return the curves of block and bar, and the slide, by (D7) to (D9)."""
         x, y, dx, dy, ddx, ddy = [-part for part in apart]
         distance = sqrt(x * x + y * y)
         s = sign * sqrt((distance - h) * (distance + h))                                # (D7)
@@ -210,7 +210,7 @@ def make_rpp(n: NumberType, _sign: Scalar, cos_t: Scalar, sin_t: Scalar, cos_g: 
 
     def motion(at_p: Node, at_q: Node, apart: Node, _first: Curve,
                second: Curve) -> DyadMotion:
-        """Return block and yoke, by (D10)."""
+        """Return the curves of block and yoke, and both slides, by (D10)."""
         px, py, pdx, pdy, pddx, pddy = at_p
         qx, qy, qdx, qdy, qddx, qddy = at_q
         tx, ty, turn, bend = turned(second, cos_t, sin_t)
@@ -238,7 +238,7 @@ def make_prp(n: NumberType, _sign: Scalar, cos_1: Scalar, sin_1: Scalar, cos_2: 
     """Return the motion of the dyad PRP: two blocks pinned together, on lines through P and Q."""
     def motion(at_p: Node, _at_q: Node, apart: Node, first: Curve,
                second: Curve) -> DyadMotion:
-        """Return both blocks, by (D11)."""
+        """Return the curves of both blocks, and both slides, from P, D and the lines, by (D11)."""
         px, py, pdx, pdy, pddx, pddy = at_p
         x_0, y_0, dx, dy, ddx, ddy = apart
         x1, y1, turn1, bend1 = turned(first, cos_1, sin_1)

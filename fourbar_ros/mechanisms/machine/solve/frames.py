@@ -111,7 +111,12 @@ class Poses:
         return self.known[link, frame]
 
     def pin(self, frame: int, link: int, arm: tuple[Scalar, Scalar], shared: int) -> None:
-        """Add the curve of a link in a frame to which it is pinned, both known in a shared one."""
+        """
+        Add the curve of a link in a frame to which its first joint is pinned, at ``arm`` there.
+
+        Both are known in the frame ``shared``; only their directions matter, so no digit of the
+        place is lost as it would be in a difference of places.
+        """
         *_, c0, s0, turn0, bend0 = self.of(frame, shared)
         *_, c, s, turn, bend = self.of(link, shared)
         self.known[link, frame] = (*arm, 0.0, 0.0, 0.0, 0.0, c0 * c + s0 * s, c0 * s - s0 * c,

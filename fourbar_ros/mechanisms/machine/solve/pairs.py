@@ -238,7 +238,7 @@ def make_rrr_pair(n: NumberType, sign: Scalar, stage: Stage, own: Numbers) -> Mo
 
     def motion(at_p: Node, at_q: Node, way: Sequence[Scalar], _first: Curve,
                _second: Curve) -> DyadMotion:
-        """Return coupler and output link, as first and second rod."""
+        """Return the curves of both rods from the angle between the links they hang on."""
         (_, _, cos_bx, sin_bx, cos_b, sin_b, cos_y, sin_y, cos_mu, sin_mu, d_bx, d_mu, d_y, d_b,
          dd_mu, dd_y, dd_b, _) = loop(*half_angle(*turned_by(way[:2], (cos_0, sin_0))))
         coupler: Direction = *turned_by((cos_b, sin_b), of_g), *by_input(way, d_b, dd_b)
@@ -264,7 +264,7 @@ def make_rrp_pair(n: NumberType, sign: Scalar, stage: Stage, own: Numbers) -> Mo
 
     def motion(at_p: Node, _at_q: Node, way: Sequence[Scalar], _first: Curve,
                _second: Curve) -> DyadMotion:
-        """Return rod and block, and the slide."""
+        """Return the curves of rod and block, and the slide, from the angle of the rod's link."""
         cos_x, sin_x = turned_by(way[:2], of_0)
         cos_b, sin_b, cos_2, sin_2, s, d_b, d_2, d_s, dd_b, dd_s, _ = rod_on_line(
             cos_x + beside_0, sin_x)
@@ -300,7 +300,7 @@ def make_rpr_pair(n: NumberType, sign: Scalar, stage: Stage, own: Numbers) -> Mo
 
     def motion(at_p: Node, at_q: Node, way: Sequence[Scalar], _first: Curve,
                _second: Curve) -> DyadMotion:
-        """Return block and bar, by (B1) to (B6), and the slide."""
+        """Return the curves of block and bar, and the slide, from the angle of the other link."""
         (_, _, cos_y, sin_y, cos_2, sin_2, l, d_l, d_y, d_2, dd_l, dd_y, _,
          per_q) = block_on_bar(*half_angle(*turned_by(way[:2], (cos_0, sin_0))))
         per = sqrt(per_q)
@@ -322,7 +322,7 @@ def make_rrr_slide(n: NumberType, sign: Scalar, stage: Stage, own: Numbers) -> M
 
     def motion(at_p: Node, at_q: Node, way: Sequence[Scalar], _first: Curve,
                _second: Curve) -> DyadMotion:
-        """Return both rods, by (T1) to (T8) of the triangle."""
+        """Return the curves of both rods from the slide between the links they hang on."""
         (cos_x, sin_x, cos_b, sin_b, cos_2, sin_2, d_x, d_b, d_2, dd_x, dd_b, dd_2,
          _) = triangle((way[0] + shift) * per)
         scaled = way[1] * per, way[2] * per
@@ -346,7 +346,7 @@ def make_rpr_slide(n: NumberType, sign: Scalar, stage: Stage, own: Numbers) -> M
 
     def motion(at_p: Node, at_q: Node, way: Sequence[Scalar], _first: Curve,
                _second: Curve) -> DyadMotion:
-        """Return block and bar, by (P3) and (P4), and the slide."""
+        """Return the curves of block and bar, and their slide, from that of the other link."""
         x = way[0] * per + shift + beside_0
         q = x * x + e * e
         l = sign * sqrt(x * x + k)  # noqa: E741                                        # (P3)
@@ -369,14 +369,22 @@ PAIRS = {(RRR, False): make_rrr_pair, (RRP, False): make_rrp_pair, (RPR, False):
 
 def rod_of_cylinder(at_p: Node, at_q: Node, driven: Any, _first: Curve,
                     _second: Curve) -> DyadMotion:
-    """Return the motion of rod and tube of a cylinder; ``driven``: see Driven.of_cylinder."""
+    """
+    Return the motion of rod and tube of a cylinder, whose triangle the driver has solved.
+
+    ``driven``: length, direction of the rod, sine and cosine of the transmission angle.
+    """
     slide, rod, sine, cosine = driven
     return (*at_p, *rod), (*at_q, *rod), (slide, 1.0, 0.0), sine, cosine, {}
 
 
 def make_moves(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
                signs: Sequence[Scalar]) -> list[MovesDyad]:
-    """Return the function of the motion of each dyad, in its pair's form or the general one."""
+    """
+    Return for each dyad the function that solves it for its links, see MovesDyad.
+
+    The general form of :mod:`.dyads`; that of a pair where the general one would lose digits.
+    """
     return [rod_of_cylinder if stage.name == CYLINDER
             else PAIRS[stage.kind, stage.pair.slides](n, sign, stage, own) if stage.pair
             else MAKERS[stage.kind](n, sign, *own.sizes)
