@@ -95,8 +95,8 @@ def of(*dimensions: str) -> Callable[[str], Measured]:
 
 
 def require(name: str, value: float, dimension: str) -> None:
-    """Raise WrongUnit if a number came with a unit of another dimension."""
-    given = getattr(value, 'dimension', '')
-    if given not in ('', dimension):
-        raise WrongUnit(f'{name} has a unit of {given}; this mechanism takes {dimension}, in '
+    """Raise WrongUnit if a :class:`Measured` number has a unit of another dimension."""
+    own = getattr(value, 'dimension', '')
+    if own not in ('', dimension):
+        raise WrongUnit(f'{name} has a unit of {own}; this mechanism takes {dimension}, in '
                         + ', '.join(UNITS[dimension]))
