@@ -6,14 +6,15 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-LINE = 100        # characters of a list of names in a message of one line
+LINE = 100        # longest list of names or value [characters] that a one-line message quotes
 
 
 def nearest(name: str, known: Iterable[str], cutoff: float = 0.6) -> str:
     """
-    Return what to add to a message about an unknown name.
+    Return a hint that ends a message about an unknown name, as '; did you mean omega4?'.
 
-    The nearest known one, or all of them, or of many the nearest few.
+    It gives the known name that is spelt most alike, from the similarity ``cutoff`` (0 to 1) on;
+    if there is none, all known names, or the three most alike if all would fill more than a line.
     """
     from difflib import get_close_matches
 
@@ -27,33 +28,29 @@ def nearest(name: str, known: Iterable[str], cutoff: float = 0.6) -> str:
 
 
 def one_of(choices: Iterable[str], given: object = '', some: bool = False) -> str:
-    """Return what must be given, as text: all choices, of many the nearest to what was given."""
+    """
+    Return the end of an error message, as 'must be one of timer, motion, torque'.
+
+    Of choices that would fill more than a line it names only those spelt most like ``given``.
+    ``some``: the parameter is a list of choices.
+    """
     choices = [choice or "''" for choice in choices]
-    text = ', '.join(choices)
-    which = 'some' if some else 'one'
+    text, which = ', '.join(choices), 'some' if some else 'one'
     if len(text) <= LINE:
         return f'must be {which} of {text}'
     return f'must be {which} of {len(choices)} words{nearest(str(given), choices)}'
 
 
 class FourBarError(Exception):
-    """Base of every error this package raises on purpose; they pass from process to process."""
+    """Base of every error this package raises on purpose."""
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _unpickled, (type(self), self.args, self.__dict__)
+        """
+        Pickle an error, which a worker process sends to its parent.
 
-
-def _unpickled(kind: type[FourBarError], args: tuple[Any, ...], kept: dict[str, Any]
-               ) -> FourBarError:
-    """
-    Return an error that was pickled, without calling ``__init__``.
-
-    Its arguments are other ones than ``args``.
-    """
-    error = kind.__new__(kind, *args)
-    error.args = args
-    error.__dict__.update(kept)
-    return error
+        The default would call ``__init__`` with ``args``, the message; subclasses take others.
+        """
+        return type(self).__new__, (type(self), *self.args), self.__dict__
 
 
 class InvalidParameter(FourBarError, ValueError):
@@ -66,26 +63,18 @@ class InvalidParameter(FourBarError, ValueError):
 
 
 def _short(value: Any) -> str:
-    """
-    Return a value as text.
-
-    Numbers as they are, long ones (arrays) on one line with their middle left out.
-    """
+    """Return a value as text of one line; long text, as of an array, loses its middle."""
     text = ' '.join(repr(value).split())
-    return text if len(text) <= 100 else f'{text[:60]} ... {text[-30:]}'
+    return text if len(text) <= LINE else f'{text[:60]} ... {text[-30:]}'
 
 
 def in_words(ranges: Iterable[tuple[float, float]], unit: str) -> str:
-    """Return the ranges of an input as text."""
+    """Return the ranges of an input as text, '[0.5, 1.2] or [2, 3] rad'."""
     return f'{" or ".join(f"[{low:.9g}, {high:.9g}]" for low, high in ranges)} {unit}'
 
 
 class OutOfRange(FourBarError, ValueError):
-    """
-    The mechanism cannot be assembled at the given input.
-
-    Its ``name``, ``value``, ``ranges`` are kept.
-    """
+    """The mechanism cannot be assembled at an input; keeps its ``name``, ``value``, ``ranges``."""
 
     def __init__(self, name: str, value: float, ranges: Iterable[tuple[float, float]], unit: str):
         self.name, self.value, self.ranges = name, value, ranges
@@ -95,9 +84,9 @@ class OutOfRange(FourBarError, ValueError):
 
 class Toggle(FourBarError, ArithmeticError):
     """
-    The dyad is in line, so that rates and loads are unbounded.
+    The links of a dyad are in line, so rates and loads are unbounded.
 
-    ``name`` and ``value`` of the input are kept, and the name of the ``dyad`` of a machine.
+    It keeps ``name`` and ``value`` of the input, and which ``dyad`` of a machine it is.
     """
 
     def __init__(self, name: str, value: float, unit: str, dyad: str = ''):

@@ -38,16 +38,10 @@ __all__ = ['Cylinder', 'Dyad', 'Machine', 'Point', 'rods']
 
 def rods(dyads: Iterable[Dyad], density: float, radius: float) -> dict[str, Body]:
     """
-    Return {link: Body} of the rods of dyads RRR and RRP as round rods, to change or complete.
+    Return {link: Body} with a round rod for every link of the dyads that has a length.
 
-    Parameters
-    ----------
-    dyads : iterable of Dyad
-    density : float
-        [kg/m^3]
-    radius : float
-        [m]
-
+    Other links, as slides, get no body here: add theirs to the result. ``density`` in [kg/m^3],
+    ``radius`` in [m].
     """
     return {link: round_rod(length, density, radius) for dyad in dyads
             for link, length in zip(dyad.links, (dyad.length_1, dyad.length_2)) if length}

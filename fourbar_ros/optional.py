@@ -39,9 +39,9 @@ class MissingPackage(FourBarError):
 
 def _command(name: str, module: str) -> int:
     """
-    Run the main function of a module.
+    Return the exit code of a module's ``main``; 1 if a package that it imports is missing.
 
-    Return 1 with a one-line message if a package is missing.
+    ``name`` of the command begins the one-line message, which tells how to install the package.
     """
     try:
         return int(import_module(module).main())
@@ -67,28 +67,24 @@ def demo() -> int:
 def lazily(package: str, where: Mapping[str, str]
            ) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
     """
-    Return the functions ``__getattr__`` and ``__dir__`` of a package (PEP 562).
+    Return ``__getattr__`` and ``__dir__`` for a package that imports names on first use (PEP 562).
 
-    Parameters
-    ----------
-    package : str
-        Its full name.
-    where : mapping
-        {module: its public names as an import writes them: ``'Bag, load as load_scene'``}.
-
+    ``where`` gives the public names of each module as an import statement writes them:
+    ``{'package.scene': 'Scene, load as load_scene'}``. So ``import fourbar_ros`` takes no time,
+    and only what a program uses loads numpy and others.
     """
-    found = {}
+    homes = {}      # {public name: (module, its name there)}
     for module, names in where.items():
         for name, _, public in (entry.partition(' as ') for entry in names.split(', ')):
-            found[public or name] = module, name
+            homes[public or name] = module, name
 
-    def get(name: str) -> Any:
-        if name not in found:
+    def get_attribute(name: str) -> Any:
+        if name not in homes:
             raise AttributeError(f'module {package!r} has no attribute {name!r}')
-        module, its_name = found[name]
+        module, its_name = homes[name]
         return getattr(import_module(module), its_name)
 
     def list_names() -> list[str]:
-        return sorted({*vars(sys.modules[package]), *found})
+        return sorted({*vars(sys.modules[package]), *homes})
 
-    return get, list_names
+    return get_attribute, list_names

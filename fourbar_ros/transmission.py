@@ -40,8 +40,8 @@ from numpy.typing import ArrayLike
 
 __all__ = ['Branch', 'CannotFollow', 'Trajectory', 'Transmission', 'trajectory']
 
-STEPS = 100            # of Newton and halving; six or so do
-FINEST = 1e-6          # [rad] an angle whose neighbouring float is farther off tells no pose
+STEPS = 100            # at most, of Newton's method and halving; about six are taken
+COARSEST = 1e-6        # [rad] where floats lie farther apart than this, angles mean nothing
 
 
 class CannotFollow(FourBarError):
@@ -99,7 +99,6 @@ class Transmission:
     def __init__(self, mechanism: Mechanism, start: float):
         self.mechanism, self.branch = mechanism, branch_of(mechanism, start)
         self._input, self._output = mechanism.input_coordinate, mechanism.outputs[0].coordinate
-        self._drive_effort = 'driving_torque' if self._input.unit == 'rad' else 'driving_force'
 
     def to_input(self, wanted: Trajectory) -> Trajectory:
         """
@@ -112,23 +111,25 @@ class Transmission:
             a number overflows.
 
         """
-        targets = self._within(wanted.position, self._output)
-        inputs = self._solve(targets)
+        outputs = self._within_branch(wanted.position, self._output)
+        inputs = self._solve(outputs)
         with np.errstate(divide='ignore', invalid='ignore', over='ignore'):
             ratio, slope = self._ratio(inputs)
-            # nearer to a toggle the input, and with it the ratio, has no digit
-            is_flat = ratio * ratio <= EPS * np.abs(slope) * np.abs(self.branch.outputs).max()
-            ratio = np.where(is_flat, 0.0, ratio)
+            # so near to a toggle that rounding of the input leaves no digit of the ratio
+            at_toggle = ratio * ratio <= EPS * np.abs(slope) * np.abs(self.branch.outputs).max()
+            ratio = np.where(at_toggle, 0.0, ratio)
 
             def over_ratio(values: Array) -> Array:
-                return np.where(is_flat & (values == 0.0), 0.0, values / ratio)
+                """Return values / ratio; an output that rests in a toggle asks for nothing."""
+                return np.where(at_toggle & (values == 0.0), 0.0, values / ratio)
             rate = over_ratio(wanted.rate)                                                # (T2)
             acceleration = (None if wanted.acceleration is None
                             else over_ratio(wanted.acceleration - slope * rate * rate))
-            effort = (None if wanted.effort is None                                       # (T3)
-                      else self._links(inputs, rate, acceleration) + ratio * wanted.effort)
-        return self._checked(Trajectory(inputs, rate, acceleration, effort), self._input, wanted,
-                             is_flat, targets)
+            effort = (None if wanted.effort is None else                                  # (T3)
+                      self._effort_of_links(inputs, rate, acceleration)
+                      + ratio * wanted.effort)
+        return self._require_finite(Trajectory(inputs, rate, acceleration, effort), self._input,
+                                    wanted, at_toggle, outputs)
 
     def to_output(self, driven: Trajectory) -> Trajectory:
         """
@@ -141,39 +142,51 @@ class Transmission:
             number overflows.
 
         """
-        inputs = self._within(driven.position, self._input)
-        names = self._output[:2 if driven.acceleration is None else 3]
+        inputs = self._within_branch(driven.position, self._input)
+        given = 0.0 if driven.acceleration is None else driven.acceleration
         with np.errstate(divide='ignore', invalid='ignore', over='ignore'):
-            position, rate, *more = self.mechanism.motion(
-                inputs, driven.rate, 0.0 if driven.acceleration is None else driven.acceleration,
-                fields=tuple(names))
+            position, rate, acceleration = self.mechanism.motion(inputs, driven.rate, given,
+                                                                 fields=self._output)
             ratio = ratio_of(self.mechanism, inputs)
-            effort = (None if driven.effort is None else
-                      (driven.effort - self._links(inputs, *driven[1:3])) / ratio)
-        position = self._counted(inputs, position)
-        return self._checked(Trajectory(position, rate, more[0] if more else None, effort),
-                             self._output, driven, ratio == 0.0, position)
+            effort = (None if driven.effort is None else (
+                driven.effort - self._effort_of_links(inputs, driven.rate, driven.acceleration)
+            ) / ratio)
+        position = self._with_turns(inputs, position)
+        return self._require_finite(
+            Trajectory(position, rate, None if driven.acceleration is None else acceleration,
+                       effort), self._output, driven, ratio == 0.0, position)
 
     def static_effort(self, wanted: Trajectory) -> Array:
-        """Return r M, the effort of the drive without what the links ask for."""
-        return self._ratio(self._solve(self._within(wanted.position, self._output)))[0] * (
-            wanted.effort)
+        """Return r M [N m or N]: the effort of the drive as if the links had no mass."""
+        inputs = self._solve(self._within_branch(wanted.position, self._output))
+        effort: Array = ratio_of(self.mechanism, inputs) * wanted.effort
+        return effort
 
     # --- what cannot be followed ----------------------------------------------------------------
 
-    def _within(self, positions: Array, coordinate: Coordinate) -> Array:
+    def _within_branch(self, positions: Array, coordinate: Coordinate) -> Array:
         """
-        Return positions of the input or the output on the branch.
+        Return positions of the input or the output, moved to the turn in which the branch lies.
 
-        An angle that swings may count from another turn: all are moved by the turns of the first.
-        CannotFollow beyond an end, or for numbers that tell no angle.
+        Drives may count an angle that swings from another turn, so the whole turns that bring the
+        first position into the branch are added to all.
+
+        Raises
+        ------
+        CannotFollow
+            A position lies beyond an end, or is so large that floats tell no angle there.
+
         """
         is_angle = coordinate.unit == 'rad'
-        if is_angle:
-            self._check_angles(positions, coordinate)
+        spacing = np.spacing(np.abs(positions))
+        if is_angle and (spacing > COARSEST).any():
+            first = np.argmax(spacing > COARSEST)
+            raise CannotFollow(f'sample {first}: {coordinate.position} = {positions[first]:.8g} '
+                               'rad tells no angle: numbers of this size are '
+                               f'{spacing[first]:.2g} rad apart')
         if self.branch.ends is None:
             return positions
-        low, high = sorted(end.at(coordinate == self._output) for end in self.branch.ends)
+        low, high = sorted(end.of(coordinate == self._output) for end in self.branch.ends)
         if is_angle and not low <= positions[0] <= high:
             positions = positions + tau * np.round((0.5 * (low + high) - positions[0]) / tau)
         slack = 4.0 * EPS * np.maximum(max(abs(low), abs(high)), np.abs(positions))
@@ -183,51 +196,51 @@ class Transmission:
             raise CannotFollow(self._why_not(first, coordinate, positions[first], 'beyond'))
         return np.clip(positions, low, high)
 
-    @staticmethod
-    def _check_angles(positions: Array, coordinate: Coordinate) -> None:
-        apart = np.spacing(np.abs(positions))
-        coarse = np.flatnonzero(apart > FINEST)
-        if len(coarse):
-            first = coarse[0]
-            raise CannotFollow(f'sample {first}: {coordinate.position} = {positions[first]:.8g} '
-                               f'rad tells no angle: numbers of this size are {apart[first]:.2g} '
-                               'rad apart')
+    def _require_finite(self, result: Trajectory, coordinate: Coordinate, asked: Trajectory,
+                        at_toggle: Array, outputs: Array) -> Trajectory:
+        """
+        Return a result of ``coordinate``, or raise CannotFollow if a sample is not finite.
 
-    def _checked(self, found: Trajectory, coordinate: Coordinate, given: Trajectory,
-                 is_flat: Array, places: Array) -> Trajectory:
-        """Return what was found, all finite; CannotFollow at a toggle, and for an overflow."""
-        numbers = {name: values for name, values in zip(found._fields, found)
+        ``asked``: the trajectory it follows from. ``at_toggle``, ``outputs``: for each sample,
+        whether the output is at a toggle, and its position.
+        """
+        numbers = {name: values for name, values in zip(result._fields, result)
                    if values is not None}
         bad = np.flatnonzero(~np.isfinite([*numbers.values()]).all(axis=0))
         if not len(bad):
-            return found
+            return result
         first = bad[0]
-        if self.branch.ends and is_flat[first]:
-            raise CannotFollow(self._why_not(first, self._output, places[first], 'at'))
-        what = next(name for name, values in numbers.items() if not np.isfinite(values[first]))
-        its = ', '.join(f'{name} {values[first]:.8g}'
-                        for name, values in zip(given._fields, given) if values is not None)
-        raise CannotFollow(f'sample {first}: the {what} of {coordinate.position} overflows, for '
-                           f'{its}')
+        if self.branch.ends and at_toggle[first]:
+            raise CannotFollow(self._why_not(first, self._output, outputs[first], 'at'))
+        field = next(name for name, values in numbers.items() if not np.isfinite(values[first]))
+        sample = ', '.join(f'{name} {values[first]:.8g}'
+                           for name, values in zip(asked._fields, asked) if values is not None)
+        raise CannotFollow(f'sample {first}: the {field} of {coordinate.position} overflows, for '
+                           f'{sample}')
 
-    def _why_not(self, sample: int, coordinate: Coordinate, place: float, where: str) -> str:
-        """Return which sample lies beyond (or at) which end of the branch."""
+    def _why_not(self, sample: int, coordinate: Coordinate, position: float, where: str) -> str:
+        """Return the message that a sample lies 'beyond' or 'at' (``where``) an end."""
         assert self.branch.ends
-        its = coordinate == self._output
-        other = self._input if its else self._output
-        end = min(self.branch.ends, key=lambda end: abs(end.at(its) - place))
-        toggle = 'the toggle ' if its else ''
-        return (f'sample {sample}: {coordinate.position} = {place:.8g} {coordinate.unit} lies '
-                f'{where} {toggle}{end.at(its):.8g} {coordinate.unit}, where {end.why}, at '
-                f'{other.position} = {end.at(not its):.8g} {other.unit}')
+        of_output = coordinate == self._output
+        other = self._input if of_output else self._output
+        end = min(self.branch.ends, key=lambda end: abs(end.of(of_output) - position))
+        toggle = 'the toggle ' if of_output else ''
+        return (f'sample {sample}: {coordinate.position} = {position:.8g} {coordinate.unit} lies '
+                f'{where} {toggle}{end.of(of_output):.8g} {coordinate.unit}, where {end.why}, at '
+                f'{other.position} = {end.of(not of_output):.8g} {other.unit}')
 
     # --- positions ------------------------------------------------------------------------------
 
     def _solve(self, targets: Array) -> Array:
-        """Return the inputs of targets on the branch, (T1)."""
+        """
+        Return the inputs at which the output is at targets on the branch, (T1).
+
+        Newton's method from the samples of the branch, all targets at once, halving where a step
+        leaves the bracket, until no input moves by more than two of its last bits.
+        """
         branch, turns = self.branch, np.zeros(len(targets))
         sense = branch.sense
-        if branch.ends is None:                  # whole turns of input and output together
+        if branch.ends is None:                  # solve in the one turn that has samples
             first = sense * branch.outputs[0]
             turns = np.floor((sense * targets - first) / tau)
             targets = targets - sense * tau * turns
@@ -236,20 +249,20 @@ class Transmission:
         low, high = branch.inputs[place], branch.inputs[place + 1]
         x = np.interp(sense * targets, rising, branch.inputs)
         for _ in range(STEPS):
-            error = sense * (self._counted(x, output_of(self.mechanism, x)) - targets)
+            error = sense * (self._with_turns(x, output_of(self.mechanism, x)) - targets)
             low, high = np.where(error <= 0.0, x, low), np.where(error >= 0.0, x, high)
             with np.errstate(divide='ignore', invalid='ignore'):
                 new = x - error / (sense * ratio_of(self.mechanism, x))
-            good = (new >= low) & (new <= high)
-            new = np.where(error == 0.0, x, np.where(good, new, 0.5 * (low + high)))
+            in_bracket = (new >= low) & (new <= high)
+            new = np.where(error == 0.0, x, np.where(in_bracket, new, 0.5 * (low + high)))
             if (np.abs(new - x) <= 2.0 * EPS * np.maximum(np.abs(x), 1e-300)).all():
                 break
             x = new
         found: Array = new + tau * turns
         return found
 
-    def _counted(self, inputs: Array, outputs: Array) -> Array:
-        """Return outputs at inputs, angles by the turns that the branch has there."""
+    def _with_turns(self, inputs: Array, outputs: Array) -> Array:
+        """Return the outputs at inputs with the whole turns that the branch counts there."""
         if self._output.unit != 'rad':
             return outputs
         branch, turns = self.branch, np.zeros(len(inputs))
@@ -262,19 +275,20 @@ class Transmission:
     # --- rates and efforts ----------------------------------------------------------------------
 
     def _ratio(self, inputs: Array) -> tuple[Array, Array]:
-        """Return r and r'."""
+        """Return r = dy/dx and r' = d2y/dx2 at inputs: the output's motion at unit rate."""
         return self.mechanism.motion(inputs, 1.0, 0.0, fields=(self._output.rate,
                                                                self._output.acceleration))
 
-    def _links(self, position: Array, rate: Array, acceleration: Array | None) -> Array:
-        """Return the effort that masses, gravity and external loads of the links ask for."""
+    def _effort_of_links(self, position: Array, rate: Array,
+                         acceleration: Array | None) -> Array:
+        """Return the drive's effort for masses, gravity and external loads of the links alone."""
         if self.mechanism.bodies is None:
             return np.zeros(len(position))
         if acceleration is None:
             raise InvalidParameter('acceleration', None, 'must be given for an effort: the links '
                                    'have masses')
-        effort: Array = self.mechanism.step(position, rate, acceleration,
-                                            fields=(self._drive_effort,))[0]
+        name = 'driving_torque' if self._input.unit == 'rad' else 'driving_force'
+        effort: Array = self.mechanism.step(position, rate, acceleration, fields=(name,))[0]
         return effort
 
 
@@ -294,8 +308,8 @@ class End(NamedTuple):
     output: float
     why: str
 
-    def at(self, is_output: bool) -> float:
-        """Return the position of the output, or of the input, there."""
+    def of(self, is_output: bool) -> float:
+        """Return the position of the output, or else of the input, at this end."""
         return self.output if is_output else self.input
 
 
@@ -323,7 +337,7 @@ class Branch(NamedTuple):
 
 
 def ratio_of(mechanism: Mechanism, inputs: ArrayLike) -> Any:
-    """Return d output / d input at inputs."""
+    """Return d output / d input at inputs, for the first output of a mechanism."""
     coordinate = mechanism.outputs[0].coordinate
     return mechanism.motion(inputs, 1.0, 0.0, fields=(coordinate.rate,))[0]
 
@@ -346,55 +360,53 @@ def branch_of(mechanism: Mechanism, start: float) -> Branch:
 
     """
     coordinate = mechanism.input_coordinate
-    around = _range(mechanism, start)
-    if around is None:
-        raise OutOfRange(coordinate.position, start, mechanism.input_ranges, coordinate.unit)
-    low, high = around
-    # From the start on, so that a full turn has no seam in the branch.
+    low, high = _range_around(mechanism, start)
     inputs = np.linspace(low, high, SAMPLES)
-    ratios = ratio_of(mechanism, inputs)
-    turning = [_turn(mechanism, *pair) for pair in _changes(inputs, ratios)]
-    if mechanism.turns_fully and not turning:
-        return Branch(inputs, _continuous(mechanism, inputs, start), None)
+    turning_points = _turning_points(mechanism, inputs)
     if mechanism.turns_fully:
-        turning = sorted(turn + k * 2.0 * pi for turn in turning for k in (-1, 0, 1))
-    below = max((turn for turn in turning if turn < start), default=-inf)
-    above = min((turn for turn in turning if turn > start), default=inf)
-    if start in turning:
+        if not turning_points:
+            return Branch(inputs, _continuous(mechanism, inputs, start), None)
+        # no end of the range ends the branch: the next turning point may lie a turn away
+        turning_points = [x + turn for x in turning_points for turn in (-tau, 0.0, tau)]
+        low, high = -inf, inf
+    if start in turning_points:
         raise InvalidParameter(coordinate.position, start,
                                'the output turns back there: start on one side of it')
-    inside = np.linspace(max(below, low if not mechanism.turns_fully else -inf),
-                         min(above, high if not mechanism.turns_fully else inf), SAMPLES)
-    outputs = _continuous(mechanism, inside, start)
-    good = ~np.isnan(outputs)
-    inside, outputs = inside[good], outputs[good]
-    ends = [End(float(at), float(out), 'the output turns back' if at in turning else
-                'the range of the input ends')
-            for at, out in ((inside[0], outputs[0]), (inside[-1], outputs[-1]))]
-    return Branch(inside, outputs, (ends[0], ends[1]))
+    low = max([low, *(x for x in turning_points if x < start)])
+    high = min([high, *(x for x in turning_points if x > start)])
+    inputs = np.linspace(low, high, SAMPLES)
+    outputs = _continuous(mechanism, inputs, start)
+    closes = ~np.isnan(outputs)
+    inputs, outputs = inputs[closes], outputs[closes]
+    first, last = (End(float(inputs[i]), float(outputs[i]),
+                       'the output turns back' if inputs[i] in turning_points
+                       else 'the range of the input ends') for i in (0, -1))
+    return Branch(inputs, outputs, (first, last))
 
 
-def _range(mechanism: Mechanism, start: float) -> tuple[float, float] | None:
-    """Return the range of the input around a start; a whole turn has the start in its middle."""
+def _range_around(mechanism: Mechanism, start: float) -> tuple[float, float]:
+    """Return the range of the input with a start; of a full turn the start is the middle."""
     if mechanism.turns_fully:
         return start - pi, start + pi
     for low, high in mechanism.input_ranges:
-        for turn in (0.0,) if mechanism.is_driven_by_slide else (0.0, 2.0 * pi, -2.0 * pi):
+        for turn in (0.0,) if mechanism.is_driven_by_slide else (0.0, tau, -tau):
             if low + turn <= start <= high + turn:
                 return low + turn, high + turn
-    return None
+    coordinate = mechanism.input_coordinate
+    raise OutOfRange(coordinate.position, start, mechanism.input_ranges, coordinate.unit)
 
 
-def _changes(inputs: Array, ratios: Array) -> list[tuple[float, float]]:
-    """Return the intervals in which the ratio changes its sign, where it exists."""
-    known = np.flatnonzero(~np.isnan(ratios) & np.isfinite(ratios))
-    one, other = known[:-1], known[1:]
-    found = np.flatnonzero((ratios[one] < 0.0) != (ratios[other] < 0.0))
-    return [(float(inputs[one[i]]), float(inputs[other[i]])) for i in found]
+def _turning_points(mechanism: Mechanism, inputs: Array) -> list[float]:
+    """Return where the ratio changes its sign between inputs: there the output turns back."""
+    ratios = ratio_of(mechanism, inputs)
+    known = np.flatnonzero(np.isfinite(ratios))
+    left, right = known[:-1], known[1:]
+    return [_root_of_ratio(mechanism, float(inputs[left[i]]), float(inputs[right[i]]))
+            for i in np.flatnonzero((ratios[left] < 0.0) != (ratios[right] < 0.0))]
 
 
-def _turn(mechanism: Mechanism, low: float, high: float) -> float:
-    """Return where the ratio is zero between two inputs, by halving."""
+def _root_of_ratio(mechanism: Mechanism, low: float, high: float) -> float:
+    """Return the input between two at which the ratio changes its sign, by halving."""
     is_negative = ratio_of(mechanism, low) < 0.0
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
@@ -408,11 +420,10 @@ def _turn(mechanism: Mechanism, low: float, high: float) -> float:
 
 
 def _continuous(mechanism: Mechanism, inputs: Array, start: float) -> Array:
-    """Return the output along rising inputs, an angle without jumps, in [-pi, pi] at a start."""
+    """Return the output along rising inputs: an angle has no jumps, and at start |angle| <= pi."""
     outputs = np.array(output_of(mechanism, inputs))
     if mechanism.outputs[0].coordinate.unit == 'rad':
-        good = ~np.isnan(outputs)
-        outputs[good] = np.unwrap(outputs[good])
-        near = np.interp(start, inputs[good], outputs[good])
-        outputs -= 2.0 * pi * np.round(near / (2.0 * pi))
+        closes = ~np.isnan(outputs)
+        outputs[closes] = np.unwrap(outputs[closes])
+        outputs -= tau * np.round(np.interp(start, inputs[closes], outputs[closes]) / tau)
     return outputs

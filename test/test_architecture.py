@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Who may import whom: layers, no circles, one place naming kinds, nothing private."""
 import ast
+from functools import cache
 import re
 
 import pytest
@@ -44,16 +45,23 @@ THIRD_PARTY = {'yaml': ('scene', 'bag', 'reproduction', 'studies', 'ros',
                'distributed': ('studies',), 'openpyxl': ('report',)}
 
 
+@cache
+def nodes_of(path):
+    """Return all nodes of a file's syntax tree."""
+    return list(ast.walk(ast.parse(path.read_text())))
+
+
+@cache
 def imports_of(path):
-    """Yield (module, name or None, line) of everything a file imports."""
-    for node in ast.walk(ast.parse(path.read_text())):
+    """Return (module, name or None, line) of everything a file imports."""
+    found = []
+    for node in nodes_of(path):
         if isinstance(node, ast.Import):
-            for alias in node.names:
-                yield alias.name, None, node.lineno
+            found += [(alias.name, None, node.lineno) for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
             assert node.level == 0, f'{path}:{node.lineno}: relative import'
-            for alias in node.names:
-                yield node.module, alias.name, node.lineno
+            found += [(node.module, alias.name, node.lineno) for alias in node.names]
+    return found
 
 
 def edges():
@@ -91,7 +99,7 @@ def test_the_node_and_its_core_never_import_the_lab():
 
 def lines_for_type_checkers(path):
     """Return the lines below ``if TYPE_CHECKING:``, which are never run."""
-    return {line for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, ast.If)
+    return {line for node in nodes_of(path) if isinstance(node, ast.If)
             and getattr(node.test, 'id', '') == 'TYPE_CHECKING'
             for line in range(node.lineno, node.end_lineno + 1)}
 
@@ -136,13 +144,12 @@ def test_nothing_private_crosses_modules():
              if name and name.startswith('_') and not name.startswith('__')
              and imported.startswith(PACKAGES)]
     for module, path in MODULES.items():
-        tree = ast.parse(path.read_text())
-        own = {node.attr for node in ast.walk(tree) if isinstance(node, ast.Attribute)
+        nodes = nodes_of(path)
+        own = {node.attr for node in nodes if isinstance(node, ast.Attribute)
                and isinstance(node.ctx, ast.Store)}
-        own |= {node.name for node in ast.walk(tree)
-                if isinstance(node, (ast.FunctionDef, ast.ClassDef))}
-        own |= {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
-        for node in ast.walk(tree):
+        own |= {node.name for node in nodes if isinstance(node, (ast.FunctionDef, ast.ClassDef))}
+        own |= {node.id for node in nodes if isinstance(node, ast.Name)}
+        for node in nodes:
             if (isinstance(node, ast.Attribute) and node.attr.startswith('_')
                 and not node.attr.startswith('__')
                     # of its own base class
@@ -168,7 +175,7 @@ def test_no_type_test_of_a_kind():
     for module, path in MODULES.items():
         if module == 'fourbar_ros.extrema.methods':
             continue
-        for node in ast.walk(ast.parse(path.read_text())):
+        for node in nodes_of(path):
             if (isinstance(node, ast.Call) and getattr(node.func, 'id', '') in ('isinstance',
                                                                                 'issubclass')):
                 names = {n.id for n in ast.walk(node.args[1]) if isinstance(n, ast.Name)}
@@ -180,7 +187,7 @@ def test_no_type_test_of_a_kind():
 def bodies():
     """Yield (where, lines of the body without the docstring) of every function."""
     for module, path in MODULES.items():
-        for node in ast.walk(ast.parse(path.read_text())):
+        for node in nodes_of(path):
             if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
                 body = node.body[1:] if ast.get_docstring(node) is not None else node.body
                 yield (f'{module}:{node.lineno} {node.name}',
@@ -203,7 +210,7 @@ def is_typed(function):
 
 def test_as_many_functions_are_typed_as_the_architecture_says():
     every = {f'{module}:{node.lineno} {node.name}': is_typed(node)
-             for module, path in MODULES.items() for node in ast.walk(ast.parse(path.read_text()))
+             for module, path in MODULES.items() for node in nodes_of(path)
              if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))}
     text = (ROOT / 'docs' / 'architecture.md').read_text()
     stated = int(re.search(r'(\d+) % of all functions are annotated', text)[1])

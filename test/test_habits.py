@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Lists that nobody reads are right: versions, dependencies, the linter, headers."""
 import ast
+from functools import cache
 from pathlib import Path
 import re
 import shutil
@@ -21,21 +22,22 @@ def text(path):
     return (ROOT / path).read_text(encoding='utf-8')
 
 
-def packages_imported(*folders):
-    """Return the top names of all modules that Python files in the folders import."""
+@cache
+def packages_imported(folder):
+    """Return the top names of all modules that Python files in a folder import."""
     found = set()
-    for folder in folders:
-        for path in (ROOT / folder).rglob('*.py'):
-            for node in ast.walk(ast.parse(path.read_text(encoding='utf-8'))):
-                if isinstance(node, ast.Import):
-                    found |= {alias.name.partition('.')[0] for alias in node.names}
-                elif isinstance(node, ast.ImportFrom) and node.module:
-                    found.add(node.module.partition('.')[0])
+    for path in (ROOT / folder).rglob('*.py'):
+        for node in ast.walk(ast.parse(path.read_text(encoding='utf-8'))):
+            if isinstance(node, ast.Import):
+                found |= {alias.name.partition('.')[0] for alias in node.names}
+            elif isinstance(node, ast.ImportFrom) and node.module:
+                found.add(node.module.partition('.')[0])
     return found
 
 
 def third_party(*folders):
-    return sorted(packages_imported(*folders) - set(sys.stdlib_module_names) - set(OURS))
+    imported = set().union(*map(packages_imported, folders))
+    return sorted(imported - set(sys.stdlib_module_names) - set(OURS))
 
 
 def ros_depends():

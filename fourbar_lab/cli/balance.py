@@ -149,16 +149,16 @@ MORE = {'radius': 'radius [m]>', 'half_angle': 'half-angle [rad]>'}      # of pl
 
 def _tables(loads: Loads, found: Balance) -> tuple[PlainTable, PlainTable]:
     from fourbar_lab.balancing.result import changes
-    from fourbar_ros.report.terminal import plain_table
+    from fourbar_ros.report.terminal import PlainTable
     fields: tuple[str, ...] = found.counterweights[0]._fields if found.counterweights else ()
-    weights = plain_table('counterweights, from the first joint of their link',
-                          ('link', 'mass [kg]>', 'along [m]>', 'across [m]>',
-                           *(MORE[name] for name in fields[4:])))
+    weights = PlainTable('counterweights, from the first joint of their link',
+                         ('link', 'mass [kg]>', 'along [m]>', 'across [m]>',
+                          *(MORE[name] for name in fields[4:])))
     for one in found.counterweights:
         # a workshop's digits; those behind them are the solver's, and the scene file's
         weights.add_row(one.link, *(f'{value:.7g}' for value in one[1:]))
-    table = plain_table('loads of inertia', ('', 'unit', 'RMS before>', 'after>', 'peak before>',
-                                             'after>'))
+    table = PlainTable('loads of inertia', ('', 'unit', 'RMS before>', 'after>', 'peak before>',
+                                            'after>'))
     for change in changes(loads, found.numbers):
         table.add_row(change.name, change.unit,
                       *(f'{value:.6g}' for value in (*change.rms, *change.peak)))

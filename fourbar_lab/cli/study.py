@@ -111,7 +111,7 @@ def _show(arguments: argparse.Namespace) -> None:
         range_rows,
     )
     from fourbar_lab.studies.results import Results
-    from fourbar_ros.report.terminal import make_console, plain_table
+    from fourbar_ros.report.terminal import make_console, PlainTable
     results, console = Results(arguments.study), make_console()
     console.print(about(results))
     parts: list[tuple[str, Sequence[str], Sequence[Sequence[str]]]] = [
@@ -126,7 +126,7 @@ def _show(arguments: argparse.Namespace) -> None:
             columns, front = front_rows(results)
             parts.append((FRONT, _right(columns, 0), front))
     for title, heads, lines in parts:
-        table = plain_table(title, heads)
+        table = PlainTable(title, heads)
         for line in lines:
             table.add_row(*line)
         console.print()

@@ -46,7 +46,7 @@ def add(actions: Verbs) -> None:
 def _run(arguments: argparse.Namespace) -> None:
     from fourbar_lab.studies.study import read
     from fourbar_lab.studies.tolerance_analysis import box_of, tolerances
-    from fourbar_ros.report.terminal import make_console, plain_table
+    from fourbar_ros.report.terminal import make_console, PlainTable
     study = read(arguments.study)
     if arguments.rows:
         study = replace(study, rows=arguments.rows)
@@ -65,7 +65,7 @@ def _run(arguments: argparse.Namespace) -> None:
             ('derivatives, and what each tolerance contributes',
              ('measure', 'parameter', 'derivative>', 'unit', '+->'),
              [row for one in found for row in _derivative_rows(one, box)])):
-        table = plain_table(title, heads)
+        table = PlainTable(title, heads)
         for row in rows:
             table.add_row(*row)
         console.print(table)

@@ -23,7 +23,7 @@ from fourbar_lab.reproduction.verdicts import (
     VERDICTS,
     WRONG,
 )
-from fourbar_ros.report.terminal import make_console, plain_table
+from fourbar_ros.report.terminal import make_console, PlainTable
 import yaml
 
 if TYPE_CHECKING:
@@ -204,7 +204,7 @@ def print_tables(sections: Sequence[Section], console: Console | None = None) ->
     console = console or make_console()
     for section in sections:
         notes = footnotes(section)
-        table = plain_table(section.title, COLUMNS)
+        table = PlainTable(section.title, COLUMNS)
         for row in section.rows:
             table.add_row(*cells(row), f'({notes[row.reason]})' if row.reason else '')
         console.print(table)

@@ -72,7 +72,7 @@ def add(verbs: Verbs) -> None:
 
 @dataclass(frozen=True)
 class Report(Generic[Result]):
-    """How the result of an action on a bag is reported: in full, or in a row of a table."""
+    """How results of an action on bags are printed: one in full, several as rows of a table."""
 
     to_json: Callable[[Path, Result], Json]
     print_in_full: Callable[[Result], None]
@@ -90,7 +90,12 @@ def _add_bags(parser: ArgumentParser) -> None:
 
 def _run(arguments: Namespace, work: Callable[..., Result], text: str, report: Report[Result]
          ) -> int:
-    """Run ``work(bag, progress=...)`` on all bags, report, return the exit code."""
+    """
+    Run ``work(bag, progress=...)`` on all bags of the command line, print the results.
+
+    ``text`` stands at the progress bar. Returns the exit code: 1 if a bag cannot be read, BAD if
+    a result is not good, else 0.
+    """
     from fourbar_ros.bag.read.collection import bags_below, each
     from fourbar_ros.errors import BagError
     bags = bags_below(arguments.bags)
@@ -118,8 +123,9 @@ def _run(arguments: Namespace, work: Callable[..., Result], text: str, report: R
 
 def _print_table(bags: Sequence[Path], results: Sequence[Result | Exception],
                  report: Report[Result]) -> None:
-    from fourbar_ros.report.terminal import make_console, plain_table
-    table = plain_table('', ('bag', *report.columns))
+    """Print a row for each bag, with its result or why it could not be read."""
+    from fourbar_ros.report.terminal import make_console, PlainTable
+    table = PlainTable('', ('bag', *report.columns))
     for bag, result in zip(bags, results):
         if isinstance(result, Exception):
             table.add_row(str(bag), *[''] * (len(report.columns) - 1), f'error: {result}')
@@ -155,24 +161,25 @@ def _add_recover(actions: Verbs) -> None:
                                              'intact record is copied, verified by its checksum; '
                                              'the old bag is only read.')
     recover.add_argument('bag', metavar='BAG', help=BAG_HELP)
-    recover.add_argument('-o', '--out', metavar='DIR', help='folder of the new bag; default '
-                                                            'NAME_recovered')
+    recover.add_argument('-o', '--out', metavar='DIR',
+                         help='folder of the new bag; default NAME_recovered')
     recover.set_defaults(run=_recover)
 
 
 def _recover(arguments: Namespace) -> int:
+    """Copy the intact messages of a bag; print what is lost. Return BAD if anything is."""
     from fourbar_ros.bag.repair import recover
     with reading(arguments.bag, 'recovering') as step:
-        found = recover(arguments.bag, arguments.out, step)
-    print(f'{found.path}: {found.messages} messages, '
-          + (f'{found.lost} bytes lost' if found.lost else 'nothing lost'))
-    for damage in found.damaged[:PLACES]:
+        recovered = recover(arguments.bag, arguments.out, step)
+    print(f'{recovered.path}: {recovered.messages} messages, '
+          + (f'{recovered.lost} bytes lost' if recovered.lost else 'nothing lost'))
+    for damage in recovered.damaged[:PLACES]:
         print(f'damaged: {damage}')
-    if len(found.damaged) > PLACES:
-        print(f'damaged: and {len(found.damaged) - PLACES} more places')
-    for topic, count in found.missing.items():
+    if len(recovered.damaged) > PLACES:
+        print(f'damaged: and {len(recovered.damaged) - PLACES} more places')
+    for topic, count in recovered.missing.items():
         print(f'missing: {count} messages of {topic}')
-    return BAD if found.lost or found.damaged or found.missing else 0
+    return BAD if recovered.lost or recovered.damaged or recovered.missing else 0
 
 
 def _add_recompute(actions: Verbs) -> None:
@@ -198,6 +205,7 @@ def _add_recompute(actions: Verbs) -> None:
 
 
 def _recompute(arguments: Namespace) -> int:
+    """Recompute the outputs of bags, by the library or by generated C code (``--with``)."""
     from fourbar_ros.bag.comparison.recompute import compare
     from fourbar_ros.cli.bag_report import (
         json_of_recomputed,
@@ -277,17 +285,18 @@ def _add_diff(actions: Verbs) -> None:
 
 
 def _diff(arguments: Namespace) -> int:
+    """Compare two bags topic by topic; return BAD if they differ by more than the tolerance."""
     from fourbar_ros.bag.comparison.diff import diff
     from fourbar_ros.cli.bag_report import diff_table, json_of_diff
-    with reading(arguments.first, 'comparing topic by topic') as step:
-        found = diff(arguments.first, arguments.second, arguments.topics, step)
+    first, second, tolerance = arguments.first, arguments.second, arguments.tolerance
+    with reading(first, 'comparing topic by topic') as step:
+        topics = diff(first, second, arguments.topics, step)
     if arguments.json:
-        print(json_line(json_of_diff(arguments.first, arguments.second, found,
-                                     arguments.tolerance)))
+        print(json_line(json_of_diff(first, second, topics, tolerance)))
     else:
         from fourbar_ros.report.terminal import make_console
-        make_console().print(diff_table(found, arguments.tolerance))
-    return 0 if all(topic.is_same(arguments.tolerance) for topic in found) else BAD
+        make_console().print(diff_table(topics, tolerance))
+    return 0 if all(topic.is_same(tolerance) for topic in topics) else BAD
 
 
 def _add_scene(actions: Verbs) -> None:

@@ -1,9 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-What ``fourbar bag`` finds: tables for the terminal, and one line of JSON a bag.
+Results of ``fourbar bag`` as tables for the terminal, and as one line of JSON a bag.
 
-The keys of the JSON are documented in docs/recording.md and stay.
+Scripts read the JSON: docs/recording.md lists its keys, which must not change.
 """
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from fourbar_ros.bag.comparison.diff import TopicDiff
 from fourbar_ros.bag.comparison.difference import Recomputed
 from fourbar_ros.bag.read.info import Info, software_of
 from fourbar_ros.cli.common import Json
-from fourbar_ros.report.terminal import make_console, plain_table, PlainTable
+from fourbar_ros.report.terminal import make_console, PlainTable
 
 INFO_COLUMNS = ('state', 's>', 'MB>', 'parts>', 'messages>', 'missing>', 'damage, end')
 RECOMPUTED_COLUMNS = ('inputs>', 'outputs compared>', 'largest difference>', 'verdict')
@@ -47,7 +47,8 @@ def print_info(found: Info, was_checked: bool) -> None:
 
 
 def _about(found: Info, was_checked: bool) -> PlainTable:
-    table = plain_table(str(found.file), ('', ''))
+    """Return the table of a bag's own properties: state, size, start, software, damage."""
+    table = PlainTable(str(found.file), ('', ''))
     table.show_header = False
     extent = 'read up to the damage' if found.damage else 'every message read'
     table.add_row('state', found.state + (f', {extent}' if was_checked else ''))
@@ -67,8 +68,9 @@ def _about(found: Info, was_checked: bool) -> PlainTable:
 
 
 def _topics(found: Info) -> PlainTable:
-    table, seconds = plain_table('', ('topic', 'type', 'messages>', 'Hz>',
-                                      'missing>')), _seconds(found)
+    """Return the table of the topics of a bag; empty cells where nothing is known."""
+    table = PlainTable('', ('topic', 'type', 'messages>', 'Hz>', 'missing>'))
+    seconds = _seconds(found)
     for topic in found.topics:
         rate = f'{(topic.messages - 1) / seconds:.2f}' if seconds and topic.messages > 1 else ''
         table.add_row(topic.topic, topic.type, str(topic.messages), rate,
@@ -104,7 +106,8 @@ def print_recomputed(found: Recomputed, tolerance: float, problems: Sequence[str
 
 
 def _differences(found: Recomputed, tolerance: float) -> PlainTable:
-    table = plain_table('', ('topic', 'field', 'messages>', 'largest difference>'))
+    """Return a table of the fields beyond the tolerance; of other topics, one row for all."""
+    table = PlainTable('', ('topic', 'field', 'messages>', 'largest difference>'))
     for topic in dict.fromkeys(difference.topic for difference in found.differences):
         of_topic = [difference for difference in found.differences if difference.topic == topic]
         shown = [difference for difference in of_topic if difference.largest > tolerance]
@@ -121,8 +124,8 @@ def _differences(found: Recomputed, tolerance: float) -> PlainTable:
 
 def diff_table(found: Sequence[TopicDiff], tolerance: float) -> PlainTable:
     """Return the table of all topics, with the fields that differ by more than the tolerance."""
-    table = plain_table('', ('topic', 'in both>', 'only first>', 'only second>', 'field',
-                             'largest difference>'))
+    table = PlainTable('', ('topic', 'in both>', 'only first>', 'only second>', 'field',
+                            'largest difference>'))
     for topic in found:
         worst = [difference for difference in topic.differences if difference.largest > tolerance]
         counts = [str(count) for count in (topic.messages, topic.only_first, topic.only_second)]
@@ -143,12 +146,10 @@ def json_of_error(bag: str | Path, error: BaseException) -> Json:
 def json_of_info(bag: str | Path, info: Info) -> Json:
     """Return the dict of an Info."""
     return {'bag': str(bag), 'sound': info.is_sound, 'state': info.state, 'size': info.size,
-            'parts': info.parts,
-            'start': info.start, 'end': info.end,
+            'parts': info.parts, 'start': info.start, 'end': info.end,
             'messages': sum(topic.messages for topic in info.topics),
             'missing': info.missing, 'dropped': info.dropped, 'ended': info.ended,
-            'lost': info.lost,
-            'damage': info.damage, 'about': info.about,
+            'lost': info.lost, 'damage': info.damage, 'about': info.about,
             'topics': [{'topic': topic.topic, 'type': topic.type, 'messages': topic.messages,
                         'missing': topic.missing} for topic in info.topics]}
 
@@ -160,10 +161,9 @@ def json_of_recomputed(bag: str | Path, found: Recomputed, tolerance: float,
     return {'bag': str(bag), 'good': not problems, 'problems': problems,
             'by_rounding': found.is_rounding, 'verdict': found.verdict(),
             'largest': found.largest, 'tolerance': tolerance, 'cut': found.cut,
-            'inputs': found.inputs,
-            'compared': found.compared, 'unmatched': found.unmatched, 'missing': found.missing,
-            'doubled': found.doubled, 'silent': found.silent, 'uncertain': found.uncertain,
-            'driven': found.driven,
+            'inputs': found.inputs, 'compared': found.compared, 'unmatched': found.unmatched,
+            'missing': found.missing, 'doubled': found.doubled, 'silent': found.silent,
+            'uncertain': found.uncertain, 'driven': found.driven,
             'differences': [difference._asdict() for difference in found.differences]}
 
 
@@ -173,6 +173,6 @@ def json_of_diff(first: str | Path, second: str | Path, topics: Sequence[TopicDi
     return {'first': str(first), 'second': str(second), 'tolerance': tolerance,
             'same': all(topic.is_same(tolerance) for topic in topics),
             'topics': [{'topic': topic.topic, 'same': topic.is_same(tolerance),
-                        'messages': topic.messages,
-                        'only_first': topic.only_first, 'only_second': topic.only_second,
-                        'largest': topic.largest} for topic in topics]}
+                        'messages': topic.messages, 'only_first': topic.only_first,
+                        'only_second': topic.only_second, 'largest': topic.largest}
+                       for topic in topics]}

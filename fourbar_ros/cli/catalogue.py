@@ -23,11 +23,11 @@ def add(verbs: Verbs) -> None:
 
 
 def _list(arguments: Namespace) -> None:
-    from fourbar_ros.report.terminal import make_console, plain_table
+    from fourbar_ros.report.terminal import make_console, PlainTable
     from fourbar_ros.scene.files import folder
     console = make_console()
     for title, below in (('scenes', ''), ('classics', 'classics'), ('studies', 'studies')):
-        table = plain_table(title, ['name', 'text'])
+        table = PlainTable(title, ['name', 'text'])
         for path in sorted((folder() / below).glob('*.yaml')):
             table.add_row(path.stem, about(path.read_text(encoding='utf-8')))
         console.print(table)
@@ -35,7 +35,7 @@ def _list(arguments: Namespace) -> None:
 
 
 def about(text: str) -> str:
-    """Return the first sentence of the comment at the top of a scene."""
+    """Return the first sentence of the comment at the top of a scene file."""
     words = []
     for line in text.splitlines():
         if not line.startswith('#'):

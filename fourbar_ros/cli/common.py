@@ -26,16 +26,17 @@ Json = dict[str, Any]      # what --json prints: text, numbers, lists and record
 
 
 class Verbs(Protocol):
-    """What argparse gives to add verbs to, whose class it keeps to itself."""
+    """The object of argparse that verbs are added to; its class is private there."""
 
     def add_parser(self, *args: Any, **kwargs: Any) -> argparse.ArgumentParser:
         """Return the parser of a new verb."""
 
 
 class HelpFormatter(argparse.HelpFormatter):
-    """Fills paragraphs to the terminal; of examples, which are indented, it keeps the lines."""
+    """Fills paragraphs of help to the terminal's width, but keeps lines of indented examples."""
 
     def _fill_text(self, text: str, width: int, indent: str) -> str:
+        """Return a description or epilog as lines of at most ``width``: argparse calls it."""
         lines: list[str] = []
         for is_example, part in groupby(text.splitlines(), lambda line: line[:1] in ('', ' ')):
             if is_example:
@@ -46,7 +47,7 @@ class HelpFormatter(argparse.HelpFormatter):
 
     @staticmethod
     def _example(line: str, width: int) -> list[str]:
-        """Return the lines of an example: a long one goes on in the next, its remark below it."""
+        """Return an example 'COMMAND   remark' as it is, or too long, in lines for a shell."""
         if len(line) <= width:
             return [line]
         start = ' ' * (len(line) - len(line.lstrip()))
@@ -85,10 +86,10 @@ def _scenes(prefix: str, **_: object) -> list[str]:
     return [*shipped(), *FilesCompleter(('yaml', 'yml'))(prefix)]
 
 
-def add_pose(parser: argparse.ArgumentParser, what_at: str, is_required: bool = False) -> None:
+def add_pose(parser: argparse.ArgumentParser, help_of_at: str) -> None:
     """Add the arguments for input, speed, acceleration and assembly mode."""
-    parser.add_argument('--at', type=of('angle', 'length'), required=is_required, metavar='INPUT',
-                        help=what_at + '; or with a unit: 60deg, 1.2rad, 50mm')
+    parser.add_argument('--at', type=of('angle', 'length'), metavar='INPUT',
+                        help=help_of_at + '; or with a unit: 60deg, 1.2rad, 50mm')
     add_rates(parser)
 
 
@@ -105,7 +106,7 @@ def add_rates(parser: argparse.ArgumentParser) -> None:
 
 
 def assembly_mode(text: str) -> int:
-    """Return an assembly mode of its number or name; for ``type=`` of an argument."""
+    """Return the assembly mode for a number or a name, '1' or 'crossed': an argument's type."""
     modes = {**MODES, **{str(mode): mode for mode in MODES.values()}}
     if text not in modes:
         raise argparse.ArgumentTypeError(f'{text!r}: must be 1 or crossed, 2 or open')
@@ -120,8 +121,8 @@ def add_json(parser: argparse.ArgumentParser) -> None:
 
 def add_node(parser: argparse.ArgumentParser) -> None:
     """Add ``--node``, for a bag with several."""
-    parser.add_argument('--node', metavar='NAME', help='node, if a bag of ros2 bag record holds '
-                                                       'several')
+    parser.add_argument('--node', metavar='NAME',
+                        help='node, if a bag of ros2 bag record holds several')
 
 
 def add_tolerance(parser: argparse.ArgumentParser, when: str = '') -> None:
@@ -149,6 +150,7 @@ def json_line(found: Json) -> str:
 
 
 def _plain(value: Any) -> Any:
+    """Return a value in which infinities and NaN, which JSON does not know, are text."""
     if isinstance(value, dict):
         return {key: _plain(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):
@@ -158,7 +160,7 @@ def _plain(value: Any) -> Any:
 
 @contextmanager
 def bar(text: str, total: int) -> Iterator[Callable[[int], None]]:
-    """Show a progress bar on a terminal; gives the function to call with the amount done."""
+    """Show a progress bar on a terminal; give the function to call with the amount done."""
     from rich.console import Console
     from rich.progress import Progress
     console = Console(stderr=True)
@@ -169,7 +171,16 @@ def bar(text: str, total: int) -> Iterator[Callable[[int], None]]:
 
 @contextmanager
 def reading(path: str | Path, text: str) -> Iterator[Callable[[int], None]]:
-    """Show how much of a bag is read; gives the function to call with the bytes read."""
+    """Show how much of a bag is read; give the function to call with the bytes read."""
     from fourbar_ros.bag.rosbag2 import files_of
     with bar(text, sum(file.stat().st_size for file in files_of(path))) as step:
         yield step
+
+
+def write_or_print(text: str, path: Path | None) -> None:
+    """Write a text to a file and print its path; without a path print the text itself."""
+    if path is None:
+        sys.stdout.write(text)
+    else:
+        path.write_text(text, encoding='utf-8')
+        print(path)

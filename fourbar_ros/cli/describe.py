@@ -5,9 +5,8 @@ from __future__ import annotations
 
 from argparse import Namespace
 from pathlib import Path
-import sys
 
-from fourbar_ros.cli.common import add_scene, add_verb, Verbs
+from fourbar_ros.cli.common import add_scene, add_verb, Verbs, write_or_print
 
 SUFFIXES = {'.urdf': 'urdf', '.sdf': 'sdf', '.mjcf': 'mjcf', '.xml': 'mjcf'}
 EPILOG = """\
@@ -42,8 +41,4 @@ def _describe(arguments: Namespace) -> None:
     from fourbar_ros.scene.scene import load
     suffix = arguments.out.suffix if arguments.out else ''
     text = describe(load(arguments.scene), arguments.format or SUFFIXES.get(suffix, 'urdf'))
-    if arguments.out is None:
-        sys.stdout.write(text)
-    else:
-        arguments.out.write_text(text, encoding='utf-8')
-        print(arguments.out)
+    write_or_print(text, arguments.out)

@@ -44,38 +44,37 @@ def add(verbs: Verbs) -> None:
 
 
 def _draw(arguments: Namespace) -> None:
+    """Draw what the options ask for: a cycle as a film, curves over a cycle, or one pose."""
     from fourbar_ros.errors import InvalidParameter
+    from fourbar_ros.report.drawing import save
     from fourbar_ros.report.poses import position_of, require_units
     from fourbar_ros.scene.scene import load
     scene = load(arguments.scene)
     linkage = scene.in_mode(arguments.mode)
     require_units(linkage, arguments.at, arguments.speed, arguments.acceleration)
     speed = scene.drive.speed if arguments.speed is None else arguments.speed
-    points = scene.points
+    position = None if arguments.at is None else position_of(linkage, arguments.at)
     if arguments.animate:
         from fourbar_ros.report.animation import animate
-        print(animate(linkage, speed, points, arguments.out))
+        print(animate(linkage, speed, scene.points, arguments.out))
     elif arguments.over == 'axis':
         from fourbar_ros.report.axis import make_axis_figure
-        from fourbar_ros.report.drawing import save
-        at = None if arguments.at is None else position_of(linkage, arguments.at)
-        print(save(make_axis_figure(linkage, speed, at), arguments.out))
+        print(save(make_axis_figure(linkage, speed, position), arguments.out))
     elif arguments.over:
         from fourbar_ros.report.cycles import make_cycle_figure
-        from fourbar_ros.report.drawing import save
         if arguments.over == 'forces' and scene.why_no_loads:
             raise InvalidParameter('--over', arguments.over, scene.why_no_loads)
         print(save(make_cycle_figure(arguments.over, linkage, speed, arguments.acceleration,
-                                     points), arguments.out))
-    elif arguments.at is None:
+                                     scene.points), arguments.out))
+    elif position is None:
         raise InvalidParameter('--at', None, 'must be given, or --animate, or --over')
     else:
-        here = scene.linkage_at(linkage, position_of(linkage, arguments.at), speed)
-        _draw_pose(arguments, here, speed, points)
+        # springs and other forces of the scene that act in this pose
+        _draw_pose(arguments, scene.linkage_at(linkage, position, speed), speed, scene.points)
 
 
 def _draw_pose(arguments: Namespace, linkage: Mechanism, speed: float, points: Points) -> None:
-    """Draw one pose with its forces and polygons."""
+    """Draw one pose with its forces and polygons; its title names class, input and rates."""
     from fourbar_ros.report.drawing import make_figure, save
     from fourbar_ros.report.poses import step_at
     from fourbar_ros.report.tables import class_name, mode_name, rate_unit

@@ -41,10 +41,10 @@ def add(verbs: Verbs) -> None:
 
 def _generate(arguments: Namespace) -> None:
     from fourbar_ros.generated import generate
-    found = generate(arguments.scene, arguments.out, arguments.format, arguments.outputs,
-                     arguments.parameters)
-    for path in found.files:
+    written = generate(arguments.scene, arguments.out, arguments.format, arguments.outputs,
+                       arguments.parameters)
+    for path in written.files:
         print(path)
-    print(f'{found.operations} operations a sample')
-    for note in found.notes:
+    print(f'{written.operations} operations a sample')
+    for note in written.notes:
         print(f'fourbar: note: {note}', file=sys.stderr)

@@ -5,9 +5,8 @@ from __future__ import annotations
 
 from argparse import Namespace
 from pathlib import Path
-import sys
 
-from fourbar_ros.cli.common import add_scene, add_verb, Verbs
+from fourbar_ros.cli.common import add_scene, add_verb, Verbs, write_or_print
 
 TOOLS = ('rviz', 'foxglove', 'plotjuggler')
 EPILOG = """\
@@ -43,11 +42,6 @@ def _layout(arguments: Namespace) -> None:
     from fourbar_ros.scene.scene import load
     scene, node = load(arguments.scene), '/' + arguments.node.strip('/')
     if arguments.tool == 'rviz' and not scene.pictures:
-        raise InvalidParameter('outputs', list(scene.outputs), 'RViz shows robot_description, tf, '
-                                                               'markers and traces: name some')
-    text = getattr(layouts, arguments.tool)(scene, node)
-    if arguments.out is None:
-        sys.stdout.write(text)
-    else:
-        arguments.out.write_text(text, encoding='utf-8')
-        print(arguments.out)
+        raise InvalidParameter('outputs', list(scene.outputs),
+                               'RViz shows robot_description, tf, markers and traces: name some')
+    write_or_print(getattr(layouts, arguments.tool)(scene, node), arguments.out)

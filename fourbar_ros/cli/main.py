@@ -89,11 +89,11 @@ def parser() -> argparse.ArgumentParser:
 
 
 def _of_other_packages() -> Iterator[Any]:
-    """Yield the modules of verbs by name; one that cannot be imported is left out, with a line."""
-    found = {entry.name: entry for entry in entry_points(group=GROUP)}
-    for name in sorted(found):
+    """Yield the modules of other packages' verbs, by name; report one that cannot be imported."""
+    entries = {entry.name: entry for entry in entry_points(group=GROUP)}
+    for name in sorted(entries):
         try:
-            yield found[name].load()
+            yield entries[name].load()
         except ImportError as error:
             print(f'fourbar: no verb {name}: {error}', file=sys.stderr)
 
@@ -135,21 +135,21 @@ _ENDING = [signal.Signals[name] for name in ('SIGTERM', 'SIGHUP') if hasattr(sig
 @contextlib.contextmanager
 def _terminable() -> Iterator[None]:
     """
-    Let SIGTERM and SIGHUP end a verb like Ctrl-C, with no partial output left.
+    Let SIGTERM and SIGHUP end a verb by an exception, exit code 128 + number, as Ctrl-C does.
 
-    Exit code 128 + number.
+    So ``finally`` blocks run, and no partial output is left.
     """
     def end(number: int, _: object) -> NoReturn:
         raise SystemExit(128 + number)
 
-    old = {}
+    before = {}
     if threading.current_thread() is threading.main_thread():
-        old = {number: signal.signal(number, end) for number in _ENDING
-               if signal.getsignal(number) is signal.SIG_DFL}       # not under nohup
+        before = {number: signal.signal(number, end) for number in _ENDING
+                  if signal.getsignal(number) is signal.SIG_DFL}    # not what nohup ignores
     try:
         yield
     finally:
-        for number, handler in old.items():
+        for number, handler in before.items():
             signal.signal(number, handler)
 
 

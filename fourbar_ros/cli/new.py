@@ -47,7 +47,7 @@ class Section(NamedTuple):
 
 
 def add(verbs: Verbs) -> None:
-    """Add the verb."""
+    """Add the verb, with an option for each length of any kind of mechanism."""
     new = add_verb(verbs, 'new', 'write a scene from a few numbers', DESCRIPTION, EPILOG)
     new.add_argument('file', metavar='FILE', help='scene to write, e.g. my.yaml')
     new.add_argument('--kind', choices=KINDS, default='four_bar', metavar='KIND',
@@ -59,9 +59,9 @@ def add(verbs: Verbs) -> None:
                          help=f'{"; ".join(texts)} [m], or with a unit: 50mm')
     new.add_argument('--mode', type=assembly_mode, default=2, metavar='MODE',
                      help='assembly mode: 1 (crossed) or 2 (open, the default)')
-    new.add_argument('--speed', type=of('angular speed'), default=measured('60rpm',
-                                                                           'angular speed'),
-                     metavar='SPEED', help='of the crank [rad/s], or 300rpm (default 60rpm)')
+    new.add_argument('--speed', type=of('angular speed'), metavar='SPEED',
+                     default=measured('60rpm', 'angular speed'),
+                     help='of the crank [rad/s], or 300rpm (default 60rpm)')
     section = new.add_mutually_exclusive_group()
     section.add_argument('--bar', type=_bar, metavar='WIDTHxTHICKNESS',
                          help='flat bars of this section, e.g. 20x5mm')
@@ -72,13 +72,13 @@ def add(verbs: Verbs) -> None:
 
 
 def _bar(text: str) -> Section:
-    """Return the section of a text as 20x5mm or 20mmx5mm: a unit given once is that of both."""
+    """Return the section [m] for '20x5mm' or '2cmx5mm': a unit given once is that of both."""
     match = BAR.fullmatch(text)
     if not match:
         raise ArgumentTypeError(f'{text!r}: must be WIDTHxTHICKNESS, e.g. 20x5mm')
-    width, its_unit, thickness, unit = match.groups()
+    width, unit_of_width, thickness, unit = match.groups()
     return Section(*(_positive(text, measured(size, 'length')) for size in (
-        width + (its_unit or unit), thickness + (unit or its_unit))))
+        width + (unit_of_width or unit), thickness + (unit or unit_of_width))))
 
 
 def _rod(text: str) -> Section:
@@ -92,6 +92,7 @@ def _positive(text: str, size: float) -> float:
 
 
 def _density(text: str) -> float:
+    """Return the density [kg/m^3] for the name of a material or a number with a unit."""
     if text in MATERIALS:
         return MATERIALS[text]
     try:
@@ -102,6 +103,7 @@ def _density(text: str) -> float:
 
 
 def _new(arguments: Namespace) -> None:
+    """Write the scene file; delete it again if it does not load, as with impossible lengths."""
     from fourbar_ros.scene.scene import load
     path = Path(arguments.file)
     if not path.suffix:
@@ -125,18 +127,22 @@ def _new(arguments: Namespace) -> None:
 
 
 def _lengths(arguments: Namespace) -> dict[str, float]:
-    """Return the lengths given, or asked for; a signed one may be left out."""
+    """
+    Return {name: length [m]} of the kind: as given, or asked for on a terminal.
+
+    Signed lengths, as the offset of a guide, are 0 unless given.
+    """
     given = {name: value for name in NAMES if (value := getattr(arguments, name)) is not None}
-    wanted = {length.name: length for length in KINDS[arguments.kind].LENGTHS}
+    lengths = {length.name: length for length in KINDS[arguments.kind].LENGTHS}
     for name, value in given.items():
-        if name not in wanted:
+        if name not in lengths:
             raise InvalidParameter(f'--{name}', value, f'is no length of a {arguments.kind}')
-    return {name: given[name] if name in given else 0.0 if length.signed else _asked(length)
-            for name, length in wanted.items()}
+    return {name: given[name] if name in given else 0.0 if length.signed else _ask_for(length)
+            for name, length in lengths.items()}
 
 
-def _asked(length: Length) -> float:
-    """Return a length from the terminal."""
+def _ask_for(length: Length) -> float:
+    """Return a length [m] that the user types on the terminal; raise if there is none."""
     while sys.stdin.isatty():
         try:
             return measured(input(f'{length.name}, {length.text} [m, or 50mm]: '), 'length')
@@ -150,38 +156,52 @@ def _asked(length: Length) -> float:
 
 def scene_text(kind: str, lengths: dict[str, float], mode: int, speed: float,
                section: Section | None, density: float) -> str:
-    """Return a scene as text, with comments; lengths [m], speed [rad/s], density [kg/m^3]."""
+    """
+    Return a scene as YAML text with comments; lengths [m], speed [rad/s], density [kg/m^3].
+
+    Without a section there are no masses, and the node sends no loads.
+    """
     lines = [f'# A {kind.replace("_", "-")}. Lengths in m, angles in rad, masses in kg.', '/**:',
              '  ros__parameters:', '    linkage:', f'      kind: {kind}']
-    lines += [f'{f"      {length.name}: {_text(lengths[length.name])}":<27}# {length.text} [m]'
+    lines += [_line(f'{length.name}: {_text(lengths[length.name])}', f'{length.text} [m]')
               for length in KINDS[kind].LENGTHS]
-    lines += [f'{f"      mode: {mode}":<27}# 1 crossed, 2 open']
+    lines += [_line(f'mode: {mode}', '1 crossed, 2 open')]
     if section:
         lines += ['    bodies:', *_bodies(kind, section, density)]
     lines += ['    drive:', '      source: timer',
-              f'{f"      speed: {_text(speed)}":<27}# [rad/s], {speed * 30.0 / pi:.6g} rpm',
-              f'{"      rate: 200.0":<27}# [Hz] of the samples',
+              _line(f'speed: {_text(speed)}', f'[rad/s], {speed * 30.0 / pi:.6g} rpm'),
+              _line('rate: 200.0', '[Hz] of the samples'),
               '    outputs: [state, output, joint_states'
               + (', loads, shaking_wrench]' if section else ']'), '']
     return '\n'.join(lines)
 
 
+def _line(entry: str, comment: str) -> str:
+    return f'{"      " + entry:<27}# {comment}'
+
+
 def _bodies(kind: str, section: Section, density: float) -> list[str]:
-    """Return the lines of the bodies; links without two joints have to be given by hand."""
-    what, size = ((f'bars {section.width:g} x {section.thickness:g} m',
-                   f'width: {_text(section.width)}, thickness: {_text(section.thickness)}')
-                  if section.thickness else (f'rods of {section.width:g} m diameter',
-                                             f'radius: {_text(0.5 * section.width)}'))
-    lines = [f'      # {what}, {density:g} kg/m^3',
+    """
+    Return the YAML lines that give all bars or rods their masses.
+
+    Links without a length, as slides, get zeros, for which the user puts in their own.
+    """
+    if section.thickness:
+        text = f'bars {section.width:g} x {section.thickness:g} m'
+        size = f'width: {_text(section.width)}, thickness: {_text(section.thickness)}'
+    else:
+        text = f'rods of {section.width:g} m diameter'
+        size = f'radius: {_text(0.5 * section.width)}'
+    lines = [f'      # {text}, {density:g} kg/m^3',
              f'      rods: {{density: {_text(density)}, {size}}}']
     for link in KINDS[kind].LINKS:
         if not link.length:
-            its = 'mass: 0.0, inertia: 0.0' if link.turns else 'mass: 0.0'
-            lines.append(f'      {link.name}: {{{its}}}     # {link.text}: give its own')
+            zeros = 'mass: 0.0, inertia: 0.0' if link.turns else 'mass: 0.0'
+            lines.append(f'      {link.name}: {{{zeros}}}     # {link.text}: give its own')
     return lines
 
 
 def _text(value: float) -> str:
-    """Return a number as YAML has it: always with a point."""
+    """Return a number for YAML, with a point or an exponent: ROS takes 3 for an integer."""
     text = f'{value:.10g}'
     return text if '.' in text or 'e' in text else text + '.0'

@@ -76,6 +76,7 @@ def add(verbs: Verbs) -> None:
 
 
 def _replay(arguments: argparse.Namespace) -> int:
+    """Publish a bag; keys of the terminal pause it or change its rate meanwhile."""
     ros_args = ['--ros-args', *arguments.ros_args] if arguments.ros_args else []
     if arguments.inputs_only:
         return _inputs_only(arguments, ros_args)
@@ -89,12 +90,11 @@ def _replay(arguments: argparse.Namespace) -> int:
     with Keyboard() as keyboard, _status(first, last, pace, keyboard.is_there) as show:
         def on_tick(now: int) -> None:
             for key in keyboard.pressed():
-                actions.get(key, lambda: None)()
+                actions[key]()
             show(now)
         count = replay(arguments.bag, arguments.topics, arguments.rate, arguments.start,
-                       arguments.loop,
-                       arguments.follow, arguments.clock, arguments.delay, ros_args, pace, on_tick,
-                       arguments.readers)
+                       arguments.loop, arguments.follow, arguments.clock, arguments.delay,
+                       ros_args, pace, on_tick, arguments.readers)
     print(f'{count} messages published')
     return 0
 
@@ -103,9 +103,10 @@ def _replay(arguments: argparse.Namespace) -> int:
 def _status(first: int | None, last: int | None, pace: Pace, has_keys: bool
             ) -> Iterator[Callable[[int], None]]:
     """
-    Print the extent of the bag; gives the function that shows progress on a terminal.
+    Print the extent of the bag; give the function that shows progress on a terminal.
 
-    The function takes the time of the bag [ns] and updates the terminal ten times per second.
+    ``first``, ``last``: times of its messages [ns], None if the bag does not tell. The function
+    takes the time of the bag [ns] and updates the terminal ten times per second.
     """
     from datetime import datetime
 
@@ -117,21 +118,21 @@ def _status(first: int | None, last: int | None, pace: Pace, has_keys: bool
     if first is not None and last is not None:
         print(f'{(last - first) * 1e-9:.3f} s, from {date(first)} to {date(last)}', flush=True)
     console = Console(stderr=True, highlight=False)
-    shown = 0.0
+    updated = 0.0
     if has_keys and console.is_terminal:
         print('space: pause, right: next message, up and down: faster and slower', flush=True)
     with Live(console=console, auto_refresh=False,
               transient=True) if console.is_terminal else nullcontext() as live:
         def show(now: int) -> None:
-            nonlocal shown, first
-            if live and time.monotonic() - shown > REFRESH:
-                shown, first = time.monotonic(), now if first is None else first
+            nonlocal updated, first
+            if live and time.monotonic() - updated > REFRESH:
+                updated, first = time.monotonic(), now if first is None else first
                 live.update(status_line(now, first, last, pace), refresh=True)
         yield show
 
 
 def status_line(now: int, first: int, last: int | None, pace: Pace) -> str:
-    """Return the progress of a replay: time of the bag, of how much, time left, rate."""
+    """Return the progress of a replay, '3.0 s of 10.0 s, 7.0 s left, rate 1'; times in [ns]."""
     text = f'{(now - first) * 1e-9:.1f} s'
     if last is not None:
         left = max(last - now, 0) * 1e-9
@@ -140,19 +141,21 @@ def status_line(now: int, first: int, last: int | None, pace: Pace) -> str:
 
 
 def _inputs_only(arguments: argparse.Namespace, ros_args: Sequence[str]) -> int:
-    from fourbar_ros.report.terminal import make_console, plain_table
+    """Drive a live node with a bag; print how its outputs differ, return BAD if they do."""
+    from fourbar_ros.report.terminal import make_console, PlainTable
     from fourbar_ros.ros.clients.rerun import drive_live
-    found = drive_live(arguments.bag, arguments.node, arguments.rate, arguments.start, ros_args)
-    table = plain_table('', ('topic', 'answers>', 'missing>', 'largest difference>', 'field'))
-    for answer in found.answers:
+    answers, notes = drive_live(arguments.bag, arguments.node, arguments.rate, arguments.start,
+                                ros_args)
+    table = PlainTable('', ('topic', 'answers>', 'missing>', 'largest difference>', 'field'))
+    for answer in answers:
         table.add_row(answer.topic, str(answer.messages), str(answer.missing),
                       f'{answer.largest:g}', answer.field)
     make_console().print(table)
-    for note in found.notes:
+    for note in notes:
         print(note)
-    good = all(not answer.missing and answer.largest <= arguments.tolerance
-               for answer in found.answers)
-    return 0 if any(answer.messages for answer in found.answers) and good else BAD
+    is_good = all(not answer.missing and answer.largest <= arguments.tolerance
+                  for answer in answers)
+    return 0 if any(answer.messages for answer in answers) and is_good else BAD
 
 
 KEYS = {b'\x1b[A': 'up', b'\x1b[B': 'down', b'\x1b[C': 'right', b'\x1b[D': 'left', b' ': 'space'}
@@ -160,14 +163,9 @@ KEYS = {b'\x1b[A': 'up', b'\x1b[B': 'down', b'\x1b[C': 'right', b'\x1b[D': 'left
 
 class Keyboard:
     """
-    Reads keys as they are pressed, in a ``with`` block; from what is no terminal, nothing.
+    Reads keys as they are pressed, in a ``with`` block.
 
-    Attributes
-    ----------
-    is_there : bool
-        Whether keys can be read: standard input is a terminal and this program is in its
-        foreground.
-
+    ``is_there`` tells whether it can: standard input is a terminal with us in its foreground.
     """
 
     _old: list[Any]         # settings of the terminal, to be restored
@@ -177,6 +175,7 @@ class Keyboard:
         self._rest = b''
 
     def __enter__(self) -> Keyboard:
+        """Have the terminal pass on each key at once instead of whole lines."""
         try:
             import termios
             import tty
@@ -186,8 +185,7 @@ class Keyboard:
                 self._old = termios.tcgetattr(self._number)
                 tty.setcbreak(self._number)
                 self.is_there = True
-        # no terminals here, or stdin is closed or replaced
-        except (ImportError, OSError, ValueError):
+        except (ImportError, OSError, ValueError):       # on Windows; stdin closed or replaced
             pass
         return self
 
@@ -207,11 +205,12 @@ class Keyboard:
         return self._named()
 
     def _named(self) -> list[str]:
-        found = []
+        """Take the keys from the bytes read; drop other bytes, keep the beginning of a key."""
+        names = []
         while self._rest:
             key = next((key for key in KEYS if self._rest.startswith(key)), None)
             if key is None and any(other.startswith(self._rest) for other in KEYS):
                 break                                   # the rest of it is still to come
-            found += [KEYS[key]] if key else []
+            names += [KEYS[key]] if key else []
             self._rest = self._rest[len(key or b'x'):]
-        return found
+        return names

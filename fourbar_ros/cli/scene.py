@@ -1,11 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-``fourbar scene check``: whether a scene is valid, what its node does, what a step costs.
+``fourbar scene``: ``check`` tells what the node of a scene does and costs, ``policy`` its rights.
 
-The SROS2 policy of a scene's node: what it may publish, subscribe, serve, and no more.
-
-Made of the tables of topics and services, so it cannot fall behind them. No ROS is imported.
+The SROS2 policy is made from the tables of topics and services, so it cannot fall behind them.
 """
 from __future__ import annotations
 
@@ -21,11 +19,10 @@ from fourbar_ros.scene.topics import FIND_EXTREMA, SERVICES
 if TYPE_CHECKING:
     from fourbar_ros.mechanisms.mechanism import Mechanism
     from fourbar_ros.report.terminal import PlainTable
-    from fourbar_ros.scene.parameter_table import Parameter
     from fourbar_ros.scene.scene import DriveSettings
 
-STEPS, ROUNDS = 2000, 5        # of the measurement: some 50 ms
-LONG = 20                      # numbers of a table that is shown by its ends
+STEPS, ROUNDS = 2000, 5        # of the measured computing time: some 50 ms in all
+LONG = 20                      # numbers above which a table is shown by its ends
 
 
 def add(verbs: Verbs) -> None:
@@ -59,6 +56,7 @@ def _policy(arguments: Namespace) -> None:
 
 
 def _check(arguments: Namespace) -> None:
+    """Load a scene as a node would, with its pictures, and print what the node will do."""
     from fourbar_ros.report.tables import class_name
     from fourbar_ros.report.terminal import make_console
     from fourbar_ros.scene.scene import load
@@ -78,6 +76,7 @@ def _check(arguments: Namespace) -> None:
 
 
 def _leaves_the_range(linkage: Mechanism, drive: DriveSettings) -> str:
+    """Return the note that the timer drives the input beyond its range, at once or later."""
     from fourbar_ros.errors import in_words
     from fourbar_ros.pipeline.status import evaluate, OUT_OF_RANGE
     unit = linkage.input_coordinate.unit
@@ -89,13 +88,12 @@ def _leaves_the_range(linkage: Mechanism, drive: DriveSettings) -> str:
 
 
 def _drive_in_words(scene: Scene) -> str:
-    from fourbar_ros.report.tables import rate_unit
+    """Return a sentence on what moves the input: the timer, a topic, or a torque."""
     from fourbar_ros.scene.topics import INPUTS
-    drive = scene.drive
+    drive, unit = scene.drive, scene.linkage.input_coordinate.unit
     if drive.source == 'timer':
-        return (f'The timer drives the input at {drive.speed:g} {rate_unit(scene.linkage)} from '
-                f'{drive.start:g} {rate_unit(scene.linkage)[:-2]}, with {drive.rate:g} samples '
-                'per second.')
+        return (f'The timer drives the input at {drive.speed:g} {unit}/s from {drive.start:g} '
+                f'{unit}, with {drive.rate:g} samples per second.')
     if scene.dynamics:
         return _torque_in_words(scene)
     topic = INPUTS[drive.source]
@@ -105,22 +103,23 @@ def _drive_in_words(scene: Scene) -> str:
 
 
 def _torque_in_words(scene: Scene) -> str:
-    from fourbar_ros.report.tables import rate_unit
+    """Return a sentence on the source of the torque, how it is coupled, and the start."""
     from fourbar_ros.scene.topics import TORQUE
-    drive, values, unit = scene.drive, scene.values, rate_unit(scene.linkage)
+    drive, values, unit = scene.drive, scene.values, scene.linkage.input_coordinate.unit
     source = (f'{TORQUE.type} on {TORQUE.topic}' if drive.source == 'torque'
               else f'a motor ({values["motor.kind"]})')
     shaft = scene.dynamics.drive.shaft if scene.dynamics else None
     coupled = f'through a shaft of {shaft.stiffness:g} N m/rad' if shaft else 'rigidly'
     return (f'The motion follows from torque: {source}, coupled {coupled}, starts at '
-            f'{drive.start:g} {unit[:-2]} with {drive.start_speed:g} {unit}; {drive.rate:g} '
+            f'{drive.start:g} {unit} with {drive.start_speed:g} {unit}/s; {drive.rate:g} '
             'samples per second.')
 
 
 def _outputs_table(scene: Scene) -> PlainTable:
-    from fourbar_ros.report.terminal import plain_table
+    """Return the table of the outputs of a scene, and of those that it could name too."""
+    from fourbar_ros.report.terminal import PlainTable
     from fourbar_ros.scene.topics import OUTPUTS, PICTURES
-    table = plain_table('outputs', ('name', 'topic', 'type', ''))
+    table = PlainTable('outputs', ('name', 'topic', 'type', ''))
     for topic in (*scene.topics.values(), *scene.pictures.values()):
         table.add_row(topic.name, topic.topic, topic.type, 'loads' if topic.needs_loads else '')
     for name in (*OUTPUTS, *PICTURES):
@@ -130,14 +129,16 @@ def _outputs_table(scene: Scene) -> PlainTable:
 
 
 def _changed_table(scene: Scene) -> PlainTable:
-    from fourbar_ros.report.terminal import plain_table
+    """Return the table of parameters that are not at their default; NaN stands for not given."""
+    from fourbar_ros.report.terminal import PlainTable
     from fourbar_ros.scene.parameters import of_name
-    table = plain_table('parameters that differ from their default',
-                        ('parameter', 'value', 'unit'))
+    table = PlainTable('parameters that differ from their default',
+                       ('parameter', 'value', 'unit'))
     for name, value in scene.values.items():
         parameter = of_name(name)
         if value != parameter.default and value == value:
-            table.add_row(name, _shown(value), _unit(parameter, scene.linkage))
+            unit = parameter.unit.split(' or ')[-1 if scene.linkage.is_driven_by_slide else 0]
+            table.add_row(name, _shown(value), unit)     # of 'rad or m', that of the input
     return table
 
 
@@ -148,21 +149,17 @@ def _shown(value: Any) -> str:
     return str(value)
 
 
-def _unit(parameter: Parameter, linkage: Mechanism) -> str:
-    """Return the unit of a parameter; for "rad or m" that of the driven joint."""
-    return parameter.unit.split(' or ')[-1 if linkage.is_driven_by_slide else 0]
-
-
 def step_cost(scene: Scene) -> float:
-    """Return the computing time of one step of a scene on this machine [s], the least of some."""
+    """Return the computing time of one step on this machine [s]: the least mean of 5 rounds."""
     from fourbar_ros.pipeline.status import evaluate
     low, high = scene.linkage.input_ranges[0]
-    angle, speed = 0.5 * (low + high) + 0.1 * (high - low), scene.drive.speed
-    return min(repeat(lambda: evaluate(scene.linkage, angle, speed, 0.0, scene.needs_loads),
+    position, speed = 0.5 * (low + high) + 0.1 * (high - low), scene.drive.speed
+    return min(repeat(lambda: evaluate(scene.linkage, position, speed, 0.0, scene.needs_loads),
                       number=STEPS, repeat=ROUNDS)) / STEPS
 
 
 def _cost_in_words(scene: Scene) -> str:
+    """Return sentences on the computing time of a step, and at its rate the share of a core."""
     cost = step_cost(scene)
     computed = 'motion and loads' if scene.needs_loads else 'motion only, no loads'
     rate = (f', {100.0 * cost * scene.drive.rate:.2g} % of a core at {scene.drive.rate:g} Hz'
@@ -181,7 +178,11 @@ DIAGNOSTICS = '/diagnostics'
 
 
 def policy(scene: Scene, node: str = '/fourbar', use_sim_time: bool = False) -> str:
-    """Return the policy, XML, of a node by its full name."""
+    """
+    Return the SROS2 policy, XML, that lets a node (full name) do what its scene needs, no more.
+
+    ``use_sim_time``: the node may also subscribe to /clock.
+    """
     namespace, _, name = node.rpartition('/')
     root = ElementTree.Element('policy', version='0.2.0')
     enclave = ElementTree.SubElement(ElementTree.SubElement(root, 'enclaves'), 'enclave',
@@ -203,7 +204,7 @@ def policy(scene: Scene, node: str = '/fourbar', use_sim_time: bool = False) -> 
 
 
 def _allowed(scene: Scene) -> dict[str, list[str]]:
-    """Return {what the node does: names of topics, services or actions}."""
+    """Return {verb of SROS2: names of topics, services or actions} that a node needs."""
     return {'publish': [*OF_ALL, DIAGNOSTICS, *(topic.topic for topic in scene.published)],
             'subscribe': [topic.topic for topic in scene.received],
             'reply': [*(f'~/{name}' for name in PARAMETER_SERVICES),

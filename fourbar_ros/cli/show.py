@@ -57,6 +57,7 @@ def add(verbs: Verbs) -> None:
 
 
 def _show(arguments: Namespace) -> None:
+    """Find the extrema of a scene in a mode, and its pose if asked for; print or dump both."""
     from fourbar_ros.report.poses import evaluate_at, position_of, require_units
     from fourbar_ros.scene.files import find
     from fourbar_ros.scene.scene import load
@@ -70,11 +71,11 @@ def _show(arguments: Namespace) -> None:
         scene.linkage_at(scene.in_mode(mode), position_of(linkage, arguments.at), speed),
         arguments.at, speed, arguments.acceleration))
     shown = Shown(path, scene, linkage, speed, arguments.acceleration, pose)
-    found = _extrema(shown, arguments)
+    extrema = _extrema(shown, arguments)
     if arguments.json:
-        print(json_line(_record(shown, found)))
+        print(json_line(_record(shown, extrema)))
     else:
-        _print(shown, found, arguments.certify)
+        _print(shown, extrema, arguments.certify)
     warn(scene)
 
 
@@ -97,14 +98,16 @@ class Shown(NamedTuple):
                 'no masses given, so no loads: see bodies.* in docs/reference.md')
 
 
-def _record(shown: Shown, found: list[Extremum]) -> Json:
+def _record(shown: Shown, extrema: list[Extremum]) -> Json:
+    """Return all that ``show`` prints as one record in SI units."""
     from fourbar_ros.report.record import record_of
     return {'scene': str(shown.path), 'speed': shown.speed, 'acceleration': shown.acceleration,
             'why_no_loads': shown.why_no_loads,
-            **record_of(shown.linkage, found, shown.scene.points, shown.pose)}
+            **record_of(shown.linkage, extrema, shown.scene.points, shown.pose)}
 
 
-def _print(shown: Shown, found: list[Extremum], with_proofs: bool) -> None:
+def _print(shown: Shown, extrema: list[Extremum], with_proofs: bool) -> None:
+    """Print the tables: properties, extrema, and with a pose its motion, loads and points."""
     from fourbar_ros.report.poses import loads_table, motion_table, points_table
     from fourbar_ros.report.tables import (
         extrema_table,
@@ -114,14 +117,14 @@ def _print(shown: Shown, found: list[Extremum], with_proofs: bool) -> None:
         what_it_is,
     )
     from fourbar_ros.report.terminal import make_console
-    linkage, pose, points, unit = (shown.linkage, shown.pose, shown.scene.points,
-                                   rate_unit(shown.linkage))
-    driven = f'{shown.speed:g} {unit}' + (f' and {shown.acceleration:g} {unit}^2'
-                                          if shown.acceleration else '')
+    linkage, pose, points = shown.linkage, shown.pose, shown.scene.points
+    rates = f'{shown.speed:g} {rate_unit(linkage)}'
+    if shown.acceleration:
+        rates += f' and {shown.acceleration:g} {rate_unit(linkage)}^2'
     tables: list[PlainTable | str | None] = [
         what_it_is(linkage, shown.path),
-        extrema_table(linkage, found, f'extrema at {driven}, mode {mode_name(linkage)}'),
-        proofs_in_words(found) if with_proofs else None, shown.why_no_loads]
+        extrema_table(linkage, extrema, f'extrema at {rates}, mode {mode_name(linkage)}'),
+        proofs_in_words(extrema) if with_proofs else None, shown.why_no_loads]
     if pose:
         tables += [motion_table(linkage, pose),
                    loads_table(linkage, pose.loads) if pose.loads else None,
@@ -134,6 +137,7 @@ def _print(shown: Shown, found: list[Extremum], with_proofs: bool) -> None:
 
 
 def _extrema(shown: Shown, arguments: Namespace) -> list[Extremum]:
+    """Return the extrema of all quantities; a proof of them shows its progress."""
     from fourbar_ros.extrema.find import find_extrema
     from fourbar_ros.mechanisms.quantities import select
     with bar('proof', 100) as done:

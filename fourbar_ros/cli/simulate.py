@@ -12,7 +12,7 @@ import time
 from typing import TYPE_CHECKING
 
 from fourbar_ros.cli.common import add_scene, add_verb, BAD, bar, Verbs
-from fourbar_ros.report.terminal import make_console, plain_table
+from fourbar_ros.report.terminal import make_console, PlainTable
 from fourbar_ros.scene.arguments import finite, positive
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 METHODS = ('auto', 'DOP853', 'LSODA', 'Radau', 'RK45', 'BDF')
-MOST = 3_000_000
+MOST = 3_000_000        # evaluations of the equation of motion, by default
 EPILOG = """\
 examples:
   fourbar simulate motor --until 2                 a motor starts the paper's crank-rocker
@@ -67,42 +67,36 @@ def add(verbs: Verbs) -> None:
 
 
 def _simulate(arguments: Namespace) -> int:
+    """Simulate a scene, write its bag if asked for, print a summary; BAD if it ended early."""
     from fourbar_ros.dynamics.solve.simulate import REACHED
+    from fourbar_ros.errors import BagError
     from fourbar_ros.scene.scene import load
     from fourbar_ros.scene.simulated import simulate_scene
-    scene, began = load(arguments.scene), time.process_time()
-    _check_output(arguments.output)
-    with _shown() as progress:
+    scene, began, out = load(arguments.scene), time.process_time(), arguments.output
+    if out is not None and out.exists():         # refused before the work is done, not after
+        raise BagError(f'{out}: exists already')
+    with _progress() as show:
         simulated = simulate_scene(scene, arguments.until, arguments.tolerance, arguments.method,
                                    arguments.torque, evaluations=arguments.evaluations,
-                                   seconds=arguments.seconds, progress=progress)
+                                   seconds=arguments.seconds, progress=show)
     took = time.process_time() - began
-    written = _written(simulated, arguments.output)
+    if out is not None:
+        from fourbar_ros.ros.offline import write_bag
+        with bar('writing the bag', simulated.run.time.size) as step:
+            out = write_bag(simulated, out.absolute(), step)
     print_summary(simulated, arguments.scene, arguments.tolerance, took)
-    if written:
-        print(f'wrote {written}')
+    if out is not None:
+        print(f'wrote {out}')
     return 0 if simulated.run.status == REACHED else BAD
 
 
-def _written(simulated: SimulatedScene, path: Path | None) -> Path | None:
-    """Return the path of the bag of a run, None if none is wanted."""
-    if path is None:
-        return None
-    from fourbar_ros.ros.offline import write_bag
-    with bar('writing the bag', simulated.run.time.size) as progress:
-        return write_bag(simulated, path.absolute(), progress)
-
-
-def _check_output(path: Path | None) -> None:
-    """Refuse a bag that exists before the work is done, not after."""
-    if path is not None and path.exists():
-        from fourbar_ros.errors import BagError
-        raise BagError(f'{path}: exists already')
-
-
 @contextmanager
-def _shown() -> Iterator[Callable[[float], None]]:
-    """Give a function that shows how much of a run is done, and the time left of it."""
+def _progress() -> Iterator[Callable[[float], None]]:
+    """
+    Give the function to call with the share of a run that is done, 0 to 1; a bar shows it.
+
+    A share that falls belongs to the next run, at a tighter tolerance.
+    """
     from rich.console import Console
     from rich.progress import (
         BarColumn,
@@ -114,22 +108,26 @@ def _shown() -> Iterator[Callable[[float], None]]:
     console = Console(stderr=True)
     with Progress(TextColumn('{task.description}'), BarColumn(), TaskProgressColumn(),
                   TimeRemainingColumn(), console=console, transient=True,
-                  disable=not console.is_terminal) as shown:
-        task, run, before = shown.add_task('integrating, run 1', total=1.0), 1, 0.0
+                  disable=not console.is_terminal) as progress:
+        task, run, before = progress.add_task('integrating, run 1', total=1.0), 1, 0.0
 
-        def report(share: float) -> None:
+        def show(share: float) -> None:
             nonlocal run, before
-            if share < before - 0.01:      # the next run, at a tighter tolerance
+            if share < before - 0.01:
                 run, before = run + 1, share
-                shown.reset(task, description=f'integrating, run {run}')
-            if share > before + 1e-3:
+                progress.reset(task, description=f'integrating, run {run}')
+            if share > before + 1e-3:      # integrators report far more often than eyes see
                 before = share
-                shown.update(task, completed=share)
-        yield report
+                progress.update(task, completed=share)
+        yield show
 
 
 def print_summary(simulated: SimulatedScene, name: str, tolerance: float, took: float) -> None:
-    """Print how a run ended, how well it is known, its ripple and its extrema."""
+    """
+    Print how a run ended, how exact it is, the ripple of its speed, and its extrema.
+
+    ``took``: CPU time [s]; ``tolerance``: as the user asked for.
+    """
     run, console = simulated.run, make_console()
     unit = simulated.scene.linkage.input_coordinate.unit
     end = float(run.time[-1])
@@ -149,8 +147,8 @@ def print_summary(simulated: SimulatedScene, name: str, tolerance: float, took: 
     if len(modes) > 1:
         console.print(f'The motion goes through both assembly modes, {modes[0]} and {modes[1]}.')
     console.print()
-    table = plain_table('extrema over the run', ('quantity', 'unit', 'lowest>', 'at [s]>',
-                                                 'highest>', 'at [s]>'))
+    table = PlainTable('extrema over the run', ('quantity', 'unit', 'lowest>', 'at [s]>',
+                                                'highest>', 'at [s]>'))
     for peak in simulated.peaks():
         table.add_row(peak.name, peak.unit, f'{peak.low:.6g}', f'{peak.low_at:g}',
                       f'{peak.high:.6g}', f'{peak.high_at:g}')

@@ -51,6 +51,7 @@ def _add_arguments(verb: ArgumentParser, out: str, default: str) -> None:
 
 
 def _curves(arguments: Namespace, is_table: bool) -> Curves:
+    """Return the quantities asked for; if none, a table has all, a picture no components."""
     from fourbar_ros.mechanisms.quantities import select
     from fourbar_ros.report.curves import curves_of
     from fourbar_ros.report.poses import require_units

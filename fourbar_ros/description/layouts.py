@@ -17,7 +17,7 @@ from fourbar_ros.scene.scene import Scene
 import yaml
 
 NODE = '/fourbar'
-# class in RViz of each picture, and the entry that holds its topic
+# {output: (class of RViz's display, its entry for the topic)}
 CLASSES = {'robot_description': ('RobotModel', 'Description Topic'),
            'tf': ('TF', None), 'markers': ('MarkerArray', 'Topic'),
            'traces': ('MarkerArray', 'Topic')}
@@ -27,7 +27,7 @@ Titled = tuple[str, Sequence[tuple[str, str]]]      # title of a plot, (topic, f
 
 
 def rviz(scene: Scene, node: str = NODE) -> str:
-    """Return an RViz configuration, YAML: description, frames and markers, seen from above."""
+    """Return an RViz configuration, YAML, that shows the pictures of a scene from above."""
     size = max(map(abs, scene.linkage.lengths))
     displays: list[dict[str, Any]] = [
         {'Class': 'rviz_default_plugins/Grid', 'Name': 'Grid', 'Enabled': True,
@@ -72,13 +72,11 @@ def foxglove(scene: Scene, node: str = NODE) -> str:
             'paths': [{'value': f'{curve.topic}.{curve.field}', 'label': curve.label,
                        'enabled': True, 'timestampMethod': 'headerStamp'}
                       for curve in plot.curves]}
-    names = list(panels)
-    machine = [name for name in names if name[0] == '3']
-    plots = [name for name in names if name[0] == 'P']
+    plots = [name for name in panels if name.startswith('Plot!')]
     layout = _stack(plots)
-    if machine:
-        layout = ({'direction': 'row', 'first': machine[0], 'second': layout,
-                   'splitPercentage': 50} if plots else machine[0])
+    if scene.pictures:
+        layout = ({'direction': 'row', 'first': '3D!machine', 'second': layout,
+                   'splitPercentage': 50} if plots else '3D!machine')
     return json.dumps({'configById': panels, 'globalVariables': {}, 'userNodes': {},
                        'playbackConfig': {'speed': 1}, 'layout': layout}, indent=2) + '\n'
 
@@ -103,7 +101,7 @@ def _machine(scene: Scene, node: str) -> dict[str, Any]:
 
 
 def _stack(names: list[str]) -> Any:
-    """Return panels one below the other, of the same height."""
+    """Return nested splits, each of two parts, that stack panels of equal height."""
     if len(names) < 2:
         return names[0] if names else ''
     return {'direction': 'column', 'first': names[0], 'second': _stack(names[1:]),
@@ -111,7 +109,7 @@ def _stack(names: list[str]) -> Any:
 
 
 def plotjuggler(scene: Scene, node: str = NODE) -> str:
-    """Return a layout for PlotJuggler, XML; its curves are named ``TOPIC/FIELD/OF/FIELD``."""
+    """Return a layout for PlotJuggler, XML: tabs of ROWS plots; curves are named TOPIC/FIELD."""
     root, plots = Element('root'), plots_of(scene, node)
     window = add(root, 'tabbed_widget', name='Main Window', parent='main_window')
     for first in range(0, len(plots), ROWS):
@@ -134,7 +132,7 @@ def plotjuggler(scene: Scene, node: str = NODE) -> str:
 # --- plots ---------------------------------------------------------------------------------------
 
 class Curve(NamedTuple):
-    """A field of a message: full name of the topic, the field with dots, what a legend says."""
+    """A curve: full name of a topic, a field of its message with dots, the text of the legend."""
 
     topic: str
     field: str
@@ -149,7 +147,7 @@ class Plot(NamedTuple):
 
 
 def full_name(topic: str, node: str = NODE) -> str:
-    """Return the full name of a topic of a node."""
+    """Return the full name: '~/state' of /left/leg is /left/leg/state, 'tf' is /left/tf."""
     if topic.startswith('~'):
         return node + topic[1:]
     return topic if topic.startswith('/') else f'{node.rpartition("/")[0]}/{topic}'
@@ -165,37 +163,38 @@ def plots_of(scene: Scene, node: str = NODE) -> list[Plot]:
 
 
 def _label(topic: str, field: str) -> str:
-    """Return the field; before it the member of a family of topics that has it."""
+    """Return the text of a legend: the field; of a topic '~/points/tip' 'tip' before it."""
     _, is_member, name = topic.removeprefix('~/').partition('/')
     return f'{name} {field.removeprefix("wrench.")}' if is_member else field
 
 
 def _states(scene: Scene) -> list[Titled]:
-    """Return positions, rates and accelerations of joints, angles and slides apart."""
+    """Return plots of position, rate, acceleration of the joints, angles and slides apart."""
     if 'state' not in scene.topics:
         return []
-    topic, known = scene.topics['state'].topic, scene.layout.fields['state']
+    topic, fields = scene.topics['state'].topic, scene.layout.fields['state']
     coordinates = [*dict.fromkeys(joint.coordinate for joint in scene.linkage.JOINTS)]
-    found = []
+    plots = []
     for unit in ('rad', 'm'):
-        for place, what in enumerate(('position', 'rate', 'acceleration')):
-            names = [coordinate[place] for coordinate in coordinates if coordinate.unit == unit]
-            suffix = ('', '/s', '/s^2')[place]
-            found.append((f'{what} [{unit}{suffix}]',
-                          [(topic, name) for name in names if name in known]))
-    return [*found, ('transmission angle [rad]', [(topic, 'transmission_angle')])]
+        for i, (what, per) in enumerate((('position', ''), ('rate', '/s'),
+                                         ('acceleration', '/s^2'))):
+            names = [coordinate[i] for coordinate in coordinates if coordinate.unit == unit]
+            plots.append((f'{what} [{unit}{per}]',
+                          [(topic, name) for name in names if name in fields]))
+    return [*plots, ('transmission angle [rad]', [(topic, 'transmission_angle')])]
 
 
 def _loads(scene: Scene) -> list[Titled]:
+    """Return plots of the forces at the joints, the drive, and the shaking moment."""
     if 'loads' not in scene.topics:
         return []
-    topic, known = scene.topics['loads'].topic, scene.layout.fields['loads']
-    forces = [name for name in known if name in (*scene.linkage.reactions, 'shaking_force')]
-    drive = 'driving_force' if scene.linkage.is_driven_by_slide else 'driving_torque'
-    others = [(f'{drive.replace("_", " ")} [{"N" if drive.endswith("force") else "N m"}]', drive),
+    topic, fields = scene.topics['loads'].topic, scene.layout.fields['loads']
+    forces = [name for name in fields if name in (*scene.linkage.reactions, 'shaking_force')]
+    others = [('driving force [N]', 'driving_force') if scene.linkage.is_driven_by_slide
+              else ('driving torque [N m]', 'driving_torque'),
               ('shaking moment [N m]', 'shaking_moment')]
     return [('forces [N]', [(topic, name) for name in forces]),
-            *((title, [(topic, name)] if name in known else []) for title, name in others)]
+            *((title, [(topic, name)]) for title, name in others if name in fields)]
 
 
 def _links(scene: Scene) -> list[Titled]:
@@ -213,13 +212,13 @@ def _points(scene: Scene) -> list[Titled]:
 
 
 def _members(scene: Scene, family: str, field: str) -> list[tuple[str, str]]:
-    """Return a field of all topics of a family of outputs."""
+    """Return (topic, field) for each topic of a family: 'points', 'links' or 'reactions'."""
     return [(topic.topic, field) for name, topic in scene.topics.items()
             if name.startswith(f'{family}/')]
 
 
 def _output(scene: Scene) -> list[Titled]:
-    """Return the output's motion where the scene sends it without the state."""
+    """Return plots of the output's motion, if the scene does not send the whole state too."""
     if 'output' not in scene.topics or 'state' in scene.topics:
         return []
     topic = scene.topics['output'].topic

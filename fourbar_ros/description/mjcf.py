@@ -21,15 +21,7 @@ SOLIMP = (0.9999, 0.9999, 0.001, 0.5, 2.0)     # as hard as it gets
 
 
 def mjcf(model: Model) -> str:
-    """
-    Return the MJCF of a model.
-
-    Raises
-    ------
-    NoDescription
-        A loop is cut at a slide, for which MuJoCo has no constraint.
-
-    """
+    """Return the MJCF of a model; raise NoDescription if a loop is cut at a slide."""
     for closure in model.closures:
         if closure.connection.axis is not None:
             raise NoDescription(f'the loop of joint {closure.name} is cut at a slide, for which '
@@ -55,6 +47,7 @@ def mjcf(model: Model) -> str:
 
 
 def _body(parent: Element, link: ModelLink, place: int, size: float) -> Element:
+    """Add a link with joint, mass and shapes to the body that carries it; return its element."""
     x, y, angle = link.joint.at_zero
     body = add(parent, 'body', name=link.frame, pos=(x, y, 0.0), euler=(0.0, 0.0, angle))
     joint = add(body, 'joint', name=link.joint.name, type='slide' if link.joint.slides else
@@ -62,19 +55,20 @@ def _body(parent: Element, link: ModelLink, place: int, size: float) -> Element:
     if link.joint.limits and link.joint.is_driven:
         joint.set('range', ' '.join(map(repr, link.joint.limits)))
     if link.body:
-        mass, along, across, *moments = inertia_of(link.body, size)
-        add(body, 'inertial', pos=(along, across, 0.0), mass=mass, diaginertia=tuple(moments))
+        mass, x, y, *moments = inertia_of(link.body, size)
+        add(body, 'inertial', pos=(x, y, 0.0), mass=mass, diaginertia=tuple(moments))
     _geoms(body, link.shapes, place)
     return body
 
 
 def _geoms(body: Element, shapes: Sequence[Shape], place: int) -> None:
-    """Add shapes that touch nothing; without masses in the scene, they give the body its mass."""
+    """Add shapes without contacts; in a scene without masses they give the body its mass."""
     for shape in shapes:
         add(body, 'geom', **_geometry(shape), rgba=colour(place), contype='0', conaffinity='0')
 
 
 def _geometry(shape: Shape) -> dict[str, str | float | tuple[float, ...]]:
+    """Return the attributes of a geom; MuJoCo has half lengths."""
     if isinstance(shape, Rod):
         return {'type': 'capsule', 'size': shape.radius,
                 'fromto': (*shape.start, 0.0, *shape.end, 0.0)}
@@ -100,12 +94,8 @@ def _equality(root: Element, model: Model, bodies: dict[str, Element]) -> None:
 
 
 def _in_depth(model: Model) -> list[ModelJoint]:
-    """Return the joints in MuJoCo's order: each body's, then those of the bodies in it."""
-    below: dict[str, list[ModelLink]] = {}
-    for link in model.links:
-        below.setdefault(link.parent, []).append(link)
-
-    def of(frame: str) -> list[ModelJoint]:
-        return [joint for link in below.get(frame, ())
-                for joint in (link.joint, *of(link.frame))]
-    return of(model.root)
+    """Return the joints in the order of MuJoCo's coordinates: a body's, then of those on it."""
+    def joints_on(frame: str) -> list[ModelJoint]:
+        return [joint for link in model.links if link.parent == frame
+                for joint in (link.joint, *joints_on(link.frame))]
+    return joints_on(model.root)

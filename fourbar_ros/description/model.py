@@ -11,7 +11,7 @@ and each joint beyond that closes a loop.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import nan
+from math import isnan, nan
 from typing import NamedTuple
 
 from fourbar_ros.description.shapes import Shape, shapes_of
@@ -25,40 +25,20 @@ from fourbar_ros.scene.scene import Scene
 import numpy as np
 
 SAMPLES = 721          # over the range of the input, for the limits of passive slides
-MARGIN = 0.01          # by which these limits are wider than what the samples show
-LEAST = 1e-9           # of mass times size squared: for a body that has none, as a slider's
+MARGIN = 0.01          # share by which these limits are wider than the samples show
+LEAST = 1e-9           # [kg], or times mass and size squared: for a body without mass or inertia
 
 
 class ModelJoint(NamedTuple):
-    """
-    A joint of the tree.
+    """A joint of the tree; joint position = ratio * coordinate + offset."""
 
-    Parameters
-    ----------
-    name : str
-        As in ``joint_states``.
-    connection : Connection
-        The links it joins, by the names of the mechanism.
-    coordinate : Coordinate
-        The coordinate of the motion.
-    ratio, offset : float
-        joint = ratio * coordinate + offset.
-    limits : tuple of 2 floats, optional
-        Limits of the joint [rad or m]; None: it turns without end.
-    start : float
-        Position of the joint at the start of the scene.
-    is_driven : bool
-        Whether it is the input.
-
-    """
-
-    name: str
-    connection: Connection
+    name: str                                   # in ``joint_states``
+    connection: Connection                      # of the mechanism's links
     coordinate: Coordinate
     ratio: float
     offset: float
-    limits: tuple[float, float] | None
-    start: float
+    limits: tuple[float, float] | None          # [rad or m]; None: it turns without end
+    start: float                                # its position at the start of the scene
     is_driven: bool
 
     @property
@@ -68,7 +48,7 @@ class ModelJoint(NamedTuple):
 
     @property
     def travel(self) -> tuple[float, float] | None:
-        """Return how far a slide goes along the axis of its connection [m]; None of a pin."""
+        """Return (low, high) of a slide along the axis of its connection [m]; None of a pin."""
         if self.connection.axis is None or self.limits is None:
             return None
         low, high = sorted(self.ratio * (end - self.offset) for end in self.limits)
@@ -77,6 +57,7 @@ class ModelJoint(NamedTuple):
     @property
     def at_zero(self) -> tuple[float, float, float]:
         """Return (x, y, angle) of the child's frame in the parent's at joint position zero."""
+        # the coordinate there: ratio is 1 or -1, its own inverse
         (x, y), q = self.connection.on_parent, -self.ratio * self.offset + 0.0
         if self.connection.axis is None:
             return x, y, self.connection.turn + q
@@ -111,12 +92,7 @@ class ModelLink(NamedTuple):
 
 
 class Closure(NamedTuple):
-    """
-    A joint at which a loop is cut.
-
-    ``name``: the joint's in ``joint_states``; ``frames``: two frames that coincide where the loop
-    is closed, ``first`` on the parent and ``second`` on the child.
-    """
+    """A joint at which a loop is cut; its name is that in ``joint_states``."""
 
     name: str
     connection: Connection
@@ -127,7 +103,7 @@ class Closure(NamedTuple):
 
     @property
     def frames(self) -> tuple[str, str]:
-        """Return the names of the two frames."""
+        """Return two frames, on parent and child, that coincide where the loop is closed."""
         return f'closing_{self.name}_1', f'closing_{self.name}_2'
 
 
@@ -135,7 +111,8 @@ class Model(NamedTuple):
     """
     A scene for other programs.
 
-    ``points``: {name of a frame: (frame of its link, x, y)}; ``position``: the input at the start.
+    ``points``: {name of a frame: (frame of its link, x, y)}; ``position``: the input at the start;
+    ``size``: the longest length [m].
     """
 
     name: str
@@ -213,7 +190,7 @@ def start_of(scene: Scene) -> float:
 
 
 def _joint(scene: Scene, place: int, motion: NamedFields) -> ModelJoint:
-    """Return the joint at a place of JOINTS."""
+    """Return joint number ``place`` of JOINTS; ``motion``: of the start."""
     mechanism, shown = scene.linkage, scene.joint_states
     coordinate, name = mechanism.JOINTS[place].coordinate, scene.joint_names[place]
     connection, is_driven = mechanism.connections[place], coordinate == mechanism.input_coordinate
@@ -228,7 +205,11 @@ def _joint(scene: Scene, place: int, motion: NamedFields) -> ModelJoint:
 
 def _limits(mechanism: Mechanism, coordinate: Coordinate, connection: Connection,
             is_driven: bool) -> tuple[float, float] | None:
-    """Return the range of a joint's coordinate, None if it may turn without end."""
+    """
+    Return (low, high) of a joint's coordinate, None if it may turn without end.
+
+    That of the input is exact, that of a passive slide sampled, with a margin; pins have none.
+    """
     if is_driven:
         ranges = mechanism.input_ranges
         if mechanism.turns_fully or connection.axis is None and len(ranges) > 1:
@@ -245,19 +226,21 @@ def _limits(mechanism: Mechanism, coordinate: Coordinate, connection: Connection
 
 
 def _radius(scene: Scene) -> float:
-    """Return the radius of the scene's rods, half the width of bars, or a fair one [m]."""
-    radius = scene.values.get('bodies.rods.radius', nan)
-    if radius != radius:
-        radius = 0.5 * scene.values.get('bodies.rods.width', nan)
-    return radius if radius == radius else 0.02 * max(map(abs, scene.linkage.lengths))
+    """Return the radius [m] to draw rods with: the scene's, half a bar's width, or 2 % of size."""
+    for radius in (scene.values.get('bodies.rods.radius', nan),
+                   0.5 * scene.values.get('bodies.rods.width', nan)):
+        if not isnan(radius):
+            return float(radius)
+    return 0.02 * max(map(abs, scene.linkage.lengths))
 
 
 def _pose(link: LinkMotion) -> tuple[float, float, float]:
+    """Return (x, y, angle) of a link."""
     return link.x, link.y, float(np.arctan2(link.sine, link.cosine))
 
 
 def _check_names(model: Model) -> None:
-    """Refuse frames of one name: no format has two."""
+    """Raise NoDescription if two frames have one name, which no format allows."""
     names = [model.root, *(link.frame for link in model.links), *model.points,
              *(frame for closure in model.closures for frame in closure.frames)]
     for name in names:
@@ -271,19 +254,9 @@ class NoDescription(FourBarError):
 
 
 class Tree(NamedTuple):
-    """
-    Which joints hold the links, by their places in ``JOINTS``.
+    """The joints on which the links hang, and those that close loops, as indices of ``JOINTS``."""
 
-    Parameters
-    ----------
-    holding : dict
-        {name of a link: its joint}, each link after the one that carries it.
-    cut : tuple of int
-        The joints that close the loops.
-
-    """
-
-    holding: dict[str, int]
+    holding: dict[str, int]          # {link: its joint}, each link after the one that carries it
     cut: tuple[int, ...]
 
 
@@ -310,11 +283,11 @@ def tree_of(mechanism: Mechanism) -> Tree:
 
     chosen = {}
     for link in mechanism.LINKS:
-        at_its_first_joint = [joint for joint, its in enumerate(connections)
-                              if its.child == link.name and its.on_child == (0.0, 0.0)]
-        if not at_its_first_joint:
+        at_origin = [joint for joint, connection in enumerate(connections)
+                     if connection.child == link.name and connection.on_child == (0.0, 0.0)]
+        if not at_origin:
             raise NoDescription(f'no joint at the first joint of the link {link.name}')
-        chosen[link.name] = min(at_its_first_joint, key=preference)
+        chosen[link.name] = min(at_origin, key=preference)
     ordered: dict[str, int] = {}
     while len(ordered) < len(chosen):
         reached = {link: joint for link, joint in chosen.items() if link not in ordered

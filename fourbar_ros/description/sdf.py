@@ -22,7 +22,7 @@ WORLD = 'world'
 
 
 def sdf(model: Model) -> str:
-    """Return the SDF of a model."""
+    """Return the SDF of a model: links with their pose in the root, joints, frames of points."""
     root = Element('sdf', version=VERSION)
     element = add(root, 'model', name=model.name)
     comment(element, model.title)
@@ -45,7 +45,7 @@ def sdf(model: Model) -> str:
 
 
 def _upright(gravity: tuple[float, float]) -> tuple[float, float, float]:
-    """Return (roll, pitch, yaw) that turn the gravity of the scene downwards."""
+    """Return (roll, pitch, yaw) that turn gravity (g_x, g_y) of the scene to Gazebo's -z."""
     g_x, g_y = gravity
     if g_x == g_y == 0.0:
         return 0.0, 0.0, 0.0
@@ -61,25 +61,31 @@ def _ground(element: Element, model: Model) -> None:
     add(fixed, 'child', model.root)
 
 
-def _link(element: Element, link: ModelLink, place: int, model: Model) -> None:
+def _link(parent: Element, link: ModelLink, place: int, model: Model) -> None:
+    """Add a moving link: pose, mass, inertia about its centre of gravity, shapes."""
     x, y, angle = link.pose
-    its = add(element, 'link', name=link.frame)
-    add(its, 'pose', numbers(x, y, 0.0, 0.0, 0.0, angle))
+    element = add(parent, 'link', name=link.frame)
+    add(element, 'pose', numbers(x, y, 0.0, 0.0, 0.0, angle))
     if link.body:
-        mass, along, across, about_x, about_y, about_z = inertia_of(link.body, model.size)
-        inertial = add(its, 'inertial')
-        add(inertial, 'pose', numbers(along, across, 0.0, 0.0, 0.0, 0.0))
-        add(inertial, 'mass', numbers(mass))
-        inertia = add(inertial, 'inertia')
-        for name, value in (('ixx', about_x), ('iyy', about_y), ('izz', about_z),
-                            ('ixy', 0.0), ('ixz', 0.0), ('iyz', 0.0)):
-            add(inertia, name, numbers(value))
-    _visuals(its, link.shapes, place)
+        inertia = inertia_of(link.body, model.size)
+        inertial = add(element, 'inertial')
+        add(inertial, 'pose', numbers(inertia.x, inertia.y, 0.0, 0.0, 0.0, 0.0))
+        add(inertial, 'mass', numbers(inertia.mass))
+        moments = add(inertial, 'inertia')
+        for name, value in (('ixx', inertia.about_x), ('iyy', inertia.about_y),
+                            ('izz', inertia.about_z), ('ixy', 0.0), ('ixz', 0.0), ('iyz', 0.0)):
+            add(moments, name, numbers(value))
+    _visuals(element, link.shapes, place)
 
 
 def _joint(element: Element, name: str, parent: str, child: str, connection: Connection,
            ratio: float, start: float, limits: tuple[float, float] | None) -> None:
-    """Add a joint at its place on the child; its axis is given in the frame of the parent."""
+    """
+    Add a joint at its place on the child; its axis is given in the frame of the parent.
+
+    ``start``: its position in ``joint_states`` in the pose of the file, where SDF has zero; so
+    ``limits`` count from there.
+    """
     joint = add(element, 'joint', name=name,
                 type='prismatic' if connection.axis else 'revolute')
     comment(joint, f'position in joint_states: {start:.17g}')
@@ -97,6 +103,7 @@ def _joint(element: Element, name: str, parent: str, child: str, connection: Con
 
 
 def _visuals(link: Element, shapes: Sequence[Shape], place: int) -> None:
+    """Add the shapes of a link, in the colour of its place in the order of links."""
     for number, shape in enumerate(shapes):
         visual = add(link, 'visual', name=f'{link.get("name")}_visual_{number}')
         form, sizes = shape.form

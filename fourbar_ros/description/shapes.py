@@ -1,11 +1,11 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-The solids that links are drawn as: rods between their joints, pins, blocks on rails.
+Solids to draw links with: rods between their joints, pins, blocks on rails.
 
-From the connections alone, so that a mechanism of any kind has a look. Sizes are in proportion to
-the radius of the rods. Each solid has a ``pose`` (x, y, z, roll, pitch, yaw) in the frame of its
-link, a ``form`` in the words of URDF and SDF, and the ``sizes`` of that form.
+They follow from the connections alone, so mechanisms of any kind have them. Sizes are in
+proportion to the radius of the rods. Each solid has a ``pose`` (x, y, z, roll, pitch, yaw) in the
+frame of its link, and a ``form``: a word of URDF and SDF with its sizes [m].
 """
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Rod(NamedTuple):
 
     @property
     def pose(self) -> Pose:
-        """Return the pose of a cylinder along z that it is."""
+        """Return the pose of its cylinder, which URDF and SDF have along z."""
         (x, y), (u, v) = self.start, self.end
         return 0.5 * (x + u), 0.5 * (y + v), 0.0, 0.0, 0.5 * pi, atan2(v - y, u - x)
 
@@ -89,45 +89,38 @@ Joint = tuple[Connection, tuple[float, float] | None]     # with the travel of a
 def shapes_of(mechanism: Mechanism, joints: Iterable[Joint],
               points: Iterable[tuple[str, float, float]], radius: float) -> dict[str, list[Shape]]:
     """
-    Return {link, or GROUND: list of shapes in its frame}.
+    Return {link, or GROUND: list of shapes in its frame}, with rods of a radius [m].
 
-    Parameters
-    ----------
-    mechanism : Mechanism
-    joints : iterable of (Connection, travel)
-        Its joints; of one that slides how far it goes along its axis, (low, high).
-    points : iterable of (link, along, across)
-        Links reach as far as the points on them.
-    radius : float
-        Radius of the rods [m].
-
+    A pin joint is a pin on its parent; a slide is a rail on its parent, as long as its ``travel``
+    (low, high), and a block on its child. Rods of a link reach to its joints and ``points``, given
+    as (link, along, across).
     """
     places: dict[str, list[Place]] = {GROUND: [], **{link.name: [(0.0, 0.0)]
                                                      for link in mechanism.LINKS}}
-    found: dict[str, list[Shape]] = {name: [] for name in places}
-    for its, travel in joints:
-        if its.axis is None or travel is None:
-            places[its.parent].append(its.on_parent)
-            places[its.child].append(its.on_child)
-            found[its.parent].append(Pin(its.on_parent, 1.3 * radius, 3.0 * radius))
+    shapes: dict[str, list[Shape]] = {name: [] for name in places}
+    for connection, travel in joints:
+        parent, child, turn = connection.parent, connection.child, connection.turn
+        if connection.axis is None or travel is None:
+            places[parent].append(connection.on_parent)
+            places[child].append(connection.on_child)
+            shapes[parent].append(Pin(connection.on_parent, 1.3 * radius, 3.0 * radius))
         else:
-            (x, y), (u, v) = its.on_parent, its.axis
-            ends = [(x + way * u, y + way * v) for way in travel]
-            found[its.parent].append(Rod(ends[0], ends[1], 0.6 * radius))
-            angle = atan2(its.axis[1], its.axis[0]) - its.turn
-            found[its.child].append(Block(its.on_child, angle,
-                                          (6.0 * radius, 3.5 * radius, 3.0 * radius)))
+            (x, y), (u, v) = connection.on_parent, connection.axis
+            low, high = travel
+            if low < high:
+                shapes[parent].append(Rod((x + low * u, y + low * v), (x + high * u, y + high * v),
+                                          0.6 * radius))
+            shapes[child].append(Block(connection.on_child, atan2(v, u) - turn,
+                                       (6.0 * radius, 3.5 * radius, 3.0 * radius)))
     for name, along, across in points:
         places[name].append((along, across))
     for link in mechanism.LINKS:
-        found[link.name] += _rods(places[link.name], radius)
-    found[GROUND] = [shape for shape in found[GROUND] if not isinstance(shape, Rod)
-                     or shape.length > 0.0]
-    return found
+        shapes[link.name] += _rods(places[link.name], radius)
+    return shapes
 
 
 def _rods(places: Sequence[Place], radius: float) -> list[Rod]:
-    """Return rods through the places of a link, from one to the next along it."""
+    """Return rods through the places of a link, from one to the next along it; none too short."""
     different = sorted(set(places))
-    return [Rod(one, other, radius) for one, other in zip(different, different[1:])
-            if np.hypot(other[0] - one[0], other[1] - one[1]) > 0.1 * radius]
+    return [Rod(start, end, radius) for start, end in zip(different, different[1:])
+            if np.hypot(end[0] - start[0], end[1] - start[1]) > 0.1 * radius]

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from fourbar_ros.description.model import Closure, inertia_of, Model, ModelJoint, ModelLink
+from fourbar_ros.description.model import Closure, inertia_of, Model, ModelLink
 from fourbar_ros.description.shapes import Shape
 from fourbar_ros.description.xml import add, as_text, colour, comment, Element
 
@@ -34,6 +34,7 @@ def urdf(model: Model) -> str:
 
 
 def _link(robot: Element, link: ModelLink, place: int, size: float) -> None:
+    """Add a moving link with mass and shapes, and the joint it hangs on."""
     element = add(robot, 'link', name=link.frame)
     if link.body:
         mass, x, y, about_x, about_y, about_z = inertia_of(link.body, size)
@@ -42,12 +43,9 @@ def _link(robot: Element, link: ModelLink, place: int, size: float) -> None:
         add(inertial, 'mass', value=mass)
         add(inertial, 'inertia', ixx=about_x, iyy=about_y, izz=about_z, ixy=0.0, ixz=0.0, iyz=0.0)
     _visuals(element, link.shapes, place)
-    _joint(robot, link)
-
-
-def _joint(robot: Element, link: ModelLink) -> None:
     joint, (x, y, angle) = link.joint, link.joint.at_zero
-    element = add(robot, 'joint', name=joint.name, type=_type(joint))
+    kind = 'prismatic' if joint.slides else 'revolute' if joint.limits else 'continuous'
+    element = add(robot, 'joint', name=joint.name, type=kind)
     add(element, 'parent', link=link.parent)
     add(element, 'child', link=link.frame)
     add(element, 'origin', xyz=(x, y, 0.0), rpy=(0.0, 0.0, angle))
@@ -57,22 +55,18 @@ def _joint(robot: Element, link: ModelLink) -> None:
         add(element, 'limit', lower=low, upper=high, effort=UNLIMITED, velocity=UNLIMITED)
 
 
-def _type(joint: ModelJoint) -> str:
-    return 'prismatic' if joint.slides else 'revolute' if joint.limits else 'continuous'
-
-
 def _closure(robot: Element, closure: Closure) -> None:
-    """Add the two frames of a cut joint."""
-    its = closure.connection
+    """Add the two frames of a cut joint, at its place on both of its links."""
+    connection = closure.connection
     comment(robot, f'joint {closure.name} closes the loop here, which URDF cannot say: these two '
-                   'frames coincide' + (' along its axis' if its.axis else ''))
+                   'frames coincide' + (' along its axis' if connection.axis else ''))
     first, second = closure.frames
-    _fixed(robot, first, closure.parent, (*its.on_parent, 0.0))
-    _fixed(robot, second, closure.child, (*its.on_child, 0.0))
+    _fixed(robot, first, closure.parent, (*connection.on_parent, 0.0))
+    _fixed(robot, second, closure.child, (*connection.on_child, 0.0))
 
 
 def _fixed(robot: Element, name: str, frame: str, place: tuple[float, float, float]) -> None:
-    """Add a frame fixed to a link."""
+    """Add a frame at a place of another: in URDF, an empty link on a fixed joint."""
     add(robot, 'link', name=name)
     joint = add(robot, 'joint', name=f'{name}_fixed', type='fixed')
     add(joint, 'parent', link=frame)
@@ -81,6 +75,7 @@ def _fixed(robot: Element, name: str, frame: str, place: tuple[float, float, flo
 
 
 def _visuals(link: Element, shapes: Sequence[Shape], place: int) -> None:
+    """Add the shapes of a link, in the colour of its place in the order of links."""
     for shape in shapes:
         visual = add(link, 'visual')
         form, sizes = shape.form

@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""What the three formats share: elements, numbers with all their digits, colours."""
+"""XML for the three formats: elements, numbers with all their digits, colours."""
 from __future__ import annotations
 
 from xml.etree import ElementTree
@@ -12,13 +12,13 @@ GROUND_COLOUR = (0.45, 0.45, 0.45)
 
 
 def numbers(*values: float) -> str:
-    """Return numbers as text, none of their digits lost; no negative zeros."""
+    """Return numbers as text with all digits, '0.1 2 0'; no negative zeros."""
     return ' '.join(f'{value + 0.0!r}'.removesuffix('.0') for value in map(float, values))
 
 
 def add(parent: Element, tag: str, text: str = '', /,
         **attributes: str | float | tuple[float, ...]) -> Element:
-    """Add an element and return it; attributes that are numbers, or tuples of them, as text."""
+    """Add an element with a text and attributes, which may be numbers; return it."""
     element = ElementTree.SubElement(parent, tag, {
         name.rstrip('_'): value if isinstance(value, str) else
         numbers(*(value if isinstance(value, tuple) else (value,)))

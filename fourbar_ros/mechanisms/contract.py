@@ -1,9 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-The contract of a mechanism: what it states about itself, and the formulas it gives.
+The contract of a mechanism: what it states about itself, the formulas it gives.
 
-What follows from the contract of a mechanism before anything moves.
+And all that follows from these before anything moves: ranges, units, sizes.
 """
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from math import fsum, inf, nan, pi, remainder
 from typing import Any, ClassVar, NamedTuple, TypeVar
 
 from fourbar_ros.errors import InvalidParameter, one_of
-from fourbar_ros.mechanics.bodies import Applied, Body, NOT_APPLIED
+from fourbar_ros.mechanics.bodies import Applied, applied_to, Body
 from fourbar_ros.mechanisms.parts import (
     Arrow,
     Connection,
@@ -45,15 +45,16 @@ class of_geometry(cached_property[_T]):     # noqa: N801  (used as cached_proper
     """
     A cached property of lengths, assembly mode, input and stroke alone.
 
-    Mechanisms that differ in loads share it; every other cached property they compute again.
+    Copies with other loads share its value, see :meth:`.Formulas.with_external`; every other
+    cached property they compute again.
     """
 
 
 class Constants(NamedTuple):
     """
-    What the formulas of a mechanism are made for: floats, or numbers of any type.
+    The data of a mechanism that its formulas are made for, as floats.
 
-    Other numbers take their places by :func:`~fourbar_ros.numerics.number_types.converted`.
+    :func:`~fourbar_ros.numerics.number_types.converted` puts other numbers in their places.
     """
 
     lengths: Any
@@ -168,11 +169,10 @@ class Contract(ABC):
     @abstractmethod
     def singular_inputs(self) -> list[complex]:
         """
-        Return the complex inputs where the dyad is in line, or quantities have a pole, as a list.
+        Return the complex inputs where the dyad is in line, or quantities have a pole.
 
-        As far as their real part and the size of their imaginary part go: toggles (real), flat
-        positions of change points (real) and others. Extrema are searched for with samples that
-        crowd there.
+        Toggles and flat positions of change points are real. One of each conjugate pair is enough.
+        The search for extrema puts more samples near them, where quantities change fast.
         """
 
     @property
@@ -187,23 +187,20 @@ class Contract(ABC):
 
     @abstractmethod
     def link_motion(self, motion: NamedFields, link: str) -> LinkMotion:
-        """
-        Return the :class:`~fourbar_ros.mechanisms.points.LinkMotion` of a link by name.
-
-        Plain arithmetic with fields of the motion, whatever numbers these are.
-        """
+        """Return the motion of a link by name, from fields of a motion of any number type."""
 
     @abstractmethod
     def transmission_sine(self, motion: NamedFields) -> Scalar:
-        """Return a number that is zero where the dyad is in line, at most one."""
+        """Return a number of at most one in size that is zero where the dyad is in line."""
 
     # --- its pictures ----------------------------------------------------------------------------
 
     def corners(self, motion: NamedFields) -> tuple[tuple[Scalar, Scalar, float], ...]:
         """
-        Return the joints O1, A, B, O4 of a loop that its crank drives, homogeneous: (x w, y w, w).
+        Return the joints O1, A, B, O4 of a loop driven by its crank, each as (x w, y w, w).
 
-        A slide is a joint at infinity, w = 0. Empty: it is no such loop.
+        The coordinates are homogeneous because a slide is a joint at infinity, w = 0. Empty for
+        any other mechanism.
         """
         return ()
 
@@ -223,11 +220,7 @@ class Contract(ABC):
 
     @property
     def dead_points(self) -> tuple[Any, ...]:
-        """
-        Return where the output turns back at any speed of the input.
-
-        NamedTuples, the input first.
-        """
+        """Return records of where the output turns back; their first field is the input."""
         return ()
 
     @property
@@ -242,11 +235,7 @@ class Contract(ABC):
 
     @property
     def connections(self) -> tuple[Connection, ...]:
-        """
-        Return which links each of ``JOINTS`` connects, in the same order.
-
-        Descriptions for other programs are made of it; a kind without has none.
-        """
+        """Return which links each of ``JOINTS`` connects; URDF, SDF and MJCF are made of it."""
         return ()
 
 
@@ -271,10 +260,10 @@ class Described(Contract):
     @property
     def numbers_of_lengths(self) -> tuple[str | tuple[int, int], ...]:
         """
-        Return for each number of ``constants.lengths`` the name of the length that it is.
+        Return what each number of ``constants.lengths`` is.
 
-        Empty: it is none, or other numbers follow from it in more ways than this one: (i, j), the
-        size of the vector of numbers i and j.
+        The name of a length, (i, j) for the size of the vector of numbers i and j, or '' for
+        anything else. Generated code can change those lengths at run time.
         """
         return self.length_names
 
@@ -283,7 +272,7 @@ class Described(Contract):
         """
         Return the least size of :attr:`margins` over the sum of all lengths.
 
-        Zero: a change point, where both assembly modes meet and the linkage can leave its mode.
+        Zero is a change point: both assembly modes meet, and the linkage can leave its mode.
         """
         return min(map(abs, self.margins)) / fsum(map(abs, self.lengths))
 
@@ -300,16 +289,12 @@ class Described(Contract):
 
     @of_geometry
     def input_ranges(self) -> Ranges:
-        """
-        Return the ranges of the input, from low to high.
-
-        :attr:`closing_ranges`, as far as they lie in the stroke.
-        """
+        """Return the parts of :attr:`closing_ranges` that lie in the stroke, from low to high."""
         return within_stroke(self.closing_ranges, self.stroke)
 
     @property
     def outputs(self) -> tuple[Output, ...]:
-        """Return the tuple of :class:`Output` for what is driven."""
+        """Return the outputs for the driven input; the first is published as ``output``."""
         return self.OUTPUTS[self.input]
 
     def link(self, name: str) -> Link:
@@ -324,18 +309,15 @@ class Described(Contract):
                       and name != 'shaking_force'])
 
     def loads_of_links(self) -> dict[str, tuple[Body, Applied]]:
-        """
-        Return {name of a link: (Body, Applied)}: what is given for each.
-
-        Nothing without masses.
-        """
-        given = self.external._asdict()
-        return {name: (body, given.get(name, NOT_APPLIED))
-                for name, body in (self.bodies._asdict().items() if self.bodies else ())}
+        """Return {name of a link: (its Body, what is applied to it)}; {} without masses."""
+        if not self.bodies:
+            return {}
+        return {name: (body, applied_to(self.external, name))
+                for name, body in self.bodies._asdict().items()}
 
     @property
     def structure(self) -> tuple[object, ...]:
-        """Return what mechanisms have in common whose formulas do the same with other numbers."""
+        """Return the cache key of traced formulas: equal if mechanisms differ in numbers only."""
         return type(self), self.input
 
     @cached_property
@@ -375,9 +357,10 @@ class Described(Contract):
     @property
     def reaches(self) -> Function | None:
         """
-        Return input -> whether it is in the stroke, and no digits are lost there; None: always.
+        Return a function input -> whether results may be given there; None if they always may.
 
-        Of a float, or of an array, real or complex.
+        They may not outside the stroke, nor so near to a limit that is a change point that
+        accelerations are noise. Inputs are floats or arrays, real or complex.
         """
         stroke, flats = self.stroke, set(self.flat_limits)
         if stroke is None and not flats:
@@ -387,27 +370,29 @@ class Described(Contract):
         near = BESIDE_FLAT_LIMITS * self.input_unit
 
         def reaches(position: Scalar) -> bool:
+            """Return whether an input is in the stroke and away from flat limits."""
             x = position.real
             inside = (low <= x) & (x <= high)
             for flat in flats:
-                apart = x - flat
+                distance = x - flat
                 if turn < inf:
-                    apart = apart - turn * np.round(apart / turn)
-                inside = inside & (abs(apart) > near)
+                    distance = distance - turn * np.round(distance / turn)
+                inside = inside & (abs(distance) > near)
             return inside
         return reaches
 
     def distance(self, one: float, other: float) -> float:
-        """
-        Return the signed distance of two inputs.
-
-        The short way round of angles [rad], or [m].
-        """
+        """Return one input less another: of angles the short way round [rad], else [m]."""
         return one - other if self.is_driven_by_slide else remainder(one - other, 2.0 * pi)
 
     def term_sizes(self, motion: NamedFields, rate: Scalar, acceleration: Scalar
                    ) -> dict[str, Scalar]:
-        """Return {unit: size} of the terms of rates and accelerations, for noise bounds."""
+        """
+        Return {unit: size of the terms that add up to rates and accelerations in that unit}.
+
+        A result is uncertain by rounding of its terms, so the search for extrema takes differences
+        below some eps times these sizes for noise.
+        """
         angles = [joint.coordinate for joint in self.JOINTS if joint.coordinate.unit == 'rad']
         omega = sum(abs(getattr(motion, joint.rate).real) for joint in angles)
         alpha = omega * omega + sum(abs(getattr(motion, joint.acceleration).real)
@@ -436,7 +421,7 @@ class Described(Contract):
 
     @property
     def flat_inputs(self) -> tuple[float, ...]:
-        """Return the flat positions inside of the ranges, and real limits [rad or m]."""
+        """Return the flat positions inside the ranges, and limits of the ranges [rad or m]."""
         return tuple([z.real for z in self.singular_inputs if z.imag == 0.0])
 
     def flat_place(self, place: float) -> Laurent:
@@ -444,7 +429,7 @@ class Described(Contract):
         return quarter_turns(0 if self.is_driven_by_slide else round(place / (0.5 * pi)))
 
     def unknown(self, position: float, rate: float, acceleration: float) -> NamedFields:
-        """Return the motion of which only the input is known; the rest is NaN."""
+        """Return a motion with the input alone and NaN else: a sample that cannot be computed."""
         fields = dict.fromkeys(self.MOTION._fields, nan)
         fields.update(zip(self.input_coordinate, (position, rate, acceleration)))
         found: NamedFields = self.MOTION(**fields)

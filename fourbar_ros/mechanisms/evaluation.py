@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from decimal import Decimal
-from functools import cache, lru_cache
+from functools import cache, lru_cache, partial
 from math import isfinite, nan, prod
 from typing import Any, NamedTuple, TYPE_CHECKING
 
@@ -39,7 +39,7 @@ from numpy.typing import ArrayLike
 if TYPE_CHECKING:
     from fourbar_ros.mechanisms.mechanism import Formulas
 
-# An input next to a flat position at 0; loads have terms of its power -3.
+# An input x > 0 next to a flat position at 0, a series of 10 terms: loads start with x^-3.
 NEAR = Laurent([Decimal(1)], 1, 10)
 MOST_STRUCTURES = 256      # whose traces and lines are kept
 
@@ -52,10 +52,10 @@ class Formula:
     Parameters
     ----------
     structure : tuple
-        What formulas differ in, beside numbers.
+        All in which formulas differ beside numbers: the key of the caches below.
     with_loads : bool
     mechanism : Mechanism
-        Any of the structure.
+        Any of the structure; it makes the formulas.
 
     """
 
@@ -70,8 +70,8 @@ class Formula:
             return motion_of
         loads_of = self.mechanism.loads_formula(numbers, data)
 
-        def step(*given: Scalar) -> tuple[Any, Any]:
-            motion = motion_of(*given)
+        def step(*inputs: Scalar) -> tuple[Any, Any]:
+            motion = motion_of(*inputs)
             return motion, loads_of(motion)
         return step
 
@@ -79,22 +79,28 @@ class Formula:
 def formula_of(mechanism: Formulas, with_loads: bool) -> tuple[Formula, Constants]:
     """Return the formula of a mechanism, and the data it is made for."""
     data = mechanism.constants if with_loads else mechanism.constants._replace(bodies=None)
-    # forces of springs act on links, as a driven crank, that are not loaded from outside
+    # springs load links, as a driven crank, for which ``external`` has no field else
     return Formula((*mechanism.structure, type(mechanism.external)), with_loads, mechanism), data
 
 
 @lru_cache(maxsize=MOST_STRUCTURES)
 def trace_of(formula: Formula) -> Trace:
-    """Return the trace of a formula: of the formulas of all mechanisms of its structure."""
+    """Return the trace of a formula, which serves all mechanisms of its structure."""
     return Trace(formula.make, 3, formula_of(formula.mechanism, formula.with_loads)[1])
 
 
 class Recorded(NamedTuple):
-    """The trace of a mechanism's formula, and what that is before there are inputs."""
+    """
+    The trace of a mechanism's formula with its own numbers.
+
+    ``constants``: at the place of each step of the trace its value, None if it needs the input;
+    ``zeros``: the places of constants that are zero and used together with inputs, so that a
+    program can leave out products with them.
+    """
 
     trace: Trace
-    constants: list[float | None]         # by place
-    zeros: frozenset[int]        # places of those that are zero and used together with inputs
+    constants: list[float | None]
+    zeros: frozenset[int]
 
 
 def recorded(mechanism: Formulas, with_loads: bool) -> Recorded:
@@ -108,32 +114,32 @@ def recorded(mechanism: Formulas, with_loads: bool) -> Recorded:
 
 @lru_cache(maxsize=MOST_STRUCTURES)
 def _lines(formula: Formula, zeros: frozenset[int]) -> Callable[[Sequence[float]], Function]:
-    """Return numbers of data -> straight line, for a structure and which of its data are zero."""
-    what = 'motion and loads' if formula.with_loads else 'motion'
-    return lines_of(trace_of(formula), zeros, f'{formula.mechanism.TITLE}: {what}')
+    """Return data -> straight line, for a formula of which the data at some places are zero."""
+    name = 'motion and loads' if formula.with_loads else 'motion'
+    return lines_of(trace_of(formula), zeros, f'{formula.mechanism.TITLE}: {name}')
 
 
 def line_of(mechanism: Formulas, with_loads: bool) -> Function:
     """
     Return (position, rate, acceleration) -> motion, or (motion, loads), of floats, as tuples.
 
-    One straight line for all mechanisms of a structure: the operations of the formulas in their
-    order, so their bits, without the calls and choices between them.
+    A Python function written from the trace: the operations of the formulas in their order, so
+    with their bits, but without the calls between them. It is compiled once for a structure.
     """
     formula, data = formula_of(mechanism, with_loads)
-    found = numbers_of(data)
-    zeros = frozenset([i for i, value in enumerate(found) if value == 0.0]
+    numbers = numbers_of(data)
+    zeros = frozenset([i for i, value in enumerate(numbers) if value == 0.0]
                       if mechanism.LEAVES_OUT_ZEROS else ())
-    return _lines(formula, zeros)(found)
+    return _lines(formula, zeros)(numbers)
 
 
 def limits_at_zero(mechanism: Formulas, rate: float, acceleration: float,
                    with_loads: bool) -> list[float]:
     """
-    Return the fields for an input that falls to 0, a flat position, with zeros and infinities.
+    Return the limits of all fields for an input that falls to 0, a flat position.
 
-    By their first terms: in floats what is left of terms that cancel would be divided by what
-    vanishes.
+    Both parts of a quotient vanish there, so they are computed as series of the input, whose first
+    terms give the limit: finite, zero or infinite.
     """
     with many_digits():
         constants, x = converted(mechanism.constants, series), series(mechanism.input_unit) * NEAR
@@ -146,37 +152,35 @@ def limits_at_zero(mechanism: Formulas, rate: float, acceleration: float,
 
 def with_limits(mechanism: Formulas, line: Function, with_loads: bool) -> Function:
     """
-    Return a line of :func:`line_of` with its limits at a flat position at 0.
+    Return a line of :func:`line_of` that gives the limits at a flat position at 0.
 
-    ZeroDivisionError where loads are unbounded.
+    It raises ZeroDivisionError where loads are unbounded.
     """
-    known: dict[tuple[float, float], Any] = {}
+    limits_of = lru_cache(maxsize=1)(partial(limits_at_zero, mechanism, with_loads=with_loads))
     count = len(mechanism.MOTION._fields)
 
-    def guarded(position: float, rate: float, acceleration: float) -> Any:
+    def line_with_limits(position: float, rate: float, acceleration: float) -> Any:
+        """Return motion, or (motion, loads); at 0 from series, elsewhere from the line."""
         if position:
             return line(position, rate, acceleration)
-        if (rate, acceleration) not in known:
-            known.clear()
-            known[rate, acceleration] = limits_at_zero(mechanism, rate, acceleration, with_loads)
-        fields = known[rate, acceleration]
+        fields = limits_of(rate, acceleration)
         motion, loads = tuple(fields[:count]), tuple(fields[count:])
         if not all(map(isfinite, loads)):
             raise ZeroDivisionError
         return (motion, loads) if with_loads else motion
-    return guarded
+    return line_with_limits
 
 
 def _set_limits(mechanism: Formulas, inputs: list[Array], rows: Sequence[Array],
                 wanted: Sequence[int], with_loads: bool) -> None:
-    """Put the limits into rows where the input is at a flat position at 0."""
-    at = np.flatnonzero(inputs[0] == 0.0)
-    rates = np.stack([np.broadcast_to(v, inputs[0].shape)[at] for v in inputs[1:]])
+    """Write the limits into the rows of the fields ``wanted`` where the input is 0, a flat one."""
+    at_zero = np.flatnonzero(inputs[0] == 0.0)
+    rates = np.stack([np.broadcast_to(v, inputs[0].shape)[at_zero] for v in inputs[1:]])
     for rate, acceleration in np.unique(rates[:, np.isfinite(rates).all(axis=0)], axis=1).T:
         fields = limits_at_zero(mechanism, float(rate), float(acceleration), with_loads)
-        same = at[(rates[0] == rate) & (rates[1] == acceleration)]
+        samples = at_zero[(rates[0] == rate) & (rates[1] == acceleration)]
         for row, i in zip(rows, wanted):
-            row[same] = fields[i]
+            row[samples] = fields[i]
 
 
 def evaluate(mechanism: Formulas, given: tuple[ArrayLike, ...], wanted: tuple[int, ...] | None,
@@ -184,35 +188,38 @@ def evaluate(mechanism: Formulas, given: tuple[ArrayLike, ...], wanted: tuple[in
     """
     Return fields of motion, or of motion and loads, as arrays of the inputs' common shape.
 
+    Samples where the links cannot close, or outside the stroke, are NaN but for the position.
+
     Parameters
     ----------
     mechanism : Mechanism
     given : tuple of 3
-        Position, rate, acceleration; array_like.
+        Position, rate, acceleration; array_like. Complex for a derivative by a complex step.
     wanted : tuple of int, optional
-        Which of the fields; None: all.
+        Numbers of the fields; None: all.
+    with_loads : bool
+        Whether the fields are those of motion and loads together.
 
     """
     inputs, shape = _inputs(mechanism, given)
-    position = inputs[0]
-    # outside of it nothing is known, as where the links cannot close
-    reaches = mechanism.reaches
+    position, reaches = inputs[0], mechanism.reaches
     if reaches is not None:
         inputs[0] = np.where(reaches(position), position, np.nan)
     with np.errstate(all='ignore'):
         if any(v.dtype.kind == 'c' for v in inputs):
             rows = _complex_rows(mechanism, inputs, shape, wanted, with_loads)
         else:
-            of_program = [float(v) if i and not v.ndim else np.broadcast_to(v, shape).reshape(-1)
-                          for i, v in enumerate(inputs)]
+            # a rate that is one number stays one: all that follows from it is computed once
+            flattened = [float(v) if i and not v.ndim else np.broadcast_to(v, shape).reshape(-1)
+                         for i, v in enumerate(inputs)]
             trace, constants, zeros = (mechanism.record_with_loads if with_loads
                                        else mechanism.record_of_motion)
             wanted = range_of(trace) if wanted is None else wanted
-            rows = program(trace, wanted, tuple([type(v) is float for v in of_program]),
-                           zeros).run(of_program, constants, prod(shape))
+            rows = program(trace, wanted, tuple([type(v) is float for v in flattened]),
+                           zeros).run(flattened, constants, prod(shape))
             if mechanism.is_flat_at_zero:
                 _set_limits(mechanism, inputs, rows, wanted, with_loads)
-    if reaches is not None:
+    if reaches is not None:             # the position itself is known out of reach too
         place = mechanism.MOTION._fields.index(mechanism.input_coordinate.position)
         for i, row in zip(range(len(rows)) if wanted is None else wanted, rows):
             if i == place:
@@ -228,7 +235,7 @@ def range_of(trace: Trace) -> tuple[int, ...]:
 
 def _inputs(mechanism: Formulas, given: tuple[ArrayLike, ...]
             ) -> tuple[list[Array], tuple[int, ...]]:
-    """Return the inputs as arrays of (for a complex step, complex) doubles, and their shape."""
+    """Return position, rate and acceleration as arrays (complex if given so), and their shape."""
     names = mechanism.input_coordinate
     inputs = [array(name, value, name == names.position) for name, value in zip(names, given)]
     if not any(v.ndim for v in inputs[1:]):
@@ -242,7 +249,11 @@ def _inputs(mechanism: Formulas, given: tuple[ArrayLike, ...]
 
 def _complex_rows(mechanism: Formulas, inputs: list[Array], shape: tuple[int, ...],
                   wanted: tuple[int, ...] | None, with_loads: bool) -> list[Array]:
-    """Return the rows of a complex step; angles carry their derivatives."""
+    """
+    Return the wanted fields for complex inputs x + i h, an array each: derivatives are imag / h.
+
+    The angles are of numbers that carry derivatives, as arctan2 takes no complex ones.
+    """
     inputs = [np.broadcast_to(v.astype(complex), shape).reshape(-1) for v in inputs]
     fields = mechanism.make_motion(COMPLEX_WITH_ANGLES)(*inputs)
     if with_loads:
@@ -253,27 +264,27 @@ def _complex_rows(mechanism: Formulas, inputs: list[Array], shape: tuple[int, ..
 
 def motion_within(motion: Function, reaches: Function | None, numbers: NumberType) -> Function:
     """
-    Return a function of motion that has no pose where the mechanism does not reach.
+    Return a function of motion limited to the inputs that ``reaches`` allows, all if it is None.
 
-    There it gives NaN, or ValueError where numbers are floats. ``reaches``: as
-    :attr:`~fourbar_ros.mechanisms.mechanism.Described.reaches`; None: the motion as it is.
+    Elsewhere it gives NaN, or raises ValueError if numbers are floats. ``reaches``: see
+    :attr:`~fourbar_ros.mechanisms.contract.Described.reaches`.
     """
     if reaches is None:
         return motion
 
-    def within_one(position: float, rate: float, acceleration: float) -> Sequence[float]:
+    def motion_of_float(position: float, rate: float, acceleration: float) -> Any:
+        """Return the motion of one sample; ValueError if its position is out of reach."""
         if not reaches(position):
             raise ValueError
-        fields: Sequence[float] = motion(position, rate, acceleration)
-        return fields
+        return motion(position, rate, acceleration)
 
-    def within(position: Array, rate: Values, acceleration: Values) -> Any:
+    def motion_of_arrays(position: Array, rate: Values, acceleration: Values) -> Any:
+        """Return the motion; samples out of reach are NaN in all fields but the inputs."""
         fields = motion(position, rate, acceleration)
         outside = ~reaches(position)
-        given = position, rate, acceleration
         if not outside.any():
             return fields
         make = getattr(fields, '_make', tuple)
-        return make([field if any(field is value for value in given)
+        return make([field if any(field is value for value in (position, rate, acceleration))
                      else np.where(outside, nan, field) for field in fields])
-    return within_one if numbers is REAL else within
+    return motion_of_float if numbers is REAL else motion_of_arrays

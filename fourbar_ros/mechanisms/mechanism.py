@@ -3,9 +3,9 @@
 """
 A mechanism: checked as it is made, then evaluated for one input or for arrays of inputs.
 
-A kind gives formulas for any :class:`~fourbar_ros.numerics.number_types.NumberType`; here they are
-made once for each type, and called for floats and arrays by the same rules for all kinds. What a
-kind states about itself: :mod:`fourbar_ros.mechanisms.contract`.
+A kind gives formulas for any :class:`~fourbar_ros.numerics.number_types.NumberType`, and states
+what it is (:mod:`fourbar_ros.mechanisms.contract`); here the formulas are made once for each type,
+and called for floats and arrays by the same rules for all kinds.
 """
 from __future__ import annotations
 
@@ -106,11 +106,7 @@ class Formulas(Described):
         object.__setattr__(self, 'stroke', checked_stroke(self))
 
     def __getstate__(self) -> dict[str, object]:
-        """
-        Return what was given.
-
-        Functions made on the way are made again where they are needed.
-        """
+        """Return the fields to be pickled: functions made of them can be neither sent nor kept."""
         return {field.name: getattr(self, field.name) for field in fields_of(self)}
 
     def in_mode(self: _Self, mode: int) -> _Self:
@@ -118,7 +114,7 @@ class Formulas(Described):
         return self if mode == self.mode else replace(self, mode=mode)
 
     def without_stroke(self: _Self) -> _Self:
-        """Return the same mechanism without a stroke: its poses beyond it, where there are any."""
+        """Return the same mechanism without a stroke, so that poses beyond it are computed."""
         return self if self.stroke is None else replace(self, stroke=None)
 
     def with_lengths(self: _Self, lengths: Sequence[float]) -> _Self:
@@ -127,29 +123,30 @@ class Formulas(Described):
 
     def with_external(self: _Self, external: External) -> _Self:
         """
-        Return the same mechanism with another :class:`~fourbar_ros.mechanics.bodies.External`.
+        Return the same mechanism with other external loads, sharing what follows from geometry.
 
-        What depends on its geometry alone is shared.
+        A node does this for each wrench message, so ranges and traces are not made again.
         """
         shared = {name: value for name, value in self.__dict__.items()
                   if isinstance(getattr(type(self), name, None), of_geometry)}
         return self._copy(**shared, external=external)
 
     def _copy(self: _Self, **changed: object) -> _Self:
-        """Return a copy, unchecked; what was computed from what has changed is not copied."""
+        """Return a copy with other fields, unchecked and without any cached property."""
         other = object.__new__(type(self))
-        given = {name: value for name, value in self.__dict__.items()
-                 if not isinstance(getattr(type(self), name, None), cached_property)}
-        other.__dict__.update(given, **changed)
+        fields = {name: value for name, value in self.__dict__.items()
+                  if not isinstance(getattr(type(self), name, None), cached_property)}
+        other.__dict__.update(fields, **changed)
         return other
 
     # --- its formulas, made once for each type of numbers ----------------------------------------
 
     @of_geometry
-    def _motion_of_one(self) -> Function:
-        return self._single(with_loads=False)
+    def _motion_line(self) -> Function:
+        return self._line(with_loads=False)
 
-    def _single(self, with_loads: bool) -> Function:
+    def _line(self, with_loads: bool) -> Function:
+        """Return three floats -> motion, or (motion, loads), as plain tuples; no checks."""
         line = line_of(self, with_loads)
         if self.is_flat_at_zero:
             line = with_limits(self, line, with_loads)
@@ -165,21 +162,21 @@ class Formulas(Described):
 
     def make_motion(self, numbers: NumberType) -> Function:
         """
-        Return (position, rate, acceleration) -> MOTION for a number type.
+        Return (position, rate, acceleration) -> MOTION for a number type, made once.
 
-        Out of range it gives NaN, or ValueError where numbers are floats.
+        Out of range that gives NaN, or raises ValueError if numbers are floats.
         """
         if numbers not in self._motions:
             if numbers is REAL:
-                line, as_motion = self._motion_of_one, self.MOTION._make
-                self._motions[numbers] = lambda *given: as_motion(line(*given))
+                line, as_motion = self._motion_line, self.MOTION._make
+                self._motions[numbers] = lambda *inputs: as_motion(line(*inputs))
             else:
                 formula = self.motion_formula(numbers, self.constants)
                 self._motions[numbers] = motion_within(formula, self.reaches, numbers)
         return self._motions[numbers]
 
     def make_loads(self, numbers: NumberType) -> Function:
-        """Return the function MOTION -> LOADS for a type of numbers."""
+        """Return the function MOTION -> LOADS for a number type, made once."""
         if numbers not in self._loads:
             self._loads[numbers] = self.loads_formula(numbers, self.constants)
         return self._loads[numbers]
@@ -189,14 +186,15 @@ class Formulas(Described):
         Return position -> coefficients of all links for a number type: what dynamics is made of.
 
         For each of ``LINKS`` (x, y, x', y', x'', y'', cosine, sine, theta', theta''): place of its
-        first joint and direction, primes for derivatives with respect to the input, so a
-        LinkMotion at unit rate and zero acceleration. Exact, and one call for all links. A stroke
-        is no limit here; where the links cannot close: ValueError, or NaN in arrays.
+        first joint and direction, primes for derivatives with respect to the input. That is its
+        LinkMotion at unit rate and zero acceleration, and exact. A stroke is no limit here; where
+        the links cannot close it raises ValueError, or gives NaN in arrays.
         """
         motion_of, as_motion = self.motion_formula(numbers, self.constants), self.MOTION
         link_motion, links = self.link_motion, [link.name for link in self.LINKS]
 
         def coefficients(position: Scalar) -> list[LinkMotion]:
+            """Return the curve of each link at a position."""
             motion = as_motion._make(motion_of(position, 1.0, 0.0))
             return [link_motion(motion, link) for link in links]
         return coefficients
@@ -206,7 +204,9 @@ class Formulas(Described):
         """
         Return the input and its two derivatives from coefficients of the links.
 
-        These may be with respect to another coordinate. An angle is in [-pi, pi].
+        Inverse of :meth:`make_coefficients`: where the derivatives are with respect to another
+        coordinate, as of :meth:`.Mechanism.driven_otherwise`, so are those returned. An angle is
+        in [-pi, pi].
         """
         if self.is_driven_by_slide:
             x, _, d_x, _, dd_x, *_ = curves[-1]
@@ -234,15 +234,11 @@ class Mechanism(Formulas):
     """
 
     @cached_property
-    def _of_one(self) -> tuple[Function, Function, Function]:
-        """
-        Return what a single step needs: the function of motion and loads, their types.
-
-        Or MissingBodies.
-        """
+    def _step_line(self) -> tuple[Function, Function, Function]:
+        """Return the line of motion and loads, and the functions that make records of both."""
         if self.bodies is None:
             raise MissingBodies
-        return self._single(with_loads=True), self.MOTION._make, self.LOADS._make
+        return self._line(with_loads=True), self.MOTION._make, self.LOADS._make
 
     @of_geometry
     def _as_motion(self) -> Callable[[Iterable[Any]], NamedFields]:
@@ -251,20 +247,19 @@ class Mechanism(Formulas):
 
     def prepare(self) -> Function:
         """
-        Make the function of one sample, as the first would; the first of a structure is compiled.
+        Return the function of one sample; called early, the first sample need not wait for it.
 
-        ArithmeticError or ValueError where numbers overflow.
+        Tracing and compiling the first mechanism of a structure takes some 10 ms. ArithmeticError
+        or ValueError where numbers overflow.
         """
-        made: Function = self._of_one[0] if self.bodies else self._motion_of_one
-        return made
+        return self._step_line[0] if self.bodies else self._motion_line
 
     def driven_otherwise(self) -> tuple[DrivenLinks, ...]:
         """
         Return the same links with another coordinate as the input, one for each assembly mode.
 
-        Where the input turns back at a toggle position, that coordinate goes on. They have
-        ``make_coefficients``, of the same links, ``read_coordinate`` and ``in_mode``. Nothing
-        where no other coordinate is known.
+        Where the input turns back at a toggle that coordinate goes on, so simulation changes to it
+        there. Nothing if no other coordinate is known.
         """
         for other in self.INPUTS:
             if other != self.input:
@@ -316,13 +311,14 @@ class Mechanism(Formulas):
             return self._only(fields, (position, rate, acceleration), False)
         if not (type(position) is float and type(rate) is float and type(acceleration) is float):
             if _are_numbers(position, rate, acceleration):
-                return self.motion(*self._numbers(position, rate, acceleration))
-            rows = evaluate(self, (position, rate, acceleration), None, False)
-            return self._as_motion(rows)
-        if (position + rate * rate + acceleration) * 0.0 != 0.0:
-            self._require_finite(position, rate, acceleration)
+                position, rate, acceleration = map(number, self.input_coordinate,
+                                                   (position, rate, acceleration))
+                return self.motion(position, rate, acceleration)
+            return self._as_motion(evaluate(self, (position, rate, acceleration), None, False))
+        if (position + rate * rate + acceleration) * 0.0 != 0.0:    # one comparison for all
+            self._refuse(position, rate, acceleration)
         try:
-            return self._as_motion(self._motion_of_one(position, rate, acceleration))
+            return self._as_motion(self._motion_line(position, rate, acceleration))
         except (ValueError, ZeroDivisionError):
             raise self._why_no_motion(position) from None
 
@@ -343,24 +339,24 @@ class Mechanism(Formulas):
              fields: Iterable[str] | None = None
              ) -> tuple[NamedFields, NamedFields] | tuple[Any, ...]:
         """
-        Return (motion, loads) together, at the cost of one.
+        Return (motion, loads) together, at the cost of the loads alone.
 
-        Arguments and errors as in :meth:`motion`.
-
-        ``fields``: names of fields of motion and loads, which alone are then computed and
-        returned. MissingBodies where loads are wanted of a mechanism without masses.
+        Arguments and errors as in :meth:`motion`; ``fields`` may name fields of both. A mechanism
+        without masses has no loads: MissingBodies.
         """
         if fields is not None:
             return self._only(fields, (position, rate, acceleration), True)
-        line, as_motion, as_loads = self._of_one
+        line, as_motion, as_loads = self._step_line
         if not (type(position) is float and type(rate) is float and type(acceleration) is float):
             if _are_numbers(position, rate, acceleration):
-                return self.step(*self._numbers(position, rate, acceleration))
-            rows, count = evaluate(self, (position, rate, acceleration), None,
-                                   True), len(self.MOTION._fields)
-            return self.MOTION._make(rows[:count]), self.LOADS._make(rows[count:])
+                position, rate, acceleration = map(number, self.input_coordinate,
+                                                   (position, rate, acceleration))
+                return self.step(position, rate, acceleration)
+            rows = evaluate(self, (position, rate, acceleration), None, True)
+            count = len(self.MOTION._fields)
+            return as_motion(rows[:count]), as_loads(rows[count:])
         if (position + rate * rate + acceleration) * 0.0 != 0.0:
-            self._require_finite(position, rate, acceleration)
+            self._refuse(position, rate, acceleration)
         try:
             motion, loads = line(position, rate, acceleration)
         except (ValueError, ZeroDivisionError):
@@ -377,30 +373,27 @@ class Mechanism(Formulas):
             return self.motion(position, rate, acceleration), None
         return self.step(position, rate, acceleration)
 
-    def _require_finite(self, *values: float) -> NoReturn:
+    def _refuse(self, *values: float) -> NoReturn:
+        """Raise the error for the first of position, rate and acceleration that is not finite."""
         for name, value in zip(self.input_coordinate, values):
             if not isfinite(value):
                 raise InvalidParameter(name, value, 'must be a finite number')
         raise InvalidParameter(self.input_coordinate.rate, values[1],
                                'so fast that its square overflows')
 
-    def _numbers(self, *values: ArrayLike) -> tuple[float, float, float]:
-        position, rate, acceleration = map(number, self.input_coordinate, values)
-        return position, rate, acceleration
-
     def _why_no_motion(self, position: float) -> FourBarError:
         """Return the error for an input at which a square root was not real or a sine zero."""
         name, unit = self.input_coordinate.position, self.input_coordinate.unit
         # A limit and the input compared with it are each rounded, and so is their distance.
         tolerance = 4.0 * EPS * abs(position)
-        toggles = self.input_ranges if self.stroke is None else self.closing_ranges
-        if self.is_in_stroke(position) and (not position and self.is_flat_at_zero or any(
-                abs(self.distance(position, end)) <= tolerance for bounds in toggles
-                for end in bounds)):
+        is_flat = position == 0.0 and self.is_flat_at_zero
+        is_at_limit = any(abs(self.distance(position, end)) <= tolerance
+                          for ends in self.closing_ranges for end in ends)
+        if self.is_in_stroke(position) and (is_flat or is_at_limit):
             return Toggle(name, position, unit)
         return OutOfRange(name, position, self.input_ranges, unit)
 
-    def _only(self, fields: Iterable[str], given: tuple[ArrayLike, ArrayLike, ArrayLike],
+    def _only(self, fields: Iterable[str], inputs: tuple[ArrayLike, ArrayLike, ArrayLike],
               with_loads: bool) -> tuple[Any, ...]:
         """Return the fields of these names alone, as a tuple in their order."""
         if isinstance(fields, Iterable) and not isinstance(fields, str):
@@ -408,10 +401,13 @@ class Mechanism(Formulas):
         wanted, needs_loads = _places(self.MOTION, self.LOADS if with_loads else None, fields)
         if needs_loads and self.bodies is None:
             raise MissingBodies
-        if not _are_numbers(*given):
-            return tuple(evaluate(self, given, wanted, needs_loads))
-        motion, *loads = self.step(*given) if needs_loads else (self.motion(*given),)
-        values = [*motion, *(load for record in loads for load in record)]
+        if not _are_numbers(*inputs):
+            return tuple(evaluate(self, inputs, wanted, needs_loads))
+        if needs_loads:
+            motion, loads = self.step(*inputs)
+            values = [*motion, *loads]
+        else:
+            values = [*self.motion(*inputs)]
         return tuple([values[i] for i in wanted])
 
 

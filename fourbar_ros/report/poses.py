@@ -20,7 +20,7 @@ from fourbar_ros.pipeline.status import (
     STATUS_NAMES,
     TOGGLE,
 )
-from fourbar_ros.report.terminal import plain_table, PlainTable
+from fourbar_ros.report.terminal import PlainTable
 from fourbar_ros.scene.units import require
 
 FORCES = (reaction('shaking force', 'linkage on ground', 'shaking_force'),)
@@ -133,7 +133,7 @@ def motion_table(linkage: Mechanism, pose: Pose) -> PlainTable:
              f'{getattr(pose.motion, driven.rate):g} {driven.unit}/s, '
              f'{getattr(pose.motion, driven.acceleration):g} {driven.unit}/s^2: '
              f'{STATUS_NAMES[pose.status]}')
-    table = plain_table(given, ('', 'position>', 'unit', 'rate>', 'acceleration>', 'unit', 'of'))
+    table = PlainTable(given, ('', 'position>', 'unit', 'rate>', 'acceleration>', 'unit', 'of'))
     for coordinate, part in linkage.PARTS.items():
         value, unit = shown(coordinate, getattr(pose.motion, coordinate.position)).split()
         rates = coordinate.unit
@@ -148,7 +148,7 @@ def motion_table(linkage: Mechanism, pose: Pose) -> PlainTable:
 
 def loads_table(linkage: Mechanism, loads: NamedFields) -> PlainTable:
     """Return the table of all forces with their components, and of torques."""
-    table = plain_table('loads', ('', 'x>', 'y>', 'magnitude>', 'unit', 'of'))
+    table = PlainTable('loads', ('', 'x>', 'y>', 'magnitude>', 'unit', 'of'))
     values = loads._asdict()
     forces = (*linkage.REACTIONS, *FORCES)
     done = {force.magnitude for force in forces}
@@ -169,7 +169,7 @@ def loads_table(linkage: Mechanism, loads: NamedFields) -> PlainTable:
 
 def points_table(linkage: Mechanism, motion: NamedFields, points: Points) -> PlainTable:
     """Return the table of the points of a scene: place, velocity, acceleration."""
-    table = plain_table('points', ('', '', 'x>', 'y>', 'magnitude>', 'unit'))
+    table = PlainTable('points', ('', '', 'x>', 'y>', 'magnitude>', 'unit'))
     for name, point in points.items():
         found = point_motion(linkage, motion, *point)
         for label, what, (x, y), unit in ((name, 'place', found.place, 'm'),

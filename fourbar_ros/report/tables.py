@@ -13,7 +13,7 @@ from fourbar_ros.mechanisms.parts import Coordinate
 from fourbar_ros.mechanisms.quantities import positions
 from fourbar_ros.report.mobility import mobility_rows
 from fourbar_ros.report.poses import in_degrees, number, shown
-from fourbar_ros.report.terminal import plain_table, PlainTable
+from fourbar_ros.report.terminal import PlainTable
 import numpy as np
 
 SAMPLES, END, FULL_TURN = 721, 1e-14, tau * (1.0 - 1e-9)
@@ -84,7 +84,7 @@ def known_output_ranges(linkage: Mechanism
 
 def what_it_is(linkage: Mechanism, title: object) -> PlainTable:
     """Return the table of a linkage's own properties."""
-    table = plain_table(str(title), ('', ''))
+    table = PlainTable(str(title), ('', ''))
     table.show_header = False
     for row in (*facts(linkage), *mobility_rows(linkage)):
         table.add_row(*row)
@@ -191,9 +191,9 @@ def extrema_table(linkage: Mechanism, extrema: Sequence[Extremum], title: str) -
     slides = any(extremum.slide == extremum.slide for extremum in extrema)
     driven = linkage.input_coordinate.position
     driven = driven if driven.startswith('theta') else 'theta1'
-    table = plain_table(title, ('quantity', 'kind', '', 'value>', 'unit',
-                                *(('slide [m]>',) if slides else ()),
-                                f'{driven} [rad]>', '[deg]>', ''))
+    table = PlainTable(title, ('quantity', 'kind', '', 'value>', 'unit',
+                               *(('slide [m]>',) if slides else ()),
+                               f'{driven} [rad]>', '[deg]>', ''))
     last = None
     for extremum in extrema:
         if last not in (None, extremum.quantity):

@@ -1,10 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""
-Tables for terminals and pipes in which no number is ever cropped.
-
-They wrap text, or stack rows.
-"""
+"""Tables for terminals and pipes that never crop a number: they wrap text, or stack rows."""
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
@@ -18,17 +14,13 @@ from rich.segment import Segment
 from rich.table import Table
 from rich.text import Text
 
-PIPE_WIDTH = 10_000     # of what is no terminal: nothing is wrapped there
+PIPE_WIDTH = 10_000     # columns of a pipe or file: nothing is wrapped there
 GAP = 2                 # blanks between two columns
 WHOLE_WORDS: dict[str, Any] = {'break_long_words': False, 'break_on_hyphens': False}
 
 
 def make_console() -> Console:
-    """
-    Return the console all verbs print to: as wide as the terminal.
-
-    In a pipe nothing is wrapped.
-    """
+    """Return the console that all verbs print to: as wide as the terminal, endless in a pipe."""
     console = Console(highlight=False)
     return console if console.is_terminal else Console(highlight=False, width=PIPE_WIDTH)
 
@@ -38,14 +30,8 @@ class PlainTable:
     A table without lines. Right-aligned columns are never wrapped; the others wrap between words.
 
     Where even that is too wide, each row becomes a block of its own: the first cell, and below it
-    the others with their heads. Print it with a rich console.
-
-    Parameters
-    ----------
-    title : str
-    columns : sequence of str
-        Heads; one ending in ``>`` is of a right-aligned column.
-
+    the others with their heads. Print it with a rich console. ``columns`` are the heads; a ``>``
+    at the end of one right-aligns its column.
     """
 
     def __init__(self, title: str, columns: Sequence[str]) -> None:
@@ -76,35 +62,29 @@ class PlainTable:
         if sum(self._least_widths()) + GAP * (len(self.heads) - 1) > options.max_width:
             yield from self._stacked(options.max_width)
             return
-        # no gap after the last column
+        # rich pads the last column too: that gap may stick out
         wide = options.update(width=options.max_width + GAP, height=None)
         for line in console.render_lines(self._as_rich(), wide, pad=False):
             yield from _without_blanks_at_end(line)
             yield Segment.line()
 
     def _drop_empty_columns(self) -> None:
+        """Drop columns that have neither a head nor a cell."""
         kept = [i for i, head in enumerate(self.heads) if head
                 or any(cells[i] for cells, _ in self._rows)]
         self.heads = [self.heads[i] for i in kept]
         self.is_right = [self.is_right[i] for i in kept]
         self._rows = [([cells[i] for i in kept], ends) for cells, ends in self._rows]
 
-    def _cells(self, column: int) -> Iterator[str]:
-        yield from (cells[column] for cells, _ in self._rows)
-        if self.show_header:
-            yield self.heads[column]
-
     def _least_widths(self) -> list[int]:
-        """
-        Return the least width of each column.
-
-        That of its longest cell, or of its longest word if it may wrap.
-        """
-        return [max((cell_len(part) for cell in self._cells(i)
-                     for part in ([cell] if right else cell.split())),
-                    default=0) for i, right in enumerate(self.is_right)]
+        """Return the least width of each column: its longest cell, or word where it may wrap."""
+        rows = [cells for cells, _ in self._rows] + [self.heads] * self.show_header
+        return [max((cell_len(part) for cells in rows
+                     for part in ([cells[i]] if is_right else cells[i].split())), default=0)
+                for i, is_right in enumerate(self.is_right)]
 
     def _as_rich(self) -> Table:
+        """Return the rich table that lays out the columns side by side."""
         table = Table(box=None, padding=(0, GAP, 0, 0), show_header=self.show_header)
         for head, right, least in zip(self.heads, self.is_right, self._least_widths()):
             table.add_column(Text(head), justify='right' if right else 'left', no_wrap=right,
@@ -116,6 +96,7 @@ class PlainTable:
         return table
 
     def _stacked(self, width: int) -> Iterator[Text]:
+        """Yield lines of each row as a block: its first cell, then 'head cell' of the others."""
         for cells, ends_section in self._rows:
             yield from map(Text, _filled(cells[:1], width))
             items = [f'{head.strip()} {cell}' if head.strip() not in ('', 'unit') else cell
@@ -126,11 +107,7 @@ class PlainTable:
 
 
 def _filled(items: list[str], width: int) -> Iterator[str]:
-    """
-    Return lines of items with gaps between them.
-
-    An item is broken only where a line cannot hold it.
-    """
+    """Yield lines of ``width`` filled with items; only one longer than a line is broken."""
     line = ''
     for item in (part for whole in items for part in wrap(whole, width, **WHOLE_WORDS)):
         if line and cell_len(line) + GAP + cell_len(item) > width:
@@ -149,8 +126,3 @@ def _without_blanks_at_end(line: list[Segment]) -> list[Segment]:
         if text := last.text.rstrip(' '):
             return [*line, Segment(text, last.style, last.control)]
     return line
-
-
-def plain_table(title: str, columns: Sequence[str]) -> PlainTable:
-    """Return an empty :class:`PlainTable`."""
-    return PlainTable(title, columns)

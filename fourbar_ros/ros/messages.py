@@ -28,7 +28,7 @@ def to_stamp(nanoseconds: int) -> Time:
 
 
 def resolve(type_name: str) -> Any:
-    """Return the class of 'package/msg/Name' (or srv)."""
+    """Return the class of a message or service, 'package/msg/Name'; only used ones are loaded."""
     package, kind, name = type_name.split('/')
     try:
         return getattr(import_module(f'{package}.{kind}'), name)
@@ -40,25 +40,30 @@ def resolve(type_name: str) -> Any:
 
 
 def set_constants(output: str, message: Message, scene: Scene) -> None:
-    """Fill what is the same in all messages of a scene."""
+    """
+    Fill the fields of an output message that are the same in every step of a scene.
+
+    These are its frame, the joint names, the change-point margin, and NaN in fields that only
+    other mechanisms have. The message is made once and filled again in each step.
+    """
     message.header.frame_id = scene.frame_id
     for field in scene.layout.absent.get(output, ()):
         setattr(message, field, nan)
     if hasattr(message, 'change_point_margin'):
         message.change_point_margin = float(scene.linkage.change_point_margin)
-    if hasattr(message, 'effort'):
-        # filled in where it is known
+    if hasattr(message, 'effort'):           # a JointState; efforts are filled in where known
         message.name, message.effort = scene.names_shown, []
 
 
 def filler(output: str, message: Message, layout: FieldMap
            ) -> Callable[[Stamp, int, int, Sequence[float]], None]:
     """
-    Return the function (stamp, status, mode, values) that fills ``message``.
+    Return the function (stamp, status, mode, values) that fills the fields of ``message``.
 
-    ``values`` are floats in the places of the layout. Targets are looked up here, not per message.
+    ``values``: the floats of a step in the order of ``layout.place``. Where each of them goes
+    (``wrench.force.x``, say) is looked up once, here, not in every step.
     """
-    plan, arrays = [], []
+    scalars, arrays = [], []        # (message or part of it, attribute, index or indices)
     for field, source in layout.fields[output].items():
         *path, attribute = field.split('.')
         target = message
@@ -66,16 +71,16 @@ def filler(output: str, message: Message, layout: FieldMap
             target = getattr(target, step)
         if isinstance(source, tuple):
             arrays.append((target, attribute,
-                           [None if s is None else layout.place[s] for s in source]))
+                           [None if name is None else layout.place[name] for name in source]))
         else:
-            plan.append((target, attribute, layout.place[source]))
+            scalars.append((target, attribute, layout.place[source]))
     has_status = hasattr(message, 'status')
 
     def fill(stamp: Stamp, status: int, mode: int, values: Sequence[float]) -> None:
         message.header.stamp.sec, message.header.stamp.nanosec = stamp
         if has_status:
             message.status, message.mode = status, mode
-        for target, attribute, place in plan:
+        for target, attribute, place in scalars:
             setattr(target, attribute, values[place])
         for target, attribute, places in arrays:
             setattr(target, attribute, [PASSIVE_EFFORT if place is None else values[place]

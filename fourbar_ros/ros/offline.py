@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from math import isnan
+from math import isnan, nan
 from pathlib import Path
 import time
 
@@ -29,35 +29,23 @@ from rclpy.serialization import serialize_message
 
 Messages = list[tuple[str, bytes]]      # (short name of the topic, bytes)
 FULL = 20_000          # messages that may wait for the disk
-MIXED = 'the motion goes into the other assembly mode'
 
 
 class RunClock(SteadyClock):
-    """The time that a bag notes: that of the run [ns]."""
+    """A clock for the bag that shows the simulated time [ns], set by its owner in ``time``."""
 
     def __init__(self, start: int) -> None:
-        self._now = start
-
-    def set(self, now: int) -> None:
-        """Go on to a time."""
-        self._now = now
+        self.time = start
 
     def now(self) -> int:
-        """Return it."""
-        return self._now
+        return self.time
 
 
 def write_bag(simulated: SimulatedScene, path: Path, progress: Callable[[int], None]) -> Path:
     """
-    Write the bag of a :class:`~fourbar_ros.scene.simulated.SimulatedScene`; return its path.
+    Write a simulated run as the bag that its node would have recorded; return its path.
 
-    Parameters
-    ----------
-    simulated : SimulatedScene
-    path : Path
-        Where the new bag is written.
-    progress : callable
-        Called with the number of samples done.
+    ``progress`` is called with the number of samples written so far.
 
     Raises
     ------
@@ -69,8 +57,9 @@ def write_bag(simulated: SimulatedScene, path: Path, progress: Callable[[int], N
     scene, run = simulated.scene, simulated.run
     changes = (run.modes != scene.linkage.mode).nonzero()[0]
     if changes.size and not _shows_modes(scene, run.modes):
-        raise BagError(f'{path}: {MIXED} at {run.time[changes[0]]:g} s, and messages cannot tell '
-                       'which: simulate until then, or without a bag')
+        raise BagError(f'{path}: the motion goes into the other assembly mode at '
+                       f'{run.time[changes[0]]:g} s, and messages cannot tell which: simulate '
+                       'until then, or without a bag')
     topics = [DRIVEN, SCENE, *scene.drive_topics, *scene.topics.values()]
     names = {topic.name: _resolved(topic.topic) for topic in topics}
     how = f'{run.method}, tolerance {run.tolerance:g}, {run.status}, error {run.error:.3g}'
@@ -79,62 +68,70 @@ def write_bag(simulated: SimulatedScene, path: Path, progress: Callable[[int], N
     writer = BagWriter(str(path.parent), path.name,
                        [channel(topic, names[topic.name]) for topic in topics], about)
     writer.clock = clock
-    numbers = {topic.name: number for number, topic in enumerate(topics)}
+    channels = {topic.name: number for number, topic in enumerate(topics)}
     try:
-        for count, (stamp, messages) in enumerate(_messages(simulated, topics, clock.now())):
-            clock.set(stamp)
+        for done, (stamp, messages) in enumerate(_messages(simulated, topics, clock.time), 1):
+            clock.time = stamp
             while writer.waiting > FULL and not writer.error:
-                time.sleep(0.01)
-            writer.write_all([(numbers[name], data) for name, data in messages])
-            progress(count + 1)
+                time.sleep(0.01)         # the disk is slower than we: do not fill the memory
+            writer.write_all([(channels[name], data) for name, data in messages])
+            progress(done)
     finally:
         writer.close()
     return writer.path
 
 
 def _shows_modes(scene: Scene, modes: Array) -> bool:
-    """Return whether messages tell these modes, and the equation of motion follows from them."""
+    """
+    Return whether a bag can hold these assembly modes, one a sample, so that it recomputes.
+
+    The mode field of a message is a byte; and a linkage at its change point whose input has
+    toggles can go on in two ways that have the same mode.
+    """
     linkage = scene.linkage
-    # with toggles and flat positions of a change point, the mode does not give the branch
     is_single = linkage.change_point_margin != 0.0 or linkage.turns_fully
     return is_single and int(modes.max()) < 256
 
 
 def _messages(simulated: SimulatedScene, topics: list[Topic],
               start: int) -> Iterator[tuple[int, Messages]]:
-    """Yield (time [ns], [(short name, bytes), ...]) of each sample, in the order of a node."""
+    """
+    Yield (time [ns], [(short name, bytes), ...]) of each sample, in the order of a node.
+
+    The first sample also has the scene and the constant torque, if there is one. ``start`` [ns]
+    is the stamp of time zero.
+    """
     scene, steppers = simulated.scene, InModes(simulated.scene)
     own = mode_number(scene.linkage.mode)
-    modes = [mode if mode < 256 else own for mode in simulated.run.modes.tolist()]
+    modes = [mode if mode < 256 else own for mode in simulated.run.modes.tolist()]    # a byte
     makers = {topic.name: _maker(topic, scene) for topic in topics
               if topic not in (SCENE, TORQUE)}
     first = [(SCENE.name, serialize_message(resolve(SCENE.type)(data=scene.as_json)))]
     is_silent = scene.drive.source == TORQUE.name and isnan(simulated.torque)
     if scene.drive.source == TORQUE.name and not is_silent:
         first.append((TORQUE.name, _torque(scene, simulated.torque, start)))
-    nothing = [float('nan')] * len(scene.layout.place)
-    places = [scene.layout.place[name] for name in scene.linkage.input_coordinate]
+    driven_places = [scene.layout.place[name] for name in scene.linkage.input_coordinate]
     offsets = (simulated.run.time * 1e9).round().astype('int64').tolist()
-    for offset, mode, values in zip(offsets, modes, simulated.drive_values()):
-        motion = values.position, values.velocity, values.acceleration
-        driven = list(nothing)
-        for place, value in zip(places, motion):
+    for offset, mode, drive_values in zip(offsets, modes, simulated.drive_values()):
+        motion = drive_values.position, drive_values.velocity, drive_values.acceleration
+        driven = [nan] * len(scene.layout.place)
+        for place, value in zip(driven_places, motion):
             driven[place] = value
-        status, found = steppers.step(mode, *motion, scene.needs_loads, True)
+        status, values = steppers.step(mode, *motion, scene.needs_loads, True)
         outputs = [name for name in scene.topics
-                   if status == KNOWN or not any(isnan(found[place])
+                   if status == KNOWN or not any(isnan(values[place])
                                                  for place in scene.needed_for(name))]
+        contents = {DRIVE_STATE.name: (SILENT if is_silent else MOVES, drive_values),
+                    DRIVEN.name: (KNOWN, driven), **dict.fromkeys(outputs, (status, values))}
         stamp = sec_nanosec(start + offset)
-        given = {DRIVE_STATE.name: (SILENT if is_silent else MOVES, values),
-                 DRIVEN.name: (KNOWN, driven), **dict.fromkeys(outputs, (status, found))}
         yield start + offset, first + [
-            (name, makers[name](stamp, state, mode, numbers))
-            for name, (state, numbers) in given.items()]
+            (name, makers[name](stamp, its_status, mode, its_values))
+            for name, (its_status, its_values) in contents.items()]
         first = []
 
 
 def _maker(topic: Topic, scene: Scene) -> Callable[..., bytes]:
-    """Return the function (stamp, status, mode, values) -> bytes of a message."""
+    """Return the function (stamp, status, mode, values) -> bytes of the messages of a topic."""
     message = resolve(topic.type)()
     set_constants(topic.name, message, scene)
     layout = drive_layout() if topic is DRIVE_STATE else scene.layout
@@ -142,16 +139,16 @@ def _maker(topic: Topic, scene: Scene) -> Callable[..., bytes]:
 
 
 def _torque(scene: Scene, torque: float, start: int) -> bytes:
+    """Return the message that commands a constant torque [N m], or force [N] of a slide."""
     message = resolve(TORQUE.type)()
     message.header.stamp = to_stamp(start)
     if scene.linkage.is_driven_by_slide:
         message.wrench.force.x = torque
     else:
         message.wrench.torque.z = torque
-    found: bytes = serialize_message(message)
-    return found
+    return bytes(serialize_message(message))
 
 
 def _resolved(topic: str) -> str:
-    """Return the name of a topic of a node that is called fourbar."""
+    """Return the full name of a topic of the node /fourbar: '~/state' is '/fourbar/state'."""
     return topic.replace('~', NODE, 1) if topic.startswith('~') else f'/{topic}'

@@ -13,7 +13,7 @@ from fourbar_ros.scene.topics import INPUT_DEPTH, INPUTS, QUEUE_DEPTH, Topic, TO
 
 
 def channel(topic: Topic, name: str) -> Channel:
-    """Return the bag's Channel of a :class:`.Topic` under its resolved name."""
+    """Return what a bag notes of a topic: its resolved name, type, definition, hash and QoS."""
     is_input = topic in (*INPUTS.values(), TORQUE) or topic.name.startswith(WRENCH)
     depth = 1 if topic.latched else INPUT_DEPTH if is_input else QUEUE_DEPTH
     return Channel(name, topic.type, definition(topic.type), type_hash(topic.type), depth,
@@ -21,28 +21,37 @@ def channel(topic: Topic, name: str) -> Channel:
 
 
 def type_hash(type_name: str) -> str:
-    """Return the RIHS01 hash of 'package/msg/Name'."""
-    hashes = json.loads(_share(type_name, 'json').read_text(encoding='utf-8'))['type_hashes']
-    found: str = next(item['hash_string'] for item in hashes if item['type_name'] == type_name)
-    return found
+    """
+    Return the RIHS01 hash of 'package/msg/Name', which tells definitions of one name apart.
+
+    It is that of the installed definition (REP 2011), as rosbag2 writes it.
+    """
+    hashes = json.loads(_installed_file(type_name, 'json'))['type_hashes']
+    return str(next(item['hash_string'] for item in hashes if item['type_name'] == type_name))
 
 
 def definition(type_name: str) -> str:
-    """Return the definition followed by those of all messages in it, as bags hold them."""
-    text = _share(type_name, 'msg').read_text(encoding='utf-8')
+    """
+    Return the .msg file of a type, and below it those of all types that it contains.
+
+    MCAP asks for this form: 80 equals signs and ``MSG: package/Name`` before each further one.
+    """
+    text = _installed_file(type_name, 'msg')
     parts, done, todo = [text], {type_name}, types_in(type_name, text)
     while todo:
         name = todo.pop(0)
         if name in done:
             continue
         done.add(name)
-        text = _share(name, 'msg').read_text(encoding='utf-8')
+        text = _installed_file(name, 'msg')
         package, _, short = name.split('/')
         parts.append(f'{"=" * 80}\nMSG: {package}/{short}\n{text}')
         todo += types_in(name, text)
     return '\n'.join(parts)
 
 
-def _share(type_name: str, suffix: str) -> Path:
+def _installed_file(type_name: str, suffix: str) -> str:
+    """Return the text of the installed .msg or .json file of a message type."""
     package, kind, name = type_name.split('/')
-    return Path(get_package_share_directory(package)) / kind / f'{name}.{suffix}'
+    folder = Path(get_package_share_directory(package)) / kind
+    return (folder / f'{name}.{suffix}').read_text(encoding='utf-8')

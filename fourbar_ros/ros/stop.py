@@ -7,8 +7,7 @@ Imports little, so that they are caught before the long imports.
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-import contextlib
+from collections.abc import Callable
 import signal
 import sys
 import time
@@ -24,10 +23,10 @@ Handler = Union[Callable[[int, Union[FrameType, None]], object], int, None]
 
 class Stop:
     """
-    Whether a signal has requested the end of the process, and which (``name``, else empty).
+    Whether a signal has ``requested`` the end of the process, and its ``name``, else empty.
 
-    A plain flag: a handler interrupts the main thread anywhere, also in a handler, where the lock
-    of a ``threading.Event`` would wait for itself.
+    It is a plain flag, no ``threading.Event``: a signal may interrupt the main thread while that
+    holds the event's lock, and then waits for itself.
     """
 
     def __init__(self) -> None:
@@ -52,23 +51,17 @@ class Stop:
     @staticmethod
     def ignore() -> None:
         """
-        Ignore signals until the end.
+        Ignore signals until the end of the process, so that a second Ctrl-C cannot break it off.
 
-        Python restores handlers while it ends, but not what is ignored.
+        While Python ends it sets handlers back to their defaults, but leaves ignored signals so.
         """
-        for number in SIGNALS:
-            with _silent_race():
+        before = sys.unraisablehook
+        # A signal that arrives while its handler changes would print a traceback (an OSError).
+        sys.unraisablehook = lambda unraised: (
+            None if isinstance(unraised.exc_value, OSError) else before(unraised))
+        try:
+            for number in SIGNALS:
                 signal.signal(number, signal.SIG_IGN)
-
-
-@contextlib.contextmanager
-def _silent_race() -> Iterator[None]:
-    """Suppress the traceback of a signal that arrives while its handler changes."""
-    before = sys.unraisablehook
-    sys.unraisablehook = lambda found: None if isinstance(found.exc_value,
-                                                          OSError) else before(found)
-    try:
-        yield
-        time.sleep(0.0)                      # here Python handles what arrived in between
-    finally:
-        sys.unraisablehook = before
+                time.sleep(0.0)              # here Python handles what arrived in between
+        finally:
+            sys.unraisablehook = before

@@ -254,7 +254,7 @@ def test_the_output_does_not_change_from_run_to_run():
         return done.stdout + done.stderr
     for arguments in (('scene', 'check', 'slides_7_6'), ('show', 'cylinder', '--at', '1'),
                       ('show', 'nosuch')):
-        assert len({text(*arguments, seed=seed) for seed in (1, 2, 3)}) == 1
+        assert len({text(*arguments, seed=seed) for seed in (1, 2)}) == 1
 
 
 @some('arguments, text', [

@@ -58,7 +58,7 @@ def test_the_order_is_four_at_least(drive):
     assert orders[-1] > 3.7 and errors[-1] < 1e-5, (errors, orders)
 
 
-@some('stiffness', [10.0**k for k in range(2, 10)], (1e3, 1e9))
+@some('stiffness', [10.0**k for k in range(2, 10)], (1e9,))
 def test_stiff_shafts_against_scipy(stiffness):
     damping = 100.0 if stiffness > 1e4 else 1e-3 * stiffness
     system = System(PAPER, 0.0, drive=Drive(LINE, 0.5, shaft=Shaft(stiffness, damping)))

@@ -30,13 +30,14 @@ def test_windows_swing_as_one_pendulum(count):
     assert run.drift <= TOLERANCE
 
 
-def test_posts_stay_parallel_to_the_crank():
+@some('count', [10, 40], 1)
+def test_posts_stay_parallel_to_the_crank(count):
     """At the flat posture and 1e-9 rad and less from it, and both postures are flat ones."""
-    machine = windows(40).mechanism
+    machine = windows(count).mechanism
     assert machine.flat_inputs == (0.0, pi) and machine.turns_fully
     for position in (0.0, 1e-300, 1e-9, 1.0, 2.0, 3.0, pi - 1e-9, pi):
         motion = machine.motion(position, 2.0, 3.0)
-        for i in (0, 19, 39):
+        for i in (0, count // 2, count - 1):
             assert abs(getattr(motion, f'theta_post{i}') - position) <= 1e-15
             assert abs(getattr(motion, f'omega_post{i}') - 2.0) <= 1e-14
             assert abs(getattr(motion, f'omega_beam{i}')) <= 1e-14

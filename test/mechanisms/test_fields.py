@@ -178,7 +178,7 @@ NONE = Body(0.0)
     {'bodies': Bodies(NONE, Body(2.0), NONE)}, {'bodies': Bodies(NONE, NONE, Body(1.0, 0.1))},
     {'bodies': Bodies(NONE, NONE, NONE)}, {'bodies': Bodies(NONE, NONE, NONE),
                                            'external': External(Applied(couple=2.0))},
-    {'bodies': Bodies(NONE, NONE, NONE), 'external': External(output=Applied(1.0, 2.0))}], 2)
+    {'bodies': Bodies(NONE, NONE, NONE), 'external': External(output=Applied(1.0, 2.0))}], 1)
 @pytest.mark.parametrize('mechanism',
                          [FourBar(0.4, 1.2, 0.8, 1.0), FourBar(4.0, 3.0, 2.0, 8.0, mode=1), *(
                              kind(0.9, 0.4, -0.1, input=driven)

@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Polygons close and are to scale; pictures say what is in them."""
 from math import hypot
-import subprocess
 import sys
 
 from fourbar_ros import Bodies, Body, FourBar
@@ -158,26 +157,22 @@ def test_numbers_in_pictures_are_readable(value, text):
     assert significant(value) == text
 
 
-def test_the_command(tmp_path):
+def test_the_command(tmp_path, monkeypatch, capsys):
     pytest.importorskip('matplotlib')
+    from fourbar_ros.cli.main import main
+    monkeypatch.chdir(ROOT)
 
-    def draw(*arguments):
-        return subprocess.run([sys.executable, '-m', 'fourbar_ros', 'draw', *arguments],
-                              capture_output=True, text=True,
-                              cwd=ROOT, check=False)
+    def draw(name):
+        code = main(['draw', 'config/paper.yaml', '--at', '60', '-o', str(tmp_path / name)])
+        return code, *capsys.readouterr()
 
     for name in ('pose.svg', 'pose.pdf'):
-        out = tmp_path / name
-        done = draw('config/paper.yaml', '--at', '60', '-o', str(out))
-        assert done.returncode == 0 and done.stdout.strip() == str(out), done.stderr
-        assert out.stat().st_size > 10_000
-    done = draw('config/paper.yaml', '--at', '60', '-o', str(tmp_path / 'pose.xyz'))
-    assert (done.returncode == 1 and done.stderr.startswith('fourbar: ')
-            and len(done.stderr.splitlines()) == 1)
+        assert draw(name) == (0, f'{tmp_path / name}\n', '')
+        assert (tmp_path / name).stat().st_size > 10_000
+    code, _, error = draw('pose.xyz')
+    assert code == 1 and error.startswith('fourbar: ') and len(error.splitlines()) == 1
     missing = tmp_path / 'missing' / 'pose.svg'
-    done = draw('config/paper.yaml', '--at', '60', '-o', str(missing))
-    assert (done.returncode == 1 and done.stderr == f'fourbar: {missing}: No such file or '
-                                                    'directory\n')
+    assert draw('missing/pose.svg')[::2] == (1, f'fourbar: {missing}: No such file or directory\n')
 
 
 @pytest.mark.parametrize('arguments',

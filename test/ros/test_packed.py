@@ -21,6 +21,7 @@ from fourbar_ros.scene.topics import DRIVEN, OUTPUTS
 import pytest
 from rclpy.serialization import deserialize_message, serialize_message
 from ros.test_mechanisms import MECHANISMS
+from support.samples import some
 from support.scenes import TIP
 
 STAMPS = (0, 0), (1, 999_999_999), (2**31 - 1, 0), (-1, 5)
@@ -55,7 +56,7 @@ def steps_of(its):
         yield status, tuple(hard if k % 2 else -k * math.pi for k in range(count))
 
 
-@pytest.mark.parametrize('name', MECHANISMS)
+@some('name', MECHANISMS, 3)
 def test_packed_bytes_are_what_ros_serialises(name):
     its = scene_of(name)
     for topic in topics_of(its):

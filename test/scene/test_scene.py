@@ -15,7 +15,7 @@ from support.hostile import hostile
 from support.scenes import PAPER, RODS
 
 CONFIG = ROOT / 'config'
-CHANGES = 100          # of one scene
+CHANGES = 40          # of one scene
 
 
 @pytest.mark.parametrize('file', sorted(CONFIG.glob('*.yaml')), ids=lambda file: file.stem)

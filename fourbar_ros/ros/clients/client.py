@@ -1,10 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""
-The other side of a running node.
-
-Find it, listen to it, drive it, ask its services, with patience.
-"""
+"""A client of a running node: finds it, listens to it, drives it, calls its services."""
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
@@ -35,22 +31,16 @@ class NoAnswer(FourBarError):
 
 
 def name_on(node: str, entity: Topic | Service) -> str:
-    """Return the absolute name of a topic or service of a node, with or without a slash."""
+    """Return the absolute name: '~/input' of the node fourbar, or /fourbar, is /fourbar/input."""
     name = entity.service if isinstance(entity, Service) else entity.topic
     return name.replace('~', f'/{node.strip("/")}')
 
 
 class Client:
     """
-    Talks to nodes through an rclpy node of its own.
+    Talks to nodes through an rclpy node of its own, which the caller makes and destroys.
 
-    Parameters
-    ----------
-    node : rclpy.node.Node
-        Its own node; its owner destroys it.
-    patience : float
-        How long to wait for something by default [s].
-
+    ``patience``: how long to wait for anything by default [s].
     """
 
     def __init__(self, node: Node, patience: float = PATIENCE) -> None:
@@ -67,11 +57,7 @@ class Client:
 
     def until(self, condition: Callable[[], bool], what: str,
               patience: float | None = None) -> None:
-        """
-        Handle incoming messages until the condition holds.
-
-        Raises NoAnswer, which names ``what``.
-        """
+        """Handle messages until the condition holds; after ``patience`` raise NoAnswer(what)."""
         patience = self.patience if patience is None else patience
         end = time.monotonic() + patience
         while not condition():
@@ -91,7 +77,7 @@ class Client:
         return self.node.create_publisher(resolve(topic.type), name_on(node, topic), INPUT_DEPTH)
 
     def call(self, service_name: str, /, node: str = NODE, **request: Any) -> Message:
-        """Return the response of a service of a node."""
+        """Call a service of a node with the fields of its request; return the response."""
         service = self.service(service_name, node)
         return self.result_of(service.call_async(service.srv_type.Request(**request)),
                               service.service_name)
@@ -124,11 +110,7 @@ AnyClient = TypeVar('AnyClient', bound=Client)
 
 @contextmanager
 def opened(make: Callable[[Node], AnyClient], name: str) -> Iterator[AnyClient]:
-    """
-    Initialise ROS, give the client that ``make`` returns for a new node of this name.
-
-    Close all of it.
-    """
+    """Initialise ROS for a ``with`` block; give ``make(a new node of this name)``, close all."""
     rclpy.init()
     try:
         client = make(rclpy.create_node(name))
@@ -142,7 +124,7 @@ def opened(make: Callable[[Node], AnyClient], name: str) -> Iterator[AnyClient]:
 
 
 def record(what: str, name: str, node: str, patience: float = PATIENCE) -> str:
-    """Start or stop the bag of a node; return its path."""
+    """Start or stop (``what``) recording in a node; return the path of the bag."""
     with opened(lambda own: Client(own, patience), 'fourbar_record') as client:
         if what == 'start':
             answer = client.call('start_recording', node, name=name)
@@ -150,5 +132,4 @@ def record(what: str, name: str, node: str, patience: float = PATIENCE) -> str:
             answer = client.call('stop_recording', node)
     if not answer.success:
         raise NoAnswer(answer.message)
-    found: str = answer.path if what == 'start' else answer.message
-    return found
+    return str(answer.path if what == 'start' else answer.message)

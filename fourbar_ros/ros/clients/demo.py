@@ -20,7 +20,7 @@ from fourbar_ros.mechanisms.quantities import select
 from fourbar_ros.pipeline.status import STATUS_NAMES
 from fourbar_ros.report.page import write_page
 from fourbar_ros.report.tables import mode_name, rate_unit, what_it_is
-from fourbar_ros.report.terminal import make_console, plain_table, PlainTable
+from fourbar_ros.report.terminal import make_console, PlainTable
 from fourbar_ros.ros.clients.client import Client, NODE, opened
 from fourbar_ros.ros.messages import Message, resolve, to_stamp
 from fourbar_ros.scene.arguments import Parser, positive
@@ -42,8 +42,7 @@ ANGLES = ('theta1', 'theta4', 'transmission_angle')
 RATES = {'slide': 'm', 'omega4': 'rad/s', 'alpha4': 'rad/s^2', 'slide_velocity': 'm/s',
          'slide_acceleration': 'm/s^2'}
 LOADS = {'f41': 'N', 'f21': 'N', 'f32': 'N', 'f43': 'N', 'driving_torque': 'N m',
-         'driving_force': 'N',
-         'guide_force': 'N', 'shaking_force': 'N', 'shaking_moment': 'N m'}
+         'driving_force': 'N', 'guide_force': 'N', 'shaking_force': 'N', 'shaking_moment': 'N m'}
 
 
 class DemoError(FourBarError):
@@ -68,19 +67,19 @@ class Driver(Client):
 
     def given(self, seconds: float) -> tuple[float, float, float]:
         """
-        Return input, rate and acceleration.
+        Return position, rate and acceleration of the input to send at a time.
 
-        Constant speed, or a swing if the input cannot turn fully.
+        The input turns at the scene's speed. Where it cannot turn fully, it swings as a sine
+        through 0.95 of its last range, with the scene's speed in the middle.
         """
         drive, linkage = self.scene.drive, self.scene.linkage
         if linkage.turns_fully:
             return drive.start + drive.speed * seconds, drive.speed, 0.0
         low, high = linkage.input_ranges[-1]
         middle, reach = 0.5 * (low + high), SWING * 0.5 * (high - low)
-        # the scene's speed is reached in the middle
-        rate = drive.speed / reach
-        sine, cosine = reach * sin(rate * seconds), reach * cos(rate * seconds)
-        return middle + sine, rate * cosine, -rate * rate * sine
+        frequency = drive.speed / reach                                  # [rad/s]
+        sine, cosine = reach * sin(frequency * seconds), reach * cos(frequency * seconds)
+        return middle + sine, frequency * cosine, -frequency * frequency * sine
 
     def drive(self, seconds: float) -> None:
         """Send one input, ``seconds`` after the start."""
@@ -97,12 +96,12 @@ class Driver(Client):
         self.input.publish(message)
 
 
-Entry = dict[str, Any]      # of the printed extrema and poses of a scene, from published.yaml
+Entry = dict[str, Any]      # a printed extremum or pose: published/SCENE.yaml has a list of them
 
 
 def live_table(client: Driver, seconds: float) -> PlainTable:
-    """Return the table of the latest messages."""
-    table = plain_table(f'{NODE} at {seconds:4.1f} s', ('', '        value>', 'unit'))
+    """Return a table: the latest state and loads, how many messages came on each topic."""
+    table = PlainTable(f'{NODE} at {seconds:4.1f} s', ('', '        value>', 'unit'))
     state, loads = client.latest.get('state'), client.latest.get('loads')
     rows = []
     if state:
@@ -134,8 +133,7 @@ def watch(client: Driver, node: subprocess.Popen[bytes], seconds: float, console
             client.drive(time.monotonic() - first)
             client.spin(0.01 if client.input else 1.0 / REFRESH)
             live.update(live_table(client, time.monotonic() - first))
-    if not console.is_terminal:
-        # rich ends the last table only on a terminal
+    if not console.is_terminal:          # rich ends the last table only on a terminal
         console.print()
 
 
@@ -147,16 +145,20 @@ def published_for(path: str | Path) -> list[Entry]:
 
 def compare_extrema(client: Driver, published: Sequence[Entry],
                     console: Console) -> Sequence[Message]:
-    """Request all extrema, print the global ones beside the published values; return all."""
+    """
+    Ask the node for all extrema; print the global ones beside the values printed in the paper.
+
+    Returns the messages of all extrema; none if the node refused.
+    """
     linkage, speed = client.scene.linkage, client.scene.drive.speed
     answer = client.call('find_extrema', velocity=speed)
     if answer.result != answer.RESULT_OK:
         console.print(f'find_extrema: {answer.message}')
         return ()
-    table = plain_table(f'global extrema at {speed:g} {rate_unit(linkage)}, mode '
-                        f'{mode_name(linkage)}, from {NODE}/find_extrema',
-                        ('quantity', '', 'value>', 'unit', f'{linkage.input_coordinate.position}>',
-                         *(('published>', 'at>') if published else ())))
+    table = PlainTable(f'global extrema at {speed:g} {rate_unit(linkage)}, mode '
+                       f'{mode_name(linkage)}, from {NODE}/find_extrema',
+                       ('quantity', '', 'value>', 'unit', f'{linkage.input_coordinate.position}>',
+                        *(('published>', 'at>') if published else ())))
     notes: list[str] = []
     for extremum in answer.extrema:
         if not extremum.is_global:
@@ -182,14 +184,14 @@ def compare_extrema(client: Driver, published: Sequence[Entry],
 
 
 def compare_poses(client: Driver, published: Sequence[Entry], console: Console) -> None:
-    """Evaluate the published poses; print our values beside the published ones."""
+    """Have the node evaluate the published poses; print its values beside the published ones."""
     for entry in published:
         if 'at' not in entry:
             continue
         answer = client.call('evaluate', mode=entry['mode'], **entry['at'])
-        table = plain_table(f'{entry["source"]}, mode '
-                            f'{client.scene.linkage.MODES[entry["mode"]]}, from {NODE}/evaluate',
-                            ('', 'ours>', 'published>'))
+        table = PlainTable(f'{entry["source"]}, mode '
+                           f'{client.scene.linkage.MODES[entry["mode"]]}, from {NODE}/evaluate',
+                           ('', 'ours>', 'published>'))
         for name, value in entry['values'].items():
             ours = getattr(answer.state, name.removesuffix('_deg'))
             table.add_row(name, f'{degrees(ours) if name.endswith("_deg") else ours:.6f}',
@@ -199,18 +201,26 @@ def compare_poses(client: Driver, published: Sequence[Entry], console: Console) 
 
 
 def check_bag(path: str | Path, console: Console) -> bool:
-    """Recompute every value in a bag from its input; return whether none differs."""
-    found = recompute(path)
-    messages = {difference.topic: difference.messages for difference in found}
-    worst = max((difference.largest for difference in found), default=0.0)
+    """
+    Recompute every output in a bag from the recorded input and print the largest difference.
+
+    Returns whether there are outputs and none differs.
+    """
+    differences = recompute(path)
+    messages = {difference.topic: difference.messages for difference in differences}
+    worst = max((difference.largest for difference in differences), default=0.0)
     console.print(f'bag recomputed: {sum(messages.values())} outputs on {len(messages)} topics '
-                  f'from their recorded input, {len(found)} fields, largest difference {worst:g}',
-                  soft_wrap=True)
+                  f'from their recorded input, {len(differences)} fields, largest difference '
+                  f'{worst:g}', soft_wrap=True)
     return bool(messages) and worst == 0.0
 
 
 def write_page_of(scene: Scene, extrema: Sequence[Message], bag: Path) -> Path:
-    """Write a page beside a bag: the mechanism, its curves with extrema, the recorded run."""
+    """
+    Write page.html into a bag's folder and return its path.
+
+    It shows the mechanism, its curves with the extrema of the node, and the recorded run.
+    """
     from fourbar_ros.bag.exports import plot
     from fourbar_ros.report import curves, drawing
     linkage, speed = scene.linkage, scene.drive.speed
@@ -218,9 +228,11 @@ def write_page_of(scene: Scene, extrema: Sequence[Message], bag: Path) -> Path:
     motion = linkage.motion(position, speed, 0.0)
     names = [quantity.name for quantity in select((), linkage, scene.point_quantities)]
     over_input = curves.curves_of(scene, linkage, names, speed)
-    of_turn = degrees(1.0) if linkage.input_coordinate.unit == 'rad' else 1.0
-    marks = [(found.quantity, of_turn * (found.theta1 if isnan(found.slide) else found.slide),
-              found.value) for found in extrema if found.kind != Extremum.KIND_CONSTANT]
+    scale = degrees(1.0) if linkage.input_coordinate.unit == 'rad' else 1.0   # as curves have it
+    marks = [(extremum.quantity,
+              scale * (extremum.theta1 if isnan(extremum.slide) else extremum.slide),
+              extremum.value)
+             for extremum in extrema if extremum.kind != Extremum.KIND_CONSTANT]
     recorded = [f'{topic}.{name}' for name in names for topic in ('state', 'loads')
                 if topic in scene.outputs
                 and name in resolve(OUTPUTS[topic].type).get_fields_and_field_types()]
@@ -233,7 +245,12 @@ def write_page_of(scene: Scene, extrema: Sequence[Message], bag: Path) -> Path:
 
 
 def run(path: str | Path, seconds: float, directory: str | Path, console: Console) -> bool:
-    """Run the whole demonstration; return whether all of it succeeded."""
+    """
+    Start a node with a scene, show its stream, compare it with print, check its bag.
+
+    ``seconds``: how long the stream is shown; ``directory``: where the bag goes. Returns whether
+    the node ended well and its bag recomputes without a difference.
+    """
     path = find(path)
     scene = load(path)
     published = published_for(path)
@@ -241,8 +258,8 @@ def run(path: str | Path, seconds: float, directory: str | Path, console: Consol
     name = f'{Path(path).stem}_{time.strftime("%Y_%m_%d-%H_%M_%S")}'
     node = subprocess.Popen([sys.executable, '-m', 'fourbar_ros.ros.node.start', '--ros-args',
                              '--params-file', str(path), '-p', 'recording.start:=true',
-                             '-p', f'recording.directory:={directory}', '-p',
-                             f'recording.name:={name}'])
+                             '-p', f'recording.directory:={directory}',
+                             '-p', f'recording.name:={name}'])
     try:
         with opened(lambda own: Driver(own, scene), 'fourbar_demo') as client:
             watch(client, node, seconds, console)
@@ -266,8 +283,7 @@ def run(path: str | Path, seconds: float, directory: str | Path, console: Consol
 def main(args: Sequence[str] | None = None) -> int:
     """Parse the arguments and run; exit code 0 only if the node and its bag are good."""
     parser = Parser(prog='fourbar_demo', description=__doc__)
-    parser.add_argument('scene', help='parameter file (YAML) or name of a shipped scene, e.g. '
-                                      'paper')
+    parser.add_argument('scene', help='parameter file (YAML) or name of a shipped scene, as paper')
     parser.add_argument('--seconds', type=positive, default=5.0, metavar='S',
                         help='duration of the stream [s] (default 5)')
     parser.add_argument('--directory', default='bags', metavar='DIR',

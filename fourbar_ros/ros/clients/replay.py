@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 import time
-from typing import Any
+from typing import Any, NamedTuple
 
 from fourbar_ros.bag.read.playback import Pace, play, TICK
 from fourbar_ros.bag.read.reader import Bag
@@ -29,43 +29,35 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 from rosgraph_msgs.msg import Clock
 
-# of volatile publishers: a late replay sends bursts that the original did not
-DEPTH = 1000
+DEPTH = 1000                # queue of a publisher: a late replay sends bursts, unlike the original
 PATIENCE = 10.0             # [s] for readers that the graph shows to be matched
-# [s] without anything new in the graph: all that is near has been found
-SETTLED = 1.0
+SETTLED = 1.0               # [s] without anything new in the graph: discovery is done
 ALONE = 5.0                 # [s] without any reader: discovery takes 4 s at its worst
 POLL = 0.02                 # [s] between two looks at the graph
 FAREWELL = 2.0              # [s] for reliable readers to get the last messages
 
 
 def installed(type_name: str, recorded_hash: str) -> tuple[type[Any] | None, str]:
-    """Return (class, '') of a message type, or (None, why it cannot be sent here)."""
+    """
+    Return (class, '') of a recorded message type, or (None, why it cannot be sent here).
+
+    A type installed with another definition would read recorded bytes as other numbers.
+    """
     try:
-        kind, here = resolve(type_name), type_hash(type_name)
+        message_class, installed_hash = resolve(type_name), type_hash(type_name)
     except (LookupError, ModuleNotFoundError, AttributeError, ValueError, OSError):
         return None, f'{type_name} is not installed'
-    if recorded_hash and recorded_hash != here:
+    if recorded_hash and recorded_hash != installed_hash:
         return None, f'{type_name} was recorded by another definition than the one installed'
-    return kind, ''
+    return message_class, ''
 
 
 class Replayer:
     """
-    A node that publishes what it is given.
+    A node, in a ``with`` block, that publishes messages of a bag with their recorded QoS.
 
-    Each message on its topic with its recorded quality of service.
-
-    Parameters
-    ----------
-    bag : Bag
-    clock_rate : float, optional
-        Publish /clock so often a second of wall time.
-    pace : Pace, optional
-        How fast the time of the bag passes.
-    ros_args : list of str
-        As ``['--ros-args', '-r', ...]``.
-
+    ``clock_rate``: how often to publish /clock, per second of wall time; ``pace``: how fast the
+    time of the bag passes; ``ros_args``: as ``['--ros-args', '-r', ...]``.
     """
 
     def __init__(self, bag: Bag, clock_rate: float | None = None, pace: Pace | None = None,
@@ -90,7 +82,7 @@ class Replayer:
         self._stop.restore()
 
     def tick(self, now: int) -> bool:
-        """Publish the time of the bag [ns]; returns False when it is time to stop."""
+        """Publish the time of the bag [ns] on /clock if due; return False once a signal came."""
         if self._clock and not 0 <= now - self._ticked < self.period * self._pace.rate * 1e9:
             self._ticked = now
             self._clock.publish(Clock(clock=to_stamp(now)))
@@ -98,53 +90,42 @@ class Replayer:
 
     def wait(self, seconds: float, topics: Collection[str] | None = None, readers: int = 0) -> int:
         """
-        Create the publishers of all topics known by now and wait until their readers are matched.
+        Create the publishers of the bag's topics; wait for their readers; return how many came.
 
-        These are the readers that the graph shows, once nothing new has come for a moment, at
-        least ``seconds`` and at most PATIENCE after the beginning; ALONE if there are none; with
-        ``seconds`` 0 nobody is waited for. With ``readers`` until there are so many, however long
-        it takes.
-        Returns how many are matched.
+        Messages sent before a reader is matched are lost to it. So this waits until all readers
+        that the ROS graph shows are matched and it has not changed for SETTLED: at least
+        ``seconds``, ALONE while nobody reads, at most PATIENCE. ``seconds`` 0: do not wait.
+        ``readers``: wait for so many, however long it takes.
         """
         for topic in {channel.topic for channel in self.bag.channels.values()}:
             if (topics is None or topic in topics) and topic not in self._publishers:
                 self._make(topic, self.bag.type_of(topic))
-        begin = settled = time.monotonic()
-        before = None
+        begin = changed = time.monotonic()
+        graph = None
         while not self._stop.requested:
-            now, state = time.monotonic(), self._graph()
-            if state != before:
-                before, settled = state, now
-            matched, wanted = state[1], max(state[2], readers)
-            is_quiet = not seconds or now - settled >= SETTLED and now - begin >= (
-                seconds if matched else max(seconds, ALONE))
-            if matched >= wanted and is_quiet:
+            now, before, graph = time.monotonic(), graph, self._graph()
+            if graph != before:
+                changed = now
+            wanted = max(graph.known, readers)
+            is_settled = not seconds or now - changed >= SETTLED and now - begin >= (
+                seconds if graph.matched else max(seconds, ALONE))
+            if graph.matched >= wanted and is_settled:
                 break
             if not readers and now - begin >= max(seconds, PATIENCE if seconds else 0.0):
-                self.node.get_logger().warning(f'{wanted - matched} of {wanted} readers are not '
-                                               f'matched after {now - begin:.1f} s: they may miss '
-                                               'the first messages')
+                self.node.get_logger().warning(f'{wanted - graph.matched} of {wanted} readers are '
+                                               f'not matched after {now - begin:.1f} s: they may '
+                                               'miss the first messages')
                 break
             time.sleep(POLL)
-        return self._graph()[1]
+        return self._graph().matched
 
-    def _graph(self) -> tuple[list[tuple[str, str]], int, int]:
-        """Return (names of all nodes, readers that are matched, readers that could be)."""
+    def _graph(self) -> _Graph:
+        """Return the nodes and readers that can be seen now."""
         publishers = [publisher for publisher in self._publishers.values() if publisher]
-        known = sum(self._fits(publisher, info) for publisher in publishers
+        known = sum(_can_read(info, publisher) for publisher in publishers
                     for info in self.node.get_subscriptions_info_by_topic(publisher.topic_name))
-        return (sorted(self.node.get_node_names_and_namespaces()),
-                sum(publisher.get_subscription_count() for publisher in publishers), known)
-
-    @staticmethod
-    def _fits(publisher: Publisher, info: TopicEndpointInfo) -> bool:
-        kind = publisher.msg_type
-        package, _, name = info.topic_type.split('/')
-        if (package, name) != (kind.__module__.split('.')[0], kind.__name__):
-            return False
-        found: bool = qos_check_compatible(publisher.qos_profile,
-                                           info.qos_profile)[0] != QoSCompatibility.ERROR
-        return found
+        return _Graph(sorted(self.node.get_node_names_and_namespaces()),
+                      sum(publisher.get_subscription_count() for publisher in publishers), known)
 
     def publish(self, raw: Raw) -> bool:
         """Publish one message; return whether its type is installed."""
@@ -156,22 +137,44 @@ class Replayer:
         return publisher is not None
 
     def _make(self, topic: str, type_name: str) -> None:
-        kind, why = installed(type_name, self.bag.hash_of(topic))
+        """Create the publisher of a topic; warn and note None if its type is not installed."""
+        message_class, why = installed(type_name, self.bag.hash_of(topic))
         if why:
             self.node.get_logger().warning(f'{topic}: left out: {why}')
-        self._publishers[topic] = (self.node.create_publisher(kind, topic, self._qos(topic))
-                                   if kind else None)
+        self._publishers[topic] = (
+            self.node.create_publisher(message_class, topic, self._qos(topic))
+            if message_class else None)
 
     def _qos(self, topic: str) -> QoSProfile:
+        """Return the QoS that the first recorded publisher of a topic offered."""
         offered = (self.bag.qos_of(topic) or [{}])[0]
-        # words of Jazzy, numbers of before
-        latched = offered.get('durability') in ('transient_local', 1)
-        best_effort = offered.get('reliability') in ('best_effort', 2)
+        # bags of Jazzy have words, older ones rmw's numbers
+        is_latched = offered.get('durability') in ('transient_local', 1)
+        is_best_effort = offered.get('reliability') in ('best_effort', 2)
         return QoSProfile(
-            depth=max(offered.get('depth', 1), 1 if latched else DEPTH),
-            reliability=ReliabilityPolicy.BEST_EFFORT if best_effort
-            else ReliabilityPolicy.RELIABLE,
-            durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE)
+            depth=max(offered.get('depth', 1), 1 if is_latched else DEPTH),
+            reliability=(ReliabilityPolicy.BEST_EFFORT if is_best_effort
+                         else ReliabilityPolicy.RELIABLE),
+            durability=(DurabilityPolicy.TRANSIENT_LOCAL if is_latched
+                        else DurabilityPolicy.VOLATILE))
+
+
+class _Graph(NamedTuple):
+    """The nodes of the ROS graph, how many readers are matched, how many are known to fit."""
+
+    nodes: list[tuple[str, str]]
+    matched: int
+    known: int
+
+
+def _can_read(info: TopicEndpointInfo, publisher: Publisher) -> bool:
+    """Return whether a subscription has the type of a publisher and a QoS that fits."""
+    message_class = publisher.msg_type
+    package, _, name = info.topic_type.split('/')
+    if (package, name) != (message_class.__module__.split('.')[0], message_class.__name__):
+        return False
+    compatibility, _ = qos_check_compatible(publisher.qos_profile, info.qos_profile)
+    return bool(compatibility != QoSCompatibility.ERROR)
 
 
 def replay(path: str | Path, topics: Sequence[str] | None = None, rate: float = 1.0,
@@ -180,15 +183,21 @@ def replay(path: str | Path, topics: Sequence[str] | None = None, rate: float = 
            pace: Pace | None = None, on_tick: Callable[[int], None] | None = None, readers: int = 0
            ) -> int:
     """
-    Publish a bag until its end or a signal; return how many messages; see bag.replay.play.
+    Publish a bag until its end or a signal; return how many messages.
 
-    ``delay``, ``readers``: see :meth:`Replayer.wait`; ``pace``: a Pace to change meanwhile;
-    ``on_tick`` is called with the time of the bag [ns] again and again.
+    ``rate``, ``start``, ``loop``, ``follow``: see :func:`fourbar_ros.bag.read.playback.play`;
+    ``delay``, ``readers``: ``seconds`` and ``readers`` of :meth:`Replayer.wait`; ``pace``: a Pace
+    to pause or change the rate meanwhile; ``on_tick`` is called with the time of the bag [ns] at
+    every tick.
+
+    Raises
+    ------
+    BagError
+        The bag cannot be read, or has no message on the ``topics`` asked for.
+
     """
-    bag = Bag(path)
+    bag, count, pace = Bag(path), 0, pace or Pace(rate)
     next(bag.raw(), None)                                # so that its topics are known
-    count = 0
-    pace = pace or Pace(rate)
     with Replayer(bag, clock_rate, pace, ros_args) as replayer:
         replayer.wait(delay, topics, readers)
 

@@ -1,11 +1,10 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Drive a live node with the recorded motion of the driven joint.
+Drive a live node with the recorded motion of the driven joint; compare its answers with the bag.
 
-Compare its answers with the recorded ones.
-
-Answers of a live node meet the messages that a bag has of them, by their stamps.
+An answer of the live node and the recorded message belong together by their stamp, that of their
+input.
 """
 from __future__ import annotations
 
@@ -46,11 +45,7 @@ OURS = ('drive.', 'recording.')         # parameters that a live node has its ow
 
 
 class LiveRun(NamedTuple):
-    """
-    The answers of a live node by topic.
-
-    ``notes``: what the scene had to do with it, in words.
-    """
+    """The answers of a live node by topic; ``notes``: changes of the scene, a line for each."""
 
     answers: list[Answer]
     notes: list[str]
@@ -59,12 +54,11 @@ class LiveRun(NamedTuple):
 def drive_live(path: str | Path, node_name: str | None = None, rate: float = 1.0,
                start: float = 0.0, ros_args: Sequence[str] = ()) -> LiveRun:
     """
-    Return the :class:`LiveRun` of a bag: an :class:`Answer` for every output in it.
+    Send the recorded motion of a bag to a live node; compare all its outputs with the recorded.
 
-    The recorded motion of the driven joint goes to the ``~/input`` of the node, which must be
-    driven by ``motion`` and have the scene of the bag (``fourbar bag scene`` writes it). Where the
-    scene changes in the bag it is changed in the node. Answers are matched by their stamp, that of
-    their input. Memory does not grow with the bag.
+    The motion goes to the ``~/input`` of the node, which must be driven by ``motion`` and have the
+    scene of the bag (``fourbar bag scene`` writes it). Where the scene changes in the bag it is
+    changed in the node. Memory does not grow with the bag.
     """
     bag = Bag(path)
     origin = origin_of(bag)
@@ -84,8 +78,7 @@ def drive_live(path: str | Path, node_name: str | None = None, rate: float = 1.0
         changes = _Changes(live, bag, origin.scene, scene_topic, pace)
         changes.before(start)
         wanted = [topic for topic in (driven, scene_topic, *outputs) if topic]
-        for raw in play(bag, wanted, rate, start, tick=live.tick,
-                        pace=pace):
+        for raw in play(bag, wanted, rate, start, tick=live.tick, pace=pace):
             if raw.topic == driven:
                 live.send(raw)
             elif raw.topic == scene_topic:
@@ -98,7 +91,7 @@ def drive_live(path: str | Path, node_name: str | None = None, rate: float = 1.0
 
 
 class _Changes:
-    """Takes over in a live node what changes in the scene of a bag."""
+    """Changes the parameters of a live node wherever the recorded scene changes."""
 
     def __init__(self, live: _Live, bag: Bag, scene: Scene, topic: str | None, pace: Pace) -> None:
         self._live, self._bag, self._topic, self._pace = live, bag, topic, pace
@@ -107,7 +100,7 @@ class _Changes:
         self._first = True
 
     def before(self, start: float) -> None:
-        """Take over the changes in the part of the bag that is left out."""
+        """Take over the changes of the first ``start`` seconds of the bag, which are skipped."""
         if start and self._topic:
             begin = self._origin + round(start * 1e9)
             for raw in self._bag.raw([self._topic]):
@@ -116,7 +109,7 @@ class _Changes:
                 self.take(raw)
 
     def take(self, raw: Raw) -> None:
-        """Take over a scene of the bag, once all motions before it are answered."""
+        """Set what a recorded scene changes, once the node has answered all motions before it."""
         values = from_values(json.loads(self._bag.decode(raw).data)).values
         changed = {name: value for name, value in values.items()
                    if not name.startswith(OURS) and not _is_same(value, self._values.get(name))}
@@ -133,46 +126,47 @@ class _Changes:
 
 
 def _is_same(a: float | None, b: float | None) -> bool:
-    found: bool = a == b or (a != a and b != b)                 # NaN: not given
-    return found
+    """Return whether two values of a parameter are equal; NaN stands for one not given."""
+    return bool(a == b or (a != a and b != b))
 
 
 class _Live(Client):
-    """The live node, seen from the replay's own node."""
+    """The live node: sends it recorded motions and collects its answers."""
 
     def __init__(self, replayer: Replayer, outputs: Mapping[str, str], origin: Origin,
                  node_name: str, pace: Pace) -> None:
         super().__init__(replayer.node)
         self._replayer, self._pace = replayer, pace
-        self._in_order, recorded_node = origin.in_order, origin.node
+        self._in_order = origin.in_order
         self._topics = {topic: Meeting(replayer.bag.decoder(topic)) for topic in outputs}
         self._first, self._last = b'', b''          # stamps of motions; empty before the first
         self._unanswered = b''      # the first motion, until it is answered
         self._last_arrival = time.monotonic()
         self._given_up = 0          # motions whose answers are not waited for any more
         self._silent = False        # nothing has come since it was waited for in vain
-        self._name, self._input = (name_on(node_name, INPUTS['motion']),
-                                   self.publisher('motion', node_name))
-        self._subscriptions = [self._listen(topic, type_name, recorded_node, node_name)
+        self._input_name = name_on(node_name, INPUTS['motion'])
+        self._input = self.publisher('motion', node_name)
+        self._subscriptions = [self._listen(topic, type_name, origin.node, node_name)
                                for topic, type_name in outputs.items()]
         self._parameters = AsyncParameterClient(self.node, node_name)
 
     def _listen(self, topic: str, type_name: str, recorded_node: str, node_name: str
                 ) -> Subscription:
-        there = (topic.replace(recorded_node, node_name, 1)
-                 if topic.startswith(recorded_node + '/') else topic)
+        """Subscribe to the live topic of a recorded one; below the node, its name may differ."""
+        live_topic = (topic.replace(recorded_node, node_name, 1)
+                      if topic.startswith(recorded_node + '/') else topic)
         answers = self._topics[topic]
 
         def take(data: bytes) -> None:
             self._last_arrival, self._silent = time.monotonic(), False
             answers.answer(stamp_of(data), data)
-        return self.node.create_subscription(resolve(type_name), there, take,
+        return self.node.create_subscription(resolve(type_name), live_topic, take,
                                              QoSProfile(depth=1000), raw=True)
 
     def wait_until_found(self) -> None:
-        """Wait for the node's input and outputs."""
-        what = (f'{self._name}: no node with drive.source: motion and the outputs of the bag; '
-                '"fourbar bag scene BAG > FILE" writes the parameters of one')
+        """Wait until the node's input and all its outputs are discovered; raise NoAnswer."""
+        what = (f'{self._input_name}: no node with drive.source: motion and the outputs of the '
+                'bag; "fourbar bag scene BAG > FILE" writes the parameters of one')
 
         def is_found() -> bool:
             if not self.tick(0):
@@ -184,7 +178,7 @@ class _Live(Client):
         self.wait_for_the_rest(0.3)
 
     def tick(self, _: int) -> bool:
-        """Handle what came in."""
+        """Handle the messages that have come; return False once a signal has come."""
         for _ in range(1000):
             before = self._last_arrival
             self.executor.spin_once(timeout_sec=0.0 if self._last else 0.02)
@@ -207,10 +201,14 @@ class _Live(Client):
         return 'applied' if result.successful else f'not applied: {result.reason}'
 
     def send(self, raw: Raw) -> None:
-        """Send one motion of the driven joint, later than in the bag if the node is behind."""
+        """
+        Send one recorded motion; first wait if AHEAD motions have not been answered.
+
+        More would overflow the queue of a busy node, and the lost ones look like its fault.
+        """
         self._introduce()
         waiting = self._waiting()
-        # a node that stands still is not waited for again; what it answers late was not lost
+        # For a node that stands still we wait once only. What it answers later is not missing.
         self._given_up = waiting if self._silent else min(self._given_up, waiting)
         if waiting >= self._given_up + AHEAD:
             self.wait_for_the_rest(HELD_UP, self._given_up + AHEAD - 1)
@@ -246,13 +244,13 @@ class _Live(Client):
 
     def expect(self, raw: Raw) -> None:
         """
-        Keep what was recorded, if its motion was sent.
+        Keep a recorded output for comparison if its motion was sent.
 
-        In a bag of rosbag2 that may come later.
+        Our bags hold it right after its motion; those of rosbag2 in the order of arrival.
         """
         stamp = stamp_of(raw.data)
-        if (stamp == self._last or not self._in_order and self._last and moment_of(stamp)
-                >= moment_of(self._first)):
+        if (stamp == self._last or not self._in_order and self._last
+                and moment_of(stamp) >= moment_of(self._first)):
             self._topics[raw.topic].expect(stamp, raw.data)
 
     def _waiting(self) -> int:
@@ -260,7 +258,7 @@ class _Live(Client):
         return max([topic.waiting for topic in self._topics.values()], default=0)
 
     def wait_for_the_rest(self, quiet: float = QUIET, rest: int = 0) -> None:
-        """Wait until nothing has come for some time, or all has but so many."""
+        """Wait until no answer has come for ``quiet`` [s], or at most ``rest`` are missing."""
         self._introduce()
         self._last_arrival = time.monotonic()
         while time.monotonic() - self._last_arrival < quiet and (
@@ -275,7 +273,7 @@ class _Live(Client):
 
 
 def moment_of(stamp: bytes) -> tuple[int, int]:
-    """Return such bytes as seconds and nanoseconds that can be compared."""
+    """Return the bytes of a stamp as (seconds, nanoseconds), which sort by time."""
     return struct.unpack('<iI', stamp)
 
 
@@ -284,7 +282,12 @@ LATE = 10_000           # messages of a topic that wait for their partner; older
 
 
 class Answer(NamedTuple):
-    """What a live node said on one topic, beside what was recorded; ``field`` differs most."""
+    """
+    The answers of a live node on one topic beside the recorded messages.
+
+    ``messages`` were compared, ``missing`` were not answered; ``largest`` is the largest
+    difference, in ``field``.
+    """
 
     topic: str
     messages: int
@@ -294,7 +297,7 @@ class Answer(NamedTuple):
 
 
 class Meeting:
-    """Recorded messages of one topic and the answers of the live node, until they meet."""
+    """Recorded messages and live answers of one topic, which wait here for their partner."""
 
     def __init__(self, decoder: Decoder) -> None:
         self._decoder = decoder
@@ -305,11 +308,11 @@ class Meeting:
         self.largest, self.field = 0.0, ''
 
     def expect(self, stamp: bytes, data: bytes) -> None:
-        """Keep what was recorded."""
+        """Take a recorded message."""
         self._meet(stamp, data, self._expected, self._answers, False)
 
     def answer(self, stamp: bytes, data: bytes) -> None:
-        """Keep what the live node says."""
+        """Take an answer of the live node."""
         self._meet(stamp, data, self._answers, self._expected, True)
 
     @property
@@ -323,6 +326,7 @@ class Meeting:
 
     def _meet(self, stamp: bytes, data: bytes, own: dict[bytes, bytes], others: dict[bytes, bytes],
               is_answer: bool) -> None:
+        """Pair a message with the waiting ``other`` of its stamp, or let it wait among ``own``."""
         other = others.pop(stamp, None)
         if other is None:
             own[stamp] = data
@@ -335,25 +339,25 @@ class Meeting:
             self.compare()
 
     def compare(self) -> None:
-        """Compare the messages that have met."""
-        here, there = [pair[0] for pair in self._pairs], [pair[1] for pair in self._pairs]
+        """Compare the pairs so far field by field, note the largest difference, drop them."""
+        recorded, answers = [pair[0] for pair in self._pairs], [pair[1] for pair in self._pairs]
         self.messages += len(self._pairs)
         self._pairs = []
-        for layout, rows, records in self._decoder.arrays(here):
-            answers = [there[row] for row in rows]
-            if not all(map(layout.matches, answers)):
+        for layout, rows, records in self._decoder.arrays(recorded):
+            its_answers = [answers[row] for row in rows]
+            if not all(map(layout.matches, its_answers)):
                 self.largest, self.field = np.inf, '(lengths)'
                 continue
-            others = np.frombuffer(b''.join(answers), layout.dtype)
+            live_records = np.frombuffer(b''.join(its_answers), layout.dtype)
             for leaf in layout.leaves:
-                if leaf.format[0] != 'S':
-                    value = distance(records[leaf.name].astype(float),
-                                     others[leaf.name].astype(float))
-                    if value > self.largest:
-                        self.largest, self.field = value, leaf.name
+                if leaf.format[0] != 'S':                # numbers; texts have no distance
+                    difference = distance(records[leaf.name].astype(float),
+                                          live_records[leaf.name].astype(float))
+                    if difference > self.largest:
+                        self.largest, self.field = difference, leaf.name
 
     def finished(self, topic: str) -> Answer:
-        """Return the Answer."""
+        """Compare the rest; what still waits for an answer is missing."""
         if self._pairs:
             self.compare()
         return Answer(topic, self.messages, self.missing + len(self._expected), self.largest,

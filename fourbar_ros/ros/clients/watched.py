@@ -25,28 +25,17 @@ AGAIN = 3.0         # [s] after which a request without answer is repeated
 
 class Watched:
     """
-    A node, listened to by a thread of its own until :meth:`close`.
+    A running node by name; a thread of its own listens to it until :meth:`close`.
 
-    Parameters
-    ----------
-    node : str
-        Its name.
-    patience : float
-        How long to wait for its scene, and for each answer [s].
-
-    Attributes
-    ----------
-    values : dict
-        Parameters of its scene, by name.
-    version : int
-        Grows with each new scene of the node.
-
+    ``values`` are the parameters of its scene by name, ``version`` counts its scenes. It waits up
+    to ``patience`` [s] for the scene, and for each answer.
     """
 
     def __init__(self, node: str, patience: float = PATIENCE):
         self.node, self.patience, self.version = '/' + node.strip('/'), patience, 0
         self.values: dict[str, Any] = {}
         self._latest: tuple[float, float, float] | None = None
+        # requests: name and value of a parameter, and where to put the answer
         self._asked: queue.Queue[tuple[str, Any, queue.Queue[str]]] = queue.Queue()
         self._stack = ExitStack()
         self._client = self._stack.enter_context(opened(Client, 'fourbar_live'))
@@ -71,7 +60,7 @@ class Watched:
         return self._latest
 
     def set(self, name: str, value: Any) -> str:
-        """Ask the node for a parameter; return why not, or ''."""
+        """Set a parameter of the node, from any thread; return '', or why it was refused."""
         answer: queue.Queue[str] = queue.Queue()
         self._asked.put((name, value, answer))
         while not self._ends.is_set():
@@ -99,7 +88,11 @@ class Watched:
                 self._ask(*self._asked.get())
 
     def _ask(self, name: str, value: Any, answer: queue.Queue[str]) -> None:
-        """Ask until there is an answer: those of a node that has not seen us yet are lost."""
+        """
+        Send a request to set a parameter, and again every AGAIN seconds; pass on the answer.
+
+        The first answer is lost if the node has not discovered us yet.
+        """
         request = SetParameters.Request(
             parameters=[Parameter(name, value=value).to_parameter_msg()])
         end = time.monotonic() + self.patience

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from traceback import format_exc
 
 from fourbar_ros.ros.messages import Message, resolve
-from fourbar_ros.ros.node.base import Running
+from fourbar_ros.ros.node.base import Base
 from fourbar_ros.ros.node.extrema import Canceled, Search
 from fourbar_ros.scene.topics import FIND_EXTREMA
 from rclpy.action import ActionServer, CancelResponse
@@ -22,25 +22,25 @@ class ExtremaServer(ActionServer):
     to cancel.
     """
 
-    def __init__(self, node: Running) -> None:
+    def __init__(self, node: Base) -> None:
         self._owner, self._worker = node, node.workers['search']
-        action = FIND_EXTREMA
-        super().__init__(node, resolve(action.type), action.service, self._answer,
+        super().__init__(node, resolve(FIND_EXTREMA.type), FIND_EXTREMA.service, self._answer,
                          cancel_callback=lambda _: CancelResponse.ACCEPT)
 
     def notify_execute(self, goal_handle: ServerGoalHandle,
                        execute_callback: Callable[[ServerGoalHandle], Message] | None) -> None:
-        """Have a goal executed by the worker."""
+        """Queue an accepted goal for the worker, where rclpy would run it in the executor."""
         def run() -> None:
-            try:
+            try:         # rclpy's coroutine of a goal; ours never waits, so one send completes it
                 self._execute_goal(execute_callback or self._answer, goal_handle).send(None)
-            except StopIteration:                        # a coroutine that never waits, at its end
+            except StopIteration:
                 pass
             except Exception:                            # the client is gone, or the node
                 self._owner.get_logger().debug(f'a goal of find_extrema: {format_exc()}')
         self._worker.do(run)
 
     def _answer(self, goal: ServerGoalHandle) -> Message:
+        """Search for what a goal asks, send feedback, set its final state, return the result."""
         kind = self.action_type
 
         def check() -> None:
@@ -56,7 +56,7 @@ class ExtremaServer(ActionServer):
         result = kind.Result()
         try:
             result = Search(self._owner.stream.scene, goal.request, check).answer(result, progress)
-        except Exception as error:           # a fault of ours: told, and the stream goes on
+        except Exception as error:           # a fault of ours: report it, the stream goes on
             self._owner.get_logger().error(f'a fault in find_extrema: {format_exc()}')
             result.result = result.RESULT_INVALID_REQUEST
             result.message = f'a fault in the node, see its log: {error!r}'

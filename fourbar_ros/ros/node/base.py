@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""The node as its parts see it that are made first: rclpy's, and what all parts share."""
+"""The node as its parts see it: rclpy's, what all parts share, and the parts themselves."""
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
@@ -28,37 +28,33 @@ if TYPE_CHECKING:      # these parts import this file
 
 class Base(Node):
     """
-    What the parts of a node may use of it; and what rclpy's own would not survive.
+    An rclpy node with parts, which survives requests that an rclpy node does not.
 
-    Attributes
-    ----------
-    circles : Circles
-    failure : Exception or None
-        A fault in any thread, which main raises.
-    log : QuietLog
-    steady_timers : SteadyTimers
-    workers : dict
-        {name: Worker}.
-
+    ``failure`` is a fault in any thread, which main raises. ``wrenches`` and ``trajectories`` are
+    None for a scene without them.
     """
 
     circles: Circles
     failure: Exception | None
     log: QuietLog
     steady_timers: SteadyTimers
-    workers: dict[str, Worker]
+    workers: dict[str, Worker]          # by name
+    recording: Recording
+    stream: Stream
+    drive: Drive
+    wrenches: WrenchInputs | None
+    trajectories: Trajectories | None
 
     def declare_parameters(self, namespace: str, parameters: Any,
                            ignore_override: bool = False) -> list[Parameter]:
-        """Declare parameters; an empty list of a file reaches rclpy without type and value."""
-        found: list[Parameter] = super().declare_parameters(
+        """Declare (name, value, ...); an empty list in a file comes as None, refused by rclpy."""
+        return list(super().declare_parameters(
             namespace, [(name, [] if value is None else value, *rest)
-                        for name, value, *rest in parameters], ignore_override)
-        return found
+                        for name, value, *rest in parameters], ignore_override))
 
     def set_parameters_atomically(self, parameter_list: Sequence[Parameter]
                                   ) -> SetParametersResult:
-        """Set parameters; whole numbers are good for doubles, empty lists for any list."""
+        """Set parameters; take 3 for a double, and an empty list for one of any type."""
         for parameter in parameter_list:
             if not self.has_parameter(parameter.name):   # rclpy overlooks an empty name
                 raise ParameterNotDeclaredException(parameter.name)
@@ -66,18 +62,23 @@ class Base(Node):
 
     def create_service(self, srv_type: type[Any], srv_name: str,
                        callback: Callable[[Message, Message], Message], **options: Any) -> Any:
-        """Create a service; a fault in it, as by a request that cannot be, is logged."""
+        """Create a service; an exception in its callback is logged and does not end the node."""
         def guarded(request: Message, response: Message) -> Message:
             try:
                 return callback(request, response)
-            except Exception:                # whatever a foreign client asks, the node goes on
+            except Exception:
                 self.get_logger().error(f'a fault in {srv_name}: {format_exc()}')
                 return response
         return super().create_service(srv_type, srv_name, guarded, **options)
 
 
 def _as_declared(given: Parameter) -> Parameter:
-    """Return a parameter in the type of the table, where its value is good for that."""
+    """
+    Return a parameter in the type that the table declares, if its value can be converted.
+
+    A client sends 3 as an integer, and an empty list as one of bytes; rclpy refuses both for a
+    parameter of doubles.
+    """
     declared, types = find(given.name), Parameter.Type
     kind = declared.type if declared else ''
     is_empty = given.type_.name.endswith('_ARRAY') and not len(given.value)
@@ -88,17 +89,3 @@ def _as_declared(given: Parameter) -> Parameter:
     if kind == 'strings' and is_empty:
         return Parameter(given.name, types.STRING_ARRAY, [])
     return given
-
-
-class Running(Base):
-    """
-    The node with all its parts, as parameters, services and diagnostics ask them.
-
-    None for those that its scene does not need.
-    """
-
-    recording: Recording
-    stream: Stream
-    drive: Drive
-    wrenches: WrenchInputs | None
-    trajectories: Trajectories | None

@@ -1,10 +1,10 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-What comes back to a node: its own messages, and those of nodes that answer its answers.
+Feedback: messages of the node that come back to its input, directly or through other nodes.
 
-rclpy does not say who sent a message. So the newest messages that a node has sent on a topic on
-which it also listens are kept, and what comes with the same bytes is its own.
+rclpy does not say who sent a message. So the node keeps the newest messages that it has sent on a
+topic to which it also listens; one that comes with the same bytes is its own.
 """
 from __future__ import annotations
 
@@ -20,26 +20,13 @@ from fourbar_ros.scene.topics import Topic
 from rclpy.node import Node, NodeNameNonExistentError
 from rclpy.publisher import Publisher
 
-KEPT = 1000                    # messages of a topic: more than wait anywhere
-HEADER = 4                     # [bytes] which a middleware may write anew
-OF_ALL = ('/rosout', '/parameter_events')      # which every node publishes
+KEPT = 1000                    # messages of a topic: more than any queue holds
+HEADER = 4                     # first bytes, of the encoding, which a middleware may rewrite
+OF_ALL = ('/rosout', '/parameter_events')      # topics that every node publishes
 
 
 class Circles:
-    """
-    Knows the node's own messages on the topics to which it listens.
-
-    Parameters
-    ----------
-    node : rclpy.node.Node
-    scene : Scene
-
-    Attributes
-    ----------
-    own : int
-        Messages of its own that it has not taken.
-
-    """
+    """Tells the node's own messages on topics to which it listens; ``own`` counts them."""
 
     def __init__(self, node: Node, scene: Scene) -> None:
         self._log: Logger = node.get_logger()
@@ -51,15 +38,15 @@ class Circles:
 
     def sender(self, publisher: Publisher, topic: Topic) -> Callable[[bytes], None]:
         """Return the function that publishes bytes, and keeps them if the node listens there."""
-        # Half the time of Publisher.publish, which guards against being destroyed meanwhile: that
-        # happens between two steps only.
+        # This takes half the time of Publisher.publish, which also guards against its destruction
+        # meanwhile; ours are destroyed between two steps only.
         publish: Callable[[bytes], None] = publisher.handle.publish_raw
         name = publisher.topic_name
         heard = self._heard.get(name)
         if heard is None or heard.type != topic.type:
             return publish
         if name not in self._sent:
-            self._say(heard, topic, name)
+            self._log_shared_topic(heard, topic, name)
         sent = self._sent.setdefault(name, {})
 
         def keep_and_publish(data: bytes) -> None:
@@ -70,8 +57,9 @@ class Circles:
             publish(data)
         return keep_and_publish
 
-    def _say(self, heard: Topic, topic: Topic, name: str) -> None:
-        text = (f'{topic.topic} and {heard.topic} are one topic, {name}: the node does not take '
+    def _log_shared_topic(self, heard: Topic, sent: Topic, name: str) -> None:
+        """Log that an input and an output are remapped to one topic, which may be a mistake."""
+        text = (f'{sent.topic} and {heard.topic} are one topic, {name}: the node does not take '
                 'its own messages')
         if heard.name != 'joint_state' or self._is_relay:
             self._log.info(text)
@@ -80,7 +68,7 @@ class Circles:
                               'publisher')
 
     def is_own(self, topic: str, data: bytes) -> bool:
-        """Return, and count, whether this node has sent what came on a topic, by its full name."""
+        """Return whether this node sent the bytes that came on a topic (full name); count it."""
         sent = self._sent.get(topic)
         if sent is None or data[HEADER:] not in sent:
             return False
@@ -90,21 +78,15 @@ class Circles:
 
 class Repeats:
     """
-    Counts inputs whose stamps were answered already, as those that come round through others.
+    Counts inputs with a stamp that the node has answered already.
 
-    Parameters
-    ----------
-    node : rclpy.node.Node
-    input_topic : str
-        Full name.
-    output_topics : callable
-        Returns the full names of the topics of the answers.
-
+    Such inputs are made by other nodes from our outputs, whose stamps they keep: a loop that may
+    go on for ever. Topics by their full names; ``output_topics()`` returns those of the answers.
     """
 
     def __init__(self, node: Node, input_topic: str,
                  output_topics: Callable[[], Collection[str]]) -> None:
-        self._node, self._heard, self._sent = node, input_topic, output_topics
+        self._node, self._input_topic, self._output_topics = node, input_topic, output_topics
         self._stamps: dict[int, None] = {}           # the newest ones [ns], in order
         self._count, self._before = 0, (time.monotonic(), 0)
 
@@ -119,42 +101,47 @@ class Repeats:
 
     def state(self) -> tuple[dict[str, Any], list[str]]:
         """Return (values, problems) of the time since the last call, for the diagnostics."""
-        (since, before), now = self._before, time.monotonic()
+        (since, count_then), now = self._before, time.monotonic()
         self._before = now, self._count
-        grown, problems = self._count - before, []
-        if grown and (way := through(self._node, self._heard, self._sent())):
+        grown, problems = self._count - count_then, []
+        if grown and (path := through(self._node, self._input_topic, self._output_topics())):
             rate = grown / max(now - since, 1e-9)
-            problems = [f'in a circle through {", ".join(reversed(way))}: {rate:.0f} inputs a '
+            problems = [f'in a circle through {", ".join(reversed(path))}: {rate:.0f} inputs a '
                         'second repeat a stamp']
         return {'repeated stamps': self._count}, problems
 
 
-def through(node: Node, heard: str, sent: Collection[str]) -> list[str]:
-    """Return the nodes by which what is sent on topics comes back on another, last first."""
+def through(node: Node, input_topic: str, output_topics: Collection[str]) -> list[str]:
+    """
+    Return the nodes through which outputs of a node come back to its input, the last one first.
+
+    A breadth-first search of the ROS graph, from publishers to subscribers; empty if none come.
+    """
     this = node.get_fully_qualified_name()
-    before: dict[str, str] = {this: ''}
-    topics = dict.fromkeys(sent, this)
+    predecessor: dict[str, str] = {this: ''}         # of each node reached
+    topics = dict.fromkeys(output_topics, this)      # {topic: its publisher} of the last round
     while topics:
-        found: dict[str, str] = {}
+        reached: list[str] = []
         for topic, sender in topics.items():
             for info in node.get_subscriptions_info_by_topic(topic):
                 name = f'{info.node_namespace.rstrip("/")}/{info.node_name}'
                 # A node that was not discovered yet, unlike its endpoint, has no name.
-                if name.startswith('/') and name not in before:
-                    before[name] = found[name] = sender
-        topics = {topic: name for name in found for topic in _sent_by(node, name)}
-        if heard in topics:
-            way = [topics[heard]]
-            while before[way[-1]] != this:
-                way.append(before[way[-1]])
-            return way
+                if name.startswith('/') and name not in predecessor:
+                    predecessor[name] = sender
+                    reached.append(name)
+        topics = {topic: name for name in reached for topic in _published_by(node, name)}
+        if input_topic in topics:
+            path = [topics[input_topic]]
+            while predecessor[path[-1]] != this:
+                path.append(predecessor[path[-1]])
+            return path
     return []
 
 
-def _sent_by(node: Node, name: str) -> list[str]:
-    """Return the topics that a node publishes."""
+def _published_by(node: Node, name: str) -> list[str]:
+    """Return the topics that the node of a full name publishes; none if it has left."""
     namespace, _, short = name.rpartition('/')
-    with suppress(NodeNameNonExistentError):             # it has left meanwhile
+    with suppress(NodeNameNonExistentError):
         return [topic for topic, _ in
                 node.get_publisher_names_and_types_by_node(short, namespace or '/')
                 if topic not in OF_ALL]

@@ -8,51 +8,56 @@ import time
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from fourbar_ros.pipeline.status import OK, STATUS_NAMES
-from fourbar_ros.ros.node.base import Running
+from fourbar_ros.ros.node.base import Base
 
 PERIOD = 1.0               # [s]
 NEAR_TOGGLE = 0.05         # |sin| of the transmission angle below which a warning is due
-# What is counted and no trouble.
-HARMLESS = ('received', 'torques', 'of_other_joints', 'trajectories')
+HARMLESS = ('received', 'torques', 'of_other_joints', 'trajectories')   # counters without trouble
 
 
 class Diagnostics:
     """Publishes the health of a node."""
 
-    def __init__(self, node: Running) -> None:
+    def __init__(self, node: Base) -> None:
         self._node = node
         self._publisher = node.create_publisher(DiagnosticArray, '/diagnostics', 10)
+        # at the last report: time, steps, bad steps, other counters
         self._before: tuple[float, int, int, dict[str, int]] = (time.monotonic(), 0, 0, {})
         node.steady_timers.add(PERIOD, self._publish)
 
     def _publish(self) -> None:
+        """Publish the status; also write the log lines that were held back."""
         self._node.log.flush()
         message = DiagnosticArray(status=[self.status()])
         message.header.stamp = self._node.get_clock().now().to_msg()
         self._publisher.publish(message)
 
     def status(self) -> DiagnosticStatus:
-        """Return the DiagnosticStatus of the time since the last call."""
+        """
+        Return the health of the node since the last call: level, problems, values by name.
+
+        A counter that has grown is a problem (WARN) unless it is HARMLESS; an ERROR is a bag that
+        is not written.
+        """
         node, stream, drive = self._node, self._node.stream, self._node.drive
         scene, now = stream.scene, time.monotonic()
-        # before the counters, which it brings up to date
-        more, problems = drive.state()
-        before, steps, bad, counts = self._before
+        drive_values, problems = drive.state()       # first: it brings the counters up to date
+        before, steps, bad_steps, counts = self._before
         counted = {**drive.counts, **(node.wrenches.counts if node.wrenches else {}),
                    **(node.trajectories.counts if node.trajectories else {})}
         self._before = (now, stream.steps, stream.bad_steps, counted)
-        grown = {name: count - counts.get(name, 0) for name, count in counted.items()}
-        sine = stream.transmission_sine()
+        new_bad_steps, sine = stream.bad_steps - bad_steps, stream.transmission_sine()
         recorder = node.recording.state()
 
-        problems += [f'{count} {name.replace("_", " ")}' for name, count in grown.items()
-                     if count and name not in HARMLESS]
+        for name, count in counted.items():
+            if count > counts.get(name, 0) and name not in HARMLESS:
+                problems.append(f'{count - counts.get(name, 0)} {name.replace("_", " ")}')
         if node.get_node_names_and_namespaces().count(
                 (node.get_name(), node.get_namespace())) > 1:
             problems.append('another node has this name, or was killed just now: services and '
                             'parameters reach either')
-        if stream.bad_steps - bad:
-            problems.append(f'{stream.bad_steps - bad} steps not ok')
+        if new_bad_steps:
+            problems.append(f'{new_bad_steps} steps not ok')
         if stream.status != OK:
             problems.append(STATUS_NAMES[stream.status])
         if sine < NEAR_TOGGLE:
@@ -65,7 +70,7 @@ class Diagnostics:
             'input age [s]': 'none' if isnan(drive.age()) else f'{drive.age():.3f}',
             **{name.replace('_', ' '): count for name, count in counted.items()},
             **({'own messages': node.circles.own} if node.circles.own else {}),
-            **more,
+            **drive_values,
             'status': STATUS_NAMES[stream.status],
             'sin of transmission angle': 'unknown' if isnan(sine) else f'{sine:.6g}',
             'change-point margin': f'{scene.linkage.change_point_margin:.6g}',

@@ -24,17 +24,16 @@ CHECK_CLOCK = 1.0      # [s] how often that is looked at
 
 
 def wake_on_time() -> None:
-    """Let sleeps of this thread end when due: Linux may delay them by 50 us, to join some."""
-    with suppress(OSError):                              # another system
+    """Ask Linux to end sleeps of this thread when due; by default it delays them up to 50 us."""
+    with suppress(OSError):                              # on another system
         Path(f'/proc/{threading.get_native_id()}/timerslack_ns').write_text('1')
 
 
-# What a drive tells the diagnostics: values by name, and problems.
-Reported = tuple[dict[str, Any], list[str]]
+Reported = tuple[dict[str, Any], list[str]]     # for the diagnostics: {name: value}, problems
 
 
 class Drive(ABC):
-    """Base of all drives: counters for the diagnostics, and a new scene between two samples."""
+    """A drive moves the input of the linkage: it calls the stream with one pose after another."""
 
     COUNTED: tuple[str, ...] = ()
 
@@ -72,13 +71,13 @@ class TimerDrive(Drive):
     Constant speed on the wall clock.
 
     Sample k belongs to the time start + k / rate, however late the scheduler is, and its angle
-    follows from that time, without accumulating errors. So it makes none while nobody listens.
-    It is a thread, not a ROS timer, because rclpy's timers drop missed ticks and slip from their
+    follows from that time, without accumulating errors. So no samples need be made while nobody
+    listens. It is a thread, not a ROS timer: rclpy's timers drop missed ticks and leave their
     grid.
     """
 
     COUNTED: tuple[str, ...] = ('late', 'missed', 'clock_steps')
-    _may_sleep = True      # what nobody hears need not be computed: the next sample has all of it
+    _may_sleep = True      # while nobody listens: a sample does not depend on those before it
 
     def start(self) -> None:
         """Start the thread."""
@@ -96,14 +95,20 @@ class TimerDrive(Drive):
         return ({'asleep': 'nobody listens'} if self._is_asleep else {}), []
 
     def _guarded(self) -> None:
+        """Run the thread; a fault ends the whole node, never silently the stream alone."""
         try:
             wake_on_time()
             self._run()
-        # a fault of ours: never a silent end of the stream
         except Exception as error:
             self._node.failure = error
 
     def _run(self) -> None:
+        """
+        Make samples on the grid began + sample / rate [s, monotonic] until it is stopped.
+
+        ``offset`` [ns] leads from monotonic time to stamps. New settings begin a new grid at the
+        sample or sleep in which they are seen.
+        """
         settings, began = self.settings, time.monotonic()
         self._begin(settings)
         offset, checked = self._offset(), began
@@ -124,8 +129,7 @@ class TimerDrive(Drive):
                 continue
             if wait > 0.0:
                 time.sleep(wait)
-            # suspended, or a rate this machine cannot do
-            elif wait < -CATCH_UP:
+            elif wait < -CATCH_UP:           # suspended, or a rate this machine cannot do
                 skipped = int(-wait / period)
                 self.counts['missed'] += skipped
                 sample += skipped
@@ -137,20 +141,20 @@ class TimerDrive(Drive):
                 offset, checked = self._follow_clock(offset), moment
             self._sample(sec_nanosec(round(moment * 1e9) + offset), settings, elapsed)
             sample += 1
-            # go on from here at the new speed and rate
             if self.settings is not settings:
                 self._go_on(settings, elapsed)
                 settings, began, sample = self.settings, moment, 1
                 period = 1.0 / settings.rate
 
     def _begin(self, settings: DriveSettings) -> None:
-        self._angle = settings.start
+        self._angle = settings.start         # at the beginning of the grid
 
     def _sample(self, stamp: Stamp, settings: DriveSettings, elapsed: float) -> None:
+        """Step to the sample ``elapsed`` seconds after the beginning of the grid."""
         self._stream.step(stamp, self._angle + settings.speed * elapsed, settings.speed, 0.0)
 
     def _go_on(self, settings: DriveSettings, elapsed: float) -> None:
-        """Take the angle of now as that from which it goes on with other settings."""
+        """Prepare the next grid: it begins at the angle that the old settings have reached."""
         self._angle += settings.speed * elapsed
 
     def _offset(self) -> int:
@@ -195,9 +199,8 @@ class SimulatedTimerDrive(Drive):
         now = self._node.get_clock().now().nanoseconds
         if now == 0:
             return                                       # no /clock yet
-        # the first tick, or the simulation starts again
         if self._began is None or now < self._last:
-            if self._began is not None:
+            if self._began is not None:                  # the simulation starts again
                 self.counts['clock_steps'] += 1
                 self._node.get_logger().warning('simulated time went back: starting again')
                 self._angle = self.settings.start

@@ -24,15 +24,9 @@ class Canceled(FourBarError):
 
 class Search:
     """
-    What a request of FindExtrema, service or action, asks of a scene.
+    The search for extrema that a request of FindExtrema, service or action, asks for.
 
-    Parameters
-    ----------
-    scene : Scene
-    request : ROS message
-    check : function ()
-        Called between the pieces of the work; what it raises ends it.
-
+    ``check()`` is called between pieces of the work; an error that it raises ends the search.
     """
 
     def __init__(self, scene: Scene, request: Message, check: Callable[[], None]) -> None:
@@ -46,17 +40,17 @@ class Search:
         With ``progress`` the quantities are searched one by one; it is called before each with its
         name, the mode, the numbers of searches done and of all, and that of extrema so far.
         """
-        found: list[Extremum] = []
+        extrema: list[Extremum] = []
         names: list[str] = []
         try:
             quantities, modes, velocity = self._checked()
             names = [quantity.name for quantity in quantities]
-            parts = ([(mode, [quantity]) for quantity in quantities for mode in modes] if progress
-                     else [(mode, quantities) for mode in modes])
-            for done, (mode, part) in enumerate(parts):
+            searches = ([(mode, [quantity]) for quantity in quantities for mode in modes]
+                        if progress else [(mode, quantities) for mode in modes])
+            for done, (mode, its_quantities) in enumerate(searches):
                 if progress:
-                    progress(part[0].name, mode, done, len(parts), len(found))
-                found += self._found(mode, part, velocity)
+                    progress(its_quantities[0].name, mode, done, len(searches), len(extrema))
+                extrema += self._find(mode, its_quantities, velocity)
             response.result = response.RESULT_OK
         except Canceled as error:
             response.result, response.message = response.RESULT_CANCELED, str(error)
@@ -66,23 +60,22 @@ class Search:
             response.result, response.message = response.RESULT_INVALID_REQUEST, str(error)
         except FourBarError as error:
             response.result, response.message = response.RESULT_UNSUPPORTED, str(error)
-        found.sort(key=lambda extremum: (names.index(extremum.quantity), extremum.mode))
-        response.extrema = [_message(extremum) for extremum in found]
+        extrema.sort(key=lambda extremum: (names.index(extremum.quantity), extremum.mode))
+        response.extrema = [_message(extremum) for extremum in extrema]
         return response
 
-    def _found(self, mode: int, quantities: Sequence[Asked], velocity: float
-               ) -> list[Extremum]:
+    def _find(self, mode: int, quantities: Sequence[Asked], velocity: float) -> list[Extremum]:
+        """Return the extrema of quantities in one assembly mode."""
         from fourbar_ros.extrema.find import find_extrema  # not needed by a node that only streams
 
-        linkage, request = self._scene.linkage.in_mode(mode), self._request
-        return find_extrema(linkage, quantities, velocity, request.acceleration, request.certify,
-                            check=self._check)
+        return find_extrema(self._scene.linkage.in_mode(mode), quantities, velocity,
+                            self._request.acceleration, self._request.certify, check=self._check)
 
     def _checked(self) -> tuple[list[Asked], tuple[int, ...], float]:
-        """Return (quantities, modes, velocity) of the request."""
+        """Return (quantities, modes, velocity) of the request; raise for one that cannot be."""
         scene, request, linkage = self._scene, self._request, self._scene.known_linkage
-        turning = scene.drive.speed if scene.drive.source == 'timer' else 0.0
-        velocity = request.velocity or turning
+        timer_speed = scene.drive.speed if scene.drive.source == 'timer' else 0.0
+        velocity = request.velocity or timer_speed
         modes = _modes(request, linkage)
         if not isfinite(velocity) or velocity == 0.0:
             raise _BadRequest(f'velocity = {velocity!r}: must be a finite speed, not zero '
@@ -99,6 +92,7 @@ class Search:
 
 
 def _modes(request: Message, linkage: Mechanism) -> tuple[int, ...]:
+    """Return the assembly modes that a request means; raise _BadRequest for one not there."""
     modes = {request.MODE_OF_SCENE: (linkage.mode,), request.MODE_CROSSED: (1,),
              request.MODE_OPEN: (2,), request.MODE_BOTH: tuple(linkage.modes)}
     if request.mode not in modes:
@@ -110,8 +104,10 @@ def _modes(request: Message, linkage: Mechanism) -> tuple[int, ...]:
 
 
 def _message(extremum: Extremum) -> Message:
-    message, mode = resolve('fourbar_msgs/msg/Extremum')(), mode_number(extremum.mode)
-    message.quantity, message.unit, message.mode = extremum.quantity, extremum.unit, mode
+    """Return an extremum as a message; its words are the constants KIND_ and PLACE_ there."""
+    message = resolve('fourbar_msgs/msg/Extremum')()
+    message.quantity, message.unit = extremum.quantity, extremum.unit
+    message.mode = mode_number(extremum.mode)
     message.kind = getattr(message, f'KIND_{extremum.kind.upper()}')
     message.place = getattr(message, f'PLACE_{extremum.place.upper().replace("-", "_")}')
     message.side, message.is_global = int(extremum.side), bool(extremum.is_global)

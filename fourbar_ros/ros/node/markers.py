@@ -1,10 +1,10 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Markers of one pose: what the diagram of the mechanism shows, with forces and moments to scale.
+RViz markers of one pose: links, joints, points, and forces and moments to scale.
 
-The longest force since the scene was applied is an arrow of 0.4 times the mechanism, and so is the
-largest moment, along z, which is the axis it turns about.
+The largest force since the scene was applied is an arrow of 0.4 times the mechanism, and so is the
+largest moment, which points along z, its axis.
 """
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ import numpy as np
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
-LONGEST = 0.4          # of the longest arrow, over the size of the mechanism
-WIDTH = 0.02           # of a link, over that size
+LONGEST = 0.4          # length of the longest arrow over the size of the mechanism
+WIDTH = 0.02           # width of a link over that size
 Colour = tuple[float, float, float]
 Place = Union[Sequence[float], Array]       # x, y, or x, y, z [m]
 
@@ -34,12 +34,16 @@ TOGGLE, EXTREMUM = (0.80, 0.10, 0.10), (0.45, 0.15, 0.60)
 
 
 def size_of(mechanism: Mechanism) -> float:
-    """Return the size of a mechanism [m]."""
+    """Return the size of a mechanism [m]: its longest length."""
     return max(map(abs, mechanism.lengths))
 
 
 def maker(scene: Scene) -> Callable[[Stamp, Sequence[float]], MarkerArray | None]:
-    """Return the function (stamp, values) -> MarkerArray, None where the pose is not known."""
+    """
+    Return the function (stamp, values) -> MarkerArray, None where the pose is not known.
+
+    ``values``: motion, then loads, in the order of the fields of the mechanism's records.
+    """
     mechanism = scene.linkage
     count = len(mechanism.MOTION._fields)
     loads_end = count + len(mechanism.LOADS._fields)
@@ -50,11 +54,11 @@ def maker(scene: Scene) -> Callable[[Stamp, Sequence[float]], MarkerArray | None
         if isnan(motion.transmission_angle):
             return None
         made = pose(scene, motion)
-        loads = mechanism.LOADS(*values[count:loads_end])
         if mechanism.bodies is not None:
+            loads = mechanism.LOADS(*values[count:loads_end])
             made += arrows(scene, loads, mechanism.diagram(motion), scales)
-        for one in made:
-            one.header.stamp.sec, one.header.stamp.nanosec = stamp
+        for each in made:
+            each.header.stamp.sec, each.header.stamp.nanosec = stamp
         return MarkerArray(markers=made)
     return make
 
@@ -78,29 +82,32 @@ def pose(scene: Scene, motion: NamedFields) -> list[Marker]:
 
 
 class Scales:
-    """Lengths of arrows: the largest force and moment so far are ``longest`` [m]."""
+    """Scales of arrows, at which the largest force and moment so far are ``longest`` [m]."""
 
     def __init__(self, longest: float) -> None:
         self._longest, self._force, self._moment = longest, 0.0, 0.0
 
     def force(self, largest: float) -> float:
-        """Return the length of a newton [m/N], now that forces are as large as this."""
+        """Return the scale of forces [m/N] for a pose with this largest force [N]."""
         self._force = max(self._force, largest)
         return self._longest / self._force if self._force else 0.0
 
     def moment(self, largest: float) -> float:
-        """Return the length of a newton metre [m/(N m)]."""
+        """Return the scale of moments [m/(N m)] for a pose with this largest moment [N m]."""
         self._moment = max(self._moment, largest)
         return self._longest / self._moment if self._moment else 0.0
 
 
 def arrows(scene: Scene, loads: NamedFields, diagram: Diagram, scales: Scales) -> list[Marker]:
-    """Return the arrows of the forces at the joints, shaking force, shaking moment and drive."""
+    """
+    Return the arrows of the forces at the joints, shaking force, shaking moment and drive.
+
+    None at a toggle, where loads are unbounded (NaN).
+    """
     frame, width = scene.frame_id, 0.6 * WIDTH * size_of(scene.linkage)
-    forces = [Force('shaking force', '', ORIGIN,
+    forces = [*(force._replace(name=f'force {force.name}') for force in forces_of(diagram, loads)),
+              Force('shaking force', '', ORIGIN,
                     np.array([loads.shaking_force_x, loads.shaking_force_y]))]
-    forces[:0] = [force._replace(name=f'force {force.name}')
-                  for force in forces_of(diagram, loads)]
     moments = [('shaking moment', loads.shaking_moment),
                ('driving torque', getattr(loads, 'driving_torque', 0.0))]
     if any(np.isnan(force.vector).any() for force in forces):
@@ -115,7 +122,7 @@ def arrows(scene: Scene, loads: NamedFields, diagram: Diagram, scales: Scales) -
 
 def marker(frame: str, group: str, number: int, kind: int, colour: Colour, scale: Iterable[float],
            opacity: float = 1.0) -> Marker:
-    """Return a marker of a group (its namespace in RViz) with a number."""
+    """Return a marker; RViz replaces an older one of the same group (namespace) and number."""
     made = Marker(ns=group, id=number, type=kind, action=Marker.ADD,
                   color=ColorRGBA(r=colour[0], g=colour[1], b=colour[2], a=opacity))
     made.header.frame_id = frame
@@ -126,7 +133,7 @@ def marker(frame: str, group: str, number: int, kind: int, colour: Colour, scale
 
 def lines(frame: str, group: str, number: int, pairs: Iterable[Iterable[Place]], width: float,
           colour: Colour, opacity: float = 1.0) -> Marker:
-    """Return a marker of separate lines: pairs of places."""
+    """Return a marker of separate lines from place to place; ``width`` in [m]."""
     made = marker(frame, group, number, Marker.LINE_LIST, colour, (width, 0.0, 0.0), opacity)
     made.points = [point(*place) for pair in pairs for place in pair]
     return made
@@ -150,7 +157,7 @@ def spheres(frame: str, group: str, number: int, places: Iterable[Place], size: 
 
 def box(frame: str, group: str, number: int, place: Place, angle: float, scale: Iterable[float],
         colour: Colour) -> Marker:
-    """Return a marker of a box that is turned."""
+    """Return a marker of a box of ``scale`` [m] at a place, turned by an angle [rad] about z."""
     made = marker(frame, group, number, Marker.CUBE, colour, scale)
     made.pose.position = point(*place)
     made.pose.orientation.z, made.pose.orientation.w = sin(0.5 * angle), cos(0.5 * angle)

@@ -11,7 +11,7 @@ from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.ros.node import parameters, services
-from fourbar_ros.ros.node.base import Running
+from fourbar_ros.ros.node.base import Base
 from fourbar_ros.ros.node.circles import Circles
 from fourbar_ros.ros.node.diagnostics import Diagnostics
 from fourbar_ros.ros.node.drives import Drive, SimulatedTimerDrive, TimerDrive
@@ -42,23 +42,21 @@ UnknownArguments = rclpy_implementation.UnknownROSArgsError
 # has declared.
 ROS_ERRORS = (rclpy_implementation.RCLError, UnknownArguments, NameValidationException,
               ParameterException)
-# [s] how long a busy service may keep the interpreter from the stream (default 0.005)
-SWITCH = 0.001
+SWITCH = 0.001  # [s] how long a busy thread may hold the interpreter (Python: 5 ms)
 PATIENCE = 0.5  # [s] for a search to see that it is abandoned: it looks every few milliseconds
-# [s] the events executor must be given a finite time: endless, it can hang (see docs/node.md)
-SPIN = 0.2
+SPIN = 0.2      # [s] timeout of the executor: without one it can hang (see docs/node.md)
 
 
-class FourBarNode(Running):
+class FourBarNode(Base):
     """
-    The node; see docs/node.md for its topics, services and parameters.
+    The node of a scene; see docs/node.md for its topics, services and parameters.
 
-    ``arguments``: the command line; ``name`` may begin with a namespace.
+    ``arguments``: the command line, with the scene; ``name`` may begin with a namespace.
     """
 
     def __init__(self, arguments: Sequence[str] = (), name: str = 'fourbar', **kwargs: Any
                  ) -> None:
-        if '/' in name:      # a rule of its own, as that of the command line would move it away
+        if '/' in name:      # set its namespace here: one on the command line would override it
             namespace, name = full_name(arguments, name).rsplit('/', 1)
             kwargs['cli_args'] = ['--ros-args', '-r', f'__ns:={namespace}']
         super().__init__(name, automatically_declare_parameters_from_overrides=True, **kwargs)
@@ -89,9 +87,9 @@ class FourBarNode(Running):
                                f'driven by {scene.drive.source}')
 
     def _drive_of(self, source: str) -> type[Drive]:
+        """Return the class of the drive for a ``drive.source``; import only what it needs."""
         is_simulated = self.get_parameter('use_sim_time').value
-        if source in SOURCES:
-            # only these scenes need their modules and messages
+        if source in SOURCES:                # torque or motor
             from fourbar_ros.ros.node.torque import SimulatedTorqueDrive, TorqueDrive
             return SimulatedTorqueDrive if is_simulated else TorqueDrive
         if source != 'timer':
@@ -100,29 +98,31 @@ class FourBarNode(Running):
         return SimulatedTimerDrive if is_simulated else TimerDrive
 
     def _wrench_inputs(self, scene: Scene) -> WrenchInputs | None:
+        """Return the topics of external forces, None if the scene has none."""
         if not scene.wrenches.links:
             return None
         from fourbar_ros.ros.node.wrenches import WrenchInputs  # and its messages
         return WrenchInputs(self, self.stream, self.recording)
 
     def _trajectories(self, scene: Scene) -> Trajectories | None:
+        """Return what converts trajectories between input and output, if the scene wants it."""
         if not scene.values['trajectories']:
             return None
         from fourbar_ros.ros.node.trajectories import Trajectories  # and its messages
         return Trajectories(self, scene)
 
     def _action_server(self) -> ExtremaServer | None:
+        """Return the action server; None, with a warning, beside messages of an older version."""
         try:
             from fourbar_ros.ros.node.actions import ExtremaServer
             return ExtremaServer(self)
-        # messages of an older version are installed
         except ModuleNotFoundError as error:
             self.get_logger().warning(f'no action {FIND_EXTREMA.service}: {error}; build '
                                       'fourbar_msgs again')
             return None
 
     def apply(self, scene: Scene) -> None:
-        """Take over a changed scene between two steps."""
+        """Take over a changed scene between two steps; raise FourBarError if it is invalid."""
         settings_changed = scene.drive != self.stream.scene.drive
         check_for_node(scene)
         self.drive.prepare(scene)
@@ -139,17 +139,13 @@ class FourBarNode(Running):
         self.failure = error
 
     def close(self, why: str = 'the node ended') -> None:
-        """
-        Abandon what is searched for, stop the stream, close the bag, leave the graph.
-
-        ``why`` is what the bag says of its end.
-        """
+        """Abandon searches, stop the stream, close the bag with ``why`` as reason, destroy all."""
         search, bag = map(self.workers.get, ('search', 'bag'))
         if search:
             search.abandon()                 # first: it holds up all that follows
         self.drive.stop()
         if bag:
-            bag.stop()                       # a bag in its hands is closed there
+            bag.stop()                       # a bag that it is opening or closing is closed there
         try:
             self.stream.stop_recording(why)
         except FourBarError:
@@ -166,11 +162,7 @@ class FourBarNode(Running):
 
 
 def main(args: list[str] | None = None, stop: Stop | None = None) -> int:
-    """
-    Run the node until SIGINT, SIGTERM or SIGHUP.
-
-    Exit code 0, or 2 for a scene that cannot be.
-    """
+    """Run the nodes of the command line until a signal; return 0, or 2 for an invalid scene."""
     given = sys.argv[1:] if args is None else args[1:]
     if given in (['-h'], ['--help']):
         print(NODE_HELP, end='')
@@ -202,24 +194,24 @@ def main(args: list[str] | None = None, stop: Stop | None = None) -> int:
 
 
 def warn_of_shared_frames(nodes: Sequence[FourBarNode]) -> None:
-    """Say so where two nodes move a frame of the same name: TF would jump between them."""
-    movers = [node for node in nodes if 'tf' in node.stream.scene.outputs]
-    if len(movers) < 2:
+    """Warn where two nodes publish a TF frame of one name: it would jump between two poses."""
+    publishers = [node for node in nodes if 'tf' in node.stream.scene.outputs]
+    if len(publishers) < 2:
         return
     from fourbar_ros.ros.node.transforms import frames_of
-    moved: dict[str, str] = {}
-    for node in movers:
+    owners: dict[str, str] = {}              # {frame: node}
+    for node in publishers:
         frames = frames_of(node.stream.scene)
-        shared = sorted(frames & moved.keys())
+        shared = sorted(frames & owners.keys())
         if shared:
             node.get_logger().warning(
-                f'frames {", ".join(shared)}: also of {moved[shared[0]]}; a prefix keeps them '
+                f'frames {", ".join(shared)}: also of {owners[shared[0]]}; a prefix keeps them '
                 'apart: joint_states.prefix')
-        moved.update(dict.fromkeys(frames, node.get_name()))
+        owners.update(dict.fromkeys(frames, node.get_name()))
 
 
 def close(nodes: Sequence[FourBarNode], why: str = 'the node ended') -> None:
-    """Close all nodes, each of them whatever another raises; their bags say why."""
+    """Close all nodes, even if one of them raises; ``why`` goes into their bags."""
     with contextlib.ExitStack() as stack:
         for node in nodes:
             stack.callback(node.close, why)
@@ -233,7 +225,7 @@ def in_one_line(error: Exception) -> str:
 
 
 def spin(nodes: Sequence[FourBarNode], stop: Stop) -> None:
-    """Handle what comes until it is asked to stop or anything has failed."""
+    """Handle messages and timers until a signal has come or a node has failed."""
     executor = EventsExecutor()
     for node in nodes:
         executor.add_node(node)

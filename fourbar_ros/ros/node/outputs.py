@@ -1,10 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""
-All outputs of a scene.
-
-Which of them are needed, and sending them to subscribers and to the bag.
-"""
+"""All outputs of a scene: which of them are needed now; they go to subscribers and to the bag."""
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
@@ -32,32 +28,19 @@ class Wanted(NamedTuple):
 
 class Outputs:
     """
-    The publishers of a scene: the driven motion and those that the scene names.
+    The publishers of a node: the driven motion, the drive's state, and those the scene names.
 
-    Parameters
-    ----------
-    node : Base
-    recording : Recording
-
-    Attributes
-    ----------
-    named : list of TopicPublisher
-        The outputs that the scene names.
-    mode : int
-        The assembly mode that messages tell.
-    are_heard : bool
-        Whether any has a subscriber.
-
+    ``named`` are the latter, ``mode`` is the assembly mode in their messages, and ``are_heard``
+    tells whether any publisher has a subscriber.
     """
 
     def __init__(self, node: Base, recording: Recording) -> None:
         self._node, self._recording = node, recording
-        # (topic, bytes), to be recorded at the end of the step
-        self._sent: list[tuple[str, bytes]] = []
+        self._sent: list[tuple[str, bytes]] = []     # (topic, bytes) to record at the step's end
         self._drive_state: TopicPublisher | None = None
         self.named: list[TopicPublisher] = []
-        # Kept when a scene no longer names them: an event of a publisher that is gone ends the
-        # process in rclpy's EventsExecutor, and who listens to it makes such events.
+        # Publishers are kept when a scene no longer names them: rclpy's EventsExecutor ends the
+        # process at an event of a publisher that is gone, as when its last subscriber leaves.
         self._made: dict[str, TopicPublisher] = {}
         self._driven = self._publisher(DRIVEN)
 
@@ -75,7 +58,7 @@ class Outputs:
         self._update()
 
     def topics(self) -> list[str]:
-        """Return the full names of what is sent for every input."""
+        """Return the full names of the topics that answer every input."""
         return [output.topic for output in self._every()]
 
     def _every(self) -> list[TopicPublisher]:
@@ -85,15 +68,16 @@ class Outputs:
         return TopicPublisher(self._node, topic, self._update)
 
     def _update(self) -> None:
-        """Note what is needed: when a subscriber comes or leaves, not in every step."""
+        """Note what steps must compute; called when subscribers come or leave, as it is slow."""
         every = self._every()
         subscribed = [output for output in every if output.is_subscribed]
-        self._all, self._subscribed = self._needed_for(every), self._needed_for(subscribed)
+        self._all, self._subscribed = self._wanted_for(every), self._wanted_for(subscribed)
         self.are_heard = bool(subscribed)
 
-    def _needed_for(self, those: Collection[TopicPublisher]) -> Wanted:
-        outputs = [output for output in self.named if output in those]
-        return Wanted(self._driven in those, self._drive_state in those, outputs,
+    def _wanted_for(self, publishers: Collection[TopicPublisher]) -> Wanted:
+        """Return what a step has to compute for these publishers."""
+        outputs = [output for output in self.named if output in publishers]
+        return Wanted(self._driven in publishers, self._drive_state in publishers, outputs,
                       any(output.needs_loads for output in outputs),
                       frozenset(output.name for output in outputs if output.is_part))
 
@@ -102,17 +86,21 @@ class Outputs:
         return self._all if self._recording.active else self._subscribed
 
     def send_driven(self, stamp: Stamp, values: Sequence[float]) -> None:
-        """Send the driven motion; it is recorded by :meth:`record` or with what follows."""
+        """Send the driven motion; it is recorded by the next :meth:`send` or :meth:`record`."""
         self._send([self._driven], stamp, OK, values)
 
     def send_drive_state(self, stamp: Stamp, status: int, values: Sequence[float]) -> None:
-        """Send the state of a drive that works by torque; recorded as the driven motion is."""
+        """Send the state of a torque drive; recorded as :meth:`send_driven` is."""
         if self._drive_state is not None:
             self._send([self._drive_state], stamp, status, values)
 
     def send(self, stamp: Stamp, status: int, values: Sequence[float],
              outputs: Sequence[TopicPublisher] | None = None) -> None:
-        """Send these outputs, all of the scene by default, and record what was sent."""
+        """
+        Send one step on these outputs, by default all that the scene names, and record it.
+
+        Where the status is not OK, outputs that need a value which is NaN then are left out.
+        """
         outputs = self.named if outputs is None else outputs
         if status != OK:
             outputs = [output for output in outputs if output.has_something(values)]
@@ -120,7 +108,7 @@ class Outputs:
         self.record()
 
     def record(self) -> None:
-        """Record what was sent since the last time, at one go."""
+        """Record all that was sent since the last time, in one call of the writer."""
         if self._sent:
             sent, self._sent = self._sent, []
             self._recording.write_all(sent)
@@ -128,10 +116,9 @@ class Outputs:
     def _send(self, outputs: Sequence[TopicPublisher], stamp: Stamp, status: int,
               values: Sequence[float]) -> None:
         """Pack all messages, then send them together: so the middleware wakes up less often."""
-        mode = self.mode
-        packed = [(output, output.pack(stamp, status, mode, values)) for output in outputs]
+        packed = [(output, output.pack(stamp, status, self.mode, values)) for output in outputs]
         for output, data in packed:
-            if output.is_subscribed:                          # it may be wanted for the bag alone
+            if output.is_subscribed:                     # others are for the bag alone
                 output.publish(data)
         if self._recording.active:
             self._sent += [(output.name, data) for output, data in packed]

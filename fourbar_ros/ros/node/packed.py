@@ -1,10 +1,11 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Messages as bytes that ROS serialised once: afterwards only their numbers are written.
+Messages as bytes that ROS serialised once: each step writes only its numbers into them.
 
-Where a number stands is not known from the format of the wire but found in what ROS made of known
-numbers, and what was packed must read back through ROS as the message that was meant.
+Serialising anew takes twice as long (docs/bench/node.md). The byte offset of each number is found
+by having ROS serialise known numbers, so nothing here depends on the wire format. Test messages
+must then read back through ROS unchanged, else ROS serialises every message.
 """
 from __future__ import annotations
 
@@ -19,14 +20,14 @@ from fourbar_ros.scene.message_fields import FieldMap
 from rclpy.serialization import deserialize_message, serialize_message
 
 _STAMP, _STATUS, _NUMBER = Struct('<iI'), Struct('<BB'), Struct('<d')
-_HARD = (nan, -0.0, inf, -inf, 5e-324, -1.7976931348623157e308, 0.1)
+_EXTREME = (nan, -0.0, inf, -inf, 5e-324, -1.7976931348623157e308, 0.1)
 
 
-Pack = Callable[[Stamp, int, int, Sequence[float]], bytes]     # status and mode as numbers
+Pack = Callable[[Stamp, int, int, Sequence[float]], bytes]     # (stamp, status, mode, values)
 
 
-class _Given(NamedTuple):
-    """What a message is made of."""
+class _Contents(NamedTuple):
+    """The contents of a message."""
 
     stamp: Stamp
     status: int
@@ -38,46 +39,46 @@ def writer(output: str, message: Message, layout: FieldMap) -> tuple[Pack, bool]
     """
     Return the function (stamp, status, mode, values) -> bytes of a message, and whether it packs.
 
-    Parameters
-    ----------
-    output : str
-        Name of the output in the layout.
-    message : ROS message
-        With its constants set; what is written depends on them, so on the scene.
-    layout : fourbar_ros.scene.message_fields.FieldMap
-
+    ``output`` names the message in the layout. The constants of the message (see
+    :func:`~fourbar_ros.ros.messages.set_constants`) must be set: they are in the bytes. If no
+    packing is found, the function has ROS serialise each message.
     """
     fill = filler(output, message, layout)
 
-    def serialised(stamp: Stamp, status: int, mode: int, values: Sequence[float]) -> bytes:
+    def serialise(stamp: Stamp, status: int, mode: int, values: Sequence[float]) -> bytes:
         fill(stamp, status, mode, values)
-        found: bytes = serialize_message(message)
-        return found
+        return bytes(serialize_message(message))
 
-    pack = _packer(serialised, hasattr(message, 'status'), layout.in_use(output),
-                   len(layout.place))
-    if pack and all(_same(message, serialised, pack, given)
-                    for given in _trials(len(layout.place))):
+    count = len(layout.place)
+    pack = _packer(serialise, hasattr(message, 'status'), layout.in_use(output), count)
+    if pack and all(_read_alike(message, serialise, pack, contents)
+                    for contents in _trials(count)):
         return pack, True
-    return serialised, False
+    return serialise, False
 
 
-def _packer(serialised: Pack, has_status: bool, used: Collection[int], count: int) -> Pack | None:
-    """Return the function that writes numbers into a message's bytes, None if not found."""
-    probes = [_Given((0x1B2D3F41, 0x25374959), 0xA7, 0x5C, [k + 0.1 for k in range(count)]),
-              _Given((0x6E5D4C3B, 0x2A190817), 0x39, 0xE2, [-k - 0.7 for k in range(count)])]
-    made = [serialised(*probe) for probe in probes]
-    stamps = list(_places(made, [_STAMP.pack(*probe.stamp) for probe in probes]))
-    statuses = list(_places(made, [_STATUS.pack(probe.status, probe.mode) for probe in probes]))
+def _packer(serialise: Pack, has_status: bool, used: Collection[int], count: int) -> Pack | None:
+    """
+    Return the function that writes the numbers of a step into a message's bytes.
+
+    None if an offset is not found, or a stamp or status at several. ``used``: indices of the
+    ``count`` values that the message holds. Two messages with unlike contents are serialised; the
+    offset of a value is where each of them has its own.
+    """
+    probes = [_Contents((0x1B2D3F41, 0x25374959), 0xA7, 0x5C, [k + 0.1 for k in range(count)]),
+              _Contents((0x6E5D4C3B, 0x2A190817), 0x39, 0xE2, [-k - 0.7 for k in range(count)])]
+    made = [serialise(*probe) for probe in probes]
+    stamps = list(_offsets(made, [_STAMP.pack(*probe.stamp) for probe in probes]))
+    statuses = list(_offsets(made, [_STATUS.pack(probe.status, probe.mode) for probe in probes]))
     numbers = sorted((at, place) for place in used
-                     for at in _places(made, [_NUMBER.pack(probe.values[place])
-                                              for probe in probes]))
-    if (len(stamps) != 1 or len(statuses) != has_status or {place for _, place in numbers}
-            != set(used)):
+                     for at in _offsets(made, [_NUMBER.pack(probe.values[place])
+                                               for probe in probes]))
+    if (len(stamps) != 1 or len(statuses) != has_status
+            or {place for _, place in numbers} != set(used)):
         return None
 
-    buffer, at_stamp, at_status = (bytearray(made[0]), stamps[0], statuses[0] if has_status
-                                   else None)
+    buffer, at_stamp = bytearray(made[0]), stamps[0]
+    at_status = statuses[0] if has_status else None
     put_stamp, put_status, runs = _STAMP.pack_into, _STATUS.pack_into, list(_runs(numbers))
 
     def pack(stamp: Stamp, status: int, mode: int, values: Sequence[float]) -> bytes:
@@ -90,11 +91,11 @@ def _packer(serialised: Pack, has_status: bool, used: Collection[int], count: in
     return pack
 
 
-def _places(made: Sequence[bytes], parts: Sequence[bytes]) -> Iterator[int]:
+def _offsets(made: Sequence[bytes], parts: Sequence[bytes]) -> Iterator[int]:
     """
-    Yield where the first of two messages has the first part and the second the second.
+    Yield the offsets at which message 0 has part 0 and message 1 has part 1.
 
-    No constant does.
+    A constant that looks like part 0 is the same in both messages, so it does not count.
     """
     at = made[0].find(parts[0])
     while at >= 0:
@@ -105,7 +106,11 @@ def _places(made: Sequence[bytes], parts: Sequence[bytes]) -> Iterator[int]:
 
 def _runs(numbers: Sequence[tuple[int, int]]
           ) -> Iterator[tuple[Callable[..., None], int, Callable[[Sequence[float]], Any]]]:
-    """Yield (pack_into, offset, picker of the values) for runs of adjacent doubles."""
+    """
+    Yield (pack_into, offset, function that picks the values) for each run of adjacent doubles.
+
+    One call writes a run. ``numbers``: (offset, index of the value), sorted.
+    """
     size, begin = _NUMBER.size, 0
     for end in range(1, len(numbers) + 1):
         if end == len(numbers) or numbers[end][0] != numbers[end - 1][0] + size:
@@ -116,18 +121,17 @@ def _runs(numbers: Sequence[tuple[int, int]]
             begin = end
 
 
-def _trials(count: int) -> Iterator[_Given]:
-    """Yield extreme contents: packed, each must have the bytes that rclpy gives it."""
-    for k, hard in enumerate(_HARD):
-        yield _Given(((2**31 - 1) * (k % 2), 999_999_999 * (k % 3) // 2), k % 6, 1 + k % 2,
-                     [hard if (place + k) % 3 else place / 3.0 for place in range(count)])
+def _trials(count: int) -> Iterator[_Contents]:
+    """Yield contents with extreme numbers, stamps and states, to try a packer with."""
+    for k, extreme in enumerate(_EXTREME):
+        yield _Contents(((2**31 - 1) * (k % 2), 999_999_999 * (k % 3) // 2), k % 6, 1 + k % 2,
+                        [extreme if (i + k) % 3 else i / 3.0 for i in range(count)])
 
 
-def _same(message: Message, serialised: Pack, pack: Pack, given: _Given) -> bool:
-    """Return whether ROS reads the same from both."""
-    meant = repr(deserialize_message(serialised(*given), type(message)))         # NaN is NaN here
+def _read_alike(message: Message, serialise: Pack, pack: Pack, contents: _Contents) -> bool:
+    """Return whether ROS reads one message from packed and serialised contents."""
+    expected = repr(deserialize_message(serialise(*contents), type(message)))    # 'nan' == 'nan'
     try:
-        return repr(deserialize_message(pack(*given), type(message))) == meant
-    # whatever a middleware raises for bytes that it cannot read
-    except Exception:
+        return repr(deserialize_message(pack(*contents), type(message))) == expected
+    except Exception:        # whatever a middleware raises for bytes that it cannot read
         return False

@@ -3,9 +3,9 @@
 """
 The parameters of a node: declared as the table says, read as a scene, checked when they change.
 
-For a parameter given twice with unlike types, rcl keeps a bool rather than an integer, that rather
-than a double, and that rather than a text, whatever came last: ``-p drive.speed:=3.5`` would be
-ignored where a file says ``25``. :func:`asked_outside` finds the last one.
+The last value given should count. But of two values of unlike types rcl keeps a bool before an
+integer, before a double, before a text: it would ignore ``-p drive.speed:=3.5`` where a file says
+``25``. :func:`asked_outside` finds the last one.
 """
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.ros.node import qos
-from fourbar_ros.ros.node.base import Running
+from fourbar_ros.ros.node.base import Base
 from fourbar_ros.scene.files import beside, flatten, is_for, parse, sections, table_files
 from fourbar_ros.scene.parameter_table import Parameter
 from fourbar_ros.scene.parameters import find, meant, of_name
@@ -40,15 +40,13 @@ _ROS_TYPES = {'double': ParameterType.PARAMETER_DOUBLE, 'integer': ParameterType
               'doubles': ParameterType.PARAMETER_DOUBLE_ARRAY}
 
 
-def scene(node: Running, arguments: Sequence[str] = ()) -> Scene:
+def scene(node: Base, arguments: Sequence[str] = ()) -> Scene:
     """
-    Return the Scene of a node that has declared its overrides.
+    Return the Scene of a node, from the parameters that files and command line gave it.
 
-    Every parameter that has a meaning in it is declared as in the table.
-
-    The overrides are read as they came and declared again with type and text: so an unknown name
-    is an error instead of being ignored, and ``3`` is good for a double. ``arguments``: the
-    command line, for what rcl ignores of it.
+    rclpy has declared them as they came. They are read and declared again with type and text from
+    the table: so an unknown name is an error instead of being ignored, and ``3`` is good for a
+    double. ``arguments``: the command line, for what rcl ignores of it.
 
     Raises
     ------
@@ -68,29 +66,29 @@ def scene(node: Running, arguments: Sequence[str] = ()) -> Scene:
             node.get_logger().warning(f'{name} = {value!r} ({where}), though ROS 2 would keep '
                                       f'{given[name]!r}, which is of another type')
             given[name] = value
-    wanted = dict(given)
-    for name in table_files(given):
+    resolved = dict(given)
+    for name in table_files(given):          # paths of tables count from the file that names them
         where = asked[name].where if name in asked else ''
         if Path(where).is_file():
-            wanted |= beside({name: given[name]}, Path(where))
-    checked = from_values(wanted)
-    qos.check(node, checked)
+            resolved |= beside({name: given[name]}, Path(where))
+    scene = from_values(resolved)
+    qos.check(node, scene)
     for name in given:
         node.undeclare_parameter(name)
-    for name in meant(checked.values, given):
-        node.declare_parameter(name, checked.values[name], descriptor(of_name(name)),
+    for name in meant(scene.values, given):
+        node.declare_parameter(name, scene.values[name], descriptor(of_name(name)),
                                ignore_override=True)
-    return checked
+    return scene
 
 
-def watch(node: Running, current: Callable[[], Scene], apply: Callable[[Scene], None]) -> None:
+def watch(node: Base, current: Callable[[], Scene], apply: Callable[[Scene], None]) -> None:
     """
     Check every change of parameters as a whole scene; call ``apply(scene)`` with a good one.
 
-    A refused change says why and changes nothing, also one that only ``apply`` finds bad, or that
-    is a fault of ours. ``current()`` returns the scene in force.
+    A refused change says why and changes nothing, even if only ``apply`` finds out, or if an error
+    is ours. ``current()`` returns the scene in force.
     """
-    def take(given: Sequence[Given]) -> None:
+    def change(given: Sequence[Given]) -> None:
         changes = {}
         for parameter in given:
             name, value = parameter.name, parameter.value
@@ -104,10 +102,10 @@ def watch(node: Running, current: Callable[[], Scene], apply: Callable[[Scene], 
                 raise InvalidParameter('outputs', changes['outputs'], 'not while recording')
             apply(scene)
 
-    def taken(given: Sequence[Given]) -> SetParametersResult:
+    def answer(given: Sequence[Given]) -> SetParametersResult:
         before = current()
         try:
-            take(given)
+            change(given)
             return SetParametersResult(successful=True)
         except FourBarError as error:
             why = str(error)
@@ -118,28 +116,27 @@ def watch(node: Running, current: Callable[[], Scene], apply: Callable[[Scene], 
             apply(before)
         return SetParametersResult(successful=False, reason=why)
 
-    # Taken over while it is checked: a callback after rclpy has set it could refuse nothing. No
-    # other callback has a say in these parameters.
-    node.add_on_set_parameters_callback(taken)
+    # The scene changes while rclpy asks whether it may: the callback after rclpy has set the
+    # parameters cannot refuse any more. No other callback can refuse these parameters.
+    node.add_on_set_parameters_callback(answer)
 
 
 def descriptor(parameter: Parameter) -> ParameterDescriptor:
-    """Return the ROS descriptor of a parameter of the table."""
+    """Return the ROS descriptor of a parameter: type, text with unit, limits, whether fixed."""
     unit = f' [{parameter.unit}]' if parameter.unit else ''
-    found = ParameterDescriptor(name=parameter.name, type=_ROS_TYPES[parameter.type],
-                                read_only=not parameter.live,
-                                description=parameter.text + unit,
-                                # to rclpy an empty list is one of bytes
-                                dynamic_typing=parameter.type in ('strings', 'doubles'),
-                                additional_constraints=parameter.allowed)
+    ranges = []
     if parameter.type == 'integer' and parameter.high < inf:
-        found.integer_range = [IntegerRange(from_value=int(parameter.low),
-                                            to_value=int(parameter.high))]
-    return found
+        ranges = [IntegerRange(from_value=int(parameter.low), to_value=int(parameter.high))]
+    return ParameterDescriptor(name=parameter.name, type=_ROS_TYPES[parameter.type],
+                               read_only=not parameter.live, integer_range=ranges,
+                               description=parameter.text + unit,
+                               # to rclpy an empty list is one of bytes
+                               dynamic_typing=parameter.type in ('strings', 'doubles'),
+                               additional_constraints=parameter.allowed)
 
 
 class Asked(NamedTuple):
-    """A value and where it was asked for."""
+    """A value of a parameter and the file or option, as '-p a1:=0.5', that asked for it."""
 
     value: Any
     where: str
@@ -147,14 +144,10 @@ class Asked(NamedTuple):
 
 def asked_outside(arguments: list[str], node: str) -> dict[str, Asked]:
     """
-    Return what a command line asks of the parameters of a node, by name, in ROS's order.
+    Return the values that a command line gives to parameters of a node, the last of each name.
 
-    Parameters
-    ----------
-    arguments : list of str
-        Those of the command line; only what stands behind ``--ros-args`` counts.
-    node : str
-        Full name of the node.
+    It reads files and ``-p`` options behind ``--ros-args`` in ROS's order: what is for the full
+    name of the node overrides what is for a pattern as ``/**``.
 
     Raises
     ------
@@ -162,37 +155,38 @@ def asked_outside(arguments: list[str], node: str) -> dict[str, Asked]:
         A file cannot be read.
 
     """
-    by_key: dict[str, dict[str, Asked]] = {}
-    for option, argument in _of_ros(arguments):
+    by_pattern: dict[str, dict[str, Asked]] = {}
+    for option, argument in _ros_options(arguments):
         if option == '--params-file':
-            for key, tree in sections(argument).items():
+            for pattern, tree in sections(argument).items():
                 for name, value in flatten(tree, argument).items():
-                    by_key.setdefault(key, {})[name] = Asked(value, argument)
+                    by_pattern.setdefault(pattern, {})[name] = Asked(value, argument)
         elif option in ('-p', '--param') and ':=' in argument:
             target, text = argument.split(':=', 1)
-            key, _, name = target.rpartition(':')
-            key = key if key.startswith('/') else f'/{key or "**"}'
-            by_key.setdefault(key, {})[name] = Asked(parse(text), f'-p {argument}')
-    mine = [key for key in by_key if is_for(key, node)]
-    found: dict[str, Asked] = {}
-    for key in sorted(mine, key=lambda key: '*' not in key):         # the node's own name last
-        found |= by_key[key]
-    return found
+            pattern, _, name = target.rpartition(':')
+            pattern = pattern if pattern.startswith('/') else f'/{pattern or "**"}'
+            by_pattern.setdefault(pattern, {})[name] = Asked(parse(text), f'-p {argument}')
+    asked: dict[str, Asked] = {}
+    for pattern in sorted(by_pattern, key=lambda pattern: '*' not in pattern):
+        if is_for(pattern, node):
+            asked |= by_pattern[pattern]
+    return asked
 
 
 def is_ignored(wanted: Any, kept: Any) -> bool:
     """Return whether rcl has kept a value of another type than the one that was asked for last."""
-    return None not in (wanted, kept) and _kind(wanted) != _kind(kept)
+    return None not in (wanted, kept) and _type_of(wanted) != _type_of(kept)
 
 
-def _kind(value: Any) -> Any:
+def _type_of(value: Any) -> Any:
+    """Return a value that is equal for values of one ROS type; lists by their first item."""
     if isinstance(value, bool | int | float | str):
         return type(value)
     return 'list', *(type(item) for item in list(value)[:1])
 
 
-def _of_ros(arguments: list[str]) -> Iterator[tuple[str, str]]:
-    """Yield (option, argument) of all that is meant for ROS."""
+def _ros_options(arguments: list[str]) -> Iterator[tuple[str, str]]:
+    """Yield each argument after ``--ros-args`` with the next one: (option, its value)."""
     is_inside = False
     for option, argument in zip(arguments, [*arguments[1:], '']):
         if option in ('--ros-args', '--'):

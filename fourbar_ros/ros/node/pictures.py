@@ -1,9 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-What people look at: URDF, TF, markers. Sent when asked for, at most as often as eyes need it.
+Outputs for the eye: URDF, TF, markers, traces; sent if anyone looks, at ``pictures.rate`` at most.
 
-Their messages and the description are imported by the scenes that name them.
+Only scenes that name them import their messages.
 """
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.serialization import serialize_message
 
-Make = Callable[[Stamp, Sequence[float]], Message]      # None where there is nothing to see
+Make = Callable[[Stamp, Sequence[float]], Message]      # None where the pose is not known
 
 
 class Drawn(NamedTuple):
-    """The pictures of a scene: what makes those of a step, and the latched ones as bytes."""
+    """The pictures of a scene by name: functions for those of a step, bytes of latched ones."""
 
     makers: dict[str, Make]
     latched: dict[str, bytes]
@@ -34,27 +34,18 @@ class Pictures:
     """
     The outputs ``robot_description``, ``tf``, ``markers`` and ``traces`` of a scene.
 
-    Parameters
-    ----------
-    node : rclpy.node.Node
-    recording : Recording
-
-    Attributes
-    ----------
-    of_loads : bool
-        Whether a step for them needs the loads.
-
+    ``of_loads`` tells whether a step for them needs the loads.
     """
 
     def __init__(self, node: Node, recording: Recording) -> None:
         self._node, self._recording = node, recording
         self._publishers: dict[str, Publisher] = {}
         self._makers, self._latched = Drawn({}, {})
-        self._last: int | None = None
-        self._period, self.of_loads = 0.0, False
+        self._last: int | None = None                    # [ns] stamp of the last picture
+        self._period, self.of_loads = 0.0, False         # [ns]
 
     def apply(self, scene: Scene, drawn: Drawn) -> None:
-        """Take over a scene and what :func:`drawn_of` makes of it; send what is latched."""
+        """Take over a scene with its pictures from :func:`drawn_of`; send the latched ones."""
         for name, topic in scene.pictures.items():
             if name not in self._publishers:             # and kept: see Outputs
                 self._publishers[name] = self._publisher(topic)
@@ -66,16 +57,16 @@ class Pictures:
             self._send(name, data)
 
     def record_latched(self) -> None:
-        """Have a new bag begin with what is latched."""
+        """Write the latched pictures into a new bag, which then needs no earlier messages."""
         for name, data in self._latched.items():
             self._recording.write(name, data)
 
     def are_due(self, stamp: Stamp) -> bool:
-        """Return whether a step at this time, (seconds, nanoseconds), is to be seen."""
+        """Return whether the step of this stamp is to be drawn, and count from it if so."""
         if not (self._makers and (self._recording.active or self.are_seen)):
             return False
         now = stamp[0] * 10**9 + stamp[1]
-        # the grid of the input is kept: every third sample, say, not every fourth
+        # 0.99: jitter of stamps must not turn every third sample into every fourth
         if self._last is not None and 0 <= now - self._last < 0.99 * self._period:
             return False
         self._last = now
@@ -87,7 +78,7 @@ class Pictures:
         return any(map(self._is_subscribed, self._makers))
 
     def send(self, stamp: Stamp, values: Sequence[float]) -> None:
-        """Send the pictures of one step: its values in the places of the layout."""
+        """Send the pictures of one step; ``values`` in the order of the scene's layout."""
         for name, make in self._makers.items():
             message = make(stamp, values)
             if message is not None and (self._recording.active or self._is_subscribed(name)):
@@ -111,21 +102,12 @@ def drawn_of(scene: Scene) -> Drawn:
     wanted = scene.pictures
     if not wanted:
         return Drawn({}, {})
-    return Drawn({name: make(scene) for name, make in _makers().items() if name in wanted},
-                 {name: serialize_message(make(scene)) for name, make in _latched().items()
-                  if name in wanted})
-
-
-def _makers() -> dict[str, Callable[[Scene], Make]]:
-    """Return {output: function (scene) -> function (stamp, values) -> message or None}."""
-    from fourbar_ros.ros.node import markers, transforms
-    return {'tf': transforms.maker, 'markers': markers.maker}
-
-
-def _latched() -> dict[str, Callable[[Scene], Message]]:
-    """Return {output: function (scene) -> message}."""
     from fourbar_ros.description.formats import describe
-    from fourbar_ros.ros.node import traces
+    from fourbar_ros.ros.node import markers, traces, transforms
     from std_msgs.msg import String
-    return {'robot_description': lambda scene: String(data=describe(scene)),
-            'traces': traces.message}
+    makers = {'tf': transforms.maker, 'markers': markers.maker}
+    latched = {'robot_description': lambda scene: String(data=describe(scene)),
+               'traces': traces.message}
+    return Drawn({name: make(scene) for name, make in makers.items() if name in wanted},
+                 {name: serialize_message(make(scene)) for name, make in latched.items()
+                  if name in wanted})

@@ -21,20 +21,9 @@ PARTS = 'points', 'links'      # families whose values are computed for a topic 
 
 class TopicPublisher:
     """
-    One published topic.
+    One published topic; ``is_subscribed`` tells whether it has subscribers.
 
-    Parameters
-    ----------
-    node : Base
-    topic : fourbar_ros.scene.topics.Topic
-    changed : function ()
-        Called when the first subscriber has come or the last one has left.
-
-    Attributes
-    ----------
-    is_subscribed : bool
-        Whether it has subscribers.
-
+    ``changed()`` is called when the first subscriber has come or the last one has left.
     """
 
     def __init__(self, node: Base, topic: Topic, changed: Callable[[], None]) -> None:
@@ -50,8 +39,7 @@ class TopicPublisher:
 
     def _create(self, callbacks: PublisherEventCallbacks | None) -> Publisher:
         return qos.create(self._node, 'publisher', type(self._message), self._topic.topic,
-                          QUEUE_DEPTH,
-                          event_callbacks=callbacks)
+                          QUEUE_DEPTH, event_callbacks=callbacks)
 
     @property
     def topic(self) -> str:
@@ -59,13 +47,14 @@ class TopicPublisher:
         return str(self._publisher.topic_name)
 
     def _matched(self, info: Any) -> None:
+        """Note how many subscribers there are: rclpy's event."""
         is_subscribed = info.current_count > 0
         if is_subscribed != self.is_subscribed:
             self.is_subscribed = is_subscribed
             self._changed()
 
     def apply(self, scene: Scene) -> None:
-        """Take over a scene."""
+        """Take over a scene: make ``pack``, values to bytes, ``publish`` and ``needs_loads``."""
         set_constants(self.name, self._message, scene)
         self._positions = scene.needed_for(self.name)
         layout = drive_layout() if self.name == DRIVE_STATE.name else scene.layout
@@ -78,16 +67,12 @@ class TopicPublisher:
         self.publish = self._node.circles.sender(self._publisher, self._topic)
 
     def has_something(self, values: Sequence[float]) -> bool:
-        """
-        Return whether there is anything to send.
-
-        joint_states may be skipped while a position is unknown.
-        """
+        """Return False if a value is NaN that it must not send, as a position in joint_states."""
         return not any(isnan(values[place]) for place in self._positions)
 
 
 def drive_layout() -> FieldMap:
-    """Return the FieldMap of a DriveState, whose values are those of DriveValues."""
+    """Return which value of DriveValues goes into which field of DriveState: names are equal."""
     from fourbar_ros.dynamics.step.mover import DriveValues  # only these scenes need it
     names = DriveValues._fields
     return FieldMap({DRIVE_STATE.name: dict(zip(names, names))}, {},

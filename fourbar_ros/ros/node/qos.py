@@ -1,10 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""
-Quality of service that a user overrides at start.
-
-Qos_overrides.TOPIC.publisher.reliability and so on.
-"""
+"""Quality of service that a user overrides at start: qos_overrides.TOPIC.publisher.depth etc."""
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
@@ -36,8 +32,7 @@ from rclpy.qos_overriding_options import QoSOverridingOptions
 
 PREFIX = 'qos_overrides.'
 _WORDS = {'reliability': ReliabilityPolicy, 'durability': DurabilityPolicy,
-          'history': HistoryPolicy,
-          'liveliness': LivelinessPolicy}
+          'history': HistoryPolicy, 'liveliness': LivelinessPolicy}
 _NUMBERS = {'depth': 'messages', 'deadline': 'ns', 'lifespan': 'ns',
             'liveliness_lease_duration': 'ns'}
 POLICIES = (*_WORDS, *_NUMBERS)
@@ -46,16 +41,16 @@ POLICIES = (*_WORDS, *_NUMBERS)
 def create(node: Node, entity: str, message_type: type[Any], topic: str, *given: Any,
            **options: Any) -> Any:
     """
-    Return a new 'publisher' or 'subscription' of a node with the overrides it was given.
+    Return a new 'publisher' or 'subscription' (``entity``) of a node with its QoS overrides.
 
-    Arguments as of rclpy.
+    Other arguments are those of rclpy's ``create_publisher`` or ``create_subscription``.
     """
     name = f'{PREFIX}{node.resolve_topic_name(topic)}.{entity}.'
-    kinds = [QoSPolicyKind[policy.upper()] for policy in POLICIES
-             if node.has_parameter(name + policy)]
+    overridden = [QoSPolicyKind[policy.upper()] for policy in POLICIES
+                  if node.has_parameter(name + policy)]
     make = getattr(node, f'create_{entity}')
     return make(message_type, topic, *given, **options,
-                qos_overriding_options=QoSOverridingOptions(kinds))
+                qos_overriding_options=QoSOverridingOptions(overridden))
 
 
 def has_override(node: Node, entity: str, topic: str, policy: str) -> bool:
@@ -68,12 +63,17 @@ def check(node: Node, scene: Scene) -> None:
     topics = _topics(node, scene)
     for name, parameter in node.get_parameters_by_prefix('').items():
         if name.startswith(PREFIX):
-            why = _why_not(name[len(PREFIX):].rsplit('.', 2), parameter.value, topics)
-            if why:
-                raise InvalidParameter(name, parameter.value, why)
+            fault = _fault_of(name[len(PREFIX):].rsplit('.', 2), parameter.value, topics)
+            if fault:
+                raise InvalidParameter(name, parameter.value, fault)
 
 
-def _why_not(parts: Sequence[str], value: Any, topics: Mapping[str, str]) -> str:
+def _fault_of(parts: Sequence[str], value: Any, topics: Mapping[str, str]) -> str:
+    """
+    Return what is wrong with an override, '' if nothing.
+
+    ``parts``: topic, entity, policy of its name; ``topics``: {topic: its entity}.
+    """
     if len(parts) != 3 or parts[0] not in topics:
         return f'no such topic of this node; known: {", ".join(topics)}'
     topic, entity, policy = parts
@@ -84,19 +84,23 @@ def _why_not(parts: Sequence[str], value: Any, topics: Mapping[str, str]) -> str
                  and word != 'UNKNOWN']
         return '' if value in words else f'must be one of {", ".join(words)}'
     if policy in _NUMBERS:
-        return ('' if type(value) is int and value >= 0 else 'must be a number of '
-                                                             f'{_NUMBERS[policy]}, not negative')
+        is_good = type(value) is int and value >= 0
+        return '' if is_good else f'must be a number of {_NUMBERS[policy]}, not negative'
     return f'must be one of {", ".join(POLICIES)}'
 
 
 def _topics(node: Node, scene: Scene) -> dict[str, str]:
-    """Return {resolved topic: publisher or subscription} of all that a scene may ever use."""
-    loaded = scene.linkage.EXTERNAL._fields
+    """
+    Return {full topic name: 'publisher' or 'subscription'} of all that the node may ever use.
+
+    That is more than the scene uses now: outputs, say, can be added while the node runs.
+    """
+    links = scene.linkage.EXTERNAL._fields               # on which a wrench can act
     outputs = topics_of(OUTPUTS, scene.members).values()
     received = [TRAJECTORIES[name] for name in ANSWERS]
     sent = [topic for topic in TRAJECTORIES.values() if topic not in received]
-    published = (DRIVEN, SCENE, *map(applied_topic, loaded), *outputs, *PICTURES.values(), *sent)
-    taken = *INPUTS.values(), *map(wrench_topic, loaded), *received
+    published = (DRIVEN, SCENE, *map(applied_topic, links), *outputs, *PICTURES.values(), *sent)
+    subscribed = *INPUTS.values(), *map(wrench_topic, links), *received
     return {node.resolve_topic_name(topic.topic): entity
-            for entity, topics in (('publisher', published), ('subscription', taken))
+            for entity, topics in (('publisher', published), ('subscription', subscribed))
             for topic in topics}

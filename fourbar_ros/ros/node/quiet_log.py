@@ -4,70 +4,77 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
+from dataclasses import dataclass
 import threading
 import time
-from typing import Any, Protocol
+from typing import Protocol
 
 INTERVAL = 10.0      # [s]
 
 
 class Logger(Protocol):
-    """What this needs of a logger."""
+    """The methods of a logger that are used here, as rclpy's has them."""
 
     def info(self, text: str, /) -> object:
-        """Log what is good."""
+        """Log good news."""
 
     def warning(self, text: str, /) -> object:
-        """Log what is not."""
+        """Log a trouble."""
+
+
+@dataclass
+class _Cause:
+    """A cause of log lines: when it was logged [s], how often it came since, its newest line."""
+
+    logged: float
+    waiting: int = 0
+    is_warning: bool = False
+    text: str = ''
 
 
 class QuietLog:
     """
-    Says the first of a cause at once and counts the others until ``interval`` is over.
+    Logs the first line of a cause at once; of those in the next ``interval`` [s], the newest only.
 
-    Parameters
-    ----------
-    logger : object
-        With methods ``info`` and ``warning``.
-    interval : float
-        [s]
-
+    A stream of 1000 bad inputs a second would flood the log. The line held back says how often it
+    came; :meth:`flush` writes it when the interval is over.
     """
 
     def __init__(self, logger: Logger, interval: float = INTERVAL) -> None:
         self._logger, self._interval, self._lock = logger, interval, threading.Lock()
-        # {cause: [when logged, how many since, is bad, newest text]}
-        self._causes: dict[Hashable, list[Any]] = {}
+        self._causes: dict[Hashable, _Cause] = {}        # the newest last
 
     def info(self, cause: Hashable, text: str) -> None:
-        """Log what is good."""
+        """Log good news."""
         self._note(cause, text, False)
 
     def warning(self, cause: Hashable, text: str) -> None:
-        """Log what is not."""
+        """Log a trouble."""
         self._note(cause, text, True)
 
     def flush(self, interval: float | None = None) -> None:
-        """Log what was held back for the interval, or another one: called now and then."""
+        """Log the lines held back for the interval, or another one [s]; called now and then."""
         interval = self._interval if interval is None else interval
         with self._lock:
-            for cause, (logged, waiting, *_) in list(self._causes.items()):
-                if waiting and time.monotonic() - logged >= interval:
+            for cause in list(self._causes.values()):
+                if cause.waiting and time.monotonic() - cause.logged >= interval:
                     self._log(cause)
 
-    def _note(self, cause: Hashable, text: str, is_bad: bool) -> None:
+    def _note(self, name: Hashable, text: str, is_warning: bool) -> None:
         with self._lock:
-            logged, waiting, *_ = self._causes.pop(cause, (-self._interval, 0))
-            self._causes[cause] = [logged, waiting + 1, is_bad, text]      # the newest last
-            if time.monotonic() - logged >= self._interval:
+            cause = self._causes.pop(name, None) or _Cause(-self._interval)
+            self._causes[name] = cause
+            cause.waiting, cause.is_warning, cause.text = cause.waiting + 1, is_warning, text
+            if time.monotonic() - cause.logged >= self._interval:
                 self._log(cause)
 
-    def _log(self, cause: Hashable) -> None:
-        logged, number, is_bad, text = self._causes[cause]
-        now = time.monotonic()
-        self._causes[cause][:2] = now, 0
-        text += f' ({number} times in {now - logged:.0f} s)' if number > 1 else ''
-        if is_bad:                       # two lines of code: to rclpy a line has one severity
+    def _log(self, cause: _Cause) -> None:
+        """Write the line of a cause, with how often it came since the last one."""
+        now, text = time.monotonic(), cause.text
+        if cause.waiting > 1:
+            text += f' ({cause.waiting} times in {now - cause.logged:.0f} s)'
+        cause.logged, cause.waiting = now, 0
+        if cause.is_warning:             # rclpy remembers one severity for each line of code
             self._logger.warning(text)
         else:
             self._logger.info(text)

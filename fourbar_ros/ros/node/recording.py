@@ -3,7 +3,7 @@
 """The bag of a node, if one is being written: its contents and its state."""
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 import contextlib
 import json
 import os
@@ -16,7 +16,7 @@ from fourbar_ros.errors import FourBarError
 from fourbar_ros.optional import MissingPackage
 from fourbar_ros.pipeline import rate_estimator
 from fourbar_ros.scene.scene import Scene
-from fourbar_ros.scene.topics import DRIVEN, INPUTS, SCENE, Topic
+from fourbar_ros.scene.topics import DRIVEN, INPUTS, SCENE
 from rclpy.node import Node
 
 if TYPE_CHECKING:      # only scenes that record need the mcap library
@@ -43,20 +43,16 @@ class Recording:
     """
     The bag of one node, if one is being written.
 
-    The stream opens, attaches, detaches and closes it.
-
-    Parameters
-    ----------
-    node : rclpy.node.Node
-        For resolved names and the log.
-
+    To start one waits for the disk, so it goes in two parts: :meth:`open` makes the bag while
+    steps go on, :meth:`attach` begins to record between two steps. So do :meth:`detach` and
+    :meth:`close` at its end.
     """
 
     def __init__(self, node: Node) -> None:
         self._node = node
         self._writer: BagWriter | None = None
         self._channels: dict[str, int] = {}
-        self._refused = ''
+        self._refused = ''               # why the bag that the scene wants was not started
 
     @property
     def active(self) -> bool:
@@ -66,9 +62,9 @@ class Recording:
 
     def begin(self, scene: Scene, start: Callable[[str], object]) -> None:
         """
-        Start the bag that a scene wants, by ``start(name)``, under a free name.
+        Start the bag that a scene wants, by ``start(name)``; add a number to a name in use.
 
-        The stream goes on if that fails: the log and the diagnostics then give the reason.
+        If that fails the node runs all the same; the log and the diagnostics give the reason.
         """
         from fourbar_ros.bag.rosbag2 import free_name
         log, wanted = self._node.get_logger(), scene.recording.name
@@ -83,11 +79,18 @@ class Recording:
 
     def open(self, scene: Scene, name: str = '') -> OpenBag:
         """
-        Return an :class:`OpenBag` for the input and the outputs of a scene; raises BagError.
+        Create a bag for the input and the outputs of a scene, without recording yet.
 
-        It waits for the disk, so it must not run during a step; :meth:`attach` is quick.
+        Waits for the disk, so it must not run during a step.
+
+        Raises
+        ------
+        BagError
+            One is being recorded, or the new one cannot be written.
+        MissingPackage
+            The mcap library is not installed.
+
         """
-        # only scenes that record need the mcap library
         try:
             from fourbar_ros.bag.write.recorder import BagError, BagWriter, Split
         except ModuleNotFoundError as error:
@@ -97,37 +100,29 @@ class Recording:
         if self._writer and self.active:
             raise BagError(f'already recording to {self._writer.path}')
         if self._writer:
-            with contextlib.suppress(BagError):
-                # a bag that ended by an error, which was logged
+            with contextlib.suppress(BagError):      # it ended by an error, which was logged
                 self._writer.close()
         topics = [DRIVEN, SCENE, *scene.drive_topics, *scene.wrench_topics,
                   *scene.topics.values(), *scene.pictures.values()]
         if scene.drive.source in INPUTS:
             topics.append(INPUTS[scene.drive.source])
-        topics, resolved = self._without_our_own(topics)
-        about = about_of(scene, resolved, self._node.get_fully_qualified_name())
+        names = {topic.name: self._node.resolve_topic_name(topic.topic) for topic in topics}
+        # A topic can be in a bag once: leave out an input on which the node also publishes. Its
+        # motion is in the bag as that of the driven joint.
+        topics = [topic for topic in topics if topic not in INPUTS.values()
+                  or list(names.values()).count(names[topic.name]) == 1]
+        names = {topic.name: names[topic.name] for topic in topics}
+        about = about_of(scene, names, self._node.get_fully_qualified_name())
         if scene.dynamics:
             from fourbar_ros.dynamics.step import mover
             about[mover.KEY] = mover.name_of(scene.linkage, scene.dynamics.drive.source)
         writer = BagWriter(directory_of(scene), name,
-                           [channel(topic, resolved[topic.name]) for topic in topics], about,
+                           [channel(topic, names[topic.name]) for topic in topics], about,
                            tell=self._node.get_logger().error,
                            split=Split(round(scene.recording.split_size * 1e6),
                                        scene.recording.split_duration,
                                        scene.recording.keep, head=topics.index(DRIVEN)))
         return OpenBag(writer, {topic.name: number for number, topic in enumerate(topics)})
-
-    def _without_our_own(self, topics: Sequence[Topic]) -> tuple[list[Topic], dict[str, str]]:
-        """
-        Return the topics, and {name: resolved name}, without an input on which we publish too.
-
-        What a relay gets is in the motion of the driven joint; a topic can be in a bag once.
-        """
-        resolved = {topic.name: self._node.resolve_topic_name(topic.topic) for topic in topics}
-        every = list(resolved.values())
-        kept = [topic for topic in topics if topic not in INPUTS.values()
-                or every.count(resolved[topic.name]) == 1]
-        return kept, {topic.name: resolved[topic.name] for topic in kept}
 
     def attach(self, bag: OpenBag) -> Path:
         """Record into an opened bag from now on; return its path."""
@@ -154,41 +149,36 @@ class Recording:
 
     def close(self, writer: BagWriter, why: str) -> Path:
         """
-        Close a detached bag, which says why it ended, and return its path.
+        Close a detached bag, note ``why`` in it, and return its path; waits for the disk.
 
-        Waits for the disk; raises BagError for a bag that ended by an error before, which the
-        recorder has logged.
+        Raises BagError for a bag that ended by an error before, which the recorder has logged.
         """
         path = writer.close(why)
         self._node.get_logger().info(f'recorded {path}')
         return path
 
     def write(self, topic: str, data: bytes) -> None:
-        """
-        Record the serialised message of a topic, by its short name, if a bag is open.
-
-        Never waits.
-        """
+        """Record a serialised message of a topic (short name) if a bag is open; never waits."""
         writer = self._writer            # another thread may stop the recording meanwhile
         if writer and topic in self._channels:
             writer.write(self._channels[topic], data)
 
     def write_all(self, messages: Iterable[tuple[str, bytes]]) -> None:
-        """Record the messages of a step, (topic, bytes), at one go; as :meth:`write`."""
+        """Record the messages of a step, (topic, bytes), in one call: it costs less than many."""
         writer, channels = self._writer, self._channels
         if writer:
             writer.write_all([(channels[topic], data) for topic, data in messages])
 
 
 def about_of(scene: Scene, topics: Mapping[str, str], node: str) -> dict[str, str]:
-    """Return what a bag keeps about a run; ``topics``: {short name: name in the bag}."""
+    """Return the metadata of a bag: scene, node, versions; ``topics``: {short name: full name}."""
     return {'scene': scene.as_json, 'topics': json.dumps(topics), 'node': node,
             'units': 'SI: m, kg, s, rad, N, N m', 'software': json.dumps(software()),
             rate_estimator.KEY: str(rate_estimator.VERSION)}
 
 
 def directory_of(scene: Scene) -> Path:
-    """Return where the bags of a scene go; ``~`` is a home."""
+    """Return the absolute folder for the bags of a scene; ``~`` is the user's home."""
     return Path(os.path.expanduser(scene.recording.directory)).absolute()
 
 
@@ -196,9 +186,9 @@ def software() -> dict[str, str]:
     """Return {name: version} of the software that makes a bag."""
     from importlib.metadata import PackageNotFoundError, version  # 15 ms, and only bags ask
 
-    found = {'fourbar_ros': __version__, 'python': platform.python_version()}
+    versions = {'fourbar_ros': __version__, 'python': platform.python_version()}
     for name in SOFTWARE:
         for distribution in (name, f'ros-jazzy-{name}'):
             with contextlib.suppress(PackageNotFoundError):
-                found[name] = version(distribution)
-    return found
+                versions[name] = version(distribution)
+    return versions

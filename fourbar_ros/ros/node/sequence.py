@@ -12,23 +12,13 @@ Info = dict[str, Any]      # of a message, as rclpy gives it
 
 class SequenceNumbers:
     """
-    Counts what is missing in the numbers of the messages of one topic.
+    Counts the messages ``lost`` on one topic, by gaps in their sequence numbers.
 
-    Every publisher numbers its messages one by one; a message does not say whose it is. So the
-    next number of every publisher is kept, and one that fits none leaves a gap behind the
-    nearest. With several publishers single gaps may be taken for another's, their sum is right.
-
-    Parameters
-    ----------
-    publishers : callable
-        Returns how many there are.
-
-    Attributes
-    ----------
-    lost : int
-    is_numbered : bool
-        Whether the middleware gives numbers at all; if not, nothing is known.
-
+    Every publisher numbers its messages one by one, but a message does not say whose it is. So
+    the next number of each publisher is kept; a number that fits none leaves a gap behind the
+    nearest below. With several publishers a gap may be counted for the wrong one; the sum is
+    right. ``publishers()`` returns how many there are. ``is_numbered`` is False with a middleware
+    that gives no numbers: then nothing is known.
     """
 
     def __init__(self, publishers: Callable[[], int]) -> None:
@@ -59,10 +49,10 @@ class SequenceNumbers:
 
 class WithInfo:
     """
-    A callback for a message and its info, whoever calls it.
+    A subscription callback that gets a message and its info from any executor.
 
-    rclpy looks at the signature to see that a callback wants the info. Its EventsExecutor then
-    gives both as one tuple (rclpy 7.1.5), other executors, and later ones, as two arguments.
+    rclpy sees by the signature that a callback wants the info. Its EventsExecutor then passes both
+    as one tuple (rclpy 7.1.5), other executors, and later ones, as two arguments.
     """
 
     __signature__ = Signature([Parameter(name, Parameter.POSITIONAL_ONLY)

@@ -1,19 +1,12 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""
-The services of the node: extrema, one evaluation, recording.
-
-Errors become responses, never exceptions.
-
-Every number of a mechanism by name and unit, for answers that no fixed message has room for.
-"""
+"""The services of the node: extrema, one evaluation, recording. Errors become responses."""
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
 from math import nan
 from traceback import format_exc
-from typing import NamedTuple
 
 from fourbar_ros.errors import FourBarError, OutOfRange
 from fourbar_ros.mechanisms.mechanism import Mechanism
@@ -27,29 +20,29 @@ from fourbar_ros.pipeline.status import (
     TOGGLE,
 )
 from fourbar_ros.ros.messages import filler, Message, resolve, sec_nanosec, set_constants
-from fourbar_ros.ros.node.base import Running
+from fourbar_ros.ros.node.base import Base
 from fourbar_ros.ros.node.extrema import Search
 from fourbar_ros.scene.message_fields import mode_number
 from fourbar_ros.scene.topics import SERVICES
 
 
-def create(node: Running) -> None:
+def create(node: Base) -> None:
     """Create the services of the node's scene; its workers run those that take long."""
     handlers = {'find_extrema': find_extrema, 'evaluate': evaluate_one,
                 'start_recording': start_recording, 'stop_recording': stop_recording}
 
     for name in node.stream.scene.values['services']:
         service = SERVICES[name]
-        kind, answer = resolve(service.type), partial(_answered, handlers[service.name], node)
+        srv_type, answer = resolve(service.type), partial(_answer, handlers[service.name], node)
         if service.worker:
-            node.workers[service.worker].serve(node, kind, service.service, answer)
+            node.workers[service.worker].serve(node, srv_type, service.service, answer)
         else:
-            node.create_service(kind, service.service, answer)
+            node.create_service(srv_type, service.service, answer)
 
 
-def _answered(handler: Callable[[Running, Message, Message], Message], node: Running,
-              request: Message, response: Message) -> Message:
-    """Answer always; report an unexpected exception to the caller and in the log."""
+def _answer(handler: Callable[[Base, Message, Message], Message], node: Base,
+            request: Message, response: Message) -> Message:
+    """Call a handler; tell the client and the log of an unexpected exception in it."""
     try:
         return handler(node, request, response)
     except Exception as error:
@@ -60,13 +53,13 @@ def _answered(handler: Callable[[Running, Message, Message], Message], node: Run
         return response
 
 
-def find_extrema(node: Running, request: Message, response: Message) -> Message:
+def find_extrema(node: Base, request: Message, response: Message) -> Message:
     """Answer FindExtrema."""
     return Search(node.stream.scene, request, node.workers['search'].check).answer(response)
 
 
-def evaluate_one(node: Running, request: Message, response: Message) -> Message:
-    """Answer Evaluate."""
+def evaluate_one(node: Base, request: Message, response: Message) -> Message:
+    """Answer Evaluate: state and loads at one input, or why there are none."""
     scene = node.stream.scene
     modes = scene.linkage.modes
     if request.mode and request.mode not in modes:
@@ -78,8 +71,7 @@ def evaluate_one(node: Running, request: Message, response: Message) -> Message:
     linkage = scene.linkage_at(scene.in_mode(request.mode), request.position, request.velocity)
     response.has_loads = linkage.bodies is not None
     status, motion, loads = evaluate(linkage, request.position, request.velocity,
-                                     request.acceleration,
-                                     response.has_loads)
+                                     request.acceleration, response.has_loads)
     _with_values(node, response, mode_number(linkage.mode), status, (*motion, *loads))
     response.result = {OK: response.RESULT_OK, OUT_OF_RANGE: response.RESULT_OUT_OF_RANGE,
                        INVALID_INPUT: response.RESULT_INVALID_REQUEST,
@@ -97,24 +89,28 @@ def evaluate_one(node: Running, request: Message, response: Message) -> Message:
     return response
 
 
-def _with_values(node: Running, response: Message, mode: int, status: int, values: Sequence[float]
+def _with_values(node: Base, response: Message, mode: int, status: int, values: Sequence[float]
                  ) -> Message:
-    """Fill state, loads and the named values of a response."""
+    """
+    Fill the state, the loads and the list of named values of an Evaluate response.
+
+    ``values`` in the order of the scene's layout. Messages of an older version, if such are
+    installed, have no list.
+    """
     stamp, scene = sec_nanosec(node.get_clock().now().nanoseconds), node.stream.scene
     for output in ('state', 'loads'):
         message = getattr(response, output)
         set_constants(output, message, scene)
         filler(output, message, scene.layout)(stamp, status, mode, values)
-    if not hasattr(response, 'values'):      # messages of an older version are installed
-        return response
-    as_message, place = resolve('fourbar_msgs/msg/NamedValue'), scene.layout.place
-    response.values = [as_message(name=name, unit=unit, value=values[place[name]])
-                       for name, unit in names(scene.linkage)]
+    if hasattr(response, 'values'):
+        named_value, place = resolve('fourbar_msgs/msg/NamedValue'), scene.layout.place
+        response.values = [named_value(name=name, unit=unit, value=values[place[name]])
+                           for name, unit in units_of(scene.linkage).items()]
     return response
 
 
-def start_recording(node: Running, request: Message, response: Message) -> Message:
-    """Answer StartRecording."""
+def start_recording(node: Base, request: Message, response: Message) -> Message:
+    """Answer StartRecording: the path of the new bag, or why there is none."""
     try:
         response.path = str(node.stream.start_recording(request.name))
         response.success = True
@@ -123,7 +119,7 @@ def start_recording(node: Running, request: Message, response: Message) -> Messa
     return response
 
 
-def stop_recording(node: Running, _: object, response: Message) -> Message:
+def stop_recording(node: Base, _: object, response: Message) -> Message:
     """Answer Trigger: the message is the path of the bag, or the reason why there is none."""
     try:
         path = node.stream.stop_recording('stopped by ~/stop_recording')
@@ -134,19 +130,12 @@ def stop_recording(node: Running, _: object, response: Message) -> Message:
     return response
 
 
-class Named(NamedTuple):
-    """A field of motion or loads, and its unit; empty for a pure number."""
-
-    name: str
-    unit: str
-
-
-def names(mechanism: Mechanism) -> tuple[Named, ...]:
+def units_of(mechanism: Mechanism) -> dict[str, str]:
     """
-    Return the numbers of a mechanism that have a meaning of their own.
+    Return {field of motion or loads: its unit, '' for a pure number} to answer Evaluate with.
 
-    Joints and moving parts with rates and accelerations, the angle of transmission, the condition;
-    with masses also all loads.
+    These are joints and moving parts with their rates and accelerations, the transmission angle,
+    the condition, and with masses all loads; no fixed message has room for those of a machine.
     """
     coordinates = dict.fromkeys((*(joint.coordinate for joint in mechanism.JOINTS),
                                  *mechanism.PARTS))
@@ -162,5 +151,5 @@ def names(mechanism: Mechanism) -> tuple[Named, ...]:
                 units[reaction.couple] = 'N m'
         units |= {quantity.name: quantity.unit
                   for quantity in known(mechanism, mechanism.input).values() if quantity.is_load}
-    there = set(mechanism.MOTION._fields + mechanism.LOADS._fields)
-    return tuple(Named(name, unit) for name, unit in units.items() if name in there)
+    fields = {*mechanism.MOTION._fields, *mechanism.LOADS._fields}
+    return {name: unit for name, unit in units.items() if name in fields}

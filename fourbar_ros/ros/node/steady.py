@@ -28,19 +28,19 @@ def clock_of(node: Node) -> Callable[[], float]:
 
 
 class SteadyTimers:
-    """Functions called periodically in the thread of an executor, while :meth:`waking` it."""
+    """
+    Functions called periodically in the thread of an executor.
+
+    A thread sleeps by the monotonic clock and gives the executor a task whenever one is due.
+    """
 
     def __init__(self) -> None:
         self._timers: dict[object, tuple[float, Callable[[], None]]] = {}
-        self._due: dict[object, float] = {}
-        self._ended, self._is_asked = Event(), False
+        self._due: dict[object, float] = {}              # [s] monotonic
+        self._ended, self._is_asked = Event(), False     # whether a task waits in the executor
 
     def add(self, period: float, callback: Callable[[], None]) -> object:
-        """
-        Call a function every ``period`` seconds from now on.
-
-        Return what :meth:`remove` takes.
-        """
+        """Call a function every ``period`` [s] from now on; return a key to :meth:`remove` it."""
         timer = object()
         self._due[timer], self._timers[timer] = time.monotonic() + period, (period, callback)
         return timer
@@ -50,7 +50,7 @@ class SteadyTimers:
         del self._timers[timer], self._due[timer]
 
     def start(self, executor: Executor, failed: Callable[[Exception], None]) -> None:
-        """Begin, in an executor; ``failed`` takes what a function raises."""
+        """Begin to call the functions in an executor; ``failed`` gets an error of any of them."""
         def run() -> None:
             self._is_asked = False
             try:
@@ -64,7 +64,7 @@ class SteadyTimers:
                 time.sleep(PERIOD)
                 now = time.monotonic()
                 if not self._is_asked and (now - woken >= WAKE or self._any_is_due(now)):
-                    self._is_asked, woken = True, now    # asked once, as it may be busy
+                    self._is_asked, woken = True, now    # no second task for a busy executor
                     executor.create_task(run)
         self._thread = Thread(target=wake, name='steady timers', daemon=True)
         self._thread.start()
@@ -74,10 +74,11 @@ class SteadyTimers:
         self._ended.set()
         self._thread.join()
 
-    def _any_is_due(self, now: float) -> bool:
+    def _any_is_due(self, now: float) -> bool:           # to the nearest PERIOD
         return any(now >= due - 0.5 * PERIOD for due in list(self._due.values()))
 
     def _run(self) -> None:
+        """Call the functions that are due; a late one is next due a period later, not at once."""
         now = time.monotonic()
         for timer, (period, callback) in list(self._timers.items()):
             if now >= self._due[timer] - 0.5 * PERIOD:

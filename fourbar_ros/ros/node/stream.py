@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 
 from builtin_interfaces.msg import Time
 from fourbar_ros.errors import FourBarError, OutOfRange
-from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.pipeline.status import INPUT_TIMEOUT, OK, OUT_OF_RANGE, STATUS_NAMES
 from fourbar_ros.pipeline.stepper import InModes
 from fourbar_ros.pipeline.wrenches import Wrench
@@ -20,7 +19,6 @@ from fourbar_ros.ros.node import qos
 from fourbar_ros.ros.node.base import Base
 from fourbar_ros.ros.node.outputs import Outputs, Wanted
 from fourbar_ros.ros.node.pictures import drawn_of, Pictures
-from fourbar_ros.ros.node.quiet_log import QuietLog
 from fourbar_ros.ros.node.recording import Recording
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import applied_topic, SCENE
@@ -35,32 +33,21 @@ if TYPE_CHECKING:
 
 class Stream:
     """
-    The steps of a node, one at a time; a scene, a wrench and a recording change between two steps.
+    The steps of a node: each evaluates one pose of the input and sends the outputs.
 
-    Parameters
-    ----------
-    node : rclpy.node.Node
-    scene : Scene
-    recording : Recording
-
+    Steps run one at a time; a scene, a wrench and a recording change between two of them.
     """
 
-    _applied: dict[str, Applied]          # by link
-
     def __init__(self, node: Base, scene: Scene, recording: Recording) -> None:
-        self._recording, self._log = recording, StatusLog(node.log)
-        # held in a step, and while anything changes
-        self._lock = threading.Lock()
+        self._recording, self._log = recording, node.log
+        self._lock = threading.Lock()        # held in a step, and while anything changes
         self.steps, self.bad_steps, self.status = 0, 0, OK
         self.outputs, self.pictures = Outputs(node, recording), Pictures(node, recording)
         self._scene_publisher = qos.create(
             node, 'publisher', String, SCENE.topic,
             QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL))
         self._stepper = InModes(scene)
-        self._applied = {}
-        # only these scenes need the messages of wrenches
-        if scene.wrenches.links:
-            self._applied = {link: Applied(node, link) for link in scene.wrenches.links}
+        self._applied = {link: Applied(node, link) for link in scene.wrenches.links}
         self.apply(scene)
         for link, wrench in self._stepper.wrenches.items():
             self.act(link, wrench, node.get_clock().now().to_msg())
@@ -78,7 +65,8 @@ class Stream:
             self.scene, self._layout = scene, scene.layout
             self._renew_stepper()
             self._values = self._unknown = (nan,) * len(self._layout.place)
-            self._given = [self._layout.place[name] for name in scene.linkage.input_coordinate]
+            self._input_places = [self._layout.place[name]
+                                  for name in scene.linkage.input_coordinate]
             self.outputs.apply(scene)
             self.pictures.apply(scene, drawn)
             data = self._scene_bytes()
@@ -94,14 +82,11 @@ class Stream:
     def start_recording(self, name: str = '') -> Path:
         """Start a bag whose first message is the scene; return its path; raises FourBarError."""
         scene = self.scene
-        # outside of the lock: the disk may be slow
-        bag = self._recording.open(scene, name)
+        bag = self._recording.open(scene, name)          # before the lock: the disk may be slow
         with self._lock:
             if (self.scene.topics, self.scene.pictures) == (scene.topics, scene.pictures):
                 path = self._recording.attach(bag)
-                # Values held from before are dropped: the bag alone must be enough to recompute
-                # it.
-                self._renew_stepper()
+                self._renew_stepper()        # a value held from before could not be recomputed
                 self._recording.write(SCENE.name, self._scene_bytes())
                 self.pictures.record_latched()
                 for applied in self._applied.values():
@@ -111,15 +96,10 @@ class Stream:
         raise FourBarError('the outputs changed in the meantime: try again')
 
     def stop_recording(self, why: str) -> Path | None:
-        """
-        Close the bag after a whole step; it says why.
-
-        Return its path, None if there was none; raises BagError.
-        """
+        """Close the bag after a whole step, note ``why`` in it; return its path, None if none."""
         with self._lock:
             writer = self._recording.detach()
-        # outside of the lock: it waits for the disk
-        return self._recording.close(writer, why) if writer else None
+        return self._recording.close(writer, why) if writer else None    # it waits for the disk
 
     @property
     def is_heard(self) -> bool:
@@ -134,22 +114,23 @@ class Stream:
             self._stepper.prepare(self.scene.dynamics.modes_passed(self.scene.linkage))
 
     def _scene_bytes(self) -> bytes:
-        found: bytes = serialize_message(String(data=self.scene.as_json))
-        return found
+        return bytes(serialize_message(String(data=self.scene.as_json)))
 
     # --- steps ----------------------------------------------------------------------------------
 
     def step(self, stamp: Stamp, position: float, rate: float, acceleration: float) -> None:
-        """Evaluate one input and send the outputs; ``stamp``: (seconds, nanoseconds)."""
+        """Evaluate the input [rad or m, /s, /s^2] at a stamp and send the outputs."""
         with self._lock:
             status = self._step(stamp, position, rate, acceleration, self.outputs.wanted())
         self._note(status, position)
 
     def step_by(self, stamp: Stamp, move: Callable[[], tuple[int, int, DriveValues]]) -> None:
         """
-        Step to where a drive moves: ``move()`` gives its status, assembly mode and DriveValues.
+        Move by a torque drive and evaluate its new state.
 
-        Nothing is recorded meanwhile, so a bag holds a step after all that influenced it.
+        ``move()`` returns the drive's status, the assembly mode, and the DriveValues. The lock is
+        held from before it until the outputs are sent: a bag has a step after all torques and
+        wrenches that influenced it.
         """
         with self._lock:
             wanted, (drive_status, mode, values) = self.outputs.wanted(), move()
@@ -161,55 +142,55 @@ class Stream:
         self._note(status, values.position)
 
     def between_steps(self, topic: str, data: bytes, take: Callable[[], None]) -> None:
-        """Record an input and take it, ``take()``, between two steps."""
+        """Record a message of an input and let ``take()`` use it, between two steps."""
         with self._lock:
             self._recording.write(topic, data)
             take()
 
     def _step(self, stamp: Stamp, position: float, rate: float, acceleration: float, wanted: Wanted
               ) -> int | None:
-        """Send what is wanted; return the status, None if nothing was computed."""
+        """Compute and send the wanted outputs; return the status, None if there are none."""
         self.steps += 1
         if wanted.driven:
-            self.outputs.send_driven(stamp, self._as_it_came(position, rate, acceleration))
-        seen = self.pictures.are_due(stamp)
-        if not wanted.outputs and not seen:
+            # the input as it came; that of the evaluation may be held or clamped
+            driven = list(self._unknown)
+            for place, value in zip(self._input_places, (position, rate, acceleration)):
+                driven[place] = value
+            self.outputs.send_driven(stamp, driven)
+        is_drawn = self.pictures.are_due(stamp)
+        if not wanted.outputs and not is_drawn:
             self.outputs.record()
             return None
         status, self._values = self._stepper.step(
             self._mode, position, rate, acceleration,
-            wanted.with_loads or seen and self.pictures.of_loads, wanted.parts)
+            wanted.with_loads or is_drawn and self.pictures.of_loads, wanted.parts)
         self.outputs.send(stamp, status, self._values, wanted.outputs)
-        if seen:
+        if is_drawn:
             self.pictures.send(stamp, self._values)
         return status
 
     def _note(self, status: int | None, position: float) -> None:
+        """Count a bad step; log a status that differs from that of the last step."""
         if status is None:
             return
-        if status != OK:
-            self.bad_steps += 1
-        if status != self.status:                        # once per change, not per sample
-            self.status = status
-            self._log.changed(status, position, self.scene.linkage)
+        self.bad_steps += status != OK
+        if status == self.status:
+            return
+        self.status, linkage = status, self.scene.linkage
+        name, unit = linkage.input_coordinate.position, linkage.input_coordinate.unit
+        if status == OK:
+            self._log.info(status, 'input good again')
+        elif status == OUT_OF_RANGE:
+            self._log.warning(status, str(OutOfRange(name, position, linkage.input_ranges, unit)))
+        else:
+            self._log.warning(status, f'{name} = {position!r} {unit}: {STATUS_NAMES[status]}')
 
     def timeout(self, stamp: Stamp, seconds: float) -> None:
-        """Send once on every output that the input has stopped."""
+        """Send one message on every output with the status that the input has stopped."""
         with self._lock:
             self.status, self._values = INPUT_TIMEOUT, self._stepper.silence()
             self.outputs.send(stamp, INPUT_TIMEOUT, self._values)
-        self._log.timeout(seconds)
-
-    def _as_it_came(self, *given: float) -> list[float]:
-        """
-        Return values of which only the input is known.
-
-        Those of a step may be held or clamped.
-        """
-        values = list(self._unknown)
-        for place, value in zip(self._given, given):
-            values[place] = value
-        return values
+        self._log.warning('timeout', f'no input for {seconds:g} s')
 
     def transmission_sine(self) -> float:
         """Return |sin| of the transmission angle of the latest step that was computed, or NaN."""
@@ -217,7 +198,7 @@ class Stream:
 
 
 class Applied:
-    """The latched topic that says what acts on a link."""
+    """The latched topic that tells which wrench the node applies to a link."""
 
     def __init__(self, node: Base, link: str) -> None:
         topic = applied_topic(link)
@@ -227,38 +208,10 @@ class Applied:
             qos.create(node, 'publisher', WrenchStamped, topic.topic, latched), topic)
 
     def send(self, stamp: Time, wrench: Wrench, frame_id: str, recording: Recording) -> None:
-        """Publish and record a Wrench."""
+        """Publish and record a wrench; keep its bytes in ``data`` for the next bag."""
         message = WrenchStamped()
         message.header.stamp, message.header.frame_id = stamp, frame_id
         message.wrench.force.x, message.wrench.force.y, message.wrench.torque.z = wrench
         self.data = serialize_message(message)
         self._publish(self.data)
         recording.write(self.name, self.data)
-
-
-class StatusLog:
-    """
-    Logs changes of the status.
-
-    Parameters
-    ----------
-    log : QuietLog
-
-    """
-
-    def __init__(self, log: QuietLog) -> None:
-        self._log = log
-
-    def changed(self, status: int, position: float, linkage: Mechanism) -> None:
-        """Log a new status, and the input that caused it."""
-        if status == OK:
-            self._log.info(status, 'input good again')
-            return
-        name, unit = linkage.input_coordinate.position, linkage.input_coordinate.unit
-        self._log.warning(status, str(OutOfRange(name, position, linkage.input_ranges, unit))
-                          if status == OUT_OF_RANGE else f'{name} = {position!r} {unit}: '
-                                                         f'{STATUS_NAMES[status]}')
-
-    def timeout(self, seconds: float) -> None:
-        """Log that the input has stopped."""
-        self._log.warning('timeout', f'no input for {seconds:g} s')

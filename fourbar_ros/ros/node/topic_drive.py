@@ -24,8 +24,8 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 
 SILENT = 2.0           # [s] without a first message after which the diagnostics warn
-FUTURE = 1.0           # [s] a stamp further ahead of our clock is counted as of the future
-UNHEARD = 20           # messages of a relay without the driven joint before it says so
+FUTURE = 1.0           # [s] stamps further ahead of our clock are counted and logged
+UNHEARD = 20           # messages without the driven joint after which a relay warns
 
 
 class TopicDrive(Drive):
@@ -39,23 +39,25 @@ class TopicDrive(Drive):
         """Subscribe to raw bytes, which are recorded as they are."""
         self._topic = INPUTS[self.settings.source]
         self._now = clock_of(self._node)
-        self._received, self._waiting, self._horizon = self._now(), False, 0
-        self._estimated = False
+        self._received = self._now()         # [s] when the newest input came
+        self._waiting = False                # for a next input, whose silence is a timeout
+        self._horizon = 0                    # [ns] stamps up to here are known to be plausible
+        self._estimated = False              # whether rates of the last input were
         self._is_relay = self._stream.scene.joint_states.only_passive
-        self._of_others: list[bytes] = []    # the first ones, while the driven joint never came
+        self._of_others: list[bytes] = []    # first messages, while the driven joint never came
         self.estimator = estimator_of(self._stream.scene)
         self.apply(self.settings)
         profile = QoSProfile(depth=INPUT_DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT)
         self._sequence = SequenceNumbers(lambda: self._subscription.get_publisher_count())
         self._subscription = qos.create(
             self._node, 'subscription', resolve(self._topic.type), self._topic.topic,
-            WithInfo(self._receive),
-            profile, raw=True, event_callbacks=self._events())
+            WithInfo(self._receive), profile, raw=True, event_callbacks=self._events())
         self._repeats = Repeats(self._node, self._subscription.topic_name,
                                 self._stream.outputs.topics)
         self._timer = self._node.steady_timers.add(SLEEP, self._watch)
 
     def _events(self) -> SubscriptionEventCallbacks:
+        """Return callbacks for new publishers and, if a user asks for a deadline, missed ones."""
         events = SubscriptionEventCallbacks(matched=lambda _: self._sequence.forget())
         if qos.has_override(self._node, 'subscription', self._topic.topic, 'deadline'):
             events.deadline = self._deadline_missed      # not every middleware knows this event
@@ -70,10 +72,8 @@ class TopicDrive(Drive):
         self._node.destroy_subscription(self._subscription)
 
     def apply(self, settings: DriveSettings) -> None:
-        """Take over settings; the estimate starts afresh."""
-        from fourbar_ros.ros.node.inputs import (
-            Reader,  # only these drives need the definitions of messages
-        )
+        """Take over settings; the estimate of rates starts anew, its counters go on."""
+        from fourbar_ros.ros.node.inputs import Reader  # only these drives need definitions
 
         super().apply(settings)
         self._scale = joints.Scale(settings.joint_ratio, settings.joint_offset)
@@ -96,7 +96,7 @@ class TopicDrive(Drive):
         if self._is_relay and self.counts['of_other_joints'] and not self.counts['received']:
             problems.append(f'joint {self.settings.joint!r} never came')
         elif not self.counts['received'] and self.age() > SILENT:
-            problems.append(f'no input yet: {self._where_it_comes()}')
+            problems.append(f'no input yet: {self._why_no_input()}')
         if isnan(self.estimator.lag) or not self._estimated:
             return values, problems
         unit = 'm/s^2' if self._stream.scene.linkage.is_driven_by_slide else 'rad/s^2'
@@ -106,8 +106,8 @@ class TopicDrive(Drive):
                  'lag of the estimated acceleration [s]': f'{self.estimator.lag:.3g}'},
                 problems + ['the estimated acceleration is noise'] * self.estimator.is_noise)
 
-    def _where_it_comes(self) -> str:
-        """Return who publishes the input, or on which topics its type comes instead."""
+    def _why_no_input(self) -> str:
+        """Return that the publisher is silent, or on which topics the type comes instead."""
         name = self._subscription.topic_name
         if self._subscription.get_publisher_count():
             return f'the publisher of {name} is silent'
@@ -119,59 +119,63 @@ class TopicDrive(Drive):
             f'; {self._topic.type} comes on {", ".join(sorted(others))}' if others else '')
 
     def _receive(self, data: bytes, info: Info) -> None:
+        """Take a message unless it is our own; an error in that is ours and must not end us."""
         try:
             self._sequence.take(info['publication_sequence_number'])
             if not self._node.circles.is_own(self._subscription.topic_name, data):
                 self._take(data)
-        # a fault of ours: told, and the next message is taken
         except Exception:
             self._note('faults', f'a fault in taking an input: {format_exc()}')
 
     def _take(self, data: bytes) -> None:
+        """
+        Read a message, record it, complete its rates, and step to its motion.
+
+        A message that ROS cannot read is counted and not recorded: readers of the bag would fail.
+        """
         try:
-            stamp, given = self._read(data)
-            if given is None and self._is_relay:         # our own, or of another part of the robot
-                self.counts['of_other_joints'] += 1
-                if not self.counts['received'] and len(self._of_others) < UNHEARD:
-                    self._note_others(data)
-                return
-            self._note_arrival()
-        # whatever a foreign writer sends, the node goes on
+            stamp, motion = self._read(data)
         except Exception:
             self._note_arrival()
             self._note('malformed', f'{self._topic.topic}: a message that is no '
                                     f'{self._topic.type}')
-            # nor does a bag hold it: its readers would stumble
             return
+        if motion is None and self._is_relay:    # from ourselves, or another part of the robot
+            self._note_other_joints(data)
+            return
+        self._note_arrival()
         self._recording.write(self._topic.name, data)
-        if given is None:
-            joints = '' if self.counts['without_joint'] else self._nearest([data])
+        if motion is None:
+            hint = '' if self.counts['without_joint'] else self._joint_hint([data])
             self._note('without_joint', f'joint {self.settings.joint!r} is not in the input '
-                                        f'message{joints}')
+                                        f'message{hint}')
             return
-        stamp, time_of = self._stamp(*stamp)
+        stamp, nanoseconds = self._stamp(*stamp)
         if self.settings.source == 'joint_state':
-            given = self._scale.to_input(*given)
-        position, velocity, acceleration = given
+            motion = self._scale.to_input(*motion)
+        position, velocity, acceleration = motion
         self._estimated = isnan(velocity) or isnan(acceleration)
         if self._estimated:
-            velocity, estimate = self.estimator.update(time_of, position, velocity)
+            velocity, estimate = self.estimator.update(nanoseconds, position, velocity)
             acceleration = estimate if isnan(acceleration) else acceleration
         self._stream.step(stamp, position, velocity, acceleration)
 
-    def _note_others(self, data: bytes) -> None:
-        """Keep a message without the driven joint; say so when many came, and it in none."""
+    def _note_other_joints(self, data: bytes) -> None:
+        """Count a message without the driven joint; warn if it is in none of the first UNHEARD."""
+        self.counts['of_other_joints'] += 1
+        if self.counts['received'] or len(self._of_others) >= UNHEARD:
+            return
         self._of_others.append(data)
         if len(self._of_others) == UNHEARD:
             self._node.log.warning('of_other_joints', (
                 f'drive.joint = {self.settings.joint!r} was in none of the first {UNHEARD} '
-                f'messages on {self._subscription.topic_name}{self._nearest(self._of_others)}'))
+                f'messages on {self._subscription.topic_name}{self._joint_hint(self._of_others)}'))
 
-    def _nearest(self, messages: list[bytes]) -> str:
-        """Return what to say of the joints that are in messages without the driven one."""
-        kind = resolve(self._topic.type)
+    def _joint_hint(self, messages: list[bytes]) -> str:
+        """Return '; did you mean NAME?' of a joint in messages that lack the driven one."""
+        message_class = resolve(self._topic.type)
         names = dict.fromkeys(name for data in messages
-                              for name in deserialize_message(data, kind).name)
+                              for name in deserialize_message(data, message_class).name)
         return nearest(self.settings.joint, names) if names else ''
 
     def _note_arrival(self) -> None:
@@ -179,38 +183,35 @@ class TopicDrive(Drive):
         self._received, self._waiting = self._now(), True
 
     def _stamp(self, sec: int, nanosec: int) -> tuple[Stamp, int]:
-        """
-        Return the stamp of an input, as (sec, nanosec) and in ns.
-
-        An input without a valid stamp gets the current time.
-        """
-        time_of = sec * 10**9 + nanosec
-        is_good = is_time(sec, nanosec)
-        if time_of and is_good:
-            self._repeats.take(time_of)
-            if time_of > self._horizon:
-                self._look_ahead(time_of)
-            return (sec, nanosec), time_of
-        if not is_good:
+        """Return the stamp of an input and the same in [ns]; the time of now if it has none."""
+        stamp = sec * 10**9 + nanosec
+        is_valid = is_time(sec, nanosec)
+        if stamp and is_valid:
+            self._repeats.take(stamp)
+            if stamp > self._horizon:
+                self._check_future(stamp)
+            return (sec, nanosec), stamp
+        if not is_valid:
             self._note('bad_stamps', f'input stamped {sec} s, {nanosec} ns, which is no time: '
                                      'stamped on arrival')
-        time_of = self._node.get_clock().now().nanoseconds
-        return sec_nanosec(time_of), time_of
+        stamp = self._node.get_clock().now().nanoseconds
+        return sec_nanosec(stamp), stamp
 
-    def _look_ahead(self, time_of: int) -> None:
+    def _check_future(self, stamp: int) -> None:
+        """Count a stamp [ns] too far ahead of the clock, which is read once in a while only."""
         now = self._node.get_clock().now().nanoseconds
         self._horizon = now + round(FUTURE * 1e9)
-        if time_of > self._horizon:
-            self._note('future', f'input stamped {(time_of - now) * 1e-9:.3f} s ahead of the '
-                                 'clock')
+        if stamp > self._horizon:
+            self._note('future', f'input stamped {(stamp - now) * 1e-9:.3f} s ahead of the clock')
 
-    def _note(self, what: str, text: str) -> None:
-        self.counts[what] += 1
-        self._node.log.warning(what, text)
+    def _note(self, counter: str, text: str) -> None:
+        self.counts[counter] += 1
+        self._node.log.warning(counter, text)
 
     def _watch(self) -> None:
+        """Look for a timeout of the input: called every SLEEP seconds."""
         self._horizon = 0                                # the clock may have been set
-        if self.age() < 0.0 or not self._received:       # that of a simulation: set, or begun
+        if self.age() < 0.0 or not self._received:       # simulated time went back, or has begun
             self._received = self._now()
         limit = self.settings.timeout
         if limit and self._waiting and self.age() > limit:

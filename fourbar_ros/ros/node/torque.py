@@ -34,15 +34,10 @@ _COUNTER = {OUT_OF_BUDGET: 'budgets_used_up', AT_LIMIT: 'stops_at_a_limit',
 
 class Command:
     """
-    The torque of the topic: the last finite one, within the limit, or what silence means.
+    The torque of the topic: the last finite one, within the limit.
 
-    Parameters
-    ----------
-    node : rclpy.node.Node
-    stream : Stream
-    counts : dict
-        To count in.
-
+    When the topic is silent for ``drive.timeout``, the scene says whether it holds or is zero.
+    ``counts`` are the drive's counters, which go up here too.
     """
 
     def __init__(self, node: Base, stream: Stream, counts: dict[str, int]) -> None:
@@ -66,8 +61,8 @@ class Command:
         return self._now() - self._received if self._received > -inf else nan
 
     def now(self, settings: DriveSettings) -> tuple[float, bool]:
-        """Return (torque in effect, whether the topic is silent), during a step."""
-        if self._received == 0.0:            # it came before simulated time began
+        """Return (torque in effect [N m or N], whether the topic is silent); called in a step."""
+        if self._received == 0.0:            # the torque came before simulated time began
             self._received = self._now()
         elif self.age < 0.0:                 # simulated time went back: as at the start
             self._forget()
@@ -80,11 +75,11 @@ class Command:
         return (0.0 if is_silent and settings.when_silent == 'zero' else self._torque), is_silent
 
     def _receive(self, data: bytes) -> None:
+        """Take a message between two steps; one that ROS cannot read is not recorded either."""
         if self._node.circles.is_own(self._subscription.topic_name, data):
             return
         try:
             wrench = deserialize_message(data, self._type).wrench
-        # whatever a foreign writer sends, the node goes on; a bag does not hold it
         except Exception:
             self._note('malformed', f'a message that is no {TORQUE.type}')
             return
@@ -100,25 +95,27 @@ class Command:
         self._stream.between_steps(TORQUE.name, data, take)
 
     def _limited(self, torque: float, settings: DriveSettings) -> float:
+        """Return a torque cut to ``drive.torque_limit``; NaN there is no limit."""
         limit = inf if isnan(settings.torque_limit) else settings.torque_limit
         if abs(torque) > limit:
             self._note('limited', f'a torque of {torque:g} is more than drive.torque_limit')
         return min(max(torque, -limit), limit)
 
-    def _note(self, what: str, text: str) -> None:
-        self._counts[what] += 1
-        self._node.log.warning(what, f'{TORQUE.topic}: {text}')
+    def _note(self, counter: str, text: str) -> None:
+        self._counts[counter] += 1
+        self._node.log.warning(counter, f'{TORQUE.topic}: {text}')
 
 
 class Moving(Drive):
-    """What both drives by torque have: the state, and what the diagnostics say of it."""
+    """Base of both drives by torque: the state of the motion, which each step integrates."""
 
     COUNTED: tuple[str, ...] = COUNTED
     _mover: Mover               # of the scene in force
 
     def _prepare(self) -> None:
-        self._scene: Scene | None = None
-        self._values: DriveValues | None = None
+        """Set the state before the first step, and subscribe to the torque if a topic gives it."""
+        self._scene: Scene | None = None             # of the last step
+        self._values: DriveValues | None = None      # the state; None before the first step
         self._mode: int | None = None
         self._status, scene = OK, self._stream.scene
         self.prepare(scene)
@@ -127,7 +124,7 @@ class Moving(Drive):
 
     def prepare(self, scene: Scene) -> None:
         """Make the equation of motion of a scene, which takes as long as hundreds of steps."""
-        self._prepared = scene, _ready(scene)
+        self._prepared = scene, _mover_of(scene)
 
     def age(self) -> float:
         """Return the time since the newest torque [s], NaN if there is none to wait for."""
@@ -144,13 +141,16 @@ class Moving(Drive):
                 [STATUS_NAMES[self._status]] if self._status != OK else [])
 
     def _move(self, step: float) -> tuple[int, int, DriveValues]:
-        """Return (status, mode, values) a time later; the first time those of the start."""
+        """
+        Return (status, assembly mode, state) after ``step`` seconds; the first time, of the start.
+
+        When the scene has changed, its equation of motion goes on from the same state.
+        """
         scene = self._stream.scene
-        if self._scene is not scene:                     # another one; the state stays
+        if self._scene is not scene:
             prepared, mover = self._prepared
-            self._scene, self._mover = scene, mover if prepared is scene else _ready(scene)
-        command, is_silent = (self._command.now(scene.drive) if self._command
-                              else (nan, False))
+            self._scene, self._mover = scene, mover if prepared is scene else _mover_of(scene)
+        command, is_silent = self._command.now(scene.drive) if self._command else (nan, False)
         if self._values is None:
             self._values = self._mover.start(command)
             self._mode = self._mover.mode
@@ -166,9 +166,9 @@ class Moving(Drive):
         return status, self._mode, self._values
 
 
-def _ready(scene: Scene) -> Mover:
+def _mover_of(scene: Scene) -> Mover:
     mover = scene.mover
-    mover.prepare()
+    mover.prepare()              # now, not in the first step
     return mover
 
 
@@ -176,11 +176,11 @@ class TorqueDrive(Moving, TimerDrive):
     """
     Torque on the wall clock: sample k belongs to start + k / rate.
 
-    Every sample moves the state by one period. Samples that a machine misses are not made up for:
-    the motion stands still meanwhile.
+    Every sample moves the state by one period. Samples missed by a machine that was too slow or
+    suspended are not made up for: the motion stands still meanwhile.
     """
 
-    _may_sleep = False                # the state depends on every step
+    _may_sleep = False                # the state depends on every step before it
 
     def start(self) -> None:
         """Subscribe, start the thread."""
@@ -227,6 +227,7 @@ class SimulatedTorqueDrive(Moving):
             self._timer = self._node.create_timer(1.0 / settings.rate, self._tick)
 
     def _tick(self) -> None:
+        """Move the state by the simulated time since the last tick."""
         now = self._node.get_clock().now().nanoseconds
         if now == 0:
             return                                       # no /clock yet

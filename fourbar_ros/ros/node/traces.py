@@ -1,10 +1,10 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Markers that do not move: paths of points, and the poses that matter.
+RViz markers that do not move: paths of points, toggles, dead points and extrema.
 
-Toggles and dead points as pale poses; extrema of the output's rate and acceleration at the scene's
-speed as dots at the first moving joint with labels beside the mechanism.
+Toggles and dead points are pale poses. An extremum of the output's rate or acceleration, at the
+scene's speed, is a dot at the first moving joint with a label beside the mechanism.
 """
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ import numpy as np
 from visualization_msgs.msg import Marker, MarkerArray
 
 SAMPLES = 361          # of a path over one range of the input
-INSIDE = 1e-9          # a toggle is drawn so far inside the range, over its width
+INSIDE = 1e-9          # share of the range by which a toggle is drawn inside, where a pose exists
 TEXT = 0.05            # height of a label over the size of the mechanism
 LETTER, SPACING = 0.6, 1.5      # width of a letter and distance of lines, over that height
 
@@ -44,7 +44,7 @@ def paths(scene: Scene) -> Iterator[Marker]:
 
 
 def limits(scene: Scene) -> Iterator[Marker]:
-    """Yield the poses at the ends of the input and at dead points, and what they are."""
+    """Yield the pose at each end of the input (unless it turns fully) and at each dead point."""
     mechanism = scene.linkage
     ends = [] if mechanism.turns_fully else [
         ('toggle', position) for low, high in mechanism.input_ranges
@@ -54,21 +54,21 @@ def limits(scene: Scene) -> Iterator[Marker]:
     for number, (what, position) in enumerate([*ends, *dead]):
         try:
             diagram = mechanism.diagram(mechanism.motion(float(position)))
-        except FourBarError:
+        except FourBarError:         # no pose there within rounding
             continue
         yield shapes.lines(scene.frame_id, f'{what}s', number,
                            [bar[:2] for bar in diagram.bars], width, shapes.TOGGLE, 0.4)
 
 
 def extrema(scene: Scene) -> Iterator[Marker]:
-    """Yield a dot for each extremum of the output's rate and acceleration, and what it is."""
+    """Yield a dot and a label for each extremum of the output's rate and acceleration."""
     mechanism, output = scene.linkage, scene.linkage.outputs[0].coordinate
     try:
-        found = find_extrema(mechanism, (output.rate, output.acceleration), scene.drive.speed)
+        every = find_extrema(mechanism, (output.rate, output.acceleration), scene.drive.speed)
     except FourBarError:
         return
     labels, right = [], -inf
-    for extremum in found:
+    for extremum in every:
         try:
             position = extremum.slide if mechanism.is_driven_by_slide else extremum.theta1
             diagram = mechanism.diagram(mechanism.motion(float(position)))
@@ -82,9 +82,14 @@ def extrema(scene: Scene) -> Iterator[Marker]:
 
 def column(frame: str, labels: list[tuple[Array, str]], right: float,
            size: float) -> Iterator[Marker]:
-    """Yield dots, and labels in a column on the right, in the order of the dots: none overlap."""
+    """
+    Yield dots, and their labels in a column right of x = ``right``, so that none overlap.
+
+    ``labels``: (place of the dot [m], text); the column has their order from top to bottom. A
+    line joins each dot to its label. ``size`` is that of the mechanism [m].
+    """
     height, width = TEXT * size, WIDTH * size
-    labels = sorted(labels, key=lambda one: -one[0][1])
+    labels = sorted(labels, key=lambda label: -label[0][1])
     top = (sum(at[1] for at, _ in labels) / max(len(labels), 1)
            + 0.5 * SPACING * height * (len(labels) - 1))
     for row, (at, text) in enumerate(labels):

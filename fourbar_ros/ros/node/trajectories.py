@@ -1,20 +1,17 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Trajectories of the output joint as those of the driven joint, and back, in whole messages.
+JointTrajectory messages of the output joint converted to the driven joint, and back.
 
-The points of a JointTrajectory as columns of numbers, and back, from and to bytes.
+Bytes: ROS makes an object of each point, which for 20 000 points takes half a second in which no
+other thread of the process runs, so the stream would stop. Points whose arrays have equal lengths
+lie in the message as one numpy array; it is read and written so. Others are left to ROS.
 
-ROS makes an object of each point: of 20 000 in one call of half a second, in which no other thread
-of the process runs. Points whose arrays have the same lengths are a numpy array as they lie there;
-others are left to ROS.
-
-Whole turns of an angle that its sender may have wrapped, from stamps and speeds.
-
-A position means what it says, as for the controllers of ros2_control, with one exception. If all
-positions of a message lie in one turn, [-pi, pi] or [0, 2 pi], and a step runs against the speeds
-at both of its ends, it is a wrap where turns make it the way that these speeds go: the trapezoid
-h (v + v')/2, up to half of it and a quarter of a turn.
+Turns: a sender may have wrapped an angle, from pi to -pi, say. A position means what it says, as
+for the controllers of ros2_control, with one exception. If all positions of a message lie in one
+turn, [-pi, pi] or [0, 2 pi], and a step runs against the speeds at both of its ends, whole turns
+are added to it if it then agrees with the way by these speeds, h (v + v')/2, to within a half of
+it and a quarter of a turn.
 """
 from __future__ import annotations
 
@@ -51,37 +48,29 @@ SIDES = {'to_input': ('output', 'input'), 'to_output': ('input', 'output')}     
 
 
 class _Joint(NamedTuple):
-    """A joint of the scene by name, and whether a turn of it is a turn of its coordinate."""
+    """A joint of the scene; ``is_angle``: whether its whole turns are turns of the mechanism."""
 
     name: str
     scale: Scale
     is_angle: bool
 
 
-class _InForce(NamedTuple):
-    """What of a scene answers."""
+class _Conversion(NamedTuple):
+    """The parts of the scene in force that convert a trajectory."""
 
     transmission: Transmission
-    joints: dict[str, _Joint]          # by side
-    fields: tuple[str, ...]            # beside positions
+    joints: dict[str, _Joint]          # of 'input' and 'output'
+    fields: tuple[str, ...]            # to convert beside positions
 
 
 class Trajectories:
-    """
-    Answers trajectories with the scene in force, in a thread of its own.
-
-    Parameters
-    ----------
-    node : rclpy.node.Node
-    scene : Scene
-
-    """
+    """Converts trajectories by the scene in force, in a thread of its own."""
 
     def __init__(self, node: Base, scene: Scene) -> None:
         self._node, self._came, self._done, self._too_many = node, 0, 0, 0
         self._refused = 0
         self._worker = Worker('trajectories', node.get_logger().error)
-        self._last: dict[str, Counted] = {}              # by side
+        self._last: dict[str, Counted] = {}              # last message of 'input' and 'output'
         self.apply(scene)
         self._senders = {
             name: node.circles.sender(
@@ -91,6 +80,7 @@ class Trajectories:
         self._sequences = [self._listen(name) for name in ANSWERS]
 
     def _listen(self, name: str) -> SequenceNumbers:
+        """Subscribe to a topic of trajectories; return the counter of its lost messages."""
         topic = TRAJECTORIES[name]
         full = self._node.resolve_topic_name(topic.topic)
         sequence = SequenceNumbers(lambda: subscription.get_publisher_count())
@@ -113,58 +103,64 @@ class Trajectories:
                 'trajectories_refused': self._refused, 'trajectories_lost': lost}
 
     def apply(self, scene: Scene) -> None:
-        """Take over a scene."""
+        """Take over a scene: its transmission, and names and scales of the two joints."""
         mechanism, shown = scene.linkage, scene.joint_states
         coordinates = [joint.coordinate for joint in mechanism.JOINTS]
         joints = {}
-        for side, its in (('input', mechanism.input_coordinate),
-                          ('output', mechanism.outputs[0].coordinate)):
-            place = coordinates.index(its)
+        for side, coordinate in (('input', mechanism.input_coordinate),
+                                 ('output', mechanism.outputs[0].coordinate)):
+            place = coordinates.index(coordinate)
             scale = Scale(shown.ratios[place], shown.offsets[place])
             joints[side] = _Joint(scene.joint_names[place], scale,
-                                  its.unit == 'rad' and abs(scale.ratio) == 1.0)
-        self._now = _InForce(scene.transmission, joints,
-                             tuple(scene.values['trajectory_fields']))
+                                  coordinate.unit == 'rad' and abs(scale.ratio) == 1.0)
+        self._conversion = _Conversion(scene.transmission, joints,
+                                       tuple(scene.values['trajectory_fields']))
 
     def stop(self, patience: float) -> None:
-        """Answer no more; wait so long for the one in hand [s]."""
+        """Answer no more; wait up to ``patience`` [s] for the answer in work."""
         self._worker.stop(patience)
 
     def _take(self, name: str, data: bytes) -> None:
-        """Have a message answered, in the executor."""
+        """Queue a message for the worker; refuse it if INPUT_DEPTH others wait there."""
         if self._came - self._done >= INPUT_DEPTH:
             self._too_many += 1
-            self._tell(name, f'{INPUT_DEPTH} others wait for an answer')
+            self._refuse(name, f'{INPUT_DEPTH} others wait for an answer')
             return
         self._came += 1
         now = self._node.get_clock().now().nanoseconds
         self._worker.do(lambda: self._answer(name, data, now))
 
-    def _answer(self, name: str, data: bytes, came: int) -> None:
-        """Answer or refuse a message that came at a time [ns], in the worker."""
+    def _answer(self, name: str, data: bytes, arrival: int) -> None:
+        """Convert a message that came at a time [ns] and send the answer, or refuse it."""
         self._done += 1
-        answer, method = ANSWERS[name]
-        now, (given, asked) = self._now, SIDES[method]
+        answer_topic, method = ANSWERS[name]
+        conversion, (given, asked) = self._conversion, SIDES[method]
         try:
             message = _read(data)
-            counted, wanted = self._trajectory(message, given, now, came)
-            found = getattr(now.transmission, method)(wanted)
+            counted, its_trajectory = self._trajectory(message, given, conversion, arrival)
+            converted = getattr(conversion.transmission, method)(its_trajectory)
         except FourBarError as error:
             self._refused += 1
-            self._tell(name, str(error))
+            self._refuse(name, str(error))
             return
         if counted:
             self._last[given] = counted
-        data = write(message.header, now.joints[asked].name, message.times,
-                     _columns(found, now.joints[asked].scale, now.fields))
+        joint = conversion.joints[asked]
+        data = write(message.header, joint.name, message.times,
+                     _columns(converted, joint.scale, conversion.fields))
         with suppress(Abandoned):
-            self._worker.check()             # the node is there still
-            self._senders[answer](data)
+            self._worker.check()             # else the node, and its publishers, may be gone
+            self._senders[answer_topic](data)
 
-    def _trajectory(self, message: Points, side: str, now: _InForce, came: int
+    def _trajectory(self, message: Points, side: str, conversion: _Conversion, arrival: int
                     ) -> tuple[Counted | None, Trajectory]:
-        """Return the trajectory of a joint in a message, and its turns if it is an angle."""
-        joint = now.joints[side]
+        """
+        Return (positions with turns, trajectory in the mechanism's coordinate) of a joint.
+
+        The first is None unless the joint is an angle whose turns count. ``side``: 'input' or
+        'output'; ``arrival`` [ns] is for messages without a stamp.
+        """
+        joint = conversion.joints[side]
         if joint.name not in message.joint_names:
             raise InvalidParameter('joint_names', list(message.joint_names),
                                    f'must hold {joint.name}')
@@ -172,17 +168,17 @@ class Trajectories:
             raise InvalidParameter('points', [], 'must not be empty')
         position, velocity = (_needed(message, name, joint.name) for name in FIELDS[:2])
         acceleration, effort = (_column(message, name, joint.name) for name in FIELDS[2:])
-        if 'effort' not in now.fields:
+        if 'effort' not in conversion.fields:
             effort = None
-            acceleration = acceleration if 'accelerations' in now.fields else None
+            acceleration = acceleration if 'accelerations' in conversion.fields else None
         elif effort is None:
             effort = np.zeros(len(position))
-        found = trajectory(position, velocity, acceleration, effort)
+        checked = trajectory(position, velocity, acceleration, effort)
         counted = None
         if joint.is_angle:
             stamp = message.header.stamp
-            start = stamp.sec * 10**9 + stamp.nanosec or came
-            counted = count(Samples(1e-9 * (message.times + start), *found[:2]),
+            start = stamp.sec * 10**9 + stamp.nanosec or arrival
+            counted = count(Samples(1e-9 * (message.times + start), *checked[:2]),
                             self._last.get(side))
             position = counted.positions
         ratio = joint.scale.ratio
@@ -190,21 +186,23 @@ class Trajectories:
                                    None if acceleration is None else acceleration / ratio,
                                    None if effort is None else effort * ratio)
 
-    def _tell(self, name: str, why: str) -> None:
+    def _refuse(self, name: str, why: str) -> None:
+        """Log and publish why a trajectory on a topic gets no answer."""
         self._node.log.warning('trajectory', f'{TRAJECTORIES[name].topic}: {why}')
         self._senders['trajectory_refused'](serialize_message(String(data=why)))
 
 
 def _read(data: bytes) -> Points:
+    """Read a message; raise InvalidParameter for whatever a foreign writer may send."""
     try:
         return read(data)
-    except Exception:                        # whatever a foreign writer sends, the node goes on
+    except Exception:
         raise InvalidParameter('message', None, 'is no trajectory_msgs/msg/JointTrajectory'
                                ) from None
 
 
 def _needed(message: Points, name: str, joint: str) -> Array:
-    """Return a field of a joint over the points."""
+    """Return a field of a joint over the points, shape (n,); raise if it is not given."""
     column = _column(message, name, joint)
     if column is None:
         raise InvalidParameter(name, [], f'must be given for {joint} in point 0')
@@ -212,7 +210,7 @@ def _needed(message: Points, name: str, joint: str) -> Array:
 
 
 def _column(message: Points, name: str, joint: str) -> Array | None:
-    """Return a field of a joint over the points, None if no point has it."""
+    """Return a field of a joint over the points, shape (n,); None if no point has the field."""
     rows, place = message.columns[name], list(message.joint_names).index(joint)
     if isinstance(rows, np.ndarray) and place < rows.shape[1]:
         return np.array(rows[:, place])
@@ -225,30 +223,30 @@ def _column(message: Points, name: str, joint: str) -> Array | None:
     return None
 
 
-def _columns(found: Trajectory, scale: Scale, fields: Collection[str]) -> dict[str, Array]:
-    """Return the fields of an answer: positions, and those asked for as far as they are known."""
+def _columns(converted: Trajectory, scale: Scale, fields: Collection[str]) -> dict[str, Array]:
+    """Return {field: (n,)} of an answer in the joint's scale: positions, others as asked for."""
     ratio = scale.ratio
-    columns = {'positions': ratio * found.position + scale.offset}
+    columns = {'positions': ratio * converted.position + scale.offset}
     if 'velocities' in fields:
-        columns['velocities'] = ratio * found.rate
-    if 'accelerations' in fields and found.acceleration is not None:
-        columns['accelerations'] = ratio * found.acceleration
-    if found.effort is not None:
-        columns['effort'] = found.effort / ratio
+        columns['velocities'] = ratio * converted.rate
+    if 'accelerations' in fields and converted.acceleration is not None:
+        columns['accelerations'] = ratio * converted.acceleration
+    if converted.effort is not None:
+        columns['effort'] = converted.effort / ratio
     return columns
 
 
 FIELDS = ('positions', 'velocities', 'accelerations', 'effort')
-LITTLE_ENDIAN = b'\x00\x01'        # the beginning of what is read here
-HEADER = 4                         # [bytes] before that from which alignment counts
+LITTLE_ENDIAN = b'\x00\x01'        # first bytes of plain CDR; other encodings are left to ROS
+HEADER = 4                         # [bytes] of the encoding; alignment counts from behind it
 
 
 class Points(NamedTuple):
     """
-    A JointTrajectory.
+    A JointTrajectory of n points, by columns.
 
-    ``columns``: of each of FIELDS for each point the numbers of the joints, (n, joints), or a
-    list where points differ; ``times``: ns from its start, shape (n,).
+    ``columns``: {each of FIELDS: array of shape (n, joints)}, or a list of n sequences where
+    points have unlike lengths; ``times`` [ns] from the start, shape (n,).
     """
 
     header: Header
@@ -258,12 +256,12 @@ class Points(NamedTuple):
 
 
 def read(data: bytes) -> Points:
-    """Return the Points of a serialised JointTrajectory; raises what ROS raises for others."""
+    """Return the Points of a serialised JointTrajectory; raise what ROS raises for other bytes."""
     at, count = _begin(data)
     if count:
         try:
             blocks = _blocks(data, at, count)
-        except (ValueError, StructError):                # not as many: let ROS judge
+        except (ValueError, StructError):                # fewer bytes than points: let ROS judge
             blocks = []
         if blocks:
             head = deserialize_message(data[:at - 4] + pack('<I', 0), JointTrajectory)
@@ -298,15 +296,15 @@ def write(header: Header, joint: str, times: Array, columns: dict[str, Array]) -
 
 
 def _begin(data: bytes) -> tuple[int, int]:
-    """Return where the points begin, behind their number, and that; (0, 0) if not found."""
+    """Return (offset of the first point, number of points); (0, 0) if another encoding."""
     if data[:2] != LITTLE_ENDIAN:
         return 0, 0
     try:
-        at = _after_text(data, HEADER + 8)               # of the header
+        at = _after_text(data, HEADER + 8)               # frame_id, behind the stamp
         at += -at % 4
-        names, = unpack_from('<I', data, at)
+        joints, = unpack_from('<I', data, at)
         at += 4
-        for _ in range(names):
+        for _ in range(joints):
             at = _after_text(data, at)
         at += -at % 4
         return at + 4, *unpack_from('<I', data, at)
@@ -315,12 +313,18 @@ def _begin(data: bytes) -> tuple[int, int]:
 
 
 def _after_text(data: bytes, at: int) -> int:
+    """Return the offset behind a string at (the next multiple of 4 from) an offset."""
     at += -at % 4
     return int(at + 4 + unpack_from('<I', data, at)[0])
 
 
 def _blocks(data: bytes, at: int, count: int) -> list[Array]:
-    """Return the first point and all others, whose place may be aligned differently, as arrays."""
+    """
+    Return the points as two structured arrays: the first point, and all others.
+
+    The first may begin at another offset modulo 8 than the others, so its padding differs. Empty
+    if points have arrays of unlike lengths.
+    """
     lengths: list[int] = []
     place = at
     for _ in FIELDS:
@@ -339,7 +343,12 @@ def _blocks(data: bytes, at: int, count: int) -> list[Array]:
 
 
 def _point(lengths: Sequence[int], begin: int) -> np.dtype[np.void]:
-    """Return the dtype of a point that begins so many bytes behind a multiple of 8."""
+    """
+    Return the dtype of a point in CDR that begins ``begin`` bytes behind a multiple of 8.
+
+    ``lengths``: numbers of values of its FIELDS. Each array is a count of 4 bytes, padding to 8,
+    and doubles; behind them stands the time from start.
+    """
     names, formats, offsets, at = [], [], [], begin
     for name, length in zip(FIELDS, lengths):
         names += [f'{name} length', name]
@@ -353,13 +362,13 @@ def _point(lengths: Sequence[int], begin: int) -> np.dtype[np.void]:
                      'itemsize': at + 8 - begin})
 
 
-ROUNDED = 1e-6         # [rad] by which pi of a sender with single precision is beyond ours
-QUARTER = 0.25 * tau
+ROUNDED = 1e-6         # [rad] by which a sender's pi in single precision may be larger
+QUARTER = 0.25 * tau   # [rad] by which a step may differ from the way by its speeds
 DELAY = 0.1            # [s] by which the arrival of messages without a stamp may vary
 
 
 class Samples(NamedTuple):
-    """Samples of a message, arrays of shape (n,): times [s], positions [rad], rates."""
+    """Samples of a message, arrays of shape (n,): times [s], positions [rad], rates [rad/s]."""
 
     times: Array
     positions: Array
@@ -375,15 +384,15 @@ class Counted(NamedTuple):
     @property
     def positions(self) -> Array:
         """Return the positions with their turns [rad]."""
-        found: Array = self.samples.positions + tau * self.turns
-        return found
+        return np.asarray(self.samples.positions + tau * self.turns)
 
 
 def count(samples: Samples, last: Counted | None = None) -> Counted:
     """
-    Return the samples of a message with their turns; ``last``: those of the message before.
+    Return the samples of a message with the whole turns that its sender took off.
 
-    Times of both count from one date.
+    Positions 3.0, -3.1 at speed +2 become turns 0, 1: the step was a wrap. ``last``, the message
+    before, tells in which turn this one begins; times of both count from one date.
 
     Raises
     ------
@@ -393,25 +402,26 @@ def count(samples: Samples, last: Counted | None = None) -> Counted:
     """
     turns = np.zeros(len(samples.times))
     if _may_be_wrapped(samples.positions):
-        steps, is_wrap, way = _steps(samples)
-        wrong = np.flatnonzero(~is_wrap & (steps != 0.0) & (np.abs(way) > QUARTER))
+        lacking, is_wrap, way = _steps(samples)
+        wrong = np.flatnonzero(~is_wrap & (lacking != 0.0) & (np.abs(way) > QUARTER))
         if len(wrong):
             raise CannotFollow(_why_not(samples, wrong[0], way[wrong[0]]))
-        turns[1:] = np.cumsum(np.where(is_wrap, steps, 0.0))
+        turns[1:] = np.cumsum(np.where(is_wrap, lacking, 0.0))
         if last is not None:
             turns += _turns_before(samples, last)
     return Counted(samples, turns)
 
 
 def _turns_before(samples: Samples, last: Counted) -> float:
-    """Return the turns with which a message begins, by where the last one is then."""
+    """Return the turns with which a message begins, by the sample of ``last`` before it."""
     place = np.searchsorted(last.samples.times, samples.times[0], 'right') - 1
-    if place < 0:                            # a message of before it
+    if place < 0:                            # it begins before ``last``
         return float(last.turns[0])
-    step, is_wrap, _ = _steps(Samples(*(np.array([one[place], other[0]])
-                                        for one, other in zip(last.samples, samples))), DELAY)
-    # else a new motion begins, wherever it likes
-    return float(last.turns[place] + (step[0] if is_wrap[0] else 0.0))
+    lacking, is_wrap, _ = _steps(Samples(*(np.array([before[place], after[0]])
+                                           for before, after in zip(last.samples, samples))),
+                                 DELAY)
+    # if the step is no wrap, a new motion begins, at any position
+    return float(last.turns[place] + (lacking[0] if is_wrap[0] else 0.0))
 
 
 def _may_be_wrapped(positions: Array) -> bool:
@@ -423,7 +433,13 @@ def _may_be_wrapped(positions: Array) -> bool:
 
 @np.errstate(over='ignore', invalid='ignore')
 def _steps(given: Samples, delay: float = 0.0) -> tuple[Array, Array, Array]:
-    """Return the turns that steps lack by their speeds, whether they are wraps, and that way."""
+    """
+    Return arrays (n - 1,) of the steps between samples: turns lacking, is a wrap, way [rad].
+
+    The way is what the speeds at both ends make of the time between, h (v + v')/2; zero where
+    their signs differ. A step of -6.1 rad on a way of 0.2 lacks one turn. ``delay`` [s]: the
+    times of the samples may differ so much from the true ones.
+    """
     rates = given.rates
     speed = 0.5 * rates[1:] + 0.5 * rates[:-1]
     way = np.diff(given.times) * speed
@@ -440,9 +456,10 @@ def _steps(given: Samples, delay: float = 0.0) -> tuple[Array, Array, Array]:
     return turns, is_wrap, way
 
 
-def _why_not(given: Samples, before: int, way: float) -> str:
-    (one, other), (speed, next_speed) = (values[before:before + 2] for values in given[1:])
-    return (f'sample {before + 1}: from {one:.8g} to {other:.8g} rad in '
-            f'{given.times[before + 1] - given.times[before]:.8g} s, at {speed:.8g} and '
+def _why_not(given: Samples, i: int, way: float) -> str:
+    """Return the message that the step from sample i to i + 1 contradicts its speeds."""
+    (start, end), (speed, next_speed) = (values[i:i + 2] for values in given[1:])
+    return (f'sample {i + 1}: from {start:.8g} to {end:.8g} rad in '
+            f'{given.times[i + 1] - given.times[i]:.8g} s, at {speed:.8g} and '
             f'{next_speed:.8g} rad/s, which is about {way:.3g} rad: count turns in the positions, '
             'or send points closer together')

@@ -18,25 +18,26 @@ def maker(scene: Scene) -> Callable[[Stamp, Sequence[float]], TFMessage | None]:
     """
     Return the function (stamp, values) -> TFMessage, None where a position is not known.
 
-    ``values``: in the places of the scene's layout.
+    ``values`` in the order of the scene's layout. The message is made once; a step sets the
+    stamps and the frames of links, each by the coordinate of the joint it hangs on.
     """
     model, place = model_of(scene), scene.layout.place
-    message, moving = TFMessage(), []
+    message, moving = TFMessage(), []        # of moving: (transform, connection, index of value)
     for link in model.links:
-        one = _frame(message, link.parent, link.frame)
-        moving.append((one.transform, link.joint.connection,
+        frame = _add_frame(message, link.parent, link.frame)
+        moving.append((frame.transform, link.joint.connection,
                        place[link.joint.coordinate.position]))
-    for name, (frame, x, y) in model.points.items():
-        translation = _frame(message, frame, name).transform.translation
+    for name, (link_frame, x, y) in model.points.items():
+        translation = _add_frame(message, link_frame, name).transform.translation
         translation.x, translation.y = x, y
 
     def make(stamp: Stamp, values: Sequence[float]) -> TFMessage | None:
-        for one in message.transforms:
-            one.header.stamp.sec, one.header.stamp.nanosec = stamp
-        for transform, connection, at in moving:
-            if isnan(values[at]):
+        for frame in message.transforms:
+            frame.header.stamp.sec, frame.header.stamp.nanosec = stamp
+        for transform, connection, i in moving:
+            if isnan(values[i]):
                 return None
-            _move(transform, connection, values[at])
+            _move(transform, connection, values[i])
         return message
     return make
 
@@ -47,16 +48,16 @@ def frames_of(scene: Scene) -> set[str]:
     return {*(link.frame for link in model.links), *model.points}
 
 
-def _frame(message: TFMessage, parent: str, child: str) -> TransformStamped:
-    """Add a frame to the message and return it."""
-    one = TransformStamped(child_frame_id=child)
-    one.header.frame_id = parent
-    message.transforms.append(one)
-    return one
+def _add_frame(message: TFMessage, parent: str, child: str) -> TransformStamped:
+    """Add the frame of a child, at its parent's for now, to the message and return it."""
+    frame = TransformStamped(child_frame_id=child)
+    frame.header.frame_id = parent
+    message.transforms.append(frame)
+    return frame
 
 
 def _move(transform: Transform, connection: Connection, q: float) -> None:
-    """Place a child in the frame of its parent; ``q``: coordinate of the joint."""
+    """Set the pose of a child in its parent's frame for the joint coordinate q [rad or m]."""
     (x, y), angle = connection.on_parent, connection.turn
     if connection.axis is None:
         angle += q

@@ -20,15 +20,9 @@ class Abandoned(FourBarError):
 
 class Worker:
     """
-    A thread that does one job after the other.
+    A named thread that does one job after the other.
 
-    Parameters
-    ----------
-    name : str
-        Name of the thread.
-    tell : callable
-        Called with a text when a job has raised: a fault of ours, or an answer that nobody takes.
-
+    ``tell(text)`` is called when a job has raised: a fault of ours, or a client that is gone.
     """
 
     def __init__(self, name: str, tell: Callable[[str], object]) -> None:
@@ -40,35 +34,36 @@ class Worker:
     def serve(self, node: Node, kind: type[Any], name: str,
               handler: Callable[[Message, Message], Message]) -> None:
         """
-        Create a service of ``node`` whose ``handler(request, response)`` runs here.
+        Create a service of ``node`` whose ``handler(request, response)`` runs in this thread.
 
-        The executor calls the callback and sends what it returns. So the callback hands on what
-        was asked, and sending means: put it into the queue. An executor that knew callback groups
-        would need no such turn; EventsExecutor does not.
+        The executor calls the service's callback and passes its result to ``send_response``. Here
+        the callback returns its arguments, and ``send_response`` is replaced: it queues the
+        handler, which sends the response when it is done. rclpy has callback groups for that, but
+        its EventsExecutor does not know them.
         """
-        service = node.create_service(kind, name, lambda *asked: asked)
+        service = node.create_service(kind, name, lambda request, response: (request, response))
         send = service.send_response
 
-        def answer(asked: tuple[Message, Message], header: Message) -> None:
-            self.do(lambda: send(handler(*asked), header))
-        service.send_response = answer
+        def queue(arguments: tuple[Message, Message], header: Message) -> None:
+            self.do(lambda: send(handler(*arguments), header))
+        service.send_response = queue
 
     def do(self, job: Callable[[], object]) -> None:
-        """Do a job, a callable, after those that wait."""
+        """Queue a job."""
         self._jobs.put(job)
 
     def check(self) -> None:
-        """Raise Abandoned if the node stops: called by long work between its pieces."""
+        """Raise Abandoned if the node stops; long jobs call it between their pieces."""
         if self._stopping:
             raise Abandoned('abandoned: the node stops')
 
     def abandon(self) -> None:
-        """Have the job in hand give up, if it checks, and begin no other."""
+        """Make the running job give up at its next :meth:`check`; begin no other."""
         self._stopping = True
         self._jobs.put(None)
 
     def stop(self, patience: float | None = None) -> None:
-        """Abandon the job in hand and wait for its end, up to ``patience`` [s]."""
+        """Abandon the running job and wait for its end, up to ``patience`` [s]."""
         self.abandon()
         self._thread.join(patience)
 

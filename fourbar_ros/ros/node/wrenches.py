@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Forces from outside: topics of WrenchStamped, what acts in a silence, what is logged."""
+"""External forces on links, from topics of WrenchStamped."""
 from __future__ import annotations
 
 from functools import partial
@@ -22,9 +22,10 @@ PERIOD = 0.1           # [s] how often silence is looked for
 
 class WrenchInputs:
     """
-    The wrench topics of a scene.
+    The wrench topics of a scene, one for each loaded link.
 
-    Counted for the diagnostics: messages of no WrenchStamped, forces in other frames, silences.
+    When a topic is silent for ``wrenches.timeout``, its link gets what the scene says: the last
+    wrench or another. ``counts`` are for the diagnostics.
     """
 
     COUNTED = ('wrenches_malformed', 'wrenches_of_another_frame', 'wrench_silences')
@@ -32,10 +33,9 @@ class WrenchInputs:
     def __init__(self, node: Base, stream: Stream, recording: Recording) -> None:
         self._node, self._stream, self._recording = node, stream, recording
         self.counts = dict.fromkeys(self.COUNTED, 0)
-        self._received: dict[str, float] = {}   # [s] of those that are not silent
-        self._last: dict[str, Wrench] = {}      # what came last
-        profile = QoSProfile(depth=INPUT_DEPTH,
-                             reliability=ReliabilityPolicy.BEST_EFFORT)
+        self._received: dict[str, float] = {}   # {link: [s]}, without those that are silent
+        self._last: dict[str, Wrench] = {}      # the last wrench of each link
+        profile = QoSProfile(depth=INPUT_DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT)
         for link in stream.scene.wrenches.links:
             qos.create(node, 'subscription', WrenchStamped, wrench_topic(link).topic,
                        partial(self._take, link), profile, raw=True)
@@ -46,27 +46,27 @@ class WrenchInputs:
             node.steady_timers.add(PERIOD, self._watch)
 
     def apply(self, scene: Scene) -> None:
-        """Take over a scene: what acts in a silence may be another."""
+        """Take over a scene: on silent links another wrench may act now."""
         for link in scene.wrenches.links:
             if link not in self._received:
                 self._be_silent(link)
 
     def _take(self, link: str, data: bytes) -> None:
+        """Apply the wrench of a message to a link; record it, unless ROS cannot read it."""
         topic = wrench_topic(link)
         if self._node.circles.is_own(self._node.resolve_topic_name(topic.topic), data):
             return
         try:
             message = deserialize_message(data, WrenchStamped)
-        # whatever a foreign writer sends, the node goes on; a bag does not hold it
         except Exception:
-            self._once('wrenches_malformed', link, 'a message that is no WrenchStamped')
+            self._count('wrenches_malformed', link, 'a message that is no WrenchStamped')
             return
         self._recording.write(topic.name, data)
         force, torque = message.wrench.force, message.wrench.torque
         frame, ours = message.header.frame_id, self._stream.scene.frame_id
-        if frame not in ('', ours) and (force.x or force.y):   # a couple is the same in all
-            self._once('wrenches_of_another_frame', link,
-                       f'a force in the frame {frame!r}, this one is {ours!r}')
+        if frame not in ('', ours) and (force.x or force.y):   # a couple is equal in all frames
+            self._count('wrenches_of_another_frame', link,
+                        f'a force in the frame {frame!r}, this one is {ours!r}')
             return
         wrench = Wrench(force.x, force.y, torque.z)
         before = self._last.get(link) if link in self._received else None
@@ -75,15 +75,15 @@ class WrenchInputs:
             wrench = a_step_later(wrench, before)
         self._stream.act(link, wrench, message.header.stamp)
 
-    def _once(self, what: str, link: str, text: str) -> None:
-        """Count, and say it the first time."""
-        self.counts[what] += 1
-        if self.counts[what] == 1:
+    def _count(self, counter: str, link: str, text: str) -> None:
+        """Count a bad message, and log the first one."""
+        self.counts[counter] += 1
+        if self.counts[counter] == 1:
             self._node.get_logger().warning(
-                f'{wrench_topic(link).topic}: {text} '
-                '(logged once; counted in the diagnostics)')
+                f'{wrench_topic(link).topic}: {text} (logged once; counted in the diagnostics)')
 
     def _watch(self) -> None:
+        """Look for topics that have become silent: called every PERIOD."""
         limit, now = self._stream.scene.wrenches.timeout, self._now()
         for link, last in list(self._received.items()):
             if last == 0.0 or now < last:    # simulated time has begun, or gone back
@@ -96,5 +96,6 @@ class WrenchInputs:
                     f'{wrench_topic(link).topic}: no wrench for {limit:g} s')
 
     def _be_silent(self, link: str) -> None:
+        """Apply to a link the wrench that the scene has for a silence."""
         wrench = in_silence(self._stream.scene, link, self._last.get(link))
         self._stream.act(link, wrench, self._node.get_clock().now().to_msg())

@@ -56,7 +56,7 @@ def check_loads(case, family, seed, count):
 
 @every_family
 def test_motion_of_a_sample(case, family):
-    check_motion(case, family, 201, 5)
+    check_motion(case, family, 201, 3)
 
 
 @every_case

@@ -96,7 +96,7 @@ def test_messages_are_complete(case):
             assert bags.output_message(output, 10**9, 0, motion + loads, scene)
 
 
-@some('case', CASES, [case for case in CASES if case.mode == 2][::3], ids=name_of)
+@some('case', CASES, [case for case in CASES if case.mode == 2][::5], ids=name_of)
 def test_shown_and_drawn(case, tmp_path, capsys):
     pytest.importorskip('matplotlib')
     mechanism, given = next(contract.ordinary(case, 223, 1))
