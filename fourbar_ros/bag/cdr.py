@@ -48,7 +48,7 @@ class Leaf(NamedTuple):
 
     @property
     def name(self) -> str:
-        """Return the path as written in Python."""
+        """Return the path as written in Python: header.stamp.sec, position[2]."""
         return ''.join(f'[{step}]' if isinstance(step, int) else f'.{step}'
                        for step in self.path)[1:]
 
@@ -132,6 +132,7 @@ class Layout:
     def _namespace(self, values: Sequence[Any]) -> SimpleNamespace:
         """Return the values of all leaves as nested namespaces."""
         def build(node: Tree) -> Any:
+            """Return the value, namespace, texts or list for a node of the tree."""
             if isinstance(node, int):
                 return values[node]
             if isinstance(node, dict):
@@ -162,7 +163,7 @@ class Layout:
     # --------------------------------------------------------------------------------------------
 
     def _walk(self, type_name: str, path: Steps) -> dict[str, Tree]:
-        """Return the tree of a struct: {name: subtree}, a leaf being its number."""
+        """Read a struct at the current byte; return {field: number of its leaf, or subtree}."""
         self._depth += 1
         if self._depth > DEPTH:
             raise BagError(f'{self.type}: a definition within itself, or more than {DEPTH} within '
@@ -231,7 +232,7 @@ class Layout:
         return self._text(path, '')
 
     def _strings(self, path: Steps, count: int) -> str:
-        """Read a sequence of strings; each, with its length, becomes part of the layout."""
+        """Read a sequence of strings, as joint names; their bytes become part of the layout."""
         texts = []
         for _ in range(count):
             length = self._length()
@@ -258,13 +259,13 @@ class Decoder:
         self._layouts: dict[int, list[Layout]] = {}
 
     def layout(self, data: bytes) -> Layout:
-        """Return the Layout of a message."""
+        """Return the Layout of a message, a known one where it matches."""
         known = self._layouts.setdefault(len(data), [])
-        for layout in known:
-            if layout.matches(data):
-                return layout
-        known.append(Layout(self.definition, data))
-        return known[-1]
+        layout = next((layout for layout in known if layout.matches(data)), None)
+        if layout is None:
+            layout = Layout(self.definition, data)
+            known.append(layout)
+        return layout
 
     def message(self, data: bytes) -> SimpleNamespace:
         """Return one message as nested namespaces."""
@@ -317,6 +318,7 @@ class Definition:
 
     def __init__(self, name: str, text: str) -> None:
         self.name = name
+        # behind lines of = come the types within it, each with a line MSG: package/Name
         parts = re.split(r'^=+[ \t]*\n', text.replace('\r', ''), flags=re.M)
         self._types = {short(name): fields_in(name, parts[0])}
         for part in parts[1:]:

@@ -76,20 +76,9 @@ def recover(path: str | Path, out: str | Path | None = None, progress: Progress 
 
     Chunks are copied as they are, checked against their CRC; the old bag is only read.
 
-    Parameters
-    ----------
-    path : str or Path
-        Folder or .mcap file, cut or not.
-    out : str or Path, optional
-        Folder of the new bag; default: beside the old one, ``NAME_recovered``.
-    progress : callable, optional
-        Called with the number of bytes read.
-
-    Raises
-    ------
-    BagError
-        It is being written, it holds nothing, or the new bag exists.
-
+    ``path`` is a folder or .mcap file, cut or not; ``out`` the folder of the new bag, by default
+    ``NAME_recovered`` beside the old one; ``progress`` is called with the number of bytes read.
+    Raises BagError if the bag is being written or holds nothing, or the new one exists.
     """
     path, out = Path(path), Path(out) if out else beside(path)
     source, *later = rosbag2.files_of(path)
@@ -112,7 +101,7 @@ def recover(path: str | Path, out: str | Path | None = None, progress: Progress 
 
 
 def beside(path: str | Path) -> Path:
-    """Return the default place of the new bag: NAME_recovered beside NAME or NAME_0.mcap."""
+    """Return the default path of the new bag: NAME_recovered beside NAME or NAME_0.mcap."""
     path = Path(path).absolute()
     return path.with_name((path.name if path.is_dir() else path.stem.removesuffix('_0'))
                           + '_recovered')
@@ -337,7 +326,7 @@ def workshop(out: Path) -> Iterator[Path]:
 
 
 def remove_orphans(directory: Path) -> list[Path]:
-    """Remove the hidden folders that killed processes left in a directory; return them."""
+    """Remove the hidden folders of a workshop that killed processes left; return their paths."""
     removed = []
     for folder in directory.glob(f'.*{MARK}????????'):
         lock = locked_folder(folder)

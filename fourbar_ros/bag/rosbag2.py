@@ -143,7 +143,7 @@ def mapping_in(about: Mapping[str, str], key: str) -> YamlMap:
 
 
 def repeated(about: Mapping[str, str]) -> set[str]:
-    """Return the topics whose newest message a later part of a split bag repeats."""
+    """Return the topics of which a later part of a split bag repeats a message (REPEATS)."""
     try:
         return set(json.loads(about[REPEATS]))
     except (KeyError, TypeError, ValueError):

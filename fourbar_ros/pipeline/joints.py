@@ -36,13 +36,8 @@ class Joints:
     """
     The joints of a scene as a JointState shows them, one sample after the other.
 
-    Parameters
-    ----------
-    layout : FieldMap
-        Tells where angles, rates and drive stand among the values.
-    shown : JointStates
-        Ratios, offsets, and whether the last known positions are held.
-
+    ``layout`` places angles, rates and drive among the values; ``shown`` has ratios, offsets, and
+    whether the last known positions are held.
     """
 
     def __init__(self, layout: FieldMap, shown: JointStates) -> None:

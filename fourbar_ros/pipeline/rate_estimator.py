@@ -44,19 +44,13 @@ class Estimate:
     Least-squares polynomial of degree 1 or 2 through points (t, y).
 
     On polynomials orthogonal on the points: no normal equations, so no loss of digits. Degree 2
-    needs three points, degree 1 two; t must differ.
-
-    Attributes
-    ----------
-    degree : int
-    slope, curvature : float
-        At t = 0; the curvature of a line is NaN.
-    lag : float
-        How much older than t = 0 the highest derivative is: the mean age of the points.
-
+    needs three points, degree 1 two; t must differ. ``slope`` and ``curvature`` are those at
+    t = 0, the curvature of a line is NaN. ``lag``: how much older than t = 0 the highest
+    derivative is, the mean age of the points.
     """
 
     def __init__(self, points: Sequence[tuple[float, float]], degree: int) -> None:
+        # y(t) = start + slope p1(t) + bend p2(t), with p1 and p2 orthogonal on the points
         n = len(points)
         mean = sum(t for t, _ in points) / n
         line = [t - mean for t, _ in points]                              # p1(t) = t - mean
@@ -172,15 +166,10 @@ class RateEstimator:
         """
         Return (velocity, acceleration) at a new sample; NaN for what is not known yet.
 
-        Parameters
-        ----------
-        time : int
-            Stamp [ns]. One that stands still or goes back leaves the memory as it is. If it goes
-            back by more than ``gap``, or the next one follows it there, the clock was set and the
-            estimate starts afresh.
-        position, velocity : float
-            Angle [rad], wrapped or not, or slide [m], and its rate, NaN if the stream has none.
-
+        ``time`` is its stamp [ns]; ``position`` an angle [rad], wrapped or not, or a slide [m];
+        ``velocity`` NaN if the stream has none. A stamp that stands still or goes back leaves the
+        memory as it is. If it goes back by more than ``gap``, or the next one follows it there,
+        the clock was set and the estimate starts afresh.
         """
         if not isfinite(position) or isinf(velocity):
             return velocity, nan                 # nothing to remember
@@ -265,7 +254,8 @@ def estimator_of(scene: Scene) -> RateEstimator:
     """
     Return the :class:`RateEstimator` of a scene, for its node and for recomputing a bag.
 
-    Whole turns that are missing between two samples are turns of the joint, before its ratio.
+    The estimator takes off whole turns between two samples: turns of the joint that is measured,
+    so with joint = 2 crank a turn is pi of the crank.
     """
     drive, linkage = scene.drive, scene.linkage
     ratio = drive.joint_ratio if drive.source == 'joint_state' else 1.0
@@ -281,6 +271,7 @@ class _MeanSquare:
         self.value, self.number = 0.0, 0
 
     def add(self, x: float) -> None:
+        """Take another number."""
         if isfinite(square := x * x):
             self.number = min(self.number + 1, MEMORY)
             self.value += (square - self.value) / self.number

@@ -41,16 +41,9 @@ class Stepper:
     or 'clamp' (the pose at the nearest limit; rates and loads are unbounded there, so NaN). The
     status says OUT_OF_RANGE in any case.
 
-    Parameters
-    ----------
-    scene : Scene
-    wrenches : dict, optional
-        A :class:`~fourbar_ros.pipeline.wrenches.Wrench` for each link that a topic loads; not
-        given: as before the first.
-    by : callable, optional
-        Evaluates within range in place of :func:`~fourbar_ros.pipeline.status.evaluate`, as
-        generated code does.
-
+    ``wrenches``: one for each link that a topic loads, by default the scene's before a first
+    message. ``by`` evaluates within range in place of
+    :func:`~fourbar_ros.pipeline.status.evaluate`, as generated code does.
     """
 
     def __init__(self, scene: Scene, wrenches: Mapping[str, Wrench] | None = None,
@@ -83,7 +76,11 @@ class Stepper:
             self.act(link, (wrenches or {}).get(link) or in_silence(scene, link, None))
 
     def act(self, link: str, wrench: Wrench) -> None:
-        """Apply a Wrench to a link from the next step on."""
+        """
+        Let a wrench act on a link from the next step on.
+
+        If one wrench is not known, no load is.
+        """
         self.wrenches[link] = wrench
         applied = external(self._scene, self.wrenches)
         self._loads_unknown = applied is None and self._scene.needs_loads
@@ -184,14 +181,14 @@ class InModes:
             stepper.act(link, wrench)
 
     def prepare(self, modes: Iterable[int]) -> None:
-        """Make the steppers of modes that may come."""
+        """Make the steppers of modes that may come, so that no step has to wait for one."""
         for mode in modes:
             if mode not in self._all:
                 self._all[mode] = Stepper(self._scene.taken_in(mode), self.wrenches, self._by)
 
     def step(self, mode: int, position: float, rate: float, acceleration: float,
              with_loads: bool, with_parts: Wanted) -> Sample:
-        """Return (status, values) of a Stepper in a mode, by its number in messages."""
+        """Return (status, values) as :meth:`Stepper.step`, in the mode of this number."""
         if mode not in self._all:
             self.prepare([mode])
         return self._all[mode].step(position, rate, acceleration, with_loads, with_parts)

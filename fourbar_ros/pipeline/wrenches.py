@@ -47,7 +47,7 @@ def a_step_later(last: Wrench, before: Wrench | None) -> Wrench:
 
 
 def constant(scene: Scene, link: str) -> Wrench:
-    """Return the constant wrench of the scene on a link."""
+    """Return the wrench on a link by external.LINK.force_x, .force_y, .couple of the scene."""
     applied = getattr(scene.linkage.external, link)
     return Wrench(applied.force_x, applied.force_y, applied.couple)
 

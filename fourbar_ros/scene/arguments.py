@@ -108,15 +108,9 @@ def check_node_arguments(arguments: list[str]) -> None:
     """
     Refuse arguments that ROS would ignore, and scene files that it would read differently.
 
-    ``arguments`` are those of the node's command line, without its own name.
-
-    Raises
-    ------
-    UsageError
-        An argument outside of ``--ros-args``; two nodes of one name.
-    SceneError
-        A parameter file cannot be read, gives a key twice, or none has anything for this node.
-
+    ``arguments`` are those of the node's command line, without its own name. Raises UsageError for
+    an argument outside of ``--ros-args`` and two nodes of one name, SceneError for a parameter
+    file that cannot be read or gives a key twice, and if none has anything for a node.
     """
     names = [full_name(arguments, name) for name in node_names(arguments)]
     _, inside = _parts(arguments)
@@ -151,7 +145,7 @@ def node_names(arguments: list[str]) -> list[str]:
 
 
 def _parts(arguments: Sequence[str]) -> tuple[list[str], list[str]]:
-    """Return the arguments outside and inside of ``--ros-args``."""
+    """Return (arguments outside, inside) of ``--ros-args ... --``, which ROS reads."""
     outside: list[str] = []
     inside: list[str] = []
     is_inside = False

@@ -26,13 +26,8 @@ def remappings(file: str | Path, names: Sequence[str]) -> dict[str, Rules]:
     wrench of the node before, on the link whose ``from_topic`` is true. Names are relative, so
     that the chain can be in any namespace.
 
-    Raises
-    ------
-    InvalidParameter
-        A scene cannot be a part of a chain; the message names the node.
-    FourBarError
-        A scene cannot be read.
-
+    Raises InvalidParameter, naming the node, for a scene that cannot be part of a chain, and
+    FourBarError for one that cannot be read.
     """
     scenes = [load(f'{file}:{name}') for name in names]
     rules: dict[str, Rules] = {name: [] for name in names}

@@ -77,6 +77,7 @@ class FieldMap(NamedTuple):
         ``values`` are ordered by ``place``; of shape (values, n) they give arrays for n messages.
         """
         def pick(source: Source | None) -> Any:
+            """Return the value of a name, a tuple of them for a tuple."""
             if isinstance(source, tuple):
                 return tuple(map(pick, source))
             return PASSIVE_EFFORT if source is None else values[self.place[source]]
@@ -172,7 +173,7 @@ def layout(mechanism: Names, points: tuple[str, ...] = (), with_effort: bool = T
 
 
 def _effort(joint: Coordinate, driven: Coordinate) -> str | None:
-    """Return the name of the effort of a joint; None: passive."""
+    """Return the load that is the effort of a joint: that of the drive; None for passive ones."""
     if joint != driven:
         return None
     return 'driving_torque' if driven.unit == 'rad' else 'driving_force'

@@ -47,13 +47,9 @@ class WrongUnit(FourBarError, ValueError):
 
 def measured(text: str, *dimensions: str) -> Measured:
     """
-    Return the number of a text such as ``50mm``.
+    Return the number of a text such as ``50mm``, angles in degrees, all else in SI.
 
-    Raises
-    ------
-    argparse.ArgumentTypeError
-        It is no finite number, or its unit is of none of the dimensions.
-
+    Raises ArgumentTypeError if it is no finite number or has a unit of none of the dimensions.
     """
     units = {unit: (size, dimension) for dimension in dimensions
              for unit, size in UNITS[dimension].items()}
@@ -89,9 +85,7 @@ def in_unit(text: str, unit: str) -> float | None:
 
 def of(*dimensions: str) -> Callable[[str], Measured]:
     """Return the ``type=`` of an argument with one of these dimensions."""
-    def number(text: str) -> Measured:
-        return measured(text, *dimensions)
-    return number
+    return lambda text: measured(text, *dimensions)
 
 
 def require(name: str, value: float, dimension: str) -> None:

@@ -12,7 +12,7 @@ from typing import NamedTuple
 from fourbar_ros.bag.comparison.difference import Difference, distance, distance_of_two
 from fourbar_ros.bag.read.origin import topic_types
 from fourbar_ros.bag.read.reader import Bag
-from fourbar_ros.bag.read.records import Columns, Progress
+from fourbar_ros.bag.read.records import Progress
 from fourbar_ros.errors import BagError
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
@@ -167,10 +167,10 @@ def _keyed_blocks(bag: Bag, topic: str, progress: Progress | None
                   ) -> Iterator[list[_KeyedRecords]]:
     """Yield the messages of a topic, a list for each block: one entry for each layout."""
     for block in bag.blocks([topic], progress=progress):
-        yield [_KeyedRecords(_keys(columns), columns.records) for columns in block]
-
-
-def _keys(columns: Columns) -> Array:
-    """Return the stamps [ns]; where nobody stamped a message, its place in the topic."""
-    stamps = columns.stamps
-    return columns.places if stamps is None else np.where(stamps == 0, columns.places, stamps)
+        records = []
+        for columns in block:
+            # the stamp [ns]; where nobody stamped a message, its place in the topic
+            places, stamps = columns.places, columns.stamps
+            keys = places if stamps is None else np.where(stamps == 0, places, stamps)
+            records.append(_KeyedRecords(keys, columns.records))
+        yield records

@@ -109,7 +109,7 @@ class Recomputed(NamedTuple):
         return self.largest > 0.0 and all(d.is_rounding for d in self.differences)
 
     def verdict(self) -> str:
-        """Return one line about the differences; empty if there are none."""
+        """Say in one line whether rounding explains the differences; empty if there are none."""
         if not self.largest:
             return ''
         real = [difference for difference in self.differences if not difference.is_rounding]
@@ -164,14 +164,8 @@ class Condition:
     The conditions of all output values of a scene, by difference quotients.
 
     Each number p that a value v depends on (lengths, masses, gravity, input, ...) is changed by
-    2^-26 of itself. The changes of v over 2^-26 add up to the sum of |p dv/dp|.
-
-    Parameters
-    ----------
-    scene : Scene
-    wrenches : dict
-        Wrenches by link, as a :class:`~fourbar_ros.pipeline.stepper.Stepper` keeps them.
-
+    2^-26 of itself. The changes of v over 2^-26 add up to the sum of |p dv/dp|. ``wrenches`` are
+    by link, as a :class:`~fourbar_ros.pipeline.stepper.Stepper` keeps them.
     """
 
     def __init__(self, scene: Scene, wrenches: dict[str, Wrench]) -> None:
@@ -246,13 +240,8 @@ class Differences:
     """
     The largest difference of each field of each output, over all its messages.
 
-    Attributes
-    ----------
-    counts : dict
-        {output: messages}.
-    largest, units : dict
-        {(output, field): difference}, absolute and in eps times the condition of the value.
-
+    ``counts``: {output: messages}; ``largest``, ``units``: {(output, field): difference}, absolute
+    and in eps times the condition of the value.
     """
 
     def __init__(self) -> None:
@@ -261,7 +250,7 @@ class Differences:
         self.units: dict[tuple[str, str], float] = {}
 
     def change(self, scene: Scene, wrenches: dict[str, Wrench]) -> None:
-        """Take another scene, and the wrenches by link that act in it."""
+        """Compare with another scene from now on, and the wrenches by link that act in it."""
         self._scene, self._wrenches, self._layout = scene, wrenches, scene.layout
         self._condition: Condition | None = None     # of the scene, when it is needed
         self._constant = {'change_point_margin': scene.linkage.change_point_margin,
@@ -339,7 +328,11 @@ class Differences:
 
 
 def _rows_of(value: float | Array | tuple[float | Array, ...], count: int) -> Array:
-    """Return a value of ``count`` messages, or a tuple of them, as an array (..., count)."""
+    """
+    Return a value of n messages (``count``) as an array, of shape (n,) or (length, n).
+
+    It is one number for all, an array of shape (n,), or a tuple of such for an array field.
+    """
     if isinstance(value, tuple):
         return np.stack([np.broadcast_to(part, count) for part in value])
     return np.broadcast_to(value, count)

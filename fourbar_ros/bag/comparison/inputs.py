@@ -45,21 +45,9 @@ class DrivenMotions:
 
     Rates that the input does not carry are estimated from the samples before, as in the node.
     Those that may come from samples before the bag, or from an estimator that computed otherwise,
-    are counted in ``unknown``, not compared.
-
-    Parameters
-    ----------
-    scene : Scene
-    has_our_estimator : bool
-        The bag was made with the estimator of this version of the software.
-
-    Attributes
-    ----------
-    largest : dict
-        {field: largest difference}.
-    compared, unknown, without : int
-        Motions that were compared; rates that were not; motions that belong to no input.
-
+    are counted in ``unknown``, not compared; ``has_our_estimator``: the bag was made with that of
+    this version. ``largest`` is {field: largest difference}; ``compared`` counts motions that were
+    compared, ``without`` those that belong to no input.
     """
 
     def __init__(self, scene: Scene, has_our_estimator: bool) -> None:
@@ -208,19 +196,15 @@ class DriveStates:
     steps knows it; of a bag that begins there, the states up to the first one past the toggle are
     not compared.
 
-    Parameters
-    ----------
-    scene : Scene
-    integrator : str
-        Name of the integrator that the bag was made with, as the bag tells it.
-
     Attributes
     ----------
     largest : dict
         {field: largest difference}.
-    compared, alone : int
-        States that were stepped again from the one before; those of which the accelerations and
-        torques alone were: at a start, after a gap, of another integrator.
+    compared : int
+        States that were stepped again from the one before.
+    alone : int
+        States without such a step, at a start, after a gap, of another integrator: only their
+        accelerations and torques were computed again.
     unknown : int
         States next to a toggle near which the bag begins: not compared.
 
@@ -307,7 +291,11 @@ class DriveStates:
         return max(apart)
 
     def _command_difference(self, status: int, command: float) -> float:
-        """Return how far a torque in effect is from what the topic and its policy say."""
+        """
+        Return |torque in effect - torque by the topic and its policy| [N m]; 0 if not known.
+
+        ``command`` is recorded with each state; NaN for a drive without a torque topic.
+        """
         if self._scene.drive.source != TORQUE.name:
             return 0.0 if isnan(command) else inf
         has_zero = self._scene.drive.when_silent == 'zero'
@@ -339,20 +327,8 @@ class WrenchHistory:
 
     A topic of our node says which wrench is in effect whenever it changes. A bag of ``ros2 bag``
     may hold only the wrenches that the node received: then they act until the next one, or until
-    they time out.
-
-    Parameters
-    ----------
-    topics : dict
-        {short name: topic} of the bag.
-    links : sequence of str
-        Links whose wrench comes from a topic.
-
-    Attributes
-    ----------
-    in_effect : dict
-        Wrenches by link, as a stepper keeps them.
-
+    they time out. ``topics``: short names of those in the bag; ``links``: those whose wrench comes
+    from a topic. ``in_effect``: wrenches by link, as a stepper keeps them.
     """
 
     def __init__(self, topics: Collection[str], links: Sequence[str]) -> None:
@@ -370,7 +346,12 @@ class WrenchHistory:
                 self._received[link] = np.zeros(0)
 
     def take(self, by_name: Mapping[str, Iterable[Columns]], frame_id: str) -> None:
-        """Take the wrenches of a block, {short name of a topic: its messages}."""
+        """
+        Queue the wrenches of a block, {short name of a topic: its messages}, by place.
+
+        The log times of changes and of received messages are kept for :meth:`is_settled`, with
+        the last ones of the block before.
+        """
         change_times = self._change_times[-1:].tolist()
         for link, name in self._names.items():
             is_received = link in self._received
@@ -388,7 +369,7 @@ class WrenchHistory:
         self._waiting.sort(key=lambda event: event[0])
 
     def apply(self, stepper: InModes, until: float = inf) -> None:
-        """Apply to steppers the wrenches before a place in the bag."""
+        """Let the wrenches that stand before a place in the bag act on the links of a stepper."""
         while self._waiting and self._waiting[0][0] < until:
             _, link, wrench = self._waiting.pop(0)
             stepper.act(link, wrench)

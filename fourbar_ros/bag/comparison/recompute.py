@@ -47,23 +47,13 @@ def recompute(path: str | Path) -> list[Difference]:
 def compare(path: str | Path, progress: Progress | None = None, node: str | None = None,
             by: Evaluate = evaluate) -> Recomputed:
     """
-    Return the :class:`Recomputed` of a bag.
+    Recompute all outputs of a bag from their driven motions and compare them, field by field.
 
-    Each output is compared, with all its fields, with what the driven joint's motion of the same
-    stamp gives: the last one before it in the bag, in bags of rosbag2 also one that comes later.
-    Differences are absolute; NaN against NaN is none, NaN against a number infinite. Memory does
-    not grow with the bag.
-
-    Parameters
-    ----------
-    path : str or Path
-    progress : callable, optional
-        Called with the number of bytes read.
-    node : str, optional
-        Which node, if a bag of rosbag2 has several.
-    by : callable, optional
-        What computes motion and loads in place of Python, as ``evaluate`` of generated code.
-
+    The motion of an output is the last one of its stamp before it, in bags of ``ros2 bag`` also
+    one that comes later. Differences are absolute; NaN against NaN is none, NaN against a number
+    infinite. Memory does not grow with the bag. ``node``: which one, if a bag of ``ros2 bag`` has
+    several; ``by`` computes motion and loads in place of Python, as ``evaluate`` of generated
+    code; ``progress`` is called with the number of bytes read.
     """
     bag = Bag(path)
     origin = origin_of(bag, node)
@@ -92,14 +82,7 @@ class Comparison:
     """
     Recomputes the outputs of one node, block by block of its bag.
 
-    Parameters
-    ----------
-    origin : Origin
-    about : dict
-        custom_data of the bag.
-    by : callable
-        Computes motion and loads, as :func:`~fourbar_ros.pipeline.status.evaluate`.
-
+    ``about``: custom_data of the bag; ``by`` computes motion and loads, as ``evaluate``.
     """
 
     def __init__(self, origin: Origin, about: Mapping[str, str], by: Evaluate) -> None:

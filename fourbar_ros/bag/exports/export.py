@@ -91,7 +91,7 @@ def export(path: str | Path, out: str | Path, format_: str | None = None,
 
 
 def format_of(out: str | Path) -> str:
-    """Return the format that the ending of a path stands for, csv where it stands for none."""
+    """Return the format by the ending of a path: csv, npz or parquet; csv for any other."""
     ending = Path(out).suffix.removeprefix('.')
     return ending if ending in FORMATS else 'csv'
 
@@ -206,7 +206,7 @@ class Csv(Table):
 
 
 def _in_folder(folder: Path) -> Path:
-    """Return the folder of the tables, created with the usual permissions."""
+    """Return the folder of the tables, with the usual permissions, unlike that of a workshop."""
     made = folder / 'tables'
     made.mkdir(exist_ok=True)
     return made
@@ -264,6 +264,7 @@ class Npz(Table):
         self.rows += len(columns['log_time'])
 
     def _append(self, column: str, values: Array) -> None:
+        """Append values to the file of a column."""
         if column not in self._arrays:
             self._arrays[column] = _Array(self._folder / f'{self.name}.{len(self._arrays)}')
         self._arrays[column].append(values)

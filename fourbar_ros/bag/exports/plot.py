@@ -32,21 +32,11 @@ def series(path: str | Path, names: Iterable[str], progress: Progress | None = N
     """
     Return {name: (times [s] since the start, values, unit)} for fields of a bag.
 
-    Times are the stamps of the messages, or their log times where they have none. Only the fields
-    named are decoded.
-
-    Parameters
-    ----------
-    path : str or Path
-    names : list of str
-        ``TOPIC.FIELD``; the topic in full or its last part: ``state.theta4``,
-        ``/joint_states.position[crank]`` or ``[0]``.
-    progress : callable, optional
-        Called with the number of bytes read.
-    stretches : int, optional
-        Keep of each curve about so many stretches, by their smallest and largest value and any
-        NaN. Memory does not grow with the bag then.
-
+    Times are the stamps of the messages, or their log times where they have none. ``names`` are
+    ``TOPIC.FIELD``, the topic in full or its last part: ``state.theta4``,
+    ``/joint_states.position[crank]`` or ``[0]``; only these fields are decoded. With ``stretches``
+    each curve keeps about so many, by their smallest and largest value and any NaN, and memory
+    does not grow with the bag. ``progress`` is called with the number of bytes read.
     """
     bag = Bag(path)
     known = sorted(topic_types(bag))
@@ -159,7 +149,7 @@ def _topic(name: str, known: Sequence[str], bag: Bag) -> str:
 
 
 def _fields_of(bag: Bag) -> dict[str, list[str]]:
-    """Return {last part of the topic: its fields} of the beginning of a bag."""
+    """Return {last part of a topic: its fields} for topics in the first block of a bag."""
     return {columns.topic.rsplit('/', 1)[-1]: list(table(columns))
             for columns in next(bag.blocks(), [])}
 
@@ -214,16 +204,9 @@ def over(path: str | Path, names: Sequence[str], x: str, progress: Progress | No
     """
     Return {name: (x, values, unit)} and the unit of x, for fields over another field of the bag.
 
-    A value belongs to the x of the same stamp; stamps without x are left out. An angle x of more
-    than a turn is taken modulo 2 pi, and a NaN interrupts the curve where that jumps.
-
-    Parameters
-    ----------
-    path, names, progress
-        As for :func:`series`.
-    x : str
-        ``TOPIC.FIELD``.
-
+    A value belongs to the x (``TOPIC.FIELD``) of the same stamp; stamps without x are left out. An
+    angle x of more than a turn is taken modulo 2 pi, and a NaN interrupts the curve where that
+    jumps. Other arguments as for :func:`series`.
     """
     found = series(path, dict.fromkeys([x, *names]), progress)
     x_times, x_values, unit = found[x]

@@ -47,14 +47,8 @@ class Scan:
     Iterate over (offset, opcode, body) of the data section of an open file.
 
     Bytes that are no record are (offset, None, what is wrong), up to where the next record begins.
-
-    Parameters
-    ----------
-    file : binary file
-    wait : callable, optional
-        Called when the file ends early, returns whether to look again: for a bag being written.
-    damage : list, optional
-        Where to add what is wrong.
+    ``wait`` is called when the file ends early and returns whether to look again, for a bag that
+    is being written. Damage is added to the list ``damage``, if given.
 
     Attributes
     ----------
@@ -87,6 +81,7 @@ class Scan:
         self._last_time, self._is_ours = 0, False
 
     def __iter__(self) -> Iterator[Found]:
+        """Yield the records one by one, with the checksum of the data computed on the way."""
         if not self._reaches(len(MAGIC), wait=True):
             return
         self._file.seek(0)
@@ -119,12 +114,13 @@ class Scan:
     def only(self, offsets: Iterable[int]) -> Iterator[Found]:
         """Yield the records at these offsets, taken from the index, and skip all others."""
         for offset in offsets:
-            found = self._record_at(offset)
-            self.end = offset + HEAD.size + len(found[2]) if found else offset + HEAD.size
-            if found is None:
-                yield offset, None, self.spoil(offset, 'the index leads to no record')
+            self.end = offset + HEAD.size
+            if record := self._record_at(offset):
+                _, opcode, body = record
+                self.end += len(body)
+                yield offset, opcode, body
             else:
-                yield offset, *found[1:]
+                yield offset, None, self.spoil(offset, 'the index leads to no record')
         self.complete = True
 
     def spoil(self, offset: int, why: str) -> str:

@@ -92,13 +92,13 @@ class Container:
         return self._summary.end
 
     def add_schema(self, name: str, text: str, encoding: str = 'ros2msg') -> int:
-        """Return the number of a new schema; it is written with the next messages."""
+        """Define a message type for the next messages; return the number of the schema."""
         schema = Schema(len(self.schemas) + 1, text.encode(), encoding, name)
         self._define(self.schemas, schema)
         return int(schema.id)
 
     def add_channel(self, topic: str, schema: int, metadata: dict[str, str]) -> int:
-        """Return the number of a new channel of CDR messages, written with the next ones."""
+        """Define a topic of CDR messages for the next messages; return its number."""
         channel = Channel(len(self.channels) + 1, topic, 'cdr', metadata, schema)
         self._define(self.channels, channel)
         return int(channel.id)
@@ -132,7 +132,7 @@ class Container:
         return other is not None
 
     def add_metadata(self, name: str, values: Mapping[str, str]) -> None:
-        """Write a metadata record behind all messages so far."""
+        """Write a metadata record, sealed by a checksum, behind all messages so far."""
         self.flush()
         sealed = Metadata(name=name, metadata={**values, SEAL: ''})
         sealed.metadata[SEAL] = seal(sealed)
@@ -292,15 +292,8 @@ class Summary:
     """
     Collects the definitions, statistics and indices for the end of a file.
 
-    Attributes
-    ----------
-    schemas, channels : dict
-        Records by their numbers.
-    counts : dict
-        Messages in the file by the number of their channel.
-    start, end : int
-        Log times of the first and the last message [ns]; start is None before the first.
-
+    ``counts``: messages by the number of their channel; ``start``, ``end``: log times of the first
+    and the last message [ns].
     """
 
     def __init__(self) -> None:

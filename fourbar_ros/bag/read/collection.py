@@ -51,16 +51,9 @@ def each(work: Callable[[Path], Result], bags: Sequence[Path], jobs: int = 0,
     """
     Return ``work(bag)`` for every bag in order; an error takes the place of its result.
 
-    Parameters
-    ----------
-    work : callable
-        A function of a module, or a partial of one, so that other processes can import it.
-    bags : list
-    jobs : int
-        Number of processes; 0: as many as there are processors.
-    done : callable, optional
-        Called with the number of bags that are done.
-
+    ``work`` is a function of a module, or a partial of one, so that other processes can import it;
+    ``jobs`` the number of processes, 0 for as many as processors; ``done`` is called with the
+    number of bags that are done.
     """
     jobs = min(jobs or os.cpu_count() or 1, len(bags))
     attempt = partial(_attempted, work)

@@ -106,7 +106,7 @@ class Info(NamedTuple):
 
     @property
     def is_sound(self) -> bool:
-        """Return whether the bag is finished, undamaged and has no gap that is known of."""
+        """Return whether the bag is finished, undamaged and has no known gap."""
         has_numbers = (all(topic.missing is not None for topic in self.topics)
                        and rosbag2.NUMBERS in self.about)
         return (self.state == 'finished' and not self.damage and not self.missing
@@ -150,19 +150,9 @@ def missing_of(numbers: Any, count: int, last: int | None = None, gaps: int | No
 
     Sequence numbers 5 to 14 were given, 8 messages are there: ``missing_of((5, 15), 8)`` is 2.
 
-    Parameters
-    ----------
-    numbers : sequence or None
-        The recorder's note (first, next): ``next`` follows the last number that it gave, None in a
-        bag without an end.
-    count : int
-        Messages in the bag.
-    last : int, optional
-        Sequence number of the newest of them; in a bag without an end nobody knows what came after
-        it.
-    gaps : int, optional
-        The answer where the recorder noted nothing.
-
+    ``numbers`` is the recorder's note (first, next), where ``next`` follows the last number that
+    it gave, None in a bag without an end: then ``last``, the number of the newest message, counts
+    as the end. ``gaps`` is the answer where the recorder noted nothing.
     """
     try:
         first, end = numbers
@@ -232,6 +222,6 @@ def parameter_file(path: str | Path, source: str, node: str | None = None) -> st
 
 
 def software_of(about: Mapping[str, str]) -> str:
-    """Return what made a bag as one line."""
+    """Return the software that made a bag, as one line: fourbar_ros 1.0.0, numpy 2.1.0."""
     return ', '.join(f'{name} {version}'
                      for name, version in rosbag2.mapping_in(about, 'software').items())

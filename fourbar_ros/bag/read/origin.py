@@ -38,17 +38,7 @@ def origin_of(path: str | Path | Bag, node: str | None = None) -> Origin:
     """
     Return the Origin of a bag: from its metadata, or, of a bag of ``ros2 bag``, from its topics.
 
-    Parameters
-    ----------
-    path : str, Path or Bag
-    node : str, optional
-        Which one, if a bag of ``ros2 bag record`` has several.
-
-    Raises
-    ------
-    BagError
-        The bag holds no scene, or several.
-
+    ``node``: which one, if the bag has several. Raises BagError if it holds no scene, or several.
     """
     bag = path if isinstance(path, Bag) else Bag(path)
     about = bag.about()

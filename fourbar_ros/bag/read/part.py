@@ -10,7 +10,6 @@ import json
 from pathlib import Path
 from typing import BinaryIO
 
-from fourbar_ros.bag import rosbag2
 from fourbar_ros.bag.cdr import Decoder
 from fourbar_ros.bag.mcap.records import (
     Damaged,
@@ -34,29 +33,12 @@ from mcap.records import Channel, Metadata, MetadataIndex, Schema, Statistics
 
 class PartReader:
     """
-    Reads one file.
+    Reads one file of a bag.
 
-    Parameters
-    ----------
-    path : Path
-    name : Path
-        The file or bag that errors name.
-    channels : Channels
-        The channels of the bag; the file adds its own.
-    is_first : bool
-        The file is the first of the bag.
-    wait : callable, optional
-        As for :class:`~fourbar_ros.bag.mcap.scan.Scan`.
-    damage : list
-        Where to add what is wrong.
-
-    Attributes
-    ----------
-    is_complete : bool
-        The file was read up to its end.
-    size : int
-        Bytes read.
-
+    ``name`` is the path in errors; the file adds its ``channels`` to those of the bag and what is
+    wrong to ``damage``; ``is_first``: it is the first of the bag; ``wait`` as of
+    :class:`~fourbar_ros.bag.mcap.scan.Scan`. Afterwards ``is_complete`` tells whether it was read
+    up to its end, ``size`` how many bytes.
     """
 
     def __init__(self, path: Path, name: Path, channels: Channels, is_first: bool,
@@ -165,13 +147,7 @@ class Channels:
     """
     The channels met so far, under numbers that hold for all files of a split bag.
 
-    Attributes
-    ----------
-    by_number : dict
-        {number: Channel}.
-    here : dict
-        {(Schema or Channel, number in the file that is read): definition}.
-
+    ``here``: {(Schema or Channel, number in the file that is read): definition}.
     """
 
     def __init__(self, path: Path) -> None:
@@ -258,10 +234,6 @@ class Channels:
             raise BagError(f'{self._path}: {channel.topic} has no schema')
         return schema
 
-    def qos(self, topic: str) -> list[YamlMap]:
-        """Return the QoS profiles under which a topic was offered."""
-        return rosbag2.profiles_of(self.of(topic).metadata.get(rosbag2.QOS, ''))
-
     def decoder(self, number: int) -> Decoder:
         """Return the Decoder of a channel; raises BagError."""
         if number not in self._decoders:
@@ -314,7 +286,11 @@ def metadata_records(file: BinaryIO) -> Iterator[Metadata]:
 
 
 def repeats_in(path: str | Path) -> dict[str, int]:
-    """Return {topic: number of its first new message} of a later part of a split bag of ours."""
+    """
+    Return {topic: sequence number of its first new message} of a later part of a split bag.
+
+    It has the topics of which the part repeats a message; empty for bags of other recorders.
+    """
     try:
         about = (metadata_in(path) or {})['custom_data']
         numbers = json.loads(about[NUMBERS])

@@ -102,22 +102,23 @@ class Bag:
         """
         first = metadata_in(self.files[0])
         last = metadata_in(self.files[-1]) if len(self.files) > 1 else None
-        found = first or last
-        if not found:
+        metadata = first or last
+        if not metadata:
             raise BagError(f'{self.path}: has no rosbag2 metadata')
         if first and last:
-            found['custom_data'] = rosbag2.joined(rosbag2.about_of(first), rosbag2.about_of(last))
-        return found
+            metadata['custom_data'] = rosbag2.joined(rosbag2.about_of(first),
+                                                     rosbag2.about_of(last))
+        return metadata
 
     def about(self) -> dict[str, str]:
         """Return the custom_data of a bag as {str: str}; empty if it has none."""
         try:
-            found = rosbag2.about_of(self.metadata())
+            about = rosbag2.about_of(self.metadata())
         except BagError:
-            found = {}
-        if rosbag2.ENDED not in found:              # there was no room for it in the file
-            found |= rosbag2.about_beside(self.files[-1])
-        return found
+            about = {}
+        if rosbag2.ENDED not in about:              # there was no room for it in the file
+            about |= rosbag2.about_beside(self.files[-1])
+        return about
 
     # --- messages -------------------------------------------------------------------------------
 
@@ -136,15 +137,8 @@ class Bag:
         """
         Yield every :class:`Raw` message in the order of writing.
 
-        Parameters
-        ----------
-        topics : list of str, optional
-            Only these.
-        start : int, optional
-            Only messages at or after this log time [ns].
-        follow : bool
-            At the end of a bag that is being written, wait for more until it is finished.
-
+        ``topics``: only these; ``start``: only messages at or after this log time [ns];
+        ``follow``: at the end of a bag that is being written, wait for more until it is finished.
         """
         for chunk in self.chunks(topics, start, follow):
             for number, sequence, log_time, data in chunk:
@@ -163,18 +157,9 @@ class Bag:
         Yield lists of :class:`Columns`, of about BLOCK messages that follow each other in the bag.
 
         A topic whose messages change between layouts (lengths of texts and sequences) has several
-        Columns in a list; ``places`` tell the order of their messages.
-
-        Parameters
-        ----------
-        topics : list of str, optional
-            Only these.
-        apart : str, optional
-            The messages of this topic end a block and are yielded as :class:`Record`, where they
-            stand.
-        progress : callable, optional
-            Called with the number of bytes read so far.
-
+        Columns in a list; ``places`` tell the order of their messages. The messages of the topic
+        ``apart`` end a block and are yielded as :class:`Record`, where they stand. ``topics``:
+        only these; ``progress`` is called with the number of bytes read so far.
         """
         block: list[Message] = []
         place = size = 0                    # of the block: messages before it, bytes
@@ -238,7 +223,7 @@ class Bag:
 
     def qos_of(self, topic: str) -> list[YamlMap]:
         """Return the QoS profiles, as dicts, under which a topic was offered."""
-        return self._channels.qos(topic)
+        return rosbag2.profiles_of(self._channels.of(topic).metadata.get(rosbag2.QOS, ''))
 
     def hash_of(self, topic: str) -> str:
         """Return the type hash of a topic, empty if the bag does not say."""
@@ -284,7 +269,7 @@ class Bag:
                 read += part.size
 
     def _each_file(self, follow: bool) -> Iterator[Path]:
-        """Yield the files of the bag, of one being written also those to come."""
+        """Yield the files of a bag; ``follow``: wait for new ones as long as it is written."""
         done = set()
         while True:
             new = [file for file in rosbag2.files_of(self.path) if file not in done]

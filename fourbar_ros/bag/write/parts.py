@@ -33,26 +33,14 @@ class Parts:
     """
     The open file of a bag and those before it; a bag that is not split has one.
 
-    Parameters
-    ----------
-    folder : Path
-    file : binary file
-        The first one, new and unbuffered.
-    channels : list of Channel
-    about : dict
-        custom_data of every part.
-    given : list of int
-        The next sequence number of every channel; its owner changes it.
-    split : Split
-    is_synced : bool
-        Finished parts are synced to the disk before they are closed.
+    ``file`` is the first one, new and unbuffered; ``about``: custom_data of every part;
+    ``given``: the next sequence number of every channel, which its owner changes;
+    ``is_synced``: finished parts are synced to the disk before they are closed.
 
     Attributes
     ----------
-    file : binary file
-        Of the newest part.
-    container : Container
-        The same file as MCAP.
+    file, container : binary file, Container
+        The newest part.
     ended : str
         Why the newest part ended; empty while it is open.
 
@@ -92,12 +80,11 @@ class Parts:
         if self._splitter is None:
             self.container.add_messages(time, messages)
             return
-        for message in messages:
-            number, sequence, data = message
+        for number, sequence, data in messages:
             if self._splitter.is_due(number - 1, time, self.container.size):
                 self._next_part(time, self._splitter)
             self._splitter.note(Message(number - 1, sequence, time, data))
-            self.container.add_messages(time, (message,))
+            self.container.add_message(number, sequence, time, data)
 
     def flush(self) -> None:
         """Write what was added; metadata.yaml gets a new start, from which rosbag2 plays."""
@@ -129,10 +116,9 @@ class Parts:
             file.close()
 
     def write_metadata_file(self) -> None:
-        """Write metadata.yaml, of all parts."""
-        rosbag2.write_metadata_file(self.folder,
-                                    rosbag2.merged([*self._metadata_before,
-                                                    self._metadata()]))
+        """Write metadata.yaml, which describes all parts together."""
+        parts = [*self._metadata_before, self._metadata()]
+        rosbag2.write_metadata_file(self.folder, rosbag2.merged(parts))
 
     @property
     def has_a_name(self) -> bool:
@@ -286,12 +272,7 @@ class Splitter:
     """
     Decides when a bag continues in a new file, from the messages that go into it.
 
-    Parameters
-    ----------
-    split : Split
-    latched : set of int
-        Channels of which only the newest message holds.
-
+    ``latched``: channels of which only the newest message holds.
     """
 
     def __init__(self, split: Split, latched: Collection[int]) -> None:

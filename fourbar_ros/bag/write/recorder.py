@@ -146,18 +146,10 @@ class BagWriter:
 
     def write(self, channel: int, data: bytes | bytearray | memoryview) -> bool:
         """
-        Take the bytes of one serialised message of the channel of this number; returns at once.
+        Take the bytes of one serialised message of a channel, by its number; returns at once.
 
-        Returns
-        -------
-        accepted : bool
-            False if the queue is full, recording has stopped by an error, or the bag is closed.
-
-        Raises
-        ------
-        BagError
-            For an argument that would spoil the file; the bag is not touched by it.
-
+        Return False if the queue is full, recording has stopped by an error, or the bag is closed.
+        Raises BagError for an argument that would spoil the file, and leaves the bag as it was.
         """
         count = len(self._intake.given)
         if type(channel) is not int or not 0 <= channel < count:
@@ -228,7 +220,7 @@ class BagWriter:
         self._parts.end(why)
 
     def _guard(self, action: Callable[[], object]) -> None:
-        """Run an action; after a first error nothing more goes into the file than its end."""
+        """Run an action on the file; its first error ends the recording, later ones do nothing."""
         if self.error:
             return
         try:
@@ -237,7 +229,7 @@ class BagWriter:
             self._give_up(self._parts.missing() or getattr(error, 'strerror', None) or str(error))
 
     def _give_up(self, why: str) -> None:
-        """End the bag by an error as well as the disk allows, and report it."""
+        """End the recording by an error: finish the file if the disk allows it, report."""
         parts, intake = self._parts, self._intake
         intake.refuse(f'recording stopped: {why}')
         parts.ended = why
@@ -297,21 +289,10 @@ class Intake:
     """
     The queue between the threads that record messages and the one that writes the file.
 
-    Parameters
-    ----------
-    channels : int
-    on_first_drop : callable
-        Called once, without arguments, when the queue is full for the first time.
-
-    Attributes
-    ----------
-    accepted, dropped : int
-        Messages that are or will be in the bag; messages that the queue or the disk refused.
-    given : list of int
-        The next sequence number of every channel; dropped messages have numbers too.
-    error : str or None
-        Why no more are taken.
-
+    ``on_first_drop`` is called once, when the queue is full for the first time. ``accepted``,
+    ``dropped``: messages that are or will be in the bag; messages that the queue or the disk
+    refused. ``given``: the next sequence number of every channel; dropped messages have numbers
+    too. ``error``: why no more are taken, or None.
     """
 
     def __init__(self, channels: int, on_first_drop: Callable[[], object]) -> None:
