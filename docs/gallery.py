@@ -38,7 +38,7 @@ ENTRIES = {
     'Parallelograms and lifts': {
         'parallelogram': ('Parallelogram', 60), 'antiparallelogram': ('Antiparallelogram', 70),
         'coupling_rod': ('Coupling rods of a locomotive', 60),
-        'scissor_lift': ('Scissor lift', 0.7)},
+        'scissor_lift': ('Scissor lift', 0.7), 'lift_table': ('Lift table', 0.6)},
     'Presses, grippers, doors, wipers': {
         'toggle_press': ('Toggle press', 40), 'gripper': ('Gripper of the Robotiq type', -0.055),
         'door_closer': ('Door closer', 50), 'wiper': ('Windscreen wiper', 40),

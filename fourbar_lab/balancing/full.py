@@ -16,11 +16,13 @@ from fourbar_lab.balancing.rms import Balance, Counterweight, nearest_to_zero, P
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
-# Singular values below this part are rounding; forces below that part of the unbalanced one are
-# balanced.
+# Singular values below this part of the largest, and shaking forces below this part of the
+# unbalanced one, are rounding.
 RANK, BALANCED = 1e-10, 1e-9
-# Mass that is tried, over that of the mechanism; steps of the programme.
-PLENTY, STEPS, ENOUGH = 1e4, 100, 1e-10
+# Added mass over that of the mechanism: more than any design for which it is possible at all.
+PLENTY = 1e4
+# Spots that the linear programme tries at most; reduced cost per kilogram that counts as none.
+STEPS, ENOUGH = 100, 1e-10
 
 
 def full_force_balance(places: Places) -> Balance:
@@ -28,69 +30,69 @@ def full_force_balance(places: Places) -> Balance:
     Return the lightest counterweights that take the shaking force away.
 
     ``value`` and ``bound`` of the result are the added mass and a proven lower bound of it [kg].
-
-    Raises
-    ------
-    BalanceError
-        It cannot be done with counterweights on these links; the message says what remains.
-
+    BalanceError if no counterweights on these links do it; the message says what remains.
     """
     loads = places.loads
-    root = loads.root(('force',))
+    root = loads.root(('force',))           # |root p|: the shaking force's root mean square
     unbalanced = float(np.linalg.norm(root @ loads.given))
-    mass = PLENTY * float(loads.given[::4].sum())
-    start = nearest_to_zero(places, root, mass)
-    if start.value > BALANCED * unbalanced:
+    nearest = nearest_to_zero(places, root, PLENTY * float(loads.given[::NUMBERS].sum()))
+    if nearest.value > BALANCED * unbalanced:
         raise BalanceError('no counterweights on '
                            f'{", ".join(places.radii)} take the shaking force away: '
-                           f'{100.0 * start.bound / unbalanced:.3g} % of its RMS remains at '
+                           f'{100.0 * nearest.bound / unbalanced:.3g} % of its RMS remains at '
                            'least, whatever their mass')
     _, sizes, directions = np.linalg.svd(root)
-    equations = directions[sizes > RANK * sizes[0]]
-    spots, weights, bound = _lightest(places, equations,
-                                      [(one.link, one.along, one.across)
-                                       for one in start.counterweights])
-    found = _merged(places, equations, spots, weights)
-    return Balance(found, sum(one.mass for one in found), bound, places.numbers(found))
+    equations = directions[sizes > RANK * sizes[0]]         # equations @ p = 0: no shaking force
+    spots, masses, bound = _lightest(places, equations,
+                                     [one.spot for one in nearest.counterweights])
+    weights = _merged(places, equations, spots, masses)
+    return Balance(weights, sum(one.mass for one in weights), bound, places.numbers(weights))
 
 
 def _lightest(places: Places, equations: Array,
               spots: list[Spot]) -> tuple[list[Spot], Array, float]:
-    """Return places, masses, and a lower bound of the mass: a linear programme, by columns."""
+    """
+    Return spots, their masses [kg], and a lower bound of the total mass of any solution [kg].
+
+    By column generation: a linear programme finds the best masses at the known spots; its prices
+    tell which other spot would lower the total most; that one is added, until none helps.
+    """
     from scipy.optimize import linprog
     target = -equations @ places.loads.given
     scale = float(np.abs(target).max()) or 1.0
     for _ in range(STEPS):
         matrix = np.stack([equations @ places.column(*spot) for spot in spots], axis=1)
-        found = linprog(np.ones(len(spots)), A_eq=matrix, b_eq=target / scale, method='highs')
-        if not found.success:
-            raise BalanceError(f'the linear programme of the masses ended with: {found.message}')
-        prices = found.eqlin.marginals
+        solution = linprog(np.ones(len(spots)), A_eq=matrix, b_eq=target / scale, method='highs')
+        if not solution.success:
+            raise BalanceError(
+                f'the linear programme of the masses ended with: {solution.message}')
+        prices = solution.eqlin.marginals
         slope, spot = places.lowest(-equations.T @ prices)
-        weights, best = scale * found.x, scale * float(found.fun)
+        masses, total = scale * solution.x, scale * float(solution.fun)
         if 1.0 + slope >= -ENOUGH:
             break
         spots = [*spots, spot]
-    # prices over (1 - what a place violates) violate nowhere
-    return spots[:len(weights)], weights, best / max(1.0, -slope)
+    # scaled by 1 / -slope the prices are feasible for every spot, so they bound the mass: duality
+    return spots[:len(masses)], masses, total / max(1.0, -slope)
 
 
 def _merged(places: Places, equations: Array, spots: list[Spot],
-            weights: Array) -> tuple[Counterweight, ...]:
+            masses: Array) -> tuple[Counterweight, ...]:
     """
-    Return one counterweight a link, where its mass centre is, to rounding.
+    Return one counterweight a link, at the mass centre of its spots.
 
-    The shaking force depends on masses and first moments alone.
+    That is allowed since the shaking force depends on masses and first moments alone. A least
+    squares step repeated three times takes the solver's tolerance out of the first moments.
     """
     links = places.loads.links
     added = np.zeros((len(links), NUMBERS))
-    for spot, weight in zip(spots, weights.tolist()):
-        added[links.index(spot[0])] += weight * Counterweight(spot[0], 1.0, *spot[1:]).numbers
+    for spot, mass in zip(spots, masses.tolist()):
+        added[links.index(spot.link)] += mass * spot.with_mass(1.0).numbers
     used = [i for i in range(len(links)) if added[i, 0] > 0.0]
     moments = [NUMBERS * i + axis for i in used for axis in (1, 2)]
     for _ in range(3):
-        rest = -equations @ (places.loads.given + added.ravel())
-        added.flat[moments] += np.linalg.lstsq(equations[:, moments], rest, rcond=None)[0]
-    return tuple([Counterweight(links[i], float(added[i, 0]), *places.place(
+        residual = -equations @ (places.loads.given + added.ravel())
+        added.flat[moments] += np.linalg.lstsq(equations[:, moments], residual, rcond=None)[0]
+    return tuple([Counterweight(links[i], float(added[i, 0]), *places.without_rounding(
         links[i], float(added[i, 1] / added[i, 0]), float(added[i, 2] / added[i, 0])))
         for i in used])

@@ -31,7 +31,7 @@ from fourbar_ros.numerics.quadrature import between, full_turn
 import numpy as np
 
 NUMBERS = 4                 # of a link, (B1)
-# Inputs of a mean square, doubled until two results agree.
+# Inputs of a root mean square: doubled from, at most to, until two results agree to this part.
 POINTS, MOST_POINTS, AGREE = 128, 2**13, 1e-10
 
 
@@ -40,14 +40,14 @@ class BalanceError(FourBarError, ValueError):
 
 
 def numbers_of(body: Body) -> Array:
-    """Return (m, m x, m y, J) of a body."""
+    """Return (m, m x, m y, J) of a body, with J about the first joint: J = J_cg + m r^2."""
     along, across = body.cg_along, body.cg_across
     return np.array((body.mass, body.mass * along, body.mass * across,
                      body.inertia + body.mass * (along * along + across * across)))
 
 
 def body_of(numbers: Array) -> Body:
-    """Return the body with these numbers, as far as rounding allows."""
+    """Return the body with (m, m x, m y, J): the inverse of :func:`numbers_of`, J_cg >= 0."""
     mass, along, across, inertia = numbers.tolist()
     if mass == 0.0:
         return Body(0.0, 0.0, 0.0, max(inertia, 0.0))
@@ -56,7 +56,7 @@ def body_of(numbers: Array) -> Body:
 
 
 def without_weight(mechanism: Mechanism) -> Mechanism:
-    """Return a mechanism without weight and without forces from outside."""
+    """Return a mechanism whose loads are those of inertia alone: no weight, no outer forces."""
     links = type(mechanism.external)._fields
     return replace(mechanism, gravity=(0.0, 0.0),
                    external=type(mechanism.external)(*[NOT_APPLIED] * len(links)))
@@ -64,20 +64,11 @@ def without_weight(mechanism: Mechanism) -> Mechanism:
 
 class Loads:
     """
-    The loads of a mechanism as functions of its masses.
+    The loads of a mechanism with masses, as functions of these, at a constant input rate.
 
-    Parameters
-    ----------
-    mechanism : Mechanism
-        With masses.
-    rate : float
-        Constant rate of the input [rad/s or m/s].
-
-    Raises
-    ------
-    BalanceError
-        It has no masses, or its input ends at a toggle position, where no mass helps.
-
+    The rate is in [rad/s or m/s]. BalanceError if it has no masses, or if its input ends at a
+    toggle position, where no mass helps. ``given`` holds (m, m x, m y, J) of all links, shape
+    (4 links,), before balancing.
     """
 
     def __init__(self, mechanism: Mechanism, rate: float):
@@ -85,9 +76,9 @@ class Loads:
             raise BalanceError('nothing to balance: the scene gives no masses')
         if not rate or not isfinite(rate):
             raise InvalidParameter('rate', rate, 'must be finite, not zero')
-        ends = [end for bounds in mechanism.closing_ranges for end in bounds]
-        if not mechanism.turns_fully and any(end in ends for bounds in mechanism.input_ranges
-                                             for end in bounds):
+        toggles = {end for bounds in mechanism.closing_ranges for end in bounds}
+        if not mechanism.turns_fully and not toggles.isdisjoint(
+                end for bounds in mechanism.input_ranges for end in bounds):
             raise BalanceError('loads grow without bound at the toggle positions where the input '
                                'ends: give a slide a stroke (linkage.range) that keeps away')
         self.mechanism, self.rate = mechanism, rate
@@ -98,7 +89,7 @@ class Loads:
 
     @cached_property
     def groups(self) -> dict[str, tuple[str, ...]]:
-        """Return {what can be balanced: fields of the loads, components of one another}."""
+        """Return {name of a load that can be balanced: its components, fields of the loads}."""
         drive = 'driving_force' if self.mechanism.is_driven_by_slide else 'driving_torque'
         fields = self.mechanism.LOADS._fields
         bearings = [name.removesuffix('_x') for name in fields
@@ -108,28 +99,34 @@ class Loads:
                 **{name: (f'{name}_x', f'{name}_y') for name in bearings}}
 
     def group(self, name: str) -> tuple[str, ...]:
-        """Return the fields of what is to be balanced; InvalidParameter for an unknown name."""
+        """Return the components of a load by its name; InvalidParameter if it is unknown."""
         if name not in self.groups:
             raise InvalidParameter('minimize', name, f'unknown{nearest(name, self.groups)}')
         return self.groups[name]
 
     def matrices(self, x: Array, fields: Iterable[str]) -> dict[str, Array]:
-        """Return {field: A of (B1)}, shape (inputs, 4 links)."""
+        """
+        Return {field of the loads: A of (B1), shape (inputs, 4 links)} at inputs x, shape (n,).
+
+        A column is the load of a mechanism without masses but for one link, which is a probe:
+        1 kg at its first joint, 1 kg at a distance u along or across, 1 kg m^2. The second of
+        them has the numbers (1, u, 0, u^2), so A_x = (load - A_m - u^2 A_J) / u.
+        """
         fields = tuple(fields)
-        unit = power_of_two(*self.mechanism.lengths)
+        unit = power_of_two(*self.mechanism.lengths)        # u
         probes = (Body(1.0), Body(1.0, unit), Body(1.0, 0.0, unit), Body(0.0, 0.0, 0.0, 1.0))
         columns: dict[str, list[Array]] = {name: [] for name in fields}
         for place in range(len(self.links)):
-            found = [self._of_bodies(x, place, probe, fields) for probe in probes]
+            loads = [self._of_bodies(x, place, probe, fields) for probe in probes]
             for name in fields:
-                mass, along, across, inertia = (one[name] for one in found)
+                mass, along, across, inertia = (one[name] for one in loads)
                 rest = mass / unit + unit * inertia
                 columns[name] += [mass, along / unit - rest, across / unit - rest, inertia]
         return {name: np.stack(values, axis=1) for name, values in columns.items()}
 
     def _of_bodies(self, x: Array, place: int, probe: Body,
                    fields: tuple[str, ...]) -> dict[str, Array]:
-        """Return fields of the loads with one link as a probe, the others without mass."""
+        """Return {field: loads, shape of x}; link number ``place`` is a probe, others massless."""
         bodies = [Body(0.0)] * len(self.links)
         bodies[place] = probe
         mechanism = replace(self._still, bodies=self.mechanism.BODIES(*bodies))
@@ -137,7 +134,7 @@ class Loads:
         return {name: np.broadcast_to(value, x.shape) for name, value in zip(fields, values)}
 
     def nodes(self, points: int) -> tuple[Array, Array]:
-        """Return inputs and weights, of sum one, of a mean over the input."""
+        """Return inputs and weights of a mean over the input; the weights add up to one."""
         if self.mechanism.turns_fully:
             return full_turn(points)
         ranges = self.mechanism.input_ranges
@@ -148,9 +145,10 @@ class Loads:
 
     def root(self, names: Iterable[str]) -> Array:
         """
-        Return R with |R p| the root mean square of loads of these names, shape (n, n).
+        Return R, shape (n, n), such that |R p| is the root mean square over the input of a load.
 
-        Several names: each over what it is unbalanced, so that they add up to |R p|^2.
+        A norm of p makes it a problem of least distance. Of several loads, each counts relative to
+        its unbalanced value, and |R p|^2 is the sum of their squares.
         """
         names, points, before = tuple(names), POINTS, np.inf
         while True:
@@ -163,17 +161,17 @@ class Loads:
             points, before = 2 * points, size
 
     def _block(self, name: str, x: Array, weights: Array, is_relative: bool) -> Array:
+        """Return B, shape (components inputs, 4 links), such that |B p| is the load's RMS."""
         matrices = self.matrices(x, self.group(name)).values()
-        block = np.concatenate([np.sqrt(weights)[:, None] * matrix for matrix in matrices])
+        block: Array = np.concatenate([np.sqrt(weights)[:, None] * matrix for matrix in matrices])
         size = float(np.linalg.norm(block @ self.given))
-        found: Array = block / size if is_relative and size else block
-        return found
+        return np.asarray(block / size) if is_relative and size else block
 
     def rms(self, name: str, numbers: Array) -> float:
-        """Return the root mean square of a load with these numbers of all links."""
+        """Return the root mean square [N or N m] of a load with these numbers of all links."""
         return float(np.linalg.norm(self.root((name,)) @ numbers))
 
     def balanced(self, numbers: Array) -> Mechanism:
-        """Return the mechanism with these numbers of all links, and its own weight and loads."""
+        """Return the mechanism with (m, m x, m y, J) of all links; weight, outer forces stay."""
         bodies = [body_of(part) for part in numbers.reshape(-1, NUMBERS)]
         return replace(self.mechanism, bodies=self.mechanism.BODIES(*bodies))

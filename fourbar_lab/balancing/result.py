@@ -5,27 +5,24 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from types import ModuleType
-from typing import NamedTuple, TYPE_CHECKING
+from typing import NamedTuple
 
 from fourbar_lab.balancing.loads import body_of, Loads, NUMBERS
 from fourbar_lab.balancing.peak import peak
 from fourbar_lab.balancing.rms import Balance
 from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.report.drawing import save
 from fourbar_ros.scene.files import as_text
 from fourbar_ros.scene.parameters import find
 from fourbar_ros.scene.scene import Scene
 import numpy as np
 
-if TYPE_CHECKING:      # drawings alone need it
-    from matplotlib.figure import Figure
-
-SAMPLES = 720
-DRAWN = ('force', 'moment', 'torque')
+SAMPLES = 720                               # inputs of a drawn curve
+DRAWN = ('force', 'moment', 'torque')       # loads that are drawn
 
 
 class Change(NamedTuple):
-    """A load of inertia before and after: root mean square and peak."""
+    """Root mean square and peak of a load of inertia, each (before, after) balancing."""
 
     name: str
     unit: str
@@ -34,7 +31,7 @@ class Change(NamedTuple):
 
 
 def changes(loads: Loads, numbers: Array) -> list[Change]:
-    """Return the :class:`Change` of everything that can be balanced."""
+    """Return the :class:`Change` of each load; ``numbers``: of all links after balancing."""
     return [Change(name, unit_of(loads, name),
                    (loads.rms(name, loads.given), loads.rms(name, numbers)),
                    (peak(loads, name, loads.given)[0], peak(loads, name, numbers)[0]))
@@ -42,19 +39,20 @@ def changes(loads: Loads, numbers: Array) -> list[Change]:
 
 
 def unit_of(loads: Loads, name: str) -> str:
-    """Return the unit of what can be balanced."""
+    """Return the unit of a load by its name: N m of moments and torques, else N."""
     return 'N m' if loads.group(name)[0].endswith(('moment', 'torque')) else 'N'
 
 
 def scene_values(scene: Scene, numbers: Array) -> dict[str, float]:
-    """Return the parameters of a scene with these numbers of its links, without defaults."""
-    values = dict(scene.values)
-    for name in values:
-        if name.startswith('bodies.'):
-            values[name] = getattr(find(name), 'default', None)
-    links = scene.linkage.BODIES._fields
-    for link, part in zip(links, numbers.reshape(-1, NUMBERS)):
-        body = body_of(part)
+    """
+    Return the parameters of a scene with (m, m x, m y, J) of its links, those that are no default.
+
+    All ``bodies.*`` of the scene, as rods of a density, give way to masses and inertias.
+    """
+    values = {name: value for name, value in scene.values.items()
+              if not name.startswith('bodies.')}
+    for link, of_link in zip(scene.linkage.BODIES._fields, numbers.reshape(-1, NUMBERS)):
+        body = body_of(of_link)
         values |= {f'bodies.{link}.mass': body.mass, f'bodies.{link}.cg_along': body.cg_along,
                    f'bodies.{link}.cg_across': body.cg_across}
         if scene.linkage.link(link).turns:
@@ -64,63 +62,52 @@ def scene_values(scene: Scene, numbers: Array) -> dict[str, float]:
 
 
 def scene_text(scene: Scene, balance: Balance, what: str) -> str:
-    """Return a scene file of the balanced mechanism; its head lists the counterweights."""
+    """
+    Return a scene file of the balanced mechanism; comments list its counterweights.
+
+    ``what`` says how it was balanced; dimensions of a plate, its fields from the fifth on, follow.
+    """
     head = [f'# {what}; the bodies below include these counterweights, from the first joint:']
     head += [f'#   {one.link}: {one.mass:.9g} kg at along {one.along:.9g} m, '
              f'across {one.across:.9g} m'
-             + ''.join([f', {name} {value:.9g}' for name, value in
-                        [*one._asdict().items()][4:]]) for one in balance.counterweights]
+             + ''.join(f', {name} {value:.9g}' for name, value in [*one._asdict().items()][4:])
+             for one in balance.counterweights]
     return '\n'.join(head) + '\n' + as_text(scene_values(scene, balance.numbers))
 
 
 def draw_changes(loads: Loads, numbers: Array, path: str | Path) -> None:
     """Draw force, moment and torque of inertia over the input, before and after."""
-    pyplot, unit = _pyplot(), loads.mechanism.input_coordinate.unit
-    x, _ = loads.nodes(SAMPLES)
-    x = np.sort(x)
-    figure, axes = pyplot.subplots(1, len(DRAWN), figsize=(12, 3.6), layout='constrained')
-    for axis, name in zip(axes, DRAWN):
-        matrices = np.stack(list(loads.matrices(x, loads.group(name)).values()))
-        shown = np.degrees(x) if unit == 'rad' else x
-        for values, style, text in ((loads.given, '--', 'before'), (numbers, '-', 'after')):
-            parts = matrices @ values
-            size = parts[0] if len(parts) == 1 else np.linalg.norm(parts, axis=0)
-            axis.plot(shown, size, style, color='0.5' if text == 'before' else 'C0', label=text)
-        axis.set(title=_title(loads, name), xlabel='input [deg]' if unit == 'rad'
-                 else 'input [m]', ylabel=f'[{unit_of(loads, name)}]')
-        axis.grid(alpha=0.3)
-    axes[0].legend()
-    _save(figure, path)
+    from matplotlib.figure import Figure
+    is_angle = loads.mechanism.input_coordinate.unit == 'rad'
+    x = np.sort(loads.nodes(SAMPLES)[0])
+    figure = Figure(figsize=(12, 3.6), layout='constrained')
+    panels = figure.subplots(1, len(DRAWN))
+    for axes, name in zip(panels, DRAWN):
+        components = loads.group(name)
+        matrices = np.stack(list(loads.matrices(x, components).values()))
+        for its_numbers, style, colour, label in ((loads.given, '--', '0.5', 'before'),
+                                                  (numbers, '-', 'C0', 'after')):
+            load = matrices @ its_numbers           # (components, inputs)
+            size = load[0] if len(load) == 1 else np.linalg.norm(load, axis=0)
+            axes.plot(np.degrees(x) if is_angle else x, size, style, color=colour, label=label)
+        title = components[0].removesuffix('_x').replace('_', ' ')
+        axes.set(title=f'{title} about O1' if name == 'moment' else title,
+                 xlabel='input [deg]' if is_angle else 'input [m]',
+                 ylabel=f'[{unit_of(loads, name)}]')
+        axes.grid(alpha=0.3)
+    panels[0].legend()
+    save(figure, path)
 
 
-def _title(loads: Loads, name: str) -> str:
-    field = loads.group(name)[0].removesuffix('_x').replace('_', ' ')
-    return field + (' about O1' if name == 'moment' else '')
-
-
-def draw_front(loads: Loads, names: Sequence[str], found: Sequence[Balance],
-               path: str | Path) -> None:
-    """Draw what remains over the added mass."""
-    pyplot = _pyplot()
-    figure, axis = pyplot.subplots(figsize=(6, 4), layout='constrained')
-    start = found[0].value or 1.0
-    axis.plot([one.added for one in found], [100.0 * one.value / start for one in found], '-')
-    axis.set(xlabel='added mass [kg]', ylabel=f'RMS of {" and ".join(names)}, unbalanced = 100 %',
+def draw_front(names: Sequence[str], balances: Sequence[Balance], path: str | Path) -> None:
+    """Draw what remains of loads over the added mass; the first balance is that of no mass."""
+    from matplotlib.figure import Figure
+    figure = Figure(figsize=(6, 4), layout='constrained')
+    axes = figure.subplots()
+    unbalanced = balances[0].value or 1.0
+    axes.plot([one.added for one in balances],
+              [100.0 * one.value / unbalanced for one in balances], '-')
+    axes.set(xlabel='added mass [kg]', ylabel=f'RMS of {" and ".join(names)}, unbalanced = 100 %',
              ylim=(0.0, 105.0))
-    axis.grid(alpha=0.3)
-    _save(figure, path)
-
-
-def _pyplot() -> ModuleType:
-    import matplotlib
-    matplotlib.use('Agg')
-    from matplotlib import pyplot
-    matplotlib.rcParams['svg.hashsalt'] = 'fourbar'
-    found: ModuleType = pyplot
-    return found
-
-
-def _save(figure: Figure, path: str | Path) -> None:
-    metadata = {'Date': None} if str(path).endswith('.svg') else None
-    figure.savefig(path, dpi=120, metadata=metadata)
-    _pyplot().close(figure)
+    axes.grid(alpha=0.3)
+    save(figure, path)

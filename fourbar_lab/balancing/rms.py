@@ -8,7 +8,7 @@ the convex hull of "no counterweight" and of points of mass M on one link, and t
 square |R p| is a norm: its minimum is the point of a convex set that is nearest to zero. Wolfe's
 algorithm (1976) finds it in finitely many steps among given corners; here the corner that is
 lowest along the gradient is found among all links, distances and directions in closed form. That
-corner also proves how good the result is: for no design is
+corner also proves how good the result is: for no design p' is
 
     (B3)  |R p'| < x . v / |x|,    x = R p,  v the lowest corner.
 """
@@ -16,18 +16,30 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from itertools import combinations
-from typing import NamedTuple, Union
+from typing import NamedTuple
 
 from fourbar_lab.balancing.loads import Loads, NUMBERS
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.numerics.arrays import Array, EPS
 import numpy as np
 
+# Rounds of Wolfe's algorithm at most; gap to the bound that ends it, relative; what is zero beside
+# the unbalanced load.
 STEPS, ENOUGH, NOTHING = 500, 1e-9, 1e-13
-NEAR = 1e-3         # of the radius: neighbours that may be one
+NEAR = 1e-3         # of the radius: nearer counterweights may become one
+LIGHT = 1e-15       # weight of a corner that is rounding
 
-Spot = tuple[str, float, float]         # of a counterweight: link, along, across
-Name = Union[Spot, None]                # of a corner; None: no counterweight
+
+class Spot(NamedTuple):
+    """A place of a counterweight on a link: from its first joint, along and across [m]."""
+
+    link: str
+    along: float
+    across: float
+
+    def with_mass(self, mass: float) -> Counterweight:
+        """Return the counterweight of a mass [kg] there."""
+        return Counterweight(self.link, mass, self.along, self.across)
 
 
 class Counterweight(NamedTuple):
@@ -39,15 +51,20 @@ class Counterweight(NamedTuple):
     across: float
 
     @property
+    def spot(self) -> Spot:
+        """Return where it is."""
+        return Spot(self.link, self.along, self.across)
+
+    @property
     def numbers(self) -> Array:
-        """Return what it adds to (m, m x, m y, J)."""
+        """Return what it adds to (m, m x, m y, J) of its link."""
         m, x, y = self.mass, self.along, self.across
         return np.array((m, m * x, m * y, m * (x * x + y * y)))
 
 
 class Balance(NamedTuple):
     """
-    A result.
+    Counterweights, and how good they are.
 
     Parameters
     ----------
@@ -56,8 +73,8 @@ class Balance(NamedTuple):
         What was minimized, for the links with them.
     bound : float
         No counterweights within the radii and the mass give less than this.
-    numbers : ndarray
-        (m, m x, m y, J) of all links.
+    numbers : ndarray, shape (4 links,)
+        (m, m x, m y, J) of all links with them.
 
     """
 
@@ -74,14 +91,9 @@ class Balance(NamedTuple):
 
 class Places:
     """
-    Where counterweights may be.
+    Where counterweights may be: ``radii``, {link: greatest distance from its first joint [m]}.
 
-    Parameters
-    ----------
-    loads : Loads
-    radii : dict
-        {link: greatest distance of a counterweight from its first joint [m]}.
-
+    InvalidParameter if there is no such link, or a radius is not positive.
     """
 
     def __init__(self, loads: Loads, radii: dict[str, float]):
@@ -93,20 +105,20 @@ class Places:
         self.loads, self.radii = loads, radii
 
     def column(self, link: str, along: float, across: float) -> Array:
-        """Return what one kilogram at a place adds to the numbers of all links."""
+        """Return what 1 kg at a spot [m] adds to (m, m x, m y, J) of all links, (4 links,)."""
         numbers = np.zeros(NUMBERS * len(self.loads.links))
         first = NUMBERS * self.loads.links.index(link)
         numbers[first:first + NUMBERS] = Counterweight(link, 1.0, along, across).numbers
         return numbers
 
     def numbers(self, counterweights: Iterable[Counterweight]) -> Array:
-        """Return the numbers of all links with counterweights."""
-        return self.loads.given + sum((one.mass * self.column(one.link, one.along, one.across)
+        """Return (m, m x, m y, J) of all links with counterweights, shape (4 links,)."""
+        return self.loads.given + sum((one.mass * self.column(*one.spot)
                                        for one in counterweights),
                                       np.zeros(len(self.loads.given)))
 
-    def place(self, link: str, along: float, across: float) -> tuple[float, float]:
-        """Return a place without what is rounding beside the radius."""
+    def without_rounding(self, link: str, along: float, across: float) -> tuple[float, float]:
+        """Return along and across of a spot [m], 0.0 for what is rounding beside the radius."""
         least = 64 * EPS * self.radii[link]
         return (along if abs(along) > least else 0.0, across if abs(across) > least else 0.0)
 
@@ -115,42 +127,41 @@ class Places:
         """
         Return counterweights link by link, neighbours as one at their centre of mass.
 
-        The corners of a hull that an algorithm ends with may be micrometres apart. ``value`` of
-        the numbers of all links stays ``most`` or less.
+        An algorithm may end with several that are micrometres apart, which no workshop can make.
+        Two become one only if ``value`` of the numbers of all links stays ``most`` or less.
         """
-        kept = list(counterweights)
         for one, other in combinations(counterweights, 2):
-            if one not in kept or other not in kept or one.link != other.link:
-                continue
             apart = np.hypot(one.along - other.along, one.across - other.across)
+            if one.link != other.link or apart > NEAR * self.radii[one.link]:
+                continue
             mass = one.mass + other.mass
             both = Counterweight(one.link, mass, *(
                 (one.mass * a + other.mass * b) / mass for a, b in zip(one[2:], other[2:])))
-            without = [each for each in kept if each not in (one, other)]
-            if (apart <= NEAR * self.radii[one.link]
-                    and value(self.numbers([*without, both])) <= most):
-                return self.united([*without, both], value, most)
+            fewer = [*(each for each in counterweights if each not in (one, other)), both]
+            if value(self.numbers(fewer)) <= most:
+                return self.united(fewer, value, most)
         # algorithms end with them in an order that rounding decides
-        return sorted(kept, key=lambda one: (self.loads.links.index(one.link), one[2:]))
+        return sorted(counterweights, key=lambda one: (self.loads.links.index(one.link), one[2:]))
 
     def lowest(self, slope: Array) -> tuple[float, Spot]:
         """
-        Return the least slope per kilogram of all places, and that place.
+        Return the least derivative per kilogram of a function among all spots, and that spot.
 
-        ``slope``: derivative of something with respect to the numbers of all links. In a direction
-        against (m x, m y) it is a parabola of the distance.
+        ``slope``, shape (4 links,): the derivatives of the function by (m, m x, m y, J) of all
+        links. At a distance r against (m x, m y) of a link, one kilogram changes the function by
+        s_m - r |(s_x, s_y)| + r^2 s_J: a parabola of r, least at its vertex or at an end.
         """
         found = []
         for link, radius in self.radii.items():
             first = NUMBERS * self.loads.links.index(link)
             by_mass, by_x, by_y, by_inertia = slope[first:first + NUMBERS]
             side = np.hypot(by_x, by_y)
-            away = 0.5 * side / by_inertia if by_inertia > 0.0 else np.inf
-            r = min(away, radius) if side or by_inertia < 0.0 else 0.0
+            vertex = 0.5 * side / by_inertia if by_inertia > 0.0 else np.inf
+            r = min(vertex, radius) if side or by_inertia < 0.0 else 0.0
             value = by_mass - r * side + by_inertia * r * r
             cosine, sine = (by_x / side, by_y / side) if side else (1.0, 0.0)
-            found.append((float(value),
-                          (link, *self.place(link, float(-r * cosine), float(-r * sine)))))
+            found.append((float(value), Spot(link, *self.without_rounding(
+                link, float(-r * cosine), float(-r * sine)))))
         return min(found)
 
 
@@ -159,21 +170,14 @@ def least_rms(places: Places, names: Iterable[str], mass: float,
     """
     Return the counterweights of ``mass`` [kg] at most with the least root mean square of loads.
 
-    Parameters
-    ----------
-    places : Places
-    names : iterable of str
-        Some of :attr:`.Loads.groups`; if several, each counts relative to what it is unbalanced.
-    mass : float
-    start : sequence of Counterweight
-        Places to begin with, as of a neighbouring mass; the result does not depend on it.
-
+    ``names`` are of :attr:`.Loads.groups`; if several, each load counts relative to its unbalanced
+    value. Spots of ``start``, as of a neighbouring mass, save time; the result is the same.
     """
     return nearest_to_zero(places, places.loads.root(names), mass, start)
 
 
 def front(places: Places, names: Iterable[str], masses: Iterable[float]) -> list[Balance]:
-    """Return the best for each added mass, as :func:`least_rms`."""
+    """Return the best for each added mass [kg], as :func:`least_rms`."""
     root = places.loads.root(names)
     found: list[Balance] = []
     for mass in masses:
@@ -182,68 +186,85 @@ def front(places: Places, names: Iterable[str], masses: Iterable[float]) -> list
     return found
 
 
+class _Corner(NamedTuple):
+    """R p of a design that has all of the mass at one spot, or none (spot None)."""
+
+    point: Array
+    spot: Spot | None
+
+
 def nearest_to_zero(places: Places, root: Array, mass: float,
                     start: Sequence[Counterweight] = ()) -> Balance:
     """
     Return the design of least |root p|, p the numbers of :class:`.Loads`, by Wolfe's algorithm.
 
-    Corners are designs with all of the mass at one spot, or without any (None). The design is
-    their weighted mean; each round adds the corner that is lowest along the gradient x, until none
-    is lower than the design itself.
+    The design is a weighted mean of corners, each with all of the mass [kg] at one spot or none of
+    it; a weight is the share of the mass there. Each round adds the corner that is lowest along
+    the gradient x, until none is lower than the design itself.
     """
-    given = root @ places.loads.given
-    scale = float(np.linalg.norm(given))
-    spots = [(one.link, one.along, one.across) for one in start]
-    corners = [given] + [given + mass * (root @ places.column(*spot)) for spot in spots]
-    weights = np.array([1.0] + [0.0] * len(spots))
-    kept: list[Name] = [None, *spots]
-    corners, weights, kept = _nearest(corners, weights, kept)
+    unbalanced = root @ places.loads.given
+    scale = float(np.linalg.norm(unbalanced))
+
+    def corner(spot: Spot | None) -> _Corner:
+        return _Corner(unbalanced + mass * (root @ places.column(*spot)) if spot else unbalanced,
+                       spot)
+
+    corners = [corner(None), *(corner(one.spot) for one in start)]
+    weights = np.array([1.0] + [0.0] * len(start))
+    corners, weights = _nearest(corners, weights)
     for _ in range(STEPS):
-        x = weights @ np.array(corners)
+        x = weights @ np.array([one.point for one in corners])
         slope, spot = places.lowest(root.T @ x)
-        is_lower = slope < 0.0
-        lowest = given + mass * (root @ places.column(*spot)) if is_lower else given
-        least, size = float(x @ lowest), float(np.linalg.norm(x))
+        lowest = corner(spot if slope < 0.0 else None)
+        least, size = float(x @ lowest.point), float(np.linalg.norm(x))
         if size <= NOTHING * scale or float(x @ x) - least <= ENOUGH * size * size:
             break
-        corners.append(lowest)
-        kept.append(spot if is_lower else None)
-        corners, weights, kept = _nearest(corners, np.append(weights, 0.0), kept)
-    weighted = [Counterweight(spot[0], mass * weight, *spot[1:])
-                for spot, weight in zip(kept, weights.tolist()) if spot and weight > 0.0]
-    whole = float(np.linalg.norm(root @ places.numbers(weighted)))
-    weighted = places.united(weighted, lambda numbers: float(np.linalg.norm(root @ numbers)),
-                             whole + ENOUGH * scale)
+        corners, weights = _nearest([*corners, lowest], np.append(weights, 0.0))
+    weighted = [one.spot.with_mass(mass * weight)
+                for one, weight in zip(corners, weights.tolist()) if one.spot and weight > 0.0]
+
+    def value(numbers: Array) -> float:
+        return float(np.linalg.norm(root @ numbers))
+
+    weighted = places.united(weighted, value, value(places.numbers(weighted)) + ENOUGH * scale)
     numbers = places.numbers(weighted)
-    # of v, a sum of what is there and what is added, and of x . v / |x|
-    rounding = 2.0 * sum(root.shape) * EPS * (2.0 * scale + float(np.linalg.norm(lowest)))
+    # of v, a sum of what is there and what is added, and of x . v / |x| in (B3)
+    rounding = 2.0 * sum(root.shape) * EPS * (2.0 * scale + float(np.linalg.norm(lowest.point)))
     bound = max(least / size - rounding, 0.0) if size > NOTHING * scale else 0.0
-    return Balance(tuple(weighted), float(np.linalg.norm(root @ numbers)), bound, numbers)
+    return Balance(tuple(weighted), value(numbers), bound, numbers)
 
 
-def _nearest(corners: list[Array], weights: Array, kept: list[Name]
-             ) -> tuple[list[Array], Array, list[Name]]:
-    """Return the corners, weights and names that span the point of a hull nearest to zero."""
+def _nearest(corners: list[_Corner], weights: Array) -> tuple[list[_Corner], Array]:
+    """
+    Return the corners of a hull that span its point nearest to zero, and their weights.
+
+    Wolfe's minor cycle: the nearest point of the plane through all corners is the answer if it
+    lies between them (weights > 0). If not, go towards it until a weight vanishes, drop that
+    corner, and try again with the others.
+    """
     while True:
-        better = _affine(np.array(corners))
-        if (better > 0.0).all():
-            return corners, better, kept
-        falling = better <= 0.0
-        room = weights[falling] - better[falling]
+        target = _affine(np.array([one.point for one in corners]))
+        if (target > 0.0).all():
+            return corners, target
+        falling = target <= 0.0
+        room = weights[falling] - target[falling]
         safe = np.where(room > 0.0, room, 1.0)
         part = float(np.min(np.where(room > 0.0, weights[falling] / safe, 0.0)))
-        weights = weights + min(part, 1.0) * (better - weights)
-        stay = weights > 1e-15
+        weights = weights + min(part, 1.0) * (target - weights)
+        stay = weights > LIGHT
         stay[falling] &= weights[falling] > weights[falling].min()
-        corners = [corner for corner, is_in in zip(corners, stay) if is_in]
-        kept = [name for name, is_in in zip(kept, stay) if is_in]
+        corners = [one for one, stays in zip(corners, stay) if stays]
         weights = weights[stay] / weights[stay].sum()
 
 
 def _affine(corners: Array) -> Array:
-    """Return weights, of sum one, of the point of the plane through corners nearest to zero."""
-    first, rest = corners[0], corners[1:] - corners[0]
-    if not len(rest):
+    """
+    Return weights, of sum one, of the point nearest to zero of the plane through all corners.
+
+    ``corners`` has shape (corners, n). Weights may be negative: (1, 1) and (2, 2) give (2, -1).
+    """
+    first, edges = corners[0], corners[1:] - corners[0]
+    if not len(edges):
         return np.ones(1)
-    others = np.linalg.lstsq(rest.T, -first, rcond=1e-13)[0]
+    others = np.linalg.lstsq(edges.T, -first, rcond=1e-13)[0]
     return np.concatenate(([1.0 - others.sum()], others))

@@ -26,13 +26,13 @@ from fourbar_ros.errors import InvalidParameter, nearest
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
-# Starts beside those from the point masses; sizes below this part of the circle, and masses below
-# that part of the added one, are nothing.
-STARTS, NOTHING, LIGHT, TOLERANCE = 12, 1e-4, 1e-6, 1e-14
+STARTS = 12                 # random starts of the optimiser, beside those from the point masses
+TOLERANCE = 1e-14           # of the optimiser
+NOTHING, LIGHT = 1e-4, 1e-6     # plates below this radius over the limit, or mass over that added
 
 
 class Disc(NamedTuple):
-    """A disc: mass [kg], centre from the first joint, along and across [m], radius [m]."""
+    """A disc on a link: mass [kg]; centre, along and across from the first joint; radius [m]."""
 
     link: str
     mass: float
@@ -42,13 +42,13 @@ class Disc(NamedTuple):
 
     @property
     def numbers(self) -> Array:
-        """Return what it adds to (m, m x, m y, J)."""
+        """Return what it adds to (m, m x, m y, J) of its link."""
         m, x, y = self.mass, self.along, self.across
         return np.array((m, m * x, m * y, m * (x * x + y * y + 0.5 * self.radius**2)))
 
 
 class Sector(NamedTuple):
-    """A sector about the first joint: centre of gravity, radius [m], half-angle [rad]."""
+    """A sector about the first joint of a link: [kg], centre of gravity, radius [m], [rad]."""
 
     link: str
     mass: float
@@ -59,7 +59,7 @@ class Sector(NamedTuple):
 
     @property
     def numbers(self) -> Array:
-        """Return what it adds to (m, m x, m y, J)."""
+        """Return what it adds to (m, m x, m y, J) of its link."""
         m = self.mass
         return np.array((m, m * self.along, m * self.across, 0.5 * m * self.radius**2))
 
@@ -68,7 +68,12 @@ Plate = Union[Disc, Sector]
 
 
 def disc(link: str, sigma: float, limit: float, sizes: Array) -> Disc:
-    """Return the disc within a circle: sizes are radius, distance (0 to 1) and direction [rad]."""
+    """
+    Return a disc of sigma [kg/m^2] within the circle of radius ``limit`` [m].
+
+    ``sizes``: its radius and the distance of its centre, each from 0 to 1 (as far as there is
+    room), and the direction of its centre [rad].
+    """
     radius = limit * sizes[0]
     distance = (limit - radius) * sizes[1]
     return Disc(link, float(sigma * pi * radius**2), float(distance * cos(sizes[2])),
@@ -76,11 +81,15 @@ def disc(link: str, sigma: float, limit: float, sizes: Array) -> Disc:
 
 
 def sector(link: str, sigma: float, limit: float, sizes: Array) -> Sector:
-    """Return the sector within a circle: radius, half-angle over pi (0 to 1), direction [rad]."""
-    radius, half = limit * sizes[0], max(pi * sizes[1], 1e-9)
-    away = 2.0 * radius * sin(half) / (3.0 * half)
-    return Sector(link, float(sigma * half * radius**2), float(away * cos(sizes[2])),
-                  float(away * sin(sizes[2])), float(radius), float(half))
+    """
+    Return a sector of sigma [kg/m^2] within the circle of radius ``limit`` [m].
+
+    ``sizes``: its radius and its half-angle over pi, each from 0 to 1, and its direction [rad].
+    """
+    radius, half_angle = limit * sizes[0], max(pi * sizes[1], 1e-9)     # divided by below
+    away = 2.0 * radius * sin(half_angle) / (3.0 * half_angle)
+    return Sector(link, float(sigma * half_angle * radius**2), float(away * cos(sizes[2])),
+                  float(away * sin(sizes[2])), float(radius), float(half_angle))
 
 
 SHAPES: dict[str, Callable[[str, float, float, Array], Plate]] = {'disc': disc, 'sector': sector}
@@ -91,21 +100,9 @@ def best_plates(places: Places, names: Iterable[str], mass: float, shape: str,
     """
     Return plates, one a link at most, with the least root mean square of loads that was found.
 
-    Its bound is what no plates within the circles and the mass can go below: that of point masses.
-
-    Parameters
-    ----------
-    places : Places
-        Circles that the plates lie in.
-    names : iterable of str
-        As in :func:`.least_rms`.
-    mass : float
-        Added at most [kg].
-    shape : str
-        One of :data:`SHAPES`.
-    sigma : float
-        Density times thickness [kg/m^2].
-
+    Plates lie in the circles of ``places``, are of a shape of :data:`SHAPES` and of sigma, density
+    times thickness [kg/m^2], and add ``mass`` [kg] at most; ``names`` as in :func:`.least_rms`.
+    The bound is that of point masses: a plate is a sum of them.
     """
     from scipy.optimize import minimize
     if shape not in SHAPES:
@@ -114,16 +111,17 @@ def best_plates(places: Places, names: Iterable[str], mass: float, shape: str,
         raise InvalidParameter('density times thickness', sigma, 'must be positive')
     names = tuple(names)
     points, problem = least_rms(places, names, mass), _Problem(places, names, shape, sigma)
+    # two turns each way: a direction may go round without meeting an end
     limits = [(0.0, 1.0), (0.0, 1.0), (-4.0 * pi, 4.0 * pi)] * len(places.radii)
     room = {'type': 'ineq', 'fun': lambda x: 1.0 - problem.mass(x) / mass}
     best, value = np.zeros(len(limits)), problem.value(np.zeros(len(limits)))
     for start in problem.starts(points) if mass else ():
         with warnings.catch_warnings():         # that it steps back into the bounds
             warnings.simplefilter('ignore', RuntimeWarning)
-            found = minimize(problem.value, start, method='SLSQP', bounds=limits,
-                             constraints=room, options={'ftol': TOLERANCE, 'maxiter': 300})
-        if found.fun < value and problem.mass(found.x) <= mass * (1.0 + 1e-9):
-            best, value = found.x, float(found.fun)
+            end = minimize(problem.value, start, method='SLSQP', bounds=limits,
+                           constraints=room, options={'ftol': TOLERANCE, 'maxiter': 300})
+        if end.fun < value and problem.mass(end.x) <= mass * (1.0 + 1e-9):
+            best, value = end.x, float(end.fun)
     plates = tuple([plate for plate in problem.plates(best)
                     if plate.radius > NOTHING * places.radii[plate.link]
                     and plate.mass > LIGHT * mass])
@@ -133,7 +131,11 @@ def best_plates(places: Places, names: Iterable[str], mass: float, shape: str,
 
 
 class _Problem:
-    """What is minimized, of sizes from 0 to 1 and directions, three a link."""
+    """
+    The optimisation problem of plates.
+
+    Its unknowns x are the ``sizes`` of one plate for each link: three numbers a link.
+    """
 
     def __init__(self, places: Places, names: tuple[str, ...], shape: str, sigma: float) -> None:
         self.root = places.loads.root(names)
@@ -141,7 +143,7 @@ class _Problem:
         self._scale = float(np.linalg.norm(self.root @ places.loads.given)) or 1.0
 
     def plates(self, x: Array) -> list[Plate]:
-        """Return the plates of all links."""
+        """Return the plate of each link at x."""
         return [self._make(link, self._sigma, limit, sizes) for (link, limit), sizes in
                 zip(self._places.radii.items(), np.reshape(x, (-1, 3)))]
 
@@ -154,22 +156,27 @@ class _Problem:
         return numbers
 
     def mass(self, x: Array) -> float:
-        """Return the added mass [kg]."""
+        """Return the added mass at x [kg]."""
         return sum(plate.mass for plate in self.plates(x))
 
     def value(self, x: Array) -> float:
-        """Return the root mean square over that without counterweights."""
+        """Return the root mean square at x over that without plates."""
         numbers = self.numbers(self.plates(x))
         return float(np.linalg.norm(self.root @ numbers)) / self._scale
 
     def starts(self, points: Balance) -> list[Array]:
-        """Return where to start: in the directions of the point masses, and anywhere."""
+        """
+        Return the x that the optimiser starts from.
+
+        Two have plates (small, middling) in the directions of the best point masses, and tiny
+        plates on the other links; the others are random, the same in every run.
+        """
         rng, links = np.random.default_rng(0), list(self._places.radii)
-        found = []
+        starts = []
         for size in (0.2, 0.5):
             start = np.tile((0.05, 0.5, 0.0), (len(links), 1))
             for one in points.counterweights:
                 start[links.index(one.link)] = size, 0.5, np.arctan2(one.across, one.along)
-            found.append(start.ravel())
+            starts.append(start.ravel())
         anywhere = rng.uniform((0.0, 0.0, -pi), (0.6, 1.0, pi), (STARTS, len(links), 3))
-        return found + [start.ravel() for start in anywhere]
+        return starts + [start.ravel() for start in anywhere]

@@ -69,6 +69,7 @@ def add(verbs: Verbs) -> None:
 
 
 def _radius(text: str) -> tuple[str, float]:
+    """Return (link, radius [m]) of LINK=METRES; the link is '' for METRES, which is for all."""
     link, _, number = text.rpartition('=')
     try:
         return link, float(number)
@@ -85,81 +86,84 @@ def _run(arguments: argparse.Namespace) -> None:
     scene = load(arguments.scene)
     loads = Loads(scene.linkage, scene.drive.speed)
     places = Places(loads, _radii(scene.linkage, arguments.radius))
-    found, what = _balanced(arguments, places)
+    balance, how = (_best(arguments, places) if arguments.minimize
+                    else _full(arguments, places))
     console = make_console()
-    console.print(f'{what}: {found.added:.9g} kg added')
-    for table in _tables(loads, found):
+    console.print(f'{how}: {balance.added:.9g} kg added')
+    for table in _tables(loads, balance):
         console.print()
         console.print(table)
     if arguments.out:
         with open(arguments.out, 'x', encoding='utf-8') as file:
-            file.write(scene_text(scene, found, what))
+            file.write(scene_text(scene, balance, how))
     if arguments.plot:
-        draw_changes(loads, found.numbers, arguments.plot)
+        draw_changes(loads, balance.numbers, arguments.plot)
 
 
-def _radii(linkage: Mechanism, given: Sequence[tuple[str, float]]) -> dict[str, float]:
-    """Return {link: radius} for all links that turn, or those that are named."""
-    turning = [link.name for link in linkage.LINKS if link.turns]
-    usual = next((radius for link, radius in given if not link),
-                 0.5 * max(map(abs, linkage.lengths)))
-    named = {link: radius for link, radius in given if link}
-    return named or dict.fromkeys(turning, usual)
+def _radii(linkage: Mechanism, options: Sequence[tuple[str, float]]) -> dict[str, float]:
+    """Return {link: radius [m]} of the links named in options, or of all links that turn."""
+    named = {link: radius for link, radius in options if link}
+    for_all = next((radius for link, radius in options if not link),
+                   0.5 * max(map(abs, linkage.lengths)))
+    return named or {link.name: for_all for link in linkage.LINKS if link.turns}
 
 
-def _balanced(arguments: argparse.Namespace, places: Places) -> tuple[Balance, str]:
-    """Return the balance that is asked for, and what it is as text."""
-    from fourbar_lab.balancing import BalanceError
-    from fourbar_lab.balancing.full import full_force_balance
-    from fourbar_lab.balancing.peak import least_peak
+def _full(arguments: argparse.Namespace, places: Places) -> tuple[Balance, str]:
+    """Return the full force balance, and what it is as text."""
+    from fourbar_lab.balancing import BalanceError, full_force_balance
+    if arguments.peak or arguments.front or arguments.shape or arguments.mass is not None:
+        raise BalanceError('--mass, --peak, --shape and --front go with --minimize')
+    balance = full_force_balance(places)
+    return balance, f'full force balance, at least {balance.bound:.6g} kg are needed'
+
+
+def _best(arguments: argparse.Namespace, places: Places) -> tuple[Balance, str]:
+    """Return the balance that --minimize asks for, and what it is as text; draw the --front."""
+    from fourbar_lab.balancing import BalanceError, best_plates, front, least_peak, least_rms
     from fourbar_lab.balancing.result import draw_front, unit_of
-    from fourbar_lab.balancing.rms import front, least_rms
-    from fourbar_lab.balancing.shapes import best_plates
-    names = arguments.minimize
-    if not names:
-        if (arguments.peak or arguments.front or arguments.shape
-                or arguments.mass is not None):
-            raise BalanceError('--mass, --peak, --shape and --front go with --minimize')
-        found = full_force_balance(places)
-        return found, f'full force balance, at least {found.bound:.6g} kg are needed'
-    if arguments.mass is None:
+    names, mass = arguments.minimize, arguments.mass
+    if mass is None:
         raise BalanceError('--minimize needs --mass: how much may be added')
     if arguments.peak and (len(names) > 1 or arguments.front):
         raise BalanceError('--peak takes one load, and no --front')
     if arguments.shape and (arguments.peak or arguments.thickness is None):
         raise BalanceError('--shape needs --thickness, and takes no --peak')
     if arguments.shape:
-        found = best_plates(places, names, arguments.mass, arguments.shape,
-                            arguments.density * arguments.thickness)
+        balance = best_plates(places, names, mass, arguments.shape,
+                              arguments.density * arguments.thickness)
+    elif arguments.peak:
+        balance = least_peak(places, names[0], mass)
     else:
-        found = (least_peak(places, names[0], arguments.mass) if arguments.peak
-                 else least_rms(places, names, arguments.mass))
+        balance = least_rms(places, names, mass)
     if arguments.front:
-        masses = [arguments.mass * i / (arguments.points - 1 or 1)
-                  for i in range(arguments.points)]
-        draw_front(places.loads, names, front(places, names, masses), arguments.front)
+        masses = [mass * i / (arguments.points - 1 or 1) for i in range(arguments.points)]
+        draw_front(names, front(places, names, masses), arguments.front)
     unit = unit_of(places.loads, names[0]) if len(names) == 1 else 'relative'
-    of = 'peak' if arguments.peak else 'RMS'
-    what = f'least {of} of {" and ".join(names)}' + ' found' * bool(arguments.shape)
-    return found, f'{what}: {found.value:.9g} {unit}, and none below {found.bound:.9g} is possible'
+    how = f'least {"peak" if arguments.peak else "RMS"} of {" and ".join(names)}'
+    found = ' found' if arguments.shape else ''         # of plates, the best may be another
+    return balance, (f'{how}{found}: {balance.value:.9g} {unit}, and none below '
+                     f'{balance.bound:.9g} is possible')
 
 
-MORE = {'radius': 'radius [m]>', 'half_angle': 'half-angle [rad]>'}      # of plates
+PLATE_COLUMNS = {'radius': 'radius [m]>', 'half_angle': 'half-angle [rad]>'}
 
 
-def _tables(loads: Loads, found: Balance) -> tuple[PlainTable, PlainTable]:
-    from fourbar_lab.balancing.result import changes
+def _tables(loads: Loads, balance: Balance) -> tuple[PlainTable, PlainTable]:
+    """Return the tables of the counterweights and of the loads before and after."""
+    from fourbar_lab.balancing import changes
     from fourbar_ros.report.terminal import PlainTable
-    fields: tuple[str, ...] = found.counterweights[0]._fields if found.counterweights else ()
-    weights = PlainTable('counterweights, from the first joint of their link',
-                         ('link', 'mass [kg]>', 'along [m]>', 'across [m]>',
-                          *(MORE[name] for name in fields[4:])))
-    for one in found.counterweights:
+    weights = balance.counterweights
+    # after link, mass, along and across come the dimensions of a plate
+    dimensions: tuple[str, ...] = weights[0]._fields[4:] if weights else ()
+    table = PlainTable('counterweights, from the first joint of their link',
+                       ('link', 'mass [kg]>', 'along [m]>', 'across [m]>',
+                        *(PLATE_COLUMNS[name] for name in dimensions)))
+    for weight in weights:
         # a workshop's digits; those behind them are the solver's, and the scene file's
-        weights.add_row(one.link, *(f'{value:.7g}' for value in one[1:]))
-    table = PlainTable('loads of inertia', ('', 'unit', 'RMS before>', 'after>', 'peak before>',
-                                            'after>'))
-    for change in changes(loads, found.numbers):
-        table.add_row(change.name, change.unit,
-                      *(f'{value:.6g}' for value in (*change.rms, *change.peak)))
-    return weights, table
+        table.add_row(weight.link, *(f'{value:.7g}' for value in weight[1:]))
+    of_loads = PlainTable('loads of inertia', ('', 'unit', 'RMS before>', 'after>',
+                                               'peak before>', 'after>'))
+    for change in changes(loads, balance.numbers):
+        of_loads.add_row(change.name, change.unit,
+                         *(f'{value:.6g}' for value in (*change.rms, *change.peak)))
+    return table, of_loads

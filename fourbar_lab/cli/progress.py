@@ -17,7 +17,7 @@ EVERY = 30.0        # [s] between two lines about progress where there is no ter
 
 @contextmanager
 def shown() -> Iterator[Callable[[Progress], None]]:
-    """Give a function that shows the progress of a run: a bar, or a line now and then."""
+    """Give the function to report the progress of a run to; the bar goes with the context."""
     from rich.console import Console
     from rich.progress import BarColumn, TextColumn
     from rich.progress import Progress as Bar
@@ -26,7 +26,7 @@ def shown() -> Iterator[Callable[[Progress], None]]:
     with Bar(BarColumn(), TextColumn(text), console=console, transient=True,
              disable=not console.is_terminal) as bar:
         task = bar.add_task('designs', text='', total=None)
-        last = time.monotonic()
+        last = time.monotonic()          # when a line was printed
 
         def report(progress: Progress) -> None:
             nonlocal last

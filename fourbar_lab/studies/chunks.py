@@ -11,7 +11,7 @@ from collections import Counter
 from typing import Any, NamedTuple
 
 from fourbar_lab.studies.block import Block
-from fourbar_lab.studies.design import Design, is_within
+from fourbar_lab.studies.design import Design
 from fourbar_lab.studies.measures import CHANGE_POINT, CHEAP, CLASS
 from fourbar_lab.studies.study import Bound, Study
 from fourbar_ros.errors import FourBarError, InvalidParameter
@@ -21,9 +21,10 @@ from fourbar_ros.scene.parameters import ParameterValues
 from fourbar_ros.scene.scene import from_values, Scene
 import numpy as np
 
-# Why a design is not among the results, beside the constraints by name.
+# Why a design is not among the results; other reasons are constraints by name.
 NOT_BUILT, FAILED = 'cannot be built', 'failed'
 FEASIBLE = 'feasible'
+UNKNOWN = ''        # of a design that is not computed yet
 # Designs that are tried for one that can be built.
 TRIED = 100
 
@@ -51,18 +52,11 @@ class Chunk(NamedTuple):
 
 class Computed(NamedTuple):
     """
-    What was computed of designs.
+    What was computed of n designs.
 
-    Parameters
-    ----------
-    columns : dict
-        {measure or axis of a curve: array}, NaN where it was not computed.
-    reasons : list of str
-        Why each design is left out; :data:`FEASIBLE` if it is not.
-    is_known : ndarray of bool
-        Which designs have all columns.
-    failures : list of (int, str)
-
+    ``columns``: {measure or axis of a curve: array}, NaN where it was not computed; ``reasons``:
+    why each design is left out, or :data:`FEASIBLE`; ``is_known``: which have all columns;
+    ``failures``: (index, text of the error).
     """
 
     columns: dict[str, Array]
@@ -72,20 +66,23 @@ class Computed(NamedTuple):
 
 
 def measured(study: Study, drawn: dict[str, Array]) -> Computed:
-    """Return the measures of designs: {parameter that varies: values, shape (n,)}."""
-    size = len(next(iter(drawn.values())))
+    """
+    Return the measures of designs: {parameter that varies: values, shape (n,)}.
+
+    As many as possible are computed together; those in doubt, and other kinds, one by one.
+    """
     found, reasons = _together(study, drawn)
-    columns = _columns(study, size, found)
+    columns = _columns(study, len(reasons), found)
     failures: list[tuple[int, str]] = []
-    is_known = np.array([bool(reason) for reason in reasons])
+    is_known = np.array([reason != UNKNOWN for reason in reasons])
     for i in np.nonzero(~is_known)[0].tolist():
         values = {name: column[i].item() for name, column in drawn.items()}
-        reasons[i], one = _row(study, values)
+        reasons[i], results = _row(study, values)
         if reasons[i] == FAILED:
-            failures.append((i, one[FAILED]))
-        is_known[i] = bool(one) and reasons[i] != FAILED
-        for name in one.keys() & columns.keys():
-            columns[name][i] = one[name]
+            failures.append((i, results[FAILED]))
+        is_known[i] = bool(results) and reasons[i] != FAILED
+        for name in results.keys() & columns.keys():
+            columns[name][i] = results[name]
     return Computed(columns, reasons, is_known, failures)
 
 
@@ -95,57 +92,84 @@ def compute(study: Study, chunk: int) -> Chunk:
     drawn = study.drawn(start, stop)
     found = measured(study, drawn)
     is_feasible = np.array([reason == FEASIBLE for reason in found.reasons])
-    rows = np.nonzero(is_feasible | (found.is_known & study.keeps_all))[0]
-    head = {'row': rows + start}
+    kept = np.nonzero(is_feasible | (found.is_known & study.keeps_all))[0]
+    head = {'row': kept + start}
     if study.keeps_all:
-        head[FEASIBLE] = is_feasible[rows]
-    head |= {name: column[rows] for name, column in drawn.items()}
-    columns: dict[str, Array] = {
-        name: column[rows].astype(kinds_of(study)[name])
-        for name, column in found.columns.items()}
+        head[FEASIBLE] = is_feasible[kept]
+    types = types_of(study)
+    columns: dict[str, Array] = {name: column[kept] for name, column in drawn.items()}
+    columns |= {name: column[kept].astype(types[name]) for name, column in found.columns.items()}
     return Chunk(head | columns, dict(Counter(found.reasons)),
                  [(start + i, text) for i, text in found.failures])
 
 
+def nothing(study: Study) -> dict[str, Array]:
+    """Return the columns of a chunk of which no row is kept: they tell the types of all."""
+    head: dict[str, Array] = {'row': np.zeros(0, np.int64)}
+    if study.keeps_all:
+        head[FEASIBLE] = np.zeros(0, bool)
+    head |= {one.name: np.array(one.bounds)[:0] for one in study.vary}
+    return head | {name: column.astype(types_of(study)[name])
+                   for name, column in _columns(study, 0, {}).items()}
+
+
+def types_of(study: Study) -> dict[str, type]:
+    """Return {measure or axis of a curve: the type of its numbers, or str}."""
+    types = {measure.name: {CLASS: str, 'extrema': np.int32}.get(measure.part, float)
+             for measure in study.measures}
+    return types | {f'{curve.point}.{axis}': float for curve in study.curves for axis in 'xy'}
+
+
 def _columns(study: Study, size: int, found: dict[str, Array]) -> dict[str, Array]:
-    """Return a column of ``size`` for each measure and curve, with what is found already."""
-    shapes = {f'{curve.point}.{axis}': (size, curve.samples) for curve in study.curves
-              for axis in 'xy'}
+    """
+    Return {measure or axis of a curve: array of ``size`` designs}: as found, else NaN or ''.
+
+    Numbers are floats here, counts too: NaN says that one is unknown. Texts are objects.
+    """
+    samples = {f'{curve.point}.{axis}': curve.samples for curve in study.curves for axis in 'xy'}
     columns = {}
-    for name, kind in kinds_of(study).items():
-        empty = np.full(shapes.get(name, (size,)), '' if kind is str else np.nan,
-                        dtype=object if kind is str else float)
+    for name, kind in types_of(study).items():
+        shape = (size, samples[name]) if name in samples else (size,)
+        empty = (np.full(shape, '', dtype=object) if kind is str else np.full(shape, np.nan))
         columns[name] = found[name].astype(empty.dtype) if name in found else empty
     return columns
 
 
 def _together(study: Study, drawn: dict[str, Array]) -> tuple[dict[str, Array], list[str]]:
-    """Return measures of designs computed together, and why each is left out; '' is not done."""
+    """
+    Return {measure: array} of designs computed together, and why each is left out.
+
+    The reason is :data:`UNKNOWN` of those that this cannot compute: drives at rest, driven slides,
+    machines (which are put together at run time), and whatever :class:`Block` is not sure of.
+    """
     size = len(next(iter(drawn.values())))
     scene = _first_scene(study, drawn)
     if (scene is None or not scene.drive.speed or scene.linkage.is_driven_by_slide
-            or scene.values['linkage.kind'] not in KINDS):      # one put together at run time
-        return {}, [''] * size
+            or scene.values['linkage.kind'] not in KINDS):
+        return {}, [UNKNOWN] * size
     block = Block(study, scene, drawn)
     block.compute_cheap()
     reasons = np.full(size, FEASIBLE, dtype=object)
-    cheap = [bound for bound in study.bounds if bound.measure.part in (CLASS, CHANGE_POINT)]
-    later = [bound for bound in study.bounds if bound not in cheap]
-    _exclude(block, reasons, cheap)
-    rows = np.nonzero(block.is_done & ((reasons == FEASIBLE) | study.keeps_all))[0]
-    block.compute(rows)
-    _exclude(block, reasons, sorted(later, key=lambda bound: bound.measure.part not in CHEAP))
-    reasons[~block.is_done] = ''
+    early = [bound for bound in study.bounds if bound.measure.part in (CLASS, CHANGE_POINT)]
+    _exclude(block, reasons, early)
+    block.compute(np.nonzero(block.is_done & ((reasons == FEASIBLE) | study.keeps_all))[0])
+    _exclude(block, reasons, [bound for bound in _cheap_first(study) if bound not in early])
+    reasons[~block.is_done] = UNKNOWN
     return block.found, reasons.tolist()
 
 
 def _exclude(block: Block, reasons: Array, bounds: list[Bound]) -> None:
-    """Note the first bound that each design fails."""
+    """Write the name of the first bound that each feasible design fails into ``reasons``."""
     for bound in bounds:
         column = block.found.get(bound.measure.name)
         if column is not None:
-            fine = np.array([is_within(value, *bound[1:]) for value in column.tolist()])
-            reasons[~fine & (reasons == FEASIBLE)] = bound.measure.name
+            fulfils = np.array([bound.allows(value) for value in column.tolist()])
+            reasons[~fulfils & (reasons == FEASIBLE)] = bound.measure.name
+
+
+def _cheap_first(study: Study) -> list[Bound]:
+    """Return the constraints, first those that need no motion: they leave out most designs."""
+    return sorted(study.bounds, key=lambda bound: bound.measure.part not in CHEAP)
 
 
 def _first_scene(study: Study, drawn: dict[str, Array]) -> Scene | None:
@@ -159,7 +183,7 @@ def _first_scene(study: Study, drawn: dict[str, Array]) -> Scene | None:
 
 
 def _row(study: Study, values: ParameterValues) -> tuple[str, dict[str, Any]]:
-    """Return why a design is left out, or FEASIBLE, and what was computed of it."""
+    """Return why a design is left out, or FEASIBLE, and {column: its result}."""
     try:
         scene = from_values({**study.values, **values})
     except InvalidParameter:
@@ -171,36 +195,18 @@ def _row(study: Study, values: ParameterValues) -> tuple[str, dict[str, Any]]:
 
 
 def _of_scene(study: Study, design: Design) -> tuple[str, dict[str, Any]]:
-    found: dict[str, Any] = {}
+    """Return as :func:`_row`; the first failed constraint ends the work if its row is not kept."""
+    results: dict[str, Any] = {}
     reason = FEASIBLE
-    ordered = sorted(study.bounds, key=lambda bound: bound.measure.part not in CHEAP)
-    for bound in ordered:
+    for bound in _cheap_first(study):
         design.search([bound.measure])
-        value = found[bound.measure.name] = design.of(bound.measure)
-        if reason == FEASIBLE and not is_within(value, *bound[1:]):
+        value = results[bound.measure.name] = design.of(bound.measure)
+        if reason == FEASIBLE and not bound.allows(value):
             reason = bound.measure.name
             if not study.keeps_all:
-                return reason, found
+                return reason, results
     design.search(study.measures)
-    for measure in study.measures:
-        found[measure.name] = design.of(measure)
+    results |= {measure.name: design.of(measure) for measure in study.measures}
     for curve in study.curves:
-        found[f'{curve.point}.x'], found[f'{curve.point}.y'] = design.curve(curve)
-    return reason, found
-
-
-def nothing(study: Study) -> dict[str, Array]:
-    """Return the columns of a chunk of which no row is kept."""
-    head: dict[str, Array] = {'row': np.zeros(0, np.int64)}
-    if study.keeps_all:
-        head[FEASIBLE] = np.zeros(0, bool)
-    head |= {one.name: np.array(one.bounds)[:0] for one in study.vary}
-    return head | {name: column.astype(kinds_of(study)[name])
-                   for name, column in _columns(study, 0, {}).items()}
-
-
-def kinds_of(study: Study) -> dict[str, type]:
-    """Return {measure or axis of a curve: the type of its numbers, or texts}."""
-    kinds = {measure.name: {CLASS: str, 'extrema': np.int32}.get(measure.part, float)
-             for measure in study.measures}
-    return kinds | {f'{curve.point}.{axis}': float for curve in study.curves for axis in 'xy'}
+        results[f'{curve.point}.x'], results[f'{curve.point}.y'] = design.curve(curve)
+    return reason, results

@@ -15,7 +15,7 @@ position) has NaN.
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from math import isfinite, nan, pi
 from typing import Any, NamedTuple
 
@@ -25,6 +25,7 @@ from fourbar_lab.studies.measures import (
     INPUT_RANGE,
     LEAST_ANGLE,
     Measure,
+    Measures,
     STROKE,
     SWING,
     TIME_RATIO,
@@ -41,11 +42,12 @@ from fourbar_ros.scene.parameters import find
 from fourbar_ros.scene.scene import Scene
 import numpy as np
 
-INPUT, STEP = 'input', 2.0**-200
+INPUT = 'input'         # the input of the mechanism, as a parameter among the others
+STEP = 2.0**-200        # of a complex step: its square is nothing beside any number
 # An extremum farther than this [rad] from where the slope vanishes is no smooth one: that of a
 # transmission angle where another dyad becomes the one that is nearest to its toggle.
 SHARP = 1e-5
-# Inputs of a mean: of a full turn, of a range.
+# Inputs of a mean square: of a full turn, of a range.
 POINTS, NODES = 4096, 512
 
 By = dict[str, Any]      # {parameter: derivative}
@@ -59,36 +61,22 @@ class AtExtremum(NamedTuple):
 
 
 def usable(scene: Scene) -> tuple[str, ...]:
-    """Return the parameters that a scene gives and by which there are derivatives."""
+    """Return the parameters by which there are derivatives: numbers that a scene gives."""
     linkage = scene.linkage
-    places = (*dimensions_of(scene), 'bodies.rods.',
-              *[f'bodies.{link.name}.' for link in linkage.LINKS], 'gravity.',
-              *[f'external.{link}.' for link in linkage.EXTERNAL._fields], 'points.',
-              'drive.speed')
-    known = [(name, find(name)) for name in scene.values if name.startswith(places)]
-    return tuple([name for name, parameter in known
-                  if parameter is not None and parameter.type == 'double'
-                  and scene.values[name] == scene.values[name]])
+    beginnings = (*dimensions_of(scene), 'bodies.rods.',
+                  *[f'bodies.{link.name}.' for link in linkage.LINKS], 'gravity.',
+                  *[f'external.{link}.' for link in linkage.EXTERNAL._fields], 'points.',
+                  'drive.speed')
+    return tuple([name for name, value in scene.values.items() if name.startswith(beginnings)
+                  and getattr(find(name), 'type', '') == 'double' and value == value])
 
 
 class Derivatives:
     """
-    Derivatives of the quantities of a scene by some of its parameters.
+    Derivatives of the quantities of a scene by some of its parameters, by default all numbers.
 
-    Parameters
-    ----------
-    scene : Scene
-        Of any mechanism.
-    names : sequence of str, optional
-        Parameters of the scene; default: all numbers that it gives.
-    acceleration : float
-        Of the input; its rate is that of the drive.
-
-    Raises
-    ------
-    InvalidParameter
-        A parameter is no number that the scene gives.
-
+    The input has the rate of the scene's drive and this acceleration. InvalidParameter if one of
+    the names is no number that the scene gives.
     """
 
     def __init__(self, scene: Scene, names: Sequence[str] = (), acceleration: float = 0.0) -> None:
@@ -109,11 +97,12 @@ class Derivatives:
         """
         Return (motion, loads) at inputs x, shape (n,): fields are duals, or plain numbers.
 
-        ``value_of`` and ``derivatives_of`` take them apart.
+        ``value_of(field)`` is its values, ``derivatives_of(field)`` {parameter: derivatives}.
         """
         return self._state(self._real, x, with_loads)
 
     def _state(self, formulas: Formulas, x: Array | Dual, with_loads: bool) -> State:
+        """Return (motion, loads) by formulas made for real or for complex inputs."""
         linkage = self.scene.linkage
         with np.errstate(all='ignore'):
             fields = formulas.motion(x, formulas.rate, self.acceleration)
@@ -141,15 +130,16 @@ class Derivatives:
         with np.errstate(all='ignore'):
             by = derivatives_of(quantity.of(*self._state(self._complex, there,
                                                          quantity.is_load)))
+            # real parts are Q_p and Q_x, imaginary parts STEP times Q_xp and Q_xx
             parts = {one: np.ravel(by.get(one, 0.0) + 0j)[0] for one in (*self.names, INPUT)}
             slope = parts.pop(INPUT)
+            # -STEP off is the way from x to the place: rounding, or x is no smooth extremum
             off = slope.real / slope.imag if slope else 0.0     # what is constant has no place
             unknown = nan if STEP * abs(off) > self._sharp else 0.0
-            moves = {one: float(-part.imag / slope.imag) + unknown
-                     for one, part in parts.items()}
-            # x is the place but for rounding: what slope is left there moves with it
             return AtExtremum({one: float(part.real - off * part.imag) + unknown
-                               for one, part in parts.items()}, moves)
+                               for one, part in parts.items()},
+                              {one: float(-part.imag / slope.imag) + unknown
+                               for one, part in parts.items()})
 
 
 # --- of measures ---------------------------------------------------------------------------------
@@ -167,130 +157,104 @@ def sensitivities(derivatives: Derivatives, measures: Sequence[Measure]) -> list
     design = Design(derivatives.scene, derivatives.acceleration)
     design.search([*measures, *(measure._replace(part='peak') for measure in measures
                                 if measure.part == 'rms')])
-    found = _Measured(derivatives, design)
-    return [Sensitivity(measure, design.of(measure), found.by(measure)) for measure in measures]
+    found = _MeasureDerivatives(derivatives, design)
+    return [Sensitivity(measure, design.of(measure),
+                        dict(zip(derivatives.names, found.of(measure).tolist())))
+            for measure in measures]
 
 
-class _Measured:
-    """Derivatives of the measures of one design whose extrema are known."""
+class _MeasureDerivatives:
+    """
+    Derivatives of the measures of one design whose extrema are known.
+
+    Each is an array of shape (parameters,), in the order of ``derivatives.names``.
+    """
 
     def __init__(self, derivatives: Derivatives, design: Design) -> None:
         self._derivatives, self._design = derivatives, design
-        self._none = dict.fromkeys(derivatives.names, nan)
-        self._moves: dict[tuple[str, float], AtExtremum] = {}
+        self._names, self._source = derivatives.names, Measures(derivatives.scene).source
+        self._unknown = np.full(len(derivatives.names), nan)
+        self._moves: dict[tuple[str, float], tuple[Array, Array]] = {}
+        linkage = design.linkage
+        self._input_is_fixed = bool(linkage.turns_fully
+                                    or linkage.input_ranges == (linkage.stroke,))
 
-    def by(self, measure: Measure) -> By:
-        """Return the derivatives of a measure by every parameter."""
-        if measure.part in self._of_mechanism:
-            return self._of_mechanism[measure.part](self)
-        return self._of_part(measure.quantity, measure.part) if measure.quantity else self._none
-
-    def _of_part(self, name: str, part: str) -> By:
+    def of(self, measure: Measure) -> Array:
+        """Return the derivatives of a measure by every parameter, NaN where there is none."""
+        part, name = measure.part, self._source(measure)
+        if part == CHANGE_POINT:
+            return self._of_margin()
+        if part == INPUT_RANGE:
+            return np.zeros(len(self._names)) if self._input_is_fixed else self._unknown
         if part == 'rms':
-            return self._rms(name)
-        if part == 'span':
-            return _combined(self._of_part(name, 'max'), self._of_part(name, 'min'), -1.0)
+            return self._of_rms(name)
+        most, least = (self._design.extreme(name, end) if name else None for end in ('max', 'min'))
+        if most is None or least is None:           # an output that turns fully keeps its swing
+            return np.zeros(len(self._names)) if part in (SWING, STROKE) else self._unknown
+        (of_max, of_max_at), (of_min, of_min_at) = map(self._of_extremum, (most, least))
         if part == 'peak':
-            most, least = (self._design.extreme(name, end) for end in ('max', 'min'))
-            if most is None or least is None:
-                return self._none
-            is_high = abs(most.value) >= abs(least.value)
-            sign = 1.0 if (most if is_high else least).value >= 0.0 else -1.0
-            return {one: sign * value for one, value in
-                    self._of_part(name, 'max' if is_high else 'min').items()}
-        end, _, of_place = part.partition('_at')
-        extremum = self._design.extreme(name, end) if end in ('max', 'min') else None
-        if extremum is None or not isfinite(extremum.value):
-            return self._none
-        return self._of_extremum(name, extremum, part.endswith('_at'))
+            larger, of_larger = ((most, of_max) if abs(most.value) >= abs(least.value)
+                                 else (least, of_min))
+            return of_larger if larger.value >= 0.0 else -of_larger
+        if part == LEAST_ANGLE:
+            return of_min if least.value <= pi - most.value else -of_max
+        if part == TIME_RATIO and self._design.linkage.turns_fully:
+            forward = (most.input - least.input) % (2.0 * pi)
+            short = min(forward, 2.0 * pi - forward)        # ratio = (2 pi - short) / short
+            factor = -2.0 * pi / short**2 * (1.0 if forward <= pi else -1.0)
+            return factor * (of_max_at - of_min_at)
+        return {'max': of_max, 'max_at': of_max_at, 'min': of_min, 'min_at': of_min_at,
+                'span': of_max - of_min, SWING: of_max - of_min, STROKE: of_max - of_min
+                }.get(part, self._unknown)
 
-    def _of_extremum(self, name: str, extremum: Extremum, is_place: bool) -> By:
-        """Return the derivatives of value or place of an extremum."""
-        x, design = self._design.place_of(extremum), self._design
+    def _of_extremum(self, extremum: Extremum) -> tuple[Array, Array]:
+        """Return the derivatives of the value and of the place of an extremum."""
+        name, x = extremum.quantity, extremum.input
+        if not isfinite(extremum.value):
+            return self._unknown, self._unknown
         if not extremum.side:
             if (name, x) not in self._moves:
-                self._moves[name, x] = self._derivatives.at_extremum(name, x)
-            moves = self._moves[name, x]
-            return dict(moves.place if is_place else moves.value)
-        if x not in (design.linkage.stroke or ()):
-            return self._none           # the input turns back there: no derivative by formula
-        if is_place:
-            return dict.fromkeys(self._none, 0.0)
-        return {one: float(part[0]) for one, part in
-                self._derivatives.of(name, np.array([x]))[1].items()}
+                moves = self._derivatives.at_extremum(name, x)
+                self._moves[name, x] = self._array(moves.value), self._array(moves.place)
+            return self._moves[name, x]
+        if x in (self._design.linkage.stroke or ()):        # an end that stays where it is
+            _, by = self._derivatives.of(name, np.array([x]))
+            return (self._array({one: part[0] for one, part in by.items()}),
+                    np.zeros(len(self._names)))
+        return self._unknown, self._unknown     # a toggle: the input turns back, with no formula
 
-    @property
-    def _is_fixed(self) -> bool:
-        """Return whether the input range does not depend on the parameters."""
-        linkage = self._design.linkage
-        return bool(linkage.turns_fully or linkage.input_ranges == (linkage.stroke,))
+    def _array(self, by: By) -> Array:
+        """Return {parameter: derivative} as an array; a missing parameter has no effect."""
+        return np.array([float(by.get(one, 0.0)) for one in self._names])
 
-    def _rms(self, name: str) -> By:
+    def _of_rms(self, name: str) -> Array:
         """Return d sqrt(mean Q^2) = mean(Q Q_p) / sqrt(mean Q^2)."""
-        if not self._is_fixed:
-            return self._none
+        if not self._input_is_fixed:
+            return self._unknown
         is_turn = self._design.linkage.turns_fully
         (low, high), = self._design.linkage.input_ranges
         x, weights = nodes(low, high, POINTS if is_turn else NODES, is_turn)
         values, by = self._derivatives.of(name, x)
         size = float(np.sqrt(np.sum(weights * values * values)))
-        return {one: float(np.sum(weights * values * part)) / size for one, part in by.items()}
+        return self._array({one: float(np.sum(weights * values * part)) / size
+                            for one, part in by.items()})
 
-    def _sweep(self) -> By:
-        name = self._design.output
-        if self._design.extreme(name, 'max') is None:       # it turns fully
-            return dict.fromkeys(self._none, 0.0)
-        return self._of_part(name, 'span')
+    def _of_margin(self) -> Array:
+        """
+        Return the derivatives of the distance from a change point.
 
-    def _least_angle(self) -> By:
-        name = 'transmission_angle'
-        least, most = (self._design.extreme(name, end) for end in ('min', 'max'))
-        if least is None or most is None:
-            return self._none
-        if least.value <= pi - most.value:
-            return self._of_part(name, 'min')
-        return {one: -value for one, value in self._of_part(name, 'max').items()}
-
-    def _time_ratio(self) -> By:
-        name, design = self._design.output, self._design
-        most, least = (design.extreme(name, end) for end in ('max', 'min'))
-        if most is None or least is None or not design.linkage.turns_fully:
-            return self._none
-        forward = (most.theta1 - least.theta1) % (2.0 * pi)
-        moves = _combined(self._of_part(name, 'max_at'), self._of_part(name, 'min_at'), -1.0)
-        short = min(forward, 2.0 * pi - forward)
-        factor = -2.0 * pi / short**2 * (1.0 if forward <= pi else -1.0)
-        return {one: factor * value for one, value in moves.items()}
-
-    def _range(self) -> By:
-        return dict.fromkeys(self._none, 0.0) if self._is_fixed else self._none
-
-    def _margin(self) -> By:
-        """Return those of the least difference of sums of lengths, over the sum of all."""
+        That is the least |sum of lengths with signs| over the sum of all lengths. A length that is
+        negative, as an offset may be, counts with its size.
+        """
         linkage = self._derivatives.scene.linkage
-        sizes = [_with_parameter(f'linkage.{name}', length, self._none)
+        sizes = [Dual(abs(length), {f'linkage.{name}': -1.0 if length < 0.0 else 1.0})
                  for name, length in zip(linkage.length_names, linkage.lengths)]
         margins = [sum((sign * size for sign, size in zip(signs, sizes)), start=Dual(0.0, {}))
                    for signs in linkage.MARGIN_SIGNS]
-        given = np.abs([margin.value for margin in margins])
-        if not margins or not np.allclose(given, np.abs(linkage.margins), 1e-12,
+        values = np.abs([margin.value for margin in margins])
+        if not margins or not np.allclose(values, np.abs(linkage.margins), 1e-12,
                                           1e-12 * sum(linkage.lengths)):
-            return self._none           # other numbers than sums of lengths
-        least = margins[int(given.argmin())]
+            return self._unknown        # this kind has other margins than sums of lengths
+        least = margins[int(values.argmin())]
         share = (least if least.value > 0.0 else -least) / sum(sizes, start=Dual(0.0, {}))
-        by = derivatives_of(share)
-        return {one: by.get(one, 0.0) for one in self._none}
-
-    _of_mechanism: dict[str, Callable[[_Measured], By]] = {
-        SWING: _sweep, STROKE: _sweep, LEAST_ANGLE: _least_angle, TIME_RATIO: _time_ratio,
-        INPUT_RANGE: _range, CHANGE_POINT: _margin}
-
-
-def _with_parameter(name: str, length: float, names: By) -> Dual:
-    """Return the size of a length as a dual, constant if it is not among the parameters."""
-    sign = -1.0 if length < 0.0 else 1.0
-    return Dual(abs(length), {name: sign} if name in names else {})
-
-
-def _combined(one: By, other: By, factor: float) -> By:
-    return {name: value + factor * other[name] for name, value in one.items()}
+        return self._array(derivatives_of(share))

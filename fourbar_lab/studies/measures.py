@@ -8,14 +8,15 @@ The mechanism as a whole has measures of one name: ``swing``.
 """
 from __future__ import annotations
 
-from collections.abc import Iterable
-from math import inf, pi, tau
+from math import inf, nan, pi, tau
 from typing import NamedTuple, Union
 
 from fourbar_ros.errors import InvalidParameter, nearest
 from fourbar_ros.mechanisms.parts import Quantity
 from fourbar_ros.mechanisms.quantities import Function, known, positions
+from fourbar_ros.numerics.arrays import Values
 from fourbar_ros.scene.scene import Scene
+import numpy as np
 
 Searched = Union[Quantity, Function]         # what extrema are searched of
 # {part: (what it is, its unit: that of the quantity, of the input, or another)}
@@ -31,11 +32,12 @@ PARTS = {
     'rms': ('root mean square over the input at constant rate; infinite where it grows without '
             'bound at a toggle position', QUANTITY),
 }
-# What the name of a quantity alone stands for.
+# What the name of a quantity without a part stands for.
 USUAL = ('max', 'max_at', 'min', 'min_at', 'extrema')
 CLASS, CHANGE_POINT = 'class', 'change_point_margin'
 INPUT_RANGE, LEAST_ANGLE = 'input_range', 'least_transmission_angle'
 SWING, STROKE, TIME_RATIO = 'swing', 'stroke', 'time_ratio'
+ANGLE = 'transmission_angle'
 OF_MECHANISM = {
     CLASS: ('type of the mechanism: which links turn fully', ''),
     CHANGE_POINT: ('distance from a change point, relative to the sum of the lengths', ''),
@@ -46,20 +48,16 @@ OF_MECHANISM = {
     TIME_RATIO: ('time of the slower stroke of the output over that of the faster one, at '
                  'constant speed of a fully turning crank; NaN where there is none', ''),
 }
-# Known before anything is computed of the motion.
+# Known without the motion, from lengths and input range alone.
 CHEAP = (CLASS, CHANGE_POINT, INPUT_RANGE)
 
 
 class Measure(NamedTuple):
     """
-    A result of a study: a column.
+    A number or text of each design, a column of the results: ``shaking_force.max`` or ``swing``.
 
-    Parameters
-    ----------
-    name, unit, text : str
-    quantity, part : str
-        What it is of and which part; the quantity is empty for those of the mechanism.
-
+    ``quantity`` and ``part`` are what it is of and which of :data:`PARTS`; of a measure of the
+    mechanism the quantity is empty, and the part one of :data:`OF_MECHANISM`.
     """
 
     name: str
@@ -68,36 +66,72 @@ class Measure(NamedTuple):
     quantity: str
     part: str
 
+    @property
+    def limits(self) -> tuple[float, float]:
+        """Return the least and the greatest value that it can have for any design."""
+        if self.part in (SWING, INPUT_RANGE):
+            return 0.0, tau if self.unit == 'rad' else inf
+        if self.quantity == ANGLE and self.part in ('min', 'max', 'span', 'rms'):
+            return 0.0, pi
+        low = 0.0 if self.part in (STROKE, 'peak', 'span', 'rms', 'extrema') else -inf
+        return {LEAST_ANGLE: (0.0, 0.5 * pi), CHANGE_POINT: (0.0, 1.0),
+                TIME_RATIO: (1.0, inf)}.get(self.part, (low, inf))
+
+
+class Extent(NamedTuple):
+    """
+    The largest and the least extremum of a quantity over the input, and the inputs where they are.
+
+    Numbers of one design, or arrays of shape (n,) of many. ``extrema``: how many there are; where
+    there is none, as of an output that turns fully, all others are NaN.
+    """
+
+    max: Values
+    max_at: Values
+    min: Values
+    min_at: Values
+    extrema: Values
+
+    def of(self, part: str) -> Values:
+        """Return a part (not rms), or the measure of the mechanism that this quantity tells."""
+        with np.errstate(invalid='ignore', divide='ignore'):   # inf - inf where loads are infinite
+            span = self.max - self.min
+            forward = np.mod(self.max_at - self.min_at, tau)        # from least to greatest output
+            slow, fast = np.maximum(forward, tau - forward), np.minimum(forward, tau - forward)
+            parts: dict[str, Values] = {
+                **self._asdict(), 'span': span, STROKE: span,
+                'peak': np.maximum(np.abs(self.max), np.abs(self.min)),
+                SWING: np.where(np.equal(self.extrema, 0), tau, span),
+                LEAST_ANGLE: np.minimum(self.min, pi - self.max),
+                TIME_RATIO: np.where(forward > 0.0, slow / fast, nan)}
+        return parts[part]
+
 
 class Measures:
-    """
-    The measures that a scene has.
-
-    Parameters
-    ----------
-    scene : Scene
-
-    """
+    """The measures that a scene has."""
 
     def __init__(self, scene: Scene):
         linkage = scene.linkage
         self.quantities: dict[str, Searched] = {
             **known(linkage, linkage.input), **positions(linkage, linkage.input),
             **{quantity.name: quantity for quantity in scene.point_quantities}}
+        self.output = str(linkage.outputs[0].coordinate.position)
         self._why_no_loads = scene.why_no_loads
         self._input_unit = linkage.input_coordinate.unit
         self._output_unit = linkage.outputs[0].coordinate.unit
         self._kind = linkage.TITLE
 
+    def source(self, measure: Measure) -> str:
+        """Return the quantity from whose values a measure follows; '' if no motion is needed."""
+        if measure.part in CHEAP:
+            return ''
+        return ANGLE if measure.part == LEAST_ANGLE else measure.quantity or self.output
+
     def named(self, entry: str, name: str) -> list[Measure]:
         """
-        Return the measures that an entry of a study names, several for a quantity alone.
+        Return the measures of a name in an entry of a study, several for a quantity alone.
 
-        Raises
-        ------
-        InvalidParameter
-            Naming the entry and what there is.
-
+        InvalidParameter names the entry, and says what there is.
         """
         if name in OF_MECHANISM:
             return [self._of_mechanism(entry, name)]
@@ -120,6 +154,7 @@ class Measures:
         return found[0]
 
     def _of_mechanism(self, entry: str, name: str) -> Measure:
+        """Return a measure of the mechanism; outputs that turn have a swing, slides a stroke."""
         text, unit = OF_MECHANISM[name]
         if name in (SWING, STROKE) and unit != self._output_unit:
             other = STROKE if name == SWING else SWING
@@ -128,24 +163,9 @@ class Measures:
         return Measure(name, self._input_unit if unit == INPUT else unit, text, '', name)
 
     def _of_quantity(self, entry: str, name: str, part: str) -> Measure:
+        """Return a part of a quantity; InvalidParameter for loads of a scene without masses."""
         quantity, (text, unit) = self.quantities[name], PARTS[part]
         if quantity.is_load and self._why_no_loads:
             raise InvalidParameter(entry, name, f'is a load, and {self._why_no_loads}')
         unit = {QUANTITY: quantity.unit, INPUT: self._input_unit}.get(unit, unit)
         return Measure(f'{name}.{part}', unit, f'{quantity.text}: {text}', name, part)
-
-
-def limits(measure: Measure) -> tuple[float, float]:
-    """Return the least and the greatest value that a measure can have at all."""
-    if measure.part in (SWING, INPUT_RANGE):
-        return 0.0, tau if measure.unit == 'rad' else inf
-    if measure.quantity == 'transmission_angle' and measure.part in ('min', 'max', 'span', 'rms'):
-        return 0.0, pi
-    return {LEAST_ANGLE: (0.0, 0.5 * pi), CHANGE_POINT: (0.0, 1.0), TIME_RATIO: (1.0, inf)}.get(
-        measure.part, (0.0 if measure.part in (STROKE, 'peak', 'span', 'rms', 'extrema')
-                       else -inf, inf))
-
-
-def merged(measures: Iterable[Measure]) -> tuple[Measure, ...]:
-    """Return measures without repetition, in their order."""
-    return tuple(dict.fromkeys(measures))

@@ -26,8 +26,8 @@ from fourbar_ros.scene.scene import Scene
 import numpy as np
 
 
-class _Columns(Bodies):
-    """Bodies of which numbers may be columns."""
+class _BodiesOfAnyNumbers(Bodies):
+    """The ``bodies.*`` of a scene whose values may be columns, duals or balls: not checked."""
 
     body = staticmethod(partial(unchecked, Body))
 
@@ -41,23 +41,16 @@ class _Columns(Bodies):
 
 
 def is_machine(scene: Scene) -> bool:
-    """Return whether the mechanism of a scene is a machine of dyads, put together at run time."""
+    """Return whether the mechanism of a scene is a machine, put together of dyads."""
     return bool(scene.values['linkage.kind'] == MACHINE)
 
 
 def constants_of(scene: Scene, values: ParameterValues, numbers: NumberType = ARRAY) -> Constants:
     """
-    Return what the formulas of a scene's mechanism are made for.
+    Return lengths, bodies, gravity and outer loads for the formulas of a scene's mechanism.
 
-    Parameters
-    ----------
-    scene : Scene
-        One like it: of the same kind or the same dyads, in the same mode.
-    values : dict
-        All parameters: floats, or numbers of any type.
-    numbers : NumberType
-        That type, for the directions of a machine.
-
+    ``values`` are all parameters, floats or ``numbers`` of any type; ``scene`` is one like it: of
+    the same kind or the same dyads, in the same mode.
     """
     linkage = scene.linkage
     external = external_of(values, linkage, partial(unchecked, Applied))
@@ -68,21 +61,22 @@ def constants_of(scene: Scene, values: ParameterValues, numbers: NumberType = AR
         from fourbar_ros.machine import Machine
         from fourbar_ros.scene import machines
 
-        bodies = _Columns(values, linkage.LINKS, {link.length: values[f'dyads.{link.length}']
-                                                  for link in linkage.LINKS if link.length})
-        given = bodies.those_given() if bodies.are_given else None
+        lengths = {link.length: values[f'dyads.{link.length}']
+                   for link in linkage.LINKS if link.length}
+        bodies = _BodiesOfAnyNumbers(values, linkage.LINKS, lengths)
         assert isinstance(linkage, Machine)
-        return constants._replace(lengths=machines.numbers_of(linkage, values, numbers),
-                                  bodies=machines.bodies_of(linkage, given))
+        return constants._replace(
+            lengths=machines.numbers_of(linkage, values, numbers),
+            bodies=machines.bodies_of(linkage, bodies.those_given() if bodies.are_given else None))
     lengths = {name: values[f'linkage.{name}'] for name in linkage.length_names}
-    bodies = _Columns(values, linkage.LINKS, lengths)
+    bodies = _BodiesOfAnyNumbers(values, linkage.LINKS, lengths)
     return constants._replace(
         lengths=tuple(lengths.values()),
         bodies=linkage.BODIES(**bodies.every()) if bodies.are_given else None)
 
 
 def dimensions_of(scene: Scene) -> tuple[str, ...]:
-    """Return the beginnings of the names of the parameters that are dimensions of its links."""
+    """Return how names of parameters that are dimensions begin: linkage.a1, dyads., ..."""
     if is_machine(scene):
         return 'dyads.', *['cylinder.'] * (scene.linkage.input == 'cylinder')
     return tuple([f'linkage.{name}' for name in scene.linkage.length_names])
@@ -90,34 +84,39 @@ def dimensions_of(scene: Scene) -> tuple[str, ...]:
 
 def with_lengths(linkage: Mechanism, lengths: Sequence[Scalar | Array]) -> Mechanism:
     """
-    Return a linkage whose lengths are any numbers: quantities of points take them from it.
+    Return a copy of a linkage whose lengths are any numbers, as columns of many designs.
 
-    Those of a machine take all they need from its motion.
+    Motions of points take lengths from its attributes (a1, a2, ...). A machine has none: there
+    they follow from its motion.
     """
-    own = [(name, length) for name, length in zip(linkage.length_names, lengths)
-           if hasattr(linkage, name)]
-    many = copy(linkage) if own else linkage
-    for name, length in own:
-        object.__setattr__(many, name, length)
-    return many
+    parametric = copy(linkage)
+    for name, length in zip(linkage.length_names, lengths):
+        if hasattr(linkage, name):
+            object.__setattr__(parametric, name, length)        # not checked, as floats would be
+    return parametric
 
 
-def point_quantities_of(scene: Scene, values: ParameterValues, many: Mechanism
+def point_quantities_of(scene: Scene, values: ParameterValues, parametric: Mechanism
                         ) -> dict[str, Searched]:
-    """Return {name: quantity} of the points of a scene, whose parameters are any numbers."""
+    """
+    Return {name: speed or acceleration of a point}, its place and the lengths being any numbers.
+
+    ``parametric``: of :func:`with_lengths`. Names and units are those of the scene's own points.
+    """
     found: dict[str, Searched] = {}
     for name, point in scene.points.items():
         place = values[f'points.{name}.along'], values[f'points.{name}.across']
         for make in (point_speed, point_acceleration):
-            one = make(scene.linkage, *point, name=name)
-            known: Any = one.of              # a partial
-            _, link, _, _, first = known.args
-            found[one.name] = one._replace(of=partial(known.func, many, link, *place, first))
+            quantity = make(scene.linkage, *point, name=name)
+            of: Any = quantity.of           # partial(length, linkage, link, along, across, first)
+            _, link, _, _, first = of.args
+            found[quantity.name] = quantity._replace(
+                of=partial(of.func, parametric, link, *place, first))
     return found
 
 
 class Formulas(NamedTuple):
-    """Formulas for numbers of one type, made for a scene whose parameters are such numbers."""
+    """Motion, loads and quantities of a scene whose parameters are numbers of one type."""
 
     motion: Function
     loads: Function | None
@@ -128,9 +127,10 @@ class Formulas(NamedTuple):
 def formulas_of(scene: Scene, numbers: NumberType, values: ParameterValues) -> Formulas:
     """Return the :class:`Formulas` of a scene for values of its parameters of any type."""
     linkage, constants = scene.linkage, constants_of(scene, values, numbers)
-    many = with_lengths(linkage, constants.lengths)
+    parametric = with_lengths(linkage, constants.lengths)
     with np.errstate(all='ignore'):
         return Formulas(linkage.motion_formula(numbers, constants),
                         linkage.loads_formula(numbers, constants) if linkage.bodies else None,
                         values['drive.speed'],
-                        Measures(scene).quantities | point_quantities_of(scene, values, many))
+                        {**Measures(scene).quantities,
+                         **point_quantities_of(scene, values, parametric)})

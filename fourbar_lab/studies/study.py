@@ -4,8 +4,8 @@
 A study: a scene, what varies in it, and what is computed, kept and ranked.
 
 Read from YAML and checked as a whole before anything is computed. In the checks ``entry`` is the
-name of an entry in the study, ``given`` its value in YAML; InvalidParameter names the entry and
-says what is allowed.
+name of an entry in the study, ``value`` what YAML gives for it; InvalidParameter names the entry
+and says what is allowed.
 """
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from math import isfinite, prod
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from fourbar_lab.studies.measures import CLASS, limits, Measure, Measures, merged
+from fourbar_lab.studies.measures import CLASS, Measure, Measures
 from fourbar_lab.studies.variation import (
     LONGEST,
     METHODS,
@@ -42,8 +42,8 @@ KEEP = ('feasible', 'all')
 SENSES = ('minimize', 'maximize')
 # Rows that are computed, kept and lost together: seconds of work.
 CHUNK = 8192
-LARGEST, MOST_ROWS, MOST_SAMPLES = 2**20, 2**44, 4096
-# Designs of which one at least must be possible.
+LARGEST_CHUNK, MOST_ROWS, MOST_SAMPLES = 2**20, 2**44, 4096
+# First designs, of which one at least must be possible.
 TRIED = 1000
 # Lengths of these make every type: each link the longest or the shortest, sums equal or not.
 RATIOS = (1.0, 3.0, 4.0)
@@ -54,16 +54,22 @@ class StudyError(FourBarError, ValueError):
 
 
 class Bound(NamedTuple):
-    """A constraint: a measure between two values, or one of some texts."""
+    """A constraint: a measure between two values; of a text, which parts it must have one of."""
 
     measure: Measure
     least: float
     most: float
     texts: tuple[str, ...] = ()
 
+    def allows(self, value: float | str) -> bool:
+        """Return whether a value of the measure fulfils it; infinities and NaN never do."""
+        if isinstance(value, str):
+            return any(text in value for text in self.texts)
+        return isfinite(value) and self.least <= value <= self.most
+
 
 class Objective(NamedTuple):
-    """What is to be small, or large."""
+    """A measure by which designs are ranked; ``sense`` is one of :data:`SENSES`."""
 
     measure: Measure
     sense: str
@@ -92,9 +98,6 @@ class Study:
         Acceleration of the input, beside the rate ``drive.speed``.
     measures : tuple of Measure
         All columns that are computed, those of constraints and objectives included.
-    bounds : tuple of Bound
-    objectives : tuple of Objective
-    curves : tuple of Curve
     keeps_all : bool
         Keep rows that do not fulfil the constraints too.
     chunk : int
@@ -125,13 +128,13 @@ class Study:
         return chunk * self.chunk, min((chunk + 1) * self.chunk, self.rows)
 
     def drawn(self, start: int, stop: int) -> dict[str, Array]:
-        """Return {parameter: its values} in some rows."""
+        """Return {parameter that varies: its values in rows start to stop - 1, shape (n,)}."""
         points = unit_points(self.method, (start, stop), self.seed,
                              tuple(one.of_grid for one in self.vary), self.rows)
         return {one.name: one.at(p) for one, p in zip(self.vary, points.T)}
 
     def scene_values(self, row: int) -> ParameterValues:
-        """Return all parameters of one row."""
+        """Return all parameters of the scene that one row is."""
         drawn = self.drawn(row, row + 1)
         return {**self.values, **{name: column[0].item() for name, column in drawn.items()}}
 
@@ -140,27 +143,20 @@ class _Loader(yaml.SafeLoader):
     """YAML in which a key that is given twice is an error, not the last one."""
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
-        given: set[str] = set()
+        """Return the dict of a mapping; an error if a key occurs twice."""
+        seen: set[str] = set()
         for key, _ in node.value:
             if not isinstance(key, yaml.ScalarNode):
                 continue                        # a list is no key: the base class says so
-            if key.value in given:
+            if key.value in seen:
                 raise yaml.MarkedYAMLError(problem=f'{key.value} is given twice',
                                            problem_mark=key.start_mark)
-            given.add(key.value)
+            seen.add(key.value)
         return super().construct_mapping(node, deep)
 
 
 def read(path: str | Path) -> Study:
-    """
-    Return the :class:`Study` of a YAML file.
-
-    Raises
-    ------
-    StudyError
-        The file cannot be read, or an entry is wrong; the message names it.
-
-    """
+    """Return the :class:`Study` of a YAML file; StudyError if an entry or the file is wrong."""
     path = Path(path)
     try:
         document = yaml.load(path.read_text(encoding='utf-8'), _Loader)
@@ -192,10 +188,12 @@ def from_document(document: Yaml, folder: Path = Path()) -> Study:
     bounds = _bounds(document.get('constraints', {}), measures, scene)
     objectives = _objectives(document.get('objectives', {}), measures)
     curves = _curves(document.get('curves', {}), scene)
-    asked = [measure for name in list_of('quantities', document.get('quantities', []))
-             for measure in measures.named('quantities', str(name))]
-    columns = merged([*asked, *(bound.measure for bound in bounds),
-                      *(objective.measure for objective in objectives)])
+    names = document.get('quantities', [])
+    if not isinstance(names, list):
+        raise InvalidParameter('quantities', names, 'must be a list, as [shaking_force, swing]')
+    asked = [measure for name in names for measure in measures.named('quantities', str(name))]
+    columns = tuple(dict.fromkeys([*asked, *(bound.measure for bound in bounds),
+                                   *(objective.measure for objective in objectives)]))
     if not columns and not curves:
         raise InvalidParameter('quantities', None, 'must be given (or constraints, objectives or '
                                                    'curves): what is to be computed?')
@@ -205,14 +203,14 @@ def from_document(document: Yaml, folder: Path = Path()) -> Study:
                   number_of('acceleration', document.get('acceleration', 0.0)), columns, bounds,
                   objectives, curves,
                   choice_of('keep', document.get('keep', KEEP[0]), KEEP) == 'all',
-                  integer_of('chunk', document.get('chunk', CHUNK), 1, LARGEST))
+                  integer_of('chunk', document.get('chunk', CHUNK), 1, LARGEST_CHUNK))
     _require_a_design(study)
     return study
 
 
 def _require_a_design(study: Study) -> None:
-    """Refuse a study of which none of the first designs can be built."""
-    first = None
+    """Refuse a study of which none of the first designs can be built: its ranges are wrong."""
+    first_error = None
     tried = min(study.rows, TRIED)
     drawn = {name: column.tolist() for name, column in study.drawn(0, tried).items()}
     for row in zip(*drawn.values()):
@@ -220,45 +218,47 @@ def _require_a_design(study: Study) -> None:
             from_values({**study.values, **dict(zip(drawn, row))})
             return
         except InvalidParameter as error:
-            first = first or error
+            first_error = first_error or error
     raise InvalidParameter('vary', None, f'none of the first {tried} designs can be built: '
-                                         f'{first}')
+                                         f'{first_error}')
 
 
-def _scene(given: Yaml, folder: Path) -> Scene:
-    if not isinstance(given, str):
-        raise InvalidParameter('scene', given, 'must be a scene: a file or the name of one, as '
+def _scene(value: Yaml, folder: Path) -> Scene:
+    """Return the scene of a file, looked for beside the study first, then among the shipped."""
+    if not isinstance(value, str):
+        raise InvalidParameter('scene', value, 'must be a scene: a file or the name of one, as '
                                                'paper')
-    beside = folder / given
-    return from_values(read_values(beside if beside.is_file() else find(given)))
+    beside = folder / value
+    return from_values(read_values(beside if beside.is_file() else find(value)))
 
 
-def _vary(given: Yaml, scene: Scene) -> tuple[Variation, ...]:
-    if not isinstance(given, dict) or not given:
-        raise InvalidParameter('vary', given, 'must be a mapping of parameters of the scene, as '
+def _vary(value: Yaml, scene: Scene) -> tuple[Variation, ...]:
+    """Return the variations of a mapping {parameter: {KIND: VALUES}}."""
+    if not isinstance(value, dict) or not value:
+        raise InvalidParameter('vary', value, 'must be a mapping of parameters of the scene, as '
                                               '{linkage.a1: {range: [0.2, 0.6]}}')
-    for name in given:
+    for name in value:
         if str(name).startswith('cylinder.') and scene.values['linkage.input'] != 'cylinder':
             raise InvalidParameter(f'vary.{name}', None, 'acts only with linkage.input cylinder')
-    return tuple([variation(name, how, scene.values.get(name)) for name, how in given.items()])
+    return tuple([variation(name, how, scene.values.get(name)) for name, how in value.items()])
 
 
-def _rows(given: Yaml, method: str, vary: tuple[Variation, ...]) -> int:
-    """Return the number of rows, checked against the method."""
+def _rows(value: Yaml, method: str, vary: tuple[Variation, ...]) -> int:
+    """Return the number of rows: the product of the levels of a grid, else as given."""
     if method == 'grid':
         for one in vary:
             if one.kind in TOLERANCES:
                 raise InvalidParameter(f'vary.{one.name}', one.kind,
                                        'a grid takes ranges and lists only')
         count = prod(one.levels for one in vary)
-        if given is not None and given != count:
-            raise InvalidParameter('rows', given, f'a grid has the product of its levels, {count}')
+        if value is not None and value != count:
+            raise InvalidParameter('rows', value, f'a grid has the product of its levels, {count}')
         if count > MOST_ROWS:
             raise InvalidParameter('vary', None, f'a grid of {count} rows is too large')
         return count
-    if given is None:
+    if value is None:
         raise InvalidParameter('rows', None, f'must be given: how many designs {method} draws')
-    rows = integer_of('rows', given, 1, MOST_ROWS)
+    rows = integer_of('rows', value, 1, MOST_ROWS)
     if method == 'latin_hypercube' and rows > WHOLE:
         raise InvalidParameter('rows', rows, 'a Latin hypercube is drawn whole, so at most '
                                              f'{WHOLE}; sobol has no such limit')
@@ -268,36 +268,38 @@ def _rows(given: Yaml, method: str, vary: tuple[Variation, ...]) -> int:
     return rows
 
 
-def _bounds(given: Yaml, measures: Measures, scene: Scene) -> tuple[Bound, ...]:
-    if not isinstance(given, dict):
-        raise InvalidParameter('constraints', given, 'must be a mapping, as '
+def _bounds(value: Yaml, measures: Measures, scene: Scene) -> tuple[Bound, ...]:
+    """Return the constraints of a mapping {measure: {least: VALUE, most: VALUE} or types}."""
+    if not isinstance(value, dict):
+        raise InvalidParameter('constraints', value, 'must be a mapping, as '
                                                      '{swing: {least: 0.5}}')
-    return tuple([_bound(f'constraints.{name}', measures.one('constraints', name), how, scene)
-                  for name, how in given.items()])
+    return tuple([_bound(f'constraints.{name}', measures.one('constraints', name), limits, scene)
+                  for name, limits in value.items()])
 
 
-def _bound(entry: str, measure: Measure, how: Yaml, scene: Scene) -> Bound:
+def _bound(entry: str, measure: Measure, value: Yaml, scene: Scene) -> Bound:
+    """Return a constraint; one that no design can fulfil is refused."""
     if measure.part == CLASS:
-        return Bound(measure, -np.inf, np.inf, _types(entry, how, scene))
-    if not isinstance(how, dict) or not how or not set(how) <= {'least', 'most'}:
-        raise InvalidParameter(entry, how, 'must be {least: VALUE}, {most: VALUE} or both')
-    least, most = (number_of(f'{entry}.{side}', how.get(side, unbounded), unbounded)
+        return Bound(measure, -np.inf, np.inf, _types(entry, value, scene))
+    if not isinstance(value, dict) or not value or not set(value) <= {'least', 'most'}:
+        raise InvalidParameter(entry, value, 'must be {least: VALUE}, {most: VALUE} or both')
+    least, most = (number_of(f'{entry}.{side}', value[side]) if side in value else unbounded
                    for side, unbounded in (('least', -np.inf), ('most', np.inf)))
     if least > most:
-        raise InvalidParameter(entry, how, 'least is more than most: no design can fulfil it')
-    low, high = limits(measure)
+        raise InvalidParameter(entry, value, 'least is more than most: no design can fulfil it')
+    low, high = measure.limits
     if least > high or most < low:
-        raise InvalidParameter(entry, how, f'no design can fulfil it: {measure.name} lies in '
+        raise InvalidParameter(entry, value, f'no design can fulfil it: {measure.name} lies in '
                                            f'[{low:g}, {high:.6g}] {measure.unit}'.rstrip())
     return Bound(measure, least, most)
 
 
-def _types(entry: str, given: Yaml, scene: Scene) -> tuple[str, ...]:
+def _types(entry: str, value: Yaml, scene: Scene) -> tuple[str, ...]:
     """Return the types that are allowed, each a part of the name of one that exists."""
-    asked = [given] if isinstance(given, str) else given if isinstance(given, list) else []
+    asked = value if isinstance(value, list) else [value]
     texts = [text for text in asked if isinstance(text, str)]
     if not texts or len(texts) < len(asked):
-        raise InvalidParameter(entry, given, 'must be a type or a list of types, as '
+        raise InvalidParameter(entry, value, 'must be a type or a list of types, as '
                                              '[crank-rocker]')
     known = _known_types(scene)
     for text in texts:
@@ -310,21 +312,22 @@ def _types(entry: str, given: Yaml, scene: Scene) -> tuple[str, ...]:
 def _known_types(scene: Scene) -> list[str]:
     """Return the names of all types of the scene's kind: those of a few ratios of its lengths."""
     names = scene.linkage.length_names if scene.values['linkage.kind'] in KINDS else ()
-    found = {scene.linkage.classification: None}
+    types = [scene.linkage.classification]
     for lengths in product(RATIOS, repeat=len(names)):
         with suppress(InvalidParameter):
             other = from_values({**scene.values, **{f'linkage.{name}': length
                                                     for name, length in zip(names, lengths)}})
-            found[other.linkage.classification] = None
-    return list(found)
+            types.append(other.linkage.classification)
+    return list(dict.fromkeys(types))
 
 
-def _objectives(given: Yaml, measures: Measures) -> tuple[Objective, ...]:
-    if not isinstance(given, dict):
-        raise InvalidParameter('objectives', given, 'must be a mapping, as '
+def _objectives(value: Yaml, measures: Measures) -> tuple[Objective, ...]:
+    """Return the objectives of a mapping {measure: minimize or maximize}."""
+    if not isinstance(value, dict):
+        raise InvalidParameter('objectives', value, 'must be a mapping, as '
                                                     '{shaking_force.max: minimize}')
     found = []
-    for name, sense in given.items():
+    for name, sense in value.items():
         measure = measures.one('objectives', str(name))
         if measure.part == CLASS:
             raise InvalidParameter('objectives', name, 'is text and cannot be minimized')
@@ -332,46 +335,38 @@ def _objectives(given: Yaml, measures: Measures) -> tuple[Objective, ...]:
     return tuple(found)
 
 
-def _curves(given: Yaml, scene: Scene) -> tuple[Curve, ...]:
-    if not isinstance(given, dict):
-        raise InvalidParameter('curves', given, 'must be {NAME OF A POINT: SAMPLES}')
-    for name in given:
+def _curves(value: Yaml, scene: Scene) -> tuple[Curve, ...]:
+    """Return the curves of a mapping {point of the scene: samples}."""
+    if not isinstance(value, dict):
+        raise InvalidParameter('curves', value, 'must be {NAME OF A POINT: SAMPLES}')
+    for name in value:
         if name not in scene.points:
             has = f'has {", ".join(scene.points)}' if scene.points else 'has none'
             raise InvalidParameter(f'curves.{name}', None, f'no point of the scene, which {has}')
     return tuple([Curve(name, integer_of(f'curves.{name}', samples, 1, MOST_SAMPLES))
-                  for name, samples in given.items()])
+                  for name, samples in value.items()])
 
 
-def list_of(entry: str, given: Yaml) -> list[Yaml]:
-    """Return a list."""
-    if not isinstance(given, list):
-        raise InvalidParameter(entry, given, 'must be a list, as [shaking_force, swing]')
-    return given
+def choice_of(entry: str, value: Yaml, choices: tuple[str, ...]) -> str:
+    """Return a value that must be one of some texts."""
+    if value not in choices:
+        raise InvalidParameter(entry, value, f'must be one of {", ".join(choices)}')
+    return str(value)
 
 
-def choice_of(entry: str, given: Yaml, choices: tuple[str, ...]) -> str:
-    """Return one of some texts."""
-    if given not in choices:
-        raise InvalidParameter(entry, given, f'must be one of {", ".join(choices)}')
-    return str(given)
+def integer_of(entry: str, value: Yaml, low: int, high: int) -> int:
+    """Return an integer within limits; 1e7 is a float in YAML 1.2, and a text in YAML 1.1."""
+    if isinstance(value, str) and value.replace('e', '', 1).replace('.', '', 1).isdigit():
+        value = float(value)
+    if isinstance(value, float) and value.is_integer():
+        value = int(value)
+    if isinstance(value, bool) or not isinstance(value, int) or not low <= value <= high:
+        raise InvalidParameter(entry, value, f'must be an integer from {low} to {high}')
+    return value
 
 
-def integer_of(entry: str, given: Yaml, low: int, high: int) -> int:
-    """Return an integer within limits; 1e7 may be a float or a text in YAML."""
-    if isinstance(given, float) and given.is_integer():      # 1e7 is a float in YAML 1.2
-        given = int(given)
-    if isinstance(given, str) and given.replace('e', '', 1).replace('.', '', 1).isdigit():
-        return integer_of(entry, float(given), low, high)      # and a text in YAML 1.1
-    if isinstance(given, bool) or not isinstance(given, int) or not low <= given <= high:
-        raise InvalidParameter(entry, given, f'must be an integer from {low} to {high}')
-    return given
-
-
-def number_of(entry: str, given: Yaml, unbounded: float = 0.0) -> float:
-    """Return a finite number; ``unbounded`` itself, an infinity, passes."""
-    if given is unbounded:
-        return unbounded
-    if isinstance(given, bool) or not isinstance(given, (int, float)) or not isfinite(given):
-        raise InvalidParameter(entry, given, 'must be a finite number')
-    return float(given)
+def number_of(entry: str, value: Yaml) -> float:
+    """Return a finite number."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not isfinite(value):
+        raise InvalidParameter(entry, value, 'must be a finite number')
+    return float(value)

@@ -24,9 +24,9 @@ from fourbar_ros.numerics.given import number
 from fourbar_ros.optional import MissingPackage
 import numpy as np
 
-SAMPLES, MOST_SAMPLES = 1024, 2**17
+SAMPLES, MOST_SAMPLES = 1024, 2**17     # of a turn
 NARROWEST = 16.0       # samples times the distance of a singularity from the real inputs
-CHANGES = 1e-6         # of the inertia by twice the samples
+CHANGES = 1e-6         # of the inertia by twice the samples, at which it counts as converged
 
 
 class Flywheel(NamedTuple):
@@ -72,6 +72,7 @@ def flywheel_for(equation: Equation, rate: float, fluctuation: float) -> Flywhee
                                'forces do: a steady turn is computed of one')
 
     def with_samples(count: int) -> Flywheel:
+        """Return the flywheel from so many samples of a turn, by a search for its inertia."""
         position: Array = np.linspace(0.0, tau, count, endpoint=False)
         terms = equation.terms(position)
 
@@ -84,24 +85,26 @@ def flywheel_for(equation: Equation, rate: float, fluctuation: float) -> Flywhee
             most *= 4.0
         return steady_turn(position, terms, rate,
                            float(brentq(excess, 0.0, most, xtol=1e-12 * most)))
+    # samples resolve the sharpest peak of J and Q, next to a complex singularity
     width = min((abs(z.imag) for z in equation.mechanism.singular_inputs if z.imag), default=1.0)
     count = SAMPLES
     while count * width < NARROWEST and count < MOST_SAMPLES:
         count *= 2
-    found = with_samples(count)
+    wheel = with_samples(count)
     while count < MOST_SAMPLES:
-        count, before, found = 2 * count, found, with_samples(2 * count)
-        if abs(found.inertia - before.inertia) <= CHANGES * found.inertia:
+        count, before, wheel = 2 * count, wheel, with_samples(2 * count)
+        if abs(wheel.inertia - before.inertia) <= CHANGES * wheel.inertia:
             break
-    return found
+    return wheel
 
 
 def steady_turn(position: Array, terms: Terms, rate: float, inertia: float) -> Flywheel:
     """
-    Return the periodic motion (W1) with a flywheel.
+    Return the periodic motion (W1) with a flywheel of an inertia [kg m^2].
 
-    ``position``: equal steps over a turn, with the terms there; ``rate``: mean of highest and
-    lowest.
+    ``position``: equal steps over a turn [rad], with the terms there; ``rate``: mean of highest
+    and lowest [rad/s]. Damping depends on the rate: motion and torque are found in turn, until the
+    rates stay.
     """
     rates: Array = np.full(position.size, rate)
     total = terms.inertia + inertia
@@ -125,7 +128,12 @@ def _integral(values: Array) -> Array:
 
 
 def _rates(gained: Array, total: Array, rate: float) -> Array:
-    """Return w from (W1), with E0 so that ``rate`` is the mean of its extrema."""
+    """
+    Return the rates w from (W1), with E0 found by bisection.
+
+    ``gained``: the integral of the forces; ``total``: J + I; ``rate``: mean wanted of the largest
+    and the smallest w.
+    """
     def rates_at(energy: float) -> Array:
         rates: Array = np.sqrt(2.0 * np.maximum(energy + gained, 0.0) / total)
         return rates

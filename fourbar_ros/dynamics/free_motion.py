@@ -76,18 +76,20 @@ class FreeMotion:
         self._start, rate = start or system.start
         self._system, self._rate = system, rate
         self.energy = float(self._equation.energy(self._start, rate))
-        turning = self._turning_points(mechanism, rate)
-        self.swings = turning is not None
-        if turning is None:
-            self._middle, self._half, self._direction = 0.0, 0.0, (1.0 if rate > 0.0 else -1.0)
-            self._cycle = tau * (1 + len(flat_positions(mechanism)) % 2)
-        else:
-            low, high = turning
-            self._middle, self._half = 0.5 * (low + high), 0.5 * (high - low)
-            self._cycle = tau
+        ends = self._turning_points(mechanism, rate)
+        self.swings = ends is not None
+        low, high = ends or (0.0, 0.0)
+        self._middle, self._half = 0.5 * (low + high), 0.5 * (high - low)
+        self._direction = 1.0 if rate > 0.0 else -1.0
+        # of u: a crank that alternates its mode is where it was after two turns
+        self._cycle = tau if ends else tau * (1 + len(flat_positions(mechanism)) % 2)
 
     def _turning_points(self, mechanism: Mechanism, rate: float) -> tuple[float, float] | None:
-        """Return the ends of the swing, or None for a crank that goes round."""
+        """
+        Return the inputs between which the motion swings, or None for a crank that goes round.
+
+        Raises InvalidParameter for an equilibrium, and for a motion that reaches a limit.
+        """
         if rate == 0.0:      # the start is one of them: which one, the force says
             pushes = self._equation.terms(self._start).force
             if pushes == 0.0:
@@ -104,14 +106,19 @@ class FreeMotion:
 
     def _turning_point(self, mechanism: Mechanism, side: float,
                        at_rest: bool = False) -> float | None:
-        """Return the nearest turning point on one side of the start, or None."""
+        """
+        Return the nearest input on one side (+-1) of the start where all energy is potential.
+
+        Searched on samples, dense next to the start: from rest (``at_rest``) the start itself, the
+        other turning point, is left out. None if there is none within a turn, or the range.
+        """
         reach = tau
         if not mechanism.turns_fully:
-            here = self._system.course.continuous(float(self._start))
-            inside = [(low, high) for low, high in mechanism.input_ranges if low <= here <= high]
+            start = self._system.course.continuous(float(self._start))
+            inside = [(low, high) for low, high in mechanism.input_ranges if low <= start <= high]
             if not inside:
                 raise InvalidParameter('system', None, 'must start in the range of its input')
-            reach = inside[0][1] - here if side > 0.0 else here - inside[0][0]
+            reach = inside[0][1] - start if side > 0.0 else start - inside[0][0]
         near = np.geomspace(1e-9, 1e-3, 25)[:-1]
         far = 1e-3 + (1.0 - 1e-3) * np.sin(np.linspace(0.0, 0.5 * pi, 2048))
         # not quite to the end, where a toggle may be
@@ -149,7 +156,11 @@ class FreeMotion:
 
     @cached_property
     def _resolved(self) -> tuple[float, ComplexArray]:
-        """Return the size of the last Fourier coefficients of dt/du, and those above it."""
+        """
+        Return the relative size of the last Fourier coefficients of dt/du, and those above it.
+
+        Samples are doubled until the last eighth of the coefficients is nothing but rounding.
+        """
         # a peak between all samples would leave no trace in the series
         width = min((abs(z.imag) for z in self._equation.mechanism.singular_inputs if z.imag),
                     default=np.inf) / (self._half if self.swings else 1.0)
@@ -179,7 +190,7 @@ class FreeMotion:
 
     @property
     def accuracy(self) -> float:
-        """Return the relative error of times to be expected."""
+        """Return the relative error of times to be expected: what the series leaves out."""
         return self._resolved[0]
 
     @property
@@ -192,18 +203,23 @@ class FreeMotion:
         return float(self._cycle * self._series[0].real)
 
     def _time(self, u: Array) -> tuple[Array, Array]:
-        """Return the time since u = 0, and dt/du [s]."""
+        """Return the time since u = 0 and dt/du [s], from the Fourier series and its integral."""
         k = np.arange(1, self._series.size) * (tau / self._cycle)
-        mean, found = self._series[0].real, []
+        mean, parts = self._series[0].real, []
         for part in np.array_split(np.atleast_1d(u), 1 + np.size(u) * k.size // TOGETHER):
             waves = 2.0 * self._series[1:] * np.exp(1j * np.multiply.outer(part, k))
-            found.append((mean * part + np.sum((waves / (1j * k)).real, -1),
+            parts.append((mean * part + np.sum((waves / (1j * k)).real, -1),
                           mean + np.sum(waves.real, -1)))
-        time, slope = (np.concatenate(rows) for rows in zip(*found))
+        time, slope = (np.concatenate(rows) for rows in zip(*parts))
         return time.reshape(np.shape(u)), slope.reshape(np.shape(u))
 
     def states(self, times: ArrayLike) -> Array:
-        """Return input and rate at these times: [rad] or [m], [rad/s] or [m/s]."""
+        """
+        Return input [rad] or [m] and rate [rad/s] or [m/s] at these times [s], shape (2, ...).
+
+        Whole periods are taken off first; then u(t) is found by Newton's method, in steps of at
+        most 0.3, as dt/du has peaks.
+        """
         times = np.asarray(times, float)
         start = self._time(np.array(self._phase))[0]
         turns, rest = np.divmod(times, self.period)
@@ -216,21 +232,17 @@ class FreeMotion:
                 break
         slope = self._time(u)[1]
         if self.swings:
-            found: Array = np.array([self._input(u), self._half * np.cos(u) / slope])
-        else:
-            found = np.array([self._input(u) + self._direction * self._cycle * turns,
-                              self._direction / slope])
-        return found
+            return np.array([self._input(u), self._half * np.cos(u) / slope])
+        return np.array([self._input(u) + self._direction * self._cycle * turns,
+                         self._direction / slope])
 
     def position(self, times: ArrayLike) -> Array:
         """Return the input at these times [rad] or [m]."""
-        position: Array = self.states(times)[0]
-        return position
+        return np.asarray(self.states(times)[0])
 
     def rate(self, times: ArrayLike) -> Array:
         """Return the rate of the input at these times [rad/s] or [m/s]."""
-        rate: Array = self.states(times)[1]
-        return rate
+        return np.asarray(self.states(times)[1])
 
     @property
     def samples(self) -> int:
@@ -238,21 +250,20 @@ class FreeMotion:
         return 4 * self._series.size
 
     def stays_within(self, system: System) -> bool:
-        """Return whether the motion gets to no limit at which a run would end."""
+        """Return whether the motion stays clear of all limits at which a run would end."""
         if not self.swings:
             return not system.events(system.course.first)
         ends = (self._middle - self._half, self._middle + self._half)
-        is_within = system.distance_to_end if system.has_no_limits else (
-            lambda end: system.distance_to_limit(0.0, (end,)))
+        is_within = system.distance_to_end if system.has_no_limits else system.distance_to_limit
         return min(map(is_within, ends)) > 0.0 and not (
             system.stops_at_change_points and flat_positions(system.mechanism))
 
     def error(self, times: Array) -> float:
         """
-        Return the error of the position to be expected at times [rad] or [m].
+        Return the largest error of the position to be expected at times [rad] or [m].
 
-        Of the series, and of the energy, which is known to its rounding: from what a start with
-        another energy changes.
+        The energy is known to its rounding only: the motion is computed again with that much more
+        energy, and compared. To this comes the error of the series, which grows with the time.
         """
         states, (position, rate) = self.states(times), (self._start, self._rate)
         _, size = self._equation.potential_and_size(position)
@@ -268,9 +279,10 @@ class FreeMotion:
 def follow(system: System, until: float, tolerance: float,
            wanted: Array | None) -> tuple[Part, float, int] | None:
     """
-    Return a free motion up to a time, the error of its position and its evaluations.
+    Return a free motion up to a time [s], the error of its position, and its evaluations of poses.
 
     None where that error is above the tolerance, for a motion that is not free or not periodic.
+    ``wanted``: times of the result; None: 32 in each period.
     """
     if not system.is_conservative:
         return None

@@ -12,7 +12,6 @@ derivatives with respect to time): stable where K > 0, with the natural frequenc
 """
 from __future__ import annotations
 
-from collections.abc import Callable
 from math import nan, pi, sqrt, tau
 from typing import NamedTuple
 
@@ -23,7 +22,7 @@ from fourbar_ros.numerics.number_types import Function
 from fourbar_ros.optional import MissingPackage
 import numpy as np
 
-SAMPLES = 2048      # in each range of the input; denser towards its ends
+SAMPLES = 2048      # in each range of the input
 
 
 class Equilibrium(NamedTuple):
@@ -40,34 +39,28 @@ def equilibria(equation: Equation, drive: float = 0.0) -> tuple[Equilibrium, ...
     """
     Return all static equilibria in this assembly mode, in order of the input.
 
-    Found are the sign changes of Q + T on 2048 samples of each range of the input, and pairs of
-    them between samples where |Q + T| dips; where Q + T is zero over an interval there is nothing
-    to find. Where Q jumps over zero, as at the wrap of a torsion spring, there is no equilibrium.
-
-    Parameters
-    ----------
-    equation : Equation
-    drive : float
-        Constant torque (force) T of the drive.
-
+    ``drive``: constant torque (force) T of the drive. Equilibria are sign changes of Q + T on 2048
+    samples of each range of the input, and pairs of them between samples where |Q + T| dips. Where
+    Q + T is zero over an interval none is found, and where Q jumps over zero, as at the wrap of a
+    torsion spring, there is none.
     """
     places = []
     for samples in _samples(equation.mechanism, equation.turns):
         places += roots_of(lambda q: equation.terms(q).force + drive, samples)
-    return tuple(_equilibrium(equation, place) for place in sorted(map(_in_turn(equation), places))
+    if equation.mechanism.turns_fully:      # samples go a little beyond the turns from -pi on
+        cycle, end = equation.turns * tau, (2 * equation.turns - 1) * pi
+        places = [place - cycle if place > end else place if abs(place) > 1e-60 else 0.0
+                  for place in places]
+    return tuple(_equilibrium(equation, place) for place in sorted(places)
                  if not _jumps(equation, place, drive))
 
 
-def _in_turn(equation: Equation) -> Callable[[float], float]:
-    """Return the function place -> the same from -pi on, of a crank that turns fully."""
-    if not equation.mechanism.turns_fully:
-        return float
-    cycle, most = equation.turns * tau, (2 * equation.turns - 1) * pi
-    return lambda place: place - cycle if place > most else place if abs(place) > 1e-60 else 0.0
-
-
 def _jumps(equation: Equation, place: float, drive: float) -> bool:
-    """Return whether Q only jumps over zero there, as where the angle of a spring wraps."""
+    """
+    Return whether Q + T only jumps over zero at a place, as where the angle of a spring wraps.
+
+    At a root both values 1e-9 beside it are as small as the slope says; at a jump they are not.
+    """
     aside = 1e-9 * equation.mechanism.input_unit
     below, here, above = equation.terms(place + aside * np.arange(-1.0, 2.0)).force + drive
     bend = abs(float(equation.stiffness(place))) * aside
@@ -75,11 +68,7 @@ def _jumps(equation: Equation, place: float, drive: float) -> bool:
 
 
 def _samples(mechanism: Mechanism, turns: int) -> list[Array]:
-    """
-    Return inputs in each range.
-
-    Over the turns after which all repeats, or denser towards the ends, which are left out.
-    """
+    """Return inputs in each range: of a full crank equal steps, else denser towards both ends."""
     if mechanism.turns_fully:
         # a sample beyond the turn: its ends, where equilibria are often, are then inside
         return [(np.arange(turns * SAMPLES + 1) + 0.5) * (tau / SAMPLES) - pi]
@@ -89,7 +78,12 @@ def _samples(mechanism: Mechanism, turns: int) -> list[Array]:
 
 
 def roots_of(function: Function, samples: Array) -> list[float]:
-    """Return the places where a function of floats and arrays changes its sign."""
+    """
+    Return the places where a function of floats and arrays changes its sign, to the last bits.
+
+    Brackets are the sign changes between samples. Where |f| dips at a sample without one, the dip
+    is searched for its lowest point: beyond zero it gives two more.
+    """
     try:
         from scipy.optimize import brentq, minimize_scalar
     except ModuleNotFoundError as error:
@@ -114,6 +108,7 @@ def roots_of(function: Function, samples: Array) -> list[float]:
 
 
 def _equilibrium(equation: Equation, position: float) -> Equilibrium:
+    """Return an equilibrium with its stiffness, frequency and damping ratio by (S1)."""
     terms, stiffness = equation.terms(position), float(equation.stiffness(position))
     if stiffness <= 0.0:
         return Equilibrium(position, False, stiffness, nan, nan)

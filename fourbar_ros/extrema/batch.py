@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.extrema.find import CONSTANT, find_extrema, MAXIMUM
-from fourbar_ros.extrema.four_bar_rates.search import at_rate, Linkages, RateExtrema, search
+from fourbar_ros.extrema.four_bar_rates.search import at_rate, Linkages, search
 from fourbar_ros.extrema.methods import RATES
 from fourbar_ros.mechanisms.contract import CROSSED, OPEN
 from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
@@ -23,7 +23,7 @@ from fourbar_ros.numerics.roots import fold
 import numpy as np
 from numpy.typing import ArrayLike
 
-# Linkages searched at a time.
+# Linkages searched at a time: bounds the memory; progress is told between chunks.
 CHUNK = 16384
 # Values nearer to each other than this part of them may be equal, as far as their conditions tell.
 NEARLY = 1e-8
@@ -98,30 +98,30 @@ def find_extrema_many(a1: ArrayLike, a2: ArrayLike, a3: ArrayLike, a4: ArrayLike
     parts = {name: [NOTHING] for name in RATES}
     for start in range(0, sign.size, CHUNK):
         chunk = slice(start, start + CHUNK)
-        own = lengths[:, chunk], mode[chunk], rate[chunk]
+        given_there = lengths[:, chunk], mode[chunk], rate[chunk]
         linkages = Linkages.of(lengths[:, chunk], sign[chunk])
-        flat = _at_change_points(np.nonzero(linkages.is_flat)[0].tolist(), *own)
-        for order, (name, found) in enumerate(zip(RATES, search(linkages))):
-            part, in_doubt = _collected(_scaled(found, own[2], order), flat[name])
-            _decide_ties(name, part, in_doubt, *own)
+        flat = _at_change_points(np.nonzero(linkages.is_flat)[0].tolist(), *given_there)
+        for order, (name, unit) in enumerate(zip(RATES, search(linkages))):
+            scaled = (unit.row, unit.theta1, *at_rate(unit, rate[chunk][unit.row], order),
+                      unit.side)
+            part, in_doubt = _collected(scaled, flat[name])
+            _decide_ties(name, part, in_doubt, *given_there)
             parts[name].append(part._replace(index=part.index + start))
         if progress is not None:
             progress(min(start + CHUNK, sign.size) / sign.size)
-    return {name: Extrema(*map(np.concatenate, zip(*found_there)))
-            for name, found_there in parts.items()}
+    return {name: Extrema(*map(np.concatenate, zip(*chunks))) for name, chunks in parts.items()}
 
 
 Columns = tuple[Array, ...]     # index, theta1, value, is_maximum, side
 
 
-def _scaled(found: RateExtrema, rate: Array, order: int) -> Columns:
-    """Return the extrema of omega4 (order 0) or alpha4 (1) from those at unit input rate."""
-    return found.row, found.theta1, *at_rate(found, rate[found.row], order), found.side
-
-
 def _at_change_points(indices: list[int], lengths: Array, mode: Array,
                       rate: Array) -> dict[str, list[Columns]]:
-    """Return the extrema of both quantities of linkages at exact change points, one by one."""
+    """
+    Return {quantity: columns of each linkage} of the linkages at exact change points.
+
+    One by one by :func:`find_extrema`, as they are few: one-sided values need series.
+    """
     rows: dict[str, list[Columns]] = {name: [] for name in RATES}
     for index in indices:
         a1, a2, a3, a4 = lengths[:, index].tolist()
@@ -141,9 +141,9 @@ def _at_change_points(indices: list[int], lengths: Array, mode: Array,
 
 def _collected(found: Columns, others: list[Columns]) -> tuple[Extrema, Array]:
     """
-    Return :class:`Extrema` of columns, sorted, the global ones marked.
+    Return :class:`Extrema` of columns, sorted by linkage and theta1, the global ones marked.
 
-    Also return the linkages of which others may be global too, as far as their conditions tell.
+    Also the linkages with a nearly global extremum, which may be global as conditions tell.
     """
     index, theta1, *rest = (np.concatenate(arrays) for arrays in zip(found, *others))
     theta1 = fold(theta1)
@@ -158,7 +158,11 @@ def _collected(found: Columns, others: list[Columns]) -> tuple[Extrema, Array]:
 
 
 def _best(index: Array, value: Array, is_maximum: Array) -> Array:
-    """Return for each row the largest value of its linkage if it is a maximum, else the least."""
+    """
+    Return, for each extremum, the largest (least) value of its linkage if it is a maximum.
+
+    ``index`` is sorted. For a maximum 3, a minimum 1 and a maximum 2 of one linkage: 3, 1 and 3.
+    """
     if not index.size:
         return value
     is_first = np.append(True, index[1:] != index[:-1])
@@ -169,7 +173,7 @@ def _best(index: Array, value: Array, is_maximum: Array) -> Array:
 
 def _decide_ties(name: str, part: Extrema, in_doubt: Array, lengths: Array, mode: Array,
                  rate: Array) -> None:
-    """Mark as global, where conditions decide, the extrema that a single linkage has."""
+    """Mark in ``part`` the global extrema of linkages in doubt, as a single search finds them."""
     for j in in_doubt.tolist():
         a1, a2, a3, a4 = lengths[:, j].tolist()
         alone = find_extrema(FourBar(a1, a2, a3, a4, int(mode[j])), name, float(rate[j]))

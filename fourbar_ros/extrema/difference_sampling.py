@@ -32,6 +32,7 @@ class DifferenceSampler(Sampler):
         return other
 
     def _rows(self, state: State, x: Array) -> Array:
+        """Return the quantities of a state, (quantities, *x.shape), one by one if need be."""
         try:
             return super()._rows(state, x)
         except (TypeError, ValueError):       # a function of plain numbers: one sample at a time
@@ -45,7 +46,7 @@ class DifferenceSampler(Sampler):
 
     @staticmethod
     def _one_by_one(quantity: Asked, states: Sequence[State]) -> list[float]:
-        """Return the values of a function, InvalidParameter where it gives no real number."""
+        """Return the values of a function at single samples; refuse one that is no real number."""
         values = [quantity.of(*state) for state in states]
         for value in values:
             if not isinstance(value, Real) and np.ndim(value) + np.iscomplexobj(value):
@@ -66,6 +67,7 @@ class DifferenceSampler(Sampler):
         return DIFFERENCE * (self._x[i] - self._x[i - 1])
 
     def at(self, x: Array, row: Array) -> tuple[Array, Array]:
+        """Return value and derivative by the five-point formula, of error step^4."""
         h = self.step(x)
         points = np.concatenate((x, x + h, x - h, x + 2.0 * h, x - 2.0 * h), axis=-1)
         value, *around = np.split(self.values(points)[np.tile(row, 5), ...,

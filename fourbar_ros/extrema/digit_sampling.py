@@ -22,7 +22,7 @@ from fourbar_ros.numerics.laurent import Laurent, MANY_DIGITS, many_digits, seri
 from fourbar_ros.numerics.number_types import converted, Function
 import numpy as np
 
-# Steps of the input, and of a datum as a part of it, of which the squares vanish beside rounding.
+# Steps of the input, and of a datum as a part of it: squares vanish beside the 80 digits.
 STEP, PART = Decimal('1e-30'), Decimal('1e-30')
 # Roundings of each datum: what moves a value by less than these do is the same.
 ROUNDINGS = 4.0
@@ -46,7 +46,7 @@ class DigitSampler(Sampler):
         return self.linkage.motion_formula(self._numbers, constants), loads
 
     def _evaluated(self, formulas: Formulas, x: Decimal) -> list[Decimal | None]:
-        """Return the quantities at an input; None for those that are not to be had."""
+        """Return the quantities at an input; None where a formula fails, as in line."""
         motion, loads = formulas
         try:
             fields = motion(series(Decimal(self.unit) * x), *map(series, self.rates))
@@ -70,26 +70,32 @@ class DigitSampler(Sampler):
             self._decimals(v)[i] for v, i in zip(x.tolist(), row.tolist()))])
 
     def at(self, x: Array, row: Array) -> tuple[Array, Array]:
-        found = np.full((2, row.size), np.nan)
+        """Return value and derivative of quantity ``row[i]`` at x[i]; NaN where there is none."""
+        values, slopes = np.full((2, row.size), np.nan)
         for k, (v, i) in enumerate(zip(x.tolist(), row.tolist())):
-            here, there = self._decimals(v)[i], self._decimals(v, True)[i]
-            if here is not None and there is not None:
+            value, beside = self._decimals(v)[i], self._decimals(v, True)[i]
+            if value is not None and beside is not None:
                 with many_digits():
-                    found[:, k] = float(here), float((there - here) / STEP)
-        return found[0], found[1]
+                    values[k], slopes[k] = float(value), float((beside - value) / STEP)
+        return values, slopes
 
-    def unmeant(self, x: float, row: int) -> float:
-        """Return by how much some roundings of each datum may move quantity ``row`` at x."""
-        here, size = self._decimals(x)[row], 0.0
-        assert here is not None
+    def rounding_of_data(self, x: float, row: int) -> float:
+        """
+        Return by how much four roundings of each datum may move quantity ``row`` at x.
+
+        What is smaller depends on bits of the data that nobody meant. The derivatives by the data
+        are differences in many digits.
+        """
+        own, size = self._decimals(x)[row], 0.0
+        assert own is not None
         with many_digits():
             for constants in self._each_datum_moved():
                 value = self._evaluated(self._made_for(constants), Decimal(x))[row]
-                size += np.inf if value is None else abs(float((value - here) / PART))
-        return ROUNDINGS * EPS * (abs(float(here)) + size)
+                size += np.inf if value is None else abs(float((value - own) / PART))
+        return ROUNDINGS * EPS * (abs(float(own)) + size)
 
     def _each_datum_moved(self) -> Iterator[Constants]:
-        """Yield the constants of the mechanism with one number after the other changed a bit."""
+        """Yield the constants of the mechanism with one datum after the other 1e-30 larger."""
         given, signs = self.linkage.constants, converted(self.linkage.constants.sign, series)
         values: list[float] = []
         converted(given._replace(sign=None), values.append)
@@ -97,6 +103,7 @@ class DigitSampler(Sampler):
             count = iter(range(len(values)))
 
             def moved(value: float, k: int = k, count: Iterator[int] = count) -> Laurent:
+                """Return a datum in many digits, the k-th one that is asked for a bit larger."""
                 number = Decimal(value)
                 return series(number * (1 + PART) if next(count) == k else number)
             yield converted(given._replace(sign=None), moved)._replace(sign=signs)

@@ -12,12 +12,12 @@ positions of change points, where they have one-sided values.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
-from math import isfinite, nan
+from math import isfinite, isnan, nan
 from typing import Any, NamedTuple, Union
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.extrema.methods import Methods
-from fourbar_ros.extrema.path_search import Found
+from fourbar_ros.extrema.path_search import PathExtremum
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Quantity
 from fourbar_ros.mechanisms.quantities import Asked, Function, select, UnknownQuantity
@@ -83,6 +83,11 @@ class Extremum(NamedTuple):
     proof: str = ''
     slide: float = nan
 
+    @property
+    def input(self) -> float:
+        """Return the driven joint there: ``theta1`` [rad], or the slide [m]."""
+        return self.theta1 if isnan(self.slide) else self.slide
+
 
 # Quantities that are asked for: names, Quantity or functions (motion, loads) -> value.
 Wanted = Union[str, Asked, Callable[..., Any], Collection[Union[str, Asked, Callable[..., Any]]]]
@@ -145,7 +150,7 @@ def find_extrema(linkage: Mechanism, quantities: Wanted = (), rate: float = 1.0,
 
 
 def _resolve(quantities: Any, linkage: Mechanism) -> list[Asked]:
-    """Return the quantities meant."""
+    """Return names, quantities and functions, one or several, as quantities; refuse others."""
     if _is_one(quantities):
         quantities = (quantities,)
     if not isinstance(quantities, Collection) or not all(map(_is_one, quantities)):
@@ -169,42 +174,51 @@ def _is_one(quantity: Any) -> bool:
     return isinstance(quantity, str) or hasattr(quantity, 'of') or callable(quantity)
 
 
-def _extrema(quantity: Asked, linkage: Mechanism, found: list[Found],
+def _extrema(quantity: Asked, linkage: Mechanism, found: list[PathExtremum],
              proof: str) -> list[Extremum]:
-    """Return the extrema of one quantity by place, the global ones marked."""
+    """
+    Return the extrema of one quantity as records for users, by place, the global ones marked.
+
+    ``found``: from the search; ``proof``: what is said of their completeness. An extremum is
+    global if its value is the largest (smallest) within the errors of both.
+    """
     if not found:
         return []
-    found = sorted(found, key=lambda part: (part.place, part.side))
-    bounds, values = [_bounds(part) for part in found], [part.value for part in found]
+    found = sorted(found, key=lambda one: (one.place, one.side))
+    bounds, values = [_bounds(one) for one in found], [one.value for one in found]
     lowest, highest = np.fmin.reduce(values), np.fmax.reduce(values)     # without NaN
     low = max([top for (_, top), value in zip(bounds, values) if value == lowest], default=nan)
     high = min([bottom for (bottom, _), value in zip(bounds, values) if value == highest],
                default=nan)
     name, symbol, mode, unit = quantity.name, quantity.unit, linkage.mode, linkage.input_unit
     is_slide = linkage.is_driven_by_slide
-    angles = _crank_angles(linkage, found) if is_slide else [part.place for part in found]
-    return [Extremum(name, symbol, mode, _KINDS[part.sense], theta1, part.value,
-                     part.sense <= 0 and bottom <= low or part.sense >= 0 and top >= high,
-                     INTERIOR if not part.side or not part.sense else ONE_SIDED if part.is_flat
+    angles = _crank_angles(linkage, found) if is_slide else [one.place for one in found]
+    return [Extremum(name, symbol, mode, _KINDS[one.sense], theta1, one.value,
+                     one.sense <= 0 and bottom <= low or one.sense >= 0 and top >= high,
+                     INTERIOR if not one.side or not one.sense else ONE_SIDED if one.is_flat
                      else LIMIT,
-                     part.side, unit * part.condition, part.value_condition, proof,
-                     unit * part.place if is_slide else nan)
-            for part, theta1, (bottom, top) in zip(found, angles, bounds)]
+                     one.side, unit * one.condition, one.value_condition, proof,
+                     unit * one.place if is_slide else nan)
+            for one, theta1, (bottom, top) in zip(found, angles, bounds)]
 
 
-def _bounds(part: Found) -> tuple[float, float]:
-    """Return between which values that of a :class:`Found` may be: two that overlap are equal."""
-    if not isfinite(part.value):
-        return part.value, part.value
-    condition = part.value_condition if part.value_condition < TRUSTED else 0.0
-    error = max(part.noise, 4 * EPS * (16 + condition) * abs(part.value))
-    return part.value - error, part.value + error
+def _bounds(one: PathExtremum) -> tuple[float, float]:
+    """Return (low, high) of a value with its error: two whose bounds overlap count as equal."""
+    if not isfinite(one.value):
+        return one.value, one.value
+    condition = one.value_condition if one.value_condition < TRUSTED else 0.0
+    error = max(one.noise, 4 * EPS * (16 + condition) * abs(one.value))
+    return one.value - error, one.value + error
 
 
-def _crank_angles(linkage: Mechanism, found: Sequence[Found]) -> list[float]:
-    """Return the crank's angles where the slide is driven, also at limits rounded outwards."""
-    places = linkage.input_unit * np.array([part.place for part in found])
-    inward = np.array([part.side for part in found]) * 4.0 * EPS * np.abs(places)
+def _crank_angles(linkage: Mechanism, found: Sequence[PathExtremum]) -> list[float]:
+    """
+    Return the crank's angles [rad] at extrema over a driven slide.
+
+    A limit that was rounded outwards has no pose: there the angle a few roundings inside serves.
+    """
+    places = linkage.input_unit * np.array([one.place for one in found])
+    inward = np.array([one.side for one in found]) * 4.0 * EPS * np.abs(places)
     angles, inside = (linkage.crank_angle(linkage.motion(at)) for at in (places, places + inward))
     result: list[float] = fold(np.where(np.isnan(angles), inside, angles)).tolist()
     return result

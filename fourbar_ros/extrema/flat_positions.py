@@ -56,7 +56,7 @@ class Fields(NamedTuple):
     varies: Array
 
     def at(self, t: Array) -> Array:
-        """Return the fields at t, shape (fields, t.size)."""
+        """Return the fields at scaled distances t, shape (fields, t.size), by Horner's rule."""
         values = np.zeros((self.order.size, t.size), t.dtype)
         for c in self.c[::-1]:
             values = values * t + c
@@ -94,14 +94,13 @@ class FlatSide:
         self._scale = 2.0**frexp(min([1.0, *filter(None, map(abs, others))]))[1]
 
     def _turned(self, difference: Any) -> Any:
-        """Return a difference of two inputs, or of arrays of them, the short way round."""
+        """Return a difference of two inputs, of angles the short way round: in [-pi, pi]."""
         return (difference - 2.0 * pi * np.round(difference.real / (2.0 * pi)) if self._is_angle
                 else difference)
 
     def distance(self, x: Array) -> Array:
         """Return the distances of inputs on this side, in units of the scale of the series."""
-        found: Array = self.side * self._turned(x - self.place) / self._scale
-        return found
+        return np.asarray(self.side * self._turned(x - self.place) / self._scale)
 
     @cached_property
     def motion(self) -> Fields:
@@ -124,12 +123,13 @@ class FlatSide:
 
     @cached_property
     def _motion(self) -> tuple[Any, ...]:
+        """Return the fields of the motion as Laurent series of the scaled distance T."""
         with many_digits():
             unit = self._mechanism.input_unit
             x = self._mechanism.flat_place(unit * self.place) + unit * self.side * self._scale * T
-            motion = self._mechanism.motion_formula(LAURENT, self._constants)
-            found: tuple[Any, ...] = motion(x, *map(series, self._rates))
-            return found
+            formula = self._mechanism.motion_formula(LAURENT, self._constants)
+            fields: tuple[Any, ...] = formula(x, *map(series, self._rates))
+            return fields
 
     def state(self, t: Array, with_loads: bool) -> list[Array]:
         """Return fields of motion and loads at scaled distances, each (fields, t.size)."""
@@ -144,7 +144,11 @@ def flat_sides(mechanism: Mechanism, rates: tuple[float, float],
 
 
 def _fields(values: tuple[Any, ...]) -> Fields:
-    """Return the :class:`Fields` of series, lengths and numbers."""
+    """
+    Return the :class:`Fields` of a motion or of loads, made of series, lengths and numbers.
+
+    The length of a vector is no series next to its zero, so both components are kept.
+    """
     rows = [series(v.x if isinstance(v, Length) else v) for v in values]
     partner, varies = [-1] * len(rows), []
     for i, v in enumerate(values):

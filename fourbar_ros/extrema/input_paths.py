@@ -82,19 +82,15 @@ class InputPath(NamedTuple):
         return self.low is None
 
     def ends(self) -> list[tuple[int, End]]:
-        """
-        Return (side, end) of both ends: +1, inputs above it, for the lower one.
-
-        None of a full turn.
-        """
+        """Return (side, end) of both ends, side +1 of the lower, -1 of the upper; () of a turn."""
         return [(side, end) for side, end in ((1, self.low), (-1, self.high)) if end]
 
     def inward(self, side: int) -> Array:
-        """Return the indices of all points, from the end on this side on."""
+        """Return the indices of all points in order, beginning at the end on this side."""
         return np.arange(self.x.size)[::side]
 
     def is_next_to_toggle(self, before: Array) -> Array:
-        """Return whether the sample after point ``before`` is less than a step from a toggle."""
+        """Return which intervals, by the point before them, are among those added at a toggle."""
         near = np.zeros(before.size, bool)
         for side, end in self.ends():
             if not end.is_flat and not end.is_regular:
@@ -107,7 +103,13 @@ class InputPath(NamedTuple):
 
 
 def closer_points(end: End | None, count: int) -> Array:
-    """Return the parameters t of points added at an end at t = 0, ``count`` in [0, 1]."""
+    """
+    Return the parameters t of points added at an end at t = 0, ever closer to it.
+
+    Among ``count`` equal steps of [0, 1] the first point is half a step away: these are at 1/2,
+    1/4 ... of that next to a toggle, at 1/sqrt(2), 1/2 ... next to a flat position; none for no
+    end.
+    """
     if end is None:
         return np.zeros(0)
     octaves = (0.5 * np.arange(1, 1 + FLAT_POINTS) if end.is_flat
@@ -124,22 +126,14 @@ class TooNarrow(FourBarError, ValueError):
 
 
 class Kernels(NamedTuple):
-    """
-    What crowds the samples, see above; the first stands for equal steps.
+    """The kernels that crowd samples, arrays (kernels, 1); the first stands for equal steps."""
 
-    Parameters
-    ----------
-    centres, tangents, weights : ndarray, shape (kernels, 1)
-        c, tanh(w/2), and the number of samples over 2 pi.
-
-    """
-
-    centres: Array
-    tangents: Array
-    weights: Array
+    centres: Array      # c
+    tangents: Array     # tanh(w/2)
+    weights: Array      # number of samples over 2 pi
 
     def samples(self, phi: Array) -> tuple[Array, Array]:
-        """Return t and dt/dphi; t grows by the kernels' number of samples in a turn of phi."""
+        """Return t(phi), see above, and dt/dphi: t counts the samples up to phi."""
         half = 0.5 * (phi - self.centres)
         turns = np.round(half / pi)
         half = half - turns * pi                      # in [-pi/2, pi/2]
@@ -197,7 +191,7 @@ def input_paths(mechanism: Mechanism, points: int) -> list[InputPath]:
 
 
 def _closed(singular: Array, points: int) -> list[InputPath]:
-    """Return the paths of a crank that makes full turns: one, or those between flat positions."""
+    """Return the paths of a crank that turns fully: a whole turn, or between flat positions."""
     flat = np.unique(singular.real[singular.imag == 0.0])
     kernels = _kernels(singular[singular.imag != 0.0], points)
     if not flat.size:
@@ -208,7 +202,7 @@ def _closed(singular: Array, points: int) -> list[InputPath]:
 
 
 def _beside(singular: Array, bounds: Range, is_periodic: bool) -> Array:
-    """Return the singular inputs of all turns but for the two toggles."""
+    """Return the singular inputs but the two toggles, of an angle those a turn away too."""
     singular = singular[(singular != bounds.low) & (singular != bounds.high)]
     if is_periodic:
         singular = np.concatenate([singular + turn for turn in (-2.0 * pi, 0.0, 2.0 * pi)])
@@ -220,9 +214,9 @@ def _beside(singular: Array, bounds: Range, is_periodic: bool) -> Array:
 def _between(bounds: Range, limits: Sequence[End], singular: Array, points: int,
              stroke: Sequence[float]) -> list[InputPath]:
     """
-    Return the paths of a range between two toggles: one, or two with a flat position between them.
+    Return the paths of a range between two toggles: two, if a flat position lies between them.
 
-    With a stroke, only what of them lies in it, down to its ends.
+    ``limits``: the ends of the range; ``stroke``: () or two inputs to which paths are cut.
     """
     scaled = (singular - bounds.middle) / bounds.half
     is_flat = (scaled.imag == 0.0) & (np.abs(scaled.real) < 1.0)
@@ -235,7 +229,7 @@ def _between(bounds: Range, limits: Sequence[End], singular: Array, points: int,
 
 
 def _within(ends: dict[float, End], stroke: Sequence[float], bounds: Range) -> dict[float, End]:
-    """Return {phi: End} of the part of a range that lies in a stroke."""
+    """Return {phi: End} of the part of a range within a stroke, whose ends are regular ends."""
     low, high = stroke
     inside = {phi: end for phi, end in ends.items() if low <= end.x <= high}
     for x in stroke:
@@ -246,7 +240,7 @@ def _within(ends: dict[float, End], stroke: Sequence[float], bounds: Range) -> d
 
 def _paths(kernels: Kernels, ends: dict[float, End],
            to_input: Callable[[Array], Array]) -> list[InputPath]:
-    """Return the paths between neighbouring ends, {phi: End}."""
+    """Return the paths between neighbouring ends, {phi: End}; ``to_input``: phi -> x."""
     paths = []
     for first, last in zip(ends, list(ends)[1:]):
         low, high = ends[first], ends[last]
@@ -263,7 +257,11 @@ def _paths(kernels: Kernels, ends: dict[float, End],
 
 
 def _kernels(singular: Array, points: int) -> Kernels:
-    """Return the kernels of singular points, and that of equal steps."""
+    """
+    Return the kernels of singular points, before them that of ``points`` equal steps of a turn.
+
+    A point at a distance w from the real inputs gets kernels of the widths w, 4 w, ... below 1.
+    """
     centres, widths = [0.0], [40.0]               # as good as infinitely wide: equal steps
     for z in singular:
         width = max(abs(z.imag), NARROWEST)
@@ -279,10 +277,14 @@ def _kernels(singular: Array, points: int) -> Kernels:
 
 def _spread(kernels: Kernels, bounds: tuple[float, float],
             ends: Sequence[End]) -> tuple[Array, int, int]:
-    """Return phi in equal steps, half a step inside two bounds, and how many were added."""
+    """
+    Return phi at equal steps of t between two bounds, and how many points were added at each end.
+
+    t(phi) rises: it is inverted by bisection, then by Newton's method.
+    """
     begin, end = (kernels.samples(np.array([phi]))[0][0] for phi in bounds)
     count = int(np.ceil(end - begin))
-    before, after = (closer_points(end, count) for end in ends or (None, None))
+    before, after = (closer_points(one, count) for one in ends or (None, None))
     t = np.concatenate((before[::-1], (np.arange(count) + 0.5) / count, 1.0 - after))
     t = begin + (end - begin) * t
     low, high = np.full(t.size, bounds[0]), np.full(t.size, bounds[1])

@@ -111,9 +111,10 @@ class Enclosure(NamedTuple):
 
 class Evaluator:
     """
-    Enclosures of some quantities of a sampler.
+    Computes enclosures of some quantities of a sampler over pieces of the input.
 
-    ``why_not``: {row: why a function cannot be enclosed}. ``squares``: rows whose square is.
+    ``why_not``: {row: why a function cannot be enclosed}. ``squares``: rows of roots, as
+    magnitudes of forces, of which the square is enclosed.
     """
 
     def __init__(self, sampler: Sampler) -> None:
@@ -133,13 +134,14 @@ class Evaluator:
             fields = self._motion(self._sampler.unit * x, *self._rates)
             state = (linkage.MOTION(*fields),
                      linkage.LOADS(*self._loads(fields)) if self._loads else NoLoads())
-            found = Enclosure(np.full((len(rows), low.size, ORDER + 1), np.nan),
-                              np.full((len(rows), low.size), np.inf), x.c[0], radius)
+            enclosure = Enclosure(np.full((len(rows), low.size, ORDER + 1), np.nan),
+                                  np.full((len(rows), low.size), np.inf), x.c[0], radius)
             for i, row in enumerate(rows):
-                self._fill(found, i, row, state)
-        return found
+                self._fill(enclosure, i, row, state)
+        return enclosure
 
-    def _fill(self, found: Enclosure, i: int, row: int, state: State) -> None:
+    def _fill(self, enclosure: Enclosure, i: int, row: int, state: State) -> None:
+        """Write quantity ``row`` as number i into an enclosure, or note why it cannot be."""
         try:
             value = model(self._sampler.quantities[row].of(*state))
         except (TypeError, AttributeError) as error:
@@ -148,58 +150,38 @@ class Evaluator:
         if isinstance(value, Root):
             value = value.square
             self.squares.add(row)
-        found.c[i] = 0.0
-        found.c[i, :, :len(value.c)] = value.c.T
-        found.error[i] = value.error
+        enclosure.c[i] = 0.0
+        enclosure.c[i, :, :len(value.c)] = value.c.T
+        enclosure.error[i] = value.error
 
 
 def find_parts(sampler: Sampler, rows: Sequence[int], path: InputPath,
                check: Callable[[float], None] = lambda share: None,
                seconds: float = SECONDS) -> list[Parts]:
     """
-    Return where quantities have their extrema between the samples of a path.
+    Return where the quantities ``rows`` of a sampler have their extrema on a path, with proof.
 
-    Parameters
-    ----------
-    sampler : .sampling.Sampler
-    rows : sequence of int
-        Which of its quantities.
-    path : .input_paths.InputPath
-    check : callable
-        Called every 0.1 s or so with the share of the path that is decided; what it raises ends
-        the search.
-    seconds : float
-        Of a processor, for each quantity; what is not decided then is not proved.
-
+    ``check``: called every 0.1 s or so with the share of the path that is decided; what it raises
+    ends the search. ``seconds``: of a processor, for each quantity; what is not decided then is
+    not proved.
     """
     return _Search(sampler, rows, path).run(check, seconds * len(rows))
 
 
 class _Pieces(NamedTuple):
-    """
-    Pieces of a path not yet evaluated.
+    """n pieces of a path not yet evaluated."""
 
-    Parameters
-    ----------
-    low, high : ndarray, shape (n,)
-    is_open : ndarray of bool, shape (quantities, n)
-        Which quantities are to be decided.
-    error : ndarray, shape (quantities, n)
-        Over the piece that they are cut of.
-
-    """
-
-    low: Array
+    low: Array          # (n,)
     high: Array
-    is_open: Array
-    error: Array
+    is_open: Array      # (quantities, n): which quantities are to be decided
+    error: Array        # (quantities, n): error over the piece that this one was cut from
 
     def of(self, which: Array | np.bool_ | slice) -> _Pieces:
-        """Return some of them."""
+        """Return some of the pieces, by mask or slice."""
         return _Pieces(*(part[..., which] for part in self))
 
     def cut(self) -> _Pieces:
-        """Return them, each cut."""
+        """Return the pieces, each cut in four at :data:`CUTS`."""
         edges = self.low + CUTS[:, None] * (self.high - self.low)
         edges[-1] = self.high
         count = len(CUTS) - 1
@@ -220,7 +202,7 @@ class _Search:
                                np.full((len(rows), low.size), np.inf))
 
     def run(self, check: Callable[[float], None], seconds: float) -> list[Parts]:
-        """Return the extrema of each quantity."""
+        """Return the extrema of each quantity: evaluate and cut until all pieces are decided."""
         total, begin, count = self._width(), thread_time(), 0
         while self._pieces.low.size:
             check(1.0 - self._width() / total)
@@ -239,17 +221,21 @@ class _Search:
         return float((self._pieces.high - self._pieces.low).sum())
 
     def _evaluate_some(self) -> None:
-        """Decide some pieces, and cut what is left open."""
+        """
+        Evaluate the next 256 pieces, keep their extrema, and cut what they leave open.
+
+        A quantity is given up, with the reason, where cutting does not make its error smaller.
+        """
         some, later = self._pieces.of(slice(BATCH)), self._pieces.of(slice(BATCH, None))
         which = np.nonzero(some.is_open.any(axis=1))[0]
-        found = self._evaluate(some.low, some.high, [self._rows[i] for i in which])
-        self._largest[which] = np.fmax(self._largest[which], np.abs(found.c[..., 0]).max(axis=1))
-        i, j = np.nonzero(some.is_open[which])
-        c, error, half = found.c[i, j], found.error[i, j], found.radius / REACH
-        stays, hits = _parts_of(c, error, (SLACK + SLACK_OF_X * np.abs(found.middle) / half)[j],
-                                (WIDEST / half)[j])
-        for k, a, b, sense in zip(*(hit.tolist() for hit in hits)):
-            middle, width = float(found.middle[j[k]]), float(half[j[k]])
+        over = self._evaluate(some.low, some.high, [self._rows[i] for i in which])
+        self._largest[which] = np.fmax(self._largest[which], np.abs(over.c[..., 0]).max(axis=1))
+        i, j = np.nonzero(some.is_open[which])      # quantity and piece of each function to decide
+        c, error, half = over.c[i, j], over.error[i, j], over.radius / REACH
+        stays, extrema = _parts_of(c, error, (SLACK + SLACK_OF_X * np.abs(over.middle) / half)[j],
+                                   (WIDEST / half)[j])
+        for k, a, b, sense in zip(*(column.tolist() for column in extrema)):
+            middle, width = float(over.middle[j[k]]), float(half[j[k]])
             self._found[which[i[k]]].append(Part(
                 middle + a * width, middle + b * width, sense, middle, width * REACH, c[k],
                 float(error[k]), self._rows[which[i[k]]] in self._evaluate.squares))
@@ -270,7 +256,7 @@ class _Search:
         return np.array([row in self._evaluate.why_not for row in self._rows])
 
     def _leave(self, pieces: _Pieces, why_not: str) -> None:
-        """Leave the quantities that these pieces leave open, and note why."""
+        """Give up the quantities that are open on these pieces, and note why and at what input."""
         rows = pieces.is_open.any(axis=1)
         for i in np.nonzero(rows)[0].tolist():
             at = float(self._unit * pieces.low[np.argmax(pieces.is_open[i])])
@@ -294,20 +280,10 @@ def _parts_of(c: Array, error: Array, slack: Array,
     """
     Return which of m functions leave parts of their piece open, and the extrema of the others.
 
-    Parameters
-    ----------
-    c, error : ndarray, shape (m, ORDER + 1), (m,)
-        Of their Taylor models.
-    slack : ndarray, shape (m,)
-        By how much pieces may overlap, in half widths: no extremum is so near to an end.
-    widest : ndarray, shape (m,)
-        How well places of extrema are known at least, in half widths.
-
-    Returns
-    -------
-    ndarray of bool, (numbers of functions, low, high, sense)
-        The extrema lie between low and high, in half widths from the middle.
-
+    ``c``, ``error``: Taylor models, (m, ORDER + 1) and (m,). Lengths are in half widths of the
+    piece: ``slack`` by which pieces may overlap, so that no extremum is so near to an end, and
+    ``widest``, how well places are known at least. The extrema are (function, low, high, sense).
+    Parts of the piece are decided by their derivatives or halved, 8 times.
     """
     slope = c[:, 1:] * (_K / REACH**_K)          # in s = (x - middle) / half the width
     size = np.abs(slope).sum(axis=1)
@@ -340,7 +316,7 @@ def _parts_of(c: Array, error: Array, slack: Array,
 
 
 def _substitution(low: float, high: float) -> Array:
-    """Return the matrix that takes coefficients in s to those in one that is +-1 at low, high."""
+    """Return the matrix from coefficients in s to those in a variable -1 at low, +1 at high."""
     middle, half = 0.5 * (low + high), 0.5 * (high - low)
     return np.array([[comb(k, j) * middle**(k - j) * half**j if j <= k else 0.0
                       for j in range(ORDER)] for k in range(ORDER)])

@@ -29,7 +29,7 @@ from fourbar_ros.extrema.four_bar_rates.input_paths import input_paths as ellipt
 from fourbar_ros.extrema.four_bar_rates.paths import SAMPLES as RATE_SAMPLES
 from fourbar_ros.extrema.four_bar_rates.search import at_rate, rate_extrema
 from fourbar_ros.extrema.input_paths import input_paths, InputPath
-from fourbar_ros.extrema.path_search import Found, sampled_conditions, search_path
+from fourbar_ros.extrema.path_search import PathExtremum, sampled_conditions, search_path
 from fourbar_ros.extrema.sampling import Sampler, too_large
 from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
 from fourbar_ros.mechanisms.mechanism import Mechanism
@@ -86,7 +86,7 @@ class Methods:
         return self._paths[density]
 
     def _samplers(self, rows: list[int]) -> list[tuple[Sampler, list[int]]]:
-        """Return the samplers of the quantities ``rows``, and which quantities each has."""
+        """Return samplers of the quantities ``rows``, by complex steps and by differences."""
         rough = [row for row in rows if not is_published(self._quantities[row])
                  and not self._has_complex_step(self._quantities[row])]
         smooth = [row for row in rows if row not in rough]
@@ -99,9 +99,9 @@ class Methods:
 
     def _has_complex_step(self, quantity: Asked) -> bool:
         """
-        Return whether the complex step gives the derivative of a function.
+        Return whether the complex step gives the derivative of a function of a user.
 
-        Tried at some points.
+        It does not for abs or comparisons. Tried at every 12th sample, against differences.
         """
         path = self.paths()[0]
         part = slice(path.first, path.last, TRIAL)
@@ -118,9 +118,9 @@ class Methods:
         agrees &= np.abs(values - sampler.values(x)) <= 1e-6 * np.max(np.abs(values))
         return bool(agrees.mean() > 0.8)      # an angle may jump by 2 pi at one of the points
 
-    def search(self, density: int = 1, with_conditions: bool = True) -> list[list[Found]]:
+    def search(self, density: int = 1, with_conditions: bool = True) -> list[list[PathExtremum]]:
         """Return the extrema of each quantity, with ``density`` times the usual samples."""
-        found: list[list[Found]] = [[] for _ in self._quantities]
+        found: list[list[PathExtremum]] = [[] for _ in self._quantities]
         if self._fast:
             for part in self._rate_extrema(density, with_conditions):
                 found[self._fast[part.row]].append(part)
@@ -130,39 +130,38 @@ class Methods:
                     found[rows[part.row]].append(part)
         return found
 
-    def _rate_extrema(self, density: int, with_conditions: bool) -> list[Found]:
+    def _rate_extrema(self, density: int, with_conditions: bool) -> list[PathExtremum]:
         """
-        Return the extrema of omega4 and alpha4 at constant input rate.
+        Return the extrema of omega4 and alpha4 of a four-bar at constant input rate.
 
-        ``row`` counts those that are fast.
+        By the search that :mod:`.batch` uses for many linkages; ``row`` counts ``self._fast``.
         """
         assert isinstance(self._linkage, FourBar)
         both = rate_extrema(self._linkage, density * RATE_SAMPLES)
-        sampler, found = self._sampler(Sampler, self._fast), []
+        sampler, extrema = self._sampler(Sampler, self._fast), []
         for row, quantity in enumerate(sampler.quantities):
             order = RATES.index(quantity.name)
-            _, x, *_, side, spacing = both[order]
-            value, is_maximum = at_rate(both[order], self._rates[0], order)
-            if np.isinf(value[side == 0]).any():
+            unit = both[order]       # at an input rate of 1 rad/s
+            x, side, inside = unit.theta1, unit.side, unit.side == 0
+            value, is_maximum = at_rate(unit, self._rates[0], order)
+            if np.isinf(value[inside]).any():
                 raise too_large(self._rates)
             conditions = np.full((2, x.size), nan)
-            inside = side == 0
             if with_conditions:
                 conditions[:, inside] = sampled_conditions(
-                    sampler, x[inside], np.full(inside.sum(), row), spacing[inside])
-            sense = np.where(is_maximum, 1, -1)
-            found += [
-                Found(row, place, value, sense, side, False, condition, value_condition)
-                for place, value, sense, side, condition, value_condition in zip(
-                    *(v.tolist() for v in (fold(x), value, sense, side, *conditions)))]
-        return found
+                    sampler, x[inside], np.full(inside.sum(), row), unit.spacing[inside])
+            columns = fold(x), value, np.where(is_maximum, 1, -1), side, np.zeros(x.size, bool)
+            extrema += [PathExtremum(row, *fields)
+                        for fields in zip(*(v.tolist() for v in (*columns, *conditions)))]
+        return extrema
 
-    def proved(self, found: list[list[Found]], with_conditions: bool,
+    def proved(self, found: list[list[PathExtremum]], with_conditions: bool,
                check: Callable[[float], None], seconds: float
-               ) -> tuple[list[list[Found]], list[str]]:
+               ) -> tuple[list[list[PathExtremum]], list[str]]:
         """
-        Return the extrema, searched for once more if they contradict their proof, and the proofs.
+        Return the extrema and the text of the proof of each quantity.
 
+        If extrema contradict a proof, they are searched once more with 8 times the samples.
         ``found``: what the search found of each quantity; others as for :meth:`prove`.
         """
         proofs = self.prove(found, check, seconds)
@@ -174,21 +173,14 @@ class Methods:
             found = self.search(8, with_conditions)
         return found, [verdict.text for verdict in verdicts()]
 
-    def prove(self, found: list[list[Found]], check: Callable[[float], None],
+    def prove(self, found: list[list[PathExtremum]], check: Callable[[float], None],
               seconds: float) -> list[Count | Enclosures]:
         """
-        Return a proof of each quantity, whose ``verdict`` says whether extrema are all.
+        Return a proof of each quantity, whose ``verdict`` compares extrema with it.
 
-        Parameters
-        ----------
-        found : list
-            What the search found of each quantity.
-        check : callable
-            Called between the pieces of the work with the share of it that is done; what it raises
-            ends it.
-        seconds : float
-            Of a processor, for each quantity; what is not decided then is not proved.
-
+        ``found``: the extrema of each quantity. ``check``: called with the share of the work that
+        is done; what it raises ends the work. ``seconds``: of a processor, for each quantity; what
+        is not decided then is not proved.
         """
         from fourbar_ros.extrema import proof
 

@@ -49,10 +49,9 @@ TURN = 2.0**-12
 
 
 def _weights(number: int, terms: Callable[[int], int]) -> Array:
-    """Return weights, of sum one, of Lagrange's formula at 0."""
+    """Return weights, of sum one, that extrapolate samples at 1/2, 3/2, ... to 0 (Lagrange)."""
     weights = np.array([(-1)**j * terms(j) / (j + 0.5) for j in range(number)])
-    found: Array = weights / weights.sum()
-    return found
+    return np.asarray(weights / weights.sum())
 
 
 # For samples at +-1/2, 3/2, ... together, and for those on one side.
@@ -60,13 +59,14 @@ _THROUGH = 0.5 * _weights(NEIGHBOURS, lambda j: comb(2 * NEIGHBOURS - 1, NEIGHBO
 _UP_TO = _weights(NEIGHBOURS, lambda j: comb(NEIGHBOURS - 1, j))
 
 
-class Found(NamedTuple):
+class PathExtremum(NamedTuple):
     """
-    One extremum of quantity number ``row``, as it was found.
+    One extremum of one quantity, found on a path of the input.
 
     Parameters
     ----------
     row : int
+        Which of the quantities of the sampler.
     place : float
         Input, in the mechanism's unit.
     value : float
@@ -92,28 +92,35 @@ class Found(NamedTuple):
     noise: float = 0.0
 
 
-def search_path(sampler: Sampler, path: InputPath, with_conditions: bool = True) -> list[Found]:
-    """Return the extrema of all quantities of a sampler along one path."""
+def search_path(sampler: Sampler, path: InputPath,
+                with_conditions: bool = True) -> list[PathExtremum]:
+    """Return the extrema of all quantities of a sampler along one path, its ends among them."""
     samples = sampler.along(path)
     constant = _constant_values(sampler, samples)
     start, side = (0.0, 0) if path.low is None else (path.low.x, 1)
-    found = [Found(row, sampler.fold(start), value, 0, side) for row, value in constant.items()]
+    extrema = [PathExtremum(row, sampler.fold(start), value, 0, side)
+               for row, value in constant.items()]
     rows = np.array([row for row in range(len(samples.values)) if row not in constant], int)
     if rows.size:
-        found += _interior(sampler, samples, rows, with_conditions)
+        extrema += _interior(sampler, samples, rows, with_conditions)
         for side, end in path.ends():
-            found += _at_end(sampler, samples, (side, end), rows)
-    return found
+            extrema += _at_end(sampler, samples, (side, end), rows)
+    return extrema
 
 
 def _constant_values(sampler: Sampler, samples: Samples) -> dict[int, float]:
-    """Return {row: value} of quantities constant along a path."""
+    """
+    Return {row: value} of the quantities that are constant along a path, up to rounding.
+
+    Next to flat positions series tell; where a variation is within the bound of rounding errors,
+    many digits.
+    """
     middle = np.median(samples.values, axis=1)
     away = np.abs(samples.values - middle[:, None])
     varies = (away > 64.0 * EPS * np.abs(middle)[:, None]).any(axis=1)
     in_doubt = varies & (away <= samples.noise).all(axis=1)
     for side in sampler.flats:
-        limits = sampler.next_to(middle, sampler.limits(side), np.arange(middle.size))
+        limits = sampler.same_turn(middle, sampler.limits(side), np.arange(middle.size))
         is_fixed = ~sampler.varies_next_to(side)
         middle, varies = np.where(is_fixed, limits, middle), varies & ~is_fixed
     for row in np.flatnonzero(varies & in_doubt).tolist():
@@ -127,54 +134,44 @@ def _constant_in_digits(sampler: Sampler, samples: Samples, row: int) -> float |
     """
     Return the value of a quantity that may be all rounding, None if it varies.
 
-    Where it is least, largest and in the middle: it is constant if what it varies by is less than
-    what a rounding of the data moves it by, and zero if it is less itself.
+    It is computed in many digits where it seems least, middle and largest. It is constant if it
+    varies by less than a rounding of the data moves it, and zero if it is itself less than that.
     """
     values, exact = samples.values[row], _in_digits(sampler)
     places = samples.path.x[[values.argmin(), values.size // 2, values.argmax()]]
-    least, middle, largest = found = exact.values_at(places, np.full(3, row))
-    if not np.isfinite(found).all():
+    least, middle, largest = three = exact.values_at(places, np.full(3, row))
+    if not np.isfinite(three).all():
         return None
-    size, span = np.abs(found).max(), np.ptp(found)
+    size, span = np.abs(three).max(), np.ptp(three)
     if span <= 64.0 * EPS * size:
         return float(middle)
-    unmeant = exact.unmeant(places[1], row)
-    if min(span, abs(middle)) > unmeant:
+    rounding = exact.rounding_of_data(places[1], row)
+    if min(span, abs(middle)) > rounding:
         return None
-    is_same = max(middle - least, largest - middle) <= unmeant
-    is_zero = all(abs(value) <= exact.unmeant(x, row) for x, value in zip(places, found))
-    return 0.0 if is_zero else float(middle) if is_same else None
+    if all(abs(value) <= exact.rounding_of_data(x, row) for x, value in zip(places, three)):
+        return 0.0
+    return float(middle) if max(middle - least, largest - middle) <= rounding else None
 
 
 def _in_digits(sampler: Sampler) -> DigitSampler:
-    """Return the same sampler in many digits, made once."""
+    """Return the sampler of the same quantities in many digits, made once."""
     if not isinstance(sampler.exact, DigitSampler):
         sampler.exact = DigitSampler(sampler)
     return sampler.exact
 
 
 class Roots(NamedTuple):
-    """
-    Where the slopes of quantities change their sign, arrays of shape (n,).
+    """Where the slopes of quantities change their sign, arrays of shape (n,)."""
 
-    Parameters
-    ----------
-    row, before, sense : ndarray of int
-        Of which quantity, after which sample, +1 a maximum, -1 a minimum.
-    x, spacing : ndarray
-        Where, and the distance of the samples there.
-
-    """
-
-    row: Array
-    before: Array
-    sense: Array
-    x: Array
-    spacing: Array
+    row: Array          # number of the quantity
+    before: Array       # number of the sample before the root
+    sense: Array        # +1 a maximum, -1 a minimum
+    x: Array            # the input there
+    spacing: Array      # distance of the samples there
 
 
 def _roots(sampler: Sampler, samples: Samples, rows: Array) -> Roots:
-    """Return the :class:`Roots` of the quantities ``rows`` between the samples."""
+    """Return where the slopes of the quantities ``rows`` change sign between the samples."""
     x, is_closed = samples.path.x, samples.path.is_closed
     f = _smooth_slopes(sampler, samples, rows)
     turn = rises(np.unwrap(x)[:, None], False)[:, 0]
@@ -186,6 +183,7 @@ def _roots(sampler: Sampler, samples: Samples, rows: Array) -> Roots:
     is_positive = ((samples.values > 0.0).all(axis=1) & ~sampler.is_angle)[row]
 
     def at(x: Array, which: Array) -> tuple[Array, Array]:
+        """Return the slopes (or those of squares) and Newton steps for some of the brackets."""
         return sampler.newton(x, row[which], spacing[which], is_positive[which])
 
     root = newton_roots(at, np.arange(row.size), xa, xb, fa, guess) if row.size else xa
@@ -196,7 +194,7 @@ def _roots(sampler: Sampler, samples: Samples, rows: Array) -> Roots:
 
 
 def _interior(sampler: Sampler, samples: Samples, rows: Array,
-              with_conditions: bool) -> list[Found]:
+              with_conditions: bool) -> list[PathExtremum]:
     """
     Return the extrema of the quantities ``rows`` between the samples.
 
@@ -219,19 +217,20 @@ def _interior(sampler: Sampler, samples: Samples, rows: Array,
         roots, value, noise = _decided(sampler, samples, roots, value, noise, in_doubt)
     if not roots.row.size:
         return []
-    value = sampler.next_to(samples.values[roots.row, roots.before], value, roots.row)
+    value = sampler.same_turn(samples.values[roots.row, roots.before], value, roots.row)
     conditions = (sampled_conditions(sampler, roots.x, roots.row, roots.spacing)
                   if with_conditions else np.full((2, roots.row.size), nan))
-    return [Found._make((*fields[:4], 0, False, *fields[4:]))
+    return [PathExtremum._make((*fields[:4], 0, False, *fields[4:]))
             for fields in zip(*(v.tolist() for v in (roots.row, sampler.fold(roots.x), value,
                                                      roots.sense, *conditions, noise)))]
 
 
 def _is_kink(sampler: Sampler, roots: Roots, value: Array, noise: Array, which: Array) -> Array:
     """
-    Return where |F| is small because F changes its sign: where it has a kink, and is zero.
+    Return which magnitudes |F| at roots are small because F changes its sign: they are kinks.
 
-    The rounding of x explains what it is, or slopes in many digits beside x are alike in size.
+    |F| is zero there. Either the rounding of x explains the value, or slopes on both sides, in
+    many digits, are opposite and alike in size.
     """
     x, turn, row = roots.x[which], KINK * roots.spacing[which], roots.row[which]
     slope = _kink_slope(*_beside(sampler, x, turn, row), 2.0**-2)
@@ -245,20 +244,29 @@ def _is_kink(sampler: Sampler, roots: Roots, value: Array, noise: Array, which: 
 
 
 def _beside(sampler: Sampler, x: Array, turn: Array, row: Array) -> tuple[Array, Array]:
-    """Return the slopes of quantities before and after x."""
+    """Return the slopes of quantities ``row`` at x - turn and at x + turn."""
     before, after = np.split(sampler.slope(np.concatenate((x - turn, x + turn)),
                                            np.tile(row, 2)), 2)
     return before, after
 
 
 def _kink_slope(before: Array, after: Array, unlike: float) -> Array:
-    """Return the slope beside a kink of |F|, 0 where slopes are no opposites, up to a part."""
+    """
+    Return the size of the slope beside a kink of |F|, or 0 where there is no kink.
+
+    At a kink slopes are opposite, and alike up to the part ``unlike`` of their size.
+    """
     size = np.maximum(np.abs(before), np.abs(after))
     return np.where((before * after < 0.0) & (np.abs(before + after) <= unlike * size), size, 0.0)
 
 
 def _drop(samples: Samples, roots: Roots, value: Array) -> Array:
-    """Return by how much values differ from the samples on both sides, of two the farther."""
+    """
+    Return by how much the values at roots differ from the samples around them, shape (n,).
+
+    Of two samples on each side the farther one counts, of the sides the nearer one. An extremum
+    whose drop is within rounding errors may be none.
+    """
     count = samples.path.x.size
     i = roots.before + np.array((-1, 0, 1, 2))[:, None]
     i = i % count if samples.path.is_closed else np.clip(i, 0, count - 1)
@@ -272,9 +280,9 @@ def _decided(sampler: Sampler, samples: Samples, roots: Roots, value: Array, noi
     """
     Return roots, values and bounds of their errors, those in doubt computed in many digits.
 
-    One that differs from its neighbours by more than the errors, measured there, stays where it
-    is. Of a quantity that has another, slopes at all samples that errors may hide come from many
-    digits too, and so do its roots.
+    The errors are measured: at the root and the samples beside it. A root that differs from its
+    neighbours by more stays where it is. If one does not, all slopes of its quantity that errors
+    may hide are computed in many digits, and its roots are searched again.
     """
     exact, x = _in_digits(sampler), samples.path.x
     which = np.flatnonzero(in_doubt)
@@ -297,9 +305,10 @@ def _decided(sampler: Sampler, samples: Samples, roots: Roots, value: Array, noi
 def _searched_again(exact: DigitSampler, samples: Samples, row: int, part: float,
                     found: tuple[Roots, Array, Array]) -> tuple[Roots, Array, Array]:
     """
-    Return what was found, of one quantity in many digits.
+    Return (roots, values, bounds of errors) with those of one quantity searched in many digits.
 
-    ``part``: of the bounds of errors that may hide a slope.
+    ``found``: the same, before. Slopes are computed anew where neighbouring samples differ by less
+    than ``part`` of the bound of their errors.
     """
     values, slopes, x = samples.values.copy(), samples.slopes.copy(), samples.path.x
     is_hidden = np.abs(np.diff(values[row])) <= part * np.minimum(samples.noise[row, 1:],
@@ -317,18 +326,27 @@ def _searched_again(exact: DigitSampler, samples: Samples, row: int, part: float
 
 
 def _smooth_slopes(sampler: Sampler, samples: Samples, rows: Array) -> Array:
-    """Return derivatives at the samples, (n, rows), times a power of the sine without poles."""
+    """
+    Return derivatives at the samples, shape (n, rows), times a power of sin(mu).
+
+    At a toggle derivatives have poles of that power; without them sign changes show between
+    samples. A positive factor moves no root.
+    """
     sine = np.abs(sampler.linkage.transmission_sine(samples.state[0]))
     values = samples.values[rows]
     scale = np.where((values > 0.0).all(axis=1, keepdims=True), values * sine**(2 * POLE - 1),
                      sine**POLE)
-    found: Array = samples.slopes[rows].T * scale.T
-    return found
+    return np.asarray(samples.slopes[rows].T * scale.T)
 
 
 def _at_end(sampler: Sampler, samples: Samples, where: tuple[int, End],
-            rows: Array) -> list[Found]:
-    """Return what the quantities ``rows`` do at one end of a path: (side, end)."""
+            rows: Array) -> list[PathExtremum]:
+    """
+    Return the limits of the quantities ``rows`` at one end of a path as extrema.
+
+    ``where``: (side, end), side +1 if the path lies above the end. A limit is infinite, or it is
+    one-sided: a minimum if the quantity rises inward, else a maximum.
+    """
     side, end = where
     if end.is_regular:
         limits = sampler.values(np.array([end.x]))[:, 0]
@@ -337,17 +355,17 @@ def _at_end(sampler: Sampler, samples: Samples, where: tuple[int, End],
     else:
         limits = _limits_at_toggle(sampler, samples, where, rows)
     nearest = samples.path.inward(side)[0]
-    limits = sampler.next_to(samples.values[:, nearest], limits, np.arange(limits.size))
+    limits = sampler.same_turn(samples.values[:, nearest], limits, np.arange(limits.size))
     slopes, next_one = samples.slopes[:, nearest], samples.path.inward(side)[1]
     step = np.abs(samples.values[:, nearest] - samples.values[:, next_one])
     for row in rows[(step <= samples.noise[:, nearest])[rows] & ~np.isinf(limits)[rows]].tolist():
-        here = samples.path.x[nearest:][:1]
-        true = _in_digits(sampler).slope(here, np.array([row]))[0]
+        # the step is within rounding: many digits tell the slope
+        true = _in_digits(sampler).slope(samples.path.x[nearest:][:1], np.array([row]))[0]
         slopes[row] = slopes[row] if np.isnan(true) else true
     falls = slopes * side > 0.0        # seen from inside
     sense = np.where(np.isinf(limits), np.sign(limits), np.where(falls, -1, 1)).astype(int)
     place = sampler.fold(end.x)
-    return [Found(row, place, float(limits[row]), int(sense[row]), side, end.is_flat)
+    return [PathExtremum(row, place, float(limits[row]), int(sense[row]), side, end.is_flat)
             for row in rows.tolist()]
 
 
@@ -383,18 +401,27 @@ def _limits_at_toggle(sampler: Sampler, samples: Samples, where: tuple[int, End]
 
 
 def _weights_at_zero(u: Array) -> Array:
-    """Return weights, of values at u, of the polynomial through them at 0."""
+    """
+    Return the weights with which values at u extrapolate to 0, by the polynomial through them.
+
+    For u = (1, 2): 2 and -1, so that values 3 and 4 give 2.
+    """
     parts = u / (u - u[:, None] + np.diag(u))       # of number j in the weight of number i
-    found: Array = np.prod(parts, axis=1)
-    return found
+    return np.asarray(np.prod(parts, axis=1))
 
 
 def _continued(sampler: Sampler, here: Array, beyond: Array) -> tuple[Array, Array]:
-    """Return limits from the samples on both sides of a toggle, and which go on smoothly there."""
+    """
+    Return the limits of quantities at a toggle, and which quantities go on smoothly there.
+
+    ``here``, ``beyond``: samples on the path and on that of the other assembly mode, each from the
+    toggle on, shape (quantities, 12). One polynomial through both sides is three digits better
+    than an extrapolation from one.
+    """
     every = np.arange(len(beyond))[:, None]
     one_sided = here @ _UP_TO
     # An angle in [0, pi] goes on as its negative.
-    both = [(here + sampler.next_to(here, sign * beyond, every)) @ _THROUGH
+    both = [(here + sampler.same_turn(here, sign * beyond, every)) @ _THROUGH
             for sign in (1.0, -1.0)]
     mirrored = sampler.is_angle & (np.abs(both[1] - one_sided) < np.abs(both[0] - one_sided))
     bounded = np.where(mirrored, both[1], both[0])
@@ -405,7 +432,11 @@ def _continued(sampler: Sampler, here: Array, beyond: Array) -> tuple[Array, Arr
 
 
 def perturbed_lengths(mechanism: Mechanism) -> tuple[list[float], list[tuple[float, ...]]]:
-    """Return a relative step for each length, and the lengths changed by it."""
+    """
+    Return a relative step for each length, and for each all lengths with that one changed.
+
+    Steps lead away from the nearest change point, across which everything changes.
+    """
     size = min(MOST_CHANGE, max(LEAST_CHANGE, PART * mechanism.change_point_margin))
     signs, margin = min(zip(mechanism.MARGIN_SIGNS, mechanism.margins),
                         key=lambda pair: abs(pair[1]),
@@ -420,14 +451,10 @@ def perturbed_lengths(mechanism: Mechanism) -> tuple[list[float], list[tuple[flo
 def sampled_conditions(sampler: Sampler, x: Array, row: Array,
                        spacing: Array) -> tuple[Array, Array]:
     """
-    Return the conditions of place [rad] and relative value of a sampler's extrema, shape (n,).
+    Return the conditions of the place and of the relative value of n extrema, each (n,).
 
-    Parameters
-    ----------
-    sampler : Sampler
-    x, row, spacing : ndarray, shape (n,)
-        Where the extrema are [rad], of which quantity, and the distance of samples there [rad].
-
+    By differences, over a small change of each length: see the top of this file. ``x``, ``row``,
+    ``spacing``: where the extrema are, of which quantity, and the distance of samples there.
     """
     turn = TURN * spacing
     value, slope = sampler.at(np.concatenate((x, x + turn)), np.tile(row, 2))
@@ -435,7 +462,7 @@ def sampled_conditions(sampler: Sampler, x: Array, row: Array,
     steps, lengths = perturbed_lengths(sampler.linkage)
     value, slope = value[:x.size], slope[:x.size]
     values, slopes = sampler.with_lengths(lengths, x, row)
-    values = sampler.next_to(value[:, None], values, row[:, None])
+    values = sampler.same_turn(value[:, None], values, row[:, None])
     size, place = ((np.abs(there - here[:, None]) / np.abs(steps)).sum(axis=1)
                    for here, there in ((value, values), (slope, slopes)))
     with np.errstate(divide='ignore', invalid='ignore'):

@@ -10,7 +10,7 @@ from typing import NamedTuple
 from fourbar_ros.extrema.four_bar_rates import exact_count
 from fourbar_ros.extrema.input_paths import InputPath
 from fourbar_ros.extrema.interval_proof import find_parts, Part, Parts, WIDEST
-from fourbar_ros.extrema.path_search import Found
+from fourbar_ros.extrema.path_search import PathExtremum
 from fourbar_ros.extrema.sampling import Sampler
 from fourbar_ros.mechanisms.quantities import is_published
 import numpy as np
@@ -21,8 +21,8 @@ EXACT_COUNT, INTERVALS, NOT_PROVED = 'exact count', 'interval bounds', 'not prov
 LEFT_OUT = 2.0**-13
 # Nearer than this to a limit, over the range: the rounding of the distance hides the derivatives.
 LEFT_OUT_AT_LIMIT = 2.0**-30
-# To what places [in the input's unit] are confirmed if rounding allows it; to what values are,
-# over themselves and over the largest (of a root: of the squares).
+# How well a proof confirms places [in the input's unit], if rounding allows it, and values: over
+# themselves, and over the largest value (of a root: of the squares).
 PLACE, VALUE, OF_LARGEST = 2.0**-32, 2.0**-32, 2.0**-40
 
 
@@ -39,15 +39,15 @@ class Count(NamedTuple):
     exist: int | None
     text: str
 
-    def verdict(self, found: Sequence[Found]) -> Verdict:
-        """Return whether as many were found."""
+    def verdict(self, found: Sequence[PathExtremum]) -> Verdict:
+        """Return whether as many extrema were found inside the range as exist."""
         number = sum(is_interior(part) for part in found)
         if self.exist in (None, number):
             return Verdict(False, self.text)
         return Verdict(True, f'{NOT_PROVED}: {number} found, {self.exist} exist')
 
 
-def is_interior(part: Found) -> bool:
+def is_interior(part: PathExtremum) -> bool:
     """Return whether what was found is an extremum inside the input range."""
     return part.side == 0 and part.sense != 0
 
@@ -63,17 +63,9 @@ class Enclosures:
     """
     All extrema of a quantity, each enclosed in a part of a path.
 
-    They stop before the ends of the range; what was found in parts left out counts as found there.
-
-    Parameters
-    ----------
-    sampler : Sampler
-    paths : sequence of InputPath
-    enclosed : sequence of Parts
-        Of each path.
-    is_angle : bool
-        The quantity may be an angle, of any turn.
-
+    Next to the ends of a range nothing is enclosed: extrema found there are taken as they are.
+    ``enclosed``: what :func:`find_parts` gives for each path. ``is_angle``: values may differ by
+    whole turns.
     """
 
     def __init__(self, sampler: Sampler, paths: Sequence[InputPath], enclosed: Sequence[Parts],
@@ -86,8 +78,13 @@ class Enclosures:
                        self._unit * abs(end.x - path.x[path.inward(side)[0]]))
                       for path in paths for side, end in path.ends()]
 
-    def verdict(self, found: Sequence[Found]) -> Verdict:
-        """Return whether these are the extrema: as many, of their kinds, places and values."""
+    def verdict(self, found: Sequence[PathExtremum]) -> Verdict:
+        """
+        Return whether these are the extrema: as many, of the same kinds, places and values.
+
+        Each one found is matched with an enclosure; the text says how well places are confirmed,
+        or which one is not.
+        """
         if self._why_not:
             return Verdict(False, f'{NOT_PROVED}: {self._why_not}')
         inside = [one for one in found if is_interior(one) and not self._is_left_out(one)]
@@ -115,17 +112,18 @@ class Enclosures:
                      'at the ends')
         return Verdict(False, text)
 
-    def _is_left_out(self, one: Found) -> bool:
+    def _is_left_out(self, one: PathExtremum) -> bool:
+        """Return whether an extremum is so near to an end that nothing is enclosed there."""
         return any(0.0 < side * self._linkage.distance(self._unit * one.place, at) < width
                    for side, at, width in self._ends)
 
-    def _inputs(self, one: Found) -> list[float]:
-        """Return the input of what was found, in all turns that paths may have it in."""
+    def _inputs(self, one: PathExtremum) -> list[float]:
+        """Return the input of an extremum in all turns in which a path may have it."""
         turns = (0,) if self._linkage.is_driven_by_slide else (-1, 0, 1)
         return [one.place + 2.0 * pi * turn for turn in turns]
 
-    def _has_value(self, part: Part, x: float, one: Found) -> bool:
-        """Return whether the quantity has the value that was found."""
+    def _has_value(self, part: Part, x: float, one: PathExtremum) -> bool:
+        """Return whether the enclosed quantity has, at x, the value that was found."""
         value, size = _value_and_slope(part, x)[0], abs(one.value)
         bound = VALUE * size + one.noise
         if part.is_square:
@@ -137,7 +135,12 @@ class Enclosures:
 
 
 def _width(part: Part, x: float) -> float:
-    """Return how near to x the extremum in a part is, as far as its enclosure tells."""
+    """
+    Return how near to x the extremum in a part is, inf if it may be far.
+
+    The interval about x is doubled until the derivative at both ends is larger than its error: if
+    it changes sign as the kind of extremum says, the extremum lies in it.
+    """
     width = PLACE
     while width < WIDEST:
         before, after = (_value_and_slope(part, min(max(at, part.low), part.high))[1] * part.sense
@@ -160,19 +163,13 @@ def share_of(check: Callable[[float], None], done: int, parts: int) -> Callable[
 
 
 def by_intervals(sampler: Sampler, rows: Sequence[int], paths: Sequence[InputPath],
-                 found: Sequence[Sequence[Found]], check: Callable[[float], None],
+                 found: Sequence[Sequence[PathExtremum]], check: Callable[[float], None],
                  seconds: float) -> list[Count | Enclosures]:
     """
-    Return the proofs of the quantities ``rows`` of a sampler.
+    Return the proofs of the quantities ``rows`` of a sampler by enclosures over all paths.
 
-    Parameters
-    ----------
-    sampler, rows, paths
-    found : sequence
-        What the search found of each quantity.
-    check, seconds
-        As for :func:`.interval_proof.find_parts`.
-
+    ``found``: the extrema of each quantity; one constant in a range is not proved. ``check`` and
+    ``seconds`` as for :func:`.interval_proof.find_parts`.
     """
     varying = {i: row for i, row in enumerate(rows) if all(part.sense for part in found[i])}
     paths = [_away_from_ends(path) for path in paths]

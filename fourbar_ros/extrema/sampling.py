@@ -35,8 +35,8 @@ import numpy as np
 STEP = 2.0**-200
 
 
-def _with_part(fields: Sequence[Array], chosen: Array, values: Array) -> Array:
-    """Return fields, numbers or arrays, as arrays with some values replaced."""
+def _replaced(fields: Sequence[Array], chosen: Array, values: Array) -> Array:
+    """Return fields, numbers or arrays, as rows (fields, n) with the ``chosen`` ones replaced."""
     whole = np.stack(np.broadcast_arrays(*fields, chosen)[:-1]).astype(values.dtype)
     whole[:, chosen] = values
     return whole
@@ -91,8 +91,7 @@ class Sampler:
 
     The input x is in units of :attr:`~fourbar_ros.mechanisms.mechanism.Mechanism.input_unit`. Next
     to the flat positions at the ends of the path that was given to :meth:`enter` motion and loads
-    come from series, see
-    :mod:`fourbar_ros.extrema.flat_positions`.
+    come from series, see :mod:`fourbar_ros.extrema.flat_positions`.
 
     Parameters
     ----------
@@ -134,22 +133,22 @@ class Sampler:
                                   for numbers in types]))
 
     def enter(self, path: InputPath) -> None:
-        """Take the flat positions at the ends of a path into account."""
+        """Make the series for flat positions at the ends of a path, for samples beside them."""
         self.flats = flat_sides(self.linkage, self.rates, path)
 
     def of(self, linkage: Mechanism) -> Sampler:
-        """Return the same for another linkage."""
+        """Return a sampler of the same quantities for another linkage."""
         return type(self)(linkage, self.quantities, self.rates, self.takes_columns)
 
     def only(self, row: int) -> Sampler:
-        """Return the same for one of the quantities."""
+        """Return a sampler of one of the quantities, with the formulas made already."""
         other = copy(self)
         other.quantities, other.is_angle = (self.quantities[row],), self.is_angle[[row]]
         other.with_angles, other.exact = needs_angles(self.quantities[row]), None
         return other
 
     def along(self, path: InputPath) -> Samples:
-        """Return the samples of a path; InvalidParameter where numbers overflow."""
+        """Return the samples of a path; refuse functions that are NaN, rates that overflow."""
         self.enter(path)
         with np.errstate(over='ignore', invalid='ignore'):
             values, slopes = self.sample(path.x)
@@ -160,7 +159,7 @@ class Sampler:
         return Samples(path, self._continuous(values), slopes, state, self.noise(state))
 
     def _refuse_nan(self, x: Array, values: Array) -> None:
-        """Refuse functions that are no numbers somewhere."""
+        """Refuse functions of users that are NaN somewhere; the message names the input."""
         for quantity, row in zip(self.quantities, np.isnan(values)):
             if row.any() and not is_published(quantity):
                 raise not_real(quantity, f'NaN at the input {self.unit * float(x[row.argmax()])}')
@@ -173,8 +172,8 @@ class Sampler:
                                                                   / (2.0 * pi) + 0.5))
         return values
 
-    def next_to(self, reference: Array, values: Array, row: Array) -> Array:
-        """Return values of quantities ``row``, angles within half a turn of a reference."""
+    def same_turn(self, reference: Array, values: Array, row: Array) -> Array:
+        """Return values of quantities ``row``, angles within half a turn of a reference angle."""
         if not self.is_angle.any():
             return values
         with np.errstate(invalid='ignore'):
@@ -185,9 +184,10 @@ class Sampler:
     def with_lengths(self, lengths: Sequence[tuple[float, ...]], x: Array,
                      row: Array) -> Sequence[Array]:
         """
-        Return :meth:`at` for mechanisms of other lengths, shapes (n, mechanisms).
+        Return values and derivatives for mechanisms of other lengths, shapes (n, mechanisms).
 
-        By their formulas alone: they are no change points, and their limits are not asked for.
+        For conditions. Four-bars are computed at once, lengths as columns, others one by one; no
+        series are needed, as none of them is a change point.
         """
         numbers = self._complex if self.IS_COMPLEX else ARRAY
         others = [self.linkage.with_lengths(changed) for changed in lengths]
@@ -200,6 +200,7 @@ class Sampler:
             np.tile(x, (len(lengths), 1)), row)
 
     def _by(self, linkage: Mechanism, constants: Constants, numbers: NumberType) -> Sampler:
+        """Return a copy that evaluates the formulas of a linkage with other constants."""
         other = copy(self)
         motion = linkage.motion_formula(numbers, constants)
         loads = self._functions[1][0] and linkage.loads_formula(numbers, constants)
@@ -211,7 +212,7 @@ class Sampler:
         return x if self.linkage.is_driven_by_slide else fold(x)
 
     def state(self, x: Array) -> State:
-        """Return (motion, loads) at real or complex x."""
+        """Return motion and loads at real or complex x, by series next to flat positions."""
         motions, of_loads = self._functions
         motion, loads = motions[x.dtype.kind == 'c'], of_loads[x.dtype.kind == 'c']
         with np.errstate(all='ignore'):
@@ -222,7 +223,7 @@ class Sampler:
             near = (t.real > 0.0) & (t.real < REACH)
             if near.any():
                 beside = flat.state(t[near], bool(loads))
-                state = [_with_part(part, near, values) for part, values in zip(state, beside)]
+                state = [_replaced(part, near, values) for part, values in zip(state, beside)]
         return self._named(state)
 
     def _named(self, state: Sequence[Iterable[Array]]) -> State:
@@ -232,10 +233,10 @@ class Sampler:
 
     def limits(self, side: int) -> Array:
         """
-        Return the quantities at the flat position that the path has on this side, with infinities.
+        Return the limits of the quantities at the flat position on this side; poles are infinite.
 
-        They are read off so near that all terms of a series but the first are less than rounding,
-        and once more nearer still: a pole has grown then, a zero fallen.
+        At 2^-60 and 2^-80 of the series' scale only their first terms count: a quantity that grows
+        by more than 2^10 from one to the other is a pole, one that falls so is zero.
         """
         t = np.array((2.0**-60, 2.0**-80))
         state = self._named(self.flats[side].state(t, self._functions[1][0] is not None))
@@ -246,11 +247,7 @@ class Sampler:
                         np.where(growth > 2.0**-10, other, 0.0))
 
     def varies_next_to(self, side: int) -> Array:
-        """
-        Return whether each quantity is more than a constant on this side.
-
-        True where that is not known.
-        """
+        """Return which quantities vary next to the flat position on this side, or may vary."""
         flat = self.flats[side]
         varies = dict(zip(self.linkage.MOTION._fields, flat.motion.varies))
         if self.needs_loads:
@@ -264,6 +261,7 @@ class Sampler:
             return self._rows(state, x)
 
     def _rows(self, state: State, x: Array) -> Array:
+        """Return the quantities of a state, shape (quantities, *x.shape)."""
         rows = np.empty((len(self.quantities), *x.shape), x.dtype)
         for row, quantity in zip(rows, self.quantities):
             value = quantity.of(*state)
@@ -286,7 +284,7 @@ class Sampler:
         """
         Return quantity ``row[i]`` at x[i], and a bound of its rounding error.
 
-        At exact change points that is not known: zero.
+        At an exact change point no bound is known: it is given as zero.
         """
         state, i = self.state(x), np.arange(row.size)
         with np.errstate(all='ignore'):
@@ -299,7 +297,11 @@ class Sampler:
 
     def newton(self, x: Array, row: Array, spacing: Array,
                is_squared: Array) -> tuple[Array, Array]:
-        """Return the derivative of quantity ``row[i]``, or half its square, and a Newton step."""
+        """
+        Return the derivative of quantity ``row[i]`` at x[i], and the Newton step to its zero.
+
+        ``is_squared``: of half the square instead, which is smooth where a magnitude has a kink.
+        """
         turn = self.TURN * spacing
         value, slope = self.at(np.concatenate((x, x + turn)), np.tile(row, 2))
         here, there = np.split(np.where(np.tile(is_squared, 2), value * slope, slope), 2)
@@ -310,8 +312,8 @@ class Sampler:
         """
         Return a bound of the rounding errors of each quantity, shape (quantities, n).
 
-        From the sizes of its terms, as far as they are known: the shaking force of a balanced
-        linkage is the noise of the joint reactions.
+        From the sizes of the terms that it is a sum of. Example: the shaking force of a balanced
+        linkage is zero, and its computed value the rounding of joint reactions that cancel.
         """
         motion, loads = state
         sine = self.linkage.transmission_sine(motion).real
@@ -323,5 +325,4 @@ class Sampler:
             scales['N m'] = max(map(abs, self.linkage.lengths)) * force
         rows = np.stack([np.broadcast_to(scales.get(q.unit, 0.0), np.shape(sine))
                          for q in self.quantities])
-        found: Array = 64.0 * EPS * rows / np.minimum(np.abs(sine), 1.0)
-        return found
+        return np.asarray(64.0 * EPS * rows / np.minimum(np.abs(sine), 1.0))

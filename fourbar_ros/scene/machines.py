@@ -22,13 +22,12 @@ from fourbar_ros.mechanisms.machine.describe.description import DIMENSIONS as OF
 from fourbar_ros.mechanisms.machine.machine import Machine, NO_BODY
 from fourbar_ros.mechanisms.machine.solve.pairs import shaped, slides_of
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import GROUND
 from fourbar_ros.numerics.number_types import direction, NumberType, Scalar
 from fourbar_ros.scene.parameters import names_in, ParameterValues
 import numpy as np
 
 DIMENSIONS = 'length_1', 'length_2', 'offset', 'direction_1', 'direction_2', 'slot'
-CRANK, ROD_MODEL = 'crank', 'rods'
+ROD_MODEL = 'rods'
 
 
 def machine_of(values: ParameterValues) -> Machine:
@@ -111,17 +110,19 @@ def _dyad(name: str, values: ParameterValues) -> Dyad:
     """Return the dyad of the parameters dyads.NAME.*; dimensions that are not given are None."""
     own = {field: values[f'dyads.{name}.{field}'] for field in
            (*DIMENSIONS, 'kind', 'links', 'mode')}
-    first, second = (Point(*(values[f'dyads.{name}.{end}.{field}'] for field in Point._fields))
-                     for end in ('first', 'second'))
-    return Dyad(name, own['kind'], first, second, tuple(own['links']), mode=own['mode'],
+    return Dyad(name, own['kind'], _point(values, f'dyads.{name}.first'),
+                _point(values, f'dyads.{name}.second'), tuple(own['links']), mode=own['mode'],
                 **{field: None if isnan(own[field]) else own[field] for field in DIMENSIONS})
+
+
+def _point(values: ParameterValues, name: str) -> Point:
+    """Return the point of the parameters NAME.link, NAME.along and NAME.across."""
+    return Point(*(values[f'{name}.{field}'] for field in Point._fields))
 
 
 def _cylinder(values: ParameterValues) -> Cylinder | None:
     """Return the cylinder of a machine that is driven by one."""
     if values['linkage.input'] != CYLINDER:
         return None
-    base, pin = ((values[f'cylinder.{end}.along'], values[f'cylinder.{end}.across'])
-                 for end in ('base', 'pin'))
-    return Cylinder(Point(GROUND, *base), Point(CRANK, *pin), tuple(values['cylinder.links']),
-                    values['cylinder.mode'])
+    return Cylinder(_point(values, 'cylinder.base'), _point(values, 'cylinder.pin'),
+                    tuple(values['cylinder.links']), values['cylinder.mode'])

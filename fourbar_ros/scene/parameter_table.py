@@ -201,10 +201,16 @@ PARAMETERS = _table(
               live=False),
     Parameter('linkage.output', 'string', '', '',
               f'link of a {MACHINE} whose motion is the output; empty: the last link', live=False),
+    Parameter('cylinder.base.link', 'string', GROUND, '',
+              'with linkage.input cylinder: link on which its tube is pinned, the ground or one '
+              'to which the crank is pinned at O1; see docs/machines.md', live=False),
     Parameter('cylinder.base.along', 'double', 0.0, 'm',
-              'with linkage.input cylinder: x of the pivot of its tube on the ground'),
+              'with linkage.input cylinder: x of the pivot of its tube on that link'),
     Parameter('cylinder.base.across', 'double', 0.0, 'm',
               'with linkage.input cylinder: y of that pivot'),
+    Parameter('cylinder.pin.link', 'string', 'crank', '',
+              'with linkage.input cylinder: link on which its rod is pinned, the crank',
+              live=False),
     Parameter('cylinder.pin.along', 'double', 0.0, 'm',
               'with linkage.input cylinder: pin of its rod on the crank, distance from O1 along '
               'the crank'),

@@ -12,6 +12,7 @@ import re
 from typing import Any, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter, nearest, one_of
+from fourbar_ros.mechanisms.parts import GROUND
 from fourbar_ros.scene.parameter_table import (
     FAMILIES,
     GOES_WITH,
@@ -213,10 +214,12 @@ def _dyads(values: ParameterValues) -> list[str]:
 def _links_of_machine(values: ParameterValues) -> list[str]:
     """Return the names of all moving links of a machine: of its dyads, of its drive."""
     driver = str(values.get('linkage.input'))
-    cylinder = _names(values.get('cylinder.links', PARAMETERS['cylinder.links'].default))
-    return [*(link for name in _dyads(values)
-              for link in _names(values.get(f'dyads.{name}.links'))),
-            *{'slide': ['slider'], 'cylinder': ['crank', *cylinder]}.get(driver, ['crank'])]
+    cylinder = [*_names(values.get('cylinder.links', PARAMETERS['cylinder.links'].default)),
+                *_names([values.get('cylinder.base.link')])]
+    of_drive = {'slide': ['slider'], 'cylinder': ['crank', *cylinder]}.get(driver, ['crank'])
+    of_dyads = [link for name in _dyads(values)
+                for link in _names(values.get(f'dyads.{name}.links'))]
+    return [link for link in (*of_dyads, *of_drive) if link != GROUND]
 
 
 def _names(value: Any) -> list[str]:

@@ -166,7 +166,7 @@ def test_extrema_move_as_in_fifty_digits(name, quantity, names):
 
     extremum = next(one for one in (design.extreme(quantity, end) for end in ('max', 'min'))
                     if not one.side)
-    near = design.place_of(extremum)
+    near = extremum.input
     moves = found.at_extremum(quantity, near)
     small, true = mp.mpf(10)**-12, {}
     for one in names:

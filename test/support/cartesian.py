@@ -74,7 +74,7 @@ def joints_of(machine, data):
     """Return the joints of a machine, that of the driven link first."""
     here, along = np.full(1 + data.count, NONE, object), np.full(1 + data.count, ONE, object)
     is_slide = machine.input == 'slide'
-    found = [Joint('base', machine.layout.driven, here, GROUND, here,
+    found = [Joint('base', machine.layout.driven, here, machine.layout.links[0], here,
                    along if is_slide else None, is_slide)]
     for dyad in machine.stages:
         (one, two), (p, q) = dyad.links, (data.point(*at[1:]) for at in (dyad.first, dyad.second))
@@ -245,7 +245,8 @@ class Cartesian:
             sine = {'RRR': imag(conj(one) * two), 'RRP': real(conj(two) * one),
                     'RPR': real(conj(two) * (p - q))}.get(dyad.kind)
             if dyad.name == 'cylinder':
-                sine = imag(conj(q) * p)
+                (pivot, *_), _ = self.link('crank')
+                sine = imag(conj(q - pivot) * (p - pivot))
             if sine is not None and not float(sine[0]) * dyad.sign > 0:
                 return False
         return True
@@ -258,14 +259,14 @@ class Cartesian:
         for name, *levels in zip(self.names, *self.q):
             found[f'place_{name}'] = levels[0][0] + J * levels[0][1]
             found.update(_of_angle(name, [level[2] for level in levels]))
-        for joint in self.joints[1:]:
+        for joint in self.joints[self.joints[0].j == GROUND:]:
             p, q, t = self.ends(joint)
             gap = [one - other for one, other in zip(p, q)]
             if joint.turn is not None:
                 found.update(zip((f'slide_{joint.i}', f'slide_{joint.i}_velocity',
                                   f'slide_{joint.i}_acceleration'),
                                  (real(leibniz(t, gap, order)) for order in range(3))))
-            elif joint.j != GROUND:
+            elif GROUND not in (joint.i, joint.j):
                 sign = -1 if joint.name.endswith('inner') else 1    # of j against i there
                 found.update(_of_angle(joint.name, [
                     sign * (self.angle(joint.i, order) - self.angle(joint.j, order))
@@ -452,7 +453,7 @@ def errors(machine, given, found, kept=None):
             truth, condition = motion[f'{what}_{pin}']
             motion[f'{what}_{pin}'] = truth, condition + sum(
                 motion[f'{what}_{machine.layout.links[i]}'][1] for i in pair)
-    for link in machine.layout.slides()[machine.input == 'slide':]:
+    for link in {*machine.layout.slides()[machine.input == 'slide':]} - {GROUND}:
         (place, condition), (way, _) = motion[f'place_{link}'], motion[f'slide_{link}']
         motion[f'place_{link}'] = place, condition + float(abs(way))
     for ours, fields in zip(machine.step(*given), (motion, loads)):

@@ -143,7 +143,7 @@ def crank_of_cylinder(cylinder, s):
 def links_of(machine, given):
     """Return {link: (place of the first joint, direction)} and {dyad: place of its pin}."""
     x = Jet(*map(mp.mpf, given))
-    links, pins = {'ground': (Jet(0), Jet(1))}, {}
+    links, pins = {machine.layout.links[0]: (Jet(0), Jet(1))}, {}
     if machine.input == 'slide':
         links['slider'] = x, Jet(1)
     elif machine.input == 'crank':
@@ -157,7 +157,9 @@ def links_of(machine, given):
         *its, pins[dyad.name] = MOVES[dyad.kind](own, on(one, dyad.first), on(other, dyad.second),
                                                  one, other)
         links.update(zip(dyad.links, its))
-    return links, pins
+    z, e = links['ground'][0], links['ground'][1].conj()      # a frame that moves is turned back
+    return ({name: ((place - z) * e, its * e) for name, (place, its) in links.items()},
+            {name: (place - z) * e for name, place in pins.items()})
 
 
 def on(link, point):
@@ -253,15 +255,15 @@ def needs_of(machine, links):
 def loads_of(machine, given):
     """Return {joint: complex force, joint_normal, joint_couple, drive: number}."""
     _, links, pins = motion_of(machine, given)
-    system, driven = System(machine, links), machine.layout.driven
+    system, (frame, driven, *_) = System(machine, links), machine.layout.links
     at = links[driven][0].value
     if machine.input == 'slide':
-        system.slide('base', at, driven, 'ground', mp.mpc(1))
-        system.add('drive', at, driven, 'ground', mp.mpc(1))
+        system.slide('base', at, driven, frame, mp.mpc(1))
+        system.add('drive', at, driven, frame, mp.mpc(1))
     else:
-        system.pin('base', at, driven, 'ground')
+        system.pin('base', at, driven, frame)
         if machine.input == 'crank':
-            system.add('drive', at, driven, 'ground', mp.mpc(0), 1)
+            system.add('drive', at, driven, frame, mp.mpc(0), 1)
     for dyad in machine.stages:
         _joints(system, machine, dyad, links, pins[dyad.name].value)
     found = system.solve(needs_of(machine, links))

@@ -6,6 +6,7 @@ Random machines of one to six dyads: plain, near toggles, at and near change poi
 Each is a :class:`Drawn`: the machine with everything acting, where to look at it, and, next to an
 exact change point, that change point in many digits.
 """
+from dataclasses import replace
 from typing import NamedTuple
 
 from flint import arb
@@ -185,7 +186,38 @@ def from_random(seed, near_limit=False):
         yield Drawn(machine, given)
 
 
+def between_moving_links(seed, near_limit=False):
+    """Yield machines with a cylinder between two moving links: any dyad's link stands still."""
+    rng = np.random.default_rng(seed)
+    for machine, given in random_machines(seed, 10**9, dyads=(1, 5), driver='cylinder',
+                                          near_limit=near_limit):
+        dyad = machine.dyads[int(rng.integers(len(machine.dyads)))]
+        machine = standing_on(machine, dyad.links[int(rng.integers(2))])
+        motion = machine.motion(*given)
+        if max(abs(getattr(motion, f'{what}_{link}')) for link in machine.layout.moving
+               for what in (('x', 'y') if near_limit else
+                            ('x', 'y', 'dx', 'dy', 'ratio', 'ddx', 'ddy', 'bend'))) < 10.0:
+            yield Drawn(machine, given)
+
+
+def standing_on(machine, link):
+    """Return a machine whose ground moves, as 'leg', and another link of which stands still."""
+    names = {'ground': 'leg', link: 'ground'}
+
+    def at(point):
+        return point._replace(link=names.get(point.link, point.link))
+
+    dyads = [replace(dyad, first=at(dyad.first), second=at(dyad.second),
+                     links=tuple(names.get(own, own) for own in dyad.links))
+             for dyad in machine.dyads]
+    return Machine(dyads, 'cylinder', cylinder=machine.cylinder._replace(
+        base=at(machine.cylinder.base)), bodies=tuple(machine.bodies), gravity=machine.gravity,
+        external=tuple(machine.external))
+
+
 FAMILIES = {
+    'between moving links': between_moving_links,
+    'between moving links, near a toggle': lambda seed: between_moving_links(seed, True),
     'plain': lambda seed: from_random(seed),
     'near a toggle': lambda seed: from_random(seed, True),
     'at a change point': lambda seed: at_change_points(np.random.default_rng(seed)),

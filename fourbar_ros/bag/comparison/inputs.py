@@ -8,9 +8,9 @@ They are recomputed in the order of the bag, with the code of the node, and comp
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from math import inf, isfinite, isnan, nan
-from typing import NamedTuple
+from typing import NamedTuple, Union
 
 from fourbar_ros.bag.comparison.difference import distance_of_two
 from fourbar_ros.bag.comparison.window import joined_by_place
@@ -167,11 +167,20 @@ def inputs_of(columns: Columns, scene: Scene) -> tuple[Array, Array, Array]:
     return columns.places, stamps, np.stack(motion, axis=1)
 
 
-def drive_states_of(origin: Origin, about: Mapping[str, str]) -> DriveStates | None:
+def mover_of(scene: Scene, mode: int | None = None) -> Mover:
+    """Return the integrator of a scene driven by torque, of a mode beyond a toggle if given."""
+    return scene.mover if mode is None else scene.mover_in(mode)
+
+
+MoverOf = Callable[[Scene, Union[int, None]], Mover]      # as mover_of()
+
+
+def drive_states_of(origin: Origin, about: Mapping[str, str],
+                    moved_by: MoverOf = mover_of) -> DriveStates | None:
     """Return the DriveStates of a bag; None if it has no drive, or no order to step in."""
     if origin.scene.dynamics is None or not origin.in_order:
         return None
-    return DriveStates(origin.scene, about.get(KEY, 'unknown'))
+    return DriveStates(origin.scene, about.get(KEY, 'unknown'), moved_by)
 
 
 class _RecordedState(NamedTuple):
@@ -194,7 +203,8 @@ class DriveStates:
     integrator made the bag, accelerations and torques alone are recomputed, from the states. Next
     to a toggle, input and rate do not determine the state: a mover that came there by its own
     steps knows it; of a bag that begins there, the states up to the first one past the toggle are
-    not compared.
+    not compared. ``integrator`` is the name of the one that made the bag; ``moved_by`` makes the
+    mover that steps again, of a scene and a mode (None: its own).
 
     Attributes
     ----------
@@ -210,8 +220,8 @@ class DriveStates:
 
     """
 
-    def __init__(self, scene: Scene, integrator: str) -> None:
-        self.integrator = integrator
+    def __init__(self, scene: Scene, integrator: str, moved_by: MoverOf = mover_of) -> None:
+        self.integrator, self._moved_by = integrator, moved_by
         drive = scene.dynamics and scene.dynamics.drive
         self._has_our_integrator = integrator == name_of(scene.linkage,
                                                          drive.source if drive else None)
@@ -224,7 +234,7 @@ class DriveStates:
 
     def change(self, scene: Scene) -> None:
         """Take another scene; the state stays."""
-        self._scene, self._mover = scene, scene.mover
+        self._scene, self._mover = scene, self._moved_by(scene, None)
         self._movers: dict[int, Mover] = {}              # by mode
 
     def commands(self, blocks: Sequence[Columns]) -> None:
@@ -276,7 +286,7 @@ class DriveStates:
             self.unknown += 1
         else:
             if mode not in self._movers:
-                self._movers[mode] = self._scene.mover_in(mode)
+                self._movers[mode] = self._moved_by(self._scene, mode)
             mover = self._movers[mode]
             self._note_values(values, mover.values(mover.place(mover.state(values)), values.step,
                                                    values.command, values.evaluations))

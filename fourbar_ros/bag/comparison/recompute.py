@@ -19,6 +19,8 @@ from fourbar_ros.bag.comparison.inputs import (
     drive_states_of,
     DrivenMotions,
     inputs_of,
+    mover_of,
+    MoverOf,
     UNSETTLED,
     WrenchHistory,
 )
@@ -45,19 +47,20 @@ def recompute(path: str | Path) -> list[Difference]:
 
 
 def compare(path: str | Path, progress: Progress | None = None, node: str | None = None,
-            by: Evaluate = evaluate) -> Recomputed:
+            by: Evaluate = evaluate, moved_by: MoverOf = mover_of) -> Recomputed:
     """
     Recompute all outputs of a bag from their driven motions and compare them, field by field.
 
     The motion of an output is the last one of its stamp before it, in bags of ``ros2 bag`` also
     one that comes later. Differences are absolute; NaN against NaN is none, NaN against a number
     infinite. Memory does not grow with the bag. ``node``: which one, if a bag of ``ros2 bag`` has
-    several; ``by`` computes motion and loads in place of Python, as ``evaluate`` of generated
-    code; ``progress`` is called with the number of bytes read.
+    several; in place of Python ``by`` computes motion and loads, as ``evaluate`` of generated
+    code, and ``moved_by`` makes what integrates a drive, as its ``mover``; ``progress`` is called
+    with the number of bytes read.
     """
     bag = Bag(path)
     origin = origin_of(bag, node)
-    comparison = Comparison(origin, bag.about(), by)
+    comparison = Comparison(origin, bag.about(), by, moved_by)
     # The newest block waits until the next item tells whether the scene changes near its end.
     waiting: list[Columns] | None = None
     for item in bag.blocks(topics=list(origin.topics.values()), apart=origin.topics.get('scene'),
@@ -82,10 +85,12 @@ class Comparison:
     """
     Recomputes the outputs of one node, block by block of its bag.
 
-    ``about``: custom_data of the bag; ``by`` computes motion and loads, as ``evaluate``.
+    ``about``: custom_data of the bag; ``by`` computes motion and loads, as ``evaluate``;
+    ``moved_by`` makes what integrates a drive, as ``mover_of``.
     """
 
-    def __init__(self, origin: Origin, about: Mapping[str, str], by: Evaluate) -> None:
+    def __init__(self, origin: Origin, about: Mapping[str, str], by: Evaluate,
+                 moved_by: MoverOf) -> None:
         self._by = by
         self._topics, self._in_order = origin.topics, origin.in_order
         self._name_of = {topic: name for name, topic in origin.topics.items()}
@@ -94,7 +99,7 @@ class Comparison:
         self._differences = Differences()
         self._driven = DrivenMotions(origin.scene, about.get(rate_estimator.KEY)
                                      == str(rate_estimator.VERSION))
-        self._drive_states = drive_states_of(origin, about)
+        self._drive_states = drive_states_of(origin, about, moved_by)
         self._wrenches = WrenchHistory(origin.topics, origin.scene.wrenches.links)
         self._modes = Modes()
         self._window: Window | None = None

@@ -49,11 +49,12 @@ from fourbar_ros.numerics.number_types import Scalar
 import numpy as np
 
 State = Sequence[float]
-Answer = tuple[float, tuple[float, ...]]
-NEAREST, NEAR = 1e-9, 1e-3      # least and largest distance to a limit, over it, that is at it
-# Restarts in a linear table: up to FEW times all; of more, bends that change the next torque by
-# more than SHARP of the range of all. What has no such bend is at least pi / SHARP^0.5 = 10 000
-# times long: with each EVERY-th time no step passes over it.
+Answer = tuple[float, tuple[float, ...]]      # torque [N m], derivative of the own state
+# A torque within these parts of a limit is at it: always; at most, where the speed has an error.
+NEAREST, NEAR = 1e-9, 1e-3
+# Integration restarts at all times of a linear table of up to FEW times. Of more, at bends that
+# change the next torque by more than SHARP of the range of all, and at each EVERY-th time: a wave
+# without such bends is at least pi / SHARP^0.5 = 10 000 times long, so no step passes over it.
 FEW, SHARP, EVERY = 64, 1e-7, 4000
 
 
@@ -107,7 +108,7 @@ class Regime(NamedTuple):
     piece : Piece
         The law where it is linear.
     margins : callable, optional
-        (w, z, dw/dt) -> numbers; the regime ends where one of them falls below zero.
+        (speed w, own state z, dw/dt) -> numbers; the regime ends where one falls below zero.
     edge : tuple, optional
         (z_0, z_w) with z = z_0 + z_w w while the source slides along its limit, (M2).
     tangent : callable, optional
@@ -132,20 +133,15 @@ class Regime(NamedTuple):
 
 
 class RegimeAt(Protocol):
-    """
-    Which regime holds at (w, z, dw/dt).
-
-    ``near``: error of the speed, within which a limit counts as reached. Without dw/dt the answer
-    is that of w and z alone.
-    """
+    """Which regime holds at a speed w, an own state z and dw/dt, NaN where that is unknown."""
 
     def __call__(self, speed: float, state: float, slope: float = nan,
                  near: float = 0.0) -> Regime:
-        """Return it."""
+        """Return the regime; ``near``: error of the speed, within which a limit is reached."""
 
 
 def always(piece: Piece, tangent: Tangent | None = None) -> RegimeAt:
-    """Return what a source gives that has one law everywhere."""
+    """Return the function of speed and state -> regime, of a source with one law everywhere."""
     regime = Regime('', piece, tangent=tangent)
 
     def regime_at(speed: float, state: float, slope: float = nan, near: float = 0.0) -> Regime:
@@ -176,7 +172,7 @@ class Law:
         check_quantities(self)
 
     def make_regime_at(self) -> RegimeAt:
-        """Return the function that tells which regime holds: the statement of the law."""
+        """Return the function of speed and state that gives the law there, as a Regime."""
         raise NotImplementedError
 
     def torque(self, time: float, speed: float, state: State) -> Answer:
@@ -186,7 +182,7 @@ class Law:
 
 
 def answer_of(regime: Regime, speed: float, state: State) -> Answer:
-    """Return the torque in a regime and the derivative of the state."""
+    """Return the torque [N m] and the derivative of the own state by the law of a regime, (M1)."""
     own, piece = state[0] if state else 0.0, regime.piece_at(speed)
     return piece.torque_at(speed, own), (piece.change_at(speed, own),) if state else ()
 
@@ -198,7 +194,7 @@ class ConstantTorque(Law):
     value: float = quantity(0.0)
 
     def make_regime_at(self) -> RegimeAt:
-        """Return the law."""
+        """Return the law of all speeds (D2)."""
         return always(Piece(self.value))
 
 
@@ -223,7 +219,7 @@ class MotorLine(Law):
                                    'with the speed is no motor line')
 
     def make_regime_at(self) -> RegimeAt:
-        """Return the law."""
+        """Return the law (D3) at the output shaft."""
         stall, free = self.gear * self.stall_torque, self.free_speed / self.gear
         return always(Piece(stall, -stall / free))
 
@@ -261,7 +257,7 @@ class DCMotor(Law):
         return (0.0,) if self.inductance else ()
 
     def make_regime_at(self) -> RegimeAt:
-        """Return the law; the state is the current."""
+        """Return the law (D4); the state is the current, which follows at once if L = 0."""
         constant = self.gear * self.constant
         if self.inductance:
             return always(Piece(0.0, 0.0, constant, self.voltage / self.inductance,
@@ -301,64 +297,74 @@ class SpeedController(Law):
         return (0.0,) if self.integral else ()
 
     def make_regime_at(self) -> RegimeAt:
-        """Return the law; the state is the integral of the error."""
+        """Return the law (D5); the state is the integral of the error, z."""
         wanted, kp, ki, limit = self.speed, self.proportional, self.integral, self.limit
-        plain = Piece(kp * wanted, -kp, ki)
-        integral = {'change': wanted, 'change_by_speed': -1.0} if ki else {}
+        unlimited = Piece(kp * wanted, -kp, ki)
+        integrating = {'change': wanted, 'change_by_speed': -1.0} if ki else {}
         if limit == inf:
-            return always(plain._replace(**integral))
+            return always(unlimited._replace(**integrating))
 
         def within(speed: float, state: float, slope: float) -> tuple[float, ...]:
-            torque = plain.torque_at(speed, state) / limit
+            torque = unlimited.torque_at(speed, state) / limit
             return 1.0 - torque, 1.0 + torque
 
-        inner = Regime('between its limits', plain._replace(**integral), within)
-        beyond = {side: self._at_limit(plain, side, integral) for side in (1.0, -1.0)}
+        inner = Regime('between its limits', unlimited._replace(**integrating), within)
+        beyond = {side: self._at_limit(unlimited, side, integrating) for side in (1.0, -1.0)}
 
         def regime_at(speed: float, state: float, slope: float = nan, near: float = 0.0) -> Regime:
-            torque = plain.torque_at(speed, state)
+            """Return the regime: inner, or one of three at the limit next to the torque."""
+            torque = unlimited.torque_at(speed, state)
             side = 1.0 if torque > 0.0 else -1.0
-            held, back, edge = beyond[side]
+            held, returning, sliding = beyond[side]
+            # from here on as at the upper limit
             over, error, slope = side * torque - limit, side * (wanted - speed), side * slope
-            if abs(error) <= NEAREST * (abs(wanted) + abs(speed)):
-                error = -slope if slope == slope else error      # of the next moment
-            grows, falls = ki * error, kp * slope
+            has_slope = slope == slope
+            if has_slope and abs(error) <= NEAREST * (abs(wanted) + abs(speed)):
+                error = -slope                # there is none: the next moment's counts
             at_limit = (min(kp * near, NEAR * limit) + NEAREST * limit
                         + 8.0 * EPS * kp * (abs(wanted) + abs(speed)))
-            if abs(over) <= at_limit and slope == slope:
+            if abs(over) <= at_limit and has_slope:
+                grows, falls = ki * error, kp * slope      # of the torque: by integral, by speed
                 if grows - falls <= NEAREST * (abs(grows) + abs(falls)):
-                    return inner
+                    return inner              # it comes back between the limits
                 if min(grows, 0.0) <= falls and ki:
-                    return edge
-                return held if error > 0.0 else back
-            return inner if over <= 0.0 else held if error > 0.0 else back
+                    return sliding            # integrating leads beyond, holding leads back
+            elif over <= 0.0:
+                return inner
+            return held if error > 0.0 else returning
         return regime_at
 
-    def _at_limit(self, plain: Piece, side: float,
-                  integral: dict[str, float]) -> tuple[Regime, Regime, Regime]:
-        """Return the regimes at one limit: without integration, with it, and along the limit."""
+    def _at_limit(self, unlimited: Piece, side: float,
+                  integrating: dict[str, float]) -> tuple[Regime, Regime, Regime]:
+        """
+        Return the regimes at the upper (side 1) or lower (-1) limit of the torque.
+
+        Held: the error would push further beyond, integration stops. Returning: the integral
+        decreases. Sliding: along the limit by (M2).
+        """
         wanted, kp, ki, limit = self.speed, self.proportional, self.integral, self.limit
         unit, name = max(kp, ki) / limit, f'at its {"upper" if side > 0.0 else "lower"} limit'
         piece = Piece(side * limit)
 
         def over(speed: float, state: float) -> float:
-            return side * plain.torque_at(speed, state) / limit - 1.0
+            return side * unlimited.torque_at(speed, state) / limit - 1.0
 
-        def held(speed: float, state: float, slope: float) -> tuple[float, ...]:
+        def while_held(speed: float, state: float, slope: float) -> tuple[float, ...]:
             return over(speed, state), side * unit * (wanted - speed)
 
-        def back(speed: float, state: float, slope: float) -> tuple[float, ...]:
+        def while_returning(speed: float, state: float, slope: float) -> tuple[float, ...]:
             return over(speed, state), side * unit * (speed - wanted)
 
-        def along(speed: float, state: float, slope: float) -> tuple[float, ...]:
+        def while_sliding(speed: float, state: float, slope: float) -> tuple[float, ...]:
+            """Return margins: integrating would go beyond the limit, holding would come back."""
             falls = side * kp * slope
             inward = (side * ki * (wanted - speed) - falls) / limit
             return (inward, falls / limit) if kp else (inward,)
 
         edge = ((side * limit - kp * wanted) / ki, kp / ki) if ki else None
-        return (Regime(f'{name}, held', piece, held),
-                Regime(f'{name}, integrating', piece._replace(**integral), back),
-                Regime(f'{name}, sliding', piece, along, edge))
+        return (Regime(f'{name}, held', piece, while_held),
+                Regime(f'{name}, integrating', piece._replace(**integrating), while_returning),
+                Regime(f'{name}, sliding', piece, while_sliding, edge))
 
 
 @dataclass(frozen=True)
@@ -395,12 +401,7 @@ class TorqueTable:
 
     @cached_property
     def breaks(self) -> tuple[float, ...]:
-        """
-        Return the times at which integration restarts [s].
-
-        Of a long linear table those of sharp bends, and some of the others, so that no step passes
-        over what happens between two of them.
-        """
+        """Return the times at which integration restarts [s]: of a long linear table not all."""
         times, torques = np.array(self.times), np.array(self.torques)
         if not self.linear or times.size <= FEW:
             return tuple(self.times)
@@ -411,7 +412,7 @@ class TorqueTable:
         return tuple(times[kept].tolist())
 
     def torque(self, time: float, speed: float, state: State) -> Answer:
-        """Return the torque at this time and nothing."""
+        """Return the torque of the table at a time [N m], and (): it has no own state."""
         after = bisect_right(self.times, time)
         before = max(after - 1, 0)
         if not self.linear or after in (0, len(self.times)):

@@ -102,6 +102,27 @@ class TorsionSpring:
         return self.first, self.second
 
 
+@dataclass(frozen=True)
+class TableForce:
+    """
+    The function s -> F(s) of a table, times a factor, of floats and arrays.
+
+    ``middle``: the place is an angle that counts within half a turn of it.
+    """
+
+    table: ForceTable
+    factor: float
+    middle: float | None
+
+    def __call__(self, place: Any) -> Any:
+        """Return the force."""
+        middle = self.middle
+        if middle is not None:
+            place = (middle + remainder(place - middle, tau) if isinstance(place, float)
+                     else place - tau * np.round((place - middle) / tau))
+        return self.factor * self.table(place)
+
+
 INPUT = 'input'        # as the place of a force: that of the mechanism, an angle or a slide
 
 
@@ -191,7 +212,7 @@ class PositionForce:
 
     @property
     def turns(self) -> int:
-        """Return the turns of its cycle: more than one of a table over as many of a crank."""
+        """Return the turns of the crank after which it repeats: 2 of a four-stroke's table."""
         table = self.value
         if not (isinstance(table, ForceTable) and table.is_periodic):
             return 1
@@ -206,36 +227,30 @@ class PositionForce:
         """
         Return the function s -> F(s), times the factor, of floats and arrays.
 
-        Raises
-        ------
-        InvalidParameter
-            For a table that does not fit the mechanism; by the function, for a value that is no
-            finite number.
-
+        Raises InvalidParameter for a table that does not fit the mechanism; the function does for
+        a value that is no finite number.
         """
         value, factor = self.value, self.factor
         if not isinstance(value, ForceTable):
-            def of_one(place: float) -> float:
-                return factor * number('value', value(place), f'at {place!r} must be a finite '
-                                                              'number')
-
-            def of_many(places: Array) -> Array:
-                found: Array = np.vectorize(lambda place: factor * value(float(place)),
-                                            otypes=[float])(places)
-                return found
-            return lambda place: (of_one if isinstance(place, float) else of_many)(place)
+            def force(place: float | Array) -> Any:
+                if isinstance(place, float):
+                    return factor * number('value', value(place),
+                                           f'at {place!r} must be a finite number')
+                return np.vectorize(lambda one: factor * value(float(one)), otypes=[float])(place)
+            return force
         is_angle = self.is_over_angle(mechanism)
         _require_fitting(value, is_angle, mechanism.turns_fully and self.over == INPUT)
-        if value.is_periodic or not is_angle:
-            return lambda place: factor * value(place)
-        middle = value.middle
-        return lambda place: factor * value(
-            middle + remainder(place - middle, tau) if isinstance(place, float)
-            else place - tau * np.round((place - middle) / tau))
+        return TableForce(value, factor,
+                          value.middle if is_angle and not value.is_periodic else None)
 
 
 def _require_fitting(table: ForceTable, is_angle: bool, counts_turns: bool) -> None:
-    """Refuse a table whose period or range is not one of its place."""
+    """
+    Refuse a table whose period or range does not fit the place that it is over.
+
+    Over a length it cannot be periodic; over an angle its period must be a part of a turn, and
+    some turns where they are counted: over the input of a crank that turns fully.
+    """
     turns = table.span / tau
     if table.is_periodic:
         if not is_angle:
@@ -264,6 +279,7 @@ def _require_kind(name: str, value: Any, kind: type) -> None:
 
 
 def _require_two_links(element: Spring | TorsionSpring) -> None:
+    """Refuse a spring with both ends on one link, on which it would do nothing."""
     first, second = element.links
     if first == second:
         raise InvalidParameter('second', second, 'must be on another link than the first')

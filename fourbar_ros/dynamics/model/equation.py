@@ -45,18 +45,17 @@ from fourbar_ros.dynamics.model.terms import (
     element_energy,
     element_stiffness,
     link_stiffness,
-    loads_of_links,
     make_element_terms,
     make_force_stiffness,
     make_force_term,
     make_link_terms,
     work_of,
 )
-from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.errors import InvalidParameter, MissingBodies
 from fourbar_ros.mechanics.bodies import NOT_APPLIED
 from fourbar_ros.mechanisms.mechanism import DrivenLinks, Mechanism
 from fourbar_ros.mechanisms.parts import GROUND
-from fourbar_ros.mechanisms.points import Curve, FIXED
+from fourbar_ros.mechanisms.points import FIXED, LinkMotion
 from fourbar_ros.numerics.arrays import Array, Value
 from fourbar_ros.numerics.number_types import ARRAY, Function, NumberType, Scalar
 from fourbar_ros.numerics.straight_line import straight_line
@@ -75,7 +74,22 @@ class Terms(NamedTuple):
 
 
 class InBothModes:
-    """A formula of the input in the mode that holds there: of floats, or of arrays."""
+    """
+    A formula of the coordinate q, evaluated in the assembly mode that holds at each q.
+
+    A linkage that goes smoothly through the flat position of a change point is in its other mode
+    beyond it. Elsewhere there is one mode, and ``is_alternate`` is None.
+
+    Parameters
+    ----------
+    make_formula : callable
+        (mechanism in a mode, number type) -> function of q that returns several numbers.
+    modes : sequence
+        The mechanism, and where its mode alternates, the same in the other mode.
+    is_alternate : callable, optional
+        q -> whether the other mode holds there.
+
+    """
 
     def __init__(self, make_formula: MakeFormula, modes: Sequence[DrivenLinks],
                  is_alternate: Function | None) -> None:
@@ -84,34 +98,40 @@ class InBothModes:
         self._is_alternate, self._mechanism = is_alternate, modes[0]
 
     def of_one(self, position: float) -> tuple[Scalar, ...]:
-        """Return the results for a float; where there are none, the mechanism says why."""
+        """Return the results at one q; raise as ``motion`` does where the links cannot close."""
         alternate = self._is_alternate
         line = self._lines[0 if alternate is None else alternate(position)]
         try:
-            found: tuple[Scalar, ...] = line(position)
-            return found
+            results: tuple[Scalar, ...] = line(position)
+            return results
         except (ValueError, ZeroDivisionError):
-            self._mechanism.motion(position, 1.0, 0.0)
+            self._mechanism.motion(position, 1.0, 0.0)     # its error names the input
             raise
 
     def of_many(self, positions: Array) -> list[Array]:
         """Return the results as arrays of the shape of the positions, NaN where there are none."""
         positions = np.asarray(positions, float)
         with np.errstate(all='ignore'):
-            found = [formula(positions) for formula in self._formulas]
+            results, *others = [formula(positions) for formula in self._formulas]
         if self._is_alternate is not None:
-            found[0] = [np.where(self._is_alternate(positions), b, a) for a, b in zip(*found)]
-        return [np.broadcast_to(row, positions.shape) for row in found[0]]
+            is_alternate = self._is_alternate(positions)
+            results = [np.where(is_alternate, b, a) for a, b in zip(results, *others)]
+        return [np.broadcast_to(row, positions.shape) for row in results]
 
     def __call__(self, position: Scalar | Array) -> Sequence[Any]:
-        """Return the results for a number or an array of numbers."""
+        """Return the results at one q or at an array of them."""
         if isinstance(position, np.ndarray) and position.ndim:
             return self.of_many(position)
         return self.of_one(float(position))
 
 
 def make_reading(of: DrivenLinks) -> MakeFormula:
-    """Return (coordinate, number type) -> formula: input of a mechanism and its derivatives."""
+    """
+    Return how one coordinate follows from another: (q, number type) -> formula of q.
+
+    The formula gives the coordinate of ``of`` in the pose at q, and its first two derivatives with
+    respect to q. Example: the crank's angle over the slide of a slider-crank.
+    """
     def make(coordinate: DrivenLinks, n: NumberType) -> Function:
         coefficients = coordinate.make_coefficients(n)
         return lambda position: of.read_coordinate(n, coefficients(position))
@@ -151,14 +171,18 @@ class Equation:
         self.mechanism, self.elements = mechanism, tuple(elements)
         self.coordinate: DrivenLinks = mechanism if coordinate is None else coordinate
         self.extra_inertia = extra_inertia
-        loads, links = loads_of_links(mechanism), [link.name for link in mechanism.LINKS]
-        self._bodies = [(links.index(name), *what) for name, what in loads.items()
-                        if what[0].mass or what[0].inertia or what[1] != NOT_APPLIED]
-        self._links = (*links, GROUND)
+        if mechanism.bodies is None:
+            raise MissingBodies
+        self._links = (*(link.name for link in mechanism.LINKS), GROUND)
+        # (number of the link, body, what is applied to it), without links that add nothing
+        self._bodies = [(self._links.index(name), body, applied)
+                        for name, (body, applied) in mechanism.loads_of_links().items()
+                        if body.mass or body.inertia or applied != NOT_APPLIED]
         for name in (link for element in self.elements for link in element.links):
             if name not in self._links:
                 raise InvalidParameter('link', name, f'must be one of {", ".join(self._links)}')
         self.forces = tuple([e for e in self.elements if isinstance(e, PositionForce)])
+        # (spring, numbers of the links that it joins)
         self._springs = [(e, self._links.index(e.links[0]), self._links.index(e.links[1]))
                          for e in self.elements if not isinstance(e, PositionForce)]
         self.has_couples = bool(self.forces) or any(applied.couple
@@ -166,10 +190,10 @@ class Equation:
         self._is_alternate = None if start is None else make_is_alternate(
             self.coordinate, start)
         self._terms = self.in_both_modes(self.make_terms)
-        self.of_one = self._terms.of_one      # (J, J'/2, Q, D, part without potential), fast
+        self.of_one = self._terms.of_one      # a float q -> (J, J'/2, Q, D, C), fast
 
     def in_both_modes(self, make_formula: MakeFormula) -> InBothModes:
-        """Return a formula made for (coordinate, number type) in the mode that holds."""
+        """Return a formula, made by (coordinate, number type), in the mode that holds at q."""
         modes = [self.coordinate]
         if self._is_alternate is not None:
             modes.append(beyond(self.coordinate))
@@ -177,7 +201,7 @@ class Equation:
 
     @cached_property
     def input(self) -> InBothModes:
-        """Return q -> the input of the mechanism and its two derivatives with respect to q."""
+        """Return q -> the input of the mechanism and its first two derivatives by q."""
         return self.in_both_modes(make_reading(self.mechanism))
 
     @property
@@ -186,19 +210,19 @@ class Equation:
         return self.coordinate is self.mechanism
 
     @cached_property
-    def with_ratio(self) -> InBothModes:
-        """Return q -> (J, J'/2, Q, D, of couples, r, r'), r the derivative of the input."""
-        return self.in_both_modes(self.make_with_ratio)
-
-    @cached_property
     def of_one_with_ratio(self) -> Function:
-        """Return the same of a single q, fast."""
-        of_one = self.of_one
-        return ((lambda position: (*of_one(position), 1.0, 0.0)) if self.is_input
-                else self.with_ratio.of_one)
+        """
+        Return the function of one q -> (J, J'/2, Q, D, C, r, r'), r = dq_input/dq.
+
+        A drive acts on the input: its torque counts r times in another coordinate.
+        """
+        if self.is_input:
+            of_one = self.of_one
+            return lambda position: (*of_one(position), 1.0, 0.0)
+        return self.in_both_modes(self.make_with_ratio).of_one
 
     def make_with_ratio(self, coordinate: DrivenLinks, n: NumberType) -> Function:
-        """Return the formula of it for a coordinate and a number type."""
+        """Return the formula of :attr:`of_one_with_ratio` for a coordinate and a number type."""
         terms = self.make_terms(coordinate, n)
         if self.is_input:
             return lambda position: (*terms(position), 1.0, 0.0)
@@ -207,7 +231,7 @@ class Equation:
 
     @property
     def turns(self) -> int:
-        """Return after how many turns of the input all repeats, where it turns fully."""
+        """Return after how many turns of a full crank all forces repeat: 2 of a four-stroke."""
         return max([force.turns for force in self.forces], default=1)
 
     @property
@@ -215,69 +239,76 @@ class Equation:
         """Return whether the mechanism goes on in the other mode at flat positions."""
         return self._is_alternate is not None
 
-    def make_terms(self, mechanism: DrivenLinks, n: NumberType) -> Function:
-        """Return the formula position -> (J, J'/2, Q, D, part of Q without a potential)."""
-        coefficients, gravity = mechanism.make_coefficients(n), self.mechanism.gravity
-        extra = self.extra_inertia
-        is_input, read = self.is_input, self.mechanism.read_coordinate
-        links = [(i, make_link_terms(body, gravity, applied), applied.couple)
+    def _make_pose(self, coordinate: DrivenLinks, n: NumberType
+                   ) -> Callable[[Scalar], tuple[list[LinkMotion], tuple[Scalar, ...]]]:
+        """Return q -> motions of all links, the ground last; input with two derivatives by q."""
+        coefficients, read = coordinate.make_coefficients(n), self.mechanism.read_coordinate
+        is_input = self.is_input
+
+        def pose(position: Scalar) -> tuple[list[LinkMotion], tuple[Scalar, ...]]:
+            """Return the motions at unit rate and zero acceleration of q."""
+            moving = coefficients(position)
+            return ([*map(LinkMotion._make, moving), FIXED],
+                    (position, 1.0, 0.0) if is_input else read(n, moving))
+        return pose
+
+    def make_terms(self, coordinate: DrivenLinks, n: NumberType) -> Function:
+        """
+        Return the formula q -> (J, J'/2, Q, D, C) of (E1), for a coordinate and a number type.
+
+        C is the part of Q that has no potential: of couples and of forces over a position.
+        """
+        pose, extra = self._make_pose(coordinate, n), self.extra_inertia
+        links = [(i, make_link_terms(body, self.mechanism.gravity, applied), applied.couple)
                  for i, body, applied in self._bodies]
         springs = [(one, two, make_element_terms(n, element))
                    for element, one, two in self._springs]
-        forces = self._make_forces(n)
+        forces = [make_force_term(n, element, self.mechanism) for element in self.forces]
 
         def terms(position: Scalar) -> tuple[Scalar, ...]:
-            moving = coefficients(position)
-            curves = [*moving, FIXED]
-            value, turn, bend = (position, 1.0, 0.0) if is_input else read(n, moving)
+            """Return the sums over links, springs and forces at one q."""
+            motions, (value, turn, bend) = pose(position)
             inertia, half_slope = extra * turn * turn, extra * turn * bend
             force, damping, couples = 0.0, 0.0, 0.0
             for i, terms_of_link, couple in links:
-                j, k, f = terms_of_link(curves[i])
+                j, k, f = terms_of_link(motions[i])
                 inertia, half_slope, force = inertia + j, half_slope + k, force + f
-                couples = couples + couple * curves[i][8]
-            for one, two, terms_of in springs:
-                f, d = terms_of(curves[one], curves[two])
+                couples = couples + couple * motions[i].omega
+            for one, two, terms_of_spring in springs:
+                f, d = terms_of_spring(motions[one], motions[two])
                 force, damping = force + f, damping + d
             if forces:
-                pushed = forces(curves, value)
+                by_link = dict(zip(self._links, motions))
+                pushed = 0.0
+                for term in forces:
+                    pushed = pushed + term(by_link, value)
                 force, couples = force + pushed, couples + pushed
             return inertia, half_slope, force, damping, couples
         return terms
 
-    def _make_forces(self, n: NumberType) -> Function | None:
-        """Return the function (curves, input) -> Q of the forces over a position, if any, (E7)."""
-        terms = [make_force_term(n, element, self.mechanism) for element in self.forces]
+    def _make_potential(self, coordinate: DrivenLinks, n: NumberType) -> Function:
+        """
+        Return the formula q -> (V, -dQ/dq, sum of the sizes of the parts of V).
 
-        def forces(curves: Sequence[Curve], position: Scalar) -> Scalar:
-            by_link, total = dict(zip(self._links, curves)), 0.0
-            for term in terms:
-                total = total + term(by_link, position)
-            return total
-        return forces if terms else None
-
-    def _make_potential(self, mechanism: DrivenLinks, n: NumberType) -> Function:
-        """Return the function position -> (V, -dQ/dq, sum of the sizes of the parts of V)."""
-        coefficients, gravity = mechanism.make_coefficients(n), self.mechanism.gravity
-        is_input, read = self.is_input, self.mechanism.read_coordinate
+        The sum of sizes says to what rounding V is known: V itself may cancel to nothing.
+        """
+        pose, gravity = self._make_pose(coordinate, n), self.mechanism.gravity
         forces = [make_force_stiffness(n, element, self.mechanism) for element in self.forces]
 
         def potential(position: Scalar) -> tuple[Scalar, ...]:
-            moving = coefficients(position)
-            curves = [*moving, FIXED]
+            """Return the sums over links and springs; forces over a position have no potential."""
+            motions, (value, ratio, _) = pose(position)
             energy, stiffness, size = 0.0, 0.0, 0.0
             for i, body, applied in self._bodies:
-                work = work_of(curves[i], body, gravity, applied)
+                work = work_of(motions[i], body, gravity, applied)
                 energy, size = energy - work, size + n.fabs(work)
-                stiffness = stiffness + link_stiffness(curves[i], body, gravity, applied)
+                stiffness = stiffness + link_stiffness(motions[i], body, gravity, applied)
             for element, one, two in self._springs:
-                stored = element_energy(n, element, curves[one], curves[two])
+                stored = element_energy(n, element, motions[one], motions[two])
                 energy, size = energy + stored, size + stored
-                stiffness = stiffness + element_stiffness(n, element, curves[one], curves[two])
-            if forces:
-                value, ratio = (position, 1.0) if is_input else read(n, moving)[:2]
-                by_link = dict(zip(self._links, curves))
-                stiffness = sum((of(by_link, value, ratio) for of in forces), start=stiffness)
+                stiffness = stiffness + element_stiffness(n, element, motions[one], motions[two])
+            by_link = dict(zip(self._links, motions))
+            stiffness = sum((of(by_link, value, ratio) for of in forces), start=stiffness)
             return energy, stiffness, size
         return potential
 
@@ -286,11 +317,10 @@ class Equation:
         return self.in_both_modes(self._make_potential)
 
     def terms(self, position: Value) -> Terms:
-        """Return J, J'/2, Q and D at an input or an array of inputs; errors as of ``motion``."""
+        """Return J, J'/2, Q and D of (E1) at one q or an array; errors as of ``motion``."""
         return Terms(*self._terms(position)[:4])
 
-    def acceleration(self, position: Value, rate: Value,
-                     drive: float = 0.0) -> Value:
+    def acceleration(self, position: Value, rate: Value, drive: float = 0.0) -> Value:
         """Return dw/dt under the torque (force) of the drive on the input, by (E1)."""
         inertia, half_slope, force, damping = self.terms(position)
         found: Value = (force + drive - (damping + half_slope * rate) * rate) / inertia
@@ -303,22 +333,22 @@ class Equation:
         return found
 
     def stiffness(self, position: Value) -> Value:
-        """Return -dQ/dq [N m/rad], [N/m]: exact but for dF/ds of forces over a position."""
+        """Return the stiffness -dQ/dq [N m/rad], [N/m]; exact but for forces over a position."""
         found: Value = self._potential(position)[1]
         return found
 
     def couples(self, position: Value) -> Value:
-        """Return the part of Q that has no potential: of couples, of forces over a position."""
+        """Return C, the part of Q without a potential: of couples and forces over a position."""
         found: Value = self._terms(position)[4]
         return found
 
     def potential(self, position: Value) -> Value:
-        """Return V [J], Q = -V' but for :meth:`couples`: of gravity, constant forces, springs."""
+        """Return V [J] of gravity, constant forces and springs; -V' is Q without its couples."""
         found: Value = self._potential(position)[0]
         return found
 
     def potential_and_size(self, position: Value) -> tuple[Value, Value]:
-        """Return V and the sum of the sizes of its parts [J], in whose rounding it is known."""
+        """Return V [J] and the sum of the sizes of its parts, whose rounding is the error of V."""
         potential, _, size = self._potential(position)
         return potential, size
 

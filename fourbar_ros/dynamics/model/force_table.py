@@ -23,7 +23,7 @@ from fourbar_ros.numerics.given import number
 from fourbar_ros.optional import MissingPackage
 import numpy as np
 
-MOST_POINTS = 10_000
+MOST_POINTS = 10_000   # a scene lists them as text
 CLOSES = 1e-9          # largest difference of both ends of a cycle, over the largest value
 
 
@@ -45,12 +45,8 @@ class ForceTable:
     is_linear : bool
         Straight lines between points, not cubic polynomials.
 
-    Raises
-    ------
-    InvalidParameter
-        Naming the first point that is wrong, counted from 1.
-    MissingPackage
-        Without scipy.
+    Raises InvalidParameter, which names the first wrong point, counted from 1, and MissingPackage
+    without scipy.
 
     Examples
     --------
@@ -86,10 +82,10 @@ class ForceTable:
         if self.is_periodic:
             object.__setattr__(self, 'values', (*values[:-1], values[0]))
         try:
-            is_good = all(isfinite(number) for row in self._for_one[4] for number in row)
+            is_finite = all(map(isfinite, self._coefficients.flat))
         except ValueError:     # of scipy, whose slopes are not finite
-            is_good = False
-        if not is_good:
+            is_finite = False
+        if not is_finite:
             raise InvalidParameter('values', None, 'so large, or places so close, that slopes '
                                    'overflow')
 
@@ -105,36 +101,36 @@ class ForceTable:
 
     def __call__(self, place: Value) -> Value:
         """Return the value at a place, a float or an array."""
+        first, last = self.places[0], self.places[-1]
         if not isinstance(place, float):
-            (a, b, c, d), t = self._of_many(place)
+            places, place = np.array(self.places), np.asarray(place, float)
+            if self.is_periodic:
+                place = first + (place - first) % self.span
+            place = np.clip(place, first, last)
+            i = np.clip(np.searchsorted(places, place, side='right') - 1, 0, places.size - 2)
+            a, b, c, d = self._coefficients[:, i]
+            t = place - places[i]
             force: Array = ((a * t + b) * t + c) * t + d
             return force
-        first, last, period, inner, rows = self._for_one
-        if period:
-            place = first + (place - first) % period
-        elif place < first:
-            place = first
-        elif place > last:
-            place = last
-        a, b, c, d, start = rows[bisect_right(inner, place)]
-        t = place - start
+        if self.is_periodic:
+            place = first + (place - first) % self.span
+        else:
+            place = min(max(place, first), last)
+        piece = bisect_right(self.places, place, 1, len(self.places) - 1) - 1
+        a, b, c, d = self._rows[piece]
+        t = place - self.places[piece]
         return ((a * t + b) * t + c) * t + d
 
-    def _of_many(self, place: Array) -> tuple[Array, Array]:
-        """Return the coefficients of pieces, highest first, and how far into them places are."""
-        places, place = np.array(self.places), np.asarray(place, float)
-        if self.is_periodic:
-            place = places[0] + (place - places[0]) % self.span
-        place = np.clip(place, places[0], places[-1])
-        i = np.clip(np.searchsorted(places, place, side='right') - 1, 0, places.size - 2)
-        return self._coefficients[:, i], place - places[i]
+    @property
+    def pieces(self) -> list[tuple[float, ...]]:
+        """Return the coefficients of the pieces, highest power first, each with its start."""
+        return [(*row, start) for row, start in zip(self._rows, self.places)]
 
     @cached_property
-    def _for_one(self) -> tuple[float, float, float, tuple[float, ...], list[tuple[float, ...]]]:
-        """Return first and last place, period or zero, places between, pieces with their start."""
-        places = tuple(self.places)
-        rows = [(*row, start) for row, start in zip(self._coefficients.T.tolist(), places)]
-        return places[0], places[-1], self.is_periodic * self.span, places[1:-1], rows
+    def _rows(self) -> list[list[float]]:
+        """Return the four coefficients of each piece as floats, for single values."""
+        rows: list[list[float]] = self._coefficients.T.tolist()
+        return rows
 
     @cached_property
     def _coefficients(self) -> Array:

@@ -56,11 +56,12 @@ class InductionMotor(Law):
         return tau * self.frequency / self.pole_pairs / self.gear
 
     def make_regime_at(self) -> RegimeAt:
-        """Return the law."""
+        """Return the law (K1) by its tangent at each speed: it is smooth, not linear."""
         synchronous, s_b = self.synchronous_speed, self.breakdown_slip
         factor = 2.0 * self.gear * self.breakdown_torque * s_b
 
         def tangent(speed: Scalar) -> Piece:
+            """Return the line T + dT/dw (w - speed), as T_0 + T_w w of (M1)."""
             slip = 1.0 - speed / synchronous
             whole = slip * slip + s_b * s_b
             torque = factor * slip / whole                                                  # (K1)

@@ -14,12 +14,16 @@ from __future__ import annotations
 from math import floor, tau
 
 from fourbar_ros.mechanisms.mechanism import DrivenLinks
-from fourbar_ros.numerics.number_types import Function, Scalar
+from fourbar_ros.numerics.number_types import Function
 import numpy as np
 
 
 def flat_positions(mechanism: DrivenLinks) -> tuple[float, ...]:
-    """Return the inputs at which a change point lies flat: of an angle in [0, 2 pi), in order."""
+    """
+    Return the inputs inside the range where an exact change point lies flat, in order.
+
+    Angles [rad] in [0, 2 pi), slides [m]. Without an exact change point there are none.
+    """
     if mechanism.change_point_margin != 0.0:
         return ()
     is_angle = not mechanism.is_driven_by_slide
@@ -36,31 +40,25 @@ def beyond(mechanism: DrivenLinks) -> DrivenLinks:
 
 
 def make_interval_of(mechanism: DrivenLinks) -> Function:
-    """Return the function input -> number of flat positions below it, counted from 0 up."""
+    """
+    Return the function input -> number of the interval between flat positions that it is in.
+
+    An angle counts on over whole turns: with one flat position at 2 rad, 1 rad is in interval -1,
+    3 rad in interval 0 and 3 + 2 pi in interval 1. A flat position counts to the interval above.
+    """
     places = flat_positions(mechanism)
     if mechanism.is_driven_by_slide:
         return lambda position: sum(position >= place for place in places)
-
-    def interval_of(position: Scalar) -> int:
-        if isinstance(position, float):
-            return sum(floor((position - place) / tau) for place in places)
-        return sum(np.floor((position - place) / tau) for place in places)
-    return interval_of
+    return lambda position: sum((floor if isinstance(position, float) else np.floor)(
+        (position - place) / tau) for place in places)
 
 
 def make_is_alternate(mechanism: DrivenLinks, start: float) -> Function | None:
     """
     Return the function input -> whether a smooth motion is in the other mode there.
 
-    None where there are no flat positions.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-    start : float
-        An input in the interval where the mechanism has its own mode; a flat position counts to
-        the interval above it.
-
+    The mechanism is in its own mode in the interval of ``start``, in the other one in the next,
+    and so on in turn. Returns None where there are no flat positions.
     """
     if not flat_positions(mechanism):
         return None

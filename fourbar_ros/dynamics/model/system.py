@@ -13,21 +13,13 @@ conservative, so that energy less W is constant whatever acts (not if nothing of
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import partial
 from math import inf
 
-from fourbar_ros.dynamics.model.drives import (
-    Answer,
-    answer_of,
-    ConstantTorque,
-    Drive,
-    Law,
-    Regime,
-)
+from fourbar_ros.dynamics.model.drives import Answer, answer_of, ConstantTorque, Drive, Law, Regime
 from fourbar_ros.dynamics.model.elements import Element, PositionForce
 from fourbar_ros.dynamics.model.equation import Equation
 from fourbar_ros.dynamics.model.smooth import flat_positions
-from fourbar_ros.dynamics.solve.phase import AT_LIMIT, Course, Phase
+from fourbar_ros.dynamics.solve.phase import AT_CHANGE_POINT, AT_LIMIT, Course, Event, Phase
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.mechanisms.mechanism import DrivenLinks, Mechanism
 from fourbar_ros.numerics.arrays import Array
@@ -36,7 +28,7 @@ from fourbar_ros.numerics.number_types import Function
 import numpy as np
 
 State = Sequence[float]
-KINK = 16.0 * 2.0**-52
+KINK_TIME = 16.0 * 2.0**-52      # rounding of the time at which a kink was found, over the time
 NEAR_TOGGLE = 1e-3        # sine of the angle of the dyad at which an input counts as at its limit
 
 
@@ -71,7 +63,7 @@ class System:
             raise InvalidParameter('drive', drive,
                                    'must be a Drive, as Drive(ConstantTorque(5.0))')
         self.stops_at_change_points = stops_at_change_points
-        self.drive, self._given, self._stroke = drive, mechanism, mechanism.stroke
+        self.drive, self._with_stroke, self._stroke = drive, mechanism, mechanism.stroke
         # an integrator's trial steps go beyond the end at which the run stops
         mechanism = mechanism.without_stroke()
         self.mechanism = mechanism
@@ -80,11 +72,11 @@ class System:
 
         def make_equation(mechanism: Mechanism, start: float,
                           coordinate: DrivenLinks | None) -> Equation:
+            """Return the equation of motion in a mode and a coordinate, with all that acts."""
             return Equation(mechanism, elements, drive.rigid_inertia if drive else 0.0, start,
                             coordinate)
         self.equation = make_equation(mechanism, motion[0], None)
-        self.is_conservative = not (drive or self.equation.has_couples
-                                    or _any_damps(elements))
+        self.is_conservative = not (drive or self.equation.has_couples or _any_damps(elements))
         shaft, source = (drive.shaft, drive.source.start) if drive else (None, ())
         self.names = ('position', 'rate', *(('motor_position', 'motor_rate') if shaft else ()),
                       *(f'source_{i}' for i in range(len(source))),
@@ -93,14 +85,14 @@ class System:
                       *(() if self.is_conservative else (0.0,)))
         self._regime_at = (drive.source.make_regime_at()
                            if drive and isinstance(drive.source, Law) else None)
-        # numbers that rotor and motor speed are: of the input, or behind an elastic shaft
+        # place of the source's speed in a state: the rate of the input, or behind a shaft dp/dt
         self._speed = 3 if shaft else 1
         self.course = Course(make_equation, mechanism, motion[0], self)
         self.derivative = self.course.first.derivative
 
     def __reduce__(self) -> tuple[object, ...]:
         """Pickle what it was made of: the functions of its equations are made again."""
-        return System, (self._given, *self.start[:2], self.equation.elements, self.drive,
+        return System, (self._with_stroke, *self.start[:2], self.equation.elements, self.drive,
                         self.stops_at_change_points)
 
     @property
@@ -110,15 +102,19 @@ class System:
 
     @property
     def depends_on_input_alone(self) -> bool:
-        """Return whether all forces do, smoothly: no damping, no table, a constant torque."""
+        """Return whether forces are smooth functions of the input, so energy tells the rate."""
         drive, elements = self.drive, self.equation.elements
         return (not self.equation.forces and not _any_damps(elements)
                 and (drive is None or drive.shaft is None
                      and isinstance(drive.source, ConstantTorque)))
 
-    def distance_to_limit(self, time: float, state: State) -> float:
-        """Return a number that is zero at the ends of the stroke, and just before a toggle."""
-        position = float(state[0])
+    def distance_to_limit(self, position: float) -> float:
+        """
+        Return how far an input is from its limits: positive inside, zero where a run stops.
+
+        Limits are the ends of the stroke, as a part of it, and 1e-3 before a toggle, a sine of
+        the dyad's angle: at the toggle itself the equation is singular.
+        """
         try:
             motion = self.mechanism.motion(position)
         except FourBarError:
@@ -127,26 +123,27 @@ class System:
         return min(from_toggle, self.distance_to_end(position))
 
     def distance_to_end(self, position: float) -> float:
-        """Return a number that is zero at the ends of the stroke."""
+        """Return how far an input is from the nearer end of the stroke, as a part of it."""
         if self._stroke is None:
             return inf
         low, high = map(float, self._stroke)
         return min((position - low) / (high - low), (high - position) / (high - low))
 
-    def events(self, phase: Phase) -> tuple[Callable[..., float], ...]:
-        """Return functions (time, state in a phase) whose zeros end a run."""
-        passes = phase.can_end or self.has_no_limits
+    def events(self, phase: Phase) -> list[Event]:
+        """Return the events that end a run in a phase: limits of the input, change points."""
+        passes_toggles = phase.can_end or self.has_no_limits
 
         def limit(time: float, state: State) -> float:
-            state = phase.states_of_input(np.asarray(state)).tolist()
-            return (self.distance_to_end(float(state[0])) if passes
-                    else self.distance_to_limit(time, state))
-
-        # of a function, as integrators ask
-        limit.terminal, limit.end = True, AT_LIMIT      # type: ignore[attr-defined]
-        ends = not passes or self._stroke is not None
-        stops = self.stops_at_change_points and flat_positions(phase.equation.coordinate)
-        return (*((limit,) if ends else ()), *((phase.to_flat,) if stops else ()))
+            """Return the distance of the input to its limits, from a state in the phase."""
+            position = float(phase.states_of_input(np.asarray(state))[0])
+            return (self.distance_to_end(position) if passes_toggles
+                    else self.distance_to_limit(position))
+        events = []
+        if not passes_toggles or self._stroke is not None:
+            events.append(Event(limit, AT_LIMIT))
+        if self.stops_at_change_points and flat_positions(phase.equation.coordinate):
+            events.append(Event(phase.to_flat, AT_CHANGE_POINT))
+        return events
 
     def torque(self, time: float, state: State) -> float:
         """Return the torque (force) of the drive on the input."""
@@ -166,9 +163,8 @@ class System:
             return self.drive.source.torque(time, speed, own)
         return answer_of(regime or self._regime_at(speed, own[0] if own else 0.0), speed, own)
 
-    def _drive(self, time: float, state: State,
-               regime: Regime | None = None) -> Answer:
-        """Return the torque on the input and the derivatives of the drive's own states."""
+    def _drive(self, time: float, state: State, regime: Regime | None = None) -> Answer:
+        """Return the torque on the input and the derivatives of the states after q and w, (D1)."""
         drive = self.drive
         assert drive is not None
         speed, own = state[self._speed], state[self._speed + 1:-1]
@@ -181,88 +177,91 @@ class System:
         return on_input, (speed, (torque - on_input) / drive.rotor, *change)
 
     def regime(self, phase: Phase, time: float, state: State) -> Regime | None:
-        """Return the regime of the source that begins at a state; None: it has no kinks."""
+        """
+        Return the regime of the source that begins at a state; None: it has no kinks.
+
+        A controller has other laws beyond its limits; integration restarts where one ends.
+        """
         if self._regime_at is None:
             return None
         speed, own = self._speed_in(phase, state), state[self._speed + 1:-1]
         slope = self._slope_in(phase, state, phase.derivative(time, state))
-        near = KINK * abs(slope) * time      # the time of a kink is known to its rounding
+        near = KINK_TIME * abs(slope) * time
         regime = self._regime_at(speed, own[0] if own else 0.0, slope, near)
         return regime if regime.margins else None
 
     def _speed_in(self, phase: Phase, state: State) -> float:
-        """Return the speed of the source at a state in a phase."""
+        """Return the speed of the source [rad/s], [m/s] at a state in a phase."""
         if phase.is_input or self._speed != 1:
             return float(state[self._speed])
         return float(phase.input_of(float(state[0]))[1] * state[1])
 
     def _slope_in(self, phase: Phase, state: State, change: Sequence[float]) -> float:
-        """Return the derivative of that speed; ``change``: of the state, (T3)."""
+        """Return the acceleration of the source from the derivative of the state, (T3)."""
         if phase.is_input or self._speed != 1:
             return change[self._speed]
         _, ratio, bend = phase.input_of(float(state[0]))
         return float(change[1] * ratio + state[1] * state[1] * bend)
 
     def on_edge(self, phase: Phase, state: State, regime: Regime | None) -> list[float]:
-        """Return a state with that of a source that slides along its limit on the limit."""
+        """Return a state; of a source that slides along its limit the own state follows (M2)."""
         state = list(state)
         if regime is not None and regime.edge is not None:
             state[self._speed + 1] = regime.own(self._speed_in(phase, state), 0.0)
         return state
 
     def kinks(self, phase: Phase, regime: Regime) -> Callable[[float, Array], tuple[float, ...]]:
-        """Return (time, state) -> numbers of which one falls below zero where a regime ends."""
+        """
+        Return the function (time, state) -> margins of a regime: it ends where one gets negative.
+
+        The regime must have margins: numbers of its speed, own state and acceleration.
+        """
         derivative = self.make_derivative(phase, regime)
         assert regime.margins is not None
-        margins, has_slope = regime.margins, regime.edge is not None
+        margins, needs_slope = regime.margins, regime.edge is not None
 
         def margins_at(time: float, values: Array) -> tuple[float, ...]:
+            """Return the margins at a state in the coordinate of the phase."""
             state = values.tolist()
-            slope = self._slope_in(phase, state, derivative(time, state)) if has_slope else 0.0
+            slope = self._slope_in(phase, state, derivative(time, state)) if needs_slope else 0.0
             own = state[self._speed + 1:-1]
             return margins(self._speed_in(phase, state), own[0] if own else 0.0, slope)
         return margins_at
 
     def make_derivative(self, phase: Phase, regime: Regime | None = None) -> Function:
         """Return the function (time, state) -> d state / dt in the coordinate of a phase."""
-        plain = self._make_derivative(phase, regime)
+        derivative = self._make_derivative(phase, regime)
         if regime is None or regime.edge is None:
-            return plain
+            return derivative
         by_speed, own = regime.edge[1], self._speed + 1
 
         def sliding(time: float, state: State) -> tuple[float, ...]:
-            change = plain(time, state)
+            """Return the same, but that the source's state follows its speed by (M2)."""
+            change = derivative(time, state)
             return (*change[:own], by_speed * self._slope_in(phase, state, change),
                     *change[own + 1:])
         return sliding
 
     def _make_derivative(self, phase: Phase, regime: Regime | None) -> Function:
-        terms_of, drive = phase.equation.of_one, self._drive if self.drive else None
-        if drive and regime:
-            drive = partial(drive, regime=regime)
+        """Return the function (time, state) -> d state / dt by (E1) and, of the work, by (E6)."""
+        terms_of, is_input = phase.equation.of_one, phase.is_input
 
         def conservative(time: float, state: State) -> tuple[float, ...]:
+            """Return (w, dw/dt): the state is q and w alone."""
             position, rate = state
             inertia, half_slope, force, _, _ = terms_of(position)
             return rate, (force - half_slope * rate * rate) / inertia
 
         def driven(time: float, state: State) -> tuple[float, ...]:
-            rate = state[1]
-            torque, change = drive(time, state) if drive else (0.0, ())
-            inertia, half_slope, force, damping, couples = terms_of(state[0])
-            torque -= damping * rate
-            return (rate, (force + torque - half_slope * rate * rate) / inertia, *change,
-                    (torque + couples) * rate)
-
-        def driven_elsewhere(time: float, state: State) -> tuple[float, ...]:
+            """Return the derivatives with a drive or dampers, of the work last."""
             position, rate, *rest = state
-            value, ratio, _ = phase.input_of(position)
-            torque, change = drive(time, (value, ratio * rate, *rest)) if drive else (0.0, ())
+            ratio = 1.0
+            if not is_input:
+                value, ratio, _ = phase.input_of(position)
+                state = (value, ratio * rate, *rest)
+            torque, change = self._drive(time, state, regime) if self.drive else (0.0, ())
             inertia, half_slope, force, damping, couples = terms_of(position)
             torque = torque * ratio - damping * rate                                        # (T2)
             return (rate, (force + torque - half_slope * rate * rate) / inertia, *change,
                     (torque + couples) * rate)
-
-        if self.is_conservative:
-            return conservative
-        return driven if phase.is_input else driven_elsewhere
+        return conservative if self.is_conservative else driven

@@ -41,8 +41,8 @@ from numpy.typing import NDArray
 
 PANELS = 8             # of a turn, at first
 NARROW = 2.0           # longest panel over its distance to a complex singularity, at first
-LOCAL = 0.03           # error of a panel over that of the motion
-MOST_LEVELS, MOST_PANELS, MOST_CYCLES = 60, 4000, 300
+LOCAL = 0.03           # error of a panel over that allowed for the motion: errors add up
+MOST_LEVELS, MOST_PANELS, MOST_CYCLES = 60, 4000, 300     # beyond, integrators are faster
 
 
 def can_follow(system: System) -> bool:
@@ -55,19 +55,11 @@ def can_follow(system: System) -> bool:
 def follow(system: System, until: float, tolerance: float,
            wanted: Array | None) -> tuple[Part, float, int] | None:
     """
-    Return the motion up to a time, the error of its position by half the degree, evaluations.
+    Return the motion up to a time [s], the error of its position [rad], evaluations of poses.
 
-    None for a crank that rests or turns back or may be stopped, for forces that depend on more
-    than its angle, and where that error stays above the tolerance.
-
-    Parameters
-    ----------
-    system : System
-    until, tolerance : float
-        [s], [rad]
-    wanted : ndarray, optional
-        Times of the result; not given: the ends of the panels.
-
+    The error is estimated by polynomials of half the degree. None where it stays above the
+    tolerance [rad], for a crank that rests, turns back or may be stopped, and for forces that
+    depend on more than its angle. ``wanted``: times of the result; None: the ends of panels.
     """
     if not can_follow(system):
         return None
@@ -95,6 +87,7 @@ class _Motion:
     """The motion of a system up to a time [s], turn by turn, to a tolerance [rad]."""
 
     def __init__(self, system: System, until: float, tolerance: float) -> None:
+        """Take its constant torque and, as ``_peaks``, the complex inputs where J or Q peak."""
         self._equation, self._until, self._tolerance = system.equation, until, tolerance
         self._torque = system.torque(0.0, system.start)
         self._start, self._rate = system.start[:2]
@@ -105,7 +98,7 @@ class _Motion:
         self.evaluations = 0
 
     def cycles(self) -> Iterator[tuple[Panels, Passage]]:
-        """Yield one turn after the other, up to the last time or as far as it is known."""
+        """Yield panels and passage of each turn; stop at the last time, or where it gives up."""
         terms = self._equation.terms(self._start)
         direction = self._rate if self._rate else terms.force + self._torque
         if direction == 0.0:
@@ -124,7 +117,7 @@ class _Motion:
             panels = self._next_cycle(resolved[0])
 
     def _first_cycle(self, direction: float) -> Panels:
-        """Return panels over the first turn, narrow next to complex singularities."""
+        """Return panels over the first turn in a direction (+-1), narrow next to sharp peaks."""
         count = PANELS * round(self._cycle / tau)
         first: Array = self._start + np.arange(count) * (direction * self._cycle / count)
         length: Array = np.full(count, direction * self._cycle / count)
@@ -138,7 +131,11 @@ class _Motion:
         return self._panels(first, length, power)
 
     def _distance(self, first: Array, length: Array) -> Array:
-        """Return how far each panel is from the next singularity off the real inputs."""
+        """
+        Return the distance [rad] of each panel from the nearest complex singularity.
+
+        Polynomials converge the slower, the nearer it is beside the panel's length.
+        """
         nearest = np.full(first.size, inf)
         for z in self._peaks:
             away = np.remainder(z.real - first - 0.5 * length + pi, tau) - pi
@@ -147,7 +144,7 @@ class _Motion:
         return nearest
 
     def _panels(self, first: Array, length: Array, power: Array) -> Panels:
-        """Return panels with what acts there."""
+        """Return panels with inertia and forces, evaluated at their points."""
         places = Panels.places(first, length, power)
         self.evaluations += places.size
         terms = self._equation.terms(places)
@@ -164,7 +161,12 @@ class _Motion:
             moved.pick(np.arange(1, moved.first.size)))
 
     def _resolved(self, panels: Panels, begin: Begin) -> tuple[Panels, Passage] | None:
-        """Return panels narrow enough up to the last time, and how the crank passes them."""
+        """
+        Return panels narrow enough up to the last time, and how the crank passes them.
+
+        Panels whose own error is too large are halved. None: the crank turns back, or takes more
+        panels than allowed.
+        """
         for _ in range(MOST_LEVELS):
             passage = pass_over(panels, begin, self._spacing)
             starts = np.append(begin.time, passage.time[:-1, -1])
@@ -198,7 +200,7 @@ class Panel(NamedTuple):
 
 @lru_cache(maxsize=4)
 def panel(degree: int) -> Panel:
-    """Return points and matrices for polynomials of an even degree."""
+    """Return Chebyshev's points and the matrices of a :class:`Panel`, for an even degree."""
     x = -np.cos(np.arange(degree + 1) * (pi / degree))
     x[degree // 2] = 0.0
     coefficients = np.linalg.inv(chebyshev.chebvander(x, degree))
@@ -242,11 +244,11 @@ class Panels(NamedTuple):
         return growth
 
     def pick(self, places: NDArray[np.generic]) -> Panels:
-        """Return some of them."""
+        """Return some of these panels, by index or mask."""
         return Panels(*[row[places] for row in self])
 
     def joined(self, others: Panels) -> Panels:
-        """Return these and others in the order of the motion."""
+        """Return these panels and others, sorted in the order in which the crank passes them."""
         rows = [np.concatenate(pair) for pair in zip(self, others)]
         order = np.argsort(rows[0] * np.sign(rows[1][0]), kind='stable')
         return Panels(*[row[order] for row in rows])
@@ -277,7 +279,7 @@ class Passage(NamedTuple):
 
 def halves(first: Array, length: Array, power: Array,
            which: NDArray[np.bool_]) -> tuple[Array, Array, Array]:
-    """Return panels of which some are halved in x, in the order of the motion."""
+    """Return panels, those of the mask ``which`` halved in x, in the order of the motion."""
     part = 0.5**power[which]
     first, length, power = (
         np.concatenate([first[~which], first[which], first[which] + part * length[which]]),
@@ -288,7 +290,12 @@ def halves(first: Array, length: Array, power: Array,
 
 
 def pass_over(panels: Panels, begin: Begin, spacing: float) -> Passage:
-    """Return how a crank passes panels, whose inputs are rounded to a spacing."""
+    """
+    Return how a crank passes panels from what added up before, (F3) and (F4).
+
+    Energy is integrated first, then time. The same by polynomials of half the degree estimates the
+    errors: of each panel by itself, and of all since the start. ``spacing``: rounding of an input.
+    """
     growth = panels.growth
     pushes = panels.force * growth
     with np.errstate(all='ignore'):
@@ -317,7 +324,7 @@ def pass_over(panels: Panels, begin: Begin, spacing: float) -> Passage:
 
 
 def _along(values: Array, begin: float) -> Array:
-    """Return the integral of values up to every point, over all panels."""
+    """Return the integral over x up to every point, going on from panel to panel."""
     with np.errstate(over='ignore'):      # then nothing is known of the motion
         own = values @ FINE.integral.T
         ends = begin + np.cumsum(own[:, -1])
@@ -326,7 +333,7 @@ def _along(values: Array, begin: float) -> Array:
 
 
 def _slowness(panels: Panels, growth: Array, kinetic: Array, every: int) -> Array:
-    """Return dt/dx of (F3) and (F4) at every point, or every second one."""
+    """Return dt/dx of (F3) and (F4) at each point; ``every`` = 2: at every second one."""
     inertia = panels.inertia[:, ::every]
     slowness: Array = np.abs(growth[:, ::every]) * np.sqrt(inertia / (2.0 * kinetic))
     if panels.power[0] > 1.0:      # from rest K = |F L| x^2 at first
@@ -335,7 +342,11 @@ def _slowness(panels: Panels, growth: Array, kinetic: Array, every: int) -> Arra
 
 
 def states_at(panels: Panels, passage: Passage, times: Array) -> Array:
-    """Return input, rate and work at times on these panels, (3, times)."""
+    """
+    Return input, rate and work at n times on these panels, shape (3, n).
+
+    The place x of a time on its panel is found by Newton's method on the polynomial of the time.
+    """
     on = np.searchsorted(passage.time[:, -1], times)
     along = passage.time[on]
     after = np.clip(np.sum(along <= times[:, None], axis=1), 1, DEGREE)
@@ -347,13 +358,13 @@ def states_at(panels: Panels, passage: Passage, times: Array) -> Array:
         values[on] @ FINE.coefficients.T for values in (
             passage.time, passage.slowness, passage.kinetic, panels.inertia, passage.work))
     for _ in range(NEWTON):
-        here = at(x, DEGREE)
-        step = (np.sum(here * in_time, axis=1) - times) / np.sum(here * in_slowness, axis=1)
+        basis = at(x, DEGREE)
+        step = (np.sum(basis * in_time, axis=1) - times) / np.sum(basis * in_slowness, axis=1)
         x = np.clip(x - step, 0.0, 1.0)
         if np.max(np.abs(step), initial=0.0) <= 1e-15:
             break
-    here = at(x, DEGREE)
-    kinetic, inertia, work = (np.sum(here * row, axis=1)
+    basis = at(x, DEGREE)
+    kinetic, inertia, work = (np.sum(basis * row, axis=1)
                               for row in (in_kinetic, in_inertia, in_work))
     rate = np.sign(panels.length[on]) * np.sqrt(2.0 * np.maximum(kinetic, 0.0) / inertia)
     return np.array([panels.first[on] + panels.length[on] * x**panels.power[on], rate, work])

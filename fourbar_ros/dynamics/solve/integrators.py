@@ -24,6 +24,7 @@ from fourbar_ros.dynamics.solve.phase import (
     AT_EVENT,
     AT_LIMIT,
     COMPLETE,
+    Event,
     GAVE_UP,
     HANDED_OVER,
     Phase,
@@ -37,7 +38,7 @@ import numpy as np
 
 Stop = Callable[[float, Any], float]      # (time, state) -> number, zero where a run stops
 METHODS = ('auto', 'DOP853', 'LSODA', 'Radau', 'RK45', 'BDF')
-NEXT = {'DOP853': 'LSODA', 'LSODA': 'Radau'}      # which one goes on where one struggles
+NEXT = {'DOP853': 'LSODA', 'LSODA': 'Radau'}      # which method goes on where one struggles
 # other ends of a part: at a kink of the drive; steps as long as stability allows; more evaluations
 # than the method before; no step short enough
 KINK, STIFF, SLOWER, FAILED = 'at a kink', 'stiff', 'slower than the one before', 'failed'
@@ -59,26 +60,26 @@ _LSODA = Lock()         # before scipy 1.17 it serves one thread at a time
 
 
 class Part(NamedTuple):
-    """A part of a run, in one coordinate: times, states in it of shape (states, n), its end."""
+    """A part of a run, in one coordinate."""
 
     phase: Phase
-    time: Array
-    states: Array
-    end: str
-    step: float = 0.0       # the last one of the integrator [s]
-    given: float = 0.0      # energy that projections gave before it [J]
+    time: Array             # [s], (n,)
+    states: Array           # in the coordinate of the phase, (states, n)
+    end: str                # how it ended: COMPLETE, AT_LIMIT, STIFF, ...
+    step: float = 0.0       # the last step of the integrator [s]
+    given: float = 0.0      # energy that projections gave before this part [J]
 
     def at(self, places: Any) -> Part:
-        """Return it at some of its times."""
+        """Return the part at some of its times, by index or mask."""
         return self._replace(time=self.time[places], states=self.states[:, places])
 
 
 class Result(NamedTuple):
-    """What an integrator did, part by part, how it ended, and its methods with their times."""
+    """One whole integration."""
 
     parts: tuple[Part, ...]
-    end: str
-    methods: tuple[tuple[float, str], ...]
+    end: str                                   # how the last part ended
+    methods: tuple[tuple[float, str], ...]     # each with the time from which on it was used [s]
 
     @property
     def time(self) -> Array:
@@ -122,21 +123,21 @@ class Allowance:
     _began: float = field(default_factory=clock.monotonic)
 
     def begin(self) -> None:
-        """Begin a run."""
+        """Begin another run of the same simulation."""
         self._before, self._window = self.used, (self.used, 0.0)
 
     def ends(self, time: float) -> bool:
-        """Return whether a run that has got to a time ends there; ``reason`` says why."""
+        """Return whether a run must be given up at a time [s]; ``reason`` then says why."""
         share = time / self.until
         if self.progress is not None:
             self.progress(share)
-        here = self.used - self._before
+        of_run = self.used - self._before
         if self.used > self.evaluations:
             self.reason = f'{self.evaluations:.0f} evaluations are used up'
         elif clock.monotonic() - self._began > self.seconds:
             self.reason = f'{self.seconds:g} s are used up'
-        elif not self.may_stop and here > EARLY and here > FAR * self.evaluations * share:
-            self.reason = (f'the whole run would take about {here / max(share, 1e-300):.0e} '
+        elif not self.may_stop and of_run > EARLY and of_run > FAR * self.evaluations * share:
+            self.reason = (f'the whole run would take about {of_run / max(share, 1e-300):.0e} '
                            f'evaluations, and {self.evaluations:.0e} are allowed')
         elif self.used > self._window[0] + WINDOW:
             if share < self._window[1] + LEAST * (share if self.may_stop else 1.0):
@@ -150,8 +151,8 @@ class Task(NamedTuple):
 
     phase: Phase
     derivative: Callable[..., Any]
-    events: tuple[Callable[..., float], ...]
-    kinks: Callable[..., tuple[float, ...]] | None
+    events: list[Event]
+    kinks: Callable[..., tuple[float, ...]] | None      # margins of the regime, if it has any
     start: Sequence[float]
     first: float
     last: float
@@ -170,7 +171,7 @@ class Task(NamedTuple):
 def integrate(system: System, method: str, tolerance: float, asked: Array, allowance: Allowance,
               stop_when: Stop | None = None, is_finer: bool = False) -> Result:
     """
-    Integrate from time 0.
+    Integrate a system from time 0, part by part, to the end or to where the run stops.
 
     Parameters
     ----------
@@ -190,49 +191,45 @@ def integrate(system: System, method: str, tolerance: float, asked: Array, allow
     """
     allowance.begin()
     plan = _Plan(system, method, tolerance, asked, allowance, stop_when, is_finer)
-    (phase, state), first, has_ended = system.course.at(system.start), 0.0, False
-    given, parts = 0.0, []
+    (phase, state), first, given = system.course.at(system.start), 0.0, 0.0
+    parts: list[Part] = []
     energy = phase.energy(state) if system.is_conservative else None
     while first < allowance.until:
-        if has_ended:
+        if parts and parts[-1].end == HANDED_OVER:
             phase, state = phase.next(state)
         part = plan.part(phase, state, first)
+        # two coordinates that hand over to each other at one time: nothing goes on
         stands = part.end == HANDED_OVER and part.time[-1] <= nextafter(first, inf)
         parts.append(part._replace(given=given, end=AT_LIMIT if stands else part.end))
-        state, first, how = part.states[:, -1].tolist(), float(part.time[-1]), parts[-1].end
-        has_ended = how == HANDED_OVER
-        if how not in (COMPLETE, KINK, PROJECTED, HANDED_OVER) and not plan.changes(how):
+        state, first, end = part.states[:, -1].tolist(), float(part.time[-1]), parts[-1].end
+        if end not in (COMPLETE, KINK, PROJECTED, HANDED_OVER) and not plan.changes(end):
             break
         if energy is not None:
-            kept, state = phase.energy(state), phase.with_energy(state, energy)
-            given += phase.energy(state) - kept
+            before, state = phase.energy(state), phase.with_energy(state, energy)
+            given += phase.energy(state) - before
         if first < allowance.until and allowance.ends(first):
             parts[-1] = parts[-1]._replace(end=GAVE_UP)
             break
-    how, last = parts[-1].end, plan.methods[-1][1]
-    if how in (STIFF, FAILED):
-        allowance.reason = (f'no step of {last} is short enough' if how == FAILED
+    end, last = parts[-1].end, plan.methods[-1][1]
+    if end in (STIFF, FAILED):
+        allowance.reason = (f'no step of {last} is short enough' if end == FAILED
                             else f'too stiff for {last}')
-    return Result(tuple(parts), {STIFF: GAVE_UP, FAILED: GAVE_UP, KINK: COMPLETE}.get(how, how),
+    return Result(tuple(parts), {STIFF: GAVE_UP, FAILED: GAVE_UP, KINK: COMPLETE}.get(end, end),
                   tuple(plan.methods))
 
 
 class _Plan:
     """
-    How one part of a run after the other is integrated.
+    Integrates one part of a run after the other: chooses methods, restarts and tolerances.
 
-    Attributes
-    ----------
-    methods : list
-        Those in use, each with the time from which on it is [s].
-
+    ``methods``: the methods used so far, each with the time from which on it was [s].
     """
 
     def __init__(self, system: System, method: str, tolerance: float, asked: Array,
                  allowance: Allowance, stop_when: Stop | None, is_finer: bool) -> None:
         self._system, self._method, self._tolerance = system, method, tolerance
         self._asked, self._allowance, self._is_finer = asked, allowance, is_finer
-        self._stop_when, self._side = stop_when, nan
+        self._stop_when, self._stop_value = stop_when, nan      # its last value that was not zero
         self._breaks = _restarts(system, allowance.until, is_finer)
         self._step = (float(np.median(np.diff(self._breaks))) if self._breaks.size > MOST_STOPS
                       else 0.0)
@@ -241,7 +238,12 @@ class _Plan:
         self.methods: list[tuple[float, str]] = []
 
     def part(self, phase: Phase, state: Sequence[float], first: float) -> Part:
-        """Return the part that begins at a state."""
+        """
+        Return the part of the run that begins at a state [in the phase] and a time [s].
+
+        It ends where the drive has a kink, another coordinate takes over, or the method struggles.
+        The compiled DOP853 serves where nothing has to be located within a step: it costs a tenth.
+        """
         system, asked, last = self._system, self._asked, self._allowance.until
         self._regime = regime = system.regime(phase, first, state)
         self._now = now = (self._chosen.setdefault(regime, 'DOP853') if self._method == 'auto'
@@ -249,7 +251,7 @@ class _Plan:
         if not self.methods or self.methods[-1][1] != now:
             self.methods.append((first, now))
         stop = self._make_stop(phase, first, state)
-        events = (*system.events(phase), *((stop,) if stop else ()))
+        events = [*system.events(phase), *([stop] if stop else [])]
         stops = self._breaks[(self._breaks > first) & (self._breaks < last)]
         compiled = (now == 'DOP853' and not events and not regime
                     and (asked.size <= MOST_STOPS or stops.size > MOST_STOPS))
@@ -264,16 +266,16 @@ class _Plan:
             self._paces.get(regime, inf) if is_judged and now == 'LSODA' else inf, self._step,
             'dop853' if self._is_finer or stops.size <= MOST_STOPS else 'dopri5'))
         if stop:
-            self._side = stop(float(part.time[-1]), part.states[:, -1]) or self._side
+            self._stop_value = (stop.function(float(part.time[-1]), part.states[:, -1])
+                                or self._stop_value)
         # a projection changes the state by a few tolerances: the last step still fits
         self._step = part.step if part.end == PROJECTED else 0.0
         if part.end == STIFF:
             self._paces[regime] = (self._allowance.used - before) / (float(part.time[-1]) - first)
         return part
 
-    def _make_stop(self, phase: Phase, first: float,
-                   state: Sequence[float]) -> Callable[..., float] | None:
-        """Return the function (time, state in a phase) at whose zeros the run stops, if any."""
+    def _make_stop(self, phase: Phase, first: float, state: Sequence[float]) -> Event | None:
+        """Return the event at which the run stops as asked by ``stop_when``, if it was asked."""
         stop_when = self._stop_when
         if stop_when is None:
             return None
@@ -281,18 +283,17 @@ class _Plan:
         def stop(time: float, state: Any) -> float:
             return number('stop_when', stop_when(time, phase.states_of_input(np.asarray(state))))
         if first == 0.0:
-            self._side = stop(first, state) or nan      # nothing stops at the start
-        # what a projection or another coordinate changes may step over zero
-        stop.end, stop.before = AT_EVENT, self._side      # type: ignore[attr-defined]
-        return stop
+            self._stop_value = stop(first, state) or nan      # nothing stops at the start
+        # the value before: a projection or another coordinate may step over zero at the start
+        return Event(stop, AT_EVENT, self._stop_value)
 
-    def changes(self, how: str) -> bool:
-        """Take another method after the end of a part, and return whether there is one."""
-        if self._method != 'auto' or how not in (STIFF, FAILED, SLOWER):
+    def changes(self, end: str) -> bool:
+        """Take another method after a part that ended so, and return whether there is one."""
+        if self._method != 'auto' or end not in (STIFF, FAILED, SLOWER):
             return False
-        if how != SLOWER and self._now not in NEXT:
+        if end != SLOWER and self._now not in NEXT:
             return False
-        self._chosen[self._regime] = 'DOP853' if how == SLOWER else NEXT[self._now]
+        self._chosen[self._regime] = 'DOP853' if end == SLOWER else NEXT[self._now]
         return True
 
 
@@ -314,54 +315,63 @@ def _restarts(system: System, until: float, is_finer: bool) -> Array:
 
 
 def of_interest(parts: Sequence[Part], wanted: Array | None) -> tuple[Part, ...]:
-    """Return the parts at the times of the result, none twice."""
-    found: list[Part] = []
+    """
+    Return the parts with the wanted times [s] alone (None: all), none twice where parts meet.
+
+    Where a run stops early is of interest too, wanted or not.
+    """
+    kept: list[Part] = []
     for i, part in enumerate(parts):
         is_wanted = np.ones(part.time.size, bool) if wanted is None else np.isin(part.time, wanted)
         if i and part.time[0] == parts[i - 1].time[-1]:
             is_wanted[0] = False
         if part is parts[-1] and part.end != COMPLETE and not (
-                found and part.time[-1] == max((*found[-1].time, -1.0))):
-            is_wanted[-1] = True      # where it stops is of interest
-        found.append(part.at(is_wanted))
-    return tuple(found)
+                kept and part.time[-1] == max((*kept[-1].time, -1.0))):
+            is_wanted[-1] = True
+        kept.append(part.at(is_wanted))
+    return tuple(kept)
 
 
 class _Counted:
-    """The derivative of a task: counted, as it is up to the next jump, NaN where there is none."""
+    """The derivative of a task as integrators take it: counts calls, gives NaN for errors."""
 
     def __init__(self, task: Task, stop: float) -> None:
         self._derivative, self._allowance = task.derivative, task.allowance
-        self._none = [nan] * len(task.start)
+        self._refused = [nan] * len(task.start)
         self.stop_at(stop)
 
     def stop_at(self, time: float) -> None:
-        """Take the torque before a time, where the next one begins."""
+        """Use the torque just before a time [s] at which it jumps, for that time and later."""
         self._latest = nextafter(time, -inf)
 
     def __call__(self, time: float, state: Array) -> Any:
+        """Return d state / dt as a list; NaN where it is an error or huge: the step is refused."""
         self._allowance.used += 1
         try:      # a list: a tuple would be several results
-            found: list[float] = list(self._derivative(min(time, self._latest), state.tolist()))
+            change: list[float] = list(self._derivative(min(time, self._latest), state.tolist()))
         except (FourBarError, ArithmeticError):
-            return self._none          # the step is then refused
-        return found if min(found) > -HUGE and max(found) < HUGE else self._none
+            return self._refused
+        return change if min(change) > -HUGE and max(change) < HUGE else self._refused
 
 
 def _is_stiff(task: Task, time: float, state: Array, step: float) -> bool:
-    """Return whether the fastest mode is too fast for steps of this length to follow it."""
-    of, start = task.derivative, state.tolist()
-    rows = []
+    """
+    Return whether stability, not accuracy, limits steps of this length [s].
+
+    So it is if the step times the largest eigenvalue of the Jacobian, by central differences, is
+    above 3: the boundary of DOP853 is about 6.
+    """
+    derivative, start, columns = task.derivative, state.tolist(), []
     try:
         for i, value in enumerate(start):
             aside = 1e-6 * max(1.0, abs(value))
-            ends = [of(time, [*start[:i], value + side * aside, *start[i + 1:]])
+            ends = [derivative(time, [*start[:i], value + side * aside, *start[i + 1:]])
                     for side in (-1.0, 1.0)]
-            rows.append([(up - down) / (2.0 * aside) for down, up in zip(*ends)])
+            columns.append([(up - down) / (2.0 * aside) for down, up in zip(*ends)])
     except (FourBarError, ArithmeticError):
         return False
     task.allowance.used += 2 * len(start)
-    jacobian = np.array(rows)
+    jacobian = np.array(columns)      # transposed: its eigenvalues are the same
     return bool(np.all(np.isfinite(jacobian))
                 and step * np.max(np.abs(np.linalg.eigvals(jacobian))) > STABLE)
 
@@ -383,8 +393,9 @@ def _ends_at(task: Task, times: Sequence[float], state: Array) -> str:
 
 def _make_begin(solver: Any, task: Task, keep: Callable[[float, Array], int]
                 ) -> Callable[[float, Sequence[float] | Array, float], None]:
-    """Return the function (time, state, first step) with which the compiled integrator begins."""
+    """Return the function (time, state, first step) that restarts the compiled integrator."""
     def begin(time: float, state: Sequence[float] | Array, step: float) -> None:
+        """Start at a state; ``keep`` is called with (time, state) after each step."""
         solver.set_integrator(task.compiled, rtol=task.tolerance, atol=task.tolerance,
                               nsteps=MOST_STEPS, first_step=step,
                               max_step=task.last - task.first)      # scipy 1.17.0: else 1 s
@@ -394,7 +405,12 @@ def _make_begin(solver: Any, task: Task, keep: Callable[[float, Array], int]
 
 
 def _run_compiled(task: Task) -> Part:
-    """Run the compiled DOP853, with a tenth of the overhead of scipy's own, step by step."""
+    """
+    Run a task by the compiled DOP853, with a tenth of the overhead of scipy's solvers in Python.
+
+    It goes from stop to stop, where the torque jumps, and to each time asked for; all its steps
+    are kept.
+    """
     try:
         from scipy.integrate import ode
     except ModuleNotFoundError as error:
@@ -404,6 +420,7 @@ def _run_compiled(task: Task) -> Part:
     end, counted = COMPLETE, _Counted(task, task.last)
 
     def keep(time: float, state: Array) -> int:
+        """Keep a step, and return -1 to end the integration there, else 0."""
         nonlocal end
         if not times or time > times[-1]:
             times.append(time)
@@ -415,11 +432,11 @@ def _run_compiled(task: Task) -> Part:
     begin = _make_begin(solver, task, keep)
     begin(task.first, task.start, task.step)
     stops = np.unique(np.concatenate([task.stops, [task.last]]))
-    latest = stops[np.searchsorted(stops, task.asked)] if task.asked.size else task.asked
+    next_stops = stops[np.searchsorted(stops, task.asked)] if task.asked.size else task.asked
     with warnings.catch_warnings():
         warnings.simplefilter('ignore', UserWarning)      # of what the end of the part says
         for time, stop in sorted({*zip(stops.tolist(), stops.tolist()),
-                                  *zip(task.asked.tolist(), latest.tolist())}):
+                                  *zip(task.asked.tolist(), next_stops.tolist())}):
             counted.stop_at(stop)
             if times and time <= times[-1] * (1.0 + SHORTEST):      # one time, differently rounded
                 begin(time, solver.y, task.step)
@@ -450,12 +467,17 @@ def _run_by_steps(task: Task) -> Part:
         return _Steps(task, scipys.LSODA).part()
 
 
-# a function of time and state, the end of a part at its zeros, the times between which one is
-Crossing = tuple[Callable[..., float], str, tuple[float, float]]
+class Crossing(NamedTuple):
+    """A zero of an event or of a margin within a step."""
+
+    function: Callable[..., float]      # of time and state
+    end: str                            # how the part ends there
+    first: float                        # times between which the zero lies [s]
+    last: float
 
 
 class _Steps:
-    """Steps of one integrator of scipy."""
+    """Runs a task by a solver of scipy, of the class ``kind``, and locates events in steps."""
 
     def __init__(self, task: Task, kind: Any) -> None:
         self._task = task
@@ -470,14 +492,15 @@ class _Steps:
                                     **options)
         self._times, self._states = [np.array([task.first])], [np.array([task.start]).T]
         start = np.array(task.start)
-        self._events = task.events + ((task.phase.excess,) if task.phase.can_end else ())
-        self._values = [getattr(event, 'before', None) or event(task.first, start)
+        self._events = [*task.events, *([Event(task.phase.excess, HANDED_OVER)]
+                                        if task.phase.can_end else [])]
+        self._values = [event.before or event.function(task.first, start)
                         for event in self._events]
         margins = task.kinks(task.first, start) if task.kinks else ()
-        self._ends = [min(0.0, margin) - SAME for margin in margins]
+        self._lowest = [min(0.0, margin) - SAME for margin in margins]     # below: it has ended
 
     def part(self) -> Part:
-        """Return what they do."""
+        """Run to the end of the task, or to where it ends before, and return the part."""
         end = FAILED
         if self._solver is not None:
             with warnings.catch_warnings():
@@ -488,6 +511,7 @@ class _Steps:
                     np.concatenate(self._states, axis=1), end, step or 0.0)
 
     def _run(self) -> str:
+        """Step until the part ends, and return how it ended."""
         task, solver, judged = self._task, self._solver, self._task.first
         steps, tiny, before = 0, 0, task.allowance.used
         while solver.status == 'running':
@@ -526,47 +550,55 @@ class _Steps:
         task, solver = self._task, self._solver
         first, last = float(solver.t_old), float(solver.t)
         asked = task.asked[(task.asked > first) & (task.asked < last)]
-        looks = any(event.end == AT_EVENT for event in self._events)  # type: ignore[attr-defined]
+        looks = any(event.end == AT_EVENT for event in self._events)
         dense: Any = solver.dense_output() if looks or asked.size else None
-        found = self._crossings(first, last, solver.y, dense)
-        end = ''
-        if found and dense is None:
-            dense = solver.dense_output()
-        if found:
-            last, end = min((_root(function, dense, *ends), how) for function, how, ends in found)
-            asked = asked[asked < last]
+        crossings = self._crossings(first, last, solver.y, dense)
+        if not crossings:
+            end, state = '', solver.y.copy()
+        else:
+            dense = dense or solver.dense_output()
+            last, end = min((_root(crossing, dense), crossing.end) for crossing in crossings)
+            asked, state = asked[asked < last], dense(last)
         if asked.size:
             self._times.append(asked)
             self._states.append(dense(asked))
         self._times.append(np.array([last]))
-        self._states.append((dense(last) if found else solver.y.copy())[:, None])
+        self._states.append(state[:, None])
         return end
 
     def _crossings(self, first: float, last: float, state: Array, dense: Any) -> list[Crossing]:
-        """Return what crosses zero within the last step."""
+        """
+        Return the zeros of events and margins within the step from ``first`` to ``last`` [s].
+
+        ``state``: at its end; ``dense``: the interpolant, time -> state, in which events of a user
+        are looked at eight times.
+        """
         kinks: Any = self._task.kinks
-        found: list[Crossing] = []
+        crossings: list[Crossing] = []
         for i, event in enumerate(self._events):
-            end, before, begin = event.end, self._values[i], first   # type: ignore[attr-defined]
-            looks = np.linspace(first, last, LOOKS + 1)[1:-1].tolist() if end == AT_EVENT else []
+            before, begin = self._values[i], first
+            looks = (np.linspace(first, last, LOOKS + 1)[1:-1].tolist()
+                     if event.end == AT_EVENT else [])
             for time in (*looks, last):
-                now = event(time, state if time == last else dense(time))
+                now = event.function(time, state if time == last else dense(time))
                 if before * now < 0.0 or (now == 0.0 != before):
-                    found.append((event, end, (begin, time)))
+                    crossings.append(Crossing(event.function, event.end, begin, time))
                     break
                 before, begin = now, time
             self._values[i] = now
         margins = kinks(last, state) if kinks else ()
-        for i, (margin, ended) in enumerate(zip(margins, self._ends)):
-            if margin < ended:
-                found.append((lambda t, y, i=i, ended=ended: kinks(t, y)[i] - ended, KINK,
-                              (first, last)))
-        return found
+        for i, (margin, lowest) in enumerate(zip(margins, self._lowest)):
+            if margin < lowest:
+                crossings.append(Crossing(lambda t, y, i=i, lowest=lowest: kinks(t, y)[i] - lowest,
+                                          KINK, first, last))
+        return crossings
 
 
-def _root(function: Any, dense: Any, first: float, last: float) -> float:
-    """Return where a function of time and state crosses zero within a step."""
+def _root(crossing: Crossing, dense: Any) -> float:
+    """Return the time of a crossing [s]; ``dense``: the interpolant of the step."""
     from scipy.optimize import brentq
+
+    function, _, first, last = crossing
 
     def along(time: float) -> float:
         return float(function(time, dense(time)))

@@ -19,7 +19,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property, partial
 from math import inf, remainder, sin, sqrt, tau
-from typing import TYPE_CHECKING, Union
+from typing import NamedTuple, TYPE_CHECKING, Union
 
 from fourbar_ros.dynamics.model.equation import Equation, InBothModes, make_reading
 from fourbar_ros.dynamics.model.smooth import flat_positions, make_interval_of
@@ -40,9 +40,15 @@ COMPLETE, GAVE_UP, AT_LIMIT, AT_CHANGE_POINT, HANDED_OVER, PROJECTED = (
 AT_EVENT = 'at an event'
 CLOSE = 1e-3       # largest part of the kinetic energy that a projection may change
 LONGEST = 2.0      # |do/dp| at which o takes over from p
-
-
 MakeEquation = Callable[[Mechanism, float, Union[DrivenLinks, None]], Equation]
+
+
+class Event(NamedTuple):
+    """Something that ends a part of a run."""
+
+    function: Callable[..., float]       # (time, state in the phase) -> number: at its zeros
+    end: str                             # how the part then ends, as AT_LIMIT
+    before: float = 0.0                  # its value before the part, if not that at its start
 
 
 class Phase:
@@ -78,28 +84,37 @@ class Phase:
         assert self._other is not None, 'no coordinate takes over'
         return self._other
 
+    def make_other(self, coordinate: DrivenLinks, n: NumberType) -> Function:
+        """Return the formula of the coordinate that takes over, with its two derivatives."""
+        return make_reading(self._next_coordinate)(coordinate, n)
+
     @cached_property
     def _reading(self) -> InBothModes:
-        return self.equation.in_both_modes(make_reading(self._next_coordinate))
+        return self.equation.in_both_modes(self.make_other)
+
+    @property
+    def unit_of_ratio(self) -> float:
+        """Return the unit of this coordinate in units of the one that takes over."""
+        return self.equation.coordinate.input_unit / self._next_coordinate.input_unit
 
     @cached_property
     def pose(self) -> InBothModes:
-        """Return the function position -> places and directions of all links."""
-        return self.equation.in_both_modes(_make_directions)
+        """Return the function p -> places and directions of all links, by which modes are told."""
+        return self.equation.in_both_modes(make_pose)
 
     def prepare(self) -> None:
-        """Make the functions of this phase, which takes as long as hundreds of steps."""
+        """Make the functions of this phase now: the first use takes as long as 100 steps."""
         for function in (self._reading, self.pose, self.equation.input):
             assert function is not None
 
     def excess(self, time: float, state: State) -> float:
-        """Return a number that rises above zero where the other coordinate takes over."""
-        ratio = abs(self._reading(float(state[0]))[1])
-        unit = self.equation.coordinate.input_unit / self._next_coordinate.input_unit
-        return float(min(ratio * unit, 1e3) - LONGEST)
+        """
+        Return |do/dp| - 2, positive where the other coordinate o has to take over.
 
-    # as an event of an integrator: what it does, and how a part of a run then ends
-    excess.terminal, excess.end = True, HANDED_OVER      # type: ignore[attr-defined]
+        An event of an integrator; both coordinates count in units of the linkage's size.
+        """
+        ratio = abs(self._reading(float(state[0]))[1])
+        return float(min(ratio * self.unit_of_ratio, 1e3) - LONGEST)
 
     def to_flat(self, time: float, state: State) -> float:
         """Return a number that changes its sign at the flat positions of a change point."""
@@ -109,17 +124,19 @@ class Phase:
             product *= way if coordinate.is_driven_by_slide else sin(0.5 * way)
         return product
 
-    to_flat.terminal, to_flat.end = True, AT_CHANGE_POINT  # type: ignore[attr-defined]  # as above
-
     @property
     def can_end(self) -> bool:
         """Return whether another coordinate may have to take over."""
         return self._other is not None
 
     def next(self, state: State) -> tuple[Phase, list[float]]:
-        """Return the phase that takes over at a state, and the state in its coordinate, (T1)."""
+        """
+        Return the phase that takes over at a state, and the state in its coordinate, (T1).
+
+        Its assembly mode is the one in which the links stand as they do here.
+        """
         position, ratio, _ = self._reading(float(state[0]))
-        other = self.course.phase(not self.is_input, float(position), self, float(state[0]))
+        other = self.course.like(self, float(state[0]), float(position))
         if other.is_input:
             position = self.course.continuous(position)
         return other, [float(position), float(ratio * state[1]), *state[2:]]
@@ -129,22 +146,28 @@ class Phase:
         return float(self.equation.energy(float(state[0]), float(state[1])))
 
     def with_energy(self, state: State, energy: float) -> list[float]:
-        """Return the state whose rate gives this energy, which is nearly its own."""
+        """
+        Return a state with its rate changed so that the energy is the given one [J].
+
+        It projects a free motion back to its energy. A change of more than 1e-3 of the kinetic
+        energy, as next to a rest, is left undone.
+        """
         missing = energy - self.energy(state)
-        twice = self.equation.terms(state[0]).inertia * state[1]**2
-        share = 2.0 * missing / twice if twice else 1.0
-        return ([state[0], state[1] * sqrt(1.0 + share), *state[2:]] if abs(share) < CLOSE
-                else list(state))
+        twice_kinetic = self.equation.terms(state[0]).inertia * state[1]**2
+        share = 2.0 * missing / twice_kinetic if twice_kinetic else 1.0
+        if abs(share) >= CLOSE:
+            return list(state)
+        return [state[0], state[1] * sqrt(1.0 + share), *state[2:]]
 
     def input_of(self, position: float) -> tuple[float, float, float]:
-        """Return the input and its two derivatives with respect to the coordinate."""
+        """Return the input and its first two derivatives by the coordinate, at one value of it."""
         if self.is_input:
             return position, 1.0, 0.0
         value, ratio, bend = self.equation.input.of_one(position)
         return self.course.continuous(value), ratio, bend
 
     def states_of_input(self, states: Array) -> Array:
-        """Return states in this coordinate as states in the input."""
+        """Return states in this coordinate as states in the input, of one shape (states, ...)."""
         if self.is_input:
             return states
         value, ratio, _ = self.equation.input(states[0])
@@ -157,17 +180,21 @@ class Phase:
         return float(change * ratio + rate * rate * bend)
 
     def modes(self, states: Array) -> NDArray[np.int64]:
-        """Return the assembly mode of the mechanism at states in this coordinate."""
+        """
+        Return the assembly mode at states (states, n) in this coordinate: n integers.
+
+        It is the mode whose pose at the input of the state is nearest to the pose of the state.
+        """
         mechanism = self.equation.mechanism
         inputs = self.states_of_input(states)[0]
         own = self.pose(states[0])
-        far = []
+        distances = []
         for mode in mechanism.modes_passed:
             with np.errstate(all='ignore'):
-                pose = _make_directions(mechanism.in_mode(mode), ARRAY)(inputs)
-            far.append(np.nan_to_num(sum((a - b)**2 for a, b in zip(own, pose)), nan=np.inf))
-        found: NDArray[np.int64] = np.array(mechanism.modes_passed)[np.argmin(far, axis=0)]
-        return found
+                pose = make_pose(mechanism.in_mode(mode), ARRAY)(inputs)
+            distances.append(np.nan_to_num(sum((a - b)**2 for a, b in zip(own, pose)), nan=np.inf))
+        modes: NDArray[np.int64] = np.array(mechanism.modes_passed)[np.argmin(distances, axis=0)]
+        return modes
 
 
 def _of_system(system: System, key: tuple[bool, int, float]) -> Phase:
@@ -175,9 +202,9 @@ def _of_system(system: System, key: tuple[bool, int, float]) -> Phase:
     return system.course.of(*key)
 
 
-def _make_directions(coordinate: DrivenLinks, n: NumberType
+def make_pose(coordinate: DrivenLinks, n: NumberType
                      ) -> Callable[[Scalar], list[Scalar]]:
-    """Return the formula of places and directions of all links: the pose."""
+    """Return the formula p -> (x, y, cosine, sine) of all links one after the other: the pose."""
     coefficients = coordinate.make_coefficients(n)
     return lambda position: [value for curve in coefficients(position)
                              for value in (curve[0], curve[1], curve[6], curve[7])]
@@ -185,18 +212,17 @@ def _make_directions(coordinate: DrivenLinks, n: NumberType
 
 class Course:
     """
-    All phases of the motions of a system.
+    All phases of the motions of a system: each coordinate in each mode, made when first needed.
 
     Parameters
     ----------
     make_equation : callable
-        (start, coordinate or None) -> Equation.
+        (mechanism in a mode, start, coordinate or None for the input) -> Equation.
     mechanism : Mechanism
         In its mode at the start.
     start : float
         The input there.
     system : System
-        ``system.make_derivative(phase)`` gives the function (time, state) -> d state / dt.
 
     """
 
@@ -206,35 +232,45 @@ class Course:
         self.system, self._start = system, start
         others = () if mechanism.turns_fully else mechanism.driven_otherwise()
         self._others = {other.mode: other for other in others}
-        self._middle = 0.0
+        self.middle = 0.0
         if others and not mechanism.is_driven_by_slide:
             middles = [0.5 * (low + high) for low, high in mechanism.input_ranges]
             middle = min(middles, key=lambda value: abs(remainder(start - value, tau)))
-            self._middle = start - remainder(start - middle, tau)
+            self.middle = start - remainder(start - middle, tau)
         self._phases: dict[tuple[bool, int, int], Phase] = {}
         self._poses: dict[tuple[bool, int], Function] = {}
         self.first = self.of(True, mechanism.mode, start)
 
     def at(self, state: State) -> tuple[Phase, list[float]]:
-        """Return the phase at a state of the input in the mode of the start, and its state."""
+        """Return the phase in which a run begins at a state of the input, and its state there."""
         has_ended = self.first.can_end and self.first.excess(0.0, state) > 0.0
         return self.first.next(state) if has_ended else (self.first, list(state))
 
     def continuous(self, value: Value) -> Value:
-        """Return an input, known but for whole turns, in the range of this motion."""
+        """
+        Return an input in the range of this motion: an angle shifted by whole turns.
+
+        Another coordinate tells the crank's angle but for whole turns; a crank between toggles
+        stays within half a turn of the middle of its range.
+        """
         if self._mechanism.is_driven_by_slide:
             return value
         if isinstance(value, float):
-            return self._middle + remainder(value - self._middle, tau)
-        return value - tau * np.round((value - self._middle) / tau)
+            return self.middle + remainder(value - self.middle, tau)
+        return value - tau * np.round((value - self.middle) / tau)
 
     def _in_modes(self, is_input: bool) -> Mapping[int, DrivenLinks]:
+        """Return {mode: mechanism driven by the input, or by the other coordinate}."""
         mechanism = self._mechanism
         return ({mode: mechanism.in_mode(mode) for mode in mechanism.modes_passed} if is_input
                 else self._others)
 
     def of(self, is_input: bool, mode: int, start: float) -> Phase:
-        """Return the phase of a coordinate in the mode that it has at a value of it."""
+        """
+        Return the phase of the input or of the other coordinate, in the mode at ``start``.
+
+        Where flat positions make the mode alternate, every second interval shares a phase.
+        """
         coordinate = self._in_modes(is_input)[mode]
         parity = make_interval_of(coordinate)(start) % 2 if flat_positions(coordinate) else 0
         key = is_input, mode, parity
@@ -247,12 +283,17 @@ class Course:
             self._phases[key] = Phase(self, equation, start, next(iter(other.values()), None))
         return self._phases[key]
 
-    def phase(self, is_input: bool, position: float, last: Phase, at: float) -> Phase:
-        """Return the phase in the mode whose pose at a position is the last one's at its own."""
-        pose = last.pose(at)
-        far = {mode: self._distance(pose, is_input, mode, position)
-               for mode in self._in_modes(is_input)}
-        return self.of(is_input, min(far, key=far.__getitem__), position)
+    def like(self, last: Phase, value: float, position: float) -> Phase:
+        """
+        Return the phase of the other coordinate that continues another phase.
+
+        ``value`` is the coordinate of that phase and ``position`` the other one in the same pose:
+        of the modes, the one whose pose there is nearest.
+        """
+        pose, is_input = last.pose(value), not last.is_input
+        distances = {mode: self._distance(pose, is_input, mode, position)
+                     for mode in self._in_modes(is_input)}
+        return self.of(is_input, min(distances, key=distances.__getitem__), position)
 
     def input_in(self, mode: int) -> Phase:
         """Return the phase of the input in a mode, of a mechanism without flat positions."""
@@ -268,16 +309,17 @@ class Course:
         return phases
 
     def _pose_line(self, is_input: bool, mode: int) -> Function:
+        """Return the function of a float -> pose, of a coordinate in a mode; made once."""
         if (is_input, mode) not in self._poses:
             coordinate = self._in_modes(is_input)[mode]
-            self._poses[is_input, mode] = straight_line(partial(_make_directions, coordinate))
+            self._poses[is_input, mode] = straight_line(partial(make_pose, coordinate))
         return self._poses[is_input, mode]
 
     def _distance(self, pose: Sequence[float], is_input: bool, mode: int,
                   position: float) -> float:
-        """Return how far a pose is from that of a mode at a position."""
+        """Return the squared distance of a pose from that of a mode; inf if it cannot close."""
         try:
-            found = self._pose_line(is_input, mode)(position)
+            own = self._pose_line(is_input, mode)(position)
         except (ValueError, ZeroDivisionError):
             return inf
-        return float(sum((a - b)**2 for a, b in zip(pose, found)))
+        return float(sum((a - b)**2 for a, b in zip(pose, own)))

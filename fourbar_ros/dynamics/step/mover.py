@@ -35,21 +35,21 @@ STATUS_NAMES = ('ok', 'no torque comes', 'budget of the step used up', 'held at 
 
 
 class Place(NamedTuple):
-    """Where a system is."""
+    """The full state of a system between steps, next to a toggle in the other coordinate."""
 
     phase: Phase
-    state: State           # in its coordinate
+    state: State           # in the coordinate of the phase
     mode: int              # assembly mode of the mechanism
     rising: int            # mode in which the input grows with the coordinate
     turns: float           # of the input beyond the range of the course [rad]
 
 
 class Stepped(NamedTuple):
-    """The place after a step, how it went, evaluations of the equation of motion."""
+    """What a step gave."""
 
-    place: Place
-    status: int
-    evaluations: int
+    place: Place           # after it
+    status: int            # OK, OUT_OF_BUDGET, AT_LIMIT or NOT_FINITE
+    evaluations: int       # of the equation of motion
 
 
 class DriveValues(NamedTuple):
@@ -72,10 +72,10 @@ class DriveValues(NamedTuple):
 
 def modes_of(mechanism: Mechanism) -> tuple[int, ...]:
     """
-    Return the two assembly modes between which steps through toggles go.
+    Return the two assembly modes between which steps go through toggles, or () where they do not.
 
-    None where the input has no toggles, where no other coordinate is known to go through them, at
-    an exact change point, and where a message cannot tell the modes.
+    They do not where the input has no toggles, where no other coordinate leads through them, at an
+    exact change point, and where the modes do not fit into a message.
     """
     mechanism = mechanism.without_stroke()
     if mechanism.turns_fully or mechanism.change_point_margin == 0.0:
@@ -87,12 +87,16 @@ def modes_of(mechanism: Mechanism) -> tuple[int, ...]:
 
 
 def in_message(mode: int) -> int:
-    """Return the number of a mode in messages."""
+    """Return a mode as the uint8 of a message; 0 if it does not fit."""
     return int(mode) if mode <= LARGEST_MODE else 0
 
 
 def name_of(mechanism: Mechanism, source: Source | None = None) -> str:
-    """Return the name of the integrator of a mechanism and the source that drives it, for bags."""
+    """
+    Return the name of the integrator that a bag records.
+
+    A recomputation steps a bag again only if it bears the name of its own steps.
+    """
     if isinstance(source, SpeedController):
         return NAME_WITH_CONTROLLER
     return NAME_WITH_TOGGLES if modes_of(mechanism) else NAME
@@ -141,7 +145,7 @@ class Mover:
         self._own = source.own if isinstance(source, Law) and source.start else ''
 
     def prepare(self) -> None:
-        """Make all that steps need, which takes as long as thousands of them."""
+        """Make the functions of all phases now: it takes as long as thousands of steps."""
         phases = self._system.course.prepare() if self.passes else [self._system.course.first]
         for phase in phases:
             self._steps(phase)
@@ -155,9 +159,11 @@ class Mover:
     def next(self, values: DriveValues, step: float, command: float = 0.0,
              is_silent: bool = False, mode: int | None = None) -> tuple[int, DriveValues]:
         """
-        Return (status, values) after a time [s] under the torque of a topic, or of a motor.
+        Return (status, values) a ``step`` [s] after some values.
 
-        ``mode``: assembly mode of values that are not this mover's own; None: that of the system.
+        ``command``: torque of the source [N m], if it comes from a topic; ``is_silent``: it has
+        not come for long. ``mode``: assembly mode of values from elsewhere, as a bag; None: that
+        of the system.
         """
         place = (self._last[1] if self._last and values is self._last[0]
                  else self.place(self.state(values), mode))
@@ -166,7 +172,7 @@ class Mover:
                 self._kept(place, step, command, evaluations))
 
     def values(self, place: Place, step: float, command: float, evaluations: float) -> DriveValues:
-        """Return the values of a place."""
+        """Return the fields of a DriveState message for a place; NaN for what a drive has not."""
         position, rate, twist, speed, own = self.state_of_input(place)
         try:
             acceleration, on_input, of_motor = self._steps(place.phase).torques(
@@ -181,7 +187,7 @@ class Mover:
             own if self._own == 'speed_error_integral' else nan, float(evaluations))
 
     def state(self, values: DriveValues) -> State:
-        """Return the state that values stand for, also after a change of shaft or source."""
+        """Return the state of the input in a message; a part that it lacks, as NaN, is zero."""
         own = getattr(values, self._own) if self._own else 0.0
         own = 0.0 if isnan(own) else own
         if not self._has_shaft:
@@ -190,7 +196,7 @@ class Mover:
         return values.position, values.velocity, twist, values.motor_velocity, own
 
     def _kept(self, place: Place, step: float, command: float, evaluations: int) -> DriveValues:
-        """Return the values of a place, which is kept beside them."""
+        """Return the values of a place, and keep the place: next to a toggle it tells more."""
         self.mode = in_message(place.mode)
         values = self.values(place, step, command, evaluations)
         self._last = values, place
@@ -207,14 +213,18 @@ class Mover:
         return self.place(self._steps(self._system.course.first).start)
 
     def place(self, state: State, mode: int | None = None) -> Place:
-        """Return the place that a state of the input and a mode tell."""
+        """Return the place of a state of the input in a mode; None: the mode of the system."""
         own, course = int(self._system.mechanism.mode), self._system.course
         if mode is None or mode == own or mode not in self._modes:
             return Place(course.first, state, own, own, 0.0)
         return Place(course.input_in(mode), state, mode, mode, 0.0)
 
     def tells_all(self, place: Place) -> bool:
-        """Return whether input, rate and mode tell a place, which next to a toggle they do not."""
+        """
+        Return whether a message with input, rate and mode tells the place, as it mostly does.
+
+        Next to a toggle it does not: there the input hardly changes with the state.
+        """
         if not self.passes:
             return True
         try:
@@ -223,7 +233,7 @@ class Mover:
             return False
 
     def state_of_input(self, place: Place) -> State:
-        """Return the state in the input."""
+        """Return the state of a place in the input, turns of a crank counted on."""
         if place.phase.is_input:
             return place.state
         p, rate, twist, speed, own = place.state
@@ -232,16 +242,9 @@ class Mover:
 
     def advance(self, place: Place, length: float, command: float | None = None) -> Stepped:
         """
-        Return where a step leads.
+        Return the place after a step of a length [s]; at a limit or an overflow, the same at rest.
 
-        Parameters
-        ----------
-        place : Place
-        length : float
-            [s]
-        command : float, optional
-            Torque of the source during it [N m], in place of that of the drive.
-
+        ``command``: torque of the source during the step [N m], in place of the drive's own law.
         """
         self._spent = 0
         try:
@@ -259,19 +262,26 @@ class Mover:
         return Stepped(new, OK if is_good else OUT_OF_BUDGET, self._spent)
 
     def _is_at_limit(self, place: Place) -> bool:
+        """Return whether the input is at an end of its stroke, or at a toggle it cannot pass."""
         if self.passes:
             return self._system.distance_to_end(self.state_of_input(place)[0]) <= 0.0
         return (not self._system.has_no_limits
-                and self._system.distance_to_limit(0.0, place.state) <= 0.0)
+                and self._system.distance_to_limit(place.state[0]) <= 0.0)
 
     def _steps(self, phase: Phase) -> PhaseSteps:
+        """Return the steps in the coordinate of a phase, made when first needed."""
         steps = self._phases.get(phase)
         if steps is None:
             steps = self._phases[phase] = PhaseSteps(*self._given, phase if self.passes else None)
         return steps
 
     def _passed(self, place: Place, left: float, command: float | None) -> tuple[Place, bool]:
-        """Return the place after a time, and whether it is as good as wanted."""
+        """
+        Return the place after ``left`` seconds, and whether its error is within the tolerance.
+
+        The step is made in parts, each in one coordinate, until no time is left. A second part in
+        a row that is not good means that no coordinate can finish: FourBarError.
+        """
         if self.passes and place.phase.is_input and not self.tells_all(place):
             place = self._next(place)
         steps = self._steps(place.phase)
@@ -289,7 +299,7 @@ class Mover:
             steps = self._steps(place.phase)
 
     def _next(self, place: Place) -> Place:
-        """Return a place in the coordinate that takes over."""
+        """Return the same place in the coordinate that takes over from its own."""
         if not place.phase.is_input:
             return self._in_input(place)
         course, q = self._system.course, place.state[0]
@@ -301,13 +311,17 @@ class Mover:
         return Place(phase, (p, rate, twist, speed, own), place.mode, rising, turns)
 
     def _in_input(self, place: Place) -> Place:
-        """Return a place in another coordinate as one in the input."""
+        """
+        Return a place in the other coordinate as one in the input.
+
+        Its assembly mode follows from the sign of dq/dp: it is ``rising`` where q grows with p.
+        """
         grows = place.phase.input_of(place.state[0])[1] > 0.0
         mode = place.rising if grows else self._partner(place.rising)
         return self.place(self.state_of_input(place), mode)
 
     def _settled(self, place: Place) -> Place:
-        """Return a place at the end of a step: in the input, if that tells all."""
+        """Return a place at the end of a step: in the input again, if a message can tell that."""
         if place.phase.is_input:
             return place
         in_input = self._in_input(place)

@@ -31,8 +31,8 @@ from fourbar_ros.dynamics.step.rosenbrock import EVALUATIONS, Rosenbrock
 from fourbar_ros.dynamics.step.step_equations import Elastic, plus, Rigid, State, Terms
 from fourbar_ros.errors import FourBarError, InvalidParameter
 
-DIFFERENCE = 1e-7          # of the input for the column of q, times its unit
-SMALLEST, LARGEST, SAFETY = 0.1, 4.0, 0.85
+DIFFERENCE = 1e-7          # step of the coordinate for the column of the Jacobian, in its unit
+SMALLEST, LARGEST, SAFETY = 0.1, 4.0, 0.85      # the next step over this one, of which a part
 SHORTEST, BISECTIONS = 1e-3, 40      # part of a step, in the search for a kink
 CLOSEST = 1e-6                       # through toggles: part that a kink may be off
 DEEPEST, SHORTER = 50.0, 0.3         # excess of a phase after a step; else it becomes shorter
@@ -107,29 +107,12 @@ class PhaseSteps:
 
     def part(self, state: State, left: float, regime_at: RegimeAt) -> Part:
         """
-        Return the state after a time, or where another coordinate takes over.
+        Return (state, time left, is_good) after ``left`` seconds, or after a part of them.
 
-        Parameters
-        ----------
-        state : State
-        left : float
-            [s]
-        regime_at : RegimeAt
-            Of the source, by :meth:`regimes`.
-
-        Returns
-        -------
-        state : State
-        left : float
-            Time left: another coordinate has to take over.
-        is_good : bool
-            Whether the error is within the tolerance. If not and time is left, this coordinate
-            cannot finish the step within the budget.
-
-        Raises
-        ------
-        FourBarError, ArithmeticError
-
+        Time is left [s] where another coordinate has to take over. ``is_good``: the error is
+        within the tolerance; if not and time is left, this coordinate cannot finish within the
+        budget. ``regime_at``: of the source, by :meth:`regimes`. Steps that fail are made shorter;
+        one that passes a kink of the source ends there. Raises FourBarError and ArithmeticError.
         """
         h, closest, near = left, CLOSEST * left if self._phase else 0.0, self._tolerance / left
         while left > 0.0:
@@ -154,13 +137,13 @@ class PhaseSteps:
         return state, left, True
 
     def regimes(self, command: float | None) -> RegimeAt:
-        """Return the regimes of the source during a step."""
+        """Return the law of the source during a step: its own, or a commanded torque [N m]."""
         return self._regime_at if command is None else always(Piece(command))
 
     # --- one step, or as many as the tolerance asks for -----------------------------------------
 
     def _speed(self, state: State) -> float:
-        """Return the speed of the motor behind the gear."""
+        """Return the speed of the motor behind the gear [rad/s], [m/s]."""
         if self._is_input or self._motor == 3:
             return state[self._motor]
         return self._terms_at(state[0])[5] * state[1]
@@ -172,13 +155,18 @@ class PhaseSteps:
         return terms[5] * change[1] + terms[6] * state[1] * state[1]
 
     def _terms_at(self, position: float) -> Terms:
-        """Return the terms at a position, which the sample before may have asked for."""
+        """Return the terms at a position; the last ones are kept, as values ask for them again."""
         if position != self._known[0]:
             self._known = position, self._terms(position)
         return self._known[1]
 
     def _begun(self, state: State, regime_at: RegimeAt, near: float) -> tuple[Regime, State]:
-        """Return the regime that begins at a state, and the state with which it does."""
+        """
+        Return the regime of the source from a state on, and the state, put on the limit if it
+        slides.
+
+        A smooth law is replaced by its tangent at this speed. ``near``: error of the speed.
+        """
         speed, own = self._speed(state), state[4]
         regime = regime_at(speed, own)
         if regime.margins:
@@ -201,7 +189,12 @@ class PhaseSteps:
 
     def _rest(self, state: State, left: float, regime: Regime, terms: Terms,
               by_position: float) -> Part:
-        """Return the state after all that is left, at one go: both methods are stable."""
+        """
+        Return the state after all the time left in one step, as the budget is used up.
+
+        By the Rosenbrock step if there is an evaluation for it, else by implicit Euler: stable
+        both, so the error is bounded but above the tolerance.
+        """
         if self.evaluations + EVALUATIONS <= self._budget:
             new, scale = self._try(state, left, terms, by_position, regime)
             if scale > SMALLEST and (not self._phase or self._is_here(new)):
@@ -215,7 +208,7 @@ class PhaseSteps:
         return new, 0.0, False
 
     def _is_here(self, state: State) -> bool:
-        """Return whether a state is where the coordinate of the phase can tell it."""
+        """Return whether a state is in the part of the range where its coordinate is regular."""
         assert self._phase is not None
         try:
             return self._phase.excess(0.0, state) <= DEEPEST
@@ -223,7 +216,7 @@ class PhaseSteps:
             return False
 
     def _linear(self, state: State, piece: Piece) -> tuple[Terms, State, float]:
-        """Return terms, dx/dt and, as a difference, the acceleration by the coordinate."""
+        """Return the terms, dx/dt and the derivative of du/dt by p, a difference."""
         self.evaluations += 2
         position, derivative = state[0], self._equations.derivative
         terms = self._terms_at(position)
@@ -239,7 +232,12 @@ class PhaseSteps:
 
     def _try(self, state: State, h: float, terms: Terms, by_position: float,
              regime: Regime) -> tuple[State, float]:
-        """Return the state after one Rosenbrock step, and by how much the next may be longer."""
+        """
+        Return the state after one Rosenbrock step of ``h`` seconds, and the next length over it.
+
+        Below 1 the step failed and is made again that much shorter: its error is too large, or it
+        left the range of the coordinate. The fourth root follows from the order of the method.
+        """
         self.evaluations += EVALUATIONS
         try:
             found = self._attempt(regime.tangent)(state, h, terms, by_position, regime.piece)
@@ -258,10 +256,11 @@ class PhaseSteps:
 
     def _to_kink(self, state: State, new: State, h: float, gain: float, regime: Regime) -> float:
         """
-        Return the part of a step after which another regime of the source begins; 1: none does.
+        Return the part of a step, in (0, 1], after which the regime of the source ends; 1: it
+        holds.
 
-        Between its ends the speed is taken as quadratic, ``gain`` its derivative at the start; the
-        state of the source as linear, and on its edge as on its edge.
+        Found by bisection, with the speed between both ends as quadratic (``gain``: its derivative
+        at the start) and the source's own state as linear.
         """
         speed, own, gain, margins = self._speed(state), state[4], h * gain, regime.margins
         bend = self._speed(new) - speed - gain
@@ -269,6 +268,7 @@ class PhaseSteps:
         least = [min(0.0, margin) for margin in margins(speed, own, gain / h)]
 
         def ends_before(part: float) -> bool:
+            """Return whether a margin is below zero after this part of the step."""
             there = speed + part * (gain + part * bend)
             found = margins(there, regime.own(there, own + part * (new[4] - own)),
                             (gain + 2.0 * part * bend) / h)

@@ -14,7 +14,7 @@ from typing import Any
 from fourbar_ros.dynamics.model.drives import Piece, Tangent
 from fourbar_ros.dynamics.model.equation import Equation
 from fourbar_ros.dynamics.step.step_equations import Elastic, plus, Rigid, State, Terms
-from fourbar_ros.numerics.number_types import Function
+from fourbar_ros.numerics.number_types import Function, NumberType
 from fourbar_ros.numerics.straight_line import straight_line
 
 GAMMA = 0.25
@@ -32,7 +32,8 @@ C_LAST = (8.083246795921522, -7.981132988064893, -31.52159432874371, 16.31930543
           -6.058818238834054)
 EVALUATIONS = len(A)       # of the equation of motion in one step, beside those at its start
 Stepped = tuple[float, float, float, float, float, float, float, float, float]
-GIVEN = 5 + 1 + 7 + 1 + len(Piece._fields)      # numbers that a step is a formula of
+# numbers that a step is a formula of: state, h, terms, derivative of du/dt by p, law of the source
+GIVEN = 5 + 1 + 7 + 1 + len(Piece._fields)
 
 
 class Rosenbrock:
@@ -53,40 +54,31 @@ class Rosenbrock:
     def __init__(self, equation: Equation, equations: Elastic | Rigid, has_own: bool,
                  tangent: Tangent | None = None) -> None:
         self._equations, self._has_own, self._is_input = equations, has_own, equation.is_input
-        self._tangent = tangent
+        self._tangent, self._equation = tangent, equation
         self._formula = self._make(equation.of_one_with_ratio)
         # in both modes of a change point there is no one formula
         self._line = (self._formula if equation.changes_mode else
-                      straight_line(lambda n: self._make(
-                          equation.make_with_ratio(equation.coordinate, n)), GIVEN))
+                      straight_line(self.make, GIVEN))
 
     def __call__(self, state: State, h: float, terms: Terms, by_position: float,
                  piece: Piece) -> Stepped:
         """
-        Return the state after a step and its estimated error: (p, u, s, v, z, dp, du, ds, dv).
+        Return the state after a step of ``h`` seconds and its estimated error, as nine numbers.
 
-        Parameters
-        ----------
-        state : State
-        h : float
-            [s]
-        terms : Terms
-            At this state.
-        by_position : float
-            Derivative of its acceleration with respect to p.
-        piece : Piece
-
-        Raises
-        ------
-        FourBarError, ArithmeticError
-            A stage is where the mechanism cannot be; a number is too large.
-
+        They are (p, u, s, v, z, dp, du, ds, dv). ``terms``: at this state; ``by_position``:
+        derivative of its acceleration by p; ``piece``: law of the source. Raises FourBarError
+        where a stage is where the mechanism cannot be, ArithmeticError where a number is too
+        large.
         """
         try:
-            found: Stepped = self._line(*state, h, *terms, by_position, *piece)
+            stepped: Stepped = self._line(*state, h, *terms, by_position, *piece)
         except (ValueError, ArithmeticError):      # of a number; the formula says why
-            found = self._formula(*state, h, *terms, by_position, *piece)
-        return found
+            stepped = self._formula(*state, h, *terms, by_position, *piece)
+        return stepped
+
+    def make(self, n: NumberType) -> Function:
+        """Return the formula of a step for a number type, in the mode of the equation."""
+        return self._make(self._equation.make_with_ratio(self._equation.coordinate, n))
 
     def _make(self, terms_at: Function) -> Function:
         """Return the formula of numbers, GIVEN of them, for a function position -> Terms."""
@@ -95,6 +87,7 @@ class Rosenbrock:
         is_input, tangent = self._is_input, self._tangent
 
         def formula(p: Any, u: Any, s: Any, v: Any, z: Any, h: Any, *given: Any) -> Any:
+            """Return state and error after a step, of the numbers that ``__call__`` is given."""
             terms: Any = (*given[:5], 1.0, 0.0) if is_input else given[:7]
             by_position, t, t_w, t_z, d, d_w, d_z = given[7:]
             s, v = (s, v) if has_shaft else (0.0, 0.0)
@@ -104,6 +97,7 @@ class Rosenbrock:
             stages = [solve(derivative(terms, state, piece))]
 
             def add_stage(place: Any, weights: Any) -> None:
+                """Solve for the next u_i: f at a place, plus earlier stages times weights / h."""
                 there = terms_at(place[0])
                 speed = place[3] if has_shaft else there[5] * place[1]
                 right = derivative(there, place, tangent(speed) if tangent else piece)

@@ -44,7 +44,7 @@ class Rigid:
 
     @staticmethod
     def derivative(terms: Terms, state: State, piece: Piece) -> State:
-        """Return dx/dt."""
+        """Return dx/dt by (N1), for the terms of (E1) at p and a piece of the source's law."""
         _, u, _, _, z = state
         inertia, half_slope, force, damping, _, r, _ = terms
         torque, by_speed, by_own, own, own_by_speed, own_by_own = piece
@@ -54,7 +54,11 @@ class Rigid:
 
     @staticmethod
     def linear(terms: Terms, state: State, piece: Piece, by_position: float) -> Solver:
-        """Return the function g -> (b -> y); ``by_position``: of the acceleration."""
+        """
+        Return g -> (b -> y), the solution of (g - d(dx/dt)/dx) y = b by hand.
+
+        ``by_position``: derivative of du/dt by p, the one entry that is not known in closed form.
+        """
         inertia, half_slope, _, damping, _, r, r_slope = terms
         _, by_speed, by_own, _, own_by_speed, own_by_own = piece
         by_rate = (r * r * by_speed - damping - 2.0 * half_slope * state[1]) / inertia
@@ -62,11 +66,13 @@ class Rigid:
         own_by_rate, own_by_position = r * own_by_speed, r_slope * state[1] * own_by_speed
 
         def solver(g: float) -> Callable[[State], State]:
+            """Eliminate for one g = 1 / (gamma h): what does not depend on the right side."""
             own = 1.0 / (g - own_by_own)
             in_all = by_position + by_own * own * own_by_position
             whole = 1.0 / (g - by_rate - in_all / g - by_own * own_by_rate * own)
 
             def solve(right: State) -> State:
+                """Return y = (p, u, s, v, z) for a right side b."""
                 p, u, _, _, z = right
                 rate = (u + in_all * p / g + by_own * z * own) * whole
                 place = (p + rate) / g
@@ -88,7 +94,7 @@ class Elastic:
         return k * state[2] + c * (state[3] - terms[5] * state[1])
 
     def derivative(self, terms: Terms, state: State, piece: Piece) -> State:
-        """Return dx/dt."""
+        """Return dx/dt by (N1), for the terms of (E1) at p and a piece of the source's law."""
         _, u, s, v, z = state
         k, c, rotor = self._given
         inertia, half_slope, force, damping, _, r, _ = terms
@@ -100,7 +106,7 @@ class Elastic:
                 own + own_by_speed * v + own_by_own * z)
 
     def linear(self, terms: Terms, state: State, piece: Piece, by_position: float) -> Solver:
-        """Return the function g -> (b -> y); ``by_position``: of the acceleration."""
+        """Return g -> (b -> y), as :meth:`Rigid.linear`; a system of two remains for u and v."""
         k, c, rotor = self._given
         inertia, half_slope, _, damping, _, r, r_slope = terms
         _, by_speed, by_own, _, own_by_speed, own_by_own = piece
@@ -109,6 +115,7 @@ class Elastic:
         w_slope = r_slope * state[1]                     # dw/dp
 
         def solver(g: float) -> Callable[[State], State]:
+            """Eliminate for one g = 1 / (gamma h): what does not depend on the right side."""
             own, coupling = 1.0 / (g - own_by_own), c + k / g
             in_all = by_position - r * k / (g * inertia) * w_slope
             motor_by_place = coupling / (g * rotor) * w_slope
@@ -119,6 +126,7 @@ class Elastic:
             whole = 1.0 / (m11 * m22 - m12 * m21)
 
             def solve(right: State) -> State:
+                """Return y = (p, u, s, v, z) for a right side b."""
                 p, u, s, v, z = right
                 pull = k * s / g
                 r1 = u + in_all * p / g + r * pull / inertia

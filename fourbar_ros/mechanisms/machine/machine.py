@@ -242,7 +242,7 @@ class Machine(WithLimits):
     @property
     def connections(self) -> tuple[Connection, ...]:
         """Return which links the joints connect."""
-        return connections_of(self.layout.driven, self.stages)
+        return connections_of(self.layout.links[0], self.layout.driven, self.stages)
 
     def link_motion(self, motion: NamedFields, link: str) -> LinkMotion:
         """Return the LinkMotion of a link by name."""

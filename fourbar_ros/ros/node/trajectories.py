@@ -25,13 +25,12 @@ from typing import Any, NamedTuple, Union
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.pipeline.joints import Scale
-from fourbar_ros.ros.messages import resolve
 from fourbar_ros.ros.node import qos
 from fourbar_ros.ros.node.base import Base
 from fourbar_ros.ros.node.sequence import Info, SequenceNumbers, WithInfo
 from fourbar_ros.ros.node.worker import Abandoned, Worker
 from fourbar_ros.scene.scene import Scene
-from fourbar_ros.scene.topics import ANSWERS, INPUT_DEPTH, QUEUE_DEPTH, TRAJECTORIES
+from fourbar_ros.scene.topics import ANSWERS, INPUT_DEPTH, TRAJECTORIES
 from fourbar_ros.transmission import (
     CannotFollow,
     Trajectory,
@@ -72,11 +71,8 @@ class Trajectories:
         self._worker = Worker('trajectories', node.get_logger().error)
         self._last: dict[str, Counted] = {}              # last message of 'input' and 'output'
         self.apply(scene)
-        self._senders = {
-            name: node.circles.sender(
-                qos.create(node, 'publisher', resolve(topic.type), topic.topic, QUEUE_DEPTH),
-                topic)
-            for name, topic in TRAJECTORIES.items() if name not in ANSWERS}
+        self._senders = {name: node.circles.sender(qos.publisher(node, topic), topic)
+                         for name, topic in TRAJECTORIES.items() if name not in ANSWERS}
         self._sequences = [self._listen(name) for name in ANSWERS]
 
     def _listen(self, name: str) -> SequenceNumbers:
@@ -89,9 +85,8 @@ class Trajectories:
             sequence.take(info['publication_sequence_number'])
             if not self._node.circles.is_own(full, data):
                 self._take(name, data)
-        subscription = qos.create(
-            self._node, 'subscription', resolve(topic.type), topic.topic, WithInfo(take),
-            INPUT_DEPTH, raw=True,
+        subscription = qos.subscription(
+            self._node, topic, WithInfo(take), is_reliable=True,
             event_callbacks=SubscriptionEventCallbacks(matched=lambda _: sequence.forget()))
         return sequence
 
@@ -279,20 +274,26 @@ def read(data: bytes) -> Points:
 
 
 def write(header: Header, joint: str, times: Array, columns: dict[str, Array]) -> bytes:
-    """Return a serialised JointTrajectory of one joint; ``columns``: {field: (n,)}."""
-    head = serialize_message(JointTrajectory(header=header, joint_names=[joint]))
-    at, _ = _begin(head)
-    lengths, made = [int(name in columns) for name in FIELDS], []
-    for part in (slice(0, 1), slice(1, None)):
-        block = np.zeros(len(times[part]), _point(lengths, (at - HEADER) % 8))
-        block['sec'], block['nanosec'] = np.divmod(times[part], 10**9)
+    """
+    Return a serialised JointTrajectory of one joint; ``columns``: {field: (n,)}.
+
+    ROS serialises one without points; the number of points and the points follow here, in two
+    blocks as in :func:`_blocks`.
+    """
+    empty = serialize_message(JointTrajectory(header=header, joint_names=[joint]))
+    begin, _ = _begin(empty)
+    lengths = [int(name in columns) for name in FIELDS]
+    parts = [empty[:begin - 4], pack('<I', len(times))]
+    for rows in (slice(0, 1), slice(1, None)):
+        block = np.zeros(len(times[rows]), _point(lengths, (begin - HEADER) % 8))
+        block['sec'], block['nanosec'] = np.divmod(times[rows], 10**9)
         for name, length in zip(FIELDS, lengths):
             block[f'{name} length'] = length
             if length:
-                block[name][:, 0] = columns[name][part]
-        made.append(block.tobytes())
-        at += len(made[-1])
-    return b''.join([head[:_begin(head)[0] - 4], pack('<I', len(times)), *made])
+                block[name][:, 0] = columns[name][rows]
+        parts.append(block.tobytes())
+        begin += len(parts[-1])
+    return b''.join(parts)
 
 
 def _begin(data: bytes) -> tuple[int, int]:

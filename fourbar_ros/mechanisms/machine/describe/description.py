@@ -217,13 +217,16 @@ class Cylinder(NamedTuple):
     Parameters
     ----------
     base : Point
-        Point of the ground where the tube is pinned.
+        Point where the tube is pinned: of the ground, or of a moving link to which the crank is
+        pinned at (0, 0). Of that link is then what a dyad says of the ground else, and one dyad
+        has the ground among its links: its first joint is the origin, its direction is x.
     pin : Point
         Point of the crank where the rod is pinned.
     links : tuple of 2 str
         Names of rod and tube.
     mode : int
-        2: from O1-base to O1-pin one turns left by less than pi; 1: right.
+        2: from O1-base to O1-pin one turns left by less than pi; 1: right. O1 is where the crank
+        is pinned.
 
     """
 
@@ -270,8 +273,6 @@ def checked_links(name: str, value: Any) -> tuple[str, str]:
         raise InvalidParameter(name, value, 'must be the names of two links')
     for link in links:
         require_name(name, link)
-        if link == GROUND:
-            raise InvalidParameter(name, value, 'the ground is no link of a dyad')
     return links
 
 
@@ -296,10 +297,18 @@ def checked_cylinder(given: Any, driven: str) -> Cylinder | None:
         raise InvalidParameter('cylinder', given, 'must be Cylinder(base, pin, links, '
                                                   'mode)') from None
     base, pin = checked_point('cylinder.base', base), checked_point('cylinder.pin', pin)
-    for name, point, link in (('base', base, GROUND), ('pin', pin, CRANK_LINK)):
-        if point.link != link or not (point.along or point.across):
-            raise InvalidParameter(f'cylinder.{name}', tuple(point),
-                                   f'must be a point of the {link} away from O1')
+    require_name('cylinder.base.link', base.link)
+    if base.link in (CRANK_LINK, *links):
+        raise InvalidParameter('cylinder.base', tuple(base), 'must be a point of the ground, or '
+                               'of a moving link to which the crank is pinned')
+    if pin.link != CRANK_LINK:
+        raise InvalidParameter('cylinder.pin', tuple(pin), 'must be a point of the crank, which '
+                               'is pinned to the link at the base: a cylinder between links that '
+                               'no pin joins closes an Assur group of a higher class')
+    for name, point in (('base', base), ('pin', pin)):
+        if not (point.along or point.across):
+            raise InvalidParameter(f'cylinder.{name}', tuple(point), f'must be a point of the '
+                                   f'{point.link} away from O1')
     return Cylinder(base, pin, checked_links('cylinder.links', links),
                     checked_mode('cylinder.mode', mode))
 
@@ -348,10 +357,11 @@ def by_link(name: str, given: Any, kind: type, of_links: Any, default: Any) -> A
 X = (1.0, 0.0)
 
 
-def connections_of(driven: str, stages: Sequence[Dyad]) -> tuple[Connection, ...]:
-    """Return the connections in the order of a machine's joints."""
-    base = Connection(GROUND, driven, axis=X if driven == SLIDER_LINK else None)
-    return (base, *(its for stage in stages for its in _of_dyad(stage)))
+def connections_of(frame: str, driven: str, stages: Sequence[Dyad]) -> tuple[Connection, ...]:
+    """Return the connections in the order of a machine's joints; the ground is never a child."""
+    base = Connection(frame, driven, axis=X if driven == SLIDER_LINK else None)
+    return (base, *(its.reversed() if its.child == GROUND else its
+                    for stage in stages for its in _of_dyad(stage)))
 
 
 def _of_dyad(dyad: Any) -> Iterator[Connection]:     # its kind has these dimensions: checked

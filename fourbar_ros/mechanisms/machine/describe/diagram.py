@@ -13,6 +13,7 @@ from fourbar_ros.mechanisms.parts import (
     Bar,
     Block,
     Diagram,
+    GROUND,
     NamedFields,
     ORIGIN,
     total,
@@ -51,7 +52,7 @@ def _place(mechanism: Machine, motion: NamedFields, stage: Stage, dyad: Any, pla
 
 def _at(mechanism: Machine, motion: NamedFields, link: str, along: float, across: float) -> Array:
     """Return the place of a point of a link or the ground."""
-    if link == mechanism.layout.links[0]:
+    if link == GROUND:
         return np.array((along, across))
     x, y, *_ = point_of(mechanism.link_motion(motion, link), along, across)
     return vector(x, y)
@@ -64,17 +65,17 @@ def diagram(mechanism: Machine, motion: NamedFields) -> Diagram:
     Each link is drawn from its first joint to every point at which something hangs on it.
     """
     joints = places_of(mechanism, motion)
-    ground = [BASE] if mechanism.input != 'slide' else []
+    held = mechanism.layout.ground
+    ground = [BASE] if mechanism.input != 'slide' and not held else []
     bars, blocks = [], []
     for stage in mechanism.layout.stages:
         names = dict(stage.joints())
         slides = SLIDES[stage.kind]
-        ground += [names[place] for place, parent in (('first', stage.first),
-                                                      ('second', stage.second))
-                   if not parent and place not in slides]
+        ground += [names[place] for place in ('first', 'second', *['inner'] * (held > 0))
+                   if held in stage.ends(place) and place not in slides]
         bars += _bars_of(stage, joints, names)
         blocks += [Block(joints[names[place]], _direction(motion, stage.links[i]),
-                         place == 'second' and not stage.second)
+                         place != 'first' and held in stage.ends(place))
                    for place, i in slides.items()]
     if mechanism.input == 'slide':
         blocks.append(Block(joints[BASE], np.array((1.0, 0.0)), True))
@@ -84,6 +85,8 @@ def diagram(mechanism: Machine, motion: NamedFields) -> Diagram:
 
 
 def _direction(motion: NamedFields, link: str) -> Array:
+    if link == GROUND:
+        return np.array((1.0, 0.0))
     return vector(getattr(motion, f'cos_{link}'), getattr(motion, f'sin_{link}'))
 
 
@@ -91,16 +94,17 @@ def _bars_of(stage: Stage, joints: Places, names: Mapping[str, str]) -> list[Bar
     """Return the rods of a dyad, and the bar on which a block slides."""
     ends = {'RRR': (('first', 'inner'), ('second', 'inner')), 'RRP': (('first', 'inner'),),
             'RPR': (('second', 'inner'),), 'RPP': (('second', 'inner'),), 'PRP': ()}[stage.kind]
-    return [Bar(joints[names[one]], joints[names[other]]) for one, other in ends]
+    return [Bar(joints[names[one]], joints[names[other]]) for one, other in ends
+            if stage.links[one == 'second'] != GROUND]
 
 
 def _bars_of_parents(mechanism: Machine, motion: NamedFields, joints: Places) -> list[Bar]:
     """Return bars from the first joint of a link to the points on it at which dyads hang."""
     found = []
-    for stage, dyad in zip(mechanism.layout.stages, mechanism.stages):
-        for place, parent in (('first', stage.first), ('second', stage.second)):
+    for dyad in mechanism.stages:
+        for place in ('first', 'second'):
             point = getattr(dyad, place)
-            if parent and (point.along or point.across):
+            if point.link != GROUND and (point.along or point.across):
                 start, end = (_at(mechanism, motion, point.link, *at)
                               for at in ((0.0, 0.0), point[1:]))
                 found.append(Bar(start, end))
@@ -110,20 +114,20 @@ def _bars_of_parents(mechanism: Machine, motion: NamedFields, joints: Places) ->
 def _third_sides(mechanism: Machine, motion: NamedFields, joints: Places) -> list[Bar]:
     """Return the sides of links with three joints and more that do not begin at the first."""
     layout = mechanism.layout
-    on_link: dict[str, list[Array]] = {link: [] for link in layout.moving}
+    on_link: dict[str, list[Array]] = {link: [] for link in layout.links}
     for stage, dyad in zip(layout.stages, mechanism.stages):
         names, slides = dict(stage.joints()), SLIDES[stage.kind]
         for i, place in enumerate(('first', 'second')):
             if place not in slides:
                 on_link[stage.links[i]].append(joints[names[place]])
-            if getattr(stage, place):
+            if getattr(dyad, place).link != GROUND:
                 on_link[getattr(dyad, place).link].append(_at(mechanism, motion,
                                                               *getattr(dyad, place)))
         for i, link in enumerate(stage.links):
             if 'inner' not in slides or slides['inner'] != 1 - i:
                 on_link[link].append(joints[names['inner']])
     found = []
-    for ends in on_link.values():
+    for ends in [ends for link, ends in on_link.items() if link != GROUND]:
         rest = [end for end in ends[1:] if np.hypot(*(end - ends[0])) > 0.0]
         found += [Bar(one, other) for one, other in zip(rest, rest[1:])
                   if np.hypot(*(one - other)) > 0.0]
@@ -160,17 +164,19 @@ def acceleration_polygon(mechanism: Machine, motion: NamedFields) -> list[Arrow]
 def _moving(mechanism: Machine, motion: NamedFields
             ) -> list[tuple[str, LinkMotion | None, PointMotion]]:
     """Return (name, motion of the crank if it is on that, PointMotion) of joints that move."""
-    found = []
+    found, held = [], mechanism.layout.ground
     for stage, dyad in zip(mechanism.layout.stages, mechanism.stages):
         for place, parent in (('first', stage.first), ('second', stage.second)):
             point = getattr(dyad, place)
-            if parent and place not in SLIDES[stage.kind]:
+            if point.link != GROUND and place not in SLIDES[stage.kind]:
                 link = (mechanism.link_motion(motion, point.link)
-                        if parent == 1 and mechanism.input != 'slide' else None)
+                        if parent == 1 and not held and mechanism.input != 'slide' else None)
                 found.append((f'{stage.name}_{place}', link,
                               point_motion(mechanism, motion, *point)))
         inner = stage.links[1] if stage.kind != 'RRR' else stage.links[0]
         along = (stage.kind == 'RRR' and dyad.length_1) or 0.0
+        if inner == GROUND or stage.kind == 'RRR' and GROUND in stage.links:
+            continue
         found.append((f'{stage.name}_inner', None,
                       point_motion(mechanism, motion, inner, along)))
     return found

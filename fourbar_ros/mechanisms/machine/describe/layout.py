@@ -60,7 +60,7 @@ class Stage(NamedTuple):
     ----------
     name, kind : str
     first, second : int
-        Numbers of the links on which it hangs; 0: the ground, 1: the driven link.
+        Numbers of the links on which it hangs; 0: the frame, 1: the driven link.
     links : tuple of 2 str
         Names of its own; the first is number ``number``, the second the next.
     number : int
@@ -90,13 +90,16 @@ class Stage(NamedTuple):
         """Return (place, name) of its joints."""
         return [(place, f'{self.name}_{place}') for place in PLACES]
 
-    def pins(self, links: Sequence[str]) -> Iterator[tuple[str, int, int]]:
-        """Yield (name, number of the link on which it hangs, of the other) of moving pins."""
-        ends = {'first': (self.first, self.number), 'inner': (self.number, self.number + 1),
-                'second': (self.second, self.number + 1)}
+    def ends(self, place: str) -> tuple[int, int]:
+        """Return the numbers of the links that a joint connects, the one that hangs last."""
+        return {'first': (self.first, self.number), 'inner': (self.number, self.number + 1),
+                'second': (self.second, self.number + 1)}[place]
+
+    def pins(self) -> Iterator[tuple[str, int, int]]:
+        """Yield (name, number of the link on which it hangs, of the other) of its pins."""
         for place, name in self.joints():
-            if place not in SLIDES[self.kind] and ends[place][0]:
-                yield name, *ends[place]
+            if place not in SLIDES[self.kind]:
+                yield name, *self.ends(place)
 
 
 class Layout(NamedTuple):
@@ -108,7 +111,8 @@ class Layout(NamedTuple):
     driver : str
         'crank', 'slide' or 'cylinder'.
     links : tuple of str
-        Names of all links, the ground first, then the driven one.
+        Names of all links: first the frame from which all is solved, which is the ground, or the
+        link at the base of a cylinder between two moving links; then the driven one.
     stages : tuple of Stage
         In order; with a cylinder its own first.
     output : str
@@ -124,8 +128,13 @@ class Layout(NamedTuple):
 
     @property
     def moving(self) -> tuple[str, ...]:
-        """Return the names of the moving links."""
-        return self.links[1:]
+        """Return the names of the moving links; a frame that moves has the ground's place."""
+        return tuple([self.links[0] if link == GROUND else link for link in self.links[1:]])
+
+    @property
+    def ground(self) -> int:
+        """Return the number of the ground; 0: it is the frame."""
+        return self.links.index(GROUND)
 
     @property
     def driven(self) -> str:
@@ -134,12 +143,12 @@ class Layout(NamedTuple):
 
     def turning(self) -> set[str]:
         """Return the names of the links that turn."""
-        turns = [False, self.driven == CRANK_LINK]
+        turns = [0, int(self.driven == CRANK_LINK)]     # equal numbers: they turn together
         for stage in self.stages:
-            one, other = turns[stage.first], turns[stage.second]
-            turns += {RRR: (True, True), RRP: (True, other), RPR: (True, True),
+            one, other, own = turns[stage.first], turns[stage.second], stage.number
+            turns += {RRR: (own, own + 1), RRP: (own, other), RPR: (own, own),
                       RPP: (other, other), PRP: (one, other)}[stage.kind]
-        return {name for name, is_turning in zip(self.links, turns) if is_turning}
+        return {name for name, turn in zip(self.links, turns) if turn != turns[self.ground]}
 
     def slides(self) -> list[str]:
         """Return the names of the links that slide."""
@@ -148,7 +157,8 @@ class Layout(NamedTuple):
 
     def pins(self) -> list[tuple[str, int, int]]:
         """Return (name, numbers of both links) of the pins between moving links."""
-        return [pin for stage in self.stages for pin in stage.pins(self.links)]
+        every = [(BASE, 0, 1)] + [pin for stage in self.stages for pin in stage.pins()]
+        return [pin for pin in every if self.ground not in pin[1:]]
 
     def joints(self) -> list[tuple[str, bool]]:
         """Return (name, whether it slides) of all joints, the one of the driven link first."""
@@ -169,7 +179,10 @@ def layout_of(driver: str, dyads: Sequence[Dyad], output: str | None = None) -> 
 
     """
     driven = SLIDER_LINK if driver == 'slide' else CRANK_LINK
-    links, owners, stages = [GROUND, driven], {GROUND: '', driven: ''}, []
+    frame = dyads[0].second.link if driver == CYLINDER else GROUND
+    links, owners, stages = [frame, driven], {frame: '', driven: 'of the driven link'}, []
+    if frame != GROUND:
+        owners[frame] = 'of the link at the base of the cylinder'
     names: set[str] = set()
     for dyad in dyads:
         where = f'dyads.{dyad.name}'
@@ -188,12 +201,16 @@ def layout_of(driver: str, dyads: Sequence[Dyad], output: str | None = None) -> 
         stages.append(Stage(dyad.name, dyad.kind, links.index(dyad.first.link),
                             links.index(dyad.second.link), dyad.links, len(links)))
         links += dyad.links
-        owners.update(dict.fromkeys(dyad.links, dyad.name))
-    if output is not None and output not in links[1:]:
-        raise InvalidParameter('output', output, 'there is no such link'
-                                                 f'{nearest(output, links[1:])}')
-    last = driven if names == {CYLINDER} else links[-1]
-    layout = Layout(driver, tuple(links), tuple(stages), output or last)
+        owners.update(dict.fromkeys(dyad.links, f'of dyad {dyad.name}'))
+    if GROUND not in links:
+        raise InvalidParameter('cylinder.base.link', frame, 'a machine with a cylinder on a link '
+                               'that moves has the ground among the links of a dyad')
+    layout = Layout(driver, tuple(links), tuple(stages), '')
+    moving = layout.moving
+    if output is not None and output not in moving:
+        raise InvalidParameter('output', output,
+                               f'there is no such link{nearest(output, moving)}')
+    layout = layout._replace(output=output or (driven if names == {CYLINDER} else moving[-1]))
     _require_single(layout)
     return layout
 
@@ -226,9 +243,11 @@ def _require_new(where: str, links: Sequence[str], owners: dict[str, str]) -> No
     if links[0] == links[1]:
         raise InvalidParameter(f'{where}.links', tuple(links), 'must be two names')
     for link in links:
+        if link == GROUND and not owners.get(GROUND, 'no frame'):
+            raise InvalidParameter(f'{where}.links', tuple(links), 'the ground is no link of a '
+                                   'dyad, unless cylinder.base is a point of a moving link')
         if link in owners:
-            owner = f'of dyad {owners[link]}' if owners[link] else 'of the driven link'
-            raise InvalidParameter(f'{where}.links', link, f'is the name {owner} already')
+            raise InvalidParameter(f'{where}.links', link, f'is the name {owners[link]} already')
 
 
 def _require_single(layout: Layout) -> None:

@@ -73,7 +73,8 @@ def names_of(layout: Layout) -> dict[str, Any]:
 
 def _links(layout: Layout) -> list[Link]:
     turning = layout.turning()
-    found = [Link(layout.driven, layout.driven, 'O1', turns=layout.driven in turning)]
+    found = [Link(layout.driven, layout.driven, BASE if layout.ground else 'O1',
+                  turns=layout.driven in turning)]
     for stage in layout.stages:
         joints = dict(stage.joints())
         first = {'RRR': ('first', 'second'), 'RRP': ('first', 'inner'),
@@ -82,6 +83,7 @@ def _links(layout: Layout) -> list[Link]:
         lengths = {RRR: ('length_1', 'length_2'), RRP: ('length_1', '')}.get(stage.kind, ('', ''))
         found += [Link(link, role, joints[place], length and f'{stage.name}.{length}',
                        turns=link in turning)
+                  if link != GROUND else Link(layout.links[0], 'frame', BASE)
                   for link, role, place, length in zip(stage.links, ROLES[stage.kind], first,
                                                        lengths)]
     return found
@@ -103,14 +105,19 @@ def _reactions(layout: Layout) -> list[Reaction]:
 def _joints(layout: Layout) -> list[Joint]:
     """Return all joints: pins with the angle of one link to the other, slides with their way."""
     moving = {name for name, _, _ in layout.pins()}
-    base = (travel(SLIDER_LINK) if layout.driven == SLIDER_LINK else coordinate(CRANK_LINK))
+    base = (travel(SLIDER_LINK) if layout.driven == SLIDER_LINK else
+            coordinate(BASE if BASE in moving else CRANK_LINK))
     found = [Joint(BASE, base)]
     for stage in layout.stages:
         slides = SLIDES[stage.kind]
         for place, name in stage.joints():
-            link = stage.links[slides.get(place, 0 if place == 'first' else 1)]
-            found.append(Joint(name, travel(link) if place in slides else
-                               coordinate(name if name in moving else link)))
+            if place in slides:
+                its = travel(stage.links[slides[place]])
+            else:       # of two links the one that is not the ground
+                ends = stage.ends(place)
+                link = layout.links[ends[ends[1] != layout.ground]]
+                its = coordinate(name if name in moving else link)
+            found.append(Joint(name, its))
     return found
 
 

@@ -14,6 +14,10 @@ The drive follows from virtual power with the velocities at unit rate of the inp
 
 the shaking force and moment about O1 from the links, -sum of f and -sum of m_X + X x f. Then the
 dyads are solved from the last to the first, each a statically determinate system solved by hand.
+Where the ground is a link of a dyad and the frame moves, the ground needs what holds all others,
+
+    (L3)  f, m of the ground = shaking force and moment
+
 A dyad adds its forces to the *needs* of the links on which it hangs: the force f = (f_x, f_y)
 and the moment m about its first joint that the joints of a link must add up to. The force D of a
 cylinder's drive acts along its rod, on the rod and back on the tube. Slides are free of friction:
@@ -68,7 +72,7 @@ from fourbar_ros.mechanisms.machine.describe.layout import (
     travel,
 )
 from fourbar_ros.mechanisms.machine.solve.pairs import Place, slides_of
-from fourbar_ros.mechanisms.points import Curve
+from fourbar_ros.mechanisms.points import Curve, FIXED
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 from fourbar_ros.numerics.vectors import Vector
 
@@ -97,7 +101,7 @@ def make_loads(n: NumberType, layout: Layout, numbers: Sequence[Numbers], bodies
                 for name, body in zip(layout.moving, bodies)]
     read, drive_and_shaking = make_reader(layout), make_drive_and_shaking(n)
     solve, base = make_backward(n, layout, numbers), make_base(n, layout)
-    is_crank = layout.driver == 'crank'
+    is_crank, ground = layout.driver == 'crank', layout.ground
 
     def loads(motion: tuple[Scalar, ...]) -> tuple[Scalar, ...]:
         curves, slides, sines, rate, acceleration = read(motion)
@@ -105,6 +109,9 @@ def make_loads(n: NumberType, layout: Layout, numbers: Sequence[Numbers], bodies
         needs = [needs_of_link(curve, square, rate, acceleration)
                  for needs_of_link, curve in zip(needs_of, curves)]
         drive, shaking = drive_and_shaking(curves, needs)
+        if ground:
+            curves[ground - 1] = FIXED
+            needs[ground - 1] = shaking[0], shaking[1], shaking[3]                      # (L3)
         forces = solve(curves, slides, sines, needs, drive)
         return (*base(needs[0], drive), *forces,
                 *((drive, 0.0) if is_crank else (0.0, drive)), *shaking)
@@ -144,7 +151,7 @@ def make_drive_and_shaking(n: NumberType) -> Function:
 
 
 def make_base(n: NumberType, layout: Layout) -> Function:
-    """Return (needs of the driven link, drive) -> fields of its joint with the ground."""
+    """Return (needs of the driven link, drive) -> fields of its joint with the frame."""
     hypot = n.hypot
     if layout.driver == 'slide':
         return lambda needs, drive: (drive, needs[1], hypot(drive, needs[1]), needs[1], needs[2])

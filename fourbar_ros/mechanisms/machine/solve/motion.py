@@ -37,7 +37,7 @@ from fourbar_ros.mechanisms.machine.describe.description import (
 )
 from fourbar_ros.mechanisms.machine.describe.layout import Layout, Stage
 from fourbar_ros.mechanisms.machine.solve.dyads import Direction, Driven
-from fourbar_ros.mechanisms.machine.solve.frames import Frames
+from fourbar_ros.mechanisms.machine.solve.frames import Frames, seen_from
 from fourbar_ros.mechanisms.machine.solve.pairs import make_moves, turned_by
 from fourbar_ros.mechanisms.points import Curve, FIXED
 from fourbar_ros.mechanisms.slide_dyad import make_triangle
@@ -122,10 +122,21 @@ def make_errors(n: NumberType, stage: Stage, own: Numbers) -> Function:
     return errors
 
 
+def make_errors_on_ground(n: NumberType, ground: int) -> Function:
+    """Return (errors in the frame, curves on the ground, a link) -> errors of that, a bound."""
+    fabs = n.fabs
+
+    def on_ground(errors: Sequence[Errors], curves: Sequence[Curve], link: int) -> Errors:
+        (place, turn), (x, y) = errors[ground], curves[link][:2]
+        at, turned = (0.0, 0.0) if link == ground else errors[link]
+        return place + at + (fabs(x) + fabs(y)) * turn, turn + turned
+    return on_ground
+
+
 def make_walk(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
               signs: Sequence[Scalar]) -> Walk:
     """
-    Return input -> curves of all links, the ground's first, and for each dyad its slides.
+    Return input -> curves of all links, the frame's first, and for each dyad its slides.
 
     Also (sine, cosine) of each, the errors of all links, and for each pin between moving links
     how the second is turned, seen from the first.
@@ -167,13 +178,18 @@ def make_motion(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
     walk = make_walk(n, layout, numbers, signs)
     atan2, transmission_angles = n.atan2, make_transmission_angles(n)
     is_crank = layout.driver == 'crank'
-    output = layout.links.index(layout.output)
+    output, ground = layout.moving.index(layout.output) + 1, layout.ground
     error_of_output = int(layout.output in layout.turning())
+    errors_on_ground = make_errors_on_ground(n, ground)
     starts_at_slide = layout.driver == 'slide'
     with_cylinder = layout.driver == CYLINDER
 
     def motion(position: Scalar, rate: Scalar, acceleration: Scalar) -> tuple[Scalar, ...]:
         curves, slides, transmissions, errors, pins = walk(position)
+        condition = errors[output][error_of_output]
+        if ground:
+            curves = seen_from(curves, ground)
+            condition = errors_on_ground(errors, curves, output)[error_of_output]
         square = rate * rate
         fields: list[Scalar] = []
         for curve in curves[1:]:
@@ -194,7 +210,7 @@ def make_motion(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
         for cosine, sine, turn, bend in pins:
             fields += (atan2(sine, cosine), turn * rate, turn * acceleration + bend * square)
         fields += transmission_angles(transmissions)
-        fields += (errors[output][error_of_output], rate, acceleration)
+        fields += (condition, rate, acceleration)
         for curve in curves[1:]:
             fields += curve
         fields += [sine for sine, _ in transmissions]

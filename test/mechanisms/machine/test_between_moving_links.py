@@ -1,0 +1,176 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+A cylinder between two moving links: the machine is solved from one, the ground is a dyad's link.
+
+test_against_cartesian compares the family of random machines with coordinates of all links.
+"""
+from dataclasses import replace
+from itertools import islice
+from math import pi, remainder
+import pickle
+
+from fourbar_ros import Body, InvalidParameter
+from fourbar_ros.machine import Cylinder, Dyad, Machine, Point
+from fourbar_ros.mechanics.bodies import Bodies
+from fourbar_ros.mechanisms.four_bar.moving_joint import MovingJointFourBar
+from fourbar_ros.scene import scene
+from fourbar_ros.scene.files import read_values
+import mpmath as mp
+import numpy as np
+import pytest
+from support.dyad_reference import loads_of, motion_of
+from support.machine_families import between_moving_links
+from support.power import power
+
+EPS = 2.0**-52
+A1, A2, A3, A4 = 0.4, 1.2, 0.8, 1.0
+BODIES = {'crank': Body(2.0, 0.15, 0.02, 0.1), 'coupler': Body(3.0, 0.6, 0.1, 0.5),
+          'output': Body(2.5, 0.5, -0.05, 0.3)}
+GRAVITY = (1.0, -9.81)
+
+
+def turned(body, length):
+    """Return the body of a rod as seen from its other end."""
+    return replace(body, cg_along=length - body.cg_along, cg_across=-body.cg_across)
+
+
+# Seen from the crank the coupler is the driven link, seen from the coupler the output link. The
+# x axis points from the ground's first joint on: from O1 to O4, at B from O4 to O1.
+def at_a(mode):
+    """Return the four-bar with a cylinder from the crank to the coupler."""
+    dyad = Dyad('loop', 'RRR', Point('crank', A2), Point('leg', A1), ('output', 'ground'),
+                length_1=A3, length_2=A4, mode=mode)
+    return Machine([dyad], 'cylinder', cylinder=Cylinder(Point('leg', 0.3), Point('crank', 0.5)),
+                   bodies={'leg': turned(BODIES['crank'], A1), 'crank': BODIES['coupler'],
+                           'output': turned(BODIES['output'], A3)}, gravity=GRAVITY)
+
+
+def at_b(mode):
+    """Return the four-bar with a cylinder from the coupler to the output link."""
+    dyad = Dyad('loop', 'RRR', Point('crank', A3), Point('leg', A2), ('ground', 'swing'),
+                length_1=A4, length_2=A1, mode=mode)
+    return Machine([dyad], 'cylinder', cylinder=Cylinder(Point('leg', 0.5), Point('crank', 0.3)),
+                   bodies={'leg': turned(BODIES['coupler'], A2),
+                           'crank': turned(BODIES['output'], A3),
+                           'swing': turned(BODIES['crank'], A1)},
+                   gravity=(-GRAVITY[0], -GRAVITY[1]))
+
+
+@pytest.mark.parametrize('mode', [1, 2])
+@pytest.mark.parametrize('joint, make, first', [('A', at_a, 'leg'), ('B', at_b, 'swing')])
+def test_it_pushes_as_a_motor_at_the_joint_turns(joint, make, first, mode):
+    """The cylinder has no mass, so its power is the motor's, and all other loads are the same."""
+    machine = make(mode)
+    motor = MovingJointFourBar(A1, A2, A3, A4, mode, joint, Bodies(*BODIES.values()), GRAVITY)
+    for low, high in machine.input_ranges:
+        for s in np.linspace(low, high, 9)[1:-1].tolist():
+            motion, loads = machine.step(s, 0.3, -0.2)
+            its, turning = motor.step(remainder(motion.theta_base - pi, 2.0 * pi),
+                                      motion.omega_base, motion.alpha_base)
+            slack = 1e3 * EPS * (motion.condition + its.condition)
+            assert getattr(motion, f'omega_{first}') == approx(its.omega1, slack)
+            assert getattr(motion, f'alpha_{first}') == approx(its.alpha1, slack)
+            assert loads.driving_force * 0.3 == approx(
+                turning.driving_torque * motion.omega_base, slack)
+            assert loads.shaking_force == approx(turning.shaking_force, slack)
+
+
+def approx(value, slack):
+    return pytest.approx(value, rel=slack, abs=slack)
+
+
+@pytest.mark.parametrize('seed, near', [(7, False), (8, True)])
+def test_beside_forty_digits(seed, near):
+    """Pose by complex numbers, loads by one dense system of Newton and Euler for all links."""
+    for machine, given, _ in islice(between_moving_links(seed, near), 6):
+        motion, loads = machine.step(*given)
+        with mp.workdps(40):
+            found = motion_of(machine, given)[0] | loads_of(machine, given)
+            slack = 2000.0 * EPS * max(1.0, motion.condition)**(3 if near else 1)
+            for name, truth in found.items():
+                of = motion if hasattr(motion, name) else loads
+                ours = (mp.mpc(getattr(of, f'{name}_x'), getattr(of, f'{name}_y'))
+                        if isinstance(truth, mp.mpc) else mp.mpf(getattr(of, name)))
+                error = mp.expj(ours - truth) - 1 if name.startswith('theta') else ours - truth
+                assert abs(error) <= slack * (1.0 + abs(truth)), name
+
+
+def test_power_of_the_cylinder_is_that_of_all_links():
+    for machine, given, _ in islice(between_moving_links(9), 6):
+        taken, size = power(machine, *given)
+        force = machine.step(*given)[1].driving_force
+        assert abs(force * given[1] - taken) <= 1e3 * EPS * size
+
+
+# --- the shipped lift table ----------------------------------------------------------------------
+
+def lift():
+    return scene.from_values(read_values('lift_table')).linkage
+
+
+def height(s):
+    """Return the height of the table by the law of cosines, at the length s of the cylinder."""
+    base, pin = mp.mpc('0.45', '0.06'), mp.mpc('0.4', '-0.06')      # of an arm, from the middle
+    cosine = (abs(base)**2 + abs(pin)**2 - s * s) / (2 * abs(base) * abs(pin))
+    # from base to pin: twice the angle of an arm to the floor, and what both lie beside the arms
+    return mp.mpf('1.2') * mp.sin((mp.acos(cosine) - mp.arg(base) + mp.arg(pin)) / 2)
+
+
+def test_a_lift_table_rises_as_the_triangle_of_its_cylinder():
+    machine = lift()
+    for s in np.linspace(*machine.input_ranges[0], 7).tolist():
+        motion = machine.motion(s, 1.0)
+        with mp.workdps(40):
+            truth, rate = height(mp.mpf(s)), mp.diff(height, mp.mpf(s))
+        assert motion.y_table == pytest.approx(float(truth), rel=100 * EPS)
+        assert motion.dy_table == pytest.approx(float(rate), rel=1000 * EPS)
+        assert motion.theta_table == pytest.approx(0.0, abs=100 * EPS)
+
+
+def test_the_force_of_a_lift_does_not_depend_on_where_the_load_stands():
+    machine = replace(lift(), bodies={'table': Body(0.0)}, gravity=(0.0, 0.0))
+    loads = []
+    for along in (0.1, 0.5, 0.9):
+        load = replace(machine.external.table, along=along)
+        loads.append(replace(machine, external={'table': load}).step(0.6, 0.05)[1])
+    with mp.workdps(40):
+        expected = float(5000 * mp.diff(height, mp.mpf(0.6)))
+    for its in loads:
+        assert its.driving_force == pytest.approx(expected, rel=1000 * EPS)
+        assert its.shaking_force_y == pytest.approx(-5000.0, rel=100 * EPS)
+    assert loads[0].top_first < loads[1].top_first < loads[2].top_first
+
+
+def test_it_is_pickled_and_takes_other_lengths():
+    machine = lift()
+    for other in (pickle.loads(pickle.dumps(machine)), machine.with_lengths(machine.lengths)):
+        assert other.step(0.6, 0.05) == machine.step(0.6, 0.05)
+
+
+# --- what cannot be ------------------------------------------------------------------------------
+
+def four_bar(base='leg', pin='crank', links=('output', 'ground'), own=('rod', 'tube')):
+    dyad = Dyad('loop', 'RRR', Point('crank', A2), Point(base, A1), links, length_1=A3,
+                length_2=A4)
+    return Machine([dyad], 'cylinder', cylinder=Cylinder(Point(base, 0.3), Point(pin, 0.5), own))
+
+
+@pytest.mark.parametrize('given, why', [
+    ({'pin': 'output'}, 'cylinder.pin = .*no pin joins .* Assur group of a higher class'),
+    ({'base': 'crank'}, 'cylinder.base = .*point of the ground, or of a moving link'),
+    ({'base': 'rod'}, 'cylinder.base = .*point of the ground, or of a moving link'),
+    ({'base': 'a b'}, 'cylinder.base.link = .*letters'),
+    ({'links': ('output', 'swing')}, 'cylinder.base.link = .leg.*ground among the links'),
+    ({'links': ('leg', 'ground')}, 'dyads.loop.links = .leg.: is the name of the link at the'),
+    ({'base': 'ground'}, 'dyads.loop.links.*unless cylinder.base'),
+])
+def test_mistakes_are_refused_by_name(given, why):
+    assert four_bar().input_ranges
+    with pytest.raises(InvalidParameter, match=why):
+        four_bar(**given)
+
+
+def test_a_scene_with_a_cylinder_from_crank_to_output_is_refused_with_the_reason():
+    with pytest.raises(InvalidParameter, match='cylinder.pin.*Assur group of a higher class'):
+        scene.from_values({**read_values('lift_table'), 'cylinder.pin.link': 'table'})
