@@ -93,7 +93,7 @@ class Client:
         return self._services[name]
 
     def introduce(self, service: rclpy.client.Client, service_name: str) -> None:
-        """Do what is needed before the first request to a service; nothing here."""
+        """Prepare the first request to a service: for subclasses, nothing here."""
 
     def result_of(self, future: Future, name: str, patience: float | None = None) -> Any:
         """Return the result of a future, once it is there."""

@@ -34,7 +34,7 @@ class _Cause:
 
 class QuietLog:
     """
-    Logs the first line of a cause at once; of those in the next ``interval`` [s], the newest only.
+    Logs the first line of a cause at once, then only the newest line of each ``interval`` [s].
 
     A stream of 1000 bad inputs a second would flood the log. The line held back says how often it
     came; :meth:`flush` writes it when the interval is over.
