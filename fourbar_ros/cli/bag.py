@@ -199,8 +199,8 @@ def _add_recompute(actions: Verbs) -> None:
                            help='accept differences that rounding explains (exit code 0)')
     add_node(recompute)
     recompute.add_argument('--with', dest='by', metavar='DIR',
-                           help='compute motion and loads with the C code of this folder, as '
-                                'fourbar generate wrote it')
+                           help='compute motion, loads and steps with the C code of this folder, '
+                                'as fourbar generate wrote it')
     recompute.set_defaults(run=_recompute)
 
 
@@ -217,7 +217,8 @@ def _recompute(arguments: Namespace) -> int:
     work = partial(compare, node=arguments.node)
     if arguments.by:
         from fourbar_ros.generated import Compiled
-        work = partial(work, by=Compiled(arguments.by).evaluate)
+        code = Compiled(arguments.by)
+        work = partial(work, by=code.evaluate, moved_by=code.mover)
 
     def problems(result: Recomputed) -> list[str]:
         return result.problems(tolerance, accept_rounding)
