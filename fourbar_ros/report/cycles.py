@@ -99,7 +99,11 @@ def make_cycle_figure(what: str, mechanism: Mechanism, rate: float, acceleration
 
 def _curves(what: str, mechanism: Mechanism, rates: tuple[float, float],
             points: Points) -> tuple[dict[str, list[Array]], str]:
-    """Return ({name: curves of shape (n, 2)}, unit)."""
+    """
+    Return ({name: its curves}, unit) for :func:`make_cycle_figure`.
+
+    A curve has shape (n, 2), x and y; there is one for each range of the input.
+    """
     if what == 'forces':
         if mechanism.bodies is None:
             raise CannotDraw('forces need masses: see bodies.* in docs/reference.md')

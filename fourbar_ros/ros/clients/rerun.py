@@ -220,10 +220,10 @@ class _Live(Client):
 
     def _introduce(self) -> None:
         """
-        Send the first motion again until all its answers have come.
+        Send the first motion again and again until all its answers have come.
 
-        A node that has not matched our publisher yet drops what we send, and so do we with its
-        answers before we have matched theirs; neither can be seen from here.
+        Until the node has matched our publisher, and we its, motions or answers are lost; neither
+        side can see whether the other has.
         """
         motion, self._unanswered = self._unanswered, b''
         if not motion:

@@ -61,6 +61,7 @@ class QuietLog:
                     self._log(cause)
 
     def _note(self, name: Hashable, text: str, is_warning: bool) -> None:
+        """Count a line of a cause; log it if the interval since the last one is over."""
         with self._lock:
             cause = self._causes.pop(name, None) or _Cause(-self._interval)
             self._causes[name] = cause

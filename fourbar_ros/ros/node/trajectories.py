@@ -350,17 +350,17 @@ def _point(lengths: Sequence[int], begin: int) -> np.dtype[np.void]:
     ``lengths``: numbers of values of its FIELDS. Each array is a count of 4 bytes, padding to 8,
     and doubles; behind them stands the time from start.
     """
-    names, formats, offsets, at = [], [], [], begin
+    names, formats, offsets, end = [], [], [], begin
     for name, length in zip(FIELDS, lengths):
         names += [f'{name} length', name]
-        at += 4
-        numbers = at + (-at % 8 if length else 0)
         formats += ['<u4', ('<f8', (length,))]
-        offsets += [at - 4 - begin, numbers - begin]
-        at = numbers + 8 * length
+        values = end + 4
+        values += -values % 8 if length else 0
+        offsets += [end - begin, values - begin]
+        end = values + 8 * length
     return np.dtype({'names': [*names, 'sec', 'nanosec'], 'formats': [*formats, '<i4', '<u4'],
-                     'offsets': [*offsets, at - begin, at + 4 - begin],
-                     'itemsize': at + 8 - begin})
+                     'offsets': [*offsets, end - begin, end + 4 - begin],
+                     'itemsize': end + 8 - begin})
 
 
 ROUNDED = 1e-6         # [rad] by which a sender's pi in single precision may be larger
