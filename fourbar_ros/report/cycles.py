@@ -54,7 +54,7 @@ def usual_points(mechanism: Mechanism, points: Points) -> Points:
 
 def ground_forces(mechanism: Mechanism) -> dict[str, str]:
     """Return {field of the loads: symbol as text} of the forces at the joints of the ground."""
-    low, high = mechanism.input_ranges[0]
+    low, high = mechanism.input_ranges[0]        # any pose will do: the joints are the same
     diagram = mechanism.diagram(mechanism.motion(0.5 * (low + high), 1.0))
     symbols = labels_of(diagram).forces
     return {name: re.sub('[_{}]', '', symbols[name]) for name, joint in diagram.forces.items()
