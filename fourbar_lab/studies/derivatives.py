@@ -208,7 +208,11 @@ class _MeasureDerivatives:
                 }.get(part, self._unknown)
 
     def _of_extremum(self, extremum: Extremum) -> tuple[Array, Array]:
-        """Return the derivatives of the value and of the place of an extremum."""
+        """
+        Return the derivatives of the value and of the place of an extremum.
+
+        Inside the range by (S1), (S2); at an end of a stroke, which does not move, of the value.
+        """
         name, x = extremum.quantity, extremum.input
         if not isfinite(extremum.value):
             return self._unknown, self._unknown

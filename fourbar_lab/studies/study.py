@@ -269,7 +269,7 @@ def _bound(entry: str, measure: Measure, value: Yaml, scene: Scene) -> Bound:
     low, high = measure.limits
     if least > high or most < low:
         raise InvalidParameter(entry, value, f'no design can fulfil it: {measure.name} lies in '
-                                           f'[{low:g}, {high:.6g}] {measure.unit}'.rstrip())
+                                             f'[{low:g}, {high:.6g}] {measure.unit}'.rstrip())
     return Bound(measure, least, most)
 
 
@@ -302,14 +302,14 @@ def _known_types(scene: Scene) -> list[str]:
 
 def _objectives(value: Yaml, measures: Measures) -> tuple[Objective, ...]:
     """Return the objectives of a mapping {measure: minimize or maximize}."""
-    found = []
+    objectives = []
     for name, sense in mapping_of('objectives', value,
                                   'a mapping, as {shaking_force.max: minimize}').items():
         measure = measures.one('objectives', str(name))
         if measure.part == CLASS:
             raise InvalidParameter('objectives', name, 'is text and cannot be minimized')
-        found.append(Objective(measure, choice_of(f'objectives.{name}', sense, SENSES)))
-    return tuple(found)
+        objectives.append(Objective(measure, choice_of(f'objectives.{name}', sense, SENSES)))
+    return tuple(objectives)
 
 
 def _curves(value: Yaml, scene: Scene) -> tuple[Curve, ...]:
