@@ -99,7 +99,7 @@ def _drawn(study: Study, workers: int | None) -> tuple[dict[str, Summary], float
 
 
 def _bounds_row(one: Toleranced, drawn: dict[str, Summary]) -> tuple[str, ...]:
-    """Return the row of a measure: (least, greatest) by each way, and percentiles as drawn."""
+    """Return a row: a measure in the middle, (least, greatest) by each way, drawn percentiles."""
     measure, value, _ = one.sensitivity
     summary = drawn[measure.name]
     assert not isinstance(value, str)           # tolerances() leaves the class out

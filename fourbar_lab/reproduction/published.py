@@ -81,7 +81,11 @@ def example_7_3() -> dict[str, float]:
 
 
 def example_7_4() -> dict[str, float]:
-    """Take the rod at 45 deg, 50 rad/s ccw, the slider 0.5 m out and moving outwards at 30 m/s."""
+    """
+    Return the acceleration of a slider on a turning rod [m/s^2], its parts and direction [deg].
+
+    The rod is at 45 deg, at 50 rad/s ccw, the slider 0.5 m out and moving outwards at 30 m/s.
+    """
     out = np.array([np.cos(pi / 4.0), np.sin(pi / 4.0)])
     terms = acceleration_terms((0.0, 0.0), 50.0, 0.0, 0.5 * out, 30.0 * out)
     total = np.sum(terms, axis=0)

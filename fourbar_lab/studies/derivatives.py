@@ -175,7 +175,7 @@ class _MeasureDerivatives:
         self._names, self._source = derivatives.names, Measures(derivatives.scene).source
         self._unknown = np.full(len(derivatives.names), nan)
         self._moves: dict[tuple[str, float], tuple[Array, Array]] = {}
-        linkage = design.linkage
+        linkage = design.linkage                # a full turn or a stroke depends on no parameter
         self._input_is_fixed = bool(linkage.turns_fully
                                     or linkage.input_ranges == (linkage.stroke,))
 
