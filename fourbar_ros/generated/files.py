@@ -110,9 +110,9 @@ def wrapper(model: Model) -> str:
     """Return the C++ header around a generated C header."""
     torque = 'double torque' * (model.scene.drive.source == TORQUE.name)
     drive = snippet('drive.hpp') if model.moves_by_torque else ''
-    for word, meaning in (('FIRST', torque), (' ARGUMENT', torque and f', {torque}'),
-                          (' PASSED', ', torque' if torque else '')):
-        drive = drive.replace(word, meaning)
+    for place, meaning in (('FIRST', torque), (' ARGUMENT', torque and f', {torque}'),
+                           (' PASSED', ', torque' if torque else '')):
+        drive = drive.replace(place, meaning)
     text = snippet('wrapper.hpp').replace('DRIVE\n', drive).replace('NAME', model.name).replace(
         'GUARD', f'FOURBAR_{model.name.upper()}_HPP')
     if not model.loads:
