@@ -9,7 +9,7 @@ from math import isfinite
 import tempfile
 from typing import TYPE_CHECKING
 
-from fourbar_lab.cli.progress import shown
+from fourbar_lab.cli.progress import progress_shown
 from fourbar_ros.cli.common import HelpFormatter, Verbs
 from fourbar_ros.scene.arguments import positive_integer
 
@@ -89,7 +89,7 @@ def _drawn(study: Study, workers: int | None) -> tuple[dict[str, Summary], float
         folder, executor = Folder(f'{path}/drawn'), Local(workers)
         folder.begin(study, False)
         try:
-            with shown() as report:
+            with progress_shown() as report:
                 run(study, folder, executor, report)
         finally:
             executor.close()

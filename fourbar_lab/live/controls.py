@@ -180,8 +180,9 @@ def _choice(parameter: Parameter, shown: Shown, change: Change) -> Show:
     value = current = shown.scene.values[name]
 
     def take(event: ValueChangeEventArguments[int]) -> Answer:
+        """Take a mode from the user, unless it is what show() has just set."""
         nonlocal current
-        if event.value == current:          # set by show(), not by the user
+        if event.value == current:
             return None
         current = event.value
         return change(name, current)

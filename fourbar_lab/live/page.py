@@ -65,6 +65,7 @@ class Page:
 
     def __init__(self, title: str, values: ParameterValues, query: dict[str, str],
                  playback: Callable[[Shown], Playback] | None = None):
+        """Take the state from the query; of a bad one, say so and show the scene as it is."""
         link, self.problem = Link(title, values, values, None, 0.0), ''
         try:
             link = read(query, title, values)
@@ -82,7 +83,8 @@ class Page:
         self.handle: Handle | None = None
         self.pose: Pose | None = None
         self.refusal = self.no_pose = ''         # why there is no mechanism, why it has no pose
-        self.last, self.frames, self.is_behind = time.monotonic(), 0, False
+        self.last, self.frames = time.monotonic(), 0        # of the playback: time, number of it
+        self.is_behind = False                              # the browser, with its frames
 
     def build(self) -> None:
         """Build the elements of the page and fill them."""

@@ -128,6 +128,7 @@ class CyclePlayback(Playback):
             at if self.shown.linkage.is_driven_by_slide else radians(at))
 
     def advance(self, seconds: float) -> None:
+        """Move on by a time: round, in the sense of the rate, or back and forth between limits."""
         assert self.pace is not None            # a node has none, and moves by itself
         low, high = self.shown.range_of(self.position)
         way = seconds / self.pace.value * (high - low)      # of a cycle: a turn, or there and back
@@ -272,11 +273,11 @@ class NodePlayback(CyclePlayback):
         """Do nothing: the node decides."""
 
     def advance(self, seconds: float) -> None:
-        """Take the latest motion."""
-        found = self.latest()
-        if found is not None and found is not self._last:
-            self._last, self._heard = found, monotonic()
-            self._state = State(*found)
+        """Take the latest motion of the node; its largest rate so far scales the pictures."""
+        motion = self.latest()
+        if motion is not None and motion is not self._last:
+            self._last, self._heard = motion, monotonic()
+            self._state = State(*motion)
             if abs(self._state.rate) <= FASTEST:
                 self.speed = max(self.speed or 0.0, self._state.rate, key=abs)
             if isfinite(self._state.position):

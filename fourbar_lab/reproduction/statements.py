@@ -32,15 +32,16 @@ FOUR_EXTREMA = (1, 2, 2, 2)                 # a crank-rocker whose alpha4 has fo
 
 def contact() -> dict[str, float]:
     """
-    Return the symbols of Eqs. (12)-(15) of the slides.
+    Return the symbols of the slides' Eqs. (12)-(15), on accelerations of links in contact.
 
-    (12): crank 2, coupler 3 of Example 7.6. (13)-(15): the rolling disc, ``p2`` the acceleration
-    of its contact from the cycloid r (phi - sin phi, 1 - cos phi), phi clockwise, at phi = 0.
+    (12): angular ones of crank 2 and coupler 3 of Example 7.6. (13)-(15): a disc that rolls;
+    ``c`` is its centre, ``rolling`` its contact, ``p2`` the same acceleration from the cycloid
+    r (phi - sin phi, 1 - cos phi), phi clockwise, at phi = 0, and ``p1`` that of the ground.
     """
     m = published.EXAMPLE_7_6.motion(*published.GIVEN_7_6)
     radius, w, al = DISC.values()
-    found = rolling_contact(w, al, radius, (0.0, 1.0))
-    (c_x, c_y), (rolling_x, rolling_y) = found.centre_acceleration, found.contact_acceleration
+    disc = rolling_contact(w, al, radius, (0.0, 1.0))
+    (c_x, c_y), (rolling_x, rolling_y) = disc.centre_acceleration, disc.contact_acceleration
     return {**DISC, 'al2': m.alpha1, 'al3': m.alpha_beta, 'apparent': m.alpha2, 'p1_y': 0.0,
             'p2_x': 0.0, 'p2_y': radius * w**2, 'c_x': float(c_x), 'c_y': float(c_y),
             'rolling_x': float(rolling_x), 'rolling_y': float(rolling_y)}

@@ -177,7 +177,7 @@ class Folder:
             os.close(held)
 
     def manifest(self) -> Manifest:
-        """Return the manifest; StudyError if there is none that can be read."""
+        """Return the manifest, of early versions too; StudyError if none can be read."""
         name = OLD_MANIFEST if (self.path / OLD_MANIFEST).exists() else MANIFEST
         try:
             manifest = (_about(self.path / name) if name == MANIFEST else

@@ -82,7 +82,7 @@ class Results:
         """Return columns: every row, or evenly spread ones of more than :data:`SHOWN`."""
         step = -(-max(self.kept, 1) // SHOWN)
         parts, before = [], 0               # rows of the parts before this one
-        for block in self.blocks(names):
+        for block in self.blocks(names):    # from the next multiple of step on
             parts.append({name: column[-before % step::step] for name, column in block.items()})
             before += len(block[names[0]])
         return {name: np.concatenate([part[name] for part in parts]) for name in names}

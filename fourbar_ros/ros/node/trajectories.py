@@ -314,7 +314,7 @@ def _begin(data: bytes) -> tuple[int, int]:
 
 
 def _after_text(data: bytes, at: int) -> int:
-    """Return the offset behind a string at (the next multiple of 4 from) an offset."""
+    """Return the offset behind a CDR string: padding to 4, its length in 4 bytes, its bytes."""
     at += -at % 4
     return int(at + 4 + unpack_from('<I', data, at)[0])
 
@@ -433,7 +433,7 @@ def _may_be_wrapped(positions: Array) -> bool:
 
 
 @np.errstate(over='ignore', invalid='ignore')
-def _steps(given: Samples, delay: float = 0.0) -> tuple[Array, Array, Array]:
+def _steps(samples: Samples, delay: float = 0.0) -> tuple[Array, Array, Array]:
     """
     Return arrays (n - 1,) of the steps between samples: turns lacking, is a wrap, way [rad].
 
@@ -441,13 +441,13 @@ def _steps(given: Samples, delay: float = 0.0) -> tuple[Array, Array, Array]:
     their signs differ. A step of -6.1 rad on a way of 0.2 lacks one turn. ``delay`` [s]: the
     times of the samples may differ so much from the true ones.
     """
-    rates = given.rates
+    rates = samples.rates
     speed = 0.5 * rates[1:] + 0.5 * rates[:-1]
-    way = np.diff(given.times) * speed
+    way = np.diff(samples.times) * speed
     sense = np.where(np.sign(rates[1:]) == np.sign(rates[:-1]), np.sign(speed), 0.0)
     sense[~np.isfinite(way)] = 0.0
     way[sense == 0.0] = 0.0
-    step = np.diff(given.positions)
+    step = np.diff(samples.positions)
     turns = np.round((way - step) / tau)
     turns[turns * sense <= 0.0] = 0.0            # a wrap takes turns off in the sense of motion
     whole = step + tau * turns
@@ -457,10 +457,10 @@ def _steps(given: Samples, delay: float = 0.0) -> tuple[Array, Array, Array]:
     return turns, is_wrap, way
 
 
-def _why_not(given: Samples, i: int, way: float) -> str:
+def _why_not(samples: Samples, i: int, way: float) -> str:
     """Return the message that the step from sample i to i + 1 contradicts its speeds."""
-    (start, end), (speed, next_speed) = (values[i:i + 2] for values in given[1:])
+    (start, end), (speed, next_speed) = (values[i:i + 2] for values in samples[1:])
     return (f'sample {i + 1}: from {start:.8g} to {end:.8g} rad in '
-            f'{given.times[i + 1] - given.times[i]:.8g} s, at {speed:.8g} and '
+            f'{samples.times[i + 1] - samples.times[i]:.8g} s, at {speed:.8g} and '
             f'{next_speed:.8g} rad/s, which is about {way:.3g} rad: count turns in the positions, '
             'or send points closer together')

@@ -3,9 +3,11 @@
 """
 Motion of a machine: its driven link, then dyad by dyad.
 
-O1 = (0, 0). The driven link is a crank O1, a slider on the x axis, or a crank that is turned by a
-cylinder of length s between a point Q of the ground and a point of the crank, rho from O1. With b
-= |Q| and psi the angle of that point as seen from O1, from Q on:
+O1 = (0, 0) of the frame: the ground, or the link at the base of a cylinder between two moving
+links, and then all is turned at the end to where the ground sees it. The driven link is a crank
+O1, a slider on the x axis, or a crank that is turned by a cylinder of length s between a point Q
+of the frame and a point of the crank, rho from O1. With b = |Q| and psi the angle of that point as
+seen from O1, from Q on:
 
     (C1)  psi = pi + theta2,   psi' = theta2',   psi'' = theta2''   of the cylinder's triangle,
           (T1) to (T8) of :mod:`fourbar_ros.mechanisms.slide_dyad`, with b and rho for its sides
