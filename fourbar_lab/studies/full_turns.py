@@ -68,7 +68,7 @@ def search_turns(evaluate: Evaluate, mechanisms: int, count: int, is_angle: Arra
     """
     Return the extrema of q quantities of n mechanisms whose cranks turn fully.
 
-    Samples of a turn, ``count`` of them, give slopes; their sign changes bracket the extrema, which
+    Samples of a turn, ``count`` of them, give slopes; sign changes of these bracket extrema, which
     are then refined. ``is_angle``, shape (q,): which quantities may jump by 2 pi.
     """
     spacing = 2.0 * pi / count
