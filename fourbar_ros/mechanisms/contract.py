@@ -191,7 +191,11 @@ class Contract(ABC):
 
     @abstractmethod
     def transmission_sine(self, motion: NamedFields) -> Scalar:
-        """Return a number of at most one in size that is zero where the dyad is in line."""
+        """
+        Return a number of at most one in size that is zero where the dyad is in line.
+
+        Errors of rates and loads grow as one over it: the search for extrema bounds noise by it.
+        """
 
     # --- its pictures ----------------------------------------------------------------------------
 

@@ -290,7 +290,7 @@ class FourBar(FourBarLinks):
         return tuple(SeenFromOutput(mirrored.in_mode(mode), self.a1) for mode in self.MODES)
 
     def transmission_sine(self, motion: NamedFields) -> Scalar:
-        """Return a number that is zero where the dyad is in line, at most one: sin(mu)."""
+        """Return sin(mu), zero at toggles: errors of rates and loads grow as 1/sin(mu)."""
         found: Scalar = motion.sin_mu
         return found
 

@@ -69,13 +69,12 @@ class SlideEquation(NamedTuple):
         return found
 
     def second_ratio(self, ti: Values, tj: Values) -> Array:
-        """Return d^2 tj / d ti^2 at a pose."""
+        """Return d^2 tj / d ti^2 at a pose: the second derivative of u^T M w = 0 by ti."""
         (u, du, ddu), (w, dw, ddw) = (_basis(t, its) for t, its in zip((ti, tj), self.is_slide))
+        ratio = self.ratio(ti, tj)
         with np.errstate(divide='ignore', invalid='ignore'):
-            ratio = -self._form(du, w) / self._form(u, dw)
-            found: Array = -(self._form(ddu, w) + ratio * (2.0 * self._form(du, dw)
-                                                           + ratio * self._form(u, ddw))
-                             ) / self._form(u, dw)
+            bend = ratio * (2.0 * self._form(du, dw) + ratio * self._form(u, ddw))
+            found: Array = -(self._form(ddu, w) + bend) / self._form(u, dw)
         return found
 
     def solve(self, ti: Values) -> tuple[Array, Array]:

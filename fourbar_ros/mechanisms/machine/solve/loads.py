@@ -84,7 +84,7 @@ def make_needs(body: Body, gravity: tuple[Scalar, Scalar], applied: Applied) -> 
 
     def needs(curve: Sequence[Scalar], square: Scalar, rate: Scalar,
               acceleration: Scalar) -> Needs:
-        """Return the force and the moment about its first joint that a link must get."""
+        """Return force [N] and moment about its first joint [N m] that joints must give a link."""
         _, _, dx, dy, ddx, ddy, cosine, sine, turn, bend = curve
         a = Vector(dx * acceleration + ddx * square, dy * acceleration + ddy * square)
         alpha, omega = turn * acceleration + bend * square, turn * rate
