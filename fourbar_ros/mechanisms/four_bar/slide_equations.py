@@ -35,23 +35,12 @@ import numpy as np
 
 
 class SlideEquation(NamedTuple):
-    """
-    One equation between the variables of joints i and j: angles [rad], slides [m].
-
-    Parameters
-    ----------
-    i, j : int
-    is_slide : tuple of 2 bool
-        Whether they are those of slides.
-    matrix : ndarray, shape (3, 3)
-        M of (S2) [m^2], [m] where a slide's variable drops out.
-
-    """
+    """One equation between the variables of joints i and j: angles [rad], slides [m]."""
 
     i: int
     j: int
-    is_slide: tuple[bool, bool]
-    matrix: Array
+    is_slide: tuple[bool, bool]     # whether i, j slide
+    matrix: Array       # (3, 3), M of (S2) [m^2], [m] where a slide's variable drops out
 
     def position(self, vi: Values, vj: Values) -> Array:
         """Return :meth:`residual` times 1 + v^2 of each v = tan(theta/2), as in Eqs. (16)-(21)."""

@@ -35,46 +35,22 @@ BASE = 'base'
 
 
 class Pair(NamedTuple):
-    """
-    That the two links on which a dyad hangs are joined to each other, see :mod:`.pairs`.
+    """That the two links on which a dyad hangs are joined to each other, see :mod:`.pairs`."""
 
-    Parameters
-    ----------
-    frame : int
-        The one of them from which the motion of the dyad is seen.
-    slides : bool
-        Whether a slide joins them; else a pin.
-
-    """
-
-    frame: int
-    slides: bool
+    frame: int          # number of the one of them from which the motion of the dyad is seen
+    slides: bool        # whether a slide joins them, else a pin
 
 
 class Stage(NamedTuple):
-    """
-    One dyad in the structure of a machine.
-
-    Parameters
-    ----------
-    name, kind : str
-    first, second : int
-        Numbers of the links on which it hangs; 0: the frame, 1: the driven link.
-    links : tuple of 2 str
-        Names of its own; the first is number ``number``, the second the next.
-    number : int
-    pair : Pair, optional
-        Of a dyad between links that are joined to each other.
-
-    """
+    """One dyad in the structure of a machine; of links 0 is the frame, 1 the driven one."""
 
     name: str
     kind: str
-    first: int
-    second: int
-    links: tuple[str, str]
-    number: int
-    pair: Pair | None = None
+    first: int                  # number of the link of its point ``first``
+    second: int                 # ... ``second``
+    links: tuple[str, str]      # names of its own links
+    number: int                 # of the first of them; the second is the next
+    pair: Pair | None = None    # of a dyad between links that are joined to each other
 
     @property
     def turns_first(self) -> bool:
