@@ -93,22 +93,10 @@ class Closings(NamedTuple):
 def find_ranges(layout: Layout, numbers: Sequence[Numbers], signs: Sequence[float],
                 bounds: tuple[float, float], unit: float) -> Closings:
     """
-    Return where all dyads of a layout close.
+    Return where all dyads of a layout close; InvalidParameter if floats cannot tell.
 
-    Parameters
-    ----------
-    layout, numbers, signs
-        As for :func:`.motion.make_motion`.
-    bounds : tuple of 2 floats
-        For a driven slide: where to search [m].
-    unit : float
-        In which inputs are about one [rad or m].
-
-    Raises
-    ------
-    InvalidParameter
-        The closing of a dyad changes so much that its ranges cannot be told.
-
+    ``layout``, ``numbers``, ``signs``: as for :func:`.motion.make_motion`; ``bounds``: where to
+    search the input of a driven slide [m]; ``unit``: in which inputs are about one [rad or m].
     """
     search = _Search(layout, numbers, signs, unit)
     if layout.driver == 'crank':

@@ -81,25 +81,14 @@ class Layout(NamedTuple):
     """
     The structure of a machine.
 
-    Parameters
-    ----------
-    driver : str
-        'crank', 'slide' or 'cylinder'.
-    links : tuple of str
-        Names of all links: first the frame from which all is solved, which is the ground, or the
-        link at the base of a cylinder between two moving links; then the driven one.
-    stages : tuple of Stage
-        In order; with a cylinder its own first.
-    output : str
-        Name of the link that the machine is used for: by default the last, or, with no dyad but
-        the cylinder's own, the crank.
-
+    The first of its ``links`` is the frame from which all is solved: the ground, or the link at
+    the base of a cylinder between two moving links. The second is the driven one.
     """
 
-    driver: str
-    links: tuple[str, ...]
-    stages: tuple[Stage, ...]
-    output: str
+    driver: str                     # 'crank', 'slide' or 'cylinder'
+    links: tuple[str, ...]          # names of all links
+    stages: tuple[Stage, ...]       # in order; with a cylinder its own first
+    output: str                     # name of the link that the machine is used for
 
     @property
     def moving(self) -> tuple[str, ...]:

@@ -184,12 +184,7 @@ def make_motion(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
     """
     Return the function (position, rate, acceleration) -> fields of :func:`.layout.motion_fields`.
 
-    Parameters
-    ----------
-    n, layout
-    numbers, signs : sequence
-        For each stage its numbers (:func:`.pairs.shaped`), and its assembly mode as +-1.
-
+    ``numbers``, ``signs``: of each stage (:func:`.pairs.shaped`), and its assembly mode as +-1.
     """
     walk = make_walk(n, layout, numbers, signs)
     atan2, transmission_angles = n.atan2, make_transmission_angles(n)
