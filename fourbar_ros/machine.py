@@ -24,6 +24,15 @@ minimum -2.899616 rad/s at 0.748834 rad
 maximum 9.252828 rad/s at 2.469690 rad
 minimum -14.125835 rad/s at 5.548036 rad
 
+A four-bar with a cylinder from its crank, here 'arm', to its coupler, here 'crank', seen from A:
+
+>>> loop = Dyad('loop', 'RRR', Point('crank', 1.2), Point('arm', 0.4), ('output', 'ground'),
+...             length_1=0.8, length_2=1.0)
+>>> pushed = Machine([loop], 'cylinder', cylinder=Cylinder(Point('arm', 0.3), Point('crank', 0.5)))
+>>> motion = pushed.motion(0.5, 0.1)                # length [m] and rate [m/s] of the cylinder
+>>> round(motion.omega_arm, 6), round(motion.omega_output, 6)
+(-0.419302, -0.20434)
+
 """
 from __future__ import annotations
 

@@ -16,8 +16,8 @@ EVERY = 30.0        # [s] between two lines about progress where there is no ter
 
 
 @contextmanager
-def shown() -> Iterator[Callable[[Progress], None]]:
-    """Give the function to report the progress of a run to; the bar goes with the context."""
+def progress_shown() -> Iterator[Callable[[Progress], None]]:
+    """Give the function that a run reports its progress to; the bar ends with the context."""
     from rich.console import Console
     from rich.progress import BarColumn, TextColumn
     from rich.progress import Progress as Bar
@@ -29,6 +29,7 @@ def shown() -> Iterator[Callable[[Progress], None]]:
         last = time.monotonic()          # when a line was printed
 
         def report(progress: Progress) -> None:
+            """Move the bar; where there is no terminal, print a line now and then."""
             nonlocal last
             line = in_words(progress)
             bar.update(task, total=progress.total, completed=progress.done, text=line)

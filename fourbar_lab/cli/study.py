@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import sys
 
 from fourbar_lab.cli import tolerances
-from fourbar_lab.cli.progress import shown
+from fourbar_lab.cli.progress import progress_shown
 from fourbar_ros.cli.common import add_verb, BAD, HelpFormatter, Verbs
 from fourbar_ros.scene.arguments import positive_integer
 
@@ -179,7 +179,7 @@ def _run(arguments: argparse.Namespace) -> int:
     folder.begin(study, arguments.resume)
     executor = Cluster(arguments.cluster) if arguments.cluster else Local(arguments.workers)
     try:
-        with shown() as report:
+        with progress_shown() as report:
             done = run(study, folder, executor, report)
     except KeyboardInterrupt:
         print(f'interrupted: {len(folder.parts())} of {study.chunks} chunks are done; --resume '

@@ -63,7 +63,9 @@ class OnlyHere:
         self.origins = {f'http://{host}' for host in self.hosts}
 
     async def __call__(self, scope: Scope, receive: Asgi, send: Asgi) -> None:
+        """Serve a request, or refuse it with status 403; of a websocket, with code 1008."""
         async def send_for_us(message: Scope) -> None:
+            """Send, with headers that forbid frames around our pages."""
             if message['type'] == 'http.response.start':
                 message['headers'] = [*message['headers'], *NOT_FRAMED]
             await send(message)
@@ -170,10 +172,11 @@ class NodePage(Page):
     """A page whose scene and motion are those of a node."""
 
     def __init__(self, watched: Watched, query: dict[str, str]):
+        """Begin with the node's parameters; the query is left alone, the state is the node's."""
         super().__init__(watched.node, watched.values, {},
                          lambda shown: NodePlayback(shown, watched.latest))
         self.watched, self.version = watched, watched.version
-        self._one_by_one = Lock()
+        self._one_by_one = Lock()               # held while the node answers
         self._under_way: list[str] = []         # names of parameters without an answer yet
 
     def build(self) -> None:
@@ -202,6 +205,7 @@ class NodePage(Page):
             self.elements.show_value[name](self.watched.values[name])
 
     def _advance(self) -> None:
+        """Take what has changed in the node, then move on as every page."""
         if self.version != self.watched.version:
             self.version, self.values = self.watched.version, self.watched.values
             self._show_values(*self.values)

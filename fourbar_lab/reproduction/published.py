@@ -81,7 +81,11 @@ def example_7_3() -> dict[str, float]:
 
 
 def example_7_4() -> dict[str, float]:
-    """Take the rod at 45 deg, 50 rad/s ccw, the slider 0.5 m out and moving outwards at 30 m/s."""
+    """
+    Return the acceleration of a slider on a turning rod [m/s^2], its parts and direction [deg].
+
+    The rod is at 45 deg, at 50 rad/s ccw, the slider 0.5 m out and moving outwards at 30 m/s.
+    """
     out = np.array([np.cos(pi / 4.0), np.sin(pi / 4.0)])
     terms = acceleration_terms((0.0, 0.0), 50.0, 0.0, 0.5 * out, 30.0 * out)
     total = np.sum(terms, axis=0)
@@ -151,6 +155,7 @@ def paper_table_1() -> dict[str, float]:
 
 
 def paper_table_2() -> dict[str, float]:
+    """Return extrema of omega4 and alpha4 of the paper's linkage, in rad and (``_deg``) in deg."""
     values = _extrema(PAPER, PAPER_SPEED, 'rad')
     return values | {f'{name}_deg': degrees(value) for name, value in values.items()
                      if '_at' in name}
@@ -250,43 +255,49 @@ def eq_9() -> dict[str, float]:
 
 def vectors() -> dict[str, float]:
     """
-    Return the symbols of the slides' vector equations.
+    Return the symbols of the slides' vector equations, in SI units.
 
-    (1)-(3): C of Example 7.3 on its circle about D; (6): B and C there; (7) and following and
-    the acceleration image: Example 7.2, with theta2, theta3 of its crank and coupler; (9)-(11): A
-    and the bar of Example 7.5. The two sides of an equation reach their points over different
-    links.
+    The two sides of an equation reach their points over different links.
     """
-    m, four_bar = EXAMPLE_7_3.motion(*GIVEN_7_3), EXAMPLE_7_3
-    b, c = point_motion(four_bar, m, 'crank', four_bar.a1), point_motion(four_bar, m, 'output',
-                                                                         four_bar.a3)
-    found = {'omega': m.omega_beta, 'alpha': m.alpha_beta}
-    found |= _components(p=c.acceleration, q=b.acceleration, r=c.place - b.place)
-    along = point_motion(four_bar, m, 'coupler', four_bar.a2)
-    found |= {'speed': m.omega4 * four_bar.a3, 'growth': m.alpha4 * four_bar.a3,
-              'radius': four_bar.a3, 'omega4': m.omega4}
-    found |= _components(v_c=along.velocity, a_c=along.acceleration,
-                         tangent=np.array([-m.sin_y, m.cos_y]))
-    m, slider = EXAMPLE_7_2.motion(*GIVEN_7_2), EXAMPLE_7_2
-    found |= {'r2': slider.a1, 'r3': slider.a2, 's2': m.sin_x, 'c2': m.cos_x, 's3': m.sin_b,
-              'c3': m.cos_b,
-              'w2': m.omega1, 'al2': m.alpha1, 'w3': m.omega_beta, 'al3': m.alpha_beta,
-              'v4': m.slide_velocity,
-              'acc4': m.slide_acceleration}
-    b, c = (point_motion(slider, m, 'coupler', part * slider.a2) for part in (0.0, 1.0))
+    return _vectors_7_3() | _vectors_7_2() | _vectors_7_5()
+
+
+def _vectors_7_3() -> dict[str, float]:
+    """Return those of (1)-(3), C on its circle about D, and of (6), B and C, in Example 7.3."""
+    m, linkage = EXAMPLE_7_3.motion(*GIVEN_7_3), EXAMPLE_7_3
+    b, c = (point_motion(linkage, m, 'crank', linkage.a1),
+            point_motion(linkage, m, 'output', linkage.a3))
+    c_by_coupler = point_motion(linkage, m, 'coupler', linkage.a2)
+    return {'omega': m.omega_beta, 'alpha': m.alpha_beta, 'omega4': m.omega4,
+            'radius': linkage.a3, 'speed': m.omega4 * linkage.a3, 'growth': m.alpha4 * linkage.a3,
+            **_components(p=c.acceleration, q=b.acceleration, r=c.place - b.place,
+                          v_c=c_by_coupler.velocity, a_c=c_by_coupler.acceleration,
+                          tangent=np.array([-m.sin_y, m.cos_y]))}
+
+
+def _vectors_7_2() -> dict[str, float]:
+    """Return those of (7), (8) and the acceleration image in Example 7.2; crank 2, coupler 3."""
+    m, linkage = EXAMPLE_7_2.motion(*GIVEN_7_2), EXAMPLE_7_2
+    b, c = (point_motion(linkage, m, 'coupler', along) for along in (0.0, linkage.a2))
     image = (complex(m.slide_acceleration - b.acceleration[0], -b.acceleration[1])
              / complex(*(c.place - b.place)))
-    found |= {'image': abs(image), 'delta': degrees(phase(image)) % 360.0}
-    m, inverted = EXAMPLE_7_5.motion(*GIVEN_7_5), EXAMPLE_7_5
-    a, q = point_motion(inverted, m, 'crank', inverted.a1), point_motion(inverted, m, 'output',
-                                                                         m.slide)
-    bar = link_motion(inverted, m, 'output')
-    found |= {'bar_omega': m.omega4, 'bar_alpha': m.alpha4,
-              'crank_omega': m.omega1, 'coriolis': 2.0 * abs(m.omega4 * m.slide_velocity)}
-    return found | _components(crank=a.place, a=a.acceleration, bar=q.acceleration,
-                               arm=a.place - (inverted.a4, 0.0),
-                               v=m.slide_velocity * bar.direction,
-                               rel=m.slide_acceleration * bar.direction)
+    return {'r2': linkage.a1, 'r3': linkage.a2, 's2': m.sin_x, 'c2': m.cos_x, 's3': m.sin_b,
+            'c3': m.cos_b, 'w2': m.omega1, 'al2': m.alpha1, 'w3': m.omega_beta,
+            'al3': m.alpha_beta, 'v4': m.slide_velocity, 'acc4': m.slide_acceleration,
+            'image': abs(image), 'delta': degrees(phase(image)) % 360.0}
+
+
+def _vectors_7_5() -> dict[str, float]:
+    """Return those of (9)-(11), A and the point Q of the bar under it, in Example 7.5."""
+    m, linkage = EXAMPLE_7_5.motion(*GIVEN_7_5), EXAMPLE_7_5
+    a, q = (point_motion(linkage, m, 'crank', linkage.a1),
+            point_motion(linkage, m, 'output', m.slide))
+    bar = link_motion(linkage, m, 'output')
+    return {'bar_omega': m.omega4, 'bar_alpha': m.alpha4, 'crank_omega': m.omega1,
+            'coriolis': 2.0 * abs(m.omega4 * m.slide_velocity),
+            **_components(crank=a.place, a=a.acceleration, bar=q.acceleration,
+                          arm=a.place - (linkage.a4, 0.0), v=m.slide_velocity * bar.direction,
+                          rel=m.slide_acceleration * bar.direction)}
 
 
 def _components(**vectors: Array) -> dict[str, float]:
@@ -304,10 +315,10 @@ def symbols() -> dict[str, float]:
     """
     m = EXAMPLE_7_6.motion(*GIVEN_7_6)
     a1, a2, a3, a4 = EXAMPLE_7_6.lengths
-    found = {'a1': a1, 'a2': a2, 'a3': a3, 'a4': a4} | bilinear_factors(a1, a2, a3, a4)._asdict()
+    values = {'a1': a1, 'a2': a2, 'a3': a3, 'a4': a4} | bilinear_factors(a1, a2, a3, a4)._asdict()
     for n, angle in enumerate((m[0:3], m[3:6], m[6:9], m[9:12]), 1):
-        found |= _half_angle(n, *angle)
-    return found | {letter: found[f'{letter}1'] * found[f'{letter}2'] for letter in 'ABCD'}
+        values |= _half_angle(n, *angle)
+    return values | {letter: values[f'{letter}1'] * values[f'{letter}2'] for letter in 'ABCD'}
 
 
 def paper_symbols() -> dict[str, float]:
@@ -316,16 +327,16 @@ def paper_symbols() -> dict[str, float]:
 
     The chain has theta1 + pi, -theta4, and its own factors.
     """
-    found = symbols()
+    values = symbols()
     a1, a2, a3, a4 = EXAMPLE_7_6.lengths
-    found |= {'A1': a1 - a2 + a3 - a4, 'A2': a1 + a2 + a3 - a4, 'B1': a1 + a2 - a3 - a4,
-              'B2': a1 - a2 - a3 - a4,
-              'C1': a1 - a2 - a3 + a4, 'C2': a1 + a2 - a3 + a4, 'D1': a1 + a2 + a3 + a4,
-              'D2': a1 - a2 + a3 + a4}
+    values |= {'A1': a1 - a2 + a3 - a4, 'A2': a1 + a2 + a3 - a4, 'B1': a1 + a2 - a3 - a4,
+               'B2': a1 - a2 - a3 - a4,
+               'C1': a1 - a2 - a3 + a4, 'C2': a1 + a2 - a3 + a4, 'D1': a1 + a2 + a3 + a4,
+               'D2': a1 - a2 + a3 + a4}
     m = EXAMPLE_7_6.motion(*GIVEN_7_6)
-    found |= (_half_angle(1, m.theta1 + pi, m.omega1, m.alpha1)
-              | _half_angle(4, -m.theta4, -m.omega4, -m.alpha4))
-    return found | {letter: found[f'{letter}1'] * found[f'{letter}2'] for letter in 'ABCD'}
+    values |= (_half_angle(1, m.theta1 + pi, m.omega1, m.alpha1)
+               | _half_angle(4, -m.theta4, -m.omega4, -m.alpha4))
+    return values | {letter: values[f'{letter}1'] * values[f'{letter}2'] for letter in 'ABCD'}
 
 
 def _half_angle(n: int, theta: float, omega: float, alpha: float) -> dict[str, float]:

@@ -32,15 +32,16 @@ FOUR_EXTREMA = (1, 2, 2, 2)                 # a crank-rocker whose alpha4 has fo
 
 def contact() -> dict[str, float]:
     """
-    Return the symbols of Eqs. (12)-(15) of the slides.
+    Return the symbols of the slides' Eqs. (12)-(15), on accelerations of links in contact.
 
-    (12): crank 2, coupler 3 of Example 7.6. (13)-(15): the rolling disc, ``p2`` the acceleration
-    of its contact from the cycloid r (phi - sin phi, 1 - cos phi), phi clockwise, at phi = 0.
+    (12): angular ones of crank 2 and coupler 3 of Example 7.6. (13)-(15): a disc that rolls;
+    ``c`` is its centre, ``rolling`` its contact, ``p2`` the same acceleration from the cycloid
+    r (phi - sin phi, 1 - cos phi), phi clockwise, at phi = 0, and ``p1`` that of the ground.
     """
     m = published.EXAMPLE_7_6.motion(*published.GIVEN_7_6)
     radius, w, al = DISC.values()
-    found = rolling_contact(w, al, radius, (0.0, 1.0))
-    (c_x, c_y), (rolling_x, rolling_y) = found.centre_acceleration, found.contact_acceleration
+    disc = rolling_contact(w, al, radius, (0.0, 1.0))
+    (c_x, c_y), (rolling_x, rolling_y) = disc.centre_acceleration, disc.contact_acceleration
     return {**DISC, 'al2': m.alpha1, 'al3': m.alpha_beta, 'apparent': m.alpha2, 'p1_y': 0.0,
             'p2_x': 0.0, 'p2_y': radius * w**2, 'c_x': float(c_x), 'c_y': float(c_y),
             'rolling_x': float(rolling_x), 'rolling_y': float(rolling_y)}
@@ -117,7 +118,7 @@ def axis() -> dict[str, float]:
     ``square_7_7``, ``square_paper``: the angle at the extrema of omega4 that is farthest from a
     right one [deg]; ``bend_...``: at those of alpha4 d(tan l)/d(theta1) + 2 R - 1, over its terms.
     """
-    found: dict[str, float] = {}
+    values: dict[str, float] = {}
     for name, linkage in (('7_7', published.EXAMPLE_7_7), ('paper', published.PAPER)):
         square, bend = [90.0], [0.0]
         for its in (linkage.in_mode(CROSSED), linkage.in_mode(OPEN)):
@@ -131,9 +132,9 @@ def axis() -> dict[str, float]:
                     slope = float((line.across / line.along).imag[0]) / STEP
                     ratio = float(motion.omega4.real[0])
                     bend.append((slope + 2.0 * ratio - 1.0) / (abs(slope) + 1.0 + abs(ratio)))
-        found |= {f'square_{name}': max(square, key=lambda angle: abs(angle - 90.0)),
-                  f'bend_{name}': max(bend, key=abs)}
-    return found
+        values |= {f'square_{name}': max(square, key=lambda angle: abs(angle - 90.0)),
+                   f'bend_{name}': max(bend, key=abs)}
+    return values
 
 
 def small_share(e: float) -> FourBar:

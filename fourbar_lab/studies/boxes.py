@@ -86,6 +86,7 @@ def enclosing(make: Make, values: ParameterValues, widths: dict[str, float],
     radii = {name: arb(0, width) for name, width in widths.items()}
 
     def enclosed(quantity: Dual, x: float, reference: Reference) -> Enclosed | None:
+        """Return the terms of (B1) of a quantity computed on a piece about x; None: infinite."""
         middle, by = value_of(quantity), dict(derivatives_of(quantity))
         by_piece = abs(by.pop(INPUT, arb(0)) * radii[INPUT])
         by_box = sum((abs(part * radii[name]) for name, part in by.items()), start=arb(0))
@@ -96,6 +97,7 @@ def enclosing(make: Make, values: ParameterValues, widths: dict[str, float],
         return Enclosed(middle, by_piece, by_box)
 
     def evaluate(low: float, high: float) -> Sequence[Enclosed | None]:
+        """Return all quantities on a piece: the input is one more parameter of the box there."""
         try:
             with precision(PRECISION):
                 ball = arb(low).union(arb(high))

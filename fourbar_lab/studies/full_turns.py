@@ -49,23 +49,14 @@ class Turns(NamedTuple):
     """
     Extrema of q quantities of n mechanisms, at most r each.
 
-    Parameters
-    ----------
-    places, values : ndarray, shape (q, n, r)
-        In the order of the input from 0 to 2 pi; NaN beyond the last.
-    counts : ndarray of int, shape (q, n)
-    samples : ndarray, shape (q, n, samples)
-        At inputs 2 pi (k + 1/2)/samples; angles continuous.
-    is_doubtful : ndarray of bool, shape (n,)
-        Whose extrema must be found in another way.
-
+    Places and values are in the order of the input from 0 to 2 pi; NaN beyond the last.
     """
 
-    places: Array
-    values: Array
-    counts: Array
-    samples: Array
-    is_doubtful: Array
+    places: Array           # (q, n, r)
+    values: Array           # (q, n, r)
+    counts: Array           # (q, n)
+    samples: Array          # (q, n, samples), at inputs(samples); angles without jumps
+    is_doubtful: Array      # (n,): whose extrema must be found in another way
 
 
 def inputs(count: int) -> Array:

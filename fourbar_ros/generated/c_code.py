@@ -122,7 +122,8 @@ class Code:
     def stack(self) -> int:
         """Return a bound of the bytes of stack of any call: each name in a place of its own."""
         results = len(self.model.motion) + len(self.model.loads)
-        return 16 * max(map(len, (*self.lines.values(), self.preparation))) + 8 * results + 1024
+        own = 16 * max(map(len, (*self.lines.values(), self.preparation))) + 8 * results + 1024
+        return max(own, self.drive.stack if self.drive else 0)
 
     # --- header ---------------------------------------------------------------------------------
 

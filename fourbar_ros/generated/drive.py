@@ -149,6 +149,11 @@ class DriveCode:
         """Return whether the input cannot go on for ever."""
         return not self._system.has_no_limits
 
+    @property
+    def stack(self) -> int:
+        """Return a bound of the bytes of stack of a step."""
+        return 16 * max(text.count('\n') for text in self._functions) + 4096
+
     # --- its text -------------------------------------------------------------------------------
 
     @cached_property
@@ -194,8 +199,8 @@ class DriveCode:
             f'}} {name}_drive;', '',
             f'/* The state at the start of the scene{what}. */',
             f'void {name}_start({name}_drive *drive{torque});',
-            '/* Acceleration and torques of a state whose position, velocity, twist, motor_velocity,'
-            f'\n   current and speed_error_integral{" and mode" * bool(self.modes)} were set. */',
+            '/* Acceleration and torques of a state that was set: position, velocity, twist,\n   '
+            f'motor_velocity, current, speed_error_integral{", mode" * bool(self.modes)}. */',
             f'void {name}_complete({name}_drive *drive{torque});',
             f'/* Move on by a step [s]{what}. At a limit, and where\n   numbers overflow, it is '
             'held at rest. */',

@@ -28,10 +28,10 @@ from fourbar_ros.generated.model import Model, Named, NotGenerated
 from fourbar_ros.generated.statements import snippet
 
 # Exponents of kg, m, s, rad, A.
-BASES = {'A': (0, 0, 0, 0, 1), 'rad': (0, 0, 0, 1), 'rad/s': (0, 0, -1, 1), 'rad/s^2': (0, 0, -2, 1),
+BASES = {'rad': (0, 0, 0, 1), 'rad/s': (0, 0, -1, 1), 'rad/s^2': (0, 0, -2, 1),
          'm': (0, 1, 0, 0), 'm/s': (0, 1, -1, 0), 'm/s^2': (0, 1, -2, 0), '1/m': (0, -1, 0, 0),
          'kg': (1, 0, 0, 0), 'kg m^2': (1, 2, 0, 0), 'N': (1, 1, -2, 0), 'N m': (1, 2, -2, 0),
-         's': (0, 0, 1, 0)}
+         's': (0, 0, 1, 0), 'A': (0, 0, 0, 0, 1)}
 PLATFORMS = {'linux': ('linux64', '{}-linux', 'so'), 'darwin': ('darwin64', '{}-darwin', 'dylib'),
              'win32': ('win64', '{}-windows', 'dll')}
 MADE = (1980, 1, 1, 0, 0, 0)     # of all files of the archive: the same scene, the same bytes
@@ -132,12 +132,12 @@ def _source(code: Code, version: int) -> str:
                                                                '')
     loads, drive = len(model.loads), code.drive
     torque = ', state->torque' * bool(drive and drive.takes_torque)
-    call = (f'{name}_step(&state->constants, &state->input, &state->motion, &state->loads);' if loads
-            else f'{name}_motion_at(&state->constants, &state->input, &state->motion);')
+    call = (f'{name}_{"step" if loads else "motion_at"}(&state->constants, &state->input, '
+            f'&state->motion{", &state->loads" if loads else ""});')
     meanings = {
         'LOADS_FIELD\n': f'  {name}_loads loads;\n' if loads else '',
-        'LOADS_NUMBER\n': '  if (reference < RESULTS)\n    return (char *)&state->loads + (reference'
-                          ' - GIVEN - MOTIONS) * sizeof(double);\n' if loads else '',
+        'LOADS_NUMBER\n': '  if (reference < RESULTS)\n    return (char *)&state->loads + '
+                          '(reference - GIVEN - MOTIONS) * sizeof(double);\n' if loads else '',
         'DRIVE_FIELD\n': f'  {name}_drive drive;\n  double drive_status, torque, mode;\n  '
                          'int has_moved;\n' if drive else '',
         'DRIVE_NUMBERS': f', DRIVE = TIME + 1, DRIVE_STATUS = DRIVE + {len(drive.numbers)}, TORQUE'

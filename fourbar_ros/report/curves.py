@@ -158,7 +158,7 @@ def _checked(path: str | Path, suffixes: Sequence[str]) -> Path:
     path = Path(path)
     if path.suffix not in suffixes:
         raise CannotDraw(f'{path}: must end in {", ".join(suffixes[:-1])} or {suffixes[-1]}'
-                          + nearest(path.suffix, suffixes))
+                         + nearest(path.suffix, suffixes))
     return path
 
 

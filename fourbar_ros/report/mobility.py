@@ -59,18 +59,18 @@ def mobility_rows(linkage: Mechanism) -> list[tuple[str, str]]:
 
     A bar as '---o---|-------  -0.5' shows where the linkage (o) is from the change point (|).
     """
-    found = mobility(linkage)
-    if not found:
+    point = mobility(linkage)
+    if not point:
         return []
     signs = [f'{name} {"0" if value == 0.0 else "+" if value > 0.0 else "-"}'
-             for name, value in found.factors._asdict().items()]
+             for name, value in point.factors._asdict().items()]
     rows = [('factors', '  '.join(signs))]
-    for name, value in found.place.items():
+    for name, value in point.place.items():
         bar = ['-'] * WIDTH
         bar[WIDTH // 2] = '|'
         bar[round((0.5 + 0.5 * value) * (WIDTH - 1))] = 'o'
         rows.append((name, f'{"".join(bar)}  {value:+.6f}'
-                     + (f'  nearest change point: {AXES[name]}' if name == found.nearest else '')))
+                     + (f'  nearest change point: {AXES[name]}' if name == point.nearest else '')))
     return rows
 
 
@@ -80,8 +80,8 @@ def octahedron_svg(linkage: Mechanism) -> str:
 
     Empty for a mechanism that is no four-bar.
     """
-    found = mobility(linkage)
-    if not found:
+    point = mobility(linkage)
+    if not point:
         return ''
     corners = {(name, side): _pixel({name: side}) for name in AXES for side in (1.0, -1.0)}
     parts = []
@@ -89,19 +89,19 @@ def octahedron_svg(linkage: Mechanism) -> str:
         if name != other_name:           # opposite corners share no edge
             kind = 'hidden' if side + other_side > 0.0 else ''
             parts.append(_line(kind, corners[name, side], corners[other_name, other_side]))
-    octant = [corners[name, 1.0 if value >= 0.0 else -1.0] for name, value in found.place.items()]
+    octant = [corners[name, 1.0 if value >= 0.0 else -1.0] for name, value in point.place.items()]
     points = ' '.join(f'{x:.1f},{y:.1f}' for x, y in octant)
     parts.append(f'<polygon class="own" points="{points}"/>')
-    at = _pixel(found.place)
-    parts.append(_line('way', at, _pixel({**found.place, found.nearest: 0.0})))
+    at = _pixel(point.place)
+    parts.append(_line('way', at, _pixel({**point.place, point.nearest: 0.0})))
     parts.append(f'<circle class="at" cx="{at[0]:.1f}" cy="{at[1]:.1f}" r="4.5"/>')
     for name in AXES:
         for side, sign in ((-1.14, '-'), (1.14, '+')):
             x, y = _pixel({name: side})
             parts.append(f'<text x="{x:.1f}" y="{y + 4.0:.1f}" text-anchor="middle">{sign}{name}'
                          '</text>')
-    for row, text in enumerate((linkage.classification, f'{abs(found.place[found.nearest]):.4f} '
-                                f'of the perimeter from {AXES[found.nearest]}')):
+    for row, text in enumerate((linkage.classification, f'{abs(point.place[point.nearest]):.4f} '
+                                f'of the perimeter from {AXES[point.nearest]}')):
         parts.append(f'<text x="6" y="{SIZE[1] - 24.0 + 18.0 * row:.0f}">{text}</text>')
     return (f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {SIZE[0]:g} {SIZE[1]:g}" '
             f'width="{SIZE[0]:g}" height="{SIZE[1]:g}" class="fb-octahedron">'

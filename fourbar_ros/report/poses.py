@@ -165,9 +165,9 @@ def points_table(linkage: Mechanism, motion: NamedFields, points: Points) -> Pla
     """Return the table of the points of a scene: place, velocity, acceleration."""
     table = PlainTable('points', ('', '', 'x>', 'y>', 'magnitude>', 'unit'))
     for name, point in points.items():
-        found = point_motion(linkage, motion, *point)
-        for label, what, (x, y), unit in ((name, 'place', found.place, 'm'),
-                                          ('', 'velocity', found.velocity, 'm/s'),
-                                          ('', 'acceleration', found.acceleration, 'm/s^2')):
+        state = point_motion(linkage, motion, *point)
+        for label, what, (x, y), unit in ((name, 'place', state.place, 'm'),
+                                          ('', 'velocity', state.velocity, 'm/s'),
+                                          ('', 'acceleration', state.acceleration, 'm/s^2')):
             table.add_row(label, what, number(x), number(y), number(hypot(x, y)), unit)
     return table

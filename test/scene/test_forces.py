@@ -107,7 +107,7 @@ def test_simulate_balances_the_energy_of_the_engine():
 
 
 @pytest.mark.parametrize('name', ['paper', 'slider_crank', 'cylinder', 'scotch_yoke', 'v_engine',
-                                  'quick_return', 'bucket', 'jansen', 'stephenson'])
+                                  'quick_return', 'bucket', 'jansen', 'stephenson', 'lift_table'])
 def test_coordinates_are_those_of_the_motion(name):
     """What a force is over, from the places of links, is the field of the motion: 1e-12."""
     linkage = scene.load(name).linkage

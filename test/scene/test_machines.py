@@ -15,7 +15,8 @@ import numpy as np
 import pytest
 from support.scenes import PAPER, RODS
 
-MACHINES = ('watt', 'stephenson', 'bucket', 'quick_return', 'v_engine', 'jansen', 'andrews')
+MACHINES = ('watt', 'stephenson', 'bucket', 'quick_return', 'v_engine', 'jansen', 'andrews',
+            'lift_table')
 WATT = read_values('watt')
 BUCKET = read_values('bucket')
 

@@ -115,7 +115,7 @@ class TableForce:
     middle: float | None
 
     def __call__(self, place: Any) -> Any:
-        """Return the force."""
+        """Return the force [N] or couple [N m] at a place, a float or an array."""
         middle = self.middle
         if middle is not None:
             place = (middle + remainder(place - middle, tau) if isinstance(place, float)
@@ -219,7 +219,7 @@ class PositionForce:
         return max(1, round(table.span / tau))
 
     def is_over_angle(self, mechanism: Mechanism) -> bool:
-        """Return whether its place is an angle."""
+        """Return whether the place s is an angle: a driven crank's or a link's; else a length."""
         return (not mechanism.is_driven_by_slide if self.over == INPUT
                 else isinstance(self.over, LinkAngle))
 
@@ -233,6 +233,7 @@ class PositionForce:
         value, factor = self.value, self.factor
         if not isinstance(value, ForceTable):
             def force(place: float | Array) -> Any:
+                """Return F(s) of a user's function; a value that is no number is an error."""
                 if isinstance(place, float):
                     return factor * number('value', value(place),
                                            f'at {place!r} must be a finite number')

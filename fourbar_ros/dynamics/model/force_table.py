@@ -62,6 +62,7 @@ class ForceTable:
     is_linear: bool = False
 
     def __post_init__(self) -> None:
+        """Convert both columns to floats, and refuse a table that is no function."""
         for name in ('places', 'values'):
             given = np.ravel(np.asarray(getattr(self, name), dtype=object)).tolist()
             object.__setattr__(self, name, tuple([
@@ -110,8 +111,7 @@ class ForceTable:
             i = np.clip(np.searchsorted(places, place, side='right') - 1, 0, places.size - 2)
             a, b, c, d = self._coefficients[:, i]
             t = place - places[i]
-            force: Array = ((a * t + b) * t + c) * t + d
-            return force
+            return np.asarray(((a * t + b) * t + c) * t + d)
         if self.is_periodic:
             place = first + (place - first) % self.span
         else:

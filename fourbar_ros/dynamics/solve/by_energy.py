@@ -194,8 +194,7 @@ class Panel(NamedTuple):
     @property
     def weights(self) -> Array:
         """Return the weights of the integral over the panel (Clenshaw and Curtis)."""
-        weights: Array = self.integral[-1]
-        return weights
+        return np.asarray(self.integral[-1])
 
 
 @lru_cache(maxsize=4)
@@ -233,15 +232,7 @@ class Panels(NamedTuple):
     @staticmethod
     def places(first: Array, length: Array, power: Array) -> Array:
         """Return the inputs at the points."""
-        places: Array = first[:, None] + length[:, None] * FINE.points**power[:, None]
-        return places
-
-    @property
-    def growth(self) -> Array:
-        """Return dq/dx at the points."""
-        power = self.power[:, None]
-        growth: Array = power * self.length[:, None] * FINE.points**(power - 1.0)
-        return growth
+        return np.asarray(first[:, None] + length[:, None] * FINE.points**power[:, None])
 
     def pick(self, places: NDArray[np.generic]) -> Panels:
         """Return some of these panels, by index or mask."""
@@ -296,7 +287,8 @@ def pass_over(panels: Panels, begin: Begin, spacing: float) -> Passage:
     Energy is integrated first, then time. The same by polynomials of half the degree estimates the
     errors: of each panel by itself, and of all since the start. ``spacing``: rounding of an input.
     """
-    growth = panels.growth
+    power = panels.power[:, None]
+    growth = power * panels.length[:, None] * FINE.points**(power - 1.0)        # dq/dx
     pushes = panels.force * growth
     with np.errstate(all='ignore'):
         kinetic = _along(pushes, begin.kinetic)

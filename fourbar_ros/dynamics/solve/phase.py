@@ -55,17 +55,8 @@ class Phase:
     """
     Motion of a system in one coordinate, from one assembly mode on.
 
-    Parameters
-    ----------
-    course : Course
-        What it is a part of.
-    equation : Equation
-        In this coordinate.
-    start : float
-        A value of the coordinate at which the mechanism is in the mode of the equation.
-    other : Mechanism, or one of its ``driven_otherwise()``, optional
-        The coordinate that takes over; None: nothing does.
-
+    ``start``: a value of the coordinate at which the mechanism is in the mode of the equation;
+    ``other``: the coordinate that takes over near a toggle, None where none does.
     """
 
     def __init__(self, course: Course, equation: Equation, start: float,
@@ -203,7 +194,7 @@ def _of_system(system: System, key: tuple[bool, int, float]) -> Phase:
 
 
 def make_pose(coordinate: DrivenLinks, n: NumberType
-                     ) -> Callable[[Scalar], list[Scalar]]:
+              ) -> Callable[[Scalar], list[Scalar]]:
     """Return the formula p -> (x, y, cosine, sine) of all links one after the other: the pose."""
     coefficients = coordinate.make_coefficients(n)
     return lambda position: [value for curve in coefficients(position)
@@ -214,16 +205,8 @@ class Course:
     """
     All phases of the motions of a system: each coordinate in each mode, made when first needed.
 
-    Parameters
-    ----------
-    make_equation : callable
-        (mechanism in a mode, start, coordinate or None for the input) -> Equation.
-    mechanism : Mechanism
-        In its mode at the start.
-    start : float
-        The input there.
-    system : System
-
+    ``make_equation``: (mechanism in a mode, start, coordinate or None for the input) -> Equation;
+    ``mechanism``: in its mode at the input ``start``.
     """
 
     def __init__(self, make_equation: MakeEquation, mechanism: Mechanism, start: float,

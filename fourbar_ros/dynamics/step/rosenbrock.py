@@ -38,17 +38,10 @@ GIVEN = 5 + 1 + 7 + 1 + len(Piece._fields)
 
 class Rosenbrock:
     """
-    One step of given length.
+    One step of given length, of an equation of motion with the equations of shaft and source.
 
-    Parameters
-    ----------
-    equation : Equation
-    equations : Elastic or Rigid
-    has_own : bool
-        The source has a state of its own.
-    tangent : callable, optional
-        Of a source whose law is not linear: the law next to a speed.
-
+    ``has_own``: the source has a state of its own; ``tangent``: of a source whose law is not
+    linear, the law next to a speed.
     """
 
     def __init__(self, equation: Equation, equations: Elastic | Rigid, has_own: bool,
@@ -87,7 +80,7 @@ class Rosenbrock:
         is_input, tangent = self._is_input, self._tangent
 
         def formula(p: Any, u: Any, s: Any, v: Any, z: Any, h: Any, *given: Any) -> Any:
-            """Return state and error after a step, of the numbers that ``__call__`` is given."""
+            """Return the nine numbers of ``__call__``; t_w: torque by speed, d_z: as in (M1)."""
             terms: Any = (*given[:5], 1.0, 0.0) if is_input else given[:7]
             by_position, t, t_w, t_z, d, d_w, d_z = given[7:]
             s, v = (s, v) if has_shaft else (0.0, 0.0)
@@ -98,8 +91,8 @@ class Rosenbrock:
 
             def add_stage(place: Any, weights: Any) -> None:
                 """Solve for the next u_i: f at a place, plus earlier stages times weights / h."""
-                there = terms_at(place[0])
-                speed = place[3] if has_shaft else there[5] * place[1]
+                *_, ratio, _ = there = terms_at(place[0])
+                speed = place[3] if has_shaft else ratio * place[1]
                 right = derivative(there, place, tangent(speed) if tangent else piece)
                 stages.append(solve(_sum(right, [weight / h for weight in weights], stages)))
 

@@ -25,7 +25,6 @@ from dataclasses import dataclass
 from math import pi
 from typing import Any, NamedTuple
 
-from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Bodies, External
 from fourbar_ros.mechanisms.contract import Constants, JOINT_A, JOINT_B, of_geometry, OPEN
 from fourbar_ros.mechanisms.four_bar.four_bar import (
@@ -35,10 +34,9 @@ from fourbar_ros.mechanisms.four_bar.four_bar import (
     singular_angles,
     turned_ranges,
 )
-from fourbar_ros.mechanisms.four_bar.loads import make_loads
 from fourbar_ros.mechanisms.loop import make_loop
 from fourbar_ros.mechanisms.parts import Output, Ranges, THETA1, THETA2, THETA3, THETA4
-from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
+from fourbar_ros.numerics.number_types import Function, nudge, NumberType, Scalar
 
 
 class MovingJointMotion(NamedTuple):
@@ -83,11 +81,14 @@ def make_motion_at(n: NumberType, lengths: tuple[Scalar, ...], sign: Scalar,
                    joint: str) -> Function:
     """Return (theta, omega, alpha) of a joint -> motion; sign: of sin(theta4) (A), theta1 (B)."""
     sin, cos, atan2 = n.sin, n.cos, n.atan2
-    loop = make_loop(n, *seen_lengths(lengths, joint), sign)
+    first, second, third, held = seen_lengths(lengths, joint)
+    # infinitesimal where the links lie flat at theta = 0, X = -pi, for the pose just beside it
+    beside_0 = nudge(n, n.exact_sum((first, held, -second, -third)))
+    loop = make_loop(n, first, second, third, held, sign)
 
     def motion(theta: Scalar, omega: Scalar, alpha: Scalar) -> MovingJointMotion:
         """Return the motion by (J1) or (J2); x, b, y: (slope, bend) of theta1, beta, theta4."""
-        sh, ch = sin(0.5 * theta), cos(0.5 * theta)
+        sh, ch = sin(0.5 * theta) + beside_0, cos(0.5 * theta)
         at = loop(ch * ch, sh * sh, -sh * ch)               # of X = theta - pi
         square, facing = omega * omega, atan2(at.sin_mu, at.cos_mu)
 
@@ -135,7 +136,7 @@ class MovingJointFourBar(FourBarLinks):
     Parameters
     ----------
     a1, a2, a3, a4 : float
-        As of :class:`~fourbar_ros.mechanisms.four_bar.four_bar.FourBar`; no change point.
+        As of :class:`~fourbar_ros.mechanisms.four_bar.four_bar.FourBar`.
     mode : int
         Assembly mode: 2 has sin(theta4) > 0 of a drive at A, sin(theta1) > 0 of one at B; 1 < 0.
     input : str
@@ -172,12 +173,6 @@ class MovingJointFourBar(FourBarLinks):
     OUTPUTS = {joint: (Output(THETA4, 'velocity_ratio'), Output(THETA1, 'crank_ratio'))
                for joint in INPUTS}
     MOTION = MovingJointMotion
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if 0.0 in self.margins:
-            raise InvalidParameter('lengths', self.lengths, 'a linkage at a change point can be '
-                                                            'driven at its crank only')
 
     @property
     def description(self) -> str:
@@ -222,12 +217,6 @@ class MovingJointFourBar(FourBarLinks):
     def motion_formula(self, numbers: NumberType, constants: Constants) -> Function:
         """Return (position, rate, acceleration) -> fields of MOTION for a number type."""
         return make_motion_at(numbers, tuple(constants.lengths), constants.sign, self.input)
-
-    def loads_formula(self, numbers: NumberType, constants: Constants) -> Function:
-        """Return (fields of MOTION) -> fields of LOADS for constants of a number type."""
-        a1, a2, a3, a4 = constants.lengths
-        return make_loads(numbers, a1, a2, a3, a4, constants.bodies, constants.gravity,
-                          constants.external, self.input)
 
     def transmission_sine(self, motion: Any) -> Any:
         """Return a number that is zero where the dyad is in line, at most one."""

@@ -53,13 +53,13 @@ def maker(scene: Scene) -> Callable[[Stamp, Sequence[float]], MarkerArray | None
         motion = mechanism.MOTION(*values[:count])
         if isnan(motion.transmission_angle):
             return None
-        made = pose(scene, motion)
+        markers = pose(scene, motion)
         if mechanism.bodies is not None:
             loads = mechanism.LOADS(*values[count:loads_end])
-            made += arrows(scene, loads, mechanism.diagram(motion), scales)
-        for each in made:
+            markers += arrows(scene, loads, mechanism.diagram(motion), scales)
+        for each in markers:
             each.header.stamp.sec, each.header.stamp.nanosec = stamp
-        return MarkerArray(markers=made)
+        return MarkerArray(markers=markers)
     return make
 
 
@@ -67,21 +67,21 @@ def pose(scene: Scene, motion: NamedFields) -> list[Marker]:
     """Return the markers of links, joints, blocks and points."""
     frame, width = scene.frame_id, WIDTH * size_of(scene.linkage)
     parts = picture(scene.linkage, motion, scene.points)
-    made = [lines(frame, 'links', i, [bar[:2]], width * bar.width, LINK)
-            for i, bar in enumerate(of_kind(Bar, parts))]
-    made.append(spheres(frame, 'joints', 0, [joint.place for joint in of_kind(Joint, parts)],
-                        1.8 * width, JOINT))
+    markers = [lines(frame, 'links', i, [bar[:2]], width * bar.width, LINK)
+               for i, bar in enumerate(of_kind(Bar, parts))]
+    markers.append(spheres(frame, 'joints', 0, [joint.place for joint in of_kind(Joint, parts)],
+                           1.8 * width, JOINT))
     for i, block in enumerate(of_kind(Block, parts)):
         box = marker(frame, 'blocks', i, Marker.CUBE, BLOCK,
                      (5.0 * width, 3.0 * width, 2.0 * width))
         box.pose.position, half = point(*block.place), 0.5 * atan2(*block.direction[::-1])
         box.pose.orientation.z, box.pose.orientation.w = sin(half), cos(half)
-        made.append(box)
+        markers.append(box)
     if arms := of_kind(Arm, parts):
-        made += [lines(frame, 'arms', 0, [(arm.start, arm.end) for arm in arms], 0.5 * width,
-                       LINK, 0.6),
-                 spheres(frame, 'points', 0, [arm.end for arm in arms], 2.0 * width, POINT)]
-    return made
+        markers += [lines(frame, 'arms', 0, [(arm.start, arm.end) for arm in arms], 0.5 * width,
+                          LINK, 0.6),
+                    spheres(frame, 'points', 0, [arm.end for arm in arms], 2.0 * width, POINT)]
+    return markers
 
 
 class Scales:
@@ -118,10 +118,10 @@ def arrows(scene: Scene, loads: NamedFields, diagram: Diagram, scales: Scales) -
     per_force = scales.force(max(force.size for force in forces))
     per_moment = scales.moment(max(abs(value) for _, value in moments))
     scale = width, 2.0 * width, 3.0 * width          # of the shaft, of the head, its length
-    made = [marker(frame, force.name, 0, Marker.ARROW, FORCE, scale,
-                   [force.place, force.place + per_force * force.vector]) for force in forces]
-    return made + [marker(frame, name, 0, Marker.ARROW, MOMENT, scale,
-                          [ORIGIN, (0.0, 0.0, per_moment * value)]) for name, value in moments]
+    markers = [marker(frame, force.name, 0, Marker.ARROW, FORCE, scale,
+                      [force.place, force.place + per_force * force.vector]) for force in forces]
+    return markers + [marker(frame, name, 0, Marker.ARROW, MOMENT, scale,
+                             [ORIGIN, (0.0, 0.0, per_moment * value)]) for name, value in moments]
 
 
 def marker(frame: str, group: str, number: int, kind: int, colour: Colour, scale: Iterable[float],
@@ -131,13 +131,13 @@ def marker(frame: str, group: str, number: int, kind: int, colour: Colour, scale
 
     RViz replaces an older one of the same group (its namespace) and number.
     """
-    made = Marker(ns=group, id=number, type=kind, action=Marker.ADD,
-                  color=ColorRGBA(r=colour[0], g=colour[1], b=colour[2], a=opacity))
-    made.header.frame_id = frame
-    made.scale.x, made.scale.y, made.scale.z = map(float, scale)
-    made.pose.orientation.w = 1.0
-    made.points = [point(*place) for place in places]
-    return made
+    result = Marker(ns=group, id=number, type=kind, action=Marker.ADD,
+                    color=ColorRGBA(r=colour[0], g=colour[1], b=colour[2], a=opacity))
+    result.header.frame_id = frame
+    result.scale.x, result.scale.y, result.scale.z = map(float, scale)
+    result.pose.orientation.w = 1.0
+    result.points = [point(*place) for place in places]
+    return result
 
 
 def lines(frame: str, group: str, number: int, pairs: Iterable[Iterable[Place]], width: float,

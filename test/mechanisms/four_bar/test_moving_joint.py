@@ -21,6 +21,7 @@ from fourbar_ros import (
 )
 from fourbar_ros.bag.comparison.recompute import compare
 from fourbar_ros.dynamics import simulate, System
+from fourbar_ros.mechanisms.quantities import known
 from fourbar_ros.report.drawing import make_figure
 from fourbar_ros.scene.parameters import check
 import mpmath as mp
@@ -28,6 +29,7 @@ import numpy as np
 import pytest
 from support import bags
 from support.reference import cross, EPS, free_bodies, pose, random_lengths
+from support.scans import check_against_scan
 
 RATE, ACCELERATION, GRAVITY = 1.7, -0.6, (0.4, -9.8)
 SHIFT = {'A': 1, 'B': 2}         # of theta2, theta3 among the joints
@@ -188,9 +190,76 @@ def test_a_bag_of_it_recomputes_without_a_difference(joint, tmp_path):
     assert not any(difference.largest for difference in found.differences)
 
 
+# --- exact change points -------------------------------------------------------------------------
+
+# With input 0 flat: theta1 is there 0 for a drive at A, pi for one at B.
+FLAT_AT_ZERO = [('A', (2.0, 3.5, 4.0, 1.5)), ('A', (2.0, 3.0, 2.0, 3.0)),
+                ('B', (2.0, 3.0, 2.0, 3.0)), ('B', (2.0, 2.0, 3.0, 3.0)),
+                ('B', (2.0, 4.0, 3.0, 5.0)), ('B', (1.0, 1.0, 1.0, 1.0))]
+
+
+def beside_flat(lengths, joint, mode, ahead):
+    """Return the reference's pose and slope of the joint at a small input, in a mode."""
+    flat = 0 if joint == 'A' else mp.pi
+    for sign in (1, -1):
+        for side in (1, -1):
+            x = flat + side * mp.mpf(ahead)
+            for _ in range(9):           # Newton's iteration to the input
+                place = pose(lengths, sign, x)
+                theta, slope = ((place.b - x, place.db - 1) if joint == 'A' else
+                                (place.y - place.b + mp.pi, place.dy - place.db))
+                gap = mp.arg(mp.expj(theta - ahead))
+                x -= gap / slope
+            opposite = mp.sin(place.y) if joint == 'A' else mp.sin(x)
+            if abs(gap) < mp.mpf(10)**-60 and (opposite > 0) == (mode == 2):
+                return x, place, slope
+    raise AssertionError('no pose')
+
+
+@pytest.mark.parametrize('mode', [1, 2])
+@pytest.mark.parametrize('joint, lengths', FLAT_AT_ZERO)
+def test_a_flat_position_has_all_digits_and_the_limit_from_above(joint, lengths, mode):
+    linkage = MovingJointFourBar(*lengths, mode=mode, input=joint)
+    assert linkage.change_point_margin == 0.0 and linkage.is_flat_at_zero
+    for at in (0.0, 1e-14, 1e-8, 1e-3):
+        with mp.workdps(120):
+            x, place, slope = beside_flat(lengths, joint, mode, mp.mpf(at or 1e-40))
+            for motion in (linkage.motion(at, 1.0), linkage.motion(np.full(1, at), 1.0)):
+                for ours, truth in ((motion.omega1, 1 / slope), (motion.omega4, place.dy / slope)):
+                    assert abs(float(np.ravel(ours)[0] - truth)) <= 8 * EPS * max(1.0, abs(truth))
+                for ours, truth in ((motion.theta1, x), (motion.theta4, place.y)):
+                    turned = mp.arg(mp.expj(float(np.ravel(ours)[0]) - truth))
+                    assert abs(turned) <= 4 * EPS
+
+
+@pytest.mark.parametrize('joint, lengths', FLAT_AT_ZERO[:1] + FLAT_AT_ZERO[4:5])
+def test_extrema_at_change_points_are_those_of_a_scan(joint, lengths):
+    linkage = MovingJointFourBar(*lengths, input=joint, bodies=bodies_of(np.random.default_rng(2)))
+    quantities = [known(linkage, joint)[name] for name in ('omega1', 'alpha4', 'driving_torque')]
+    assert check_against_scan(linkage, quantities, RATE, 0.0, 4000)
+
+
+@pytest.mark.parametrize('lengths', [(2.0, 4.0, 3.0, 5.0), (2.0, 3.0, 2.0, 3.0)])
+@pytest.mark.parametrize('joint, index', [('A', 3), ('B', 6)])
+def test_a_free_linkage_passes_its_change_points_alike(joint, index, lengths):
+    """Without loads it turns on through flat positions, as a function of theta1 and the joint."""
+    bodies = bodies_of(np.random.default_rng(6))
+    crank = FourBar(*lengths, bodies=bodies)
+    start, times = crank.motion(0.7, 3.0), [0.1, 0.5, 1.0, 2.0, 3.0]
+    assert start.sin_y > 0.0 and start.sin_x > 0.0          # mode 2 of both
+    linkage = MovingJointFourBar(*lengths, input=joint, bodies=bodies)
+    free, seen = (simulate(System(its, *given), times[-1], 1e-10, times=times) for its, given in (
+        (crank, (0.7, 3.0)), (linkage, start[index:index + 2])))
+    assert set(free.modes) == set(seen.modes) == {1, 2}
+    for k, mode in enumerate(seen.modes):
+        one = crank.in_mode(int(free.modes[k])).motion(float(free.position[k]),
+                                                       float(free.rate[k]))
+        other = linkage.in_mode(int(mode)).motion(float(seen.position[k]), float(seen.rate[k]))
+        assert abs(np.sin(one.theta4 - other.theta4)) < 1e-8
+        assert abs(one.omega1 - other.omega1) + abs(one.omega4 - other.omega4) < 1e-7 * 3.0
+
+
 def test_what_it_cannot_do_is_refused():
-    with pytest.raises(InvalidParameter, match='change point'):
-        MovingJointFourBar(1.0, 2.0, 1.0, 2.0, input='A')
     with pytest.raises(InvalidParameter, match='input'):
         MovingJointFourBar(0.4, 1.2, 0.8, 1.0, input='crank')
     assert MovingJointFourBar(0.4, 1.2, 0.8, 1.0, input='B').closing_ranges != ((-pi, pi),)
