@@ -14,6 +14,7 @@ from fourbar_ros.generated.c_code import Code
 from fourbar_ros.generated.model import Model, word
 from fourbar_ros.generated.statements import snippet
 from fourbar_ros.scene.scene import load, Scene
+from fourbar_ros.scene.topics import TORQUE
 
 FORMATS = ('c', 'fmu2', 'fmu3')
 
@@ -107,7 +108,12 @@ def manifest(model: Model) -> dict[str, object]:
 
 def wrapper(model: Model) -> str:
     """Return the C++ header around a generated C header."""
-    text = snippet('wrapper.hpp').replace('NAME', model.name).replace(
+    torque = 'double torque' * (model.scene.drive.source == TORQUE.name)
+    drive = snippet('drive.hpp') if model.moves_by_torque else ''
+    for place, meaning in (('FIRST', torque), (' ARGUMENT', torque and f', {torque}'),
+                           (' PASSED', ', torque' if torque else '')):
+        drive = drive.replace(place, meaning)
+    text = snippet('wrapper.hpp').replace('DRIVE\n', drive).replace('NAME', model.name).replace(
         'GUARD', f'FOURBAR_{model.name.upper()}_HPP')
     if not model.loads:
         start, end = text.index('  Status step'), text.index('\nprivate:')

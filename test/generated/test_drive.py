@@ -51,7 +51,8 @@ MORE = {
     'rocker, controller, shaft': {**ROCKER, **CONTROLLER, **SHAFT}, 'pushed rocker': PUSHED,
     'little budget': {**ROCKER, **LINE, **SHAFT, 'drive.budget': 16, 'drive.tolerance': 1e-9},
     'huge torque': {**CRANK, 'motor.stall_torque': 1e300, 'motor.free_speed': 1.0},
-    'cylinder': {**load_scene('cylinder').values, 'drive.source': 'torque', 'drive.start': 0.65},
+    'cylinder': {**load_scene('cylinder').values, 'drive.source': 'torque', 'drive.start': 1.3},
+    'bucket': {**load_scene('bucket').values, 'drive.source': 'torque', 'drive.start': 1.85},
     **dict.fromkeys(('motor', 'controlled', 'released', 'sundials', 'door_closer'))}
 
 

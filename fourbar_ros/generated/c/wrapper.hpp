@@ -36,6 +36,7 @@ public:
 private:
   NAME_constants constants_;
 };
+DRIVE
 }  // namespace NAME
 }  // namespace fourbar
 #endif
