@@ -103,6 +103,7 @@ class _Writer:
     """
 
     def __init__(self, trace: Trace) -> None:
+        """Begin with no text: each place gets its expression and the depth of that."""
         self._trace, self._texts = trace, dict[int, tuple[str, int]]()     # text, depth
         self._constants: dict[str, tuple[str, float]] = {}     # by all bits: 0.0 is not -0.0
         self._functions: list[Function] = []

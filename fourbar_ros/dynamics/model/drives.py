@@ -84,12 +84,12 @@ class Piece(NamedTuple):
     change_by_state: Scalar = 0.0
 
     def torque_at(self, speed: float, state: float) -> float:
-        """Return T."""
+        """Return the torque T [N m] at a speed and an own state, (M1)."""
         torque: float = self.torque + self.by_speed * speed + self.by_state * state
         return torque
 
     def change_at(self, speed: float, state: float) -> float:
-        """Return dz/dt."""
+        """Return dz/dt of the own state at a speed and an own state, (M1)."""
         change: float = self.change + self.change_by_speed * speed + self.change_by_state * state
         return change
 

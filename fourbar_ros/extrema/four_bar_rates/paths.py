@@ -35,6 +35,7 @@ class Path:
     """
 
     def __init__(self, row: Array, samples: Array, step: Array, is_closed: bool) -> None:
+        """``third``: of the step, as root brackets take slopes."""
         self.row, self.third, self.is_closed = row, step / 3.0, is_closed
         self._samples = dict(zip(NAMES, samples))
         self._column = row[:0]      # of each root of k
@@ -74,7 +75,7 @@ class Path:
         return i, self.row[column], *bracket
 
     def _g(self, i: Array, column: Array) -> tuple[Array, Array, Array]:
-        """Return theta1, g and the step of Newton's method at samples."""
+        """Return theta1, g and Newton's step to its root at samples i of linkages ``column``."""
         x, g, gu, X = self._at(i, column, 'g', 'gu', 'X')
         return x, g, g * X / gu
 
