@@ -262,7 +262,7 @@ class Transmission:
         return found
 
     def _with_turns(self, inputs: Array, outputs: Array) -> Array:
-        """Return the outputs at inputs with the whole turns that the branch counts there."""
+        """Return outputs in [-pi, pi] with the whole turns that the branch has at the inputs."""
         if self._output.unit != 'rad':
             return outputs
         branch, turns = self.branch, np.zeros(len(inputs))
@@ -349,7 +349,7 @@ def output_of(mechanism: Mechanism, inputs: ArrayLike) -> Any:
 
 def branch_of(mechanism: Mechanism, start: float) -> Branch:
     """
-    Return the :class:`Branch` with an input in it.
+    Return the branch that contains ``start`` [rad or m]: up to where the output turns back.
 
     Raises
     ------

@@ -18,7 +18,7 @@ run() {
   echo "lint: $1"
   "$venv/bin/$@" || failed+=("$1")
 }
-sources=(fourbar_ros test bench docs launch setup.py)
+sources=(fourbar_ros fourbar_lab test bench docs launch setup.py)
 quietly() {             # ament's wrappers list every file they check: show the findings alone
   echo "lint: $1"
   local out
@@ -28,6 +28,6 @@ run ruff check --quiet .
 run mypy
 quietly ament_flake8 --config scripts/ament_flake8.ini "${sources[@]}"
 # D402: a formula is no signature. D413, D417: sections list the arguments that need words.
-quietly ament_pep257 --add-ignore D402 D413 D417 -- fourbar_ros bench docs launch setup.py
+quietly ament_pep257 --add-ignore D402 D413 D417 -- fourbar_ros fourbar_lab bench docs launch setup.py
 [ ${#failed[@]} = 0 ] || { echo "lint: ${failed[*]} complained" >&2; exit 1; }
 echo 'lint: nothing to complain about'

@@ -23,7 +23,12 @@ INPUTS, STEPS, ROUNDS, ENOUGH = 128, 200, 6, 1e-6
 
 
 def least_peak(places: Places, name: str, mass: float) -> Balance:
-    """Return the counterweights of ``mass`` [kg] at most with the least peak of a load by name."""
+    """
+    Return the counterweights of ``mass`` [kg] at most with the least peak of a load by name.
+
+    They are the best for some inputs; if the extrema of the mechanism with them are larger, the
+    inputs of these are added, and all is solved again.
+    """
     loads = places.loads
     x, _ = loads.nodes(INPUTS)
     start = nearest_to_zero(places, loads.root((name,)), mass)
@@ -37,11 +42,11 @@ def least_peak(places: Places, name: str, mass: float) -> Balance:
         if value <= problem.largest(numbers)[0] * (1.0 + ENOUGH):
             break
         x = np.concatenate((x, inputs_of_maxima))
-    found = places.united(
+    weights = places.united(
         [spot.with_mass(one) for spot, one in zip(spots, masses.tolist()) if one > 0.0],
         lambda numbers: problem.largest(numbers)[0], value * (1.0 + ENOUGH))
-    numbers = places.numbers(found)
-    return Balance(tuple(found), peak(loads, name, numbers)[0], bound, numbers)
+    numbers = places.numbers(weights)
+    return Balance(tuple(weights), peak(loads, name, numbers)[0], bound, numbers)
 
 
 def peak(loads: Loads, name: str, numbers: Array) -> tuple[float, Array]:

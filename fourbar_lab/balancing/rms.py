@@ -138,7 +138,7 @@ class Places:
         links. At a distance r against (m x, m y) of a link, one kilogram changes the function by
         s_m - r |(s_x, s_y)| + r^2 s_J: a parabola of r, least at its vertex or at an end.
         """
-        found = []
+        candidates = []
         for link, radius in self.radii.items():
             first = NUMBERS * self.loads.links.index(link)
             by_mass, by_x, by_y, by_inertia = slope[first:first + NUMBERS]
@@ -147,9 +147,9 @@ class Places:
             r = min(vertex, radius) if side or by_inertia < 0.0 else 0.0
             value = by_mass - r * side + by_inertia * r * r
             cosine, sine = (by_x / side, by_y / side) if side else (1.0, 0.0)
-            found.append((float(value), Spot(link, *self.without_rounding(
+            candidates.append((float(value), Spot(link, *self.without_rounding(
                 link, float(-r * cosine), float(-r * sine)))))
-        return min(found)
+        return min(candidates)
 
 
 def least_rms(places: Places, names: Iterable[str], mass: float,
@@ -166,11 +166,11 @@ def least_rms(places: Places, names: Iterable[str], mass: float,
 def front(places: Places, names: Iterable[str], masses: Iterable[float]) -> list[Balance]:
     """Return the best for each added mass [kg], as :func:`least_rms`."""
     root = places.loads.root(names)
-    found: list[Balance] = []
+    balances: list[Balance] = []
     for mass in masses:
-        start = found[-1].counterweights if found else ()
-        found.append(nearest_to_zero(places, root, mass, start))
-    return found
+        start = balances[-1].counterweights if balances else ()
+        balances.append(nearest_to_zero(places, root, mass, start))
+    return balances
 
 
 class _Corner(NamedTuple):

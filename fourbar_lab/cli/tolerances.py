@@ -52,7 +52,7 @@ def _run(arguments: argparse.Namespace) -> None:
     if arguments.rows:
         study = replace(study, rows=arguments.rows)
     box = box_of(study)
-    found = tolerances(study, not arguments.no_proof)
+    results = tolerances(study, not arguments.no_proof)
     drawn, share = _drawn(study, arguments.workers)
     console = make_console()
     for title, heads, rows in (
@@ -62,10 +62,10 @@ def _run(arguments: argparse.Namespace) -> None:
              ('measure', 'unit', 'middle>', *(f'{end} {way}>' for way in
                                               ('first order', 'of corners', 'proven', 'drawn')
                                               for end in ('least', 'greatest')),
-              '5 %>', '50 %>', '95 %>'), [_bounds_row(one, drawn) for one in found]),
+              '5 %>', '50 %>', '95 %>'), [_bounds_row(one, drawn) for one in results]),
             ('derivatives, and what each tolerance contributes',
              ('measure', 'parameter', 'derivative>', 'unit', '+->'),
-             [row for one in found for row in _derivative_rows(one, box)])):
+             [row for one in results for row in _derivative_rows(one, box)])):
         table = PlainTable(title, heads)
         for row in rows:
             table.add_row(*row)
@@ -99,7 +99,7 @@ def _drawn(study: Study, workers: int | None) -> tuple[dict[str, Summary], float
 
 
 def _bounds_row(one: Toleranced, drawn: dict[str, Summary]) -> tuple[str, ...]:
-    """Return the row of a measure: (least, greatest) by each way, and percentiles as drawn."""
+    """Return a row: a measure in the middle, (least, greatest) by each way, drawn percentiles."""
     measure, value, _ = one.sensitivity
     summary = drawn[measure.name]
     assert not isinstance(value, str)           # tolerances() leaves the class out

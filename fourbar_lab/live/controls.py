@@ -130,7 +130,7 @@ def shown_parameters(shown: Shown) -> dict[str, list[Parameter]]:
         if (group in GROUPS and parameter.type in ('double', 'integer') and value == value
                 and _has_effect(shown, *name.split('.'))):
             groups[group].append(parameter)
-    return {group: found for group, found in groups.items() if found}
+    return {group: members for group, members in groups.items() if members}
 
 
 def _has_effect(shown: Shown, group: str, *rest: str) -> bool:
@@ -153,10 +153,10 @@ def build(shown: Shown, change: Change, refuse: Refuse) -> dict[str, Show]:
     none in what he typed.
     """
     shows = {}
-    for group, found in shown_parameters(shown).items():
+    for group, members in shown_parameters(shown).items():
         with ui.expansion(GROUPS[group], value=group in OPEN).classes('full-width').props(
                 'dense expand-separator'):
-            for parameter in found:
+            for parameter in members:
                 is_choice = parameter.name.endswith('.mode') and parameter.type == 'integer'
                 with ui.row().classes('fb-middle full-width no-wrap fb-control'):
                     shows[parameter.name] = (_choice(parameter, shown, change) if is_choice

@@ -105,9 +105,9 @@ class Shown:
     @cached_property
     def quantities(self) -> dict[str, Quantity | Function]:
         """Return {name: quantity} of all that can be drawn over the input."""
-        found: list[Quantity | Function]
-        found = select((), self.linkage, self.scene.point_quantities)
-        return ({quantity.name: quantity for quantity in found}
+        chosen: list[Quantity | Function]
+        chosen = select((), self.linkage, self.scene.point_quantities)
+        return ({quantity.name: quantity for quantity in chosen}
                 | positions(self.linkage, self.linkage.input)
                 | ({AXIS_ANGLE: axis_angle(self.linkage)} if self.has_axis else {}))
 
@@ -176,15 +176,15 @@ class Shown:
 
     def samples(self, most: int) -> list[tuple[float, Pose]]:
         """Return (input, pose) at about ``most`` equal steps over the cycles, without toggles."""
-        found = []
+        samples = []
         for cycle in self.cycles:
             step = max(1, ceil(len(cycle.inputs) * len(self.cycles) / most))
             for i in range(0, len(cycle.inputs), step):
                 motion = _sample(cycle.motion, i)
                 loads = _sample(cycle.loads, i) if self.linkage.bodies else None
                 if isfinite(sum(motion) + sum(loads or ())):
-                    found.append((float(cycle.inputs[i]), Pose(motion, loads)))
-        return found
+                    samples.append((float(cycle.inputs[i]), Pose(motion, loads)))
+        return samples
 
     @cached_property
     def poses(self) -> list[Pose]:
@@ -203,26 +203,26 @@ class Shown:
     @cached_property
     def _largest(self) -> dict[str, float]:
         """Return {unit: largest magnitude of a value over the cycle}."""
-        found: dict[str, float] = {}
+        largest: dict[str, float] = {}
         for pose in self.poses:
             for value, unit in self._values(pose).values():
-                found[unit] = max(found.get(unit, 0.0), abs(value))
-        return found
+                largest[unit] = max(largest.get(unit, 0.0), abs(value))
+        return largest
 
     def _values(self, pose: Pose) -> dict[str, tuple[float, str]]:
         """Return as :meth:`values`, with rounding; positions of joints that turn in degrees."""
-        found, (motion, loads) = {}, pose
+        values, (motion, loads) = {}, pose
         for coordinate in self.linkage.PARTS:
             is_angle = coordinate.unit == 'rad'
             units = ('deg', 'rad/s', 'rad/s²') if is_angle else ('m', 'm/s', 'm/s²')
             factors = (degrees(1.0) if is_angle else 1.0, 1.0, 1.0)
             for name, factor, unit in zip(coordinate, factors, units):
-                found[name] = factor * getattr(motion, name), unit
-        found['transmission_angle'] = degrees(motion.transmission_angle), 'deg'
+                values[name] = factor * getattr(motion, name), unit
+        values['transmission_angle'] = degrees(motion.transmission_angle), 'deg'
         if loads is not None:
-            found |= {quantity.name: (quantity.of(motion, loads), written(quantity.unit))
-                      for quantity in select((), self.linkage) if quantity.is_load}
-        return found
+            values |= {quantity.name: (quantity.of(motion, loads), written(quantity.unit))
+                       for quantity in select((), self.linkage) if quantity.is_load}
+        return values
 
     @cached_property
     def labels(self) -> Labels:

@@ -114,18 +114,22 @@ class Page:
         self.rebuild()
 
     def rebuild(self, keep_problem: bool = False) -> None:
-        """Compute all that is shown again; what is impossible takes the picture away."""
+        """
+        Compute and draw all that is shown again, after a change of parameters.
+
+        Parameters that no mechanism can have take the picture away, with the reason.
+        """
         try:
-            found = shown_of(self.values, self.acceleration, self.playback.speed)
-            view = mechanism_view(found, *(other for other, _ in self.playback.others()))
-            per_newton = force_scale(found)
+            shown = shown_of(self.values, self.acceleration, self.playback.speed)
+            view = mechanism_view(shown, *(other for other, _ in self.playback.others()))
+            per_newton = force_scale(shown)
         except FourBarError as error:
             return self._show_nothing(str(error))
         self.problem = self.problem if keep_problem else ''
-        self.shown, self.view, self.per_newton, self.refusal = found, view, per_newton, ''
-        self.names = [name for name in self.names if name in found.quantities]
-        self.playback.follow(found)
-        self.elements.words.set_text(found.linkage.description)
+        self.shown, self.view, self.per_newton, self.refusal = shown, view, per_newton, ''
+        self.names = [name for name in self.names if name in shown.quantities]
+        self.playback.follow(shown)
+        self.elements.words.set_text(shown.linkage.description)
         self._set_input()
         self._draw_traces()
         self.views.expire()
@@ -149,7 +153,11 @@ class Page:
                                          if self.layers.curves and not self.refusal else '')
 
     def draw(self, with_table: bool = True) -> None:
-        """Draw the present pose in every picture, and its numbers."""
+        """
+        Draw the present pose in the picture and in the view that is open, and its numbers.
+
+        Runs to compare with are drawn below it, pale, and their numbers stand beside.
+        """
         if self.refusal:
             return
         status, pose = self.shown.pose(*self.playback.state())

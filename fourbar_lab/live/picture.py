@@ -67,14 +67,14 @@ def mechanism_view(*several: Shown) -> View:
 
 def _force_arrows(several: Sequence[Shown]) -> tuple[Array, Array]:
     """Return tails [m] and arrows [px] of the forces of all poses, shape (n, 2) each."""
-    found: list[tuple[Array, Array]] = []
+    ends: list[tuple[Array, Array]] = []
     for shown in several:
         per_newton = force_scale(shown)
         for motion, loads in shown.poses if per_newton else ():
             assert loads is not None, 'there is a force scale'
-            found += [(force.place, per_newton * DOWN * force.vector)
-                      for force in forces_of(shown.linkage.diagram(motion), loads)]
-    pairs: Array = np.array(found).reshape(-1, 2, 2)
+            ends += [(force.place, per_newton * DOWN * force.vector)
+                     for force in forces_of(shown.linkage.diagram(motion), loads)]
+    pairs: Array = np.array(ends).reshape(-1, 2, 2)
     tails, arrows = pairs[:, 0], pairs[:, 1]
     fits = np.hypot(*arrows.T) <= 1.2 * LONGEST_FORCE       # a few near toggles leave the picture
     return tails[fits], arrows[fits]
@@ -163,12 +163,12 @@ def traces_svg(shown: Shown, view: View) -> str:
 def _forces(shown: Shown, diagram: Diagram, loads: NamedFields, view: View, per_newton: float
             ) -> list[tuple[tuple[float, float], tuple[float, float], str]]:
     """Return (start, vector, label) of the forces at the joints, in pixels."""
-    found = []
+    arrows = []
     for force in forces_of(diagram, loads):
         x, y = (per_newton * DOWN * force.vector).tolist()
         label = f'{shown.labels.forces[force.name]} = {significant(force.size)} N'
-        found.append((view.at(force.place), (x, y), label))
-    return found
+        arrows.append((view.at(force.place), (x, y), label))
+    return arrows
 
 
 def _centres(linkage: Mechanism, motion: NamedFields, view: View,
@@ -181,30 +181,30 @@ def _centres(linkage: Mechanism, motion: NamedFields, view: View,
     links: list[tuple[int, LinkMotion | None]] = [(1, None)]
     links += [(i, link_motion(linkage, motion, link.name))
               for i, link in enumerate(linkage.LINKS, 2)]
-    found = []
+    strokes = []
     for (i, one), (j, other) in combinations(links, 2):
         assert other is not None, 'the ground is the first'
         x, y = view.at(instant_centre(other, one))
         if 0.0 <= x <= WIDTH and 0.0 <= y <= HEIGHT and all(
                 hypot(x - u, y - v) > 6.0 for u, v in joints):
-            found += [svg.line('centre', (x - 6.0, y - 6.0), (x + 6.0, y + 6.0)),
-                      svg.line('centre', (x - 6.0, y + 6.0), (x + 6.0, y - 6.0)),
-                      svg.text('centre', (x + 9.0, y + 18.0), f'P_{{{i}{j}}}')]
-    return found
+            strokes += [svg.line('centre', (x - 6.0, y - 6.0), (x + 6.0, y + 6.0)),
+                        svg.line('centre', (x - 6.0, y + 6.0), (x + 6.0, y - 6.0)),
+                        svg.text('centre', (x + 9.0, y + 18.0), f'P_{{{i}{j}}}')]
+    return strokes
 
 
 def _axis(linkage: Mechanism, motion: NamedFields, view: View) -> list[str]:
     """Return the collineation axis, its poles and the lines through them, as far as in view."""
     lines, poles = axis_parts(linkage, motion, np.array(view.place(0.0, HEIGHT)),
                               np.array(view.place(WIDTH, 0.0)))
-    found = [svg.line('sum' if name == 'axis' else 'through', *map(view.at, ends))
-             for name, ends in lines.items()]
+    strokes = [svg.line('sum' if name == 'axis' else 'through', *map(view.at, ends))
+               for name, ends in lines.items()]
     for letter, place in poles.items():
         x, y = view.at(place)
-        found += [svg.circle('sum', (x, y), 4.0), svg.text('sum', (x + 9.0, y - 9.0), letter)]
+        strokes += [svg.circle('sum', (x, y), 4.0), svg.text('sum', (x + 9.0, y - 9.0), letter)]
     angle = axis_angle(linkage).of(motion, None)
-    return [*found, svg.text('sum', (WIDTH - 8.0, 18.0),
-                             f'axis at {angle:.2f}\N{DEGREE SIGN} to the coupler', 'end')]
+    return [*strokes, svg.text('sum', (WIDTH - 8.0, 18.0),
+                               f'axis at {angle:.2f}\N{DEGREE SIGN} to the coupler', 'end')]
 
 
 # --- polygons ------------------------------------------------------------------------------------
@@ -255,9 +255,9 @@ class Handle:
     @cached_property
     def _path(self) -> tuple[Array, Array]:
         """Return inputs over the cycles, (n,), and the pixels of the joint at them, (n, 2)."""
-        found = [(position, self.view.at(self.shown.linkage.diagram(motion).joints[self.joint]))
-                 for position, (motion, _) in self.shown.samples(DRAG_SAMPLES)]
-        inputs, pixels = zip(*found)
+        sampled = [(position, self.view.at(self.shown.linkage.diagram(motion).joints[self.joint]))
+                   for position, (motion, _) in self.shown.samples(DRAG_SAMPLES)]
+        inputs, pixels = zip(*sampled)
         return np.array(inputs), np.array(pixels)
 
     def input_at(self, pixel: tuple[float, float], now: float) -> float:

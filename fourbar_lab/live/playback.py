@@ -48,6 +48,7 @@ class Pace:
 class Playback(ABC):
     """What moves the input of a mechanism."""
 
+    shown: Shown
     can_drag = True
     has_extrema = True          # its curves are over the input, with the extrema marked
     pace: Pace | None = None    # what its user may set; None: nothing
@@ -83,9 +84,9 @@ class Playback(ABC):
     def state(self) -> State:
         """Return the :class:`State` of the input."""
 
-    @abstractmethod
     def follow(self, shown: Shown) -> None:
-        """Go on with another mechanism."""
+        """Go on with another mechanism, as when a parameter has changed."""
+        self.shown = shown
 
     def others(self) -> list[tuple[Shown, State | None]]:
         """Return the mechanism and the state of each run to compare with; None after its end."""
@@ -146,7 +147,7 @@ class CyclePlayback(Playback):
         return State(self.position, self.shown.rate, self.shown.acceleration)
 
     def follow(self, shown: Shown) -> None:
-        """Go on with another mechanism."""
+        """Go on with another mechanism, at the nearest input that is possible."""
         self.shown, self.position = shown, shown.nearest_input(self.position)
 
     def curves(self, names: Sequence[str], extrema: Sequence[Extremum],
@@ -199,10 +200,6 @@ class RunPlayback(Playback):
     def state(self) -> State:
         """Return the :class:`State` at the sample that holds now."""
         return state_at(self.run, self.time)
-
-    def follow(self, shown: Shown) -> None:
-        """Go on with another mechanism, moved by the same run."""
-        self.shown = shown
 
     def others(self) -> list[tuple[Shown, State | None]]:
         """Return the mechanism and the state of each run beside; None after its end."""
@@ -294,7 +291,3 @@ class NodePlayback(CyclePlayback):
             return ''
         return (f'no motion of the node for {silent:.0f} s: this is its last pose'
                 if self._last else 'no motion of the node yet: this is where it would start')
-
-    def follow(self, shown: Shown) -> None:
-        """Go on with another mechanism."""
-        self.shown = shown

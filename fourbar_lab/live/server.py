@@ -172,6 +172,7 @@ class NodePage(Page):
     """A page whose scene and motion are those of a node."""
 
     def __init__(self, watched: Watched, query: dict[str, str]):
+        """Begin with the node's parameters; the query is left alone, the state is the node's."""
         super().__init__(watched.node, watched.values, {},
                          lambda shown: NodePlayback(shown, watched.latest))
         self.watched, self.version = watched, watched.version

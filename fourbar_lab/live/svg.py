@@ -112,7 +112,7 @@ def polyline(kind: str, places: Array, view: View) -> str:
 
 
 def primitive(part: Primitive, view: View) -> str:
-    """Return a primitive of the picture of a mechanism."""
+    """Return a bar, an arm to a point, a joint, or the outlines of a block or a pivot."""
     if isinstance(part, Bar):
         ends = view.at(part.start), view.at(part.end)
         return line('bar', *ends) + line('core', *ends)

@@ -40,10 +40,10 @@ def extrema_rows(shown: Shown, extrema: Sequence[Extremum]) -> list[dict[str, st
 
 def joint_rows(shown: Shown) -> list[tuple[str, str]]:
     """Return (letter, names of the joints there) where pictures have letters for words."""
-    found: dict[str, list[str]] = {}
+    joints: dict[str, list[str]] = {}
     for name, letter in shown.labels.letters.items():
-        found.setdefault(f'joint {plain(letter)}', []).append(name)
-    return [(letter, ', '.join(names)) for letter, names in found.items()]
+        joints.setdefault(f'joint {plain(letter)}', []).append(name)
+    return [(letter, ', '.join(names)) for letter, names in joints.items()]
 
 
 def now_columns(title: str, others: Sequence[str]) -> list[dict[str, str]]:

@@ -81,7 +81,11 @@ def example_7_3() -> dict[str, float]:
 
 
 def example_7_4() -> dict[str, float]:
-    """Take the rod at 45 deg, 50 rad/s ccw, the slider 0.5 m out and moving outwards at 30 m/s."""
+    """
+    Return the acceleration of a slider on a turning rod [m/s^2], its parts and direction [deg].
+
+    The rod is at 45 deg, at 50 rad/s ccw, the slider 0.5 m out and moving outwards at 30 m/s.
+    """
     out = np.array([np.cos(pi / 4.0), np.sin(pi / 4.0)])
     terms = acceleration_terms((0.0, 0.0), 50.0, 0.0, 0.5 * out, 30.0 * out)
     total = np.sum(terms, axis=0)
@@ -311,10 +315,10 @@ def symbols() -> dict[str, float]:
     """
     m = EXAMPLE_7_6.motion(*GIVEN_7_6)
     a1, a2, a3, a4 = EXAMPLE_7_6.lengths
-    found = {'a1': a1, 'a2': a2, 'a3': a3, 'a4': a4} | bilinear_factors(a1, a2, a3, a4)._asdict()
+    values = {'a1': a1, 'a2': a2, 'a3': a3, 'a4': a4} | bilinear_factors(a1, a2, a3, a4)._asdict()
     for n, angle in enumerate((m[0:3], m[3:6], m[6:9], m[9:12]), 1):
-        found |= _half_angle(n, *angle)
-    return found | {letter: found[f'{letter}1'] * found[f'{letter}2'] for letter in 'ABCD'}
+        values |= _half_angle(n, *angle)
+    return values | {letter: values[f'{letter}1'] * values[f'{letter}2'] for letter in 'ABCD'}
 
 
 def paper_symbols() -> dict[str, float]:
@@ -323,16 +327,16 @@ def paper_symbols() -> dict[str, float]:
 
     The chain has theta1 + pi, -theta4, and its own factors.
     """
-    found = symbols()
+    values = symbols()
     a1, a2, a3, a4 = EXAMPLE_7_6.lengths
-    found |= {'A1': a1 - a2 + a3 - a4, 'A2': a1 + a2 + a3 - a4, 'B1': a1 + a2 - a3 - a4,
-              'B2': a1 - a2 - a3 - a4,
-              'C1': a1 - a2 - a3 + a4, 'C2': a1 + a2 - a3 + a4, 'D1': a1 + a2 + a3 + a4,
-              'D2': a1 - a2 + a3 + a4}
+    values |= {'A1': a1 - a2 + a3 - a4, 'A2': a1 + a2 + a3 - a4, 'B1': a1 + a2 - a3 - a4,
+               'B2': a1 - a2 - a3 - a4,
+               'C1': a1 - a2 - a3 + a4, 'C2': a1 + a2 - a3 + a4, 'D1': a1 + a2 + a3 + a4,
+               'D2': a1 - a2 + a3 + a4}
     m = EXAMPLE_7_6.motion(*GIVEN_7_6)
-    found |= (_half_angle(1, m.theta1 + pi, m.omega1, m.alpha1)
-              | _half_angle(4, -m.theta4, -m.omega4, -m.alpha4))
-    return found | {letter: found[f'{letter}1'] * found[f'{letter}2'] for letter in 'ABCD'}
+    values |= (_half_angle(1, m.theta1 + pi, m.omega1, m.alpha1)
+               | _half_angle(4, -m.theta4, -m.omega4, -m.alpha4))
+    return values | {letter: values[f'{letter}1'] * values[f'{letter}2'] for letter in 'ABCD'}
 
 
 def _half_angle(n: int, theta: float, omega: float, alpha: float) -> dict[str, float]:

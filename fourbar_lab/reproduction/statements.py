@@ -118,7 +118,7 @@ def axis() -> dict[str, float]:
     ``square_7_7``, ``square_paper``: the angle at the extrema of omega4 that is farthest from a
     right one [deg]; ``bend_...``: at those of alpha4 d(tan l)/d(theta1) + 2 R - 1, over its terms.
     """
-    found: dict[str, float] = {}
+    values: dict[str, float] = {}
     for name, linkage in (('7_7', published.EXAMPLE_7_7), ('paper', published.PAPER)):
         square, bend = [90.0], [0.0]
         for its in (linkage.in_mode(CROSSED), linkage.in_mode(OPEN)):
@@ -132,9 +132,9 @@ def axis() -> dict[str, float]:
                     slope = float((line.across / line.along).imag[0]) / STEP
                     ratio = float(motion.omega4.real[0])
                     bend.append((slope + 2.0 * ratio - 1.0) / (abs(slope) + 1.0 + abs(ratio)))
-        found |= {f'square_{name}': max(square, key=lambda angle: abs(angle - 90.0)),
-                  f'bend_{name}': max(bend, key=abs)}
-    return found
+        values |= {f'square_{name}': max(square, key=lambda angle: abs(angle - 90.0)),
+                   f'bend_{name}': max(bend, key=abs)}
+    return values
 
 
 def small_share(e: float) -> FourBar:

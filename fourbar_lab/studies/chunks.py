@@ -81,20 +81,21 @@ def measured(study: Study, drawn: dict[str, Array]) -> Computed:
 
 
 def compute(study: Study, chunk: int) -> Chunk:
-    """Return the results of one of the chunks of a study, counted from 0."""
+    """Return the results of one of the chunks of a study, counted from 0: of the rows kept."""
     start, stop = study.rows_of(chunk)
     drawn = study.drawn(start, stop)
-    found = measured(study, drawn)
-    is_feasible = np.array([reason == FEASIBLE for reason in found.reasons])
-    kept = np.nonzero(is_feasible | (found.is_known & study.keeps_all))[0]
+    computed = measured(study, drawn)
+    is_feasible = np.array([reason == FEASIBLE for reason in computed.reasons])
+    kept = np.nonzero(is_feasible | (computed.is_known & study.keeps_all))[0]
     head = {'row': kept + start}
     if study.keeps_all:
         head[FEASIBLE] = is_feasible[kept]
     types = types_of(study)
     columns: dict[str, Array] = {name: column[kept] for name, column in drawn.items()}
-    columns |= {name: column[kept].astype(types[name]) for name, column in found.columns.items()}
-    return Chunk(head | columns, dict(Counter(found.reasons)),
-                 [(start + i, text) for i, text in found.failures])
+    columns |= {name: column[kept].astype(types[name])
+                for name, column in computed.columns.items()}
+    return Chunk(head | columns, dict(Counter(computed.reasons)),
+                 [(start + i, text) for i, text in computed.failures])
 
 
 def nothing(study: Study) -> dict[str, Array]:

@@ -175,7 +175,7 @@ class _MeasureDerivatives:
         self._names, self._source = derivatives.names, Measures(derivatives.scene).source
         self._unknown = np.full(len(derivatives.names), nan)
         self._moves: dict[tuple[str, float], tuple[Array, Array]] = {}
-        linkage = design.linkage
+        linkage = design.linkage                # a full turn or a stroke depends on no parameter
         self._input_is_fixed = bool(linkage.turns_fully
                                     or linkage.input_ranges == (linkage.stroke,))
 
@@ -208,7 +208,11 @@ class _MeasureDerivatives:
                 }.get(part, self._unknown)
 
     def _of_extremum(self, extremum: Extremum) -> tuple[Array, Array]:
-        """Return the derivatives of the value and of the place of an extremum."""
+        """
+        Return the derivatives of the value and of the place of an extremum.
+
+        Inside the range by (S1), (S2); at an end of a stroke, which does not move, of the value.
+        """
         name, x = extremum.quantity, extremum.input
         if not isfinite(extremum.value):
             return self._unknown, self._unknown

@@ -174,10 +174,15 @@ class Executor(Protocol):
 
 
 def _begin_worker(alive: Connection) -> None:
-    """Leave Ctrl-C to the main process, and end when that ends, however, or closes its pipe."""
+    """
+    Prepare a worker: Ctrl-C is for the main process, and the worker ends when that does.
+
+    ``alive`` is the pipe from there; it closes even if the main process is killed.
+    """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
     def follow() -> None:
+        """Wait in a thread until the pipe closes, then kill this process."""
         alive.poll(None)           # nothing is ever sent
         # a chunk may hold the main thread for seconds; Windows kills with any signal
         os.kill(os.getpid(), getattr(signal, 'SIGKILL', signal.SIGTERM))
@@ -194,7 +199,7 @@ class Local:
         self._begin()
 
     def _begin(self) -> None:
-        """Start the pool; its workers end when our end of the pipe is closed, however."""
+        """Start the pool, with a pipe: when this end closes, by a kill too, its workers end."""
         context = multiprocessing.get_context('spawn')
         theirs, self._alive = context.Pipe(duplex=False)
         self._pool = ProcessPoolExecutor(self.workers, context, _begin_worker, (theirs,))

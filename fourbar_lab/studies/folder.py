@@ -8,6 +8,7 @@ renamed. What is there after a crash, of anything, is right; what is not is comp
 """
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import asdict
@@ -17,7 +18,7 @@ import json
 import os
 from pathlib import Path
 import re
-from typing import Any, NamedTuple
+from typing import Any
 
 from fourbar_lab.studies.chunks import Chunk, nothing
 from fourbar_lab.studies.study import Study, StudyError
@@ -38,17 +39,9 @@ MANIFEST, PART = '_manifest.parquet', 'part-{:08d}.parquet'
 OLD_MANIFEST = 'manifest.json'      # of early versions
 _PART = re.compile(r'part-(\d{8,})\.parquet')
 KEY = b'fourbar_ros'        # of our metadata in a part
-MOST_FAILURES = 1000        # that are read at once
-
+MOST_FAILURES = 1000        # that are listed
 
 Manifest = dict[str, Any]       # of a folder, as JSON
-
-
-class PartInfo(NamedTuple):
-    """What a part says about its chunk."""
-
-    counts: dict[str, int]
-    failures: list[tuple[int, str]]
 
 
 def as_json(study: Study) -> Manifest:
@@ -215,25 +208,23 @@ class Folder:
                  if (match := _PART.fullmatch(path.name))}
         return dict(sorted(parts.items()))
 
-    def info(self, path: Path) -> PartInfo:
-        """Return what a part says about its chunk; StudyError if it cannot be read."""
-        try:
-            about = _about(path)
-        except (OSError, KeyError, TypeError, ValueError) as error:
-            raise StudyError(f'{path}: no part of a study: {error}') from None
-        return PartInfo(about['counts'], [(row, text) for row, text in about['failures']])
-
     def totals(self) -> tuple[dict[str, int], list[tuple[int, str]]]:
-        """Return {reason: designs} over all parts, most frequent first, and the first failures."""
-        counts: dict[str, int] = {}
+        """
+        Return {reason: designs} over all parts, most frequent first, and the first failures.
+
+        A failure is (row, text). StudyError if a part cannot be read.
+        """
+        counts: Counter[str] = Counter()
         failures: list[tuple[int, str]] = []
         for path in self.parts().values():
-            info = self.info(path)
-            for reason, number in info.counts.items():
-                counts[reason] = counts.get(reason, 0) + number
-            if len(failures) < MOST_FAILURES:
-                failures += info.failures
-        return dict(sorted(counts.items(), key=lambda item: -item[1])), failures[:MOST_FAILURES]
+            try:
+                of_part = _about(path)
+                counts.update(of_part['counts'])
+                failures += [(row, text) for row, text in of_part['failures']]
+            except (OSError, KeyError, TypeError, ValueError) as error:
+                raise StudyError(f'{path}: no part of a study: {error}') from None
+            del failures[MOST_FAILURES:]
+        return dict(counts.most_common()), failures
 
 
 def _about(path: Path) -> Any:

@@ -147,11 +147,11 @@ class Measures:
 
     def one(self, entry: str, name: str) -> Measure:
         """Return the measure of this name; InvalidParameter if it stands for several or none."""
-        found = self.named(entry, name)
-        if len(found) > 1:
+        measures = self.named(entry, name)
+        if len(measures) > 1:
             raise InvalidParameter(entry, name, f'say which part of it: {name}.max or another of '
                                                 f'{", ".join(PARTS)}')
-        return found[0]
+        return measures[0]
 
     def _of_mechanism(self, entry: str, name: str) -> Measure:
         """Return a measure of the mechanism; outputs that turn have a swing, slides a stroke."""

@@ -103,16 +103,16 @@ def point_quantities_of(scene: Scene, values: ParameterValues, parametric: Mecha
 
     ``parametric``: of :func:`with_lengths`. Names and units are those of the scene's own points.
     """
-    found: dict[str, Searched] = {}
+    quantities: dict[str, Searched] = {}
     for name, point in scene.points.items():
         place = values[f'points.{name}.along'], values[f'points.{name}.across']
         for make in (point_speed, point_acceleration):
             quantity = make(scene.linkage, *point, name=name)
             of: Any = quantity.of           # partial(length, linkage, link, along, across, first)
             _, link, _, _, first = of.args
-            found[quantity.name] = quantity._replace(
+            quantities[quantity.name] = quantity._replace(
                 of=partial(of.func, parametric, link, *place, first))
-    return found
+    return quantities
 
 
 class Formulas(NamedTuple):

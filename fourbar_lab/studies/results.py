@@ -139,8 +139,8 @@ class Results:
         if path is None or not 0 <= row < self.study['rows']:
             raise StudyError(f'{self.folder.path}: row {row} is not computed')
         table = parquet.read_table(path)
-        found = table.filter(pc.equal(table['row'], row)).to_pylist()
-        return found[0] if found else {}
+        rows = table.filter(pc.equal(table['row'], row)).to_pylist()
+        return rows[0] if rows else {}
 
     def scene_values(self, row: int) -> ParameterValues:
         """Return the parameters of the scene of one row, those that differ from the default."""
@@ -203,12 +203,12 @@ def rank_correlations(columns: dict[str, Array], inputs: list[str],
                       outputs: list[str]) -> dict[str, dict[str, float]]:
     """Return {output: {input: Spearman's rank correlation}} over finite rows; 0 of a constant."""
     from scipy.stats import spearmanr
-    found: dict[str, dict[str, float]] = {}
+    correlations: dict[str, dict[str, float]] = {}
     for output in outputs:
         fine = np.isfinite(columns[output])
         values = columns[output][fine]
-        found[output] = {
+        correlations[output] = {
             name: float(spearmanr(columns[name][fine], values).statistic)
             if np.unique(values).size > 1 and np.unique(columns[name][fine]).size > 1 else 0.0
             for name in inputs}
-    return found
+    return correlations

@@ -251,11 +251,9 @@ def _rows(value: Yaml, method: str, vary: tuple[Variation, ...]) -> int:
 
 def _bounds(value: Yaml, measures: Measures, scene: Scene) -> tuple[Bound, ...]:
     """Return the constraints of a mapping {measure: {least: VALUE, most: VALUE} or types}."""
-    if not isinstance(value, dict):
-        raise InvalidParameter('constraints', value, 'must be a mapping, as '
-                                                     '{swing: {least: 0.5}}')
     return tuple([_bound(f'constraints.{name}', measures.one('constraints', name), limits, scene)
-                  for name, limits in value.items()])
+                  for name, limits in mapping_of('constraints', value,
+                                                 'a mapping, as {swing: {least: 0.5}}').items()])
 
 
 def _bound(entry: str, measure: Measure, value: Yaml, scene: Scene) -> Bound:
@@ -271,7 +269,7 @@ def _bound(entry: str, measure: Measure, value: Yaml, scene: Scene) -> Bound:
     low, high = measure.limits
     if least > high or most < low:
         raise InvalidParameter(entry, value, f'no design can fulfil it: {measure.name} lies in '
-                                           f'[{low:g}, {high:.6g}] {measure.unit}'.rstrip())
+                                             f'[{low:g}, {high:.6g}] {measure.unit}'.rstrip())
     return Bound(measure, least, most)
 
 
@@ -304,28 +302,32 @@ def _known_types(scene: Scene) -> list[str]:
 
 def _objectives(value: Yaml, measures: Measures) -> tuple[Objective, ...]:
     """Return the objectives of a mapping {measure: minimize or maximize}."""
-    if not isinstance(value, dict):
-        raise InvalidParameter('objectives', value, 'must be a mapping, as '
-                                                    '{shaking_force.max: minimize}')
-    found = []
-    for name, sense in value.items():
+    objectives = []
+    for name, sense in mapping_of('objectives', value,
+                                  'a mapping, as {shaking_force.max: minimize}').items():
         measure = measures.one('objectives', str(name))
         if measure.part == CLASS:
             raise InvalidParameter('objectives', name, 'is text and cannot be minimized')
-        found.append(Objective(measure, choice_of(f'objectives.{name}', sense, SENSES)))
-    return tuple(found)
+        objectives.append(Objective(measure, choice_of(f'objectives.{name}', sense, SENSES)))
+    return tuple(objectives)
 
 
 def _curves(value: Yaml, scene: Scene) -> tuple[Curve, ...]:
     """Return the curves of a mapping {point of the scene: samples}."""
-    if not isinstance(value, dict):
-        raise InvalidParameter('curves', value, 'must be {NAME OF A POINT: SAMPLES}')
-    for name in value:
+    samples_of = mapping_of('curves', value, '{NAME OF A POINT: SAMPLES}')
+    for name in samples_of:
         if name not in scene.points:
             has = f'has {", ".join(scene.points)}' if scene.points else 'has none'
             raise InvalidParameter(f'curves.{name}', None, f'no point of the scene, which {has}')
     return tuple([Curve(name, integer_of(f'curves.{name}', samples, 1, MOST_SAMPLES))
-                  for name, samples in value.items()])
+                  for name, samples in samples_of.items()])
+
+
+def mapping_of(entry: str, value: Yaml, what: str) -> dict[str, Yaml]:
+    """Return a mapping; ``what`` tells the user what it must be."""
+    if not isinstance(value, dict):
+        raise InvalidParameter(entry, value, f'must be {what}')
+    return value
 
 
 def choice_of(entry: str, value: Yaml, choices: tuple[str, ...]) -> str:

@@ -90,13 +90,13 @@ def tolerances(study: Study, prove: bool = True) -> list[Toleranced]:
     scene = from_values({**study.values, **{one.name: one.centre for one in box}})
     derivatives = Derivatives(scene, [one.name for one in box], study.acceleration)
     measures = [measure for measure in study.measures if measure.part != CLASS]
-    found = sensitivities(derivatives, measures)
-    corners = _corners(study, box, found)
+    at_middle = sensitivities(derivatives, measures)
+    corners = _corners(study, box, at_middle)
     proofs = _Proofs(scene, study.acceleration, box, measures) if prove else None
     return [Toleranced(one, sum(abs(one.by[tolerance.name]) * tolerance.size
                                 for tolerance in box),
                        corners[one.measure.name],
-                       proofs.bounds_of(one.measure) if proofs else UNKNOWN) for one in found]
+                       proofs.bounds_of(one.measure) if proofs else UNKNOWN) for one in at_middle]
 
 
 def _corners(study: Study, box: Sequence[Tolerance],
@@ -149,13 +149,13 @@ class _Proofs:
         if self._box is None:
             return UNKNOWN
         part = measure.part
-        found = [_of_part(part,
-                          UNKNOWN if part == 'min' else self._extreme(self._box, name, 'max'),
-                          UNKNOWN if part == 'max' else self._extreme(self._box, name, 'min'))
-                 for name in self._quantities(measure)]
+        bounds = [_of_part(part,
+                           UNKNOWN if part == 'min' else self._extreme(self._box, name, 'max'),
+                           UNKNOWN if part == 'max' else self._extreme(self._box, name, 'min'))
+                  for name in self._quantities(measure)]
         # of several angles the measure is the least
-        return Bounds(min([one.low for one in found], default=-inf),
-                      min([one.high for one in found], default=inf))
+        return Bounds(min([one.low for one in bounds], default=-inf),
+                      min([one.high for one in bounds], default=inf))
 
     def _quantities(self, measure: Measure) -> Sequence[str]:
         """Return the quantities from whose bounds those of a measure follow; none: unknown."""
@@ -214,6 +214,7 @@ def make_of(scene: Scene, names: Sequence[str], acceleration: float) -> Make:
     those of the scene.
     """
     def make(numbers: NumberType, values: ParameterValues) -> Callable[[Dual], Sequence[Dual]]:
+        """Return the function for parameters that are numbers of this type."""
         formulas = formulas_of(scene, numbers, {**scene.values, **values})
         quantities = [formulas.quantities[name] for name in names]
         linkage, needs_loads = scene.linkage, any(one.is_load for one in quantities)

@@ -127,15 +127,15 @@ def variation(name: str, given: Yaml, scene_value: Yaml) -> Variation:
         raise InvalidParameter(entry, given, 'only a list of its values can vary')
     values = _values(f'{entry}.{kind}', kind, given[kind], scene_value)
     levels = _levels(entry, kind, given.get('levels'), values)
-    found = Variation(name, parameter.unit, kind, values, levels)
-    for value in found.bounds:
+    result = Variation(name, parameter.unit, kind, values, levels)
+    for value in result.bounds:
         try:
             check_value(parameter, value)
         except InvalidParameter as error:
             reach = '' if kind == 'list' else f'reaches {value:.6g}, and it '
             raise InvalidParameter(f'{entry}.{kind}', given[kind],
                                    reach + error.allowed) from None
-    return found
+    return result
 
 
 def _values(entry: str, kind: str, given: Yaml, scene_value: Yaml) -> tuple[float, ...]:

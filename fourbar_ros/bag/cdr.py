@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Serialised messages (CDR) as numbers, by the definition in the bag; no type is hard-coded.
+Decode serialised messages (CDR) by the definition in the bag; no type is hard-coded.
 
 A :class:`Layout` knows where each field lies in messages whose strings and sequences have the same
 lengths. All messages of one layout are read as one numpy array of records, 50 times faster than
@@ -23,9 +23,9 @@ import numpy as np
 DEPTH = 64                  # of definitions within each other
 FIELDS = 10_000             # that may take no byte of a message: empty arrays, structures
 HEADER = 4                  # [bytes] encapsulation header; alignment counts from behind it
+# numpy's types as those of struct
 _CODES = {'?': '?', 'u1': 'B', 'i1': 'b', 'f4': 'f', 'f8': 'd', 'i2': 'h', 'u2': 'H', 'i4': 'i',
-          'u4': 'I',
-          'i8': 'q', 'u8': 'Q'}
+          'u4': 'I', 'i8': 'q', 'u8': 'Q'}
 
 Steps = tuple[Union[str, int], ...]      # names and indices that lead to a field
 # What stands for a field: the number of its leaf, the name of its texts, or those of its parts.
@@ -33,7 +33,12 @@ Tree: TypeAlias = 'int | str | dict[str, Tree] | list[Tree]'
 
 
 class Leaf(NamedTuple):
-    """A run of numbers or a string in a message: path of names and indices, dtype, place, unit."""
+    """
+    A number, an array of numbers or a string in a message.
+
+    ``path`` leads to it, ``format`` is numpy's type, ``shape`` () or (length,), ``offset`` counts
+    from the first byte of the message.
+    """
 
     path: Steps
     format: str
@@ -43,14 +48,14 @@ class Leaf(NamedTuple):
 
     @property
     def name(self) -> str:
-        """Return the path as written in Python."""
+        """Return the path as written in Python: header.stamp.sec, position[2]."""
         return ''.join(f'[{step}]' if isinstance(step, int) else f'.{step}'
                        for step in self.path)[1:]
 
 
 class Layout:
     """
-    Where the fields of one message lie, and of all that have the same lengths.
+    Where the fields of a message lie: the same place in all messages with the same lengths.
 
     Attributes
     ----------
@@ -70,8 +75,8 @@ class Layout:
         if self.size < HEADER or data[0] != 0 or data[1] > 1:
             raise BagError(f'{definition.name}: not a CDR message')
         self._order = '<' if data[1] else '>'
-        # of one order of bytes
-        self._fixed: list[tuple[int, int, bytes]] = [(0, 2, data[:2])]
+        # bytes (begin, end, value) that all messages of the layout share: byte order, lengths
+        self._shared: list[tuple[int, int, bytes]] = [(0, 2, data[:2])]
         self.leaves: list[Leaf] = []
         self.texts: dict[str, str | list[str]] = {}
         try:
@@ -93,70 +98,72 @@ class Layout:
         """Return whether a message has this layout."""
         if len(data) != self.size:
             return False
-        # for every input of a node: all() costs four times as much
-        for a, b, value in self._fixed:
-            if data[a:b] != value:
+        # a loop, since all() takes four times as long, and a node asks for every input
+        for begin, end, value in self._shared:
+            if data[begin:end] != value:
                 return False
         return True
 
     def matching(self, block: Array) -> Array:
         """Return which rows of a block of messages, uint8 of shape (n, size), have this layout."""
         good = np.ones(len(block), bool)
-        for a, b, value in self._fixed:
-            good &= (block[:, a:b] == np.frombuffer(value, np.uint8)).all(axis=1)
+        for begin, end, value in self._shared:
+            good &= (block[:, begin:end] == np.frombuffer(value, np.uint8)).all(axis=1)
         return good
 
-    def tree(self, records: Array) -> Any:
+    def tree(self, records: Array) -> SimpleNamespace:
         """
-        Return the fields of an array of ``dtype`` as nested namespaces.
+        Return the fields of n records (of ``dtype``) as nested namespaces of arrays.
 
         A number is an array of shape (n,), an array field one of shape (length, n):
         ``position[i]`` is joint i over time.
         """
-        return self._build(self._tree, [records[leaf.name].T if leaf.shape else records[leaf.name]
-                                        for leaf in self.leaves])
+        return self._namespace([records[leaf.name].T if leaf.shape else records[leaf.name]
+                                for leaf in self.leaves])
 
-    def message(self, data: bytes) -> Any:
+    def message(self, data: bytes) -> SimpleNamespace:
         """Return one message as nested namespaces of numbers, lists and str."""
         values = self._struct.unpack(data)
-        return self._build(self._tree, [
-            list(values[a:b]) if leaf.shape else
-            values[a].decode(errors='replace') if leaf.format[0] == 'S' else values[a]
-            for leaf, (a, b) in zip(self.leaves, self._places)])
+        return self._namespace([
+            list(values[begin:end]) if leaf.shape else
+            values[begin].decode(errors='replace') if leaf.format[0] == 'S' else values[begin]
+            for leaf, (begin, end) in zip(self.leaves, self._places)])
 
-    def _build(self, node: Any, values: Sequence[Any]) -> Any:
-        kind = type(node)
-        if kind is int:
-            return values[node]
-        if kind is dict:
-            found = SimpleNamespace()
-            found.__dict__.update({name: values[child] if type(child) is int
-                                   else self._build(child, values)
-                                   for name, child in node.items()})
-            return found
-        return self.texts[node] if kind is str else [self._build(child, values) for child in node]
+    def _namespace(self, values: Sequence[Any]) -> SimpleNamespace:
+        """Return the values of all leaves as nested namespaces."""
+        def build(node: Tree) -> Any:
+            """Return the value, namespace, texts or list for a node of the tree."""
+            if isinstance(node, int):
+                return values[node]
+            if isinstance(node, dict):
+                return SimpleNamespace(**{name: build(child) for name, child in node.items()})
+            return (self.texts[node] if isinstance(node, str)
+                    else [build(child) for child in node])
+        return SimpleNamespace(**{name: build(child) for name, child in self._tree.items()})
 
     @cached_property
     def _struct(self) -> Struct:
-        """Return the same layout for struct, quicker than numpy for a single message."""
-        parts, at, self._places, number = [self._order], 0, [], 0
+        """
+        Return the layout for struct, which reads a single message faster than numpy.
+
+        ``_places`` gets the (begin, end) of each leaf among the unpacked values.
+        """
+        codes, end_of_last, self._places, number = [self._order], 0, [], 0
         for leaf in self.leaves:
             count = leaf.shape[0] if leaf.shape else 1
-            parts.append(f'{leaf.offset - at}x')
-            if leaf.format[0] == 'S':
-                parts.append(f'{leaf.format[1:]}s')
-                at = leaf.offset + int(leaf.format[1:])
-            else:
-                parts.append(f'{count}{_CODES[leaf.format[-2:]]}')
-                at = leaf.offset + count * np.dtype(leaf.format).itemsize
+            is_text = leaf.format[0] == 'S'
+            size = int(leaf.format[1:]) if is_text else count * np.dtype(leaf.format).itemsize
+            codes.append(f'{leaf.offset - end_of_last}x'
+                         + (f'{size}s' if is_text else f'{count}{_CODES[leaf.format[-2:]]}'))
+            end_of_last = leaf.offset + size
             self._places.append((number, number + count))
             number += count
-        return Struct(''.join(parts) + f'{self.size - at}x')
+        return Struct(''.join(codes) + f'{self.size - end_of_last}x')
 
     # --------------------------------------------------------------------------------------------
 
     def _walk(self, type_name: str, path: Steps) -> dict[str, Tree]:
-        """Return the tree of a struct: {name: subtree}, a leaf being its number."""
+        """Read a struct at the current byte; return {field: number of its leaf, or subtree}."""
         self._depth += 1
         if self._depth > DEPTH:
             raise BagError(f'{self.type}: a definition within itself, or more than {DEPTH} within '
@@ -167,24 +174,26 @@ class Layout:
         return tree
 
     def _field(self, field: Field, path: Steps) -> Tree:
+        """Read one field at the current byte: a leaf, a struct, or a list of them."""
         self._steps += 1
         if self._steps > 4 * self.size + FIELDS:
             raise BagError(f'{self.type}: more fields than a message of {self.size} bytes can '
                            'have')
-        if field.type in PRIMITIVES:
-            shape = (() if field.count is None else (self._length() if field.count < 0
-                                                     else field.count,))
-            return self._leaf(path, PRIMITIVES[field.type], shape, field.unit)
         if field.type == 'wstring':
-            raise BagError(f'{self._definition.name}: wstring is not supported')
-        if field.count is None:
-            return self._string(path) if field.type == 'string' else self._walk(field.type, path)
-        count = self._length() if field.count < 0 else field.count
+            raise BagError(f'{self.type}: wstring is not supported')
+        count = (None if field.count is None else self._length() if field.count == SEQUENCE
+                 else field.count)
+        if field.type in PRIMITIVES:
+            shape = () if count is None else (count,)
+            return self._leaf(path, PRIMITIVES[field.type], shape, field.unit)
         if field.type == 'string':
-            return self._strings(path, count)
+            return self._string(path) if count is None else self._strings(path, count)
+        if count is None:
+            return self._walk(field.type, path)
         return [self._walk(field.type, (*path, i)) for i in range(count)]
 
     def _leaf(self, path: Steps, format_: str, shape: tuple[int, ...], unit: str = '') -> int:
+        """Note numbers or a text at the current byte, aligned; return the number of the leaf."""
         size = 1 if format_[0] in 'S?' else int(format_[-1])
         if size > 1 and shape != (0,):
             self._at += -(self._at - HEADER) % size
@@ -203,17 +212,18 @@ class Layout:
             raise IndexError
         length = int.from_bytes(self._data[self._at:end], 'little' if self._order == '<'
                                 else 'big')
-        self._fixed.append((self._at, end, self._data[self._at:end]))
+        self._shared.append((self._at, end, self._data[self._at:end]))
         self._at = end
         if length > self.size:
             raise IndexError
         return length
 
     def _string(self, path: Steps) -> int | str:
+        """Read a string: a leaf, since messages of one layout differ in texts of one length."""
         length = self._length()
         if length > 1:
             leaf = self._leaf(path, f'S{length - 1}', ())
-            self._at += length - 1
+            self._at += length - 1              # _leaf counts one byte; the final zero is no text
             if self._at > self.size:
                 raise IndexError
             return leaf
@@ -222,27 +232,20 @@ class Layout:
         return self._text(path, '')
 
     def _strings(self, path: Steps, count: int) -> str:
-        found = []
+        """Read a sequence of strings, as joint names; their bytes become part of the layout."""
+        texts = []
         for _ in range(count):
             length = self._length()
-            found.append(self._data[self._at:self._at
-                                    + max(length - 1, 0)].decode(errors='replace'))
-            self._at += length
-            self._pin_text(length)
+            begin, self._at = self._at, self._at + length
+            texts.append(self._data[begin:begin + max(length - 1, 0)].decode(errors='replace'))
+            # not the padding before the length: it holds old memory
+            self._shared[-1] = begin - 4, self._at, self._data[begin - 4:self._at]
         if self._at > self.size:
             raise IndexError
-        return self._text(path, found)
-
-    def _pin_text(self, length: int) -> None:
-        """
-        Make the text before here, with its length, part of the layout.
-
-        Not the padding: it holds old memory.
-        """
-        begin = self._at - length - 4
-        self._fixed[-1] = begin, self._at, self._data[begin:self._at]
+        return self._text(path, texts)
 
     def _text(self, path: Steps, value: str | list[str]) -> str:
+        """Keep texts that belong to the layout; return their name."""
         name = Leaf(path, '', (), 0).name
         self.texts[name] = value
         return name
@@ -256,15 +259,15 @@ class Decoder:
         self._layouts: dict[int, list[Layout]] = {}
 
     def layout(self, data: bytes) -> Layout:
-        """Return the Layout of a message."""
+        """Return the Layout of a message, a known one where it matches."""
         known = self._layouts.setdefault(len(data), [])
-        for layout in known:
-            if layout.matches(data):
-                return layout
-        known.append(Layout(self.definition, data))
-        return known[-1]
+        layout = next((layout for layout in known if layout.matches(data)), None)
+        if layout is None:
+            layout = Layout(self.definition, data)
+            known.append(layout)
+        return layout
 
-    def message(self, data: bytes) -> Any:
+    def message(self, data: bytes) -> SimpleNamespace:
         """Return one message as nested namespaces."""
         return self.layout(data).message(data)
 
@@ -277,23 +280,21 @@ class Decoder:
         sizes = np.fromiter(map(len, messages), np.int64, len(messages))
         for size in np.unique(sizes):
             rows = np.flatnonzero(sizes == size)
-            every = len(rows) == len(messages)
-            joined = b''.join(messages if every else [messages[i] for i in rows])
-            block: Array = np.frombuffer(joined, np.uint8).reshape(len(rows), size)
+            block: Array = np.frombuffer(b''.join([messages[i] for i in rows]),
+                                         np.uint8).reshape(len(rows), size)
             while len(rows):
                 layout = self.layout(block[0].tobytes())
                 good = layout.matching(block)
-                part = block if good.all() else np.ascontiguousarray(block[good])
-                yield layout, rows[good], part.view(layout.dtype)[:, 0]
+                same = block if good.all() else np.ascontiguousarray(block[good])
+                yield layout, rows[good], same.view(layout.dtype)[:, 0]
                 rows, block = rows[~good], block[~good]
 
 
 PRIMITIVES = {'bool': '?', 'byte': 'u1', 'char': 'u1', 'float32': 'f4', 'float64': 'f8',
-              'int8': 'i1',
-              'uint8': 'u1', 'int16': 'i2', 'uint16': 'u2', 'int32': 'i4', 'uint32': 'u4',
-              'int64': 'i8',
-              'uint64': 'u8'}
+              'int8': 'i1', 'uint8': 'u1', 'int16': 'i2', 'uint16': 'u2', 'int32': 'i4',
+              'uint32': 'u4', 'int64': 'i8', 'uint64': 'u8'}
 STRINGS = ('string', 'wstring')
+SEQUENCE = -1               # count of a field whose messages tell the length
 _FIELD = re.compile(r'([A-Za-z][\w/]*)(?:<=\d+)?(\[(?:(<=)?(\d+))?\])?\s+([A-Za-z]\w*)(?!\s*=|\w)')
 _UNIT = re.compile(r'\s*\[([^\]]+)\]')      # our definitions begin every comment with the unit
 
@@ -302,12 +303,13 @@ class Field(NamedTuple):
     """
     A field of a message.
 
-    ``count`` is None for a single value, -1 for a sequence; ``unit`` is the one in the comment.
+    ``count``: None for a single value, the length of an array, or SEQUENCE; ``unit``: the one in
+    the comment.
     """
 
     name: str
     type: str
-    count: int | None         # type: ignore[assignment] # no one counts fields
+    count: int | None         # type: ignore[assignment] # hides tuple.count, which nobody calls
     unit: str = ''
 
 
@@ -316,6 +318,7 @@ class Definition:
 
     def __init__(self, name: str, text: str) -> None:
         self.name = name
+        # behind lines of = come the types within it, each with a line MSG: package/Name
         parts = re.split(r'^=+[ \t]*\n', text.replace('\r', ''), flags=re.M)
         self._types = {short(name): fields_in(name, parts[0])}
         for part in parts[1:]:
@@ -340,22 +343,23 @@ def short(name: str) -> str:
 
 def fields_in(owner: str, text: str) -> list[Field]:
     """
-    Return the fields that the text of one definition declares.
+    Return the fields that the text of one definition (.msg) declares; constants are none.
 
-    Types without a package are those of ``owner``.
+    ``float64[3] force  # [N] on B`` of the type ``owner`` 'a/msg/B' is Field('force', 'float64',
+    3, 'N'). Types without a package are those of the owner's.
     """
-    found = []
+    fields = []
     for line in text.splitlines():
         line, _, comment = line.partition('#')
-        match = _FIELD.match(line.strip())
-        if match:
+        if match := _FIELD.match(line.strip()):
             kind, array, bounded, number, name = match.groups()
             if kind not in PRIMITIVES and kind not in STRINGS and '/' not in kind:
                 kind = f'{owner.split("/")[0]}/{kind}'
-            found.append(Field(name, kind, None if not array else int(number) if number
-                               and not bounded else -1,
-                               unit[1] if (unit := _UNIT.match(comment)) else ''))
-    return found
+            is_sequence = bounded or not number
+            count = None if not array else SEQUENCE if is_sequence else int(number)
+            unit = _UNIT.match(comment)
+            fields.append(Field(name, kind, count, unit[1] if unit else ''))
+    return fields
 
 
 def types_in(owner: str, text: str) -> list[str]:

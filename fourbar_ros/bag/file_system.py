@@ -20,7 +20,7 @@ except ImportError:
 
 
 def mark_as_being_written(file: BinaryIO) -> None:
-    """Lock an open file."""
+    """Lock an open file, so that readers see a recorder at work on it."""
     if fcntl:
         with contextlib.suppress(OSError):       # file systems without locks
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -41,9 +41,9 @@ def is_being_written(path: str | Path) -> bool:
 
 def locked_folder(folder: Path) -> int | None:
     """
-    Lock a folder; return the descriptor that holds the lock, None if that cannot be had.
+    Lock a folder; return the descriptor that holds the lock, None if it cannot be locked.
 
-    A folder that can be locked belongs to nobody.
+    Success shows that no living process owns the folder. Close the descriptor to unlock it.
     """
     if not fcntl:
         return None

@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Make a whole bag of what a crash, a full disk or a bad copy left.
+Make a whole bag from the rest that a crash, a full disk or a bad copy left.
 
 A split bag is recovered part by part. The new bag stands under its name only when it is whole.
 """
@@ -26,8 +26,8 @@ from fourbar_ros.bag.mcap.records import Damaged, in_short, LARGEST, MESSAGE, OU
 from fourbar_ros.bag.mcap.scan import Scan
 from fourbar_ros.bag.mcap.writer import Container
 from fourbar_ros.bag.read.info import info, missing_of, TopicInfo
-from fourbar_ros.bag.read.records import behind, Progress
-from fourbar_ros.bag.yaml_text import dumped, loaded, Told
+from fourbar_ros.bag.read.records import add_progress, Progress
+from fourbar_ros.bag.yaml_text import dumped, loaded, YamlMap
 from fourbar_ros.errors import BagError
 from mcap import __version__ as mcap_version
 from mcap.opcode import Opcode
@@ -54,8 +54,8 @@ class Recovered(NamedTuple):
     damaged : list of str
         Everything wrong with the old file: where and why.
     missing : dict
-        {topic: messages that are not in the new bag}, by the numbers that our recorder gave, what
-        it dropped itself among them, and by the old bag's statistics.
+        {topic: messages that are not in the new bag}, by the sequence numbers that our recorder
+        gave (it gives them to messages that it drops too) and by the old bag's statistics.
     was_whole : bool
         The old bag was finished and nothing of it is lost.
 
@@ -76,25 +76,14 @@ def recover(path: str | Path, out: str | Path | None = None, progress: Progress 
 
     Chunks are copied as they are, checked against their CRC; the old bag is only read.
 
-    Parameters
-    ----------
-    path : str or Path
-        Folder or .mcap file, cut or not.
-    out : str or Path, optional
-        Folder of the new bag; default: beside the old one, ``NAME_recovered``.
-    progress : callable, optional
-        Called with the number of bytes read.
-
-    Raises
-    ------
-    BagError
-        It is being written, it holds nothing, or the new bag exists.
-
+    ``path`` is a folder or .mcap file, cut or not; ``out`` the folder of the new bag, by default
+    ``NAME_recovered`` beside the old one; ``progress`` is called with the number of bytes read.
+    Raises BagError if the bag is being written or holds nothing, or the new one exists.
     """
     path, out = Path(path), Path(out) if out else beside(path)
-    if len(rosbag2.files_of(path)) > 1:
+    source, *later = rosbag2.files_of(path)
+    if later:
         return _recover_parts(path, out, progress)
-    source = rosbag2.file_of(path)
     if is_being_written(source):
         raise BagError(f'{path}: is being written; stop the recording first')
     with workshop(out) as folder:
@@ -112,7 +101,7 @@ def recover(path: str | Path, out: str | Path | None = None, progress: Progress 
 
 
 def beside(path: str | Path) -> Path:
-    """Return the default place of the new bag: NAME_recovered beside NAME or NAME_0.mcap."""
+    """Return the default path of the new bag: NAME_recovered beside NAME or NAME_0.mcap."""
     path = Path(path).absolute()
     return path.with_name((path.name if path.is_dir() else path.stem.removesuffix('_0'))
                           + '_recovered')
@@ -122,16 +111,19 @@ def _recover_parts(path: Path, out: Path, progress: Progress | None) -> Recovere
     """
     Recover every file of a split bag into the folder ``out``.
 
-    A part that holds nothing more is named among the damages; its number is not used again.
+    A part from which nothing can be recovered is named among the damages; its number is not used
+    again.
     """
-    found, metadata, damaged, read = [], [], [], 0
+    recovered: list[Recovered] = []
+    metadata: list[YamlMap] = []
+    damaged, read = [], 0
     with workshop(out) as folder:
         work, whole = folder / 'part', folder / out.name
         whole.mkdir()
         for source in rosbag2.files_of(path):
             try:
-                made = recover(source, work / out.name,
-                               partial(behind, progress, read) if progress else None)
+                part = recover(source, work / out.name,
+                               partial(add_progress, progress, read) if progress else None)
             except BagError as error:
                 if 'is being written' in str(error):
                     raise
@@ -139,54 +131,53 @@ def _recover_parts(path: Path, out: Path, progress: Progress | None) -> Recovere
                 continue
             finally:
                 read += source.stat().st_size
-            found.append(made)
-            damaged += [f'{source.name}: {text}' for text in made.damaged]
+            recovered.append(part)
+            damaged += [f'{source.name}: {text}' for text in part.damaged]
             metadata.append(_moved(work / out.name, whole,
                                    f'{out.name}_{rosbag2.part_of(source)[1]}.mcap'))
-        if not found:
+        if not recovered:
             raise BagError(f'{path}: nothing to recover')
         rosbag2.write_metadata_file(whole, rosbag2.merged(metadata))
         topics = info(whole).topics
         whole.rename(out)
-    return Recovered(out, sum(topic.messages for topic in topics), sum(m.lost for m in found),
-                     damaged, _missing(found, topics),
-                     all(made.was_whole for made in found) and not damaged)
+    return Recovered(out, sum(topic.messages for topic in topics),
+                     sum(part.lost for part in recovered), damaged, _missing(recovered, topics),
+                     all(part.was_whole for part in recovered) and not damaged)
 
 
-def _missing(found: Sequence[Recovered], topics: Sequence[TopicInfo]) -> dict[str, int]:
+def _missing(parts: Sequence[Recovered], topics: Sequence[TopicInfo]) -> dict[str, int]:
     """
-    Return {topic: missing messages} of a recovered bag.
+    Return {topic: missing messages} of a recovered split bag.
 
-    The numbers of the whole bag show what a lost part held; its parts show losses where nobody
-    numbered the messages.
+    Sequence numbers over the whole bag show what a lost part held; the parts show losses where
+    nobody numbered the messages. The larger one counts.
     """
     missing: Counter[str] = Counter()
-    for made in found:
-        missing.update(made.missing)
+    for part in parts:
+        missing.update(part.missing)
     for topic in topics:
         missing[topic.topic] = max(missing[topic.topic], topic.missing or 0)
     return {topic: count for topic, count in missing.items() if count}
 
 
-def _moved(folder: Path, whole: Path, name: str) -> Told:
+def _moved(folder: Path, whole: Path, name: str) -> YamlMap:
     """Move the file of a recovered part under its name into the whole bag; return its metadata."""
     file, = folder.glob('*.mcap')
     file.rename(whole / name)
     text = (folder / 'metadata.yaml').read_text(encoding='utf-8')
-    told: Told = yaml.safe_load(text)['rosbag2_bagfile_information']
+    metadata: YamlMap = yaml.safe_load(text)['rosbag2_bagfile_information']
     shutil.rmtree(folder)
-    told['relative_file_paths'], told['files'][0]['path'] = [name], name
-    return told
-
-
-def _first_of(numbers: Any) -> int:
-    """Return the first of a recorder's sequence numbers [first, next], 0 if unknown."""
-    told = isinstance(numbers, list) and numbers and isinstance(numbers[0], int)
-    return numbers[0] if told else 0
+    metadata['relative_file_paths'], metadata['files'][0]['path'] = [name], name
+    return metadata
 
 
 class _Copy:
-    """The records of a Scan in a new Container."""
+    """
+    Copies the sound records of a Scan into a new Container, ``container``.
+
+    ``missing`` gets {topic: messages that are not in it}; ``has_begun`` is False if there was no
+    record at all.
+    """
 
     def __init__(self, scan: Scan, file: BinaryIO, progress: Progress | None) -> None:
         self.missing: dict[str, int] = {}
@@ -204,18 +195,21 @@ class _Copy:
                 progress(scan.end)
 
     def _begin(self, file: BinaryIO, opcode: int | None, body: bytes) -> None:
-        """Start the new file with what the header and the end of the old one tell."""
+        """Start the new file by the old header, and with the definitions at the old end."""
         header = parse(Opcode.HEADER, body) if opcode == Opcode.HEADER else None
         by = f'recovered by {OURS}{__version__}, mcap {mcap_version}'
         self.container = Container(file, header.profile if header else PROFILE,
                                    f'{header.library}; {by}' if header else by)
         self.has_begun, ending = True, self._scan.ending
-        for kind in (Schema, Channel) if ending else ():
-            for record in ending.of(kind) if ending else ():
-                self.container.copy(record)            # the chunk that has it may be damaged
+        for record in (*ending.of(Schema), *ending.of(Channel)) if ending else ():
+            self.container.copy(record)                # the chunk that has it may be damaged
 
     def _record(self, offset: int, opcode: int, body: bytes) -> None:
-        """Copy a record that can be read, or raise Damaged; others are written anew at the end."""
+        """
+        Copy a record, or raise Damaged if it cannot be read or is not copied.
+
+        Indices and statistics are left out: the new file gets its own.
+        """
         container = self.container
         if opcode == Opcode.CHUNK:
             container.flush()                          # keeps the order of messages
@@ -242,7 +236,7 @@ class _Copy:
             raise Damaged('an attachment; these are not copied')
 
     def finish(self, folder: Path, source: Path) -> None:
-        """Write metadata of what is there now, and the end."""
+        """Write the metadata, completed by what was lost, and the end of the file."""
         self.container.flush()
         try:
             old = loaded(self._metadata)
@@ -253,7 +247,7 @@ class _Copy:
         if rosbag2.ENDED not in about:
             about |= rosbag2.about_beside(source)
         about['recovered_by'] = f'{OURS}{__version__}'
-        about.update(self._told(about))
+        about.update(self._changed_entries(about))
         metadata = rosbag2.describe(f'{folder.name}_0.mcap', self.container, about,
                                     str(old.get('ros_distro') or ''),
                                     rosbag2.packing_of(old, source))
@@ -261,44 +255,56 @@ class _Copy:
         self.container.finish()
         rosbag2.write_metadata_file(folder, metadata)
 
-    def _told(self, about: dict[str, str]) -> dict[str, str]:
-        """Return the entries of custom_data about numbers, end and losses."""
+    def _changed_entries(self, about: dict[str, str]) -> dict[str, str]:
+        """
+        Return the entries of custom_data about numbers, end and losses, for the new file.
+
+        Notes in ``missing`` how many messages of each topic are not in it.
+        """
         container, numbers = self.container, rosbag2.mapping_in(about, rosbag2.NUMBERS)
         statistics = self._scan.ending.of(Statistics) if self._scan.ending else []
-        had = statistics[0].channel_message_counts if statistics else {}
-        told = {} if self._scan.complete or rosbag2.ENDED in about else {rosbag2.ENDED: NO_END}
-        repeated, there = rosbag2.repeated(about), []
+        old_counts = statistics[0].channel_message_counts if statistics else {}
+        repeated, still_repeated = rosbag2.repeated(about), []
         for number, channel in container.channels.items():
+            pair = numbers.get(channel.topic)          # [first, next], if our recorder noted it
             count, last = container.counts.get(number, 0), container.last.get(number)
-            again = channel.topic in repeated          # one of them was counted in the part before
-            if again and container.first.get(number, inf) < _first_of(numbers.get(channel.topic)):
-                there.append(channel.topic)
+            is_repeated = channel.topic in repeated    # the part before has its first message
+            if is_repeated and container.first.get(number, inf) < _first_number(pair):
+                still_repeated.append(channel.topic)
                 count -= 1
-            missing = missing_of(numbers.get(channel.topic), count, last)
-            is_numbered, missing = missing is not None, max(missing or 0, had.get(number, 0)
-                                                            - again - count)
-            if is_numbered:
+            by_numbers = missing_of(pair, count, last)
+            missing = max(by_numbers or 0, old_counts.get(number, 0) - is_repeated - count)
+            if by_numbers is not None:
                 first, end = numbers[channel.topic]
                 numbers[channel.topic] = first, first + count + missing if end is None else end
             if missing:
                 self.missing[channel.topic] = missing
+        entries = {}
+        if not self._scan.complete and rosbag2.ENDED not in about:
+            entries[rosbag2.ENDED] = NO_END
         if repeated:
-            told[rosbag2.REPEATS] = json.dumps(there)
+            entries[rosbag2.REPEATS] = json.dumps(still_repeated)
         if numbers:
-            told[rosbag2.NUMBERS] = json.dumps(numbers)
+            entries[rosbag2.NUMBERS] = json.dumps(numbers)
         if self._scan.lost:
-            told[rosbag2.LOST] = in_short([*filter(None, [about.get(rosbag2.LOST)]),
-                                           *self._scan.damage])
-        return told
+            entries[rosbag2.LOST] = in_short([*filter(None, [about.get(rosbag2.LOST)]),
+                                              *self._scan.damage])
+        return entries
+
+
+def _first_number(pair: Any) -> int:
+    """Return the first of the sequence numbers [first, next] of a channel, 0 if not noted."""
+    is_pair = isinstance(pair, list) and pair and isinstance(pair[0], int)
+    return pair[0] if is_pair else 0
 
 
 @contextlib.contextmanager
 def workshop(out: Path) -> Iterator[Path]:
     """
-    Give a hidden folder beside ``out`` to build it in, to be moved to ``out`` when it is whole.
+    Give a hidden folder beside ``out``, in which to build a file or folder before moving it there.
 
-    Whatever happens, the folder is gone afterwards; after ``kill -9`` it is removed by the next
-    call beside it. An OSError becomes a BagError.
+    So ``out`` is whole whenever it exists. The folder is removed at the end, or after ``kill -9``
+    by the next call with the same parent. An OSError becomes a BagError.
     """
     if os.path.lexists(out):
         raise BagError(f'{out}: exists already; nothing is overwritten')
@@ -320,7 +326,7 @@ def workshop(out: Path) -> Iterator[Path]:
 
 
 def remove_orphans(directory: Path) -> list[Path]:
-    """Remove the hidden folders that killed processes left in a directory; return them."""
+    """Remove the hidden folders of a workshop that killed processes left; return their paths."""
     removed = []
     for folder in directory.glob(f'.*{MARK}????????'):
         lock = locked_folder(folder)

@@ -16,7 +16,7 @@ import re
 import time
 from typing import Any, BinaryIO, NamedTuple, TYPE_CHECKING
 
-from fourbar_ros.bag.yaml_text import dumped, loaded, Told
+from fourbar_ros.bag.yaml_text import dumped, loaded, YamlMap
 from fourbar_ros.errors import BagError
 
 if TYPE_CHECKING:
@@ -33,6 +33,7 @@ QOS, HASH = 'offered_qos_profiles', 'topic_type_hash'      # keys of the metadat
 # these messages the recorder had to drop; topics of which a later part of a split bag repeats one
 # message, of a number before the first.
 ENDED, LOST, NUMBERS, DROPPED, REPEATS = 'ended', 'lost', 'numbers', 'dropped', 'repeats'
+# rosbag2's duration for "no deadline": 2^63 - 1 ns
 _ENDLESS = {'sec': 9223372036, 'nsec': 854775807}
 
 
@@ -47,7 +48,7 @@ class Channel(NamedTuple):
     latched: bool = False
 
     @property
-    def qos(self) -> Told:
+    def qos(self) -> YamlMap:
         """Return the QoS profile as rosbag2 writes it."""
         return {'history': 'keep_last', 'depth': self.depth,
                 'reliability': 'reliable', 'durability': 'transient_local' if self.latched
@@ -62,7 +63,7 @@ class Channel(NamedTuple):
 
 
 def check_channels(channels: Collection[Channel]) -> None:
-    """Raise BagError for a channel that no reader would take."""
+    """Raise BagError for a channel that no reader accepts: bad names or types, a topic twice."""
     for channel in channels:
         if not isinstance(channel, Channel):
             raise BagError(f'channel {channel!r}: must be a Channel')
@@ -81,13 +82,13 @@ def check_channels(channels: Collection[Channel]) -> None:
 # --- metadata ------------------------------------------------------------------------------------
 
 def describe(file_name: str, container: Container, about: Mapping[str, str],
-             distro: str | None = None, packing: tuple[str, str] = ('', '')) -> Told:
+             distro: str | None = None, packing: tuple[str, str] = ('', '')) -> YamlMap:
     """
     Return the metadata of a bag as rosbag2 of Jazzy writes it.
 
     ``packing`` is (compression_format, compression_mode) of messages that are compressed one by
     one. Counts, times and topics are those of the container; QoS and hash come from the channels,
-    so that file and metadata.yaml cannot differ (rosbags then silently yields no messages).
+    so that file and metadata.yaml cannot differ: rosbags yields no messages then.
     """
     start = container.start
     begin = {'nanoseconds_since_epoch': NOT_STARTED if start is None else start}
@@ -115,38 +116,34 @@ def describe(file_name: str, container: Container, about: Mapping[str, str],
     }
 
 
-def profiles_of(text: str) -> list[Told]:
-    """
-    Return the QoS profiles in the metadata of a channel, as dicts.
-
-    Empty if they cannot be read.
-    """
+def profiles_of(text: str) -> list[YamlMap]:
+    """Return the QoS profiles in the metadata of a channel; empty if they cannot be read."""
     try:
-        found = loaded(text)
+        profiles = loaded(text)
     except BagError:
         return []
-    return ([profile for profile in found if isinstance(profile, dict)] if isinstance(found, list)
-            else [])
+    return ([profile for profile in profiles if isinstance(profile, dict)]
+            if isinstance(profiles, list) else [])
 
 
 def about_of(metadata: Any) -> dict[str, str]:
-    """Return the custom_data of rosbag2 metadata as {str: str}, whatever they are."""
-    found = metadata.get('custom_data') if isinstance(metadata, dict) else None
-    return ({str(key): str(value) for key, value in found.items()} if isinstance(found, dict)
+    """Return the custom_data of rosbag2 metadata as {str: str}; empty for any other value."""
+    about = metadata.get('custom_data') if isinstance(metadata, dict) else None
+    return ({str(key): str(value) for key, value in about.items()} if isinstance(about, dict)
             else {})
 
 
-def mapping_in(about: Mapping[str, str], key: str) -> Told:
+def mapping_in(about: Mapping[str, str], key: str) -> YamlMap:
     """Return the dict stored as JSON under a key of custom_data, empty if there is none."""
     try:
-        found = json.loads(about.get(key, '{}'))
+        value = json.loads(about.get(key, '{}'))
     except (TypeError, ValueError, RecursionError):
         return {}
-    return found if isinstance(found, dict) else {}
+    return value if isinstance(value, dict) else {}
 
 
 def repeated(about: Mapping[str, str]) -> set[str]:
-    """Return the topics whose newest message a later part of a split bag repeats."""
+    """Return the topics of which a later part of a split bag repeats a message (REPEATS)."""
     try:
         return set(json.loads(about[REPEATS]))
     except (KeyError, TypeError, ValueError):
@@ -159,30 +156,31 @@ def joined(first: Mapping[str, str], last: Mapping[str, str]) -> dict[str, str]:
 
     From the last part: why recording ended, what was dropped or lost, and the last sequence
     numbers. All else is the first part's where it has it: sequence numbers from the start.
+    What the last part repeats of the one before it (REPEATS) is left out.
     """
-    ends, numbers = mapping_in(last, NUMBERS), mapping_in(first, NUMBERS)
-    pairs = {topic: (numbers[topic][0], ends[topic][1]) for topic in numbers.keys() & ends.keys()
-             if all(isinstance(pair, list) and len(pair) == 2
-                    for pair in (numbers[topic], ends[topic]))}
-    told = {key: last[key] for key in (ENDED, DROPPED, LOST) if key in last}
-    # REPEATS of a later part is no matter of the whole bag
-    late = {key: value for key, value in last.items() if key != REPEATS}
-    return {**late, **first, **told, **({NUMBERS: json.dumps(pairs)} if pairs else {})}
+    firsts, nexts = mapping_in(first, NUMBERS), mapping_in(last, NUMBERS)
+    numbers = {topic: (firsts[topic][0], nexts[topic][1]) for topic in firsts.keys() & nexts.keys()
+               if all(isinstance(pair, list) and len(pair) == 2
+                      for pair in (firsts[topic], nexts[topic]))}
+    both = {key: value for key, value in last.items() if key != REPEATS} | dict(first)
+    both |= {key: last[key] for key in (ENDED, DROPPED, LOST) if key in last}
+    return both | ({NUMBERS: json.dumps(numbers)} if numbers else {})
 
 
-def merged(parts: Sequence[Told]) -> Told:
+def merged(parts: Sequence[YamlMap]) -> YamlMap:
     """Return the metadata of a split bag from those of its parts, in order."""
     if len(parts) == 1:
         return parts[0]
     files = [file for part in parts for file in part['files']]
     begun = [file for file in files if file['message_count']]
-    start = min((_start(file) for file in begun), default=NOT_STARTED)
-    end = max((_start(file) + file['duration']['nanoseconds'] for file in begun), default=start)
-    topics: dict[tuple[str, str], Told] = {}
-    for told in (told for part in parts for told in part['topics_with_message_count']):
-        name = told['topic_metadata']['name'], told['topic_metadata']['type']
-        count = topics[name]['message_count'] if name in topics else 0
-        topics[name] = {**told, 'message_count': count + told['message_count']}
+    starts = [int(file['starting_time']['nanoseconds_since_epoch']) for file in begun]
+    ends = [start + file['duration']['nanoseconds'] for start, file in zip(starts, begun)]
+    start, end = min(starts, default=NOT_STARTED), max(ends, default=NOT_STARTED)
+    topics: dict[tuple[str, str], YamlMap] = {}
+    for topic in (topic for part in parts for topic in part['topics_with_message_count']):
+        key = topic['topic_metadata']['name'], topic['topic_metadata']['type']
+        count = topics[key]['message_count'] if key in topics else 0
+        topics[key] = {**topic, 'message_count': count + topic['message_count']}
     return {**parts[0], 'starting_time': {'nanoseconds_since_epoch': start},
             'duration': {'nanoseconds': end - start},
             'message_count': sum(part['message_count'] for part in parts),
@@ -191,14 +189,10 @@ def merged(parts: Sequence[Told]) -> Told:
             'custom_data': joined(parts[0]['custom_data'], parts[-1]['custom_data'])}
 
 
-def _start(file: Mapping[str, Any]) -> int:
-    return int(file['starting_time']['nanoseconds_since_epoch'])
-
-
 # --- the folder ----------------------------------------------------------------------------------
 
 def write_metadata_file(folder: Path, metadata: Mapping[str, Any]) -> None:
-    """Write metadata.yaml, at once or not at all."""
+    """Write metadata.yaml by a rename: whenever it is read, it is the old or the new one."""
     part = folder / 'metadata.yaml.part'
     part.write_text(dumped({'rosbag2_bagfile_information': metadata}), encoding='utf-8')
     part.replace(folder / 'metadata.yaml')
@@ -206,9 +200,9 @@ def write_metadata_file(folder: Path, metadata: Mapping[str, Any]) -> None:
 
 def create(directory: str | Path, name: str) -> tuple[Path, BinaryIO]:
     """
-    Make the folder and the file of a bag, both new; return (path of the folder, open file).
+    Make the folder and the file of a new bag; return (path of the folder, open file).
 
-    An empty name takes a fresh one from the clock. Raises BagError.
+    An empty name takes a fresh one from the clock. Raises BagError, also if the bag exists.
     """
     directory = Path(directory)
     fresh = not check_name(name)
@@ -231,53 +225,33 @@ def create(directory: str | Path, name: str) -> tuple[Path, BinaryIO]:
 
 
 def create_part(folder: Path, number: int) -> tuple[Path, BinaryIO]:
-    """Make the next file of a bag that is split; return (path, open file)."""
+    """Make file NAME_``number``.mcap of a bag that is split; return (path, open file)."""
     path = folder / f'{folder.name}_{number}.mcap'
     return path, open(path, 'x+b', buffering=0)
 
 
 def free_name(directory: str | Path, name: str) -> str:
-    """
-    Return a name or, if it is taken, NAME_2, NAME_3, ...
-
-    An empty name stays empty. Raises BagError.
-    """
-    found, number = check_name(name), 1
-    while name and os.path.lexists(Path(directory, found)):
+    """Return ``name`` or, if a bag has it, NAME_2, NAME_3, ...; empty stays empty."""
+    free, number = check_name(name), 1
+    while name and os.path.lexists(Path(directory, free)):
         number += 1
-        found = f'{name}_{number}'
-    return found
+        free = f'{name}_{number}'
+    return free
 
 
 def fresh_name() -> str:
-    """Return a name from the clock."""
+    """Return a name from the clock with milliseconds: fourbar_2026_11_23-18_26_05_123."""
     nanoseconds = time.time_ns()
     return time.strftime('fourbar_%Y_%m_%d-%H_%M_%S', time.localtime(nanoseconds // 10**9)) \
         + f'_{nanoseconds % 10**9 // 10**6:03d}'
 
 
 def check_name(name: Any) -> str:
-    """
-    Return the name of a bag.
-
-    Raises BagError if it could lead out of the recording directory.
-    """
+    """Return the name of a bag; raises BagError if it could lead out of the recording folder."""
     if (not isinstance(name, str) or name in ('.', '..') or '/' in name
             or not (name + 'x').isprintable()):
         raise BagError(f'bag name {name!r}: must be a plain name inside the recording directory')
     return name
-
-
-def file_of(path: str | Path) -> Path:
-    """
-    Return the .mcap file of a bag given as directory or file.
-
-    Raises BagError if there are several.
-    """
-    files = files_of(path)
-    if len(files) > 1:
-        raise BagError(f'{path}: holds {len(files)} .mcap files, name one')
-    return files[0]
 
 
 def files_of(path: str | Path) -> list[Path]:
@@ -294,11 +268,11 @@ def files_of(path: str | Path) -> list[Path]:
     files = sorted(path.glob('*.mcap'), key=part_of)
     if not files:
         raise BagError(f'{path}: holds no .mcap files{hint_of(path)}')
-    if len(files) > 1 and len({part_of(file)[0] for file in files}) > 1:
-        told = _told_files(path)
-        if not {file.name for file in files} <= told.keys():
+    if len({part_of(file)[0] for file in files}) > 1:       # unless metadata.yaml says otherwise
+        order = _file_names(_metadata_file(path))
+        if not {file.name for file in files} <= set(order):
             raise BagError(f'{path}: holds {len(files)} .mcap files of different bags, name one')
-        files.sort(key=lambda file: told[file.name])
+        files.sort(key=lambda file: order.index(file.name))
     return files
 
 
@@ -324,35 +298,35 @@ def part_of(file: Path) -> tuple[str, int]:
 
 
 def about_beside(file: Path) -> dict[str, str]:
-    """Return the custom_data in metadata.yaml if they say why recording ended, else none."""
-    found = _metadata_file(file.parent)
-    about = about_of(found) if file.name in _names(found) else {}
+    """
+    Return the custom_data in metadata.yaml beside a file if they say why recording ended.
+
+    A full disk may take this small file where it takes no more of the bag itself.
+    """
+    metadata = _metadata_file(file.parent)
+    about = about_of(metadata) if file.name in _file_names(metadata) else {}
     return about if ENDED in about else {}
 
 
 def packing_of(metadata: Mapping[str, Any], file: Path) -> tuple[str, str]:
     """Return rosbag2's (compression_format, compression_mode) if messages are compressed."""
-    for told in (metadata, _metadata_file(file.parent)):
-        if str(told.get('compression_mode')).lower() == 'message':
-            return str(told.get('compression_format')), 'message'
+    for content in (metadata, _metadata_file(file.parent)):
+        if str(content.get('compression_mode')).lower() == 'message':
+            return str(content.get('compression_format')), 'message'
     return '', ''
 
 
-def _told_files(path: Path) -> dict[str, int]:
-    """Return {name: place} of the files that metadata.yaml names."""
-    return {name: place for place, name in enumerate(_names(_metadata_file(path)))}
+def _file_names(metadata: Mapping[str, Any]) -> list[str]:
+    """Return the names of the files of a bag, in order, by its metadata."""
+    names = metadata.get('relative_file_paths')
+    return [Path(str(name)).name for name in names] if isinstance(names, list) else []
 
 
-def _names(metadata: Mapping[str, Any]) -> list[str]:
-    told = metadata.get('relative_file_paths')
-    return [Path(str(name)).name for name in told] if isinstance(told, list) else []
-
-
-def _metadata_file(folder: Path) -> Told:
+def _metadata_file(folder: Path) -> YamlMap:
     """Return the content of metadata.yaml, an empty dict if there is none."""
     try:
         text = (folder / 'metadata.yaml').read_text(encoding='utf-8')
-        found = loaded(text)['rosbag2_bagfile_information']
+        content = loaded(text)['rosbag2_bagfile_information']
     except (OSError, UnicodeDecodeError, BagError, KeyError, TypeError):
-        found = None
-    return found if isinstance(found, dict) else {}
+        return {}
+    return content if isinstance(content, dict) else {}

@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Read YAML of others within bounds and without objects; write plain YAML."""
+"""Read YAML from foreign files safely: bounded in size, plain values; write plain YAML."""
 from __future__ import annotations
 
 from typing import Any
@@ -9,9 +9,9 @@ from fourbar_ros.errors import BagError
 import yaml
 
 DEEPEST = 100               # levels in a YAML text
-LARGEST = 1 << 19           # values in a YAML text, those that aliases stand for counted each time
+LARGEST = 1 << 19           # values in a YAML text; what an alias stands for counts each time
 _LOADER = getattr(yaml, 'CSafeLoader', yaml.SafeLoader)
-Told = dict[str, Any]      # what metadata.yaml or a QoS profile tells, by name
+YamlMap = dict[str, Any]    # a mapping in YAML: metadata.yaml or a QoS profile
 _DUMPER: Any = getattr(yaml, 'CSafeDumper', yaml.SafeDumper)
 
 
@@ -19,34 +19,30 @@ def loaded(text: str) -> Any:
     """
     Return the content of a YAML text: lists, dicts, texts and numbers.
 
-    Raises BagError for anything else, and for aliases that stand for more than LARGEST values.
+    Raises BagError for anything else, and beyond LARGEST values or DEEPEST levels: by aliases of
+    aliases ten lines can stand for 10^9 values.
     """
     try:
-        _check_depth(text)
-        found = yaml.load(text, Loader=_LOADER)
+        depth = 0
+        for event in yaml.parse(text, Loader=_LOADER):
+            depth += (isinstance(event, yaml.CollectionStartEvent)
+                      - isinstance(event, yaml.CollectionEndEvent))
+            if depth > DEEPEST:
+                raise BagError(f'YAML of more than {DEEPEST} levels')
+        content = yaml.load(text, Loader=_LOADER)
     except (yaml.YAMLError, ValueError, TypeError, RecursionError) as error:
         raise BagError(f'no YAML: {" ".join(str(error).split())[:200]}') from None
-    seen, rest = 0, [found]
+    count, rest = 0, [content]
     while rest:
         value = rest.pop()
-        seen += 1
+        count += 1
         if isinstance(value, (dict, list)):
             rest += value.values() if isinstance(value, dict) else value
         elif isinstance(value, str):
-            seen += len(value) // 64
-        if seen + len(rest) > LARGEST:
+            count += len(value) // 64                   # a long text counts by its size
+        if count + len(rest) > LARGEST:
             raise BagError(f'YAML of more than {LARGEST} values')
-    return found
-
-
-def _check_depth(text: str) -> None:
-    """Raise BagError for lists so deeply nested that the recursive loader would fail."""
-    depth = 0
-    for event in yaml.parse(text, Loader=_LOADER):
-        depth += (isinstance(event, yaml.CollectionStartEvent)
-                  - isinstance(event, yaml.CollectionEndEvent))
-        if depth > DEEPEST:
-            raise BagError(f'YAML of more than {DEEPEST} levels')
+    return content
 
 
 def dumped(value: Any) -> str:
@@ -57,4 +53,4 @@ def dumped(value: Any) -> str:
 class _NoAliases(_DUMPER):      # type: ignore[misc] # C's where there is one
 
     def ignore_aliases(self, data: Any) -> bool:
-        return True
+        return True         # rosbag2 reads none: equal profiles are written out twice

@@ -91,7 +91,7 @@ class Shown(NamedTuple):
 
     @property
     def why_no_loads(self) -> str:
-        """Return why there are no loads; empty: there are."""
+        """Return the reason why there are no loads, '' if there are loads."""
         if self.scene.known_linkage is not self.scene.linkage:
             return self.scene.why_no_loads
         return ('' if self.linkage.bodies is not None else

@@ -13,10 +13,10 @@ import json
 from typing import Any, NamedTuple
 
 from fourbar_ros.description.xml import add, as_text, Element
+from fourbar_ros.scene.files import NODE
 from fourbar_ros.scene.scene import Scene
 import yaml
 
-NODE = '/fourbar'
 # {output: (class of RViz's display, its entry for the topic)}
 CLASSES = {'robot_description': ('RobotModel', 'Description Topic'),
            'tf': ('TF', None), 'markers': ('MarkerArray', 'Topic'),

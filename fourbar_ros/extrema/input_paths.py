@@ -181,7 +181,7 @@ def _closed(singular: Array, points: int) -> list[InputPath]:
 
 
 def _beside(singular: Array, bounds: Range, is_periodic: bool) -> Array:
-    """Return the singular inputs but the two toggles, of an angle those a turn away too."""
+    """Return the singular inputs but the two toggles; angles also a turn earlier and later."""
     singular = singular[(singular != bounds.low) & (singular != bounds.high)]
     if is_periodic:
         singular = np.concatenate([singular + turn for turn in (-2.0 * pi, 0.0, 2.0 * pi)])

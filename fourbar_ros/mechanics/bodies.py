@@ -141,6 +141,6 @@ class External(NamedTuple):
 
 
 def applied_to(external: NamedTuple, link: str) -> Applied:
-    """Return what acts on a link; nothing where a record, as of an older mechanism, names none."""
+    """Return what acts on a link, nothing if ``external`` has no field for it."""
     acting: Applied = getattr(external, link, NOT_APPLIED)
     return acting

@@ -54,7 +54,11 @@ class LinkTerms(NamedTuple):
     by_sine: Scalar
 
     def moment(self, direction: Vector, inertial: Scalar) -> Scalar:
-        """Return ``inertial`` - C, the moment about the first joint in (N2) and (N4)."""
+        """
+        Return ``inertial`` - C of (N2) and (N4): the moment that the joints must transmit.
+
+        C, of weight and loads, depends on the direction of the link, a unit vector.
+        """
         return (inertial + self.by_cosine * direction.x + self.by_sine * direction.y
                 + self.couple)
 

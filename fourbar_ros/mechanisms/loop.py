@@ -154,7 +154,11 @@ def _shape(n: NumberType, a1: Scalar, a2: Scalar, a3: Scalar, a4: Scalar) -> _Sh
 
 
 def make_pose(n: NumberType, shape: _Shape, sign: Scalar) -> Function:
-    """Return sin^2(x/2), cos^2(x/2), sin(x/2) cos(x/2) -> Pose; ``sign``: of sin(mu)."""
+    """
+    Return where the rods of a loop are, as a function of sin^2, cos^2 and sin cos of x/2.
+
+    Without derivatives: see :func:`make_loop`. ``sign``: of sin(mu).
+    """
     sqrt, where, nothing = n.sqrt, n.where, n.infinitesimal * n.infinitesimal
     s1, c1, s2, c2, if_adds, if_not, m_y, m_yx, m_bx = shape[:9]
 
@@ -185,7 +189,12 @@ def make_pose(n: NumberType, shape: _Shape, sign: Scalar) -> Function:
 
 def make_loop(n: NumberType, a1: Scalar, a2: Scalar, a3: Scalar, a4: Scalar,
               sign: Scalar) -> Function:
-    """Return sin^2(x/2), cos^2(x/2), sin(x/2) cos(x/2) -> LoopMotion; ``sign``: of sin(mu)."""
+    """
+    Return the motion of a loop of crank a1, coupler a2, output a3, ground a4, by (M1) to (M13).
+
+    A function of sin^2, cos^2 and sin cos of half the crank's angle x, which keep their digits
+    near x = 0 and pi where cos x loses them. ``sign``: of sin(mu), the assembly mode.
+    """
     fabs, where = n.fabs, n.where
     unit = n.power_of_two(a1, a2, a3, a4)
     a1, a2, a3, a4 = a1 / unit, a2 / unit, a3 / unit, a4 / unit

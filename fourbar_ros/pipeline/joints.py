@@ -27,22 +27,17 @@ class Scale(NamedTuple):
 
     def to_input(self, position: Number, velocity: Number,
                  acceleration: Number) -> tuple[Number, Number, Number]:
-        """Return the coordinate's motion from that of the joint; NaN stays NaN."""
+        """Return the coordinate's motion from that of the joint [rad, s] or [m, s]; NaN stays."""
         return ((position - self.offset) / self.ratio, velocity / self.ratio,
                 acceleration / self.ratio)
 
 
 class Joints:
     """
-    The joints of a scene, one sample after the other.
+    The joints of a scene as a JointState shows them, one sample after the other.
 
-    Parameters
-    ----------
-    layout : FieldMap
-        Tells where angles, rates and drive stand among the values.
-    shown : JointStates
-        Ratios, offsets, and whether the last known positions are held.
-
+    ``layout`` places angles, rates and drive among the values; ``shown`` has ratios, offsets, and
+    whether the last known positions are held.
     """
 
     def __init__(self, layout: FieldMap, shown: JointStates) -> None:
@@ -55,7 +50,12 @@ class Joints:
         self._last = (nan,) * len(joints)
 
     def of(self, values: Sequence[float]) -> tuple[float, ...]:
-        """Return positions, rates and efforts of one sample: the order of joint_values()."""
+        """
+        Return positions, rates and efforts of all joints from the values of one sample.
+
+        They are in the order of joint_values(). Where a position is unknown, the last known
+        positions stand in if they are to be held.
+        """
         scales = self._scales
         positions = tuple(s.ratio * values[i] + s.offset for s, i in zip(scales, self._positions))
         if self._holds:

@@ -44,19 +44,13 @@ class Estimate:
     Least-squares polynomial of degree 1 or 2 through points (t, y).
 
     On polynomials orthogonal on the points: no normal equations, so no loss of digits. Degree 2
-    needs three points, degree 1 two; t must differ.
-
-    Attributes
-    ----------
-    degree : int
-    slope, curvature : float
-        At t = 0; the curvature of a line is NaN.
-    lag : float
-        How much older than t = 0 the highest derivative is: the mean age of the points.
-
+    needs three points, degree 1 two; t must differ. ``slope`` and ``curvature`` are those at
+    t = 0, the curvature of a line is NaN. ``lag``: how much older than t = 0 the highest
+    derivative is, the mean age of the points.
     """
 
     def __init__(self, points: Sequence[tuple[float, float]], degree: int) -> None:
+        # y(t) = start + slope p1(t) + bend p2(t), with p1 and p2 orthogonal on the points
         n = len(points)
         mean = sum(t for t, _ in points) / n
         line = [t - mean for t, _ in points]                              # p1(t) = t - mean
@@ -76,19 +70,28 @@ class Estimate:
 
     @property
     def gain(self) -> float:
-        """Return the standard deviation of slope (line) or curvature over that of one y."""
+        """
+        Return the standard deviation of the highest derivative over that of one y.
+
+        The highest derivative is the slope of a line [1/s], the curvature of a parabola [1/s^2].
+        """
         return 2.0 / sqrt(self._curve_norm) if self.degree == 2 else 1.0 / sqrt(self._norm)
 
     def surprise(self, t: float, y: float) -> float:
-        """Return the distance of (t, y) from the polynomial, for noise of variance 1 in each y."""
+        """
+        Return the distance of a new point from the prediction, scaled to the noise of one y.
+
+        The prediction is noisy too: the distance is divided by the square root of 1 + its variance
+        (of points with variance 1), so that the mean square is the variance of one y.
+        """
         p = t - self._mean
-        foretold = self._start + self._slope * p
+        predicted = self._start + self._slope * p
         variance = 1.0 + 1.0 / self._n + p * p / self._norm
         if self.degree == 2:
             q = p * p - self._shift * p - self._norm / self._n
-            foretold += self._bend * q
+            predicted += self._bend * q
             variance += q * q / self._curve_norm
-        return (y - foretold) / sqrt(variance)
+        return (y - predicted) / sqrt(variance)
 
 
 KEY, VERSION = 'estimator', 2      # bags keep which version their rates were estimated by
@@ -124,36 +127,37 @@ class RateEstimator:
         # (time [ns], position, step to it, velocity)
         self._samples: deque[tuple[int, float, float, float]] = deque(maxlen=window)
         self.restarts = self.late = 0
-        self._scatter, self._size = _MeanSquare(), _MeanSquare()     # what surprises, what matters
+        # of the distances from the predictions, and of accelerations
+        self._scatter, self._size = _MeanSquare(), _MeanSquare()
         self._from_rates = False                 # whether the acceleration comes from velocities
         self.reset()
 
     def reset(self) -> None:
         """Forget all samples."""
         self._samples.clear()
-        # a late sample, if it was the last one
-        self._overtaken: tuple[int, float, float] | None = None
+        # a sample older than the newest one, if it came last
+        self._late_sample: tuple[int, float, float] | None = None
         self._fit: Estimate | None = None
-        self._known = nan, nan
+        self._estimate = nan, nan               # velocity and acceleration at the newest sample
 
     @property
     def noise(self) -> float:
         """Return the standard deviation of the estimated acceleration, NaN if not known yet."""
-        if self._fit is None or isnan(self._known[1]) or self._scatter.number < ENOUGH:
+        if self._fit is None or isnan(self._estimate[1]) or self._scatter.number < ENOUGH:
             return nan
         return self._fit.gain * sqrt(max(self._scatter.value, self._resolution**2))
 
     @property
     def lag(self) -> float:
         """Return by how much the estimated acceleration is late [s], NaN if there is none."""
-        return nan if self._fit is None or isnan(self._known[1]) else self._fit.lag
+        return nan if self._fit is None or isnan(self._estimate[1]) else self._fit.lag
 
     @property
     def is_noise(self) -> bool:
         """
         Return whether noise is a large part of the acceleration, or of velocity^2/length.
 
-        Not where it is that of the last digit alone, as at rest.
+        False where the noise is that of the last digit alone, as at rest.
         """
         return (self.noise > TOO_NOISY * sqrt(self._size.value)
                 and self._scatter.value > self._resolution**2)
@@ -162,32 +166,32 @@ class RateEstimator:
         """
         Return (velocity, acceleration) at a new sample; NaN for what is not known yet.
 
-        Parameters
-        ----------
-        time : int
-            Stamp [ns]. One that stands still or goes back leaves the memory as it is. If it goes
-            back by more than ``gap``, or the next one follows it there, the clock was set and the
-            estimate starts afresh.
-        position, velocity : float
-            Angle [rad], wrapped or not, or slide [m], and its rate, NaN if the stream has none.
-
+        ``time`` is its stamp [ns]; ``position`` an angle [rad], wrapped or not, or a slide [m];
+        ``velocity`` NaN if the stream has none. A stamp that stands still or goes back leaves the
+        memory as it is. If it goes back by more than ``gap``, or the next one follows it there,
+        the clock was set and the estimate starts afresh.
         """
         if not isfinite(position) or isinf(velocity):
             return velocity, nan                 # nothing to remember
         sample = time, position, velocity
         if self._samples and time <= (newest := self._samples[-1][0]):
             if time == newest:
-                return velocity if isfinite(velocity) else self._known[0], self._known[1]
+                return velocity if isfinite(velocity) else self._estimate[0], self._estimate[1]
             if newest - time < self._gap and not self._is_set_back(sample):
                 return velocity, nan
-        self._overtaken = None
+        self._late_sample = None
         self._append(*sample)
-        self._known = self._estimate(velocity)
-        return self._known
+        self._estimate = self._fitted(velocity)
+        return self._estimate
 
     def _is_set_back(self, sample: tuple[int, float, float]) -> bool:
-        """Return whether this sample is the second late one in a row, and follows the first."""
-        before, self._overtaken = self._overtaken, sample
+        """
+        Return whether the clock was set back: two late samples in a row, in order.
+
+        A single late one has only been overtaken on its way. The estimate then starts afresh from
+        the first of the two.
+        """
+        before, self._late_sample = self._late_sample, sample
         if before is None or sample[0] <= before[0]:
             self.late += 1
             return False
@@ -200,6 +204,7 @@ class RateEstimator:
         self.restarts += 1
 
     def _append(self, time: int, position: float, velocity: float) -> None:
+        """Keep a sample; after a gap or a jump it is the first one again."""
         step = 0.0
         if self._samples:
             last_time, last_position, *_ = self._samples[-1]
@@ -209,11 +214,11 @@ class RateEstimator:
             if not 0 < time - last_time <= self._gap or abs(step) > self._jump:
                 self._restart()
             else:
-                self._compare((time - last_time) * NANOSECOND, step, velocity)
+                self._note_scatter((time - last_time) * NANOSECOND, step, velocity)
         self._samples.append((time, position, step, velocity))
 
-    def _compare(self, t: float, step: float, velocity: float) -> None:
-        """Learn from a new sample how far it is from the previous fit."""
+    def _note_scatter(self, t: float, step: float, velocity: float) -> None:
+        """Note how far a sample, ``t`` [s] and ``step`` after the last one, is from the fit."""
         from_rates = isfinite(velocity)
         if from_rates is not self._from_rates:
             self._from_rates, self._scatter = from_rates, _MeanSquare()
@@ -221,7 +226,8 @@ class RateEstimator:
             y = velocity - self._samples[-1][3] if from_rates else step
             self._scatter.add(self._fit.surprise(t, y))
 
-    def _estimate(self, velocity: float) -> tuple[float, float]:
+    def _fitted(self, velocity: float) -> tuple[float, float]:
+        """Fit the samples; return velocity and acceleration at the newest one, NaN if unknown."""
         now, position, *_ = self._samples[-1]
         from_rates = isfinite(velocity)
         if from_rates:
@@ -248,7 +254,8 @@ def estimator_of(scene: Scene) -> RateEstimator:
     """
     Return the :class:`RateEstimator` of a scene, for its node and for recomputing a bag.
 
-    Whole turns that are missing between two samples are turns of the joint, before its ratio.
+    The estimator takes off whole turns between two samples: turns of the joint that is measured,
+    so with joint = 2 crank a turn is pi of the crank.
     """
     drive, linkage = scene.drive, scene.linkage
     ratio = drive.joint_ratio if drive.source == 'joint_state' else 1.0
@@ -258,12 +265,13 @@ def estimator_of(scene: Scene) -> RateEstimator:
 
 
 class _MeanSquare:
-    """Mean square of the newest numbers, about MEMORY of them; others than finite are omitted."""
+    """Mean square of the newest MEMORY numbers or so; those that are not finite are left out."""
 
     def __init__(self) -> None:
         self.value, self.number = 0.0, 0
 
     def add(self, x: float) -> None:
+        """Take another number."""
         if isfinite(square := x * x):
             self.number = min(self.number + 1, MEMORY)
             self.value += (square - self.value) / self.number

@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""One scene, input by input: its policy out of range, the assembly modes that it passes."""
+"""Evaluate a scene input by input, by its policy out of range and in its assembly modes."""
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping
@@ -28,7 +28,7 @@ from fourbar_ros.scene.scene import Scene
 Wanted = Union[bool, Collection[str]]       # outputs points/NAME and links/NAME; True: all
 Sample = tuple[int, tuple[float, ...]]      # status and values
 
-# at a limit, besides omega and alpha
+# endings of the fields that are infinite at a limit, besides omega and alpha
 _UNBOUNDED = ('_ratio', 'condition', '_velocity', '_acceleration')
 _NO_POINT, _NO_LINK = (nan,) * len(PointMotion._fields), (nan,) * len(LinkFields._fields)
 
@@ -41,15 +41,9 @@ class Stepper:
     or 'clamp' (the pose at the nearest limit; rates and loads are unbounded there, so NaN). The
     status says OUT_OF_RANGE in any case.
 
-    Parameters
-    ----------
-    scene : Scene
-    wrenches : dict, optional
-        A :class:`~fourbar_ros.pipeline.wrenches.Wrench` for each link that a topic loads; not
-        given: as before the first.
-    by : callable, optional
-        What evaluates within range in place of :func:`~fourbar_ros.pipeline.status.evaluate`.
-
+    ``wrenches``: one for each link that a topic loads, by default the scene's before a first
+    message. ``by`` evaluates within range in place of
+    :func:`~fourbar_ros.pipeline.status.evaluate`, as generated code does.
     """
 
     def __init__(self, scene: Scene, wrenches: Mapping[str, Wrench] | None = None,
@@ -64,13 +58,13 @@ class Stepper:
             self._parts += [(f'links/{link.name}',
                              partial(link_fields, scene.linkage, link=link.name), _NO_LINK)
                             for link in scene.linkage.LINKS]
-        # the last values within range, for the policy hold; the inputs of clamp
+        # for the policy hold: the last values within range; for clamp: inputs at the limits
         self._good: tuple[float, ...] | None = None
         self._limits: list[float] | None = None
         self._joints = (None if scene.joint_states.are_plain
                         else Joints(scene.layout, scene.joint_states))
         own_joints = joint_values(len(scene.layout.joints)) if self._joints else ()
-        # the values of a sample of which nothing is known, without those of its joints
+        # the values of a sample where nothing is known, without those of its joints
         self._nothing = (nan,) * (len(scene.layout.place) - len(own_joints))
         self._drive_wrench = (drive_wrench(scene.linkage, scene.layout.place)
                               if 'drive_wrench' in scene.outputs else None)
@@ -82,7 +76,11 @@ class Stepper:
             self.act(link, (wrenches or {}).get(link) or in_silence(scene, link, None))
 
     def act(self, link: str, wrench: Wrench) -> None:
-        """Apply a Wrench to a link from the next step on."""
+        """
+        Let a wrench act on a link from the next step on.
+
+        If one wrench is not known, no load is.
+        """
         self.wrenches[link] = wrench
         applied = external(self._scene, self.wrenches)
         self._loads_unknown = applied is None and self._scene.needs_loads
@@ -93,13 +91,14 @@ class Stepper:
     def step(self, position: float, rate: float, acceleration: float, with_loads: bool,
              with_parts: Wanted) -> Sample:
         """
-        Return (status, values).
+        Return (status, values) at an input, [rad] or [m], and its rate and acceleration.
 
-        The values are (*motion, *loads, *motion of each point and link, *additions of the layout).
-        ``with_parts``: which points and links are wanted.
+        The values are (*motion, *loads, *motion of each point and link, *drive wrench, *joints),
+        as the scene's FieldMap places them. ``with_parts``: which points and links are wanted;
+        the values of others are NaN.
         """
         linkage = self.linkage
-        if self._with_element_forces and with_loads:                  # with the forces of elements
+        if self._with_element_forces and with_loads:       # springs act on the links too
             loaded = self._with_element_forces(position, rate)
             linkage, with_loads = loaded or linkage, loaded is not None
         status, motion, loads = self._evaluate(linkage, position, rate, acceleration,
@@ -121,18 +120,21 @@ class Stepper:
         return self._nothing + self._joints.of(self._nothing) if self._joints else self._nothing
 
     def _completed(self, values: tuple[float, ...]) -> tuple[float, ...]:
+        """Append the drive wrench and the joints, where the scene has them."""
         if self._drive_wrench:
             values += self._drive_wrench(values)
         return values + self._joints.of(values) if self._joints else values
 
     def _of_parts(self, motion: NamedFields, wanted: Wanted) -> list[float]:
+        """Return the motion of all points and links, NaN for those that are not wanted."""
         return [value for name, part, unknown in self._parts
                 for value in (part(motion) if wanted is True or wanted and name in wanted
                               else unknown)]
 
     def _at_limit(self, position: float) -> tuple[float, ...]:
+        """Return the values at the limit nearest to an input; rates and loads are NaN there."""
         if self._limits is None:
-            self._limits = [_inside(self.linkage, end, toward)
+            self._limits = [_first_assembled(self.linkage, end, toward)
                             for low, high in self.linkage.input_ranges
                             for end, toward in ((low, high), (high, low))]
         nearest = min(self._limits,
@@ -144,8 +146,12 @@ class Stepper:
         return self._completed((*motion, *loads, *self._of_parts(motion, True)))
 
 
-def _inside(linkage: Mechanism, end: float, toward: float) -> float:
-    """Return the float nearest to the end of a range at which the linkage can be assembled."""
+def _first_assembled(linkage: Mechanism, end: float, toward: float) -> float:
+    """
+    Return the first float from the end of a range at which the linkage can be assembled.
+
+    By rounding that may be some floats inside.
+    """
     while evaluate(linkage, end, 0.0, 0.0, False)[0] == OUT_OF_RANGE and end != toward:
         end = nextafter(end, toward)
     return end
@@ -153,15 +159,9 @@ def _inside(linkage: Mechanism, end: float, toward: float) -> float:
 
 class InModes:
     """
-    A :class:`Stepper` for each mode, made when it is needed.
+    A :class:`Stepper` for each assembly mode, made when it is needed; arguments as of a stepper.
 
-    Parameters
-    ----------
-    scene : Scene
-    wrenches : dict, optional
-    by : callable, optional
-        As of a stepper.
-
+    A drive that passes a toggle goes on in another mode than that of the scene.
     """
 
     def __init__(self, scene: Scene, wrenches: Mapping[str, Wrench] | None = None,
@@ -181,14 +181,14 @@ class InModes:
             stepper.act(link, wrench)
 
     def prepare(self, modes: Iterable[int]) -> None:
-        """Make the steppers of modes that may come."""
+        """Make the steppers of modes that may come, so that no step has to wait for one."""
         for mode in modes:
             if mode not in self._all:
                 self._all[mode] = Stepper(self._scene.taken_in(mode), self.wrenches, self._by)
 
     def step(self, mode: int, position: float, rate: float, acceleration: float,
              with_loads: bool, with_parts: Wanted) -> Sample:
-        """Return (status, values) of a Stepper in a mode, by its number in messages."""
+        """Return (status, values) as :meth:`Stepper.step`, in the mode of this number."""
         if mode not in self._all:
             self.prepare([mode])
         return self._all[mode].step(position, rate, acceleration, with_loads, with_parts)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from math import isfinite, nan
-from typing import NamedTuple
+from typing import cast, NamedTuple
 
 from fourbar_ros.mechanics.bodies import Applied, External
 from fourbar_ros.mechanisms.mechanism import Mechanism
@@ -34,10 +34,11 @@ UNKNOWN = Wrench(nan, nan, nan)
 
 def a_step_later(last: Wrench, before: Wrench | None) -> Wrench:
     """
-    Return the wrench that is due a step after ``last``, on the line through it and the one before.
+    Return the wrench a step after ``last``, extrapolated linearly from it and the one before.
 
-    Its error is the second difference of the wrench over a step, that of ``last`` itself the
-    first. ``last`` itself where nothing finite was before.
+    In a chain of nodes a reaction arrives one step late. After 1 N and 3 N it gives 5 N: its error
+    is the second difference of the wrench over a step, that of ``last`` itself the first. ``last``
+    where there is none before, or where either is unknown.
     """
     if before is None:
         return last
@@ -46,13 +47,13 @@ def a_step_later(last: Wrench, before: Wrench | None) -> Wrench:
 
 
 def constant(scene: Scene, link: str) -> Wrench:
-    """Return the constant wrench of the scene on a link."""
+    """Return the wrench on a link by external.LINK.force_x, .force_y, .couple of the scene."""
     applied = getattr(scene.linkage.external, link)
     return Wrench(applied.force_x, applied.force_y, applied.couple)
 
 
 def in_silence(scene: Scene, link: str, last: Wrench | None) -> Wrench:
-    """Return the wrench on a link while its topic is silent; ``last``: the newest one, if any."""
+    """Return the wrench on a link whose topic is silent, by the scene; ``last`` is the newest."""
     policy = scene.wrenches.when_silent
     if policy == 'unknown':
         return UNKNOWN
@@ -63,11 +64,11 @@ def external(scene: Scene, acting: Mapping[str, Wrench]) -> External | None:
     """Return the External of a scene with the acting wrenches; None if one is unknown."""
     if not all(wrench.is_known for wrench in acting.values()):
         return None
-    given = scene.linkage.external._asdict()
+    applied = scene.linkage.external._asdict()
     for link, (force_x, force_y, couple) in acting.items():
-        given[link] = Applied(force_x, force_y, given[link].along, given[link].across, couple)
-    found: External | None = scene.linkage.EXTERNAL(**given)
-    return found
+        applied[link] = Applied(force_x, force_y, applied[link].along, applied[link].across,
+                                couple)
+    return cast(External, scene.linkage.EXTERNAL(**applied))
 
 
 DriveWrench = Callable[[Sequence[float]], tuple[float, float, float]]
@@ -77,23 +78,26 @@ def drive_wrench(linkage: Mechanism, place: Mapping[str, int]) -> DriveWrench:
     """
     Return the function values -> (force_x, force_y, torque) of the linkage on its drive.
 
-    Minus the driving torque; minus the driving force along the slide, in the direction that the
-    mechanism states. NaN where that is not known. ``place``: where values stand.
+    They are minus the driving torque [N m], or minus the driving force [N] in the direction of
+    the slide, which is x unless the mechanism names values for its cosine and sine. All are NaN
+    where the drive is not known. ``place``: {name: index in values}.
     """
-    drive = place['driving_force' if linkage.is_driven_by_slide else 'driving_torque']
+    is_slide, direction = linkage.is_driven_by_slide, linkage.SLIDE_DIRECTION
+    drive = place['driving_force' if is_slide else 'driving_torque']
 
-    def turn(values: Sequence[float]) -> tuple[float, float, float]:
-        nothing = 0.0 * abs(values[drive])               # NaN where the drive is not known
-        return nothing, nothing, -values[drive]
+    def torque_of(values: Sequence[float]) -> tuple[float, float, float]:
+        zero = 0.0 * abs(values[drive])                  # NaN where the drive is not known
+        return zero, zero, -values[drive]
 
-    def push(values: Sequence[float]) -> tuple[float, float, float]:
-        return -values[drive], 0.0 * abs(values[drive]), 0.0 * abs(values[drive])
+    def force_along_x(values: Sequence[float]) -> tuple[float, float, float]:
+        zero = 0.0 * abs(values[drive])
+        return -values[drive], zero, zero
 
-    if not linkage.is_driven_by_slide or linkage.SLIDE_DIRECTION is None:
-        return push if linkage.is_driven_by_slide else turn
-    cosine, sine = (place[name] for name in linkage.SLIDE_DIRECTION)
+    if not is_slide or direction is None:
+        return force_along_x if is_slide else torque_of
+    cosine, sine = (place[name] for name in direction)
 
-    def push_along(values: Sequence[float]) -> tuple[float, float, float]:
+    def force_along_slide(values: Sequence[float]) -> tuple[float, float, float]:
         force = -values[drive]
         return force * values[cosine], force * values[sine], 0.0 * abs(force)
-    return push_along
+    return force_along_slide

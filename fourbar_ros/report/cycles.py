@@ -54,7 +54,7 @@ def usual_points(mechanism: Mechanism, points: Points) -> Points:
 
 def ground_forces(mechanism: Mechanism) -> dict[str, str]:
     """Return {field of the loads: symbol as text} of the forces at the joints of the ground."""
-    low, high = mechanism.input_ranges[0]
+    low, high = mechanism.input_ranges[0]        # any pose will do: the joints are the same
     diagram = mechanism.diagram(mechanism.motion(0.5 * (low + high), 1.0))
     symbols = labels_of(diagram).forces
     return {name: re.sub('[_{}]', '', symbols[name]) for name, joint in diagram.forces.items()
@@ -99,7 +99,11 @@ def make_cycle_figure(what: str, mechanism: Mechanism, rate: float, acceleration
 
 def _curves(what: str, mechanism: Mechanism, rates: tuple[float, float],
             points: Points) -> tuple[dict[str, list[Array]], str]:
-    """Return ({name: curves of shape (n, 2)}, unit)."""
+    """
+    Return ({name: its curves}, unit) for :func:`make_cycle_figure`.
+
+    A curve has shape (n, 2), x and y; there is one for each range of the input.
+    """
     if what == 'forces':
         if mechanism.bodies is None:
             raise CannotDraw('forces need masses: see bodies.* in docs/reference.md')

@@ -55,7 +55,7 @@ class CannotDraw(FourBarError, ValueError):
 
 
 def need_matplotlib(what: str) -> None:
-    """Raise CannotDraw if matplotlib is missing."""
+    """Raise CannotDraw, 'WHAT requires matplotlib', if that is not installed."""
     try:
         import matplotlib  # noqa: F401
     except ImportError:

@@ -68,9 +68,7 @@ def draw_mechanism(axes: Axes, mechanism: Mechanism, motion: NamedFields,
             + [force.place + force.vector for force in forces])
     below = [at - (0.0, 0.08 * size) for at in places.values()]
     sheet = Sheet(axes, [*ends, *below, *centres.values(), *(arm.end for arm in arms)], title)
-    for extension in _extensions(mechanism, motion, points, centres, diagram.drawn_whole):
-        _draw(sheet, extension)
-    for part in parts:
+    for part in (*_extensions(mechanism, motion, points, centres, diagram.drawn_whole), *parts):
         _draw(sheet, part)
     for centre in centres.values():
         _draw_centre(sheet, centre)
@@ -117,9 +115,7 @@ def draw_plainly(axes: Axes, mechanism: Mechanism, motion: NamedFields, points: 
     for path in paths:
         axes.plot(*path.T, color=POINT, lw=0.9, zorder=1.5)
         sheet.taken.extend(path[np.isfinite(path).all(axis=1)])
-    for extension in _extensions(mechanism, motion, points, {}, diagram.drawn_whole):
-        _draw(sheet, extension)
-    for part in parts:
+    for part in (*_extensions(mechanism, motion, points, {}, diagram.drawn_whole), *parts):
         _draw(sheet, part)
     for name, at in labels_of(diagram).joints.items():
         sheet.label(name, sheet.around(at), 'k')

@@ -110,7 +110,7 @@ class Sheet:
 
     def scale(self, unit: str, factor: float = 1.0, place: float = 0.0) -> None:
         """
-        Draw a scale bar: a round number of units, of which each is ``factor`` long.
+        Draw a scale bar as long as a round number of units; one is ``factor`` long on the sheet.
 
         It stands at the lower edge, at the share ``place`` of the width from the left.
         """

@@ -153,7 +153,7 @@ def transmission_bands(linkage: Mechanism) -> list[Band]:
 
 def input_of(linkage: Mechanism, extremum: Extremum) -> float:
     """Return the driven joint at an extremum [rad] or [m]."""
-    return counted(linkage, extremum.slide if linkage.is_driven_by_slide else extremum.theta1)
+    return counted(linkage, extremum.input)
 
 
 def counted(linkage: Mechanism, theta1: float) -> float:

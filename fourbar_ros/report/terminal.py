@@ -29,8 +29,8 @@ class PlainTable:
     """
     A table without lines. Right-aligned columns are never wrapped; the others wrap between words.
 
-    Where even that is too wide, each row becomes a block of its own: the first cell, and below it
-    the others with their heads. Print it with a rich console. ``columns`` are the heads; a ``>``
+    If the table is too wide even so, each row becomes a block: its first cell, and below it the
+    others with their heads. Print it with a rich console. ``columns`` are the heads; a ``>``
     at the end of one right-aligns its column.
     """
 

@@ -13,7 +13,7 @@ from fourbar_ros.scene.topics import INPUT_DEPTH, INPUTS, QUEUE_DEPTH, Topic, TO
 
 
 def channel(topic: Topic, name: str) -> Channel:
-    """Return what a bag notes of a topic: its resolved name, type, definition, hash and QoS."""
+    """Return the channel of a topic in a bag: full name, type, definition, hash and QoS."""
     is_input = topic in (*INPUTS.values(), TORQUE) or topic.name.startswith(WRENCH)
     depth = 1 if topic.latched else INPUT_DEPTH if is_input else QUEUE_DEPTH
     return Channel(name, topic.type, definition(topic.type), type_hash(topic.type), depth,

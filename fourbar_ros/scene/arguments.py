@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Command lines: errors suggest the nearest word, numbers have ranges; arguments of the node."""
+"""Parse command lines with errors that suggest the nearest word; check a node's arguments."""
 from __future__ import annotations
 
 import argparse
@@ -36,15 +36,16 @@ class Parser(argparse.ArgumentParser):
         super().__init__(*args, **kwargs)
         # argparse would take -1e-9 and -5mm for options
         self._negative_number_matcher = NEGATIVE
-        self._given: list[str] = []
+        self._typed: list[str] = []              # the words of the command line
 
     def error(self, message: str) -> NoReturn:
         """Print the error in one line that names the help; exit with code 2."""
         if match := INVALID_CHOICE.search(message):
             known = re.findall(r"[^\s,']+", match[2])
-            message = (message[:match.start()] + f'{match[1]!r} is '
-                                                 f'unknown{nearest(match[1], known)}')
-        unknown = [option for option in self._given if option.startswith('--')
+            message = (f'{message[:match.start()]}{match[1]!r} is unknown'
+                       f'{nearest(match[1], known)}')
+        # a mistyped option is named before an argument that it seems to lack
+        unknown = [option for option in self._typed if option.startswith('--')
                    and option.split('=')[0] not in self._option_string_actions]
         if message.startswith('the following arguments are required') and unknown:
             message = self._not_understood(unknown[0])
@@ -53,13 +54,14 @@ class Parser(argparse.ArgumentParser):
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
         """Parse as the base class does, but refuse options that a verb does not know."""
-        self._given = [*(sys.argv[1:] if args is None else args)]
+        self._typed = [*(sys.argv[1:] if args is None else args)]
         namespace, rest = super().parse_known_args(args, namespace)
         if rest and ' ' in self.prog:
             self.error(self._not_understood(rest[0]))
         return namespace, rest
 
     def _not_understood(self, word: str) -> str:
+        """Return the error for a word, with the nearest option."""
         known = [option for action in self._actions for option in action.option_strings]
         return f'{word!r} is not understood' + (nearest(word.split('=')[0], known)
                                                 if word.startswith('--') else '')
@@ -67,12 +69,12 @@ class Parser(argparse.ArgumentParser):
 
 def positive(text: str) -> float:
     """Return a positive number; for ``type=`` of an argument."""
-    return _number(text, lambda value: value > 0.0, 'must be a positive number')
+    return _number(text, 'must be a positive number', lambda value: value > 0.0)
 
 
 def not_negative(text: str) -> float:
     """Return a number that is not negative; for ``type=`` of an argument."""
-    return _number(text, lambda value: value >= 0.0, 'must be a number that is not negative')
+    return _number(text, 'must be a number that is not negative', lambda value: value >= 0.0)
 
 
 def positive_integer(text: str) -> int:
@@ -84,15 +86,16 @@ def positive_integer(text: str) -> int:
 
 def finite(text: str) -> float:
     """Return a finite number; for ``type=`` of an argument."""
-    return _number(text, lambda value: True, 'must be a finite number')
+    return _number(text, 'must be a finite number')
 
 
-def _number(text: str, is_good: Callable[[float], bool], must: str) -> float:
+def _number(text: str, must: str, is_allowed: Callable[[float], bool] = isfinite) -> float:
+    """Return a finite number that is allowed; ``must`` is the error of any other text."""
     try:
         value = float(text)
     except ValueError:
         value = float('nan')
-    if not (isfinite(value) and is_good(value)):
+    if not (isfinite(value) and is_allowed(value)):
         raise argparse.ArgumentTypeError(f'{text!r} {must}')
     return value
 
@@ -105,18 +108,9 @@ def check_node_arguments(arguments: list[str]) -> None:
     """
     Refuse arguments that ROS would ignore, and scene files that it would read differently.
 
-    Parameters
-    ----------
-    arguments : list of str
-        Those of the node's command line, without its own name.
-
-    Raises
-    ------
-    UsageError
-        An argument outside of ``--ros-args``; two nodes of one name.
-    SceneError
-        A parameter file cannot be read, gives a key twice, or none has anything for this node.
-
+    ``arguments`` are those of the node's command line, without its own name. Raises UsageError for
+    an argument outside of ``--ros-args`` and two nodes of one name, SceneError for a parameter
+    file that cannot be read or gives a key twice, and if none has anything for a node.
     """
     names = [full_name(arguments, name) for name in node_names(arguments)]
     _, inside = _parts(arguments)
@@ -124,7 +118,14 @@ def check_node_arguments(arguments: list[str]) -> None:
     for name in names:
         if names.count(name) > 1:
             raise UsageError(f'{name}: two nodes of one name')
-        _check_files(files, name)
+        errors = []
+        for file in files:
+            try:
+                read_values(file, name)
+            except NotForNode as error:         # another file may have everything
+                errors.append(error)
+        if files and len(errors) == len(files):
+            raise errors[0]
 
 
 def node_names(arguments: list[str]) -> list[str]:
@@ -134,17 +135,17 @@ def node_names(arguments: list[str]) -> list[str]:
     A name may begin with a namespace, ``left/boom``. UsageError for anything else.
     """
     outside, inside = _parts(arguments)
-    for given in outside:
-        if '--params-file' not in inside or not NODE_NAME.fullmatch(given):
-            typed = NODE_USAGE.replace('SCENE', given) if given[:1] != '-' else NODE_USAGE
-            raise UsageError(f'{given}: not understood; type  {typed}')
+    for word in outside:
+        if '--params-file' not in inside or not NODE_NAME.fullmatch(word):
+            usage = NODE_USAGE.replace('SCENE', word) if word[:1] != '-' else NODE_USAGE
+            raise UsageError(f'{word}: not understood; type  {usage}')
     if outside and any(RENAMES.match(argument) for argument in inside):
         raise UsageError('__node:= would rename every node: name them before --ros-args alone')
     return outside or [NODE[1:]]
 
 
 def _parts(arguments: Sequence[str]) -> tuple[list[str], list[str]]:
-    """Return the arguments outside and inside of ``--ros-args``."""
+    """Return (arguments outside, inside) of ``--ros-args ... --``, which ROS reads."""
     outside: list[str] = []
     inside: list[str] = []
     is_inside = False
@@ -156,28 +157,20 @@ def _parts(arguments: Sequence[str]) -> tuple[list[str], list[str]]:
     return outside, inside
 
 
-def _check_files(files: Sequence[str], node: str) -> None:
-    """Raise SceneError unless a node finds its parameters in the files, if there are any."""
-    strangers = []
-    for file in files:
-        try:
-            read_values(file, node)
-        except NotForNode as error:         # another file may have everything
-            strangers.append(error)
-    if files and len(strangers) == len(files):
-        raise strangers[0]
-
-
 def full_name(arguments: Sequence[str], name: str) -> str:
-    """Return the full name of a node after remapping: its own namespace is below ``__ns``."""
+    """
+    Return the full name of a node after the remappings (-r) of its command line.
+
+    With ``-r __ns:=/robot`` the node ``left/boom`` is ``/robot/left/boom``.
+    """
     _, inside = _parts(arguments)
-    *own, name = name.split('/')
-    there, given = '', name
+    *own_namespace, name = name.split('/')
+    namespace, original = '', name
     for option, value in zip(inside, inside[1:]):
         match = re.fullmatch(r'(?:(\w+):)?__(node|name|ns):=(.*)', value)
-        if option in ('-r', '--remap') and match and match[1] in (None, given):
+        if option in ('-r', '--remap') and match and match[1] in (None, original):
             if match[2] == 'ns':
-                there = match[3].strip('/')
+                namespace = match[3].strip('/')
             else:
                 name = match[3]
-    return '/' + '/'.join([*filter(None, [there]), *own, name])
+    return '/' + '/'.join([*filter(None, [namespace]), *own_namespace, name])

@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-A machine of nodes: which topics lead from each node of a chain to the next, and back.
+Topics that connect the nodes of a chain: each drives the next, and is loaded by it.
 
 Imports no ROS: the launch file and the tests make the same chain of it.
 """
@@ -26,27 +26,22 @@ def remappings(file: str | Path, names: Sequence[str]) -> dict[str, Rules]:
     wrench of the node before, on the link whose ``from_topic`` is true. Names are relative, so
     that the chain can be in any namespace.
 
-    Raises
-    ------
-    InvalidParameter
-        A scene cannot be a part of a chain; the message names the node.
-    FourBarError
-        A scene cannot be read.
-
+    Raises InvalidParameter, naming the node, for a scene that cannot be part of a chain, and
+    FourBarError for one that cannot be read.
     """
     scenes = [load(f'{file}:{name}') for name in names]
-    found: dict[str, Rules] = {name: [] for name in names}
+    rules: dict[str, Rules] = {name: [] for name in names}
     for (name, scene), (next_name, next_scene) in zip(zip(names, scenes),
                                                       zip(names[1:], scenes[1:])):
         _check(name, scene, next_name, next_scene)
-        found[next_name].append((MOTION.topic, OUTPUT.topic.replace('~', name)))
-        found[name] += [(wrench_topic(link).topic, LOAD.topic.replace('~', next_name))
+        rules[next_name].append((MOTION.topic, OUTPUT.topic.replace('~', name)))
+        rules[name] += [(wrench_topic(link).topic, LOAD.topic.replace('~', next_name))
                         for link in scene.wrenches.links]
-    return found
+    return rules
 
 
 def _check(name: str, scene: Scene, next_name: str, next_scene: Scene) -> None:
-    """Refuse two scenes of which the first cannot drive, or be loaded by, the second."""
+    """Refuse two scenes if the first cannot drive the second, or be loaded by it."""
     links = tuple(scene.wrenches.links)
     if OUTPUT.name not in scene.outputs:
         raise InvalidParameter(f'{name}: outputs', list(scene.outputs),

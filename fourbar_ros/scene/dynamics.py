@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""What a scene says of motion that follows from torque: drive, springs, the start."""
+"""The drive, springs and start of a scene whose motion follows from torque."""
 from __future__ import annotations
 
 from dataclasses import MISSING
@@ -28,7 +28,7 @@ class Dynamics(NamedTuple):
     rate: float
 
     def system(self, linkage: Mechanism) -> System:
-        """Return the System of a linkage with these."""
+        """Return the equation of motion of a linkage with this drive and these springs."""
         from fourbar_ros.dynamics.model.system import System
         return System(linkage, self.position, self.rate, self.elements, self.drive)
 
@@ -43,13 +43,8 @@ def of_values(values: ParameterValues, linkage: Mechanism,
     """
     Return the Dynamics of a scene; None where the motion is given.
 
-    ``forces``: those over a position, which the other elements join.
-
-    Raises
-    ------
-    InvalidParameter
-        Naming the parameter and what is allowed.
-
+    ``forces``: the scene's forces over a position, which act besides its springs. InvalidParameter
+    names the parameter and what is allowed.
     """
     springs = [f'{group}.{name}' for group in ('springs', 'torsion_springs')
                for name in names_in(group, values)]
@@ -68,32 +63,35 @@ def of_values(values: ParameterValues, linkage: Mechanism,
         raise InvalidParameter(GEAR.name, gear,
                                'its square times motor.rotor_inertia must be finite')
     drive = Drive(_source(values), rotor, values['flywheel.inertia'], _shaft(values))
-    found = Dynamics(drive, (*(_element(values, name, linkage) for name in springs), *forces),
-                     values['drive.start'], values['drive.start_speed'])
-    _check_start(found, linkage)
-    return found
+    springs_made = tuple(_spring(values, name, linkage) for name in springs)
+    dynamics = Dynamics(drive, springs_made + forces, values['drive.start'],
+                        values['drive.start_speed'])
+    _check_start(dynamics, linkage)
+    return dynamics
 
 
 def _source(values: ParameterValues) -> Law:
+    """Return the source of torque: a topic (0 N m before its first message) or a motor."""
     from fourbar_ros.dynamics.model.drives import ConstantTorque
     if values[GEAR.name] == 0.0:
         raise InvalidParameter(GEAR.name, 0.0, 'must not be zero')
     if values['drive.source'] == 'torque':
         return ConstantTorque(0.0)
     kind = values['motor.kind']
-    motor, names = MOTORS[kind], {field: one.name for field, one in OF_MOTORS[kind].items()}
-    for field, default, _ in quantities_of(motor):
-        if default is MISSING and isnan(values[names[field]]):
-            raise InvalidParameter(names[field], None,
-                                   f'must be given: {OF_MOTORS[kind][field].text}')
+    parameters = OF_MOTORS[kind]
+    own = {field: values[parameter.name] for field, parameter in parameters.items()}
+    for field, default, _ in quantities_of(MOTORS[kind]):
+        if default is MISSING and isnan(own[field]):
+            raise InvalidParameter(parameters[field].name, None,
+                                   f'must be given: {parameters[field].text}')
     try:
-        return motor(**{field: values[name] for field, name in names.items()
-                        if not isnan(values[name])})
-    except InvalidParameter as error:
-        raise InvalidParameter(names[error.name], error.value, error.allowed) from None
+        return MOTORS[kind](**{field: value for field, value in own.items() if not isnan(value)})
+    except InvalidParameter as error:          # names the field of the motor
+        raise InvalidParameter(parameters[error.name].name, error.value, error.allowed) from None
 
 
 def _shaft(values: ParameterValues) -> Shaft | None:
+    """Return the elastic shaft between drive and input; None for a rigid one."""
     if isnan(values['shaft.stiffness']):
         if values['shaft.damping']:
             raise InvalidParameter('shaft.damping', values['shaft.damping'],
@@ -107,12 +105,14 @@ def _shaft(values: ParameterValues) -> Shaft | None:
     return Shaft(values['shaft.stiffness'], values['shaft.damping'])
 
 
-def _element(values: ParameterValues, name: str, linkage: Mechanism) -> Element:
+def _spring(values: ParameterValues, name: str, linkage: Mechanism) -> Element:
+    """Return the spring of the parameters ``name``.*, springs.NAME or torsion_springs.NAME."""
     from fourbar_ros.dynamics.model import elements
     from fourbar_ros.mechanisms.parts import GROUND
     links = (GROUND, *linkage.loads_of_links())
 
-    def given(field: str) -> Any:
+    def own(field: str) -> Any:
+        """Return a parameter of the spring; refuse a text that is no link."""
         value = values[f'{name}.{field}']
         if isinstance(value, str) and value not in links:
             raise InvalidParameter(f'{name}.{field}', value, one_of(links, value))
@@ -120,13 +120,12 @@ def _element(values: ParameterValues, name: str, linkage: Mechanism) -> Element:
 
     try:
         if name.startswith('torsion'):
-            return elements.TorsionSpring(given('first'), given('second'), given('stiffness'),
-                                          given('free_angle'), given('damping'))
-        first, second = (elements.Attachment(*(given(f'{end}.{field}')
+            return elements.TorsionSpring(*map(own, ('first', 'second', 'stiffness', 'free_angle',
+                                                     'damping')))
+        first, second = (elements.Attachment(*(own(f'{end}.{field}')
                                                for field in ('link', 'along', 'across')))
                          for end in ('first', 'second'))
-        return elements.Spring(first, second, given('stiffness'), given('free_length'),
-                               given('damping'))
+        return elements.Spring(first, second, *map(own, ('stiffness', 'free_length', 'damping')))
     except InvalidParameter as error:
         if error.name != 'second':
             raise
@@ -136,6 +135,9 @@ def _element(values: ParameterValues, name: str, linkage: Mechanism) -> Element:
 
 def _check_start(dynamics: Dynamics, linkage: Mechanism) -> None:
     """Refuse a start in which the links do not close or the equation of motion has no answer."""
+    def refuse(why: str) -> InvalidParameter:
+        return InvalidParameter('drive.start', dynamics.position, why)
+
     try:
         system = dynamics.system(linkage)
         rates = system.derivative(0.0, system.start)
@@ -143,11 +145,8 @@ def _check_start(dynamics: Dynamics, linkage: Mechanism) -> None:
     except InvalidParameter:
         raise
     except (FourBarError, ArithmeticError) as error:
-        raise InvalidParameter('drive.start', dynamics.position, f'no motion can start here: '
-                               f'{error}') from None
+        raise refuse(f'no motion can start here: {error}') from None
     if not good:
-        raise InvalidParameter('drive.start', dynamics.position, 'no motion can start here: at or '
-                               'next to a limit of the input')
+        raise refuse('no motion can start here: at or next to a limit of the input')
     if not all(abs(rate) < inf for rate in rates):
-        raise InvalidParameter('drive.start', dynamics.position, 'the acceleration at the start '
-                               'is not finite')
+        raise refuse('the acceleration at the start is not finite')

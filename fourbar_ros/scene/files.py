@@ -1,10 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""
-Scene files: where they are, and what ROS reads in them.
-
-They are ROS 2 parameter files, read here without ROS.
-"""
+"""Find and read scene files: ROS 2 parameter files, read as ROS reads them but without it."""
 from __future__ import annotations
 
 from collections.abc import Iterator
@@ -22,6 +18,7 @@ BOOLS = {word: value for value, words in ((True, 'y yes true on'), (False, 'n no
          for small in words.split() for word in {small, small.capitalize(), small.upper()}}
 INTEGER = re.compile(r'[-+]?(0[xX][0-9a-fA-F]+|0[0-7]*|[1-9][0-9]*)')       # base 0 of C's strtoll
 TABLE = re.compile(r'forces\.\w+\.table')
+# PyYAML's problems as a user sees them
 IN_WORDS = {'<block end>': 'it is indented unlike the lines above it',
             "'<stream end>'": 'a bracket is open', 'end of stream': 'a quote is open',
             'mapping values are not allowed': 'a second colon, or indented unlike the line above'}
@@ -54,13 +51,8 @@ def find(name: str | Path, among: Path | None = None) -> Path:
     """
     Return the path of a scene: a file, or the name of a supplied one, e.g. ``paper``.
 
-    ``among``: the folder of the supplied ones, :func:`folder` by default.
-
-    Raises
-    ------
-    SceneError
-        Neither exists; the message lists the names.
-
+    ``among``: the folder of the supplied ones, :func:`folder` by default. Raises SceneError with
+    the known names if neither exists.
     """
     path = Path(name)
     if path.exists() or path.parent != Path('.') or path.suffix:
@@ -73,7 +65,7 @@ def find(name: str | Path, among: Path | None = None) -> Path:
 
 
 def shipped(among: Path | None = None) -> dict[str, Path]:
-    """Return {name: file} of the supplied scenes; ``among``: those of a folder."""
+    """Return {name: file} of the supplied scenes, or of those in the folder ``among``."""
     places = [among] if among else [folder() / 'classics', folder()]
     return {file.stem: file for place in places for file in sorted(place.glob('*.yaml'))}
 
@@ -82,34 +74,23 @@ def read_values(path: str | Path, node: str | None = None) -> Tree:
     """
     Return the flat dict of parameters in a ROS 2 parameter file as ROS reads them, unchecked.
 
-    Names of files with tables become paths from here.
-
-    Parameters
-    ----------
-    path : str or Path
-        A file, ``FILE:NODE`` for one node of several in a file, or a name for :func:`find`.
-    node : str, optional
-        Full name of the node that is to read it. Not given: one that is called fourbar, in any
-        namespace.
-
-    Raises
-    ------
-    SceneError
-        The file cannot be read, is no parameter file, or none of it is for the node.
-
+    Names of table files become paths. ``path`` is a file, ``FILE:NODE`` for one node of several in
+    a file, or a name for :func:`find`; ``node`` the full name of the node that is to read it, by
+    default one called fourbar in any namespace. Raises SceneError if the file cannot be read, is
+    no parameter file, or none of it is for the node.
     """
     path, node = _file_and_node(path, node)
-    there = sections(path)
-    found = [tree for key, tree in there.items() if is_for(key, node)]
-    if not found:
-        raise NotForNode(f'{path}: contains nothing for the node {node or NODE}, only '
-                         f'{", ".join(there)}; write "/**:" there'
-                         + (f', or name one: {path}:{next(iter(there)).lstrip("/*")}'
-                            if node is None else ''))
+    trees = sections(path)
     values: Tree = {}
-    for tree in found:
-        values |= flatten(tree, path)
-    others = [key for key in there if not is_for(key, node)]
+    for key, tree in trees.items():
+        if is_for(key, node):
+            values |= flatten(tree, path)
+    others = [key for key in trees if not is_for(key, node)]
+    if len(others) == len(trees):
+        raise NotForNode(f'{path}: contains nothing for the node {node or NODE}, only '
+                         f'{", ".join(trees)}; write "/**:" there'
+                         + (f', or name one: {path}:{next(iter(trees)).lstrip("/*")}'
+                            if node is None else ''))
     if node is None and others and not any(name.startswith('linkage.') for name in values):
         raise NotForNode(f'{path}: has the nodes {", ".join(others)}; name one: '
                          f'{path}:{others[0].lstrip("/*")}')
@@ -123,12 +104,12 @@ def table_files(values: ParameterValues) -> list[str]:
 
 
 def beside(values: ParameterValues, scene: Path) -> Tree:
-    """Return values with the files of tables, which stand beside a scene, as paths from here."""
+    """Return values with the names of table files, relative to a scene's folder, as paths."""
     return {**values, **{name: str(scene.parent / values[name]) for name in table_files(values)}}
 
 
 def _file_and_node(path: str | Path, node: str | None) -> tuple[Path, str | None]:
-    """Return the file of a scene and the node in it, from FILE, FILE:NODE or a name."""
+    """Return (file, full name of the node) for FILE, FILE:NODE or the name of a supplied scene."""
     file, colon, name = str(path).rpartition(':')
     if colon and node is None and not Path(path).exists() and Path(file).is_file():
         return Path(file), '/' + name.strip('/')
@@ -137,7 +118,7 @@ def _file_and_node(path: str | Path, node: str | None) -> tuple[Path, str | None
 
 def sections(path: str | Path) -> dict[str, Tree]:
     """
-    Return {key for nodes: tree of parameters} of a ROS 2 parameter file.
+    Return {node or pattern of nodes: tree of parameters} of a ROS 2 parameter file.
 
     Raises SceneError if the text is not a parameter file.
     """
@@ -151,37 +132,34 @@ def sections(path: str | Path) -> dict[str, Tree]:
         raise SceneError(f'{path}: is no text in UTF-8, so not a scene') from None
     except (yaml.YAMLError, RecursionError) as error:
         raise SceneError(f'{path}{_why_no_yaml(text, error)}') from None
-    found = dict(_sections(document)) if isinstance(document, dict) else {}
-    if not found:
+    trees = dict(_sections(document)) if isinstance(document, dict) else {}
+    if not trees:
+        words = re.findall(r'\w*param\w*', text)         # ros_parameters, perhaps
+        hint = f'; there is {words[0]!r}' if words and 'ros__parameters' not in words else ''
         raise SceneError(f'{path}: not a scene: expected "/**:" with "ros__parameters:" below it'
-                         + _typed_like(text))
-    return found
+                         + hint)
+    return trees
 
 
 def _why_no_yaml(text: str, error: Exception) -> str:
-    """Return where a text is no YAML that ROS reads and why, with what is missing there."""
+    """Return ``, line N: not YAML that ROS reads: REASON``, the reason in words for a user."""
     mark = getattr(error, 'problem_mark', None)
+    problem = getattr(error, 'problem', None)
     if mark is None:
-        why = getattr(error, 'problem', None) or getattr(error, 'reason', 'nested too deeply')
+        why = problem or getattr(error, 'reason', 'nested too deeply')
         return f': not YAML that ROS reads: {" ".join(str(why).split())}'
     lines, at = text.splitlines(), mark.line
-    why = ' '.join(str(getattr(error, 'problem', None) or error).split())
+    why = ' '.join(str(problem or error).split())
     for line in (at, at - 1):          # YAML often sees it a line later
-        found = NO_BLANK.search(lines[line]) if 0 <= line < len(lines) else None
-        if found:
-            at, why = line, (f'a blank is missing behind the colon: {found[1]}: {found[2]}')
+        match = NO_BLANK.search(lines[line]) if 0 <= line < len(lines) else None
+        if match:
+            at, why = line, f'a blank is missing behind the colon: {match[1]}: {match[2]}'
             break
     else:
         if at < len(lines) and '\t' in lines[at]:
             why = 'a tab: YAML takes blanks only'
         why = next((words for part, words in IN_WORDS.items() if part in why), why)
     return f', line {at + 1}: not YAML that ROS reads: {why}'
-
-
-def _typed_like(text: str) -> str:
-    """Return a hint on a word that only looks like ros__parameters; empty: there is none."""
-    words = re.findall(r'\w*param\w*', text)
-    return f'; there is {words[0]!r}' if words and 'ros__parameters' not in words else ''
 
 
 def parse(text: str) -> Any:
@@ -194,9 +172,10 @@ def parse(text: str) -> Any:
 
 def is_for(key: str, node: str | None) -> bool:
     """
-    Return whether the parameters under a key of a file apply to a node.
+    Return whether the parameters under a key of a file apply to a node, by its full name.
 
-    None stands for a node named fourbar in any namespace.
+    ``/**`` stands for any namespaces and names, ``/*`` for one. None as the node stands for one
+    named fourbar in any namespace.
     """
     parts = key.strip('/').split('/')
     if node is None:
@@ -208,7 +187,7 @@ def is_for(key: str, node: str | None) -> bool:
 
 
 def _sections(tree: dict[Any, Any], prefix: str = '') -> Iterator[tuple[str, Tree]]:
-    """Yield (name of the node, its parameters) of a document; namespaces may be nested."""
+    """Yield (full name of a node, its parameters) of a document; namespaces may be nested."""
     for key, below in tree.items():
         if isinstance(below, dict):
             name = f'{prefix}/{str(key).strip("/")}'
@@ -219,9 +198,9 @@ def _sections(tree: dict[Any, Any], prefix: str = '') -> Iterator[tuple[str, Tre
 
 def flatten(tree: dict[Any, Any], path: str | Path = '', prefix: str = '') -> Tree:
     """
-    Return a nested dict with its keys joined by dots, as ROS does.
+    Return a nested dict with its keys joined by dots: {'a': {'b': 1}} as {'a.b': 1}.
 
-    Raises SceneError for a duplicate name.
+    Raises SceneError for a duplicate name; ``path`` is the file that it names.
     """
     flat: Tree = {}
     for key, value in tree.items():
@@ -236,9 +215,9 @@ def flatten(tree: dict[Any, Any], path: str | Path = '', prefix: str = '') -> Tr
 
 def scalar(text: str) -> bool | int | float | str:
     """
-    Return a plain scalar as rcl's parser reads it.
+    Return a plain scalar as rcl's parser reads it, unlike YAML 1.1 in Python.
 
-    ``4e-1`` is a number; ``1_000`` and ``1:30`` are texts.
+    ``4e-1`` is a number; ``1_000`` and ``1:30`` are texts; ``010`` is 8.
     """
     if text in BOOLS:
         return BOOLS[text]
@@ -252,9 +231,8 @@ def scalar(text: str) -> bool | int | float | str:
             return text
     if DOUBLE.fullmatch(text):
         value = float(text)
-        overflows = (isinf(value) or (value == 0.0 and any(c in '123456789'
-                                                           for c in re.split('[eE]', text)[0])))
-        return text if overflows else value
+        underflows = value == 0.0 and re.match('[^eE]*[1-9]', text)
+        return text if isinf(value) or underflows else value
     return NAMED.get(text.lower(), text)
 
 
@@ -269,10 +247,10 @@ def as_text(values: ParameterValues) -> str:
         if value != value:
             continue
         *path, last = name.split('.')
-        place = tree
+        below = tree
         for step in path:
-            place = place.setdefault(step, {})
-        place[last] = list(value) if isinstance(value, tuple) else value
+            below = below.setdefault(step, {})
+        below[last] = list(value) if isinstance(value, tuple) else value
     return yaml.safe_dump({'/**': {'ros__parameters': tree}}, sort_keys=False)
 
 
@@ -282,6 +260,7 @@ class _Loader(yaml.SafeLoader):
     yaml_implicit_resolvers = {}
 
     def compose_node(self, parent: yaml.Node | None, index: int) -> yaml.Node | None:
+        """Refuse an alias; else as the base class."""
         if self.check_event(yaml.AliasEvent):
             # yaml has no types for it
             event: Any = self.peek_event()      # type: ignore[no-untyped-call]
@@ -291,9 +270,9 @@ class _Loader(yaml.SafeLoader):
 
 
 def _plain_or_quoted(loader: yaml.SafeLoader, node: yaml.ScalarNode) -> bool | int | float | str:
+    """Return a plain scalar as rcl reads it, a quoted one as text; an empty one is an error."""
     if node.style is not None:
-        found: bool | int | float | str = node.value
-        return found
+        return str(node.value)
     if not node.value:
         raise yaml.MarkedYAMLError(problem='a key without a value', problem_mark=node.start_mark)
     return scalar(node.value)
@@ -301,17 +280,17 @@ def _plain_or_quoted(loader: yaml.SafeLoader, node: yaml.ScalarNode) -> bool | i
 
 def _mapping(loader: yaml.SafeLoader, node: yaml.MappingNode) -> Tree:
     """Return a mapping of YAML; a key that is no text, or given twice, is an error."""
-    found = {}
+    values = {}
     for key_node, value_node in node.value:
         key = key_node.value if isinstance(key_node, yaml.ScalarNode) else None
         if key is None:
             raise yaml.MarkedYAMLError(problem='a key that is no text',
                                        problem_mark=key_node.start_mark)
-        if key in found:
+        if key in values:
             raise yaml.MarkedYAMLError(problem=f'{key} is given twice',
                                        problem_mark=key_node.start_mark)
-        found[key] = loader.construct_object(value_node, deep=True)
-    return found
+        values[key] = loader.construct_object(value_node, deep=True)
+    return values
 
 
 for _tag in ('str', 'int', 'float', 'bool', 'null'):

@@ -28,16 +28,16 @@ if TYPE_CHECKING:      # other scenes do without
 FAMILY = 'forces'
 MOST_ROWS, LARGEST = 10_000, 4_000_000      # of a table: rows, bytes
 HEADER = re.compile(r'\s*([^\[\],]*?)\s*\[\s*([^\[\]]*?)\s*\]\s*')
-# directions by name: of the ground, or of the link itself; turned from its x [rad]
+# forces.NAME.acts: (whether the direction turns with the link, angle from its x axis [rad])
 ACTS = {'x': (False, 0.0), 'y': (False, 0.5 * pi), 'along': (True, 0.0),
         'across': (True, 0.5 * pi)}
-# links whose angle an angle of the contract's kinds is, and from which it counts
+# angles of the kinds of linkages: (link, link from which its angle counts)
 ANGLES = {'theta1': ('crank', GROUND), 'theta2': ('coupler', 'crank'),
           'theta4': ('output', GROUND), 'beta': ('coupler', GROUND)}
 
 
 class Columns(NamedTuple):
-    """A table as a CSV file has it: two columns and their units."""
+    """The two columns of a table over a position, and their units."""
 
     places: list[float]
     place_unit: str
@@ -47,27 +47,21 @@ class Columns(NamedTuple):
 
 def with_tables(values: ParameterValues) -> ParameterValues:
     """
-    Return values with the tables of files in place of their names.
+    Return values with tables read from CSV files in place of the names of these files.
 
-    Raises
-    ------
-    SceneError
-        Naming file and row.
-    InvalidParameter
-        For a table that is given twice.
-
+    Raises SceneError naming file and row, InvalidParameter for a table that is given twice.
     """
-    found = dict(values)
+    replaced = dict(values)
     for name in table_files(values):
         force = name.removesuffix('.table')
-        for own in Columns._fields:
-            if found.get(f'{force}.{own}'):
-                raise InvalidParameter(f'{force}.{own}', found[f'{force}.{own}'],
+        for field in Columns._fields:
+            if values.get(f'{force}.{field}'):
+                raise InvalidParameter(f'{force}.{field}', values[f'{force}.{field}'],
                                        f'is in the file already: {values[name]}')
         columns = read_table(Path(values[name]), values.get(f'{force}.periodic') is True)
-        del found[name]
-        found.update((f'{force}.{own}', value) for own, value in columns._asdict().items())
-    return found
+        del replaced[name]
+        replaced.update((f'{force}.{field}', value) for field, value in columns._asdict().items())
+    return replaced
 
 
 def read_table(path: Path, is_periodic: bool = False) -> Columns:
@@ -86,32 +80,32 @@ def read_table(path: Path, is_periodic: bool = False) -> Columns:
         if len(units) != 2 or unit not in known:
             raise refuse(row, 'must be two headings with units, as "theta1 [deg], pressure [bar]"'
                          f'; units are {", ".join(OF_PLACES)} and {", ".join(OF_VALUES)}')
-    found = Columns([], str(units[0]), [], str(units[1]))
+    table = Columns([], str(units[0]), [], str(units[1]))
     for row, texts in rows:
         if len(texts) != 2:
             raise refuse(row, f'{len(texts)} columns, must be a place and a value')
-        for text, column in zip(texts, (found.places, found.values)):
+        for text, column in zip(texts, (table.places, table.values)):
             try:
                 column.append(float(text))
             except ValueError:
                 raise refuse(row, f'{text.strip()!r} must be a number') from None
             if not isfinite(column[-1]):
                 raise refuse(row, f'{text.strip()!r} must be a finite number')
-        if len(found.places) > 1 and not found.places[-1] > found.places[-2]:
-            raise refuse(row, f'{found.places[-1]!r} must be larger than the place before, '
-                              f'{found.places[-2]!r}')
-        if len(found.places) > MOST_ROWS:
+        if len(table.places) > 1 and not table.places[-1] > table.places[-2]:
+            raise refuse(row, f'{table.places[-1]!r} must be larger than the place before, '
+                              f'{table.places[-2]!r}')
+        if len(table.places) > MOST_ROWS:
             raise refuse(row, f'a table has at most {MOST_ROWS} rows')
-    if len(found.places) < 2:
+    if len(table.places) < 2:
         raise refuse(row, 'a table has at least two rows of numbers')
-    if is_periodic and found.values[0] != found.values[-1]:
-        raise refuse(row, f'{found.values[-1]!r} must be the first value again, '
-                          f'{found.values[0]!r}: the table is periodic')
-    return found
+    if is_periodic and table.values[0] != table.values[-1]:
+        raise refuse(row, f'{table.values[-1]!r} must be the first value again, '
+                          f'{table.values[0]!r}: the table is periodic')
+    return table
 
 
 def _rows(path: Path) -> Iterator[tuple[int, list[str]]]:
-    """Yield (number, texts) of the rows of a CSV file; empty rows and comments are left out."""
+    """Yield (line number, cells) of the rows of a CSV file without empty rows and # comments."""
     number = 1
     if path.exists() and not (path.is_file() and path.stat().st_size <= LARGEST):
         raise SceneError(f'{path}: must be a file of at most {LARGEST} bytes')
@@ -138,25 +132,26 @@ def forces_of(values: ParameterValues, linkage: Mechanism) -> tuple[PositionForc
 
 
 def _force(values: ParameterValues, name: str, linkage: Mechanism) -> PositionForce:
+    """Return the force of the parameters ``name``.*, checked by computing with it once."""
     from fourbar_ros.dynamics.model.element_forces import make_loaded
     from fourbar_ros.dynamics.model.elements import Attachment, PositionForce
     from fourbar_ros.dynamics.model.force_table import ForceTable
-    given = {field: values[f'{name}.{field}'] for field in
-             ('link', 'along', 'across', 'acts', 'direction', 'over', 'factor', 'periodic')}
+    own = {field: values[f'{name}.{field}'] for field in
+           ('link', 'along', 'across', 'acts', 'direction', 'over', 'factor', 'periodic')}
     links = tuple(linkage.loads_of_links())
-    if given['link'] not in links:
-        raise InvalidParameter(f'{name}.link', given['link'], one_of(links, given['link']))
+    if own['link'] not in links:
+        raise InvalidParameter(f'{name}.link', own['link'], one_of(links, own['link']))
     over = _over(values, name, linkage)
-    is_couple = given['acts'] == COUPLE
-    turns, direction = ACTS.get(given['acts'], (False, 0.0))
+    is_couple = own['acts'] == COUPLE
+    turns, direction = ACTS.get(own['acts'], (False, 0.0))
     places, forces = _numbers(values, name, over, linkage)
     try:
-        table = ForceTable(places, forces, given['periodic'],
+        table = ForceTable(places, forces, own['periodic'],
                            values[f'{name}.interpolation'] == 'linear')
         force = PositionForce(
-            Attachment(given['link'], given['along'], given['across']), table, over,
-            None if is_couple else direction + given['direction'],
-            given['link'] if turns else GROUND, given['factor'])
+            Attachment(own['link'], own['along'], own['across']), table, over,
+            None if is_couple else direction + own['direction'],
+            own['link'] if turns else GROUND, own['factor'])
         make_loaded(linkage, (force,))
     except InvalidParameter as error:
         field = 'periodic' if error.name == 'is_periodic' else error.name
@@ -166,7 +161,11 @@ def _force(values: ParameterValues, name: str, linkage: Mechanism) -> PositionFo
 
 def _numbers(values: ParameterValues, name: str, over: Place, linkage: Mechanism
              ) -> tuple[list[float], list[float]]:
-    """Return places [rad] or [m] and forces [N], couples [N m] or pressures [Pa] of a table."""
+    """
+    Return the two columns of a table in SI units; refuse units that do not fit.
+
+    Places in [rad] or [m], and forces [N], couples [N m] or pressures [Pa].
+    """
     from fourbar_ros.dynamics.model.elements import INPUT, LinkAngle
     is_angle = (not linkage.is_driven_by_slide if over == INPUT else isinstance(over, LinkAngle))
     place_unit = values[f'{name}.place_unit'] or ('rad' if is_angle else 'm')
@@ -192,7 +191,11 @@ def _numbers(values: ParameterValues, name: str, over: Place, linkage: Mechanism
 
 
 def _over(values: ParameterValues, name: str, linkage: Mechanism) -> Place:
-    """Return the place over which a force is given, by its name."""
+    """
+    Return the place that forces.NAME.over names: the force is a function of it.
+
+    The input, an angle or slide of the linkage, or a coordinate of a point, ``P.x``.
+    """
     from fourbar_ros.dynamics.model.elements import Attachment, INPUT, Way
     over, driven = values[f'{name}.over'], linkage.input_coordinate.position
     known: dict[str, Place] = {INPUT: INPUT, driven: INPUT}
@@ -208,22 +211,22 @@ def _over(values: ParameterValues, name: str, linkage: Mechanism) -> Place:
 
 
 def _coordinates(linkage: Mechanism) -> dict[str, Place]:
-    """Return {name: place} of the angles and slides of a mechanism that a force can be over."""
+    """Return {name: place} of the angles and slides of a mechanism: theta4, slide, theta_LINK."""
     from fourbar_ros.dynamics.model.elements import Attachment, LinkAngle, Way
     names = [coordinate.position for coordinate in linkage.PARTS]
-    found: dict[str, Place] = {}
+    places: dict[str, Place] = {}
     for name in names:
         link = name.removeprefix('theta_')
         if name in ANGLES:
-            found[name] = LinkAngle(*ANGLES[name])
+            places[name] = LinkAngle(*ANGLES[name])
         elif link != name and link in [its.name for its in linkage.LINKS]:
-            found[name] = LinkAngle(link)
+            places[name] = LinkAngle(link)
     if hasattr(linkage, 'stages'):
         from fourbar_ros.scene.machines import slides_in
-        found |= {f'slide_{link}': Way(Attachment(link), Attachment(*origin), atan2(sine, cosine))
+        places |= {f'slide_{link}': Way(Attachment(link), Attachment(*origin), atan2(sine, cosine))
                   for link, origin, (cosine, sine) in slides_in(linkage)}
     elif 'slide' in names:
         # of a bar that turns, along it from its pivot; else along x
-        found['slide'] = (Way(Attachment('coupler'), Attachment('output'))
+        places['slide'] = (Way(Attachment('coupler'), Attachment('output'))
                           if linkage.SLIDE_DIRECTION else Way(Attachment('output')))
-    return found
+    return places

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from math import isnan
 from typing import Any
 
@@ -19,8 +20,9 @@ from fourbar_ros.scene.parameters import member_of, of_name, ParameterValues
 
 OWN_NAMES = 'dyads.', 'cylinder', 'bodies.', 'external.'      # of parameters, as errors have them
 RODS = 'bodies.rods.'
+OWN_FIELDS = 'mass', 'inertia', 'cg_along'           # of a body that is given by itself
 SECTIONS = ('radius',), ('width', 'thickness')       # of rods: round, rectangular
-ALWAYS = tuple(RODS + field for field in ('density', *SECTIONS[0], *SECTIONS[1]))
+ROD_PARAMETERS = tuple(RODS + field for field in ('density', *SECTIONS[0], *SECTIONS[1]))
 RENAMED = {'stroke': 'linkage.range', 'dyads': 'linkage.dyads',
            'name of a dyad': 'linkage.dyads'}
 
@@ -29,11 +31,7 @@ def linkage_of(values: ParameterValues) -> Mechanism:
     """
     Return the mechanism of a scene, by all its parameters.
 
-    Raises
-    ------
-    InvalidParameter
-        By the name of the parameter.
-
+    InvalidParameter names the parameter, also where the mechanism itself names its own argument.
     """
     _check_lengths(values)
     make = _machine if values['linkage.kind'] == MACHINE else _of_kind
@@ -53,9 +51,9 @@ def linkage_of(values: ParameterValues) -> Mechanism:
 
 
 def _check_lengths(values: ParameterValues) -> None:
-    """Refuse lengths that are missing, and those of other kinds."""
+    """Refuse a scene without a length of its kind of mechanism, or with a length of another."""
     name = values['linkage.kind']
-    lengths = ([] if name == MACHINE else [length.name for length in KINDS[name].LENGTHS])
+    lengths = [] if name == MACHINE else [length.name for length in KINDS[name].LENGTHS]
     for length in LENGTHS:
         parameter = PARAMETERS[f'linkage.{length}']
         value = values[parameter.name]
@@ -67,7 +65,7 @@ def _check_lengths(values: ParameterValues) -> None:
 
 
 def _of_kind(values: ParameterValues) -> Mechanism:
-    """Return the mechanism of a kind."""
+    """Return the mechanism of a scene that names a kind: lengths, bodies, gravity, forces."""
     name = values['linkage.kind']
     kind: Any = kind_of(name, values['linkage.input'])     # its lengths are its arguments
     for only in ('linkage.dyads', 'linkage.output'):
@@ -102,8 +100,8 @@ def _machine(values: ParameterValues) -> Mechanism:
     machine = machines.machine_of(values)
     _check_links(values, machine)
     bodies = Bodies(values, machine.LINKS, dict(zip(machine.length_names, machine.lengths)))
-    return machines.loaded(machine, bodies.those_given() if bodies.are_given else None,
-                           _gravity(values), external_of(values, machine))
+    return replace(machine, bodies=bodies.those_given() if bodies.are_given else None,
+                   gravity=_gravity(values), external=external_of(values, machine))
 
 
 def _check_links(values: ParameterValues, machine: Mechanism) -> None:
@@ -111,11 +109,12 @@ def _check_links(values: ParameterValues, machine: Mechanism) -> None:
     known = {'bodies': [link.name for link in machine.LINKS], 'external': machine.EXTERNAL._fields}
     for name, value in values.items():
         member = member_of(name)
-        if not member or name in ALWAYS or member.name in known.get(member.family, member.name):
+        if not member or member.family not in known or name in ROD_PARAMETERS:
             continue
-        if value == value and value != of_name(name).default:
-            raise InvalidParameter(f'{member.family}.{member.name}', None, 'there is no such link '
-                                   f'here{nearest(member.name, known[member.family])}')
+        links, is_given = known[member.family], value == value and value != of_name(name).default
+        if member.name not in links and is_given:
+            raise InvalidParameter(f'{member.family}.{member.name}', None,
+                                   f'there is no such link here{nearest(member.name, links)}')
 
 
 def _gravity(values: ParameterValues) -> tuple[float, float]:
@@ -124,7 +123,7 @@ def _gravity(values: ParameterValues) -> tuple[float, float]:
 
 def external_of(values: ParameterValues, mechanism: Mechanism | type[Mechanism],
                 applied: Callable[..., Any] = Applied) -> dict[str, Any]:
-    """Return {link: Applied}; ``applied`` makes one of its numbers."""
+    """Return {link: its external force}, made by ``applied`` from the numbers of each."""
     return {link: applied(*(values[f'external.{link}.{field}']
                             for field in Applied.__dataclass_fields__))
             for link in mechanism.EXTERNAL._fields}
@@ -132,29 +131,22 @@ def external_of(values: ParameterValues, mechanism: Mechanism | type[Mechanism],
 
 class Bodies:
     """
-    The bodies of the links of a scene.
+    The bodies of the links of a scene: given one by one, or by a model of rods.
 
-    Parameters
-    ----------
-    values : dict
-        All parameters.
-    links : tuple of Link
-    lengths : dict
-        {name of a length: its value [m]}.
-
+    ``values``: all parameters; ``lengths``: {name of a length: its value [m]}.
     """
 
-    # What is made of its numbers; subclasses may take arrays.
+    # The functions that make a body of its numbers; a subclass may take arrays.
     body, rod, bar = staticmethod(Body), staticmethod(round_rod), staticmethod(flat_bar)
 
     def __init__(self, values: ParameterValues, links: Sequence[Link],
                  lengths: Mapping[str, Scalar]) -> None:
         self._values, self._links, self._lengths = values, links, lengths
-        self._has_rods = any(map(self._has, ALWAYS))
+        self._has_rods = any(map(self._has, ROD_PARAMETERS))
         self._section = self._section_of_rods() if self._has_rods else ()
 
     def _section_of_rods(self) -> tuple[str, ...]:
-        """Return the names of the numbers of the section of the rods: one of SECTIONS."""
+        """Return the fields of the section of the rods, one of SECTIONS; refuse half a section."""
         given = [field for section in SECTIONS for field in section if self._has(RODS + field)]
         section = SECTIONS[bool(given) and given[-1] in SECTIONS[1]]
         if given and given[0] not in section:
@@ -167,6 +159,7 @@ class Bodies:
         return section
 
     def _has(self, name: str) -> bool:
+        """Return whether a parameter is given: a number that is not NaN, or an array."""
         value = self._values[name]
         return not isinstance(value, float) or not isnan(value)
 
@@ -179,24 +172,23 @@ class Bodies:
         return self._has_rods or any(map(self._has_mass, self._links))
 
     def every(self) -> dict[str, Body]:
-        """Return {link: Body}; each must be given."""
+        """Return {link: Body} for a kind that needs all its bodies; refuse a missing one."""
         return {link.name: self._rod(link) if self._has_rods and link.length else self._one(link)
                 for link in self._links}
 
     def those_given(self) -> dict[str, Body]:
-        """Return {link: Body} of the links that have one."""
-        return {link.name: self._rod(link) if self._is_rod(link) else self._one(link)
-                for link in self._links if self._is_rod(link) or self._is_mentioned(link)}
-
-    def _is_rod(self, link: Link) -> bool:
-        return self._has_rods and bool(link.length) and not self._has_mass(link)
-
-    def _is_mentioned(self, link: Link) -> bool:
-        return any(self._has(f'bodies.{link.name}.{field}')
-                   for field in ('mass', 'inertia', 'cg_along'))
+        """Return {link: Body} of the links that have one: their own, or that of a rod."""
+        bodies = {}
+        for link in self._links:
+            if self._has_rods and link.length and not self._has_mass(link):
+                bodies[link.name] = self._rod(link)
+            elif any(self._has(f'bodies.{link.name}.{field}') for field in OWN_FIELDS):
+                bodies[link.name] = self._one(link)
+        return bodies
 
     def _rod(self, link: Link) -> Body:
-        for field in ('mass', 'inertia', 'cg_along'):
+        """Return the body of a link as a rod of its length; refuse one that is given too."""
+        for field in OWN_FIELDS:
             name = f'bodies.{link.name}.{field}'
             if self._has(name):
                 raise InvalidParameter(name, self._values[name], 'give either bodies.rods or the '
@@ -206,6 +198,7 @@ class Bodies:
                     *(self._values[RODS + field] for field in ('density', *self._section)))
 
     def _one(self, link: Link) -> Body:
+        """Return the body of a link by its own parameters, its centre half-way by default."""
         name, values = f'bodies.{link.name}.', self._values
         for field in ('mass', 'inertia') if link.turns else ('mass',):
             if not self._has(name + field):

@@ -4,12 +4,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import replace
 from math import isnan
 from typing import Any
 
 from fourbar_ros.errors import InvalidParameter, nearest
-from fourbar_ros.mechanics.bodies import Applied, Body
+from fourbar_ros.mechanics.bodies import Body
 from fourbar_ros.mechanisms.machine.describe.description import (
     ANGLES,
     by_link,
@@ -32,7 +31,7 @@ ROD_MODEL = 'rods'
 
 
 def machine_of(values: ParameterValues) -> Machine:
-    """Return the machine, without bodies; InvalidParameter names a dyad and what is wrong."""
+    """Return the machine that values describe, without bodies; raises InvalidParameter."""
     names = values['linkage.dyads']
     if not names and values['linkage.input'] != CYLINDER:
         raise InvalidParameter('linkage.dyads', None, 'must be given: the names of the dyads, '
@@ -48,34 +47,22 @@ def machine_of(values: ParameterValues) -> Machine:
         if ROD_MODEL in values[f'dyads.{name}.links']:
             raise InvalidParameter(f'dyads.{name}.links', ROD_MODEL,
                                    'bodies.rods is the model of all rods: choose another name')
-    given = values['linkage.range']
+    stroke = values['linkage.range']
     return Machine(tuple(_dyad(name, values) for name in names), values['linkage.input'],
                    values['linkage.output'] or None, _cylinder(values),
-                   stroke=tuple(given) if given else None)
-
-
-def loaded(machine: Machine, bodies: dict[str, Body] | None, gravity: tuple[float, float],
-           external: dict[str, Applied]) -> Machine:
-    """Return a machine with bodies, gravity and forces; those of links that it has."""
-    return replace(machine, bodies=bodies, gravity=gravity, external=external)
+                   stroke=tuple(stroke) if stroke else None)
 
 
 def numbers_of(machine: Machine, values: ParameterValues,
                numbers: NumberType) -> tuple[Numbers, ...]:
     """
-    Return the numbers of all dyads of a machine, from parameters of any type.
+    Return the lengths, points and directions of all dyads of a machine, of any number type.
 
-    Parameters
-    ----------
-    machine : Machine
-        One like it: of the same dyads.
-    values : dict
-        All parameters: floats, or numbers of any type.
-    numbers : NumberType
-        That of what is no float.
-
+    A study computes many machines at once so: ``machine`` has the same dyads, and ``values``, all
+    parameters, may be arrays of the type ``numbers`` where they vary.
     """
     def along(angle: Scalar) -> tuple[Scalar, Scalar]:
+        """Return (cos, sin) of an angle."""
         return (direction(angle) if isinstance(angle, float)         # exact at right angles
                 else (numbers.cos(angle), numbers.sin(angle)))
 
@@ -86,7 +73,11 @@ def numbers_of(machine: Machine, values: ParameterValues,
 
 
 def slides_in(machine: Mechanism) -> Iterator[tuple[str, Point, tuple[float, float]]]:
-    """Yield (link that slides, point from which its way counts, direction of the slide there)."""
+    """
+    Yield (sliding link, point of its carrier where it counts from, unit vector along the slide).
+
+    The vector is in the frame of the carrier, on which the link slides.
+    """
     assert isinstance(machine, Machine)
     links = machine.layout.links
     for stage, dyad in zip(machine.layout.stages, machine.stages):
@@ -101,14 +92,14 @@ def bodies_of(machine: Machine, given: dict[str, Body] | None) -> Any:
 
 def _numbers(dyad: Dyad, values: ParameterValues,
              along: Callable[[Scalar], tuple[Scalar, Scalar]], is_cylinder: bool) -> Numbers:
-    """Return the numbers of a dyad, or of the cylinder, which is one too."""
-    where, places = (('cylinder.', ('pin', 'base')) if is_cylinder else
-                     (f'dyads.{dyad.name}.', ('first', 'second')))
-    p, q = [(values[f'{where}{place}.along'], values[f'{where}{place}.across'])
+    """Return the numbers of a dyad, or of the cylinder: a dyad of rod and tube."""
+    prefix, places = (('cylinder.', ('pin', 'base')) if is_cylinder else
+                      (f'dyads.{dyad.name}.', ('first', 'second')))
+    p, q = [(values[f'{prefix}{place}.along'], values[f'{prefix}{place}.across'])
             for place in places]
     sizes: list[Scalar] = []
     for name in OF_KIND[dyad.kind]:
-        value = values.get(where + name)
+        value = values.get(prefix + name)
         if value is None or isinstance(value, float) and isnan(value):
             value = getattr(dyad, name)      # an offset that is not given
         sizes += along(value) if name in ANGLES else (value,)
@@ -116,16 +107,17 @@ def _numbers(dyad: Dyad, values: ParameterValues,
 
 
 def _dyad(name: str, values: ParameterValues) -> Dyad:
-    where = f'dyads.{name}.'
-    dimensions = {field: None if isnan(values[where + field]) else values[where + field]
-                  for field in DIMENSIONS}
-    return Dyad(name, values[where + 'kind'], _point(values, where + 'first'),
-                _point(values, where + 'second'), tuple(values[where + 'links']),
-                mode=values[where + 'mode'], **dimensions)
+    """Return the dyad of the parameters dyads.NAME.*; dimensions that are not given are None."""
+    own = {field: values[f'dyads.{name}.{field}'] for field in
+           (*DIMENSIONS, 'kind', 'links', 'mode')}
+    return Dyad(name, own['kind'], _point(values, f'dyads.{name}.first'),
+                _point(values, f'dyads.{name}.second'), tuple(own['links']), mode=own['mode'],
+                **{field: None if isnan(own[field]) else own[field] for field in DIMENSIONS})
 
 
 def _point(values: ParameterValues, name: str) -> Point:
-    return Point(values[f'{name}.link'], values[f'{name}.along'], values[f'{name}.across'])
+    """Return the point of the parameters NAME.link, NAME.along and NAME.across."""
+    return Point(*(values[f'{name}.{field}'] for field in Point._fields))
 
 
 def _cylinder(values: ParameterValues) -> Cylinder | None:

@@ -35,7 +35,7 @@ OF_VALUES = {'N': 1.0, 'kN': 1e3, 'N m': 1.0, 'kN m': 1e3, **PRESSURES}
 
 class Parameter(NamedTuple):
     """
-    One parameter.
+    One parameter, declared in the node, checked in scene files, printed in the manual.
 
     A ``default`` of NaN means "not given". ``low`` and ``high`` are inclusive; ``positive``
     excludes zero.
@@ -55,7 +55,7 @@ class Parameter(NamedTuple):
 
     @property
     def allowed(self) -> str:
-        """Return the allowed values as text."""
+        """Return the allowed values as text: 'a, b', '> 0', '[1, 2]'; empty for any."""
         if self.choices:
             return ', '.join(self.choices)
         if self.positive:
@@ -76,19 +76,19 @@ MOTORS: dict[str, type[Law]] = {'line': MotorLine, 'dc': DCMotor, 'controller': 
                                 'induction': InductionMotor}
 
 
-def _of_motor(kind: str) -> dict[str, Parameter]:
-    """Return the parameters of a kind of motor, by field."""
-    found = {}
-    for name, default, what in quantities_of(MOTORS[kind]):
+def _motor_parameters(kind: str) -> dict[str, Parameter]:
+    """Return {field of a kind of motor: its parameter motor.NAME}, made from the field."""
+    parameters = {}
+    for field, default, quantity in quantities_of(MOTORS[kind]):
         is_given = isinstance(default, (int, float)) and isfinite(default)
-        found[name] = Parameter(
-            f'motor.{what.parameter or name}', 'integer' if what.is_whole else 'double',
-            default if is_given else nan, what.unit, f'{kind}: {what.text}', low=what.least,
-            positive=what.above == 0.0)
-    return found
+        parameters[field] = Parameter(
+            f'motor.{quantity.parameter or field}', 'integer' if quantity.is_whole else 'double',
+            default if is_given else nan, quantity.unit, f'{kind}: {quantity.text}',
+            low=quantity.least, positive=quantity.above == 0.0)
+    return parameters
 
 
-OF_MOTORS = {kind: _of_motor(kind) for kind in MOTORS}
+OF_MOTORS = {kind: _motor_parameters(kind) for kind in MOTORS}
 GEAR = Parameter('motor.gear', 'double', 1.0, '',
                  'gear ratio: speed of the motor over that of the shaft behind the gear; not zero')
 
@@ -96,11 +96,11 @@ GEAR = Parameter('motor.gear', 'double', 1.0, '',
 # --- from the kinds of mechanisms ----------------------------------------------------------------
 
 def _kinds_by_text(pairs: Iterable[tuple[str, str]]) -> dict[str, list[str]]:
-    """Return {text: kinds} of pairs (kind, text)."""
-    found: dict[str, list[str]] = {}
+    """Return {text: kinds} of pairs (kind, text): kinds of one text share an entry."""
+    kinds: dict[str, list[str]] = {}
     for kind, text in pairs:
-        found.setdefault(text, []).append(kind)
-    return found
+        kinds.setdefault(text, []).append(kind)
+    return kinds
 
 
 def _length(name: str) -> Parameter:
@@ -111,15 +111,14 @@ def _length(name: str) -> Parameter:
     is_in_all = len(lengths) == len(KINDS)
     text = next(iter(texts)) if is_in_all and len(texts) == 1 else '; '.join(
         f'{text} ({", ".join(kinds)})' for text, kinds in texts.items())
-    name = f'linkage.{name}'
     if any(length.signed for length in lengths.values()):
-        return Parameter(name, 'double', 0.0, 'm', text)
-    return Parameter(name, 'double', nan, 'm',
+        return Parameter(f'linkage.{name}', 'double', 0.0, 'm', text)
+    return Parameter(f'linkage.{name}', 'double', nan, 'm',
                      text + ' (all kinds but machine)' * is_in_all, positive=True)
 
 
 def _first_joint(link: str) -> str:
-    """Return the first joint of a link, or its joints by kind."""
+    """Return the first joint of a link as text: 'O1', or 'A (B of a slider_crank)' by kinds."""
     joints = _kinds_by_text((kind, find_link(its.LINKS, link).first_joint)
                             for kind, its in KINDS.items()
                             if link in [its_link.name for its_link in its.LINKS])
@@ -127,7 +126,7 @@ def _first_joint(link: str) -> str:
     return usual + ''.join(f' ({joint} of a {" or ".join(joints[joint])})' for joint in others)
 
 
-# names of the lengths, and {link: its first joint}, of all kinds together
+# of all kinds together: names of the lengths, {link: its first joint}
 LENGTHS = tuple(dict.fromkeys(length.name for kind in KINDS.values() for length in kind.LENGTHS))
 LINKS = {name: _first_joint(name)
          for name in dict.fromkeys(link.name for kind in KINDS.values() for link in kind.LINKS)}
@@ -159,21 +158,19 @@ def _body(link: str, first_joint: str) -> tuple[Parameter, ...]:
 
 
 def _external(link: str, first_joint: str) -> tuple[Parameter, ...]:
-    """Return the parameters of what acts on a link from outside."""
+    """Return the parameters of the force and couple that act on a link from outside."""
     name = f'external.{link}.'
     return (
-        Parameter(name + 'force_x', 'double', 0.0, 'N', f'external force on the {link}: x '
-                                                        'component, constant'),
-        Parameter(name + 'force_y', 'double', 0.0, 'N', f'external force on the {link}: y '
-                                                        'component, constant'),
+        *(Parameter(f'{name}force_{axis}', 'double', 0.0, 'N',
+                    f'external force on the {link}: {axis} component, constant') for axis in 'xy'),
         Parameter(name + 'along', 'double', 0.0, 'm',
                   f'point where the external force acts on the {link}: distance from '
                   f'{first_joint} along the link'),
         Parameter(name + 'across', 'double', 0.0, 'm',
                   f'point where the external force acts on the {link}: distance to the left of '
                   'the line of the link'),
-        Parameter(name + 'couple', 'double', 0.0, 'N m', f'external couple on the {link}, '
-                                                         'constant, counter-clockwise positive'),
+        Parameter(name + 'couple', 'double', 0.0, 'N m',
+                  f'external couple on the {link}, constant, counter-clockwise positive'),
         Parameter(name + 'from_topic', 'bool', False, '',
                   f'take the external force and couple on the {link} from the topic '
                   f'{wrench_topic(link).topic} instead of force_x, force_y and couple',
@@ -238,10 +235,9 @@ PARAMETERS = _table(
               'thickness of these bars, square to the plane', positive=True),
     *(parameter for item in LINKS.items() for parameter in _body(*item)),
     *(parameter for item in LINKS.items() for parameter in _external(*item)),
-    Parameter('external.timeout', 'double', 1.0, 's', 'with from_topic: a link without a wrench '
-                                                      'for longer than this counts as silent; 0: '
-                                                      'never',
-              low=0.0),
+    Parameter('external.timeout', 'double', 1.0, 's',
+              'with from_topic: a link without a wrench for longer than this counts as silent; 0: '
+              'never', low=0.0),
     Parameter('external.when_silent', 'string', 'unknown', '',
               'external wrench of a silent link, and before its first message: unknown (all loads '
               'are NaN), constant (force_x, force_y, couple) or hold (the last wrench; before the '
@@ -281,8 +277,7 @@ PARAMETERS = _table(
               'with joint_state: ratio in joint = ratio * input + offset; negative if they turn '
               'in opposite directions', live=False),
     Parameter('drive.joint_offset', 'double', 0.0, 'rad or m',
-              'with joint_state: offset in joint = ratio * input + offset',
-              live=False),
+              'with joint_state: offset in joint = ratio * input + offset', live=False),
     Parameter('drive.window', 'integer', 5, '',
               'estimate of missing rates: number of latest samples that are fitted', 3, 50),
     Parameter('drive.jump', 'double', 1.0, 'rad or m',
@@ -320,12 +315,10 @@ PARAMETERS = _table(
     Parameter('services', 'strings', list(SERVICES), '',
               'services to offer, find_extrema also as an action', choices=tuple(SERVICES),
               live=False),
-    Parameter('frame_id', 'string', 'fourbar', '', 'frame_id of all outputs; origin O1, x towards '
-                                                   'O4 or along the guide',
-              live=False),
+    Parameter('frame_id', 'string', 'fourbar', '',
+              'frame_id of all outputs; origin O1, x towards O4 or along the guide', live=False),
     Parameter('joint_names', 'strings', [], '',
-              'names of the joints in joint_states, in this order; empty: '
-              f'{_JOINTS_IN_WORDS}',
+              f'names of the joints in joint_states, in this order; empty: {_JOINTS_IN_WORDS}',
               live=False),
     Parameter('joint_states.prefix', 'string', '', '', 'prefix of every name in joint_names',
               live=False),
@@ -334,8 +327,7 @@ PARAMETERS = _table(
               'negative: opposite direction; empty: 1', live=False),
     Parameter('joint_states.offsets', 'doubles', [], 'rad or m',
               'offset of each joint: published position = ratio * (angle or slide) + offset; '
-              'empty: 0',
-              live=False),
+              'empty: 0', live=False),
     Parameter('joint_states.when_unknown', 'string', 'skip', '',
               'published while a position is unknown: nothing (skip: robot_state_publisher keeps '
               'the last pose), the last known positions with NaN rates (hold), or NaN (send_nan)',
@@ -353,9 +345,8 @@ PARAMETERS = _table(
     Parameter('recording.start', 'bool', False, '', 'start recording with the first sample',
               live=False),
     Parameter('recording.directory', 'string', 'bags', '', 'directory for the bags', live=False),
-    Parameter('recording.name', 'string', '', '', 'name of the first bag; empty: a new name from '
-                                                  'the clock',
-              live=False),
+    Parameter('recording.name', 'string', '', '',
+              'name of the first bag; empty: a new name from the clock', live=False),
     Parameter('recording.split_size', 'double', 0.0, 'MB',
               'continue a bag in a new file when the current one exceeds this size; 0: never',
               low=0.0, live=False),
@@ -377,6 +368,7 @@ def _having(dimension: str) -> str:
 
 
 def _place(name: str, which: str) -> tuple[Parameter, ...]:
+    """Return the parameters of a point of another link where a dyad hangs."""
     return (
         Parameter(f'{name}.link', 'string', REQUIRED, '',
                   f'link on which dyad NAME hangs with its {which} link: ground, the driven link '
@@ -390,6 +382,7 @@ def _place(name: str, which: str) -> tuple[Parameter, ...]:
 
 
 def _end(which: str) -> tuple[Parameter, ...]:
+    """Return the parameters of the first or second end of a spring."""
     name = f'springs.NAME.{which}'
     return (
         Parameter(f'{name}.link', 'string', GROUND, '',
@@ -505,8 +498,9 @@ FAMILIES = {'points': _POINT, 'springs': _SPRING, 'torsion_springs': _TORSION, '
 OF_MACHINES = 'dyads', 'bodies', 'external'      # families whose names only machines choose
 
 _TIMER, _MESSAGES, (_TORQUE, _MOTOR) = 'timer', tuple(INPUTS), SOURCES
-# What has a meaning only with a value of another: (names by pattern, the other, its values; none:
-# any that is given). The first that fits a name counts; the node declares what has a meaning.
+# Parameters that have a meaning only with some values of another one: (pattern of names, the
+# other, its values; none: any that is given). The first pattern that fits a name counts. The node
+# declares only parameters that have a meaning.
 GOES_WITH: tuple[tuple[str, str, tuple[Any, ...]], ...] = (
     *((f'linkage.{length}', 'linkage.kind', tuple(
         name for name, kind in KINDS.items() if length in [its.name for its in kind.LENGTHS]))
@@ -515,22 +509,14 @@ GOES_WITH: tuple[tuple[str, str, tuple[Any, ...]], ...] = (
     ('linkage.mode', 'linkage.kind', tuple(KINDS)),
     ('linkage.dyads', 'linkage.kind', (MACHINE,)), ('linkage.output', 'linkage.kind', (MACHINE,)),
     ('cylinder.*', 'linkage.input', ('cylinder',)),
-    ('external.timeout', 'external.*.from_topic', (True,)),
-    ('external.when_silent', 'external.*.from_topic', (True,)),
-    ('external.extrapolated', 'external.*.from_topic', (True,)),
+    *((f'external.{name}', 'external.*.from_topic', (True,))
+      for name in ('timeout', 'when_silent', 'extrapolated')),
     ('external.*', 'bodies.*.[md]*', ()),      # masses, or the density of rods
-    ('drive.speed', 'drive.source', (_TIMER,)),
-    ('drive.start', 'drive.source', (_TIMER, _TORQUE, _MOTOR)),
-    ('drive.rate', 'drive.source', (_TIMER, _TORQUE, _MOTOR)),
-    ('drive.joint*', 'drive.source', ('joint_state',)),
-    ('drive.window', 'drive.source', _MESSAGES), ('drive.jump', 'drive.source', _MESSAGES),
-    ('drive.timeout', 'drive.source', (*_MESSAGES, _TORQUE)),
-    ('drive.when_silent', 'drive.source', (_TORQUE,)),
-    ('drive.torque_limit', 'drive.source', (_TORQUE,)),
-    ('drive.start_speed', 'drive.source', SOURCES),
-    ('drive.tolerance', 'drive.source', SOURCES),
-    ('drive.budget', 'drive.source', SOURCES),
-    ('motor.*', 'drive.source', (_MOTOR,)),
-    ('shaft.*', 'drive.source', SOURCES),
+    *((f'drive.{name}', 'drive.source', sources) for names, sources in (
+        ('speed', (_TIMER,)), ('start rate', (_TIMER, *SOURCES)), ('joint*', ('joint_state',)),
+        ('window jump', _MESSAGES), ('timeout', (*_MESSAGES, _TORQUE)),
+        ('when_silent torque_limit', (_TORQUE,)), ('start_speed tolerance budget', SOURCES))
+      for name in names.split()),
+    ('motor.*', 'drive.source', (_MOTOR,)), ('shaft.*', 'drive.source', SOURCES),
     ('flywheel.*', 'drive.source', SOURCES),
 )

@@ -1,10 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""
-Find the parameters of a scene in the table, and check the values that a scene gives them.
-
-No ROS is imported.
-"""
+"""Find the parameters of a scene in the table, and check their values; imports no ROS."""
 from __future__ import annotations
 
 from array import array
@@ -33,8 +29,9 @@ from fourbar_ros.scene.units import in_unit, UNITS
 ParameterValues = Mapping[str, Any]       # {name: value}; their types stand in the table
 TYPES = {'double': float, 'integer': int, 'string': str, 'bool': bool, 'strings': list,
          'doubles': list}
-IN_WORDS = {'integer': 'a whole number', 'string': 'a text', 'bool': 'true or false',
-            'strings': 'a list of texts: [a, b]', 'doubles': 'a list of numbers: [1.0, 2.0]'}
+TYPES_IN_WORDS = {'integer': 'a whole number', 'string': 'a text', 'bool': 'true or false',
+                  'strings': 'a list of texts: [a, b]',
+                  'doubles': 'a list of numbers: [1.0, 2.0]'}
 _MEMBER = re.compile(rf'({"|".join(FAMILIES)})\.([A-Za-z]\w*)\.([\w.]+)')
 
 
@@ -61,6 +58,7 @@ def find(name: str) -> Parameter | None:
 
 
 def _of_member(name: str) -> Parameter | None:
+    """Return points.P.along as points.NAME.along stands in the table; None for other names."""
     member = member_of(name)
     if member is None:
         return None
@@ -70,41 +68,43 @@ def _of_member(name: str) -> Parameter | None:
 
 def of_name(name: str) -> Parameter:
     """Return the Parameter of a name that a checked scene has."""
-    found = find(name)
-    assert found is not None, name
-    return found
+    parameter = find(name)
+    assert parameter is not None, name
+    return parameter
 
 
 def names_in(family: str, values: Iterable[str]) -> list[str]:
-    """Return the names of the members of a family that have a parameter, in order."""
+    """Return the members of a family in a scene: P and Q of points.P.link, points.Q.along."""
     members = filter(None, map(member_of, values))
     return list(dict.fromkeys(member.name for member in members if member.family == family))
 
 
 def _parameters_of(family: str, member: str) -> list[Parameter]:
-    """Return all parameters of one member of a family."""
+    """Return the table's parameters of one member of a family: points.P.link, points.P.along."""
     named = (_of_member(name.replace(f'.{NAME}.', f'.{member}.')) for name in FAMILIES[family])
     return list(filter(None, named))
 
 
 def meant(values: ParameterValues, given: ParameterValues) -> list[str]:
     """
-    Return the names of the parameters that have a meaning in a scene, or are given all the same.
+    Return the parameters to declare: those that have a meaning in a scene, and all given ones.
 
-    ``values``: all parameters of the scene, checked; ``given``: those that it gives.
+    ``values``: all parameters of the scene, checked; ``given``: those that it gives. drive.speed
+    has no meaning where a topic drives.
     """
-    def holds(other: str, wanted: tuple[Any, ...]) -> bool:
-        of_others = [values[name] for name in values if fnmatchcase(name, other)]
-        # NaN: not given
-        return any(value in wanted if wanted else value == value for value in of_others)
+    def holds(pattern: str, wanted: tuple[Any, ...]) -> bool:
+        """Return whether a parameter has one of the values; without any, whether it is given."""
+        others = [values[name] for name in values if fnmatchcase(name, pattern)]
+        return any(value in wanted if wanted else value == value for value in others)
 
-    hold = [(pattern, holds(other, wanted)) for pattern, other, wanted in GOES_WITH]
-    if values['linkage.kind'] == MACHINE:        # which has links of its own
-        others = LINKS.keys() - set(_links_of_machine(values))
-        hold[:0] = [(f'{family}.{link}.*', False) for family in ('bodies', 'external')
-                    for link in others]
+    conditions = [(pattern, holds(other, wanted)) for pattern, other, wanted in GOES_WITH]
+    if values['linkage.kind'] == MACHINE:        # it has links of its own
+        absent = LINKS.keys() - set(_links_of_machine(values))
+        conditions[:0] = [(f'{family}.{link}.*', False) for family in ('bodies', 'external')
+                          for link in absent]
     return [name for name in values if name in given
-            or next((found for pattern, found in hold if fnmatchcase(name, pattern)), True)]
+            or next((is_met for pattern, is_met in conditions if fnmatchcase(name, pattern)),
+                    True)]
 
 
 # --- check ---------------------------------------------------------------------------------------
@@ -113,11 +113,7 @@ def check(values: ParameterValues) -> dict[str, Any]:
     """
     Return all parameters with defaults filled in, each in its own type.
 
-    Raises
-    ------
-    InvalidParameter
-        For the first unknown, missing or bad one.
-
+    Raises InvalidParameter for the first unknown, missing or bad one.
     """
     is_machine = values.get('linkage.kind') == MACHINE
     for name in values:
@@ -135,13 +131,14 @@ def check(values: ParameterValues) -> dict[str, Any]:
 
 
 def _is_known(name: str, is_machine: bool) -> bool:
-    """Return whether a scene may have this parameter; links of their own only machines have."""
+    """Return whether a scene may have a parameter; only machines name dyads and links."""
     member = member_of(name)
     return name in PARAMETERS or (member is not None and _of_member(name) is not None
                                   and (is_machine or member.family not in OF_MACHINES))
 
 
 def _why_unknown(name: str, is_machine: bool, value: Any) -> str:
+    """Return why a scene cannot have a parameter, with what was probably meant."""
     parts = name.split('.')
     if with_unit := _named_with_unit(name, value):
         return with_unit
@@ -171,7 +168,11 @@ def _why_unknown(name: str, is_machine: bool, value: Any) -> str:
 
 
 def _named_with_unit(name: str, value: Any) -> str:
-    """Return what to write for a name with a unit, as drive.rpm or linkage.a1_mm; or nothing."""
+    """
+    Return what to write in place of a name with a unit, as drive.rpm or linkage.a1_mm.
+
+    For linkage.a1_mm: 50 that is linkage.a1 [m], 50 mm = 0.05. Empty for other names.
+    """
     group, _, last = name.rpartition('.')
     base, _, unit = last.rpartition('_')
     units = {unit.lower().replace('/', '_'): unit for its in UNITS.values() for unit in its}
@@ -180,48 +181,49 @@ def _named_with_unit(name: str, value: Any) -> str:
                                    else f'{group}.{base}')
         if parameter and word.lower() in units:
             of_unit = units[word.lower()]
-            found = in_unit(f'{value}{of_unit}', parameter.unit)
-            its = f' [{parameter.unit.partition(" or ")[0]}]'
-            return (f'unknown parameter; did you mean {parameter.name}{its}?'
-                    + (f' {value} {of_unit} = {found:.5g}' if found is not None else ''))
+            converted = in_unit(f'{value}{of_unit}', parameter.unit)
+            own_unit = f' [{parameter.unit.partition(" or ")[0]}]'
+            return (f'unknown parameter; did you mean {parameter.name}{own_unit}?'
+                    + (f' {value} {of_unit} = {converted:.5g}' if converted is not None else ''))
     return ''
 
 
 def _members(values: ParameterValues, is_machine: bool) -> list[tuple[str, str]]:
-    """Return (family, name) of all members of a scene; every link of a machine has a body."""
-    found = [(group, name) for group in FAMILIES if group not in OF_MACHINES
-             for name in names_in(group, values)]
+    """
+    Return (family, name) of all members of a scene, whose missing parameters get defaults.
+
+    All links of a machine are members of bodies and external, mentioned or not.
+    """
+    members = [(family, name) for family in FAMILIES if family not in OF_MACHINES
+               for name in names_in(family, values)]
     if is_machine:
-        dyads = _dyads(values)
-        found += [('dyads', name) for name in dyads]
+        members += [('dyads', name) for name in _dyads(values)]
         links = _links_of_machine(values)
         for family in ('bodies', 'external'):
             names = dict.fromkeys([*links, *names_in(family, values)])
-            found += [(family, name) for name in names if name != 'rods']
-    return found
+            members += [(family, name) for name in names if name != 'rods']
+    return members
 
 
 def _dyads(values: ParameterValues) -> list[str]:
+    """Return the names of the dyads of a machine, listed or with parameters."""
     return list(dict.fromkeys([*_names(values.get('linkage.dyads')),
                                *names_in('dyads', values)]))
 
 
 def _links_of_machine(values: ParameterValues) -> list[str]:
-    return [link for link in (*(own for name in _dyads(values)
-                                for own in _names(values.get(f'dyads.{name}.links'))),
-                              *_driven_links(values)) if link != GROUND]
-
-
-def _driven_links(values: ParameterValues) -> list[str]:
-    """Return the links of a machine that need not be named, those of its cylinder included."""
-    driver = values.get('linkage.input')
-    rods = _names(values.get('cylinder.links', PARAMETERS['cylinder.links'].default))
-    base = _names([values.get('cylinder.base.link')])
-    return {'slide': ['slider'], 'cylinder': ['crank', *rods, *base]}.get(str(driver), ['crank'])
+    """Return the names of all moving links of a machine: of its dyads, of its drive."""
+    driver = str(values.get('linkage.input'))
+    cylinder = [*_names(values.get('cylinder.links', PARAMETERS['cylinder.links'].default)),
+                *_names([values.get('cylinder.base.link')])]
+    of_drive = {'slide': ['slider'], 'cylinder': ['crank', *cylinder]}.get(driver, ['crank'])
+    of_dyads = [link for name in _dyads(values)
+                for link in _names(values.get(f'dyads.{name}.links'))]
+    return [link for link in (*of_dyads, *of_drive) if link != GROUND]
 
 
 def _names(value: Any) -> list[str]:
-    """Return the texts in a value, whatever it is."""
+    """Return the names in a list; none for any other value, which is not checked yet."""
     return ([item for item in value
              if isinstance(item, str) and re.fullmatch(r'[A-Za-z]\w*', item)]
             if isinstance(value, (list, tuple)) else [])
@@ -233,8 +235,7 @@ def check_value(parameter: Parameter, value: Any) -> Any:
     kind: Any = TYPES[parameter.type]
     if kind is float:
         value = _as_float(value)
-    # an array of doubles comes so from rclpy
-    if kind is list and isinstance(value, (tuple, array)):
+    if kind is list and isinstance(value, (tuple, array)):      # rclpy gives array('d', ...)
         value = list(value)
     if isinstance(value, str) and value in parameter.words:
         value = parameter.words[value]
@@ -267,19 +268,20 @@ def _wanted(parameter: Parameter, value: Any) -> str:
                                                                                     value)
     if parameter.type == 'integer' and isinstance(value, float) and value.is_integer():
         return f'a whole number: {value:.0f}'
-    return IN_WORDS[parameter.type]
+    return TYPES_IN_WORDS[parameter.type]
 
 
 def _meant(parameter: Parameter, value: Any) -> str:
-    """Return a text, such as 50mm or 0,05, as the number that it means; empty: it means none."""
+    """Return ': 0.05' for a text such as 50mm or 0,05 that means a number; else an empty text."""
     if not isinstance(value, str):
         return ''
     with_point = value.replace(',', '.') if value.count(',') == 1 else value
-    found = in_unit(with_point, parameter.unit)
-    return f': {found:.5g}' if found is not None and isfinite(found) else ''
+    number = in_unit(with_point, parameter.unit)
+    return f': {number:.5g}' if number is not None and isfinite(number) else ''
 
 
 def _check_number(parameter: Parameter, value: float) -> None:
+    """Refuse a number that is not finite or out of the limits; NaN may stand for "not given"."""
     if isnan(value) and isinstance(parameter.default, float) and isnan(parameter.default):
         return                                             # not given
     if not isfinite(value):

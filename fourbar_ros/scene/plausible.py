@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Warnings of values that a scene may have but hardly means: millimetres, degrees, g/cm^3."""
+"""Warn of values that are allowed but probably in a wrong unit: millimetres, degrees, g/cm^3."""
 from __future__ import annotations
 
 from collections.abc import Iterator
@@ -16,29 +16,25 @@ STEEL = 7850.0
 
 
 def warnings_of(scene: Scene) -> list[str]:
-    """Return a line for each value of a scene that is allowed but hardly meant."""
+    """Return a line for each value of a scene that is allowed but probably in a wrong unit."""
     return [*_long(scene), *_density(scene), *_thick(scene), *_angle(scene)]
-
-
-def _lengths(scene: Scene) -> dict[str, float]:
-    """Return {parameter: length [m]} of the mechanism."""
-    of = 'dyads' if scene.values['linkage.kind'] == MACHINE else 'linkage'
-    named = ((f'{of}.{name}', value)
-             for name, value in zip(scene.linkage.length_names, scene.linkage.lengths))
-    return {name if name in scene.values else name.removeprefix('dyads.'): value
-            for name, value in named}
 
 
 def _long(scene: Scene) -> Iterator[str]:
     """Yield one line for all lengths beyond LONGEST."""
-    long = [(name, value) for name, value in _lengths(scene).items() if abs(value) > LONGEST]
+    family = 'dyads' if scene.values['linkage.kind'] == MACHINE else 'linkage'
+    long = [(f'{family}.{name}', value)
+            for name, value in zip(scene.linkage.length_names, scene.linkage.lengths)
+            if abs(value) > LONGEST]
     if long:
         (name, value), *others = long
+        name = name if name in scene.values else name.removeprefix('dyads.')    # of a cylinder
         too = f' (and {len(others)} more)' if others else ''
         yield f'{name} = {value:g} m: did you mean {value * 1e-3:g}? Lengths are in metres{too}'
 
 
 def _density(scene: Scene) -> Iterator[str]:
+    """Yield a line for rods lighter than cork or denser than any metal: g/cm^3 were meant."""
     density = scene.values[RODS + 'density']
     if density < LIGHTEST:
         meant = f'{density * 1e3:g}' if LIGHTEST <= density * 1e3 <= DENSEST else f'{STEEL:g}'
@@ -63,6 +59,7 @@ def _thick(scene: Scene) -> Iterator[str]:
 
 
 def _angle(scene: Scene) -> Iterator[str]:
+    """Yield a line for a start of more than a turn: degrees were meant."""
     start = scene.drive.start
     if not scene.linkage.is_driven_by_slide and abs(start) > tau:
         yield (f'drive.start = {start:g} rad is more than a turn: did you mean '

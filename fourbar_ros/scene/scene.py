@@ -17,7 +17,7 @@ from fourbar_ros.errors import FourBarError, InvalidParameter, one_of, OutOfRang
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.quantities import Function, point_acceleration, point_speed
 from fourbar_ros.scene.dynamics import Dynamics, of_values
-from fourbar_ros.scene.files import as_text, flatten, read_values, SceneError  # noqa: F401
+from fourbar_ros.scene.files import as_text, read_values
 from fourbar_ros.scene.forces import forces_of, with_tables
 from fourbar_ros.scene.linkage import linkage_of
 from fourbar_ros.scene.message_fields import FieldMap, layout, Names
@@ -44,11 +44,12 @@ if TYPE_CHECKING:      # other scenes do without
 
 
 Settings = TypeVar('Settings')
-IN_WORDS = {1: 'one', 2: 'two', 3: 'three', 4: 'four', 5: 'five', 6: 'six', 7: 'seven', 8: 'eight'}
+COUNTS_IN_WORDS = {1: 'one', 2: 'two', 3: 'three', 4: 'four', 5: 'five', 6: 'six', 7: 'seven',
+                   8: 'eight'}
 
 
 class DriveSettings(NamedTuple):
-    """What moves the input, by ``source``; see the parameter table."""
+    """The parameters drive.*: what moves the input, by ``source``; see the parameter table."""
 
     source: str
     speed: float
@@ -69,7 +70,7 @@ class DriveSettings(NamedTuple):
 
 
 class RecordingSettings(NamedTuple):
-    """Where and when to record, when to split [MB], [s], and how much to keep [s]."""
+    """The parameters recording.*: when to split a bag [MB], [s], how much of it to keep [s]."""
 
     start: bool
     directory: str
@@ -80,7 +81,12 @@ class RecordingSettings(NamedTuple):
 
 
 class Wrenches(NamedTuple):
-    """Which links are loaded by a topic, what acts while it is silent, and a step later."""
+    """
+    Links whose external wrench comes from a topic, and the policy while it is silent.
+
+    ``timeout`` [s]: the silence after which ``when_silent`` holds; ``extrapolated``: the node
+    estimates the wrench a step later from the last two.
+    """
 
     links: tuple[str, ...]
     timeout: float
@@ -107,13 +113,18 @@ class JointStates(NamedTuple):
 
     @property
     def are_plain(self) -> bool:
-        """Return whether positions, rates and efforts go out as they are."""
-        return (set(self.ratios) == {1.0} and set(self.offsets) == {0.0} and self.when_unknown
-                != 'hold')
+        """Return whether the motion itself is published: neither scaled nor held."""
+        return (set(self.ratios) == {1.0} and set(self.offsets) == {0.0}
+                and self.when_unknown != 'hold')
 
 
 class Scene(NamedTuple):
-    """Everything a node needs to know, checked; ``points`` by their names."""
+    """
+    A linkage with its drive, outputs and recording, checked: all that a node or a bag needs.
+
+    ``points`` by their names; ``forces`` over a position; ``dynamics`` where the motion follows
+    from torque; ``values``: every parameter by name.
+    """
 
     linkage: Mechanism
     points: dict[str, Point]
@@ -124,9 +135,9 @@ class Scene(NamedTuple):
     joint_names: tuple[str, ...]      # with their prefix
     joint_states: JointStates
     recording: RecordingSettings
-    forces: tuple[PositionForce, ...]      # over a position
-    dynamics: Dynamics | None         # where the motion follows from torque
-    values: ParameterValues       # every parameter by name
+    forces: tuple[PositionForce, ...]
+    dynamics: Dynamics | None
+    values: ParameterValues
 
     @property
     def as_json(self) -> str:
@@ -147,7 +158,7 @@ class Scene(NamedTuple):
 
     @property
     def as_text(self) -> str:
-        """Return the text of its scene file: what is given and no default."""
+        """Return the scene as the text of a parameter file, without defaults."""
         return as_text({name: value for name, value in self.values.items()
                         if value != of_name(name).default})
 
@@ -158,7 +169,7 @@ class Scene(NamedTuple):
 
     @property
     def members(self) -> dict[str, dict[str, str]]:
-        """Return {family of outputs: {name: what it is}}: points, links, reactions."""
+        """Return {family of outputs: {name: its text}}: points, links, reactions."""
         return {'points': {name: f'point of the {point.link}'
                            for name, point in self.points.items()},
                 'links': {link.name: f'motion of the {link.text}' for link in self.linkage.LINKS},
@@ -172,13 +183,13 @@ class Scene(NamedTuple):
 
     @property
     def wrench_topics(self) -> list[Topic]:
-        """Return the topics of wrenches from outside: as received, and as in effect."""
+        """Return two topics for each link loaded by a topic: wrench received, and in effect."""
         return [topic(link) for link in self.wrenches.links
                 for topic in (wrench_topic, applied_topic)]
 
     @property
     def drive_topics(self) -> list[Topic]:
-        """Return the topics of a drive that works by torque: what comes, and its state."""
+        """Return the topics of a drive that works by torque: its command, if any, and state."""
         if self.dynamics is None:
             return []
         return [TORQUE, DRIVE_STATE] if self.drive.source == TORQUE.name else [DRIVE_STATE]
@@ -186,29 +197,27 @@ class Scene(NamedTuple):
     @property
     def received(self) -> list[Topic]:
         """Return the topics to which its node listens."""
-        found = [wrench_topic(link) for link in self.wrenches.links]
         source = self.drive.source
-        if source in INPUTS or source == TORQUE.name:
-            found.append(INPUTS.get(source, TORQUE))
-        return found + [TRAJECTORIES[name] for name in ANSWERS if self.values['trajectories']]
+        inputs = [topic for topic in (*INPUTS.values(), TORQUE) if topic.name == source]
+        return [*map(wrench_topic, self.wrenches.links), *inputs,
+                *(TRAJECTORIES[name] for name in ANSWERS if self.values['trajectories'])]
 
     @property
     def published(self) -> list[Topic]:
-        """Return the topics on which its node sends, but those of every node."""
-        given = [*self.wrench_topics, *self.drive_topics]
-        if self.values['trajectories']:
-            given += TRAJECTORIES.values()
+        """Return the topics on which its node sends, but those that every ROS node has."""
+        both = [*self.wrench_topics, *self.drive_topics,
+                *(TRAJECTORIES.values() if self.values['trajectories'] else ())]
         received = self.received
-        return [*(topic for topic in given if topic not in received), DRIVEN, SCENE,
+        return [*(topic for topic in both if topic not in received), DRIVEN, SCENE,
                 *self.topics.values(), *self.pictures.values()]
 
     @property
     def transmission(self) -> Transmission:
         """
-        Return the Transmission from its drive to its output, about ``drive.start``.
+        Return the Transmission from its drive to its output, on the branch about ``drive.start``.
 
-        Where the linkage does not close at its default, about the middle of the first range;
-        raises FourBarError.
+        Where that is not given and the linkage does not close there, about the middle of the first
+        range. Raises FourBarError.
         """
         try:
             return Transmission(self.linkage, self.drive.start)
@@ -225,7 +234,12 @@ class Scene(NamedTuple):
 
     def make_loaded(self, linkage: Mechanism
                     ) -> Callable[[float, float], Mechanism | None] | None:
-        """Return (position, rate) -> linkage with the forces of its elements; None without any."""
+        """
+        Return a function (position, rate) -> linkage with the forces of its elements there.
+
+        Without springs, dampers and forces over a position: None. The function returns None where
+        their forces are not known.
+        """
         if not self.elements:
             return None
         from fourbar_ros.dynamics.model.element_forces import make_loaded
@@ -234,16 +248,16 @@ class Scene(NamedTuple):
     @property
     def known_linkage(self) -> Mechanism:
         """
-        Return the linkage as far as its loads are those of smooth constant data.
+        Return the linkage, without masses if its own loads are not those of the scene.
 
-        With springs, dampers or forces over a position, which its own loads do not have, it has
-        no masses; :attr:`why_no_loads` says why.
+        Its loads lack the forces of springs, dampers and forces over a position; without masses it
+        has no loads that could be mistaken. :attr:`why_no_loads` is the reason for a user.
         """
         return replace(self.linkage, bodies=None) if self.elements else self.linkage
 
     @property
     def why_no_loads(self) -> str:
-        """Return why :attr:`known_linkage` has no loads; empty: it has."""
+        """Return why :attr:`known_linkage` has no loads, for a user; empty if it has them."""
         if self.linkage.bodies is None:
             return 'the scene gives no masses'
         forces = ', '.join(f'forces.{name}' for name in names_in('forces', self.values))
@@ -252,7 +266,11 @@ class Scene(NamedTuple):
                 'from the motion alone' if self.elements else '')
 
     def linkage_at(self, linkage: Mechanism, position: float, rate: float) -> Mechanism:
-        """Return a linkage with the forces of its elements at one input; no masses: not known."""
+        """
+        Return a linkage with the forces of the scene's elements at one input.
+
+        Where these are not known it has no masses, so no loads.
+        """
         loaded = self.make_loaded(linkage)
         if loaded is None or linkage.bodies is None:
             return linkage
@@ -260,7 +278,7 @@ class Scene(NamedTuple):
 
     @property
     def mover(self) -> Mover:
-        """Return the :class:`~fourbar_ros.dynamics.step.mover.Mover`, which makes the motion."""
+        """Return the Mover that integrates the motion of a drive that works by torque."""
         from fourbar_ros.dynamics.step.mover import Mover
         assert self.dynamics is not None        # only scenes that have it are driven so
         return Mover(self.dynamics.system(self.linkage), self.drive.tolerance, self.drive.budget,
@@ -268,27 +286,31 @@ class Scene(NamedTuple):
 
     def mover_in(self, mode: int) -> Mover:
         """Return the Mover in a mode beyond a toggle; an unknown mode is that of the scene."""
-        # through the flat positions of a change point, one equation holds in both modes
+        # at a change point one equation of motion holds in both modes
         is_other = mode in self.linkage.modes_passed and self.linkage.change_point_margin != 0.0
         return self.taken_in(mode).mover if is_other else self.mover
 
     @property
     def layout(self) -> FieldMap:
-        """Return the :class:`~fourbar_ros.scene.message_fields.FieldMap` of its values."""
-        found = layout(Names.of(self.linkage, 'links' in self.outputs), tuple(self.points),
-                       self.needs_loads, not self.joint_states.are_plain,
-                       'drive_wrench' in self.outputs)
-        return found.showing(self.joints_shown) if self.joint_states.only_passive else found
+        """Return the map from the values of a sample to the fields of messages."""
+        fields = layout(Names.of(self.linkage, 'links' in self.outputs), tuple(self.points),
+                        self.needs_loads, not self.joint_states.are_plain,
+                        'drive_wrench' in self.outputs)
+        return fields.showing(self.joints_shown) if self.joint_states.only_passive else fields
 
     @property
     def joints_shown(self) -> tuple[int, ...]:
-        """Return the places of the joints in joint_states: all, or all but the driven one."""
+        """Return the indices of the joints in joint_states: all, or all but the driven one."""
         driven = self.linkage.input_coordinate
         return tuple(place for place, joint in enumerate(self.linkage.JOINTS)
                      if not (self.joint_states.only_passive and joint.coordinate == driven))
 
     def needed_for(self, output: str) -> list[int]:
-        """Return the places of the values without which a message of an output is not sent."""
+        """
+        Return the indices of the values without which a message of an output is not sent.
+
+        joint_states may be skipped while a position is unknown; all other outputs are always sent.
+        """
         if output != 'joint_states' or self.joint_states.when_unknown != 'skip':
             return []
         return [self.layout.place[name] for name in self.layout.fields[output]['position'] if name]
@@ -305,7 +327,7 @@ class Scene(NamedTuple):
 
     @property
     def point_quantities(self) -> list[Function]:
-        """Return the quantities of its points: NAME.speed and NAME.acceleration."""
+        """Return NAME.speed [m/s] and NAME.acceleration [m/s^2] of its points, for extrema."""
         return [make(self.linkage, *point, name=name)
                 for name, point in self.points.items()
                 for make in (point_speed, point_acceleration)]
@@ -315,18 +337,16 @@ def from_values(values: ParameterValues) -> Scene:
     """
     Return the Scene of a flat dict of parameters, ``{'linkage.a1': 0.4, ...}``.
 
-    Raises
-    ------
-    InvalidParameter
-        Naming the parameter, what was given and what is allowed.
-
+    InvalidParameter names the parameter, its value and what is allowed.
     """
     values = check(with_tables(values))
     points = {name: Point(*(values[f'points.{name}.{field}'] for field in Point._fields))
               for name in names_in('points', values)}
     linkage = linkage_of(values)
+    links = [link.name for link in linkage.LINKS]
     for name, point in points.items():
-        _check_link(f'points.{name}.link', point.link, linkage)
+        if point.link not in links:
+            raise InvalidParameter(f'points.{name}.link', point.link, one_of(links, point.link))
     shown = _group(JointStates, 'joint_states', values)
     shown = shown._replace(ratios=shown.ratios or [1.0] * len(linkage.JOINTS),
                            offsets=shown.offsets or [0.0] * len(linkage.JOINTS))
@@ -345,40 +365,28 @@ def from_values(values: ParameterValues) -> Scene:
 
 
 def _group(kind: type[Settings], name: str, values: ParameterValues) -> Settings:
-    made: Any = kind                    # a NamedTuple
-    return cast(Settings, made(*(values[f'{name}.{field}'] for field in made._fields)))
+    """Return the parameters ``name``.* as a NamedTuple of a kind."""
+    make: Any = kind
+    return cast(Settings, make(*(values[f'{name}.{field}'] for field in make._fields)))
 
 
 def load(path: str | Path) -> Scene:
     """
     Return the Scene of a ROS 2 parameter file, or of a shipped one by its name, as ``paper``.
 
-    Raises
-    ------
-    SceneError
-        The file cannot be read or is no parameter file of one node.
-    InvalidParameter
-        A value is not allowed.
-
+    Raises SceneError if it is no parameter file of one node, InvalidParameter for a value that is
+    not allowed.
     """
     return from_values(read_values(path))
 
 
 # --- checks of the scene as a whole --------------------------------------------------------------
 
-def _check_link(name: str, link: str, linkage: Mechanism) -> None:
-    """Refuse a link that the linkage does not have."""
-    known = [its.name for its in linkage.LINKS]
-    if link not in known:
-        raise InvalidParameter(name, link, one_of(known, link))
-
-
 def _check_together(scene: Scene) -> None:
-    """Refuse parameters that do not go together."""
+    """Refuse parameters that are allowed one by one but do not go together."""
     def refuse(name: str, why: str) -> NoReturn:
         value = scene.values[name]
-        # NaN: not given
-        raise InvalidParameter(name, value if value == value else None, why)
+        raise InvalidParameter(name, value if value == value else None, why)    # NaN: not given
 
     if scene.needs_loads and scene.linkage.bodies is None:
         loads = [name for name, topic in scene.topics.items() if topic.needs_loads]
@@ -390,13 +398,12 @@ def _check_together(scene: Scene) -> None:
         if scene.values[name].startswith('/'):
             refuse(name, 'must not begin with a slash: tf2 takes no such frame')
     names, count = scene.joint_names, len(scene.linkage.JOINTS)
+    words = COUNTS_IN_WORDS.get(count, count)
     if len(names) != count or len(set(names)) != count or scene.joint_states.prefix in names:
-        refuse('joint_names', f'must be {IN_WORDS.get(count, count)} different names, one for '
-                              'each joint')
+        refuse('joint_names', f'must be {words} different names, one for each joint')
     for name in ('ratios', 'offsets'):
         if len(getattr(scene.joint_states, name)) != count:
-            refuse(f'joint_states.{name}', f'must be {IN_WORDS.get(count, count)} numbers, one '
-                                           'for each joint')
+            refuse(f'joint_states.{name}', f'must be {words} numbers, one for each joint')
     if 0.0 in scene.joint_states.ratios:
         refuse('joint_states.ratios', 'must not be zero')
     if scene.drive.joint_ratio == 0.0:
@@ -417,7 +424,7 @@ def _check_together(scene: Scene) -> None:
 
 
 def _check_trajectories(scene: Scene, refuse: Callable[[str, str], NoReturn]) -> None:
-    """Refuse what a node could not translate: no joint for the output, no branch at the start."""
+    """Refuse trajectories where no joint is the output or no branch begins at the start."""
     output = scene.linkage.outputs[0].coordinate
     coordinates = [joint.coordinate for joint in scene.linkage.JOINTS]
     if output not in coordinates:
@@ -430,11 +437,8 @@ def _check_trajectories(scene: Scene, refuse: Callable[[str, str], NoReturn]) ->
 
 
 def check_for_node(scene: Scene) -> None:
-    """Check what a node cannot do, though the scene can be computed."""
-    def refuse(name: str, why: str) -> NoReturn:
-        raise InvalidParameter(name, scene.values[name], why)
-
-    linkage = scene.linkage
-    if scene.dynamics and linkage.change_point_margin == 0.0:
-        refuse('drive.source', 'at its change points this linkage goes on in the other assembly '
-               'mode, which a node does not follow: use fourbar simulate')
+    """Refuse a scene that can be computed, but not run by a node."""
+    if scene.dynamics and scene.linkage.change_point_margin == 0.0:
+        raise InvalidParameter('drive.source', scene.drive.source, 'at its change points this '
+                               'linkage goes on in the other assembly mode, which a node does not '
+                               'follow: use fourbar simulate')

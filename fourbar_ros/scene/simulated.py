@@ -33,7 +33,11 @@ class Peak(NamedTuple):
 
 
 class Ripple(NamedTuple):
-    """Speed over the last turn: smallest, largest, their mean, coefficient of fluctuation."""
+    """
+    Speed of the crank over its last turn [rad/s]: smallest, largest, mean of both.
+
+    ``coefficient``: of fluctuation, (high - low) / |mean|.
+    """
 
     low: float
     high: float
@@ -49,7 +53,7 @@ class SimulatedScene(NamedTuple):
     torque: float       # constant torque in place of the topic; NaN: none is given
 
     def drive_values(self) -> Iterator[DriveValues]:
-        """Yield the DriveValues of each sample, as a node would publish them."""
+        """Yield the DriveValues of each sample, as a node publishes them; evaluations are NaN."""
         modes, command = self.run.modes.tolist(), 0.0 if isnan(self.torque) else self.torque
         movers, before = {mode: self.scene.mover_in(mode) for mode in set(modes)}, nan
         for time, mode, state in zip(self.run.time.tolist(), modes, self.states.T.tolist()):
@@ -61,16 +65,21 @@ class SimulatedScene(NamedTuple):
 
     @property
     def states(self) -> Array:
-        """Return the states in the order of the node's steps, of shape (5, n)."""
+        """
+        Return the states of the samples as the node's Mover has them, shape (5, n).
+
+        Input and its rate, twist of an elastic shaft and speed of the motor before it, state of
+        the motor itself; 0 for parts that the drive does not have.
+        """
         run, names = self.run, self.run.system.names
-        found = np.zeros((5, run.time.size))
-        found[:2] = run.states[:2]
+        states = np.zeros((5, run.time.size))
+        states[:2] = run.states[:2]
         if 'motor_position' in names:
-            found[2] = run.states[2] - run.states[0]
-            found[3] = run.states[3]
+            states[2] = run.states[2] - run.states[0]
+            states[3] = run.states[3]
         if 'source_0' in names:
-            found[4] = run.states[names.index('source_0')]
-        return found
+            states[4] = run.states[names.index('source_0')]
+        return states
 
     def peaks(self) -> list[Peak]:
         """Return the extrema of speed, drive and, where they are known, loads at the samples."""
@@ -88,7 +97,7 @@ class SimulatedScene(NamedTuple):
                 if not np.isnan(values).all()]
 
     def _loads(self) -> list[tuple[str, str, Array]]:
-        """Return (name, unit, values) of loads, the forces of elements among them."""
+        """Return (name, unit, values) of the loads over the run, with the forces of springs."""
         from fourbar_ros.mechanisms.quantities import known
         run, linkage = self.run, self.scene.linkage
         quantities = known(linkage, linkage.input)
@@ -96,13 +105,12 @@ class SimulatedScene(NamedTuple):
                 for name, values in run.loads._asdict().items() if name in quantities]
 
     def ripple(self) -> Ripple | None:
-        """Return the Ripple of a crank that has gone through a whole turn at the end, or None."""
+        """Return the Ripple over the last turn of a crank, None if it made none or stopped."""
         run = self.run
-        gone = np.abs(run.position - run.position[-1])
-        turned = np.flatnonzero(gone >= tau)
-        if self.scene.linkage.is_driven_by_slide or not turned.size:
+        before_last_turn = np.flatnonzero(np.abs(run.position - run.position[-1]) >= tau)
+        if self.scene.linkage.is_driven_by_slide or not before_last_turn.size:
             return None
-        rates = run.rate[turned[-1]:]
+        rates = run.rate[before_last_turn[-1]:]
         low, high = float(rates.min()), float(rates.max())
         mean = 0.5 * (low + high)
         return Ripple(low, high, mean, (high - low) / abs(mean)) if low * high > 0.0 else None
@@ -111,25 +119,12 @@ class SimulatedScene(NamedTuple):
 def simulate_scene(scene: Scene, until: float, tolerance: float = 1e-8, method: str = 'auto',
                    torque: float = nan, **limits: Any) -> SimulatedScene:
     """
-    Run a scene from its start, sampled as its node samples.
+    Run a scene with ``drive.source`` torque or motor from its start, sampled as by its node.
 
-    Parameters
-    ----------
-    scene : Scene
-        With ``drive.source: torque`` or ``motor``.
-    until : float
-        [s]
-    tolerance, method : float, str
-        See :func:`fourbar_ros.dynamics.solve.simulate.simulate`.
-    torque : float
-        Constant torque (force) of the drive, for ``drive.source: torque``; NaN: none comes.
-    **limits
-        ``evaluations``, ``seconds`` and ``progress`` of ``simulate``.
-
-    Raises
-    ------
-    InvalidParameter, MissingPackage
-
+    ``until``: time at the end [s]; ``torque``: constant torque [N m] (force [N]) of a drive by
+    topic, NaN for none; ``tolerance``, ``method`` and ``limits`` (``evaluations``, ``seconds``,
+    ``progress``) as of :func:`fourbar_ros.dynamics.solve.simulate.simulate`. Raises
+    InvalidParameter, MissingPackage.
     """
     from fourbar_ros.dynamics.model.drives import ConstantTorque
     from fourbar_ros.dynamics.solve.simulate import simulate
@@ -155,6 +150,7 @@ def simulate_scene(scene: Scene, until: float, tolerance: float = 1e-8, method: 
 
 
 def _peak(name: str, unit: str, values: Array, times: Array) -> Peak:
+    """Return the Peak of values, shape (n,), at times [s]; NaN is left out."""
     low, high = int(np.nanargmin(values)), int(np.nanargmax(values))
     return Peak(name, unit, float(values[low]), float(times[low]), float(values[high]),
                 float(times[high]))

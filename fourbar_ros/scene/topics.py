@@ -3,9 +3,8 @@
 """
 The single table of topics, services and actions of the node: names, types, quality of service.
 
-Imports no ROS.
-
 Names starting with ``~/`` are below the node's name; the others are relative to its namespace.
+Imports no ROS.
 """
 from __future__ import annotations
 
@@ -18,9 +17,10 @@ INPUT_DEPTH = 100         # best effort matches every publisher; deep enough for
 
 class Topic(NamedTuple):
     """
-    A topic; ``needs_loads``: only for scenes with masses.
+    A topic: its short name, its name in ROS, message type, text for the manual.
 
-    ``latched``: late subscribers get the last message.
+    ``needs_loads``: only for scenes with masses; ``latched``: late subscribers get the last
+    message.
     """
 
     name: str
@@ -60,19 +60,20 @@ DRIVE_STATE = Topic('drive_state', '~/drive_state', 'fourbar_msgs/msg/DriveState
                     'state of drive and input after every step, torques, current, effort of the '
                     'integration')
 
-# External wrenches on the links whose external.LINK.from_topic is true: received, and in effect.
-WRENCH, ON_LINK = 'external_', 'applied_'      # and the name of a link: names of these topics
+# External wrenches on links with external.LINK.from_topic: short names of the topic that the node
+# receives, external_LINK, and of the one that says which wrench is in effect, applied_LINK.
+WRENCH, ON_LINK = 'external_', 'applied_'
 
 
 def wrench_topic(link: str) -> Topic:
-    """Return the topic of the wrench that acts on a link from outside."""
+    """Return the topic from which a node takes the external wrench on a link."""
     return Topic(f'{WRENCH}{link}', f'~/external/{link}', 'geometry_msgs/msg/WrenchStamped',
                  f'external force on the {link} at the point external.{link}.along, .across, and '
                  'couple')
 
 
 def applied_topic(link: str) -> Topic:
-    """Return the topic that says what acts on a link."""
+    """Return the topic on which a node says which external wrench is in effect on a link."""
     return Topic(f'{ON_LINK}{link}', f'~/applied/{link}', 'geometry_msgs/msg/WrenchStamped',
                  f'external wrench in effect on the {link}; NaN: unknown; latched, sent on every '
                  'change', latched=True)
@@ -113,7 +114,7 @@ OUTPUTS = {topic.name: topic for topic in (
 )}
 FAMILIES = tuple(name for name, topic in OUTPUTS.items() if topic.topic.endswith('/NAME'))
 
-# For people to look at: at most so often as pictures.rate says, and not computed again from a bag.
+# For people to look at: at most as often as pictures.rate says, and not recomputed from a bag.
 PICTURES = {topic.name: topic for topic in (
     Topic('robot_description', 'robot_description', 'std_msgs/msg/String',
           'the scene as URDF; latched, sent on every change', latched=True),
@@ -127,7 +128,7 @@ PICTURES = {topic.name: topic for topic in (
           'output; latched, sent on every change', latched=True),
 )}
 
-# With `trajectories`: what comes, what is answered, and why something is not.
+# With `trajectories`: requests, answers, and reasons for no answer.
 _TRAJECTORY = 'trajectory_msgs/msg/JointTrajectory'
 TRAJECTORIES = {topic.name: topic for topic in (
     Topic('output_trajectory', '~/output_trajectory', _TRAJECTORY,
@@ -142,7 +143,7 @@ TRAJECTORIES = {topic.name: topic for topic in (
           'why a trajectory was not answered, e.g. which toggle it would pass'),
 )}
 
-# What comes: what answers it, and by which method of the Transmission.
+# {request: (answer, method of the Transmission that makes it)}
 ANSWERS = {'output_trajectory': ('drive_trajectory', 'to_input'),
            'input_trajectory': ('followed_trajectory', 'to_output')}
 
@@ -150,10 +151,10 @@ ANSWERS = {'output_trajectory': ('drive_trajectory', 'to_input'),
 def topics_of(outputs: Iterable[str], members: Mapping[str, Mapping[str, str]]
               ) -> dict[str, Topic]:
     """
-    Return {name: Topic} of the outputs of a scene.
+    Return {name: Topic} of the outputs of a scene, without pictures.
 
-    Members of a family have a topic each, named points/NAME; ``members``: {family: {name: text}}.
-    Pictures are not among them.
+    Each member of a family, as points, has its own topic points/NAME; ``members``: {family: {name:
+    text}}.
     """
     topics: dict[str, Topic] = {}
     for output in outputs:

@@ -47,13 +47,9 @@ class WrongUnit(FourBarError, ValueError):
 
 def measured(text: str, *dimensions: str) -> Measured:
     """
-    Return the number of a text such as ``50mm``.
+    Return the number of a text such as ``50mm``, angles in degrees, all else in SI.
 
-    Raises
-    ------
-    argparse.ArgumentTypeError
-        It is no finite number, or its unit is of none of the dimensions.
-
+    Raises ArgumentTypeError if it is no finite number or has a unit of none of the dimensions.
     """
     units = {unit: (size, dimension) for dimension in dimensions
              for unit, size in UNITS[dimension].items()}
@@ -89,14 +85,12 @@ def in_unit(text: str, unit: str) -> float | None:
 
 def of(*dimensions: str) -> Callable[[str], Measured]:
     """Return the ``type=`` of an argument with one of these dimensions."""
-    def number(text: str) -> Measured:
-        return measured(text, *dimensions)
-    return number
+    return lambda text: measured(text, *dimensions)
 
 
 def require(name: str, value: float, dimension: str) -> None:
-    """Raise WrongUnit if a number came with a unit of another dimension."""
-    given = getattr(value, 'dimension', '')
-    if given not in ('', dimension):
-        raise WrongUnit(f'{name} has a unit of {given}; this mechanism takes {dimension}, in '
+    """Raise WrongUnit if a :class:`Measured` number has a unit of another dimension."""
+    own = getattr(value, 'dimension', '')
+    if own not in ('', dimension):
+        raise WrongUnit(f'{name} has a unit of {own}; this mechanism takes {dimension}, in '
                         + ', '.join(UNITS[dimension]))

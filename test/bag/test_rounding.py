@@ -5,7 +5,13 @@ import json
 import math
 import struct
 
-from fourbar_ros.bag.comparison.difference import Condition, EPS, LIMIT, needs_condition, units
+from fourbar_ros.bag.comparison.difference import (
+    Condition,
+    EPS,
+    LIMIT,
+    needs_condition,
+    rounding_units,
+)
 from fourbar_ros.bag.comparison.recompute import compare
 from fourbar_ros.bag.read.reader import Bag
 from fourbar_ros.cli.main import main
@@ -111,8 +117,8 @@ def test_the_condition_is_that_of_mpmath():
 
 def test_units_of_what_is_not_finite():
     one, nan = np.ones(2), np.array([1.0, np.nan])
-    assert units(one, one, one) == 0.0 and units(nan, nan, one) == 0.0
-    assert units(one, nan, one) == units(nan, one, one) == np.inf
-    assert units(np.zeros(2), np.array([0.0, 1e-300]), np.zeros(2)) == np.inf
-    assert units(one, one + 4 * EPS, 2 * one) == 2.0
+    assert rounding_units(one, one, one) == 0.0 and rounding_units(nan, nan, one) == 0.0
+    assert rounding_units(one, nan, one) == rounding_units(nan, one, one) == np.inf
+    assert rounding_units(np.zeros(2), np.array([0.0, 1e-300]), np.zeros(2)) == np.inf
+    assert rounding_units(one, one + 4 * EPS, 2 * one) == 2.0
     assert needs_condition(one, one + 4 * EPS).all() and not needs_condition(nan, nan).any()

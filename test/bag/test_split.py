@@ -9,9 +9,10 @@ import time
 
 from fourbar_ros.bag import rosbag2 as rosbag2_folder
 from fourbar_ros.bag.comparison.diff import diff
-from fourbar_ros.bag.comparison.recompute import compare, scene_of
+from fourbar_ros.bag.comparison.recompute import compare
 from fourbar_ros.bag.mcap import scan
 from fourbar_ros.bag.read.info import info
+from fourbar_ros.bag.read.origin import origin_of
 from fourbar_ros.bag.read.playback import play
 from fourbar_ros.bag.read.reader import Bag
 from fourbar_ros.bag.repair import recover
@@ -206,7 +207,7 @@ def test_each_part_can_be_read_alone(tmp_path):
         recomputed = compare(file)
         assert (not recomputed.problems() and recomputed.inputs >= 100 - (k == 0)
                 and recomputed.largest == 0.0)
-        assert scene_of(file)[0].linkage.lengths[0] == (0.35 if k > 2 else 0.4)
+        assert origin_of(file).scene.linkage.lengths[0] == (0.35 if k > 2 else 0.4)
         begun = [raw.topic for raw in list(Bag(file).raw())[:len(OUTPUTS) + 2]]
         assert sorted(begun) == sorted({raw.topic for raw in Bag(path).raw()})
         assert_every_reader_takes(file, sum(1 for _ in Bag(file).raw()))

@@ -12,7 +12,8 @@ import time
 
 from fourbar_ros.bag.cdr import Decoder
 from fourbar_ros.bag.comparison.diff import diff
-from fourbar_ros.bag.comparison.recompute import compare, distance
+from fourbar_ros.bag.comparison.difference import distance
+from fourbar_ros.bag.comparison.recompute import compare
 from fourbar_ros.bag.exports.export import export
 from fourbar_ros.bag.exports.plot import over, plot, series, thinned
 from fourbar_ros.bag.mcap import writer as container

@@ -31,7 +31,7 @@ from fourbar_ros.mechanisms.four_bar.io_equations import io_equation
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.mechanisms.quantities import point_acceleration, point_speed, UnknownQuantity
 from fourbar_ros.report.drawing import CannotDraw
-from fourbar_ros.scene.scene import SceneError
+from fourbar_ros.scene.files import SceneError
 import numpy as np
 import pytest
 

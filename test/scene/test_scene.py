@@ -7,6 +7,7 @@ import random
 
 from fourbar_ros import FourBarError, InvalidParameter
 from fourbar_ros.scene import scene
+from fourbar_ros.scene.files import SceneError
 from fourbar_ros.scene.parameter_table import FAMILIES, LINKS, OF_MOTORS, PARAMETERS, REQUIRED
 from fourbar_ros.scene.parameters import check_value, find
 import pytest
@@ -97,9 +98,9 @@ def test_a_missing_length_is_refused_by_name():
 def test_a_file_that_is_no_scene_is_refused_with_its_name(tmp_path, text, reason):
     file = tmp_path / 'scene.yaml'
     file.write_text(text)
-    with pytest.raises(scene.SceneError, match=f'scene.yaml.*{reason}'):
+    with pytest.raises(SceneError, match=f'scene.yaml.*{reason}'):
         scene.load(file)
-    with pytest.raises(scene.SceneError, match='missing.yaml: No such file'):
+    with pytest.raises(SceneError, match='missing.yaml: No such file'):
         scene.load(tmp_path / 'missing.yaml')
 
 

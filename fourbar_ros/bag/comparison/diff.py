@@ -5,25 +5,26 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 import json
+from math import inf
 from pathlib import Path
 from typing import NamedTuple
 
-from fourbar_ros.bag.comparison.recompute import Difference, distance
+from fourbar_ros.bag.comparison.difference import Difference, distance, distance_of_two
+from fourbar_ros.bag.read.origin import topic_types
 from fourbar_ros.bag.read.reader import Bag
-from fourbar_ros.bag.read.records import Columns, Progress
+from fourbar_ros.bag.read.records import Progress
 from fourbar_ros.errors import BagError
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
-
-Block = tuple[Array, Array]              # keys of messages, their records
 
 
 class TopicDiff(NamedTuple):
     """
     One topic in both bags.
 
-    ``largest`` is {field: largest difference}; of fields that only one of two messages has, and of
-    texts, infinite. Of unlike scenes the parameters stand for the field.
+    ``messages`` are in both; ``largest`` is {field: largest difference}, infinite for texts and
+    for fields that only one of two messages has. Of scenes that differ the parameters stand for
+    the field.
     """
 
     topic: str
@@ -34,7 +35,7 @@ class TopicDiff(NamedTuple):
 
     @property
     def differences(self) -> list[Difference]:
-        """Return a list of :class:`~fourbar_ros.bag.comparison.recompute.Difference`."""
+        """Return the differences of all fields."""
         return [Difference(self.topic, field, self.messages, value)
                 for field, value in self.largest.items()]
 
@@ -47,142 +48,129 @@ class TopicDiff(NamedTuple):
 def diff(first: str | Path, second: str | Path, topics: Sequence[str] | None = None,
          progress: Progress | None = None) -> list[TopicDiff]:
     """
-    Return a list of :class:`TopicDiff`, one for every topic in either bag.
+    Return a :class:`TopicDiff` for every topic in either bag, or for those in ``topics``.
 
     Messages are matched by the stamp of their header, those without or with stamp 0 by their place
     among those of their topic. Memory does not grow with the bags, as long as their stamps go
     forward. ``progress`` is called with the bytes read of the first bag, once more for every
     topic.
     """
-    one, other = Bag(first), Bag(second)
-    names = sorted(_topics(one) | _topics(other))
+    bags = Bag(first), Bag(second)
+    names = sorted({topic for bag in bags for topic in topic_types(bag)})
     for topic in topics or ():
         if topic not in names:
             raise BagError(f'{topic}: in neither bag; they have {", ".join(names)}')
-    return [_Topic(topic).run(one, other, progress) for topic in topics or names]
+    return [_TopicComparison(topic).run(*bags, progress) for topic in topics or names]
 
 
-def _topics(bag: Bag) -> set[str]:
-    summaries = [part.summary() for part in bag.parts]
-    known = [summary for summary in summaries if summary is not None]
-    if len(known) < len(summaries):
-        for _ in bag.chunks():
-            pass
-        return {channel.topic for channel in bag.channels.values()}
-    return {channel.topic for summary in known for channel in summary.channels.values()}
+class _KeyedRecords(NamedTuple):
+    """Messages of one layout, and the keys by which the other bag has them: shape (n,) each."""
+
+    keys: Array
+    records: Array
+
+    def without(self, rows: Array) -> _KeyedRecords:
+        """Return the messages but for some rows."""
+        return _KeyedRecords(np.delete(self.keys, rows), np.delete(self.records, rows))
 
 
-class _Topic:
-    """Goes through one topic of both bags side by side."""
+class _TopicComparison:
+    """Reads one topic of two bags side by side and compares the messages of equal keys."""
 
     def __init__(self, topic: str) -> None:
         self.topic = topic
         self.messages, self.only = 0, [0, 0]
         self.largest: dict[str, float] = {}
-        # (keys, records) not yet met in the other bag
-        self._pending: tuple[list[Block], list[Block]] = ([], [])
+        # messages of each bag that were not found in the other one yet
+        self._pending: tuple[list[_KeyedRecords], list[_KeyedRecords]] = ([], [])
 
     def run(self, first: Bag, second: Bag, progress: Progress | None) -> TopicDiff:
-        sources = [_keyed(first, self.topic, progress), _keyed(second, self.topic, None)]
-        newest: list[int | None] = [None, None]
-        over = [False, False]
-        while not all(over):
-            # the bag that is behind goes on
-            here, there = newest
-            side = 0 if over[1] or (not over[0] and (here is None or (
-                there is not None and here <= there))) else 1
-            found = next(sources[side], None)
-            if found is None:
-                over[side] = True
+        """Read both bags, always the one that is behind, so that few messages wait."""
+        blocks = [_keyed_blocks(first, self.topic, progress),
+                  _keyed_blocks(second, self.topic, None)]
+        newest: dict[int, float] = {0: -inf, 1: -inf}      # key read from each bag; inf at its end
+        while min(newest.values()) < inf:
+            side = 0 if newest[0] <= newest[1] else 1
+            block = next(blocks[side], None)
+            if block is None:
+                newest[side] = inf
                 continue
-            newest[side] = max(int(keys.max()) for keys, _ in found)
-            for keys, records in found:
-                self._meet(side, keys, records)
-            known = [key for key in newest if key is not None]
-            if len(known) == 2:
-                self._forget(min(known))
+            newest[side] = max(int(part.keys.max()) for part in block)
+            for part in block:
+                self._match(side, part)
+            if max(newest.values()) < inf:
+                self._give_up(min(newest.values()))
         for side in (0, 1):
-            self.only[side] += sum(len(keys) for keys, _ in self._pending[side])
+            self.only[side] += sum(len(part.keys) for part in self._pending[side])
         return TopicDiff(self.topic, self.messages, self.only[0], self.only[1], self.largest)
 
-    def _meet(self, side: int, keys: Array, records: Array) -> None:
-        """Compare new messages with those of the other bag that wait for them."""
-        others = self._pending[1 - side]
-        for i, (other_keys, other) in enumerate(others):
-            _, here, there = np.intersect1d(keys, other_keys, return_indices=True)
-            if len(here):
-                self._compare(records[here], other[there])
-                keys, records = np.delete(keys, here), np.delete(records, here)
-                others[i] = np.delete(other_keys, there), np.delete(other, there)
-        others[:] = [pair for pair in others if len(pair[0])]
-        if len(keys):
-            self._pending[side].append((keys, records))
+    def _match(self, side: int, new: _KeyedRecords) -> None:
+        """Compare new messages of one bag with those of the other bag that wait for them."""
+        waiting = self._pending[1 - side]
+        for i, other in enumerate(waiting):
+            _, rows, other_rows = np.intersect1d(new.keys, other.keys, return_indices=True)
+            if len(rows):
+                self._compare(new.records[rows], other.records[other_rows])
+                new, waiting[i] = new.without(rows), other.without(other_rows)
+        waiting[:] = [other for other in waiting if len(other.keys)]
+        if len(new.keys):
+            self._pending[side].append(new)
 
-    def _forget(self, until: int) -> None:
-        """Count the messages as missing in the other bag that both bags have passed."""
+    def _give_up(self, until: float) -> None:
+        """Count waiting messages before a key that both bags have passed as missing in one."""
         for side, pending in enumerate(self._pending):
-            for keys, _ in pending:
-                if keys.max() < until:
-                    self.only[side] += len(keys)
-            pending[:] = [pair for pair in pending if pair[0].max() >= until]
+            old = [part for part in pending if part.keys.max() < until]
+            self.only[side] += sum(len(part.keys) for part in old)
+            pending[:] = [part for part in pending if part.keys.max() >= until]
 
     def _compare(self, a: Array, b: Array) -> None:
+        """Note the differences of matched messages, field by field."""
         self.messages += len(a)
-        ours, theirs = a.dtype.names or (), b.dtype.names or ()
-        for field in dict.fromkeys((*ours, *theirs)):
-            is_in_both = field in ours and field in theirs
-            apart = {field: _apart(a[field], b[field]) if is_in_both else np.inf}
+        fields_a, fields_b = a.dtype.names or (), b.dtype.names or ()
+        for field in dict.fromkeys((*fields_a, *fields_b)):
+            is_in_both = field in fields_a and field in fields_b
+            apart = {field: _field_distance(a[field], b[field]) if is_in_both else inf}
             if is_in_both and a[field].dtype.kind == 'S' and apart[field]:
-                parameters = _by_parameter(a[field], b[field])
+                parameters = _parameter_distances(a[field], b[field])
                 apart = apart if parameters is None else parameters
-            for name, found in apart.items():
-                self.largest[name] = max(self.largest.get(name, 0.0), found)
+            for name, value in apart.items():
+                self.largest[name] = max(self.largest.get(name, 0.0), value)
 
 
-def _by_parameter(here: Array, there: Array) -> dict[str, float] | None:
-    """Return {parameter: difference} of scenes, texts that hold a JSON object; None of others."""
-    found: dict[str, float] = {}
-    for pair in zip(here.tolist(), there.tolist()):
+def _parameter_distances(texts_a: Array, texts_b: Array) -> dict[str, float] | None:
+    """Return {parameter: largest difference} of scenes, which are JSON; None of other texts."""
+    largest: dict[str, float] = {}
+    for pair in zip(texts_a.tolist(), texts_b.tolist()):
         try:
             a, b = map(json.loads, pair)
             for name in a.keys() | b.keys():
-                found[name] = max(found.get(name, 0.0), _between(a.get(name), b.get(name)))
+                values = a.get(name), b.get(name)
+                are_numbers = all(isinstance(value, (int, float)) for value in values)
+                apart = (distance_of_two(*map(float, values)) if are_numbers
+                         else 0.0 if values[0] == values[1] else inf)
+                largest[name] = max(largest.get(name, 0.0), apart)
         except (ValueError, AttributeError):
             return None
-    return {name: value for name, value in sorted(found.items()) if value}
+    return {name: value for name, value in sorted(largest.items()) if value}
 
 
-def _between(a: float, b: float) -> float:
-    """Return the difference of two parameters; infinite if they differ and are not numbers."""
-    numbers = all(isinstance(value, (int, float)) for value in (a, b))
-    return (distance(np.array([a], float), np.array([b], float)) if numbers else 0.0 if a == b
-            else np.inf)
+def _field_distance(a: Array, b: Array) -> float:
+    """Return the largest difference of a field in two arrays of messages; of texts infinite."""
+    if a.shape != b.shape:
+        return inf
+    if a.dtype.kind == 'S':
+        return 0.0 if (a == b).all() else inf
+    return distance(a.astype(float), b.astype(float)) if a.size else 0.0    # empty sequences
 
 
-def _apart(here: Array, there: Array) -> float:
-    """
-    Return the largest difference of one field in two arrays of messages.
-
-    Infinite if it does not compare numbers.
-    """
-    if here.shape != there.shape:
-        return np.inf
-    if here.dtype.kind == 'S':
-        return 0.0 if (here == there).all() else np.inf
-    # an empty sequence
-    return distance(here.astype(float), there.astype(float)) if here.size else 0.0
-
-
-def _keyed(bag: Bag, topic: str, progress: Progress | None) -> Iterator[list[tuple[Array, Array]]]:
-    """
-    Yield lists of (keys, records), one a layout in a block.
-
-    The key is the stamp [ns], or the place in the topic.
-    """
+def _keyed_blocks(bag: Bag, topic: str, progress: Progress | None
+                  ) -> Iterator[list[_KeyedRecords]]:
+    """Yield the messages of a topic, a list for each block: one entry for each layout."""
     for block in bag.blocks([topic], progress=progress):
-        yield [(_keys(found), found.records) for found in block]
-
-
-def _keys(columns: Columns) -> Array:
-    stamps = columns.stamps                  # 0: nobody stamped it, as a simple source of inputs
-    return columns.places if stamps is None else np.where(stamps == 0, columns.places, stamps)
+        records = []
+        for columns in block:
+            # the stamp [ns]; where nobody stamped a message, its place in the topic
+            places, stamps = columns.places, columns.stamps
+            keys = places if stamps is None else np.where(stamps == 0, places, stamps)
+            records.append(_KeyedRecords(keys, columns.records))
+        yield records

@@ -14,7 +14,7 @@ from math import inf
 from pathlib import Path
 
 from fourbar_ros.bag import rosbag2
-from fourbar_ros.bag.comparison.difference import Difference, Differences, distance, Recomputed
+from fourbar_ros.bag.comparison.difference import Difference, Differences, Recomputed
 from fourbar_ros.bag.comparison.inputs import (
     drive_states_of,
     DrivenMotions,
@@ -24,8 +24,8 @@ from fourbar_ros.bag.comparison.inputs import (
     UNSETTLED,
     WrenchHistory,
 )
-from fourbar_ros.bag.comparison.window import in_order, says_silence, Tally, Window
-from fourbar_ros.bag.read.origin import Origin, origin_of, scene_of
+from fourbar_ros.bag.comparison.window import joined_by_place, Tally, tells_timeout, Window
+from fourbar_ros.bag.read.origin import Origin, origin_of
 from fourbar_ros.bag.read.reader import Bag
 from fourbar_ros.bag.read.records import Columns, Progress, Record
 from fourbar_ros.numerics.arrays import Array
@@ -36,8 +36,6 @@ from fourbar_ros.scene.message_fields import driven_of
 from fourbar_ros.scene.scene import from_values, Scene
 from fourbar_ros.scene.topics import DRIVE_STATE, DRIVEN, INPUTS, TORQUE
 import numpy as np
-
-__all__ = ['Difference', 'Recomputed', 'compare', 'distance', 'recompute', 'scene_of']
 
 WINDOW = 1000       # inputs whose outputs may still come; bags of rosbag2 have them in any order
 ByName = Mapping[str, Sequence[Columns]]        # messages of a block by short name of their topic
@@ -51,59 +49,44 @@ def recompute(path: str | Path) -> list[Difference]:
 def compare(path: str | Path, progress: Progress | None = None, node: str | None = None,
             by: Evaluate = evaluate, moved_by: MoverOf = mover_of) -> Recomputed:
     """
-    Return the :class:`Recomputed` of a bag.
+    Recompute all outputs of a bag from their driven motions and compare them, field by field.
 
-    Each output is compared, with all its fields, with what the driven joint's motion of the same
-    stamp gives: the last one before it in the bag, in bags of rosbag2 also one that comes later.
-    Differences are absolute; NaN against NaN is none, NaN against a number infinite. Memory does
-    not grow with the bag.
-
-    Parameters
-    ----------
-    path : str or Path
-    progress : callable, optional
-        Called with the number of bytes read.
-    node : str, optional
-        Which node, if a bag of rosbag2 has several.
-    by : callable, optional
-        What computes motion and loads in place of Python, as ``evaluate`` of generated code.
-    moved_by : callable, optional
-        What moves a drive, as ``mover`` of generated code.
-
+    The motion of an output is the last one of its stamp before it, in bags of ``ros2 bag`` also
+    one that comes later. Differences are absolute; NaN against NaN is none, NaN against a number
+    infinite. Memory does not grow with the bag. ``node``: which one, if a bag of ``ros2 bag`` has
+    several; in place of Python ``by`` computes motion and loads, as ``evaluate`` of generated
+    code, and ``moved_by`` makes what integrates a drive, as its ``mover``; ``progress`` is called
+    with the number of bytes read.
     """
     bag = Bag(path)
     origin = origin_of(bag, node)
-    work = Comparison(origin, bag.about(), by, moved_by)
-    waiting: list[Columns] | None = None      # a change of the scene may be near its end
-    for block in bag.blocks(topics=list(origin.topics.values()), apart=origin.topics.get('scene'),
-                            progress=progress):
-        scene = None
-        if isinstance(block, Record):
-            scene = from_values(json.loads(block.message.data))
-            is_new = work.is_new(scene)
+    comparison = Comparison(origin, bag.about(), by, moved_by)
+    # The newest block waits until the next item tells whether the scene changes near its end.
+    waiting: list[Columns] | None = None
+    for item in bag.blocks(topics=list(origin.topics.values()), apart=origin.topics.get('scene'),
+                           progress=progress):
+        new_scene, certain_until = None, inf
+        if isinstance(item, Record):
+            scene = from_values(json.loads(item.message.data))
+            if comparison.is_new(scene):
+                new_scene = scene
+                certain_until = inf if origin.in_order else item.time - UNSETTLED
         if waiting:
-            work.block(waiting, block.time - UNSETTLED if scene and is_new and not origin.in_order
-                       else inf)
-        waiting = None if scene else block
-        if scene and is_new:
-            work.change(scene, block.time)
+            comparison.block(waiting, certain_until)
+        waiting = None if isinstance(item, Record) else item
+        if new_scene:
+            comparison.change(new_scene, item.time)
     if waiting:
-        work.block(waiting)
-    return work.finished(bool(bag.cut))
+        comparison.block(waiting)
+    return comparison.finished(bool(bag.cut))
 
 
 class Comparison:
     """
-    Goes through a bag block by block.
+    Recomputes the outputs of one node, block by block of its bag.
 
-    Parameters
-    ----------
-    origin : Origin
-    about : dict
-        custom_data of the bag.
-    by, moved_by : callable
-        What computes motion and loads; what moves a drive.
-
+    ``about``: custom_data of the bag; ``by`` computes motion and loads, as ``evaluate``;
+    ``moved_by`` makes what integrates a drive, as ``mover_of``.
     """
 
     def __init__(self, origin: Origin, about: Mapping[str, str], by: Evaluate,
@@ -123,167 +106,183 @@ class Comparison:
         self._early: list[Columns] = []          # outputs of motions that may still come
         self._tallies: dict[str, Tally] = {}
         self._inputs = self._unmatched = self._silent = self._uncertain = 0
-        self._settled = -inf         # [ns] from when the bag tells which scene holds
-        self._is_cold = rosbag2.REPEATS in about     # held values may be of the part before
+        self._certain_from = -inf        # log time [ns] from which the bag tells the scene
+        # Values held at the start of a later part of a split bag may be of the part before.
+        self._may_hold_unknown = rosbag2.REPEATS in about
         self._start(origin.scene)
 
     def is_new(self, scene: Scene) -> bool:
-        """Return whether a scene counts as a change: rosbag2 repeats the latched one."""
+        """
+        Return whether a recorded scene counts as a change.
+
+        ``ros2 bag`` may hold the latched scene several times; our recorder keeps changes only.
+        """
         return self._in_order or scene.as_json != self._scene.as_json
 
     def change(self, scene: Scene, time: int) -> None:
         """Take another scene, logged at a time [ns]; it holds from the next input on."""
         self._retire(0)
-        # of the scene before, their motion after
-        self._uncertain += sum(len(found.times) for found in self._early)
+        # these outputs are of the scene before, their motions come after
+        self._uncertain += sum(len(columns.times) for columns in self._early)
         self._window, self._early = None, []
         self._wrenches.apply(self._stepper)
         self._start(scene)
         if not self._in_order:
-            self._settled = time + UNSETTLED
+            self._certain_from = time + UNSETTLED
 
     def _start(self, scene: Scene) -> None:
-        self._scene, self._stepper = scene, InModes(scene, self._wrenches.in_effect,
-                                                    self._by)
+        """Hand a scene to all that compute by it."""
+        self._scene = scene
+        self._stepper = InModes(scene, self._wrenches.in_effect, self._by)
         self._wrenches.in_effect = self._stepper.wrenches
         self._differences.change(scene, self._stepper.wrenches)
         self._driven.change(scene)
         if self._drive_states:
             self._drive_states.change(scene)
-        self._outputs = scene.topics.keys()
+        self._outputs = tuple(scene.topics)
         self._wanted = scene.needs_loads, frozenset(scene.topics)
 
-    def block(self, columns: Iterable[Columns], until: float = inf) -> None:
+    def block(self, columns: Iterable[Columns], certain_until: float = inf) -> None:
         """
         Compare all messages of a block.
 
-        Those logged after ``until`` are near a change of the scene.
+        Those logged after ``certain_until`` [ns] are near a change of the scene, in a bag that
+        does not tell the order: they count as uncertain.
         """
         by_name: dict[str, list[Columns]] = {}
-        for found in columns:
-            by_name.setdefault(self._name_of.get(found.topic, ''), []).append(found)
+        for part in columns:
+            by_name.setdefault(self._name_of.get(part.topic, ''), []).append(part)
         self._wrenches.take(by_name, self._scene.frame_id)
         self._take_inputs(by_name)
         if DRIVEN.name in by_name:
-            self._take_motions(by_name[DRIVEN.name], until)
-        late, self._early = self._early, []
-        for found in late:
-            self._output(found, until, is_late=True)
-        for name in self._outputs & by_name.keys():
-            for found in by_name[name]:
-                self._output(found, until)
+            self._take_motions(by_name[DRIVEN.name], certain_until)
+        early, self._early = self._early, []
+        for part in early:
+            self._compare_output(part, certain_until, is_second_try=True)
+        for name in self._outputs:
+            for part in by_name.get(name, ()):
+                self._compare_output(part, certain_until)
         self._retire(WINDOW)
 
     # --- motions of the driven joint ------------------------------------------------------------
 
     def _take_inputs(self, by_name: ByName) -> None:
-        raw = [inputs_of(found, self._scene) for found in by_name.get(self._source or '', ())]
-        if raw and self._in_order:
-            self._driven.take(*in_order(raw))
-        for found in by_name.get(DRIVE_STATE.name, ()):
-            self._modes.take(found, self._stepper.own_mode, self._scene.linkage.modes_passed)
+        """Take what the node received and the states of its drive, ahead of driven motions."""
+        inputs = [inputs_of(part, self._scene) for part in by_name.get(self._source or '', ())]
+        if inputs and self._in_order:
+            self._driven.take(*joined_by_place(inputs))
+        for part in by_name.get(DRIVE_STATE.name, ()):
+            self._modes.take(part, self._stepper.own_mode, self._scene.linkage.modes_passed)
         if self._drive_states:
             self._drive_states.commands(by_name.get(TORQUE.name, ()))
             self._drive_states.compare(by_name.get(DRIVE_STATE.name, ()))
 
-    def _take_motions(self, blocks: Sequence[Columns], until: float) -> None:
-        """Check the driven motions of a block, and add what follows from them to the window."""
+    def _take_motions(self, blocks: Sequence[Columns], certain_until: float) -> None:
+        """Check driven motions, and add to the window what outputs must show of them."""
         self._differences.compare_texts(DRIVEN.name, blocks)
-        places, stamps, motions, times = in_order([(found.places, found.headed,
-                                                    np.stack(driven_of(found.tree), axis=1),
-                                                    found.times) for found in blocks])
+        places, stamps, motions, times = joined_by_place(
+            [(part.places, part.headed, np.stack(driven_of(part.tree), axis=1), part.times)
+             for part in blocks])
         if self._source and self._in_order:
             self._driven.compare(places, stamps, motions)
         self._inputs += len(places)
         modes = self._modes.of(stamps, self._stepper.own_mode)
         status, values = self._evaluated(places, motions, modes)
-        known = (times <= until) & (times >= self._settled) & ~self._held(status)
+        is_certain = ((times <= certain_until) & (times >= self._certain_from)
+                      & ~self._holds_unknown(status))
         if not self._in_order:
-            known &= self._wrenches.is_settled(times, self._scene.wrenches.timeout)
-        new = Window(places, stamps, modes, status, known, values, self._sources(status, motions),
-                     {name: np.zeros(len(places), np.int64) for name in self._outputs})
-        self._window = new if self._window is None else self._window.followed_by(new)
+            is_certain &= self._wrenches.is_settled(times, self._scene.wrenches.timeout)
+        new = Window(places, stamps, modes, status, is_certain, values,
+                     self._sources(status, motions),
+                     np.zeros((len(self._outputs), len(places)), np.int64))
+        self._window = self._window.followed_by(new) if self._window else new
 
     def _evaluated(self, places: Array, motions: Array, modes: Array) -> tuple[Array, Array]:
-        """Return statuses and values of motions, one by one as in the node: to the last bit."""
-        found = []
+        """
+        Return (status, values) of motions, of shape (n,) and (values, n).
+
+        They are evaluated one by one as in the node: arrays may differ in the last bit.
+        """
+        samples = []
         for place, motion, mode in zip(places.tolist(), motions.tolist(), modes.tolist()):
             self._wrenches.apply(self._stepper, place)
             position, rate, acceleration = motion
-            found.append(self._stepper.step(mode, position, rate, acceleration, *self._wanted))
-        return (np.array([status for status, _ in found], float),
-                np.array([values for _, values in found]).T)
+            samples.append(self._stepper.step(mode, position, rate, acceleration, *self._wanted))
+        return (np.array([status for status, _ in samples], float),
+                np.array([values for _, values in samples]).T)
 
     def _sources(self, status: Array, motions: Array) -> Array:
         """Return the motions, shape (3, n), that the values are of: a held one is older."""
-        at: Array = np.arange(len(status))
+        rows: Array = np.arange(len(status))
         if self._scene.drive.out_of_range == 'hold':
-            held = np.maximum.accumulate(np.where((status == OK) | (status == LOADS_UNKNOWN), at,
-                                                  -1))
-            at = np.where(held < 0, at, held)
-        return motions[at].T
+            is_good = (status == OK) | (status == LOADS_UNKNOWN)
+            last_good = np.maximum.accumulate(np.where(is_good, rows, -1))
+            rows = np.where(last_good < 0, rows, last_good)
+        return motions[rows].T
 
-    def _held(self, status: Array) -> Array:
-        """Return a mask of inputs whose outputs may hold values from before this part of a bag."""
+    def _holds_unknown(self, status: Array) -> Array:
+        """Return a mask of motions whose outputs may hold values from before this file."""
         policies = self._scene.drive.out_of_range, self._scene.joint_states.when_unknown
-        if not (self._is_cold and 'hold' in policies):
+        if not (self._may_hold_unknown and 'hold' in policies):
             return np.zeros(len(status), bool)
         good = np.flatnonzero(status == OK)
-        self._is_cold = not len(good)
+        self._may_hold_unknown = not len(good)
         return np.arange(len(status)) < (good[0] if len(good) else len(status))
 
     # --- outputs --------------------------------------------------------------------------------
 
-    def _output(self, columns: Columns, until: float, is_late: bool = False) -> None:
+    def _compare_output(self, columns: Columns, certain_until: float,
+                        is_second_try: bool = False) -> None:
         """Compare the messages of one topic and layout with the motions they belong to."""
         name, stamps, window = self._name_of[columns.topic], columns.headed, self._window
-        source = (np.full(len(stamps), -1) if window is None
-                  else window.source_of(columns.places, stamps))
-        found = source >= 0
-        if not found.all():
-            self._without_motion(name, columns.at(~found), until, is_late)
-        if window is None or not found.any():
+        motions = (np.full(len(stamps), -1) if window is None
+                   else window.motions_of(columns.places, stamps))
+        has_motion = motions >= 0
+        if not has_motion.all():
+            self._without_motion(name, columns.at(~has_motion), certain_until, is_second_try)
+        if window is None or not has_motion.any():
             return
-        np.add.at(window.seen[name], source[found], 1)
-        known = window.known[source[found]]
-        self._uncertain += int(np.count_nonzero(~known))
-        if known.any():
-            rows = np.flatnonzero(found)[known]
-            self._differences.compare(name, columns.at(rows), window, source[rows])
+        np.add.at(window.counts[self._outputs.index(name)], motions[has_motion], 1)
+        is_certain = has_motion & window.is_certain[motions]
+        self._uncertain += int(np.count_nonzero(has_motion & ~is_certain))
+        if is_certain.any():
+            self._differences.compare(name, columns.at(is_certain), window, motions[is_certain])
 
-    def _without_motion(self, name: str, columns: Columns, until: float, is_late: bool) -> None:
-        """Count outputs that no motion so far has the stamp of."""
-        if not self._in_order and not is_late:
+    def _without_motion(self, name: str, columns: Columns, certain_until: float,
+                        is_second_try: bool) -> None:
+        """Count outputs whose motion is not in the window, by the likely reason."""
+        if not self._in_order and not is_second_try:
             self._early.append(columns)                  # it may come in the next block
             return
-        silent = says_silence(columns, name, self._scene.layout)
-        unsettled = ~silent & ((columns.times > until) | (columns.times < self._settled))
+        silent = tells_timeout(columns, name, self._scene.layout)
+        uncertain = ~silent & ((columns.times > certain_until)
+                               | (columns.times < self._certain_from))
         self._silent += np.count_nonzero(silent)
-        self._uncertain += np.count_nonzero(unsettled)
-        self._unmatched += np.count_nonzero(~silent & ~unsettled)
+        self._uncertain += np.count_nonzero(uncertain)
+        self._unmatched += np.count_nonzero(~silent & ~uncertain)
 
     def _retire(self, keep: int) -> None:
-        """Count missing and doubled outputs of all but the newest inputs, and forget these."""
+        """Count missing and doubled outputs of all but the newest motions, and forget these."""
         window = self._window
         if window is None or len(window.places) <= keep:
             return
         old = slice(0, len(window.places) - keep)
-        for name, seen in window.seen.items():
+        for name, counts in zip(self._outputs, window.counts):
             if name in self._differences.counts or self._in_order:
-                # joint_states may be left out if they are not known
+                # joint_states may be left out where a position is unknown
                 needed = window.values[self._scene.needed_for(name), old]
-                due = ~np.isnan(needed).any(axis=0) & window.known[old]
+                due = ~np.isnan(needed).any(axis=0) & window.is_certain[old]
                 tally = self._tallies.setdefault(name, Tally(self._in_order))
-                tally.add(seen[old], due)
-        self._window = window.from_(len(window.places) - keep) if keep else None
+                tally.add(counts[old], due)
+        self._window = window.newest(keep) if keep else None
 
     # --- the result -----------------------------------------------------------------------------
 
     def finished(self, cut: bool) -> Recomputed:
-        """Return the Recomputed."""
-        late, self._early = self._early, []
-        for found in late:
-            self._output(found, inf, is_late=True)
+        """Return the result after the last block; ``cut``: the recording broke off."""
+        early, self._early = self._early, []
+        for part in early:
+            self._compare_output(part, inf, is_second_try=True)
         self._retire(0)
         differences, tallies = self._differences, self._tallies.values()
         compared = sum(differences.counts.values())
@@ -294,10 +293,10 @@ class Comparison:
             differences.counts[DRIVE_STATE.name] = states.compared + states.alone
             for field, value in states.largest.items():
                 differences.note(DRIVE_STATE.name, field, value)
+        is_whole = self._in_order and not cut      # then the last outputs must be there too
         return Recomputed(
             differences.as_list(self._topics), self._inputs, compared, self._unmatched,
-            missing=sum(tally.missing + (tally.open if self._in_order and not cut else 0)
-                        for tally in tallies),
+            missing=sum(tally.missing + tally.open * is_whole for tally in tallies),
             doubled=sum(tally.doubled for tally in tallies), silent=self._silent,
             uncertain=self._uncertain,
             driven=self._driven.summary(self._source and self._topics[self._source],
@@ -305,16 +304,20 @@ class Comparison:
 
 
 class Modes:
-    """Assembly modes that states of a drive tell by their stamps; without one, the scene's."""
+    """
+    The assembly modes of driven motions: a drive that passes a toggle changes the mode.
+
+    DriveState messages tell the mode by the stamp of the motion; without one it is the scene's.
+    """
 
     def __init__(self) -> None:
-        self._others: dict[int, int] = {}      # by the stamps of motions to come
+        self._others: dict[int, int] = {}      # {stamp [ns]: mode} of motions to come
 
     def take(self, states: Columns, own: int, known: Collection[int]) -> None:
         """Take states of the drive; ``own``: the mode of the scene, one of the known ones."""
         modes = states.records['mode']
-        there = (modes != own) & np.isin(modes, list(known))
-        self._others.update(zip(states.headed[there].tolist(), modes[there].tolist()))
+        is_other = (modes != own) & np.isin(modes, list(known))
+        self._others.update(zip(states.headed[is_other].tolist(), modes[is_other].tolist()))
 
     def of(self, stamps: Array, own: int) -> Array:
         """Return the modes of motions with these stamps."""

@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Match each output with its driven motion; count missing and doubled ones."""
+"""Match each output of a bag with the driven motion it follows from; count missing outputs."""
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
@@ -16,95 +16,109 @@ import numpy as np
 
 class Window(NamedTuple):
     """
-    The newest inputs: places, stamps, modes, statuses, whether outputs are known, values.
+    The newest n driven motions of a bag, whose outputs may still come.
 
-    ``motions``: those that the values are of, shape (3, n); ``seen``: outputs by name.
+    Attributes
+    ----------
+    places : array, shape (n,)
+        Where their messages stand in the bag, ascending.
+    stamps, modes, status : array, shape (n,)
+        Stamps [ns], assembly modes, statuses of the evaluation.
+    is_certain : array of bool, shape (n,)
+        The bag tells all that their outputs depend on: scene, wrenches, held values.
+    values : array, shape (values, n)
+        The numbers expected in outputs, in the order of the scene's FieldMap.
+    sources : array, shape (3, n)
+        Position, velocity and acceleration behind ``values``: of an earlier motion where the
+        last good values are held.
+    counts : array of int, shape (outputs, n)
+        How many messages of each output were found for each motion.
+
     """
 
     places: Array
     stamps: Array
     modes: Array
     status: Array
-    known: Array
+    is_certain: Array
     values: Array
-    motions: Array
-    seen: dict[str, Array]
+    sources: Array
+    counts: Array
 
-    def followed_by(self, new: Window) -> Window:
-        """Return this window and a newer one as one."""
-        # the last field is no array
-        places, stamps, modes, status, known, values, motions = (
-            np.concatenate(pair, axis=-1) for pair in zip(self[:-1], new[:-1]))
-        return Window(places, stamps, modes, status, known, values, motions,
-                      {name: np.concatenate((seen, new.seen[name]))
-                       for name, seen in self.seen.items()})
+    def followed_by(self, newer: Window) -> Window:
+        """Return both windows as one."""
+        return Window(*(np.concatenate(pair, axis=-1) for pair in zip(self, newer)))
 
-    def from_(self, begin: int) -> Window:
-        """Return the window without the inputs before a place in it."""
-        places, stamps, modes, status, known, values, motions = (
-            part[..., begin:] for part in self[:-1])
-        return Window(places, stamps, modes, status, known, values, motions,
-                      {name: seen[begin:] for name, seen in self.seen.items()})
+    def newest(self, number: int) -> Window:
+        """Return the window of its newest motions."""
+        begin = len(self.places) - number
+        return Window(*(array[..., begin:] for array in self))
 
-    def source_of(self, places: Array, stamps: Array) -> Array:
+    def motions_of(self, places: Array, stamps: Array) -> Array:
         """
-        Return the input that each output belongs to, -1 for none.
+        Return the index of each output's driven motion in the window, -1 for none.
 
-        That is the last input before it or, if its stamp differs, any input of the same stamp.
+        That is the last motion before the output. If it has another stamp, as in a bag of
+        ``ros2 bag``, which mixes topics, it is the last motion of the output's stamp.
         """
-        source = np.searchsorted(self.places, places, side='right') - 1
-        good = (source >= 0) & (self.stamps[source] == stamps)
-        if not good.all():
-            order = np.argsort(self.stamps, kind='stable')
-            at = np.searchsorted(self.stamps, stamps, side='right', sorter=order) - 1
-            other = order[at]
-            is_same = (at >= 0) & (self.stamps[other] == stamps)
-            source = np.where(good, source, np.where(is_same, other, -1))
-        return source
+        before = np.searchsorted(self.places, places, side='right') - 1
+        good = (before >= 0) & (self.stamps[before] == stamps)
+        if good.all():
+            return before
+        order = np.argsort(self.stamps, kind='stable')
+        last = np.searchsorted(self.stamps, stamps, side='right', sorter=order) - 1
+        same_stamp = np.where((last >= 0) & (self.stamps[order[last]] == stamps), order[last], -1)
+        return np.where(good, before, same_stamp)
 
 
 class Tally:
-    """Counts the missing and doubled outputs of one name, between its first and last message."""
+    """
+    Counts the missing and the doubled messages of one output, motion by motion.
+
+    Gaps count between two messages, since recording may begin and end anywhere; a recording of
+    our node is complete from the first motion (``from_the_start``). ``open`` counts the gaps
+    behind the newest message.
+    """
 
     def __init__(self, from_the_start: bool) -> None:
         self.missing = self.doubled = self.open = 0
         self._has_begun = from_the_start
 
-    def add(self, seen: Array, due: Array) -> None:
-        """
-        Count the outputs of the next inputs.
-
-        ``seen``: how many there are for each input; ``due``: whether there should be one.
-        """
-        self.doubled += int(np.maximum(seen - 1, 0).sum())
-        there, gone = np.flatnonzero(seen), due & (seen == 0)
-        if len(there):
-            first = 0 if self._has_begun else there[0]
-            self.missing += self.open + int(np.count_nonzero(gone[first:there[-1]]))
-            self.open, self._has_begun = int(np.count_nonzero(gone[there[-1]:])), True
+    def add(self, counts: Array, due: Array) -> None:
+        """Take the messages found for each of the next motions, and whether one was due."""
+        self.doubled += int(np.maximum(counts - 1, 0).sum())
+        found, gaps = np.flatnonzero(counts), due & (counts == 0)
+        if len(found):
+            first, last = 0 if self._has_begun else found[0], found[-1]
+            self.missing += self.open + int(np.count_nonzero(gaps[first:last]))
+            self.open, self._has_begun = int(np.count_nonzero(gaps[last:])), True
         elif self._has_begun:
-            self.open += int(np.count_nonzero(gone))
+            self.open += int(np.count_nonzero(gaps))
 
 
-def in_order(parts: Iterable[Sequence[Array]]) -> list[Array]:
-    """Return the arrays of several Columns joined and sorted by their places, which come first."""
-    joined = [np.concatenate(part) for part in zip(*parts)]
-    order = np.argsort(joined[0], kind='stable')
-    return [part[order] for part in joined]
-
-
-def says_silence(columns: Columns, name: str, layout: FieldMap) -> Array:
+def joined_by_place(blocks: Iterable[Sequence[Array]]) -> list[Array]:
     """
-    Return a mask of the messages of an output that say that the input has stopped.
+    Return the arrays (places, ...) of several blocks of messages, each joined to one.
 
-    joint_states may hold positions meanwhile.
+    They are sorted by place: blocks of one topic, apart by the layout of their messages, lie
+    between each other in the bag.
+    """
+    joined = [np.concatenate(arrays) for arrays in zip(*blocks)]
+    order = np.argsort(joined[0], kind='stable')
+    return [array[order] for array in joined]
+
+
+def tells_timeout(columns: Columns, output: str, layout: FieldMap) -> Array:
+    """
+    Return a mask of the messages of an output that the node sent because its input had stopped.
+
+    Their status says so; messages without a status are all NaN then. joint_states may hold
+    positions meanwhile, so its velocities alone are asked.
     """
     if 'status' in columns.fields:
-        found: Array = columns.records['status'] == INPUT_TIMEOUT
-        return found
-    fields = ('velocity',) if name == 'joint_states' else layout.fields[name]
-    silent = np.ones(len(columns.times), bool)
-    for field in fields:
-        values = np.isnan(attrgetter(field)(columns.tree))
-        silent &= values.all(axis=0) if values.ndim == 2 else values
-    return silent
+        return np.asarray(columns.records['status'] == INPUT_TIMEOUT)
+    mask = np.ones(len(columns.times), bool)
+    for field in ('velocity',) if output == 'joint_states' else layout.fields[output]:
+        is_unknown = np.isnan(attrgetter(field)(columns.tree))
+        mask &= is_unknown.all(axis=0) if is_unknown.ndim == 2 else is_unknown
+    return mask

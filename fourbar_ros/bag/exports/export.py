@@ -62,46 +62,42 @@ def export(path: str | Path, out: str | Path, format_: str | None = None,
         raise BagError(f'format {format_!r}: must be one of {", ".join(FORMATS)}')
     if out.suffix in ONE_FILE and out.suffix != f'.{format_}':
         raise BagError(f'{out}: ends in {out.suffix}, but the format is {format_}')
-    makers: dict[str, type[Table]] = {'csv': Csv, 'npz': Npz, 'parquet': Parquet}
-    make, names = makers[format_], _Names()
+    writers: dict[str, type[Table]] = {'csv': Csv, 'npz': Npz, 'parquet': Parquet}
+    writer, names = writers[format_], _Names()
     tables: dict[tuple[Any, ...], Table] = {}
     with workshop(out) as folder:
         for block in bag.blocks(topics, progress=progress):
-            for key, columns in _by_table(block, make.fixed).items():
+            for key, columns in _by_table(block, writer.fixed).items():
                 if key not in tables:
-                    tables[key] = make(folder, names.of(key[0]), columns)
+                    tables[key] = writer(folder, names.of(key[0]), columns)
                 tables[key].add(columns)
-        unknown = set(topics or ()) - {key[0] for key in tables}
+        missing = set(topics or ()) - {key[0] for key in tables}
         known = {channel.topic for channel in bag.channels.values()}
-        if not unknown <= known:
-            raise BagError(f'{", ".join(sorted(unknown - known))}: not in the bag; it has '
+        if not missing <= known:
+            raise BagError(f'{", ".join(sorted(missing - known))}: not in the bag; it has '
                            f'{", ".join(sorted(known))}')
         for written in tables.values():
             written.close()
-        made = make.finish(folder, tables.values())
+        made = writer.finish(folder, tables.values())
         if out.suffix in ONE_FILE:
-            made = _only_file(made, out, known)
+            files = sorted(made.iterdir())
+            if len(files) != 1:
+                raise BagError(f'{out}: one file holds one table, these are {len(files)}; select '
+                               f'a topic with --topics ({", ".join(sorted(known))}), or give a '
+                               'folder')
+            made, = files
         made.rename(out)
     return {written.name: written.rows for written in tables.values()}
 
 
 def format_of(out: str | Path) -> str:
-    """Return the format that the ending of a path stands for, csv where it stands for none."""
+    """Return the format by the ending of a path: csv, npz or parquet; csv for any other."""
     ending = Path(out).suffix.removeprefix('.')
     return ending if ending in FORMATS else 'csv'
 
 
-def _only_file(folder: Path, out: Path, known: Iterable[str]) -> Path:
-    """Return the only table in a folder; raises BagError if there are several."""
-    files = sorted(folder.iterdir())
-    if len(files) != 1:
-        raise BagError(f'{out}: one file holds one table, these are {len(files)}; select a topic '
-                       f'with --topics ({", ".join(sorted(known))}), or give a folder')
-    return files[0]
-
-
 class _Names:
-    """Names of tables that no other table has: topics differ in ways that file names cannot."""
+    """Gives each table its own file name: /a/b and /a.b would both be a.b."""
 
     def __init__(self) -> None:
         self._taken: set[str] = set()
@@ -120,81 +116,75 @@ class _Names:
 
 def _by_table(block: Iterable[Columns], fixed: Callable[[Array], str | None]
               ) -> dict[tuple[Any, ...], Rows]:
-    """Return {key: columns} of a block: the rows for each table, in the order of the bag."""
+    """
+    Return {key: rows for one table} of a block, in the order of the bag.
+
+    Messages go into one table if topic, type, names of columns and what is ``fixed`` in each
+    column are equal; the key, which begins with the topic, holds all these.
+    """
     parts: dict[tuple[Any, ...], list[tuple[Array, Rows]]] = {}
-    for found in block:
-        columns = table(found)
-        key = (found.topic, found.type, *columns, *(fixed(values) for values in columns.values()))
-        parts.setdefault(key, []).append((found.places, columns))
-    return {key: _in_order(found) for key, found in parts.items()}
-
-
-def _in_order(found: Sequence[tuple[Array, Rows]]) -> Rows:
-    """Return the rows of tables with equal columns as one, in the order of the bag."""
-    places, parts = [place for place, _ in found], [rows for _, rows in found]
-    if len(parts) == 1:
-        return parts[0]
-    order = np.argsort(np.concatenate(places))
-    return {name: np.concatenate([part[name] for part in parts])[order] for name in parts[0]}
-
-
-def _as_bytes(values: Array) -> Array:
-    """Return an array of objects: the bytes of every row."""
-    found = np.empty(len(values), object)
-    found[:] = [row.tobytes() for row in values]
-    return found
+    for columns in block:
+        rows = table(columns)
+        key = columns.topic, columns.type, *rows, *map(fixed, rows.values())
+        parts.setdefault(key, []).append((columns.places, rows))
+    joined = {}
+    for key, found in parts.items():
+        order = np.argsort(np.concatenate([places for places, _ in found]))
+        joined[key] = {name: np.concatenate([rows[name] for _, rows in found])[order]
+                       for name in found[0][1]}
+    return joined
 
 
 def table(columns: Columns) -> Rows:
     """
-    Return {column name: array of shape (n,)} of Columns.
+    Return {column name: array of shape (n,)} of n messages.
 
-    Arrays of bytes are one column of bytes objects.
+    An element of an array is a column, ``position[crank]`` in a JointState; an array of bytes, as
+    a picture, is one column of bytes objects.
     """
-    found = {'log_time': columns.times}
+    rows = {'log_time': columns.times}
     joints = columns.layout.texts.get('name', [])
     for leaf in columns.layout.leaves:
         values = columns.records[leaf.name]
         if leaf.format[0] == 'S':
-            found[leaf.name] = np.char.decode(values, 'utf-8',
-                                              'replace').astype(f'U{values.dtype.itemsize}')
+            rows[leaf.name] = np.char.decode(values, 'utf-8',
+                                             'replace').astype(f'U{values.dtype.itemsize}')
         elif leaf.shape and leaf.format in BYTES:
-            found[leaf.name] = _as_bytes(values)
+            rows[leaf.name] = np.empty(len(values), object)
+            rows[leaf.name][:] = [row.tobytes() for row in values]
         elif leaf.shape:
             labels = joints if len(joints) == leaf.shape[0] else range(leaf.shape[0])
-            found.update({f'{leaf.name}[{label}]': values[:, i] for i, label in enumerate(labels)})
+            rows.update({f'{leaf.name}[{label}]': values[:, i] for i, label in enumerate(labels)})
         else:
-            found[leaf.name] = values
-    return found
+            rows[leaf.name] = values
+    return rows
 
 
-ROWS = 1 << 16          # of a column are in memory at once when it goes into the .npz
-
-
+ROWS = 1 << 16                  # so many of a column are in memory when it goes into the .npz
 Rows = dict[str, Array]         # {column: its values, shape (n,)}
 
 
 class Table(ABC):
-    """A table being written: rows are appended, block by block."""
+    """A file format: a table to which rows are appended, block by block."""
 
     def __init__(self, folder: Path, name: str, columns: Rows) -> None:
         self.name, self.rows = name, 0
 
     @staticmethod
     def fixed(values: Array) -> str | None:
-        """Return the property that is constant within a column; None: there is none."""
+        """Return what the format needs constant in a column, as its type; None: nothing."""
         return None
 
     @abstractmethod
     def add(self, columns: Rows) -> None:
-        """Append the rows of {column: values}."""
+        """Append rows, {column: values}."""
 
-    def close(self) -> None:        # noqa: B027 # of most there is nothing to finish
+    def close(self) -> None:        # noqa: B027 # most formats have nothing to finish
         """Finish the file."""
 
     @staticmethod
     def finish(folder: Path, tables: Iterable[Any]) -> Path:
-        """Return the file or folder to be moved to the requested name."""
+        """Return the finished file or folder, which then moves to the requested name."""
         return _in_folder(folder)
 
 
@@ -208,7 +198,6 @@ class Csv(Table):
             csv.writer(file).writerow(columns)
 
     def add(self, columns: Rows) -> None:
-        """Append the rows of {column: values}."""
         texts = ([value.hex() for value in values] if values.dtype.kind == 'O' else values.tolist()
                  for values in columns.values())
         with open(self._path, 'a', newline='', encoding='utf-8') as file:
@@ -217,7 +206,7 @@ class Csv(Table):
 
 
 def _in_folder(folder: Path) -> Path:
-    """Return the folder of the tables, created with the usual permissions."""
+    """Return the folder of the tables, with the usual permissions, unlike that of a workshop."""
     made = folder / 'tables'
     made.mkdir(exist_ok=True)
     return made
@@ -239,12 +228,10 @@ class Parquet(Table):
                                                      schema)
 
     def add(self, columns: Rows) -> None:
-        """Append the rows of {column: values}."""
         self._writer.write_table(self._arrow.table(columns))
         self.rows += len(columns['log_time'])
 
     def close(self) -> None:
-        """Finish the file."""
         self._writer.close()
 
 
@@ -258,17 +245,15 @@ class Npz(Table):
 
     @staticmethod
     def fixed(values: Array) -> str | None:
-        """Return the property that is constant within a column."""
         return values.dtype.kind if values.dtype.kind in 'UO' else values.dtype.str
 
     def __init__(self, folder: Path, name: str, columns: Rows) -> None:
         super().__init__(folder, name, columns)
         self._folder = folder
-        self._arrays: dict[str, _Array] = {}
-        self._ends: dict[str, int] = {}
+        self._arrays: dict[str, _Array] = {}     # by column
+        self._ends: dict[str, int] = {}          # bytes so far in columns of bytes
 
     def add(self, columns: Rows) -> None:
-        """Append the rows of {column: values}."""
         for column, values in columns.items():
             if values.dtype.kind == 'O':
                 ends = self._ends.get(column, 0) + np.cumsum([len(value) for value in values])
@@ -279,13 +264,13 @@ class Npz(Table):
         self.rows += len(columns['log_time'])
 
     def _append(self, column: str, values: Array) -> None:
+        """Append values to the file of a column."""
         if column not in self._arrays:
             self._arrays[column] = _Array(self._folder / f'{self.name}.{len(self._arrays)}')
         self._arrays[column].append(values)
 
     @staticmethod
     def finish(folder: Path, tables: Iterable[Any]) -> Path:
-        """Return the file or folder to be moved to the requested name."""
         part = folder / 'all.npz'
         with zipfile.ZipFile(part, 'w', zipfile.ZIP_STORED, allowZip64=True) as archive:
             for written in tables:
@@ -297,13 +282,14 @@ class Npz(Table):
 
 
 class _Array:
-    """One array in a file; texts in it may grow wider."""
+    """An array that grows in a file; its texts may get wider."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
-        self._parts: list[tuple[int, np.dtype[Any]]] = []     # rows of what follows each other
+        self._parts: list[tuple[int, np.dtype[Any]]] = []     # (rows, dtype), one after the other
 
     def append(self, values: Array) -> None:
+        """Write more values behind those in the file."""
         with open(self._path, 'ab') as file:
             file.write(values.tobytes())
         if self._parts and self._parts[-1][1] == values.dtype:
@@ -312,7 +298,7 @@ class _Array:
             self._parts.append((len(values), values.dtype))
 
     def move_to(self, entry: IO[bytes]) -> None:
-        """Write it as .npy and remove its file."""
+        """Write it as .npy, all texts as wide as the widest, and remove its file."""
         dtype = max((dtype for _, dtype in self._parts), key=lambda dtype: dtype.itemsize)
         npy: Any = np.lib.format                    # numpy gives it no types
         npy.write_array_header_1_0(entry, {

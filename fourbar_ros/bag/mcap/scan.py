@@ -19,28 +19,26 @@ import zlib
 
 from fourbar_ros.bag.mcap.records import (
     Damaged,
-    filled,
     HEAD,
     IS_MESSAGE,
     MAGIC,
     OURS,
     parse,
     SHAPES,
+    size_by_content,
     split,
-    tells_its_times,
     TYPES,
-    WRONG_TIMES,
 )
 from fourbar_ros.errors import BagError
 from mcap.opcode import Opcode
 from mcap.records import Chunk, MetadataIndex, Statistics
 
-# what can be in a chunk as well
+# kinds of records that can be in a chunk as well
 _LOOSE = frozenset({Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE})
-# [bytes] what is searched at once, at first and at most
+# [bytes] read at once in the search for the next record, at first and at most
 _FIRST_WINDOW, _WINDOW = 1 << 12, 1 << 22
 
-# offset, opcode and body of a record; where there is none, None and what is wrong
+# offset, opcode and body of a record; of bytes that are none: offset, None, what is wrong
 Found = tuple[int, Any, Any]
 
 
@@ -49,14 +47,8 @@ class Scan:
     Iterate over (offset, opcode, body) of the data section of an open file.
 
     Bytes that are no record are (offset, None, what is wrong), up to where the next record begins.
-
-    Parameters
-    ----------
-    file : binary file
-    wait : callable, optional
-        Called when the file ends early, returns whether to look again: for a bag being written.
-    damage : list, optional
-        Where to add what is wrong.
+    ``wait`` is called when the file ends early and returns whether to look again, for a bag that
+    is being written. Damage is added to the list ``damage``, if given.
 
     Attributes
     ----------
@@ -77,18 +69,20 @@ class Scan:
         self._file, self._wait = file, wait
         self.end, self.complete, self.lost = 0, False, 0
         self.damage = [] if damage is None else damage
-        self._known = len(self.damage)
+        self._damage_before = len(self.damage)
         self.ending = ending(file)
         if self.ending and self.ending.damage:
             self.damage.append(self.ending.damage)
-        # of the data section; 0: not known
+        # where the data section ends; 0: not known
         self._limit = self.ending.start if self.ending else 0
         self._chunked = bool(self.ending and self._limit and self.ending.is_chunked)
+        # offsets of the chunks by (first and last log time, size, checksum)
         self._chunks: dict[tuple[int, int, int, int], int] = {}
-        self._until, self._is_ours = 0, False
+        self._last_time, self._is_ours = 0, False
 
     def __iter__(self) -> Iterator[Found]:
-        if not self._there(len(MAGIC), wait=True):
+        """Yield the records one by one, with the checksum of the data computed on the way."""
+        if not self._reaches(len(MAGIC), wait=True):
             return
         self._file.seek(0)
         magic = self._file.read(len(MAGIC))
@@ -100,9 +94,9 @@ class Scan:
         while self._limit == 0 or self.end < self._limit:
             offset, found = self.end, self._record_at(self.end, wait=True)
             if found is None:
-                self.end = self._next(offset)
+                self.end = self._next_record(offset)
                 if self.end == offset:
-                    return                     # cut
+                    return                     # the file was cut here
                 yield offset, None, self.spoil(offset, 'the type or a length of a record is wrong')
                 continue
             head, opcode, body = found
@@ -120,12 +114,13 @@ class Scan:
     def only(self, offsets: Iterable[int]) -> Iterator[Found]:
         """Yield the records at these offsets, taken from the index, and skip all others."""
         for offset in offsets:
-            found = self._record_at(offset)
-            self.end = offset + HEAD.size + len(found[2]) if found else offset + HEAD.size
-            if found is None:
-                yield offset, None, self.spoil(offset, 'the index leads to no record')
+            self.end = offset + HEAD.size
+            if record := self._record_at(offset):
+                _, opcode, body = record
+                self.end += len(body)
+                yield offset, opcode, body
             else:
-                yield offset, *found[1:]
+                yield offset, None, self.spoil(offset, 'the index leads to no record')
         self.complete = True
 
     def spoil(self, offset: int, why: str) -> str:
@@ -136,23 +131,27 @@ class Scan:
 
     def admit(self, offset: int, chunk: Chunk, times: Sequence[int]) -> None:
         """
-        Note what is wrong with the place of a sound Chunk and the times it states.
+        Note what is wrong with the place of a sound Chunk, or with the times that it states.
 
-        ``times`` are its log times; those of our recorder never go back. Raises Damaged for a copy
-        of an earlier chunk.
+        ``times`` are the log times of its messages [ns]: the checksum does not cover the first and
+        the last one in its head. Those of our recorder never go back. Raises Damaged for a copy of
+        an earlier chunk.
         """
-        if not tells_its_times(chunk, times):
-            self.damage.append(f'at byte {offset}: {WRONG_TIMES}')
-        first, last = (min(times), max(times)) if times else (0, 0)
+        if not times:
+            return
+        first, last = min(times), max(times)
+        if (chunk.message_start_time, chunk.message_end_time) != (first, last):
+            self.damage.append(f'at byte {offset}: chunk states other times than its messages '
+                               'have')
         key = (first, last, chunk.uncompressed_size, chunk.uncompressed_crc
                or zlib.crc32(chunk.data))
         other = self._chunks.setdefault(key, offset)
-        if times and other != offset and (self._is_ours or first < last):
+        if other != offset and (self._is_ours or first < last):
             raise Damaged(f'a copy of the chunk at byte {other}')
-        if self._is_ours and first < self._until and times:
+        if self._is_ours and first < self._last_time:
             self.damage.append(f'at byte {offset}: chunk is out of order: its messages are older '
                                'than those before it')
-        self._until = max(self._until, last)
+        self._last_time = max(self._last_time, last)
 
     def is_followed_by_zeros(self) -> bool:
         """Return whether an unfinished file ends in zeros, as a power cut leaves them."""
@@ -161,7 +160,7 @@ class Scan:
         return bool(rest) and not rest.strip(b'\0')
 
     def _is_sound(self, offset: int, opcode: int, body: bytes) -> bool:
-        """Return whether a header can be read, or metadata match their own checksum."""
+        """Return whether a header or metadata record can be read; others are for the caller."""
         try:
             if opcode == Opcode.HEADER:
                 self._is_ours = parse(opcode, body).library.startswith(OURS)
@@ -170,82 +169,75 @@ class Scan:
             self.spoil(offset, str(error))
             return False
 
-    def _finish(self, offset: int, told: int, crc: int) -> None:
+    def _finish(self, offset: int, stated_crc: int, crc: int) -> None:
         """
-        Compare the checksum of the data.
+        Compare the checksum of the data with the one stated behind them; 0 states none.
 
         If no damage was found before, the change is outside the chunks.
         """
-        self.ending = ending(self._file)       # it may be new
+        self.ending = ending(self._file)       # a file being written may have got one meanwhile
         self.complete = self.ending is not None
-        if len(self.damage) == self._known and told not in (0, crc):
+        if len(self.damage) == self._damage_before and stated_crc not in (0, crc):
             self.damage.append(f'from byte 0 to {offset}: the data have a wrong checksum, but no '
                                'chunk has: a message index, the header or the checksum itself has '
                                'changed, or a chunk is missing')
 
-    def _there(self, end: int, wait: bool = False) -> bool:
-        """Return whether the file reaches up to this offset."""
-        def there() -> bool:
-            return os.fstat(self._file.fileno()).st_size >= end
+    def _reaches(self, end: int, wait: bool = False) -> bool:
+        """Return whether the file reaches up to this offset; ``wait``: for its writer."""
+        def size() -> int:
+            return os.fstat(self._file.fileno()).st_size
 
-        while not there():
-            # its writer may just have finished
-            if not (wait and self._wait and self._wait()) and not there():
-                return False
+        while size() < end:
+            if not (wait and self._wait and self._wait()):
+                return size() >= end           # its writer may just have finished
         return True
 
     def _record_at(self, offset: int, wait: bool = False) -> tuple[bytes, int, bytes] | None:
         """Return (head, opcode, body) of the record at an offset, None if it is not whole."""
-        if not self._there(offset + HEAD.size, wait):
+        begin = offset + HEAD.size
+        if not self._reaches(begin, wait):
             return None
         self._file.seek(offset)
         head = self._file.read(HEAD.size)
         opcode, length = HEAD.unpack(head)
-        end = offset + HEAD.size + length
-        if not self._may_be(offset, opcode, end) or not self._there(end, wait):
+        if not self._can_be_at(offset, opcode, begin + length) or not self._reaches(
+                begin + length, wait):
             return None
-        self._file.seek(offset + HEAD.size)
+        self._file.seek(begin)
         body = self._file.read(length)
-        whole = filled(opcode, length,
-                       lambda number, at: number.unpack_from(body, at)[0]) == length
-        return (head, opcode, body) if whole else None
+        size = size_by_content(opcode, length,
+                               lambda number, at: number.unpack_from(body, at)[0])
+        return (head, opcode, body) if size == length else None
 
-    def _may_start(self, offset: int, size: int, opcode: int, length: int) -> bool:
-        """Return whether a whole record can be here, judging by its lengths alone."""
-        begin = offset + HEAD.size
-        if begin + length > size or not self._may_be(offset, opcode, begin + length):
-            return False
-        return filled(opcode, length,
-                      lambda number, at: self._number(number, begin + at)) == length
+    def _size_in_file(self, begin: int, opcode: int, length: int) -> int:
+        """Return size_by_content() of the body at an offset, reading only the lengths inside."""
+        def number_at(number: Struct, at: int) -> int:
+            data = os.pread(self._file.fileno(), number.size, begin + at)
+            return int(number.unpack(data)[0]) if len(data) == number.size else 0
+        return size_by_content(opcode, length, number_at)
 
-    def _number(self, number: Struct, at: int) -> int:
-        found = os.pread(self._file.fileno(), number.size, at)
-        return number.unpack(found)[0] if len(found) == number.size else 0
-
-    def _may_be(self, offset: int, opcode: int, end: int) -> bool:
-        """Return whether a record of this kind can be here."""
+    def _can_be_at(self, offset: int, opcode: int, end: int) -> bool:
+        """Return whether a record of this kind can stand from an offset to another."""
         if self._limit and (end > self._limit or (opcode == Opcode.DATA_END)
                             != (end == self._limit)):
             return False
         if (opcode == Opcode.HEADER) != (offset == len(MAGIC)):
             return False
-        # A message index that lost one bit looks like a message.
+        # A message index that lost one bit looks like a message, which chunked files do not have.
         return opcode in SHAPES or opcode == IS_MESSAGE and not self._chunked
 
-    def _next(self, offset: int) -> int:
+    def _next_record(self, offset: int) -> int:
         """Return where the first whole record after a damaged one is, else the offset itself."""
         size = self._limit or os.fstat(self._file.fileno()).st_size
-        # its writer has just completed it
-        if offset + HEAD.size > size or self._record_at(offset):
+        begin = offset + HEAD.size
+        if begin > size or self._record_at(offset):         # its writer has just completed it
             return offset
         self._file.seek(offset)
         opcode, length = HEAD.unpack(self._file.read(HEAD.size))
         # One flipped bit spoils one of the two lengths, its own or that of its content.
-        ends = {offset + HEAD.size + length}
+        ends = {begin + length}
         if opcode in SHAPES:
-            begin = offset + HEAD.size
-            ends.add(begin + filled(opcode, length,
-                                    lambda number, at: self._number(number, begin + at)))
+            ends.add(begin + self._size_in_file(begin, opcode, length))
         for end in sorted(ends):
             if offset < end <= size and (end == size or self._record_at(end)):
                 return int(end)
@@ -254,23 +246,28 @@ class Scan:
 
     def _search(self, begin: int, size: int, loose: bool) -> int:
         """
-        Return where the next whole record is, 0 for nowhere.
+        Return the offset of the next whole record from ``begin`` to ``size``, 0 for none.
 
-        ``loose``: also of the kinds that are in chunks.
+        It tries every byte that can be the kind of a record shorter than 1 TiB; ``loose``: also
+        the kinds that are in chunks.
         """
         kinds = bytes(kind for kind in (*SHAPES, IS_MESSAGE) if loose or kind not in _LOOSE)
-        # shorter than 1 TiB
         pattern = re.compile(b'[' + re.escape(kinds) + rb'](?=.{5}\0{3})', re.DOTALL)
         window = _FIRST_WINDOW
         while begin < size:
             self._file.seek(begin)
             part = self._file.read(window + HEAD.size)
             for match in pattern.finditer(part, 0, window):
-                at = match.start()
-                found = HEAD.unpack_from(part, at) if at + HEAD.size <= len(part) else None
-                if (found and self._may_start(begin + at, size, *found)
-                        and self._record_at(begin + at)):
-                    return begin + at
+                if match.start() + HEAD.size > len(part):
+                    break
+                offset = begin + match.start()
+                opcode, length = HEAD.unpack_from(part, match.start())
+                body = offset + HEAD.size
+                # first by the lengths alone: most candidates are none, and bodies can be large
+                if (body + length <= size and self._can_be_at(offset, opcode, body + length)
+                        and self._size_in_file(body, opcode, length) == length
+                        and self._record_at(offset)):
+                    return offset
             begin, window = begin + window, min(2 * window, _WINDOW)
         return 0
 
@@ -279,15 +276,18 @@ _END = Struct('<BQQQI8s')           # the footer and the magic behind it
 _CHUNK_INDEX, _ENTRY = Struct('<QQQQI'), Struct('<HQ')  # head of a chunk's index; a channel in it
 
 Record = TypeVar('Record')
-ChunkPlace = tuple[int, int, int, set[int]]     # offset, first and last log time, channels
+
+
+class ChunkPlace(NamedTuple):
+    """A chunk in the index: its offset in the file, last log time [ns], numbers of channels."""
+
+    offset: int
+    last_time: int
+    channels: set[int]
 
 
 class Ending(NamedTuple):
-    """
-    The end of a finished file.
-
-    Where its summary begins, the records there, and what is wrong with it.
-    """
+    """The end of a finished file: offset of its summary, the records there, damage in it."""
 
     start: int
     records: tuple[Any, ...]
@@ -300,11 +300,12 @@ class Ending(NamedTuple):
     @property
     def is_chunked(self) -> bool:
         """Return whether no message is outside of a chunk; False if that is not known."""
-        return any(told.chunk_count or not told.message_count for told in self.of(Statistics))
+        return any(statistics.chunk_count or not statistics.message_count
+                   for statistics in self.of(Statistics))
 
 
 def ending(file: BinaryIO) -> Ending | None:
-    """Return the Ending of an open file, None if it was not finished."""
+    """Return the Ending of an open file, checked by its CRC; None if the file has none."""
     at = os.fstat(file.fileno()).st_size - _END.size
     if at < len(MAGIC):
         return None
@@ -323,35 +324,35 @@ def ending(file: BinaryIO) -> Ending | None:
         return Ending(0, (), f'at byte {at}: the index at the end of the file has a wrong '
                              'checksum')
     try:
-        found = Ending(start, tuple(parse(opcode, summary[begin:end])
-                                    for _, opcode, begin, end in split(summary)
-                                    if opcode in TYPES))
-        if any(place.offset + place.length > start for place in found.of(MetadataIndex)):
+        records = tuple(parse(opcode, summary[begin:end])
+                        for _, opcode, begin, end in split(summary) if opcode in TYPES)
+        if any(record.offset + record.length > start
+               for record in records if isinstance(record, MetadataIndex)):
             raise Damaged('the index at the end of the file leads nowhere')
-        return found
+        return Ending(start, records)
     except Damaged as error:           # of a writer without checksums
         return Ending(0, (), f'at byte {start}: {error}')
 
 
 def chunk_index(file: BinaryIO, end: Ending | None) -> list[ChunkPlace] | None:
     """
-    Return [(offset, first log time, last log time, channels)] of the chunks of a sound file.
+    Return the chunks of a sound file by their offsets.
 
-    None if not all chunks are indexed, or messages lie outside of them.
+    None if not all chunks are indexed, or messages lie outside of them. Plain structs read it,
+    since a bag of one hour has 36 000 chunks.
     """
-    told = end.of(Statistics) if end and not end.damage else []
-    if end is None or not told or not told[0].chunk_count:
+    statistics = end.of(Statistics) if end and not end.damage else []
+    if end is None or not statistics or not statistics[0].chunk_count:
         return None
     file.seek(end.start)
     summary = file.read(os.fstat(file.fileno()).st_size - _END.size - end.start)
-    found = [_place(summary, begin) for _, opcode, begin, _ in split(summary)
-             if opcode == Opcode.CHUNK_INDEX]
-    good = len(found) == told[0].chunk_count and all(place[0] < end.start for place in found)
-    return sorted(found, key=lambda place: place[0]) if good else None
-
-
-def _place(summary: bytes, begin: int) -> ChunkPlace:
-    first, last, offset, _, size = _CHUNK_INDEX.unpack_from(summary, begin)
-    begin += _CHUNK_INDEX.size
-    return (offset, first, last,
-            {number for number, _ in _ENTRY.iter_unpack(summary[begin:begin + size])})
+    chunks = []
+    for _, opcode, begin, _ in split(summary):
+        if opcode == Opcode.CHUNK_INDEX:
+            _, last, offset, _, size = _CHUNK_INDEX.unpack_from(summary, begin)
+            begin += _CHUNK_INDEX.size
+            numbers = {number for number, _ in _ENTRY.iter_unpack(summary[begin:begin + size])}
+            chunks.append(ChunkPlace(offset, last, numbers))
+    is_whole = (len(chunks) == statistics[0].chunk_count
+                and all(chunk.offset < end.start for chunk in chunks))
+    return sorted(chunks, key=lambda chunk: chunk.offset) if is_whole else None

@@ -46,10 +46,9 @@ from mcap.records import (
 import zstandard
 
 CHUNK_SIZE = 1 << 20          # [bytes] a chunk is closed at this size, flush or not
-# of zstd: against 3, the default, 0.4 of the time and 1.03 of the size
-LEVEL = 1
-# So many chunks hold a schema or channel: under their checksum, and if one is hit, in the other.
-TOLD = 2
+LEVEL = 1       # of zstd: 0.4 of the time and 1.03 of the size of the default, 3
+# So many chunks repeat each schema and channel, under their checksum: one may get damaged.
+COPIES = 2
 _MESSAGE = struct.Struct('<BQHIQQ')
 _INDEX = struct.Struct('<BQHI')
 
@@ -75,10 +74,9 @@ class Container:
         # oldest and newest sequence number, by channel
         self.first: dict[int, int] = {}
         self.last: dict[int, int] = {}
-        # {encoded definition: chunks that hold it}, up to TOLD
+        # {encoded schema or channel that later chunks must hold: copies in the file so far}
         self._pending: dict[bytes, int] = {}
-        # encoded definitions that no checksum covered
-        self._unchecked: set[bytes] = set()
+        self._unchecked: set[bytes] = set()    # encoded definitions that no checksum covered
         self._length = 0                               # [bytes] what waits for the next chunk
         self._clear()
         self._append(MAGIC + encoded(Header(profile, library)))
@@ -94,24 +92,24 @@ class Container:
         return self._summary.end
 
     def add_schema(self, name: str, text: str, encoding: str = 'ros2msg') -> int:
-        """Return the number of a new schema; it is written with the next messages."""
+        """Define a message type for the next messages; return the number of the schema."""
         schema = Schema(len(self.schemas) + 1, text.encode(), encoding, name)
         self._define(self.schemas, schema)
         return int(schema.id)
 
     def add_channel(self, topic: str, schema: int, metadata: dict[str, str]) -> int:
-        """Return the number of a new channel of CDR messages, written with the next ones."""
+        """Define a topic of CDR messages for the next messages; return its number."""
         channel = Channel(len(self.channels) + 1, topic, 'cdr', metadata, schema)
         self._define(self.channels, channel)
         return int(channel.id)
 
     def copy(self, record: Definition, checked: bool = True) -> bool:
         """
-        Take a Schema or Channel of another file under the number it has; again is no error.
+        Take a Schema or Channel of another file under the number it has.
 
-        One that a checksum covers (``checked``) takes the place of one that none did, as long as
-        no message was written under it; returns whether it did. Any other difference raises
-        Damaged.
+        The same one again is no error. One that a checksum covers (``checked``) replaces one that
+        none did, as long as no message was written under it; returns whether it did. Any other
+        difference raises Damaged.
         """
         known = self.schemas if isinstance(record, Schema) else self.channels
         if isinstance(record, Channel) and record.schema_id not in (0, *self.schemas):
@@ -121,28 +119,20 @@ class Container:
             if checked:
                 self._unchecked.discard(data)
             return False
-        replaces = other is not None and checked and self._forget(encoded(other))
-        if other is not None and not replaces:
-            raise Damaged(
-                f'{type(record).__name__.lower()} {record.id} is another one than before')
+        if other is not None:
+            old = encoded(other)
+            is_free = old in self._unchecked and self._pending.get(old) == 0 and not self._index
+            if not (checked and is_free):
+                raise Damaged(
+                    f'{type(record).__name__.lower()} {record.id} is another one than before')
+            del self._pending[old]
         if not checked:
             self._unchecked.add(data)
         self._define(known, record)
-        return replaces
-
-    def _forget(self, data: bytes) -> bool:
-        """
-        Forget an encoded definition that no checksum covered and no chunk holds.
-
-        Return whether it is one.
-        """
-        is_free = data in self._unchecked and self._pending.get(data) == 0 and not self._index
-        if is_free:
-            del self._pending[data]
-        return is_free
+        return other is not None
 
     def add_metadata(self, name: str, values: Mapping[str, str]) -> None:
-        """Write a metadata record behind all messages so far."""
+        """Write a metadata record, sealed by a checksum, behind all messages so far."""
         self.flush()
         sealed = Metadata(name=name, metadata={**values, SEAL: ''})
         sealed.metadata[SEAL] = seal(sealed)
@@ -152,12 +142,12 @@ class Container:
 
     def add_message(self, channel: int, sequence: int, time: int, data: bytes,
                     published: int | None = None) -> None:
-        """Take a message; arguments are trusted. The next :meth:`flush` has it in the file."""
+        """Take a message of a log time [ns], unchecked; the next :meth:`flush` writes it."""
         self.add_messages(time, ((channel, sequence, data),), published)
 
     def add_messages(self, time: int, messages: Iterable[tuple[int, int, bytes]],
                      published: int | None = None) -> None:
-        """Take messages, (channel, sequence, data), of one time."""
+        """Take messages, (channel, sequence number, bytes), of one log time [ns]."""
         index, parts, last, length = self._index, self._parts, self.last, self._length
         published = time if published is None else published
         for channel, sequence, data in messages:
@@ -166,16 +156,17 @@ class Container:
             last[channel] = sequence
             index[channel] += (time, length)
             size = len(data)
-            parts.append(_MESSAGE.pack(IS_MESSAGE, 22 + size, channel, sequence, time, published))
+            parts.append(_MESSAGE.pack(IS_MESSAGE, MESSAGE.size + size, channel, sequence, time,
+                                       published))
             parts.append(data)
-            length += 31 + size
+            length += _MESSAGE.size + size
         self._length = length
         if length > CHUNK_SIZE:
             self.flush()
 
     def flush(self) -> None:
         """
-        Write what was taken as one chunk.
+        Write the messages taken so far as one chunk.
 
         On OSError the file is as before and the messages are gone.
         """
@@ -190,10 +181,10 @@ class Container:
     def copy_chunk(self, body: bytes, admit: Callable[[Chunk, list[int]], None]
                    ) -> list[Definition]:
         """
-        Write a chunk of another file, its index and times made anew.
+        Write a chunk of another file with a new index.
 
-        ``admit(chunk, log times)`` is called before anything is written. Returns the definitions
-        in it that took the place of damaged ones; raises Damaged before anything is written.
+        ``admit(chunk, log times)`` may raise Damaged to refuse it; then nothing is written.
+        Returns the schemas and channels in it that replaced damaged ones.
         """
         chunk = parse(Opcode.CHUNK, body)
         content, records = unpacked(chunk), []
@@ -213,11 +204,11 @@ class Container:
             raise Damaged('chunk has messages of an unknown channel')
         admit(chunk, times_of(index))
         replaced = [record for record in records if self.copy(record)]
-        front = self._front({encoded(record) for record in records})
-        if front and index:
-            chunk = self._chunk(front + content)
+        missing = self._definitions({encoded(record) for record in records})
+        if missing and index:
+            chunk = self._chunk(missing + content)
             for entries in index.values():
-                entries[1::2] = [offset + len(front) for offset in entries[1::2]]
+                entries[1::2] = [offset + len(missing) for offset in entries[1::2]]
         if index:
             self._append_chunk(chunk, index)
             self.first = {**first, **self.first}
@@ -230,22 +221,19 @@ class Container:
         self.flush()
         if not self._summary.chunks:
             # no message, but a reader may ask for the topics
-            self._append(self._front())
+            self._append(self._definitions())
         self._append(self._summary.ending(self.size, self._crc))
 
     # --------------------------------------------------------------------------------------------
 
     def _clear(self) -> None:
-        front = self._front()
-        self._parts, self._length = [front], len(front)
+        """Begin a new chunk with the definitions that it has to hold."""
+        definitions = self._definitions()
+        self._parts, self._length = [definitions], len(definitions)
         self._index: defaultdict[int, list[int]] = defaultdict(list)
 
-    def _front(self, without: Collection[bytes] = ()) -> bytes:
-        """
-        Return the definitions that the next chunk has to hold.
-
-        But for those that are in it already.
-        """
+    def _definitions(self, without: Collection[bytes] = ()) -> bytes:
+        """Return the definitions that the next chunk has to hold, but for those in ``without``."""
         return b''.join(data for data in self._pending if data not in without)
 
     def _chunk(self, content: bytes) -> Chunk:
@@ -253,6 +241,7 @@ class Container:
                      0, 0, zlib.crc32(content), len(content))
 
     def _define(self, known: dict[int, Definition], record: Definition) -> None:
+        """Add a schema, or a channel and its schema, to the next chunks."""
         self.flush()
         known[record.id] = record
         if isinstance(record, Channel) and record.schema_id:
@@ -262,11 +251,7 @@ class Container:
         self._clear()
 
     def _append_chunk(self, chunk: Chunk, index: Index) -> None:
-        """
-        Write a Chunk, its times and its message index.
-
-        Index: {channel: [time, offset, time, offset, ...]}.
-        """
+        """Write a Chunk with its times and, behind it, its message index."""
         times = times_of(index)
         chunk.message_start_time, chunk.message_end_time = min(times), max(times)
         record = encoded(chunk)
@@ -281,10 +266,11 @@ class Container:
         self._append(b''.join(parts))
         self._summary.add_chunk(chunk, offset, len(record), offsets, index,
                                 at - offset - len(record))
-        self._pending = {data: told + 1 for data, told in self._pending.items() if told + 1 < TOLD}
+        self._pending = {data: copies + 1 for data, copies in self._pending.items()
+                         if copies + 1 < COPIES}
 
     def _append(self, data: bytes) -> None:
-        """Write all of it or, on OSError, nothing."""
+        """Write all bytes at the end of the file or, on OSError, none."""
         view = memoryview(data)
         try:
             while view:
@@ -304,17 +290,10 @@ def times_of(index: Index) -> list[int]:
 
 class Summary:
     """
-    Collects what a reader wants to find at the end of a file.
+    Collects the definitions, statistics and indices for the end of a file.
 
-    Attributes
-    ----------
-    schemas, channels : dict
-        Records by their numbers.
-    counts : dict
-        Messages in the file by the number of their channel.
-    start, end : int
-        Log times of the first and the last message [ns]; start is None before the first.
-
+    ``counts``: messages by the number of their channel; ``start``, ``end``: log times of the first
+    and the last message [ns].
     """
 
     def __init__(self) -> None:
@@ -349,7 +328,11 @@ class Summary:
         self.end = max(self.end, last)
 
     def ending(self, offset: int, crc: int) -> bytes:
-        """Return all that follows the data, which end at ``offset`` with the checksum ``crc``."""
+        """
+        Return the end of a file whose data end at ``offset`` and have the checksum ``crc``.
+
+        It is: mark of the end of the data, summary sections, their offsets, footer, magic.
+        """
         end = encoded(DataEnd(crc))
         start = offset + len(end)
         parts, offsets = bytearray(), []

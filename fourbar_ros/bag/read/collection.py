@@ -1,10 +1,11 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Several bags at once: found below folders, worked on by processes of their own."""
+"""Several bags at once: find them below folders, work on each in a process of its own."""
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 from multiprocessing import get_context
 import os
 from pathlib import Path
@@ -22,18 +23,19 @@ def bags_below(paths: Iterable[str | Path]) -> list[Path]:
 
     A bag in several of them is named once. Raises BagError where there is none.
     """
-    found: dict[Path, Path] = {}
+    bags: dict[Path, Path] = {}           # by resolved path
     for path in map(Path, paths):
-        bags = _bags_in(path)
-        if not bags:
+        new = _bags_in(path)
+        if not new:
             raise BagError(f'{path}: holds no bags{rosbag2.hint_of(path)}')
-        found |= {bag.resolve(): bag for bag in reversed(bags) if bag.resolve() not in found}
-    return sorted(found.values())
+        bags |= {bag.resolve(): bag for bag in reversed(new) if bag.resolve() not in bags}
+    return sorted(bags.values())
 
 
 def _bags_in(path: Path) -> list[Path]:
+    """Return a bag itself, or the bags at any depth below a folder."""
     if not path.is_dir():
-        rosbag2.files_of(path)                           # says that there is no such bag
+        rosbag2.files_of(path)                           # raises BagError if it does not exist
         return [path]
     if next(path.glob('*.mcap'), None):
         try:
@@ -47,41 +49,30 @@ def _bags_in(path: Path) -> list[Path]:
 def each(work: Callable[[Path], Result], bags: Sequence[Path], jobs: int = 0,
          done: Callable[[int], object] | None = None) -> list[Result | BagError]:
     """
-    Return ``work(bag)`` for every bag in order, from ``jobs`` processes.
+    Return ``work(bag)`` for every bag in order; an error takes the place of its result.
 
-    An error takes the place of its result.
-
-    Parameters
-    ----------
-    work : callable
-        A function of a module, or a partial of one.
-    bags : list
-    jobs : int
-        0: as many as there are processors.
-    done : callable, optional
-        Called with the number of bags that are done.
-
+    ``work`` is a function of a module, or a partial of one, so that other processes can import it;
+    ``jobs`` the number of processes, 0 for as many as processors; ``done`` is called with the
+    number of bags that are done.
     """
     jobs = min(jobs or os.cpu_count() or 1, len(bags))
-    if jobs < 2:
-        return [_tell(_attempted(work, bag), number, done) for number, bag in enumerate(bags, 1)]
+    attempt = partial(_attempted, work)
     # Spawned, not forked: this process may have threads.
-    pool = ProcessPoolExecutor(jobs, mp_context=get_context('spawn'))
+    pool = ProcessPoolExecutor(jobs, mp_context=get_context('spawn')) if jobs > 1 else None
+    results = []
     try:
-        futures = [pool.submit(_attempted, work, bag) for bag in bags]
-        return [_tell(future.result(), number, done) for number, future in enumerate(futures, 1)]
+        for result in pool.map(attempt, bags) if pool else map(attempt, bags):
+            results.append(result)
+            if done:
+                done(len(results))
+        return results
     finally:
-        pool.shutdown(wait=True, cancel_futures=True)
-
-
-def _tell(result: Result, number: int, done: Callable[[int], object] | None) -> Result:
-    if done:
-        done(number)
-    return result
+        if pool:
+            pool.shutdown(wait=True, cancel_futures=True)
 
 
 def _attempted(work: Callable[[Path], Result], bag: Path) -> Result | BagError:
-    """Return the result of the work, or its error as text that any process can read."""
+    """Return the result of the work or a BagError, which unlike other errors can be pickled."""
     try:
         return work(bag)
     except (FourBarError, OSError) as error:

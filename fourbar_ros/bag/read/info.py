@@ -1,16 +1,16 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""What is in a bag, and whether it is sound."""
+"""Topics, times and state of a bag, and whether it is sound."""
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from fourbar_ros.bag import rosbag2
 from fourbar_ros.bag.mcap.records import in_short
-from fourbar_ros.bag.read.origin import scene_of
+from fourbar_ros.bag.read.origin import origin_of
 from fourbar_ros.bag.read.reader import Bag
 from fourbar_ros.bag.read.records import Progress
 from fourbar_ros.errors import BagError
@@ -31,16 +31,28 @@ class TopicInfo(NamedTuple):
     missing: int | None
 
 
-class Counted(NamedTuple):
-    """A topic as counted: messages, the newest sequence number and the gaps, if they were read."""
+class CountedTopic(NamedTuple):
+    """
+    A topic of a bag: its number of messages.
+
+    ``last`` and ``gaps`` are its newest sequence number and the numbers left out before that;
+    None if the messages were not read.
+    """
 
     topic: str
     type: str
     messages: int
-    numbers: tuple[int | None, int] | tuple[()]
+    last: int | None = None
+    gaps: int | None = None
 
 
-Told = tuple[list[Counted], 'int | None', 'int | None']         # topics, start and end [ns]
+class Contents(NamedTuple):
+    """Topics of a bag, log times of the first and the last message [ns], damage in one line."""
+
+    topics: list[CountedTopic]
+    start: int | None
+    end: int | None
+    damage: str = ''
 
 
 class Info(NamedTuple):
@@ -94,7 +106,7 @@ class Info(NamedTuple):
 
     @property
     def is_sound(self) -> bool:
-        """Return whether the bag is finished, undamaged and has no gap that is known of."""
+        """Return whether the bag is finished, undamaged and has no known gap."""
         has_numbers = (all(topic.missing is not None for topic in self.topics)
                        and rosbag2.NUMBERS in self.about)
         return (self.state == 'finished' and not self.damage and not self.missing
@@ -112,21 +124,21 @@ def info(path: str | Path, check: bool = False, progress: Progress | None = None
     about = bag.about()
     numbers = rosbag2.mapping_in(about, rosbag2.NUMBERS)
     being_written = bag.is_being_written
-    told = None if check else _joined([_told(part) for part in bag.parts])
-    counted, start, end, damage = (*told, '') if told else _count(bag, progress)
+    contents = (None if check else _by_summaries(bag)) or _by_reading(bag, progress)
     topics = [TopicInfo(topic.topic, topic.type, topic.messages,
-                        missing_of(numbers.get(topic.topic), topic.messages, *topic.numbers))
-              for topic in counted]
+                        missing_of(numbers.get(topic.topic), topic.messages, topic.last,
+                                   topic.gaps))
+              for topic in contents.topics]
     state = 'being written' if being_written else 'cut' if bag.cut else 'finished'
-    return Info(bag.file if len(bag.files) == 1 else bag.path, state, bag.size, start, end, topics,
-                about,
-                about.get(rosbag2.ENDED, ''), _dropped(about), about.get(rosbag2.LOST, ''), damage,
-                len(bag.files))
+    return Info(bag.file if len(bag.files) == 1 else bag.path, state, bag.size, contents.start,
+                contents.end, topics, about, about.get(rosbag2.ENDED, ''), _dropped(about),
+                about.get(rosbag2.LOST, ''), contents.damage, len(bag.files))
 
 
 def _dropped(about: Mapping[str, str]) -> int:
-    told = about.get(rosbag2.DROPPED, '')           # of version 0.1.0 one number
-    return int(told) if told.isdecimal() else sum(
+    """Return how many messages the recorder had to drop, by what it noted."""
+    noted = about.get(rosbag2.DROPPED, '')           # version 0.1.0 noted one number
+    return int(noted) if noted.isdecimal() else sum(
         count for count in rosbag2.mapping_in(about, rosbag2.DROPPED).values()
         if isinstance(count, int))
 
@@ -136,73 +148,45 @@ def missing_of(numbers: Any, count: int, last: int | None = None, gaps: int | No
     """
     Return how many messages of a topic are missing, None if that is not known.
 
-    Parameters
-    ----------
-    numbers : sequence or None
-        What the recorder says that it gave: (first, next), next is None in a bag without an end.
-    count : int
-        Messages in the bag.
-    last : int, optional
-        Sequence number of the newest of them; in a bag without an end nobody knows what came after
-        it.
-    gaps : int, optional
-        The answer where the recorder does not tell its numbers.
+    Sequence numbers 5 to 14 were given, 8 messages are there: ``missing_of((5, 15), 8)`` is 2.
 
+    ``numbers`` is the recorder's note (first, next), where ``next`` follows the last number that
+    it gave, None in a bag without an end: then ``last``, the number of the newest message, counts
+    as the end. ``gaps`` is the answer where the recorder noted nothing.
     """
     try:
         first, end = numbers
-        if end is None and (last is not None or count):
-            end = last + 1             # type: ignore[operator] # None: not known
-        elif end is None:
-            end = first
-        found: int | None = max(end - first - count, 0)
-        return found
-    except (TypeError, ValueError):
+        if end is None:
+            if last is None and count:              # the messages were not read
+                return gaps
+            end = first if last is None else last + 1
+        return int(max(end - first - count, 0))
+    except (TypeError, ValueError):                 # no pair of numbers
         return gaps
 
 
-def _told(bag: Bag) -> Told | None:
-    """Return (topics, start, end) from the summary of one file, None if it lacks them."""
-    summary = bag.summary()
-    if not summary or not summary.statistics:
-        return None
-    statistics, names = summary.statistics, {number: schema.name
-                                             for number, schema in summary.schemas.items()}
-    repeated = rosbag2.repeated(bag.about())
-    topics = [Counted(channel.topic, names.get(channel.schema_id, ''),
-                      statistics.channel_message_counts.get(channel.id, 0)
-                      - (channel.topic in repeated), ())
-              for channel in summary.channels.values()]
-    begun = statistics.message_count > 0
-    return (topics, statistics.message_start_time if begun else None, statistics.message_end_time
-            if begun else None)
+def _by_summaries(bag: Bag) -> Contents | None:
+    """Return the contents by the statistics at the end of each file; None if one lacks them."""
+    counts: Counter[tuple[str, str]] = Counter()
+    starts, ends = [], []
+    for part in bag.parts:
+        summary = part.summary()
+        if not summary or not summary.statistics:
+            return None
+        statistics, repeated = summary.statistics, rosbag2.repeated(part.about())
+        names = {number: schema.name for number, schema in summary.schemas.items()}
+        for channel in summary.channels.values():
+            counts[channel.topic, names.get(channel.schema_id, '')] += (
+                statistics.channel_message_counts.get(channel.id, 0) - (channel.topic in repeated))
+        if statistics.message_count:
+            starts.append(statistics.message_start_time)
+            ends.append(statistics.message_end_time)
+    return Contents([CountedTopic(*topic, count) for topic, count in counts.items()],
+                    min(starts, default=None), max(ends, default=None))
 
 
-def _joined(parts: Sequence[Told | None]) -> Told | None:
-    """Return (topics, start, end) of all parts of a bag, None if one does not tell them."""
-    known = [part for part in parts if part is not None]
-    if len(known) < len(parts):
-        return None
-    topics: dict[tuple[str, str], Counted] = {}
-    for topic in (topic for part in known for topic in part[0]):
-        key = topic.topic, topic.type
-        topics[key] = topic._replace(messages=topic.messages
-                                     + (topics[key].messages if key in topics else 0))
-    return (list(topics.values()), min((start for _, start, _ in known if start is not None),
-                                       default=None),
-            max((end for _, _, end in known if end is not None), default=None))
-
-
-def _type_of(bag: Bag, number: int) -> str:
-    try:
-        return bag.type_of_channel(number)
-    except BagError:            # a bag without schemas, or the schema is what is damaged
-        return ''
-
-
-def _count(bag: Bag, progress: Progress | None
-           ) -> tuple[list[Counted], int | None, int | None, str]:
-    """Read everything; return (topics, start, end, damage)."""
+def _by_reading(bag: Bag, progress: Progress | None) -> Contents:
+    """Return the contents by reading every message."""
     counts: Counter[int] = Counter()
     gaps: Counter[int] = Counter()
     last: dict[int, int] = {}
@@ -221,25 +205,23 @@ def _count(bag: Bag, progress: Progress | None
         if not bag.damage:          # nothing is wrong at any byte: it is no bag at all
             raise
         damage = str(error)
-    damage = in_short(bag.damage) or damage
     repeated = rosbag2.repeated(bag.about())
-    topics = [Counted(channel.topic, _type_of(bag, number),
-                      max(counts[number] - (channel.topic in repeated), 0),
-                      (last.get(number), gaps[number]))
+    topics = [CountedTopic(channel.topic, bag.type_if_known(number),
+                           max(counts[number] - (channel.topic in repeated), 0),
+                           last.get(number), gaps[number])
               for number, channel in bag.channels.items()]
-    return topics, start, end, damage
+    return Contents(topics, start, end, in_short(bag.damage) or damage)
 
 
 def parameter_file(path: str | Path, source: str, node: str | None = None) -> str:
     """Return the scene of a bag as the text of a ROS 2 parameter file, driven by ``source``."""
-    scene, _ = scene_of(path, node)
-    values = {name: value for name, value in scene.values.items() if value == value
-              and value not in ('', [])}
+    values = {name: value for name, value in origin_of(path, node).scene.values.items()
+              if value == value and value not in ('', [])}
     values.update({'drive.source': source, 'recording.start': False})
     return as_text(values)
 
 
 def software_of(about: Mapping[str, str]) -> str:
-    """Return what made a bag as one line."""
+    """Return the software that made a bag, as one line: fourbar_ros 1.0.0, numpy 2.1.0."""
     return ', '.join(f'{name} {version}'
                      for name, version in rosbag2.mapping_in(about, 'software').items())

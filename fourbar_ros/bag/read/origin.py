@@ -18,25 +18,14 @@ from fourbar_ros.errors import BagError, FourBarError
 from fourbar_ros.scene.scene import from_values, Scene
 from fourbar_ros.scene.topics import DRIVEN, INPUTS, SCENE
 
-SCENE_TYPE = SCENE.type
-
 
 class Origin(NamedTuple):
     """
-    Where a bag comes from.
+    The scene that was run at the start of a bag, and the full name of its node.
 
-    Attributes
-    ----------
-    scene : Scene
-        What was run at its start.
-    topics : dict
-        {short name of an input or output: topic in the bag}.
-    node : str
-        Full name of the node.
-    in_order : bool
-        Our recorder keeps the order in which things happened; others note messages as they come
-        in.
-
+    ``topics``: {short name of an input or output: topic in the bag}. ``in_order``: messages stand
+    in the order in which things happened, as our recorder keeps it; others note messages as they
+    come in.
     """
 
     scene: Scene
@@ -49,17 +38,7 @@ def origin_of(path: str | Path | Bag, node: str | None = None) -> Origin:
     """
     Return the Origin of a bag: from its metadata, or, of a bag of ``ros2 bag``, from its topics.
 
-    Parameters
-    ----------
-    path : str, Path or Bag
-    node : str, optional
-        Which one, if a bag of ``ros2 bag record`` has several.
-
-    Raises
-    ------
-    BagError
-        The bag holds no scene, or several.
-
+    ``node``: which one, if the bag has several. Raises BagError if it holds no scene, or several.
     """
     bag = path if isinstance(path, Bag) else Bag(path)
     about = bag.about()
@@ -70,25 +49,18 @@ def origin_of(path: str | Path | Bag, node: str | None = None) -> Origin:
         is_ours = False
     if is_ours:
         scene = about['scene']
-        # a later part of a split bag: it may have changed since
-        if rosbag2.REPEATS in about:
+        if rosbag2.REPEATS in about:      # a later part of a split bag begins with its own scene
             scene = next((record.message.data for record in bag.records([topics.get('scene')])),
                          scene)
         return Origin(_scene(bag, scene), topics, about.get('node', '/fourbar'), True)
     return _from_topics(bag, node)
 
 
-def scene_of(path: str | Path | Bag, node: str | None = None) -> tuple[Scene, dict[str, str]]:
-    """Return (Scene, topics) of a bag: what was run at its start, and {output name: topic}."""
-    origin = origin_of(path, node)
-    return origin.scene, origin.topics
-
-
 def _from_topics(bag: Bag, wanted: str | None) -> Origin:
+    """Return the Origin of a bag of ``ros2 bag``: of the node with topics ~/scene and ~/driven."""
     types = topic_types(bag)
     nodes = sorted(topic.removesuffix('/scene') for topic, type_name in types.items()
-                   if type_name == SCENE_TYPE
-                   and topic.endswith('/scene')
+                   if type_name == SCENE.type and topic.endswith('/scene')
                    and f'{topic.removesuffix("/scene")}/driven' in types)
     if wanted:
         nodes = [node for node in nodes if node == wanted]
@@ -106,47 +78,46 @@ def _from_topics(bag: Bag, wanted: str | None) -> Origin:
 
 
 def topic_types(bag: Bag) -> dict[str, str]:
-    """Return {topic: type} of all topics of a bag."""
-    found: dict[str, str] = {}
+    """Return {topic: type} of all topics of a bag; a type is empty where its schema is missing."""
+    types: dict[str, str] = {}
     for part in bag.parts:
         summary = part.summary()
         if summary and summary.channels:
             names = {number: schema.name for number, schema in summary.schemas.items()}
-            found |= {channel.topic: names.get(channel.schema_id, '')
+            types |= {channel.topic: names.get(channel.schema_id, '')
                       for channel in summary.channels.values()}
-        else:
+        else:                       # not finished: reading all chunks meets all channels
             for _ in part.chunks():
                 pass
-            found |= {channel.topic: part.type_of(channel.topic)
-                      for channel in part.channels.values()}
-    return found
+            types |= {channel.topic: part.type_if_known(number)
+                      for number, channel in part.channels.items()}
+    return types
 
 
 def _resolved(scene: Scene, node: str, types: Mapping[str, str]) -> dict[str, str]:
     """
-    Return {name: topic} by the rules of ROS.
+    Return {short name: topic in the bag} of a node's inputs and outputs, by the rules of ROS.
 
-    One that was remapped is found if it is the only one of its type.
+    ``~/state`` of ``/left/boom`` is ``/left/boom/state``, ``joint_states`` is
+    ``/left/joint_states``. joint_states that was remapped is found if no other topic has its type.
     """
     namespace = node.rpartition('/')[0]
-    wanted = {topic.name: topic for topic in (DRIVEN, SCENE, *scene.topics.values(),
-                                              *scene.wrench_topics, *scene.drive_topics,
-                                              *INPUTS.values())}
     topics = {}
-    for name, topic in wanted.items():
+    for topic in (DRIVEN, SCENE, *scene.topics.values(), *scene.wrench_topics,
+                  *scene.drive_topics, *INPUTS.values()):
         full = (topic.topic.replace('~', node, 1) if topic.topic.startswith('~')
                 else f'{namespace}/{topic.topic}')
-        same = [there for there, type_name in types.items() if type_name == topic.type]
+        of_its_type = [name for name, type_name in types.items() if type_name == topic.type]
         if full in types:
-            topics[name] = full
-        elif len(same) == 1 and name == 'joint_states':
-            topics[name] = same[0]
+            topics[topic.name] = full
+        elif topic.name == 'joint_states' and len(of_its_type) == 1:
+            topics[topic.name] = of_its_type[0]
     return topics
 
 
 def _scene(bag: Bag, text: str) -> Scene:
+    """Return the Scene of a JSON text in a bag; BagError if it has none of ours."""
     try:
-        values = json.loads(text)
-        return from_values(values)
+        return from_values(json.loads(text))
     except (ValueError, TypeError, AttributeError, RecursionError, FourBarError) as error:
         raise BagError(f'{bag.path}: its scene cannot be read: {error}') from None

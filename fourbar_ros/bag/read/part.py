@@ -10,7 +10,6 @@ import json
 from pathlib import Path
 from typing import BinaryIO
 
-from fourbar_ros.bag import rosbag2
 from fourbar_ros.bag.cdr import Decoder
 from fourbar_ros.bag.mcap.records import (
     Damaged,
@@ -26,7 +25,7 @@ from fourbar_ros.bag.mcap.records import (
 from fourbar_ros.bag.mcap.scan import chunk_index, ending, Found, Scan
 from fourbar_ros.bag.read.records import Message, Progress
 from fourbar_ros.bag.rosbag2 import KEY, NUMBERS, RECORD, repeated
-from fourbar_ros.bag.yaml_text import loaded, Told
+from fourbar_ros.bag.yaml_text import loaded, YamlMap
 from fourbar_ros.errors import BagError
 from mcap.opcode import Opcode
 from mcap.records import Channel, Metadata, MetadataIndex, Schema, Statistics
@@ -34,29 +33,12 @@ from mcap.records import Channel, Metadata, MetadataIndex, Schema, Statistics
 
 class PartReader:
     """
-    Reads one file.
+    Reads one file of a bag.
 
-    Parameters
-    ----------
-    path : Path
-    name : Path
-        What errors call it: the bag, if it has no other file.
-    channels : Channels
-        The channels of the bag; the file adds its own.
-    is_first : bool
-        The file is the first of the bag.
-    wait : callable, optional
-        As for :class:`~fourbar_ros.bag.mcap.scan.Scan`.
-    damage : list
-        Where to add what is wrong.
-
-    Attributes
-    ----------
-    is_complete : bool
-        The file was read up to its end.
-    size : int
-        Bytes read.
-
+    ``name`` is the path in errors; the file adds its ``channels`` to those of the bag and what is
+    wrong to ``damage``; ``is_first``: it is the first of the bag; ``wait`` as of
+    :class:`~fourbar_ros.bag.mcap.scan.Scan`. Afterwards ``is_complete`` tells whether it was read
+    up to its end, ``size`` how many bytes.
     """
 
     def __init__(self, path: Path, name: Path, channels: Channels, is_first: bool,
@@ -70,48 +52,63 @@ class PartReader:
         """Yield lists of (channel, sequence, log time, bytes); arguments as in ``Bag.chunks``."""
         with open(self._path, 'rb') as file:
             begin = file.read(len(MAGIC))
-            # longer ones are the scan's to judge
+            # a longer beginning is for the scan to judge
             if len(begin) < len(MAGIC) and not MAGIC.startswith(begin):
                 raise BagError(f'{self._path}: not an MCAP file')
             scan = Scan(file, self._wait, self._damage)
             self._channels.begin_file(self._is_first)
-            # The checksum at the end covers these; a topic that was hit is seen before its
-            # messages are read.
-            for known in scan.ending.records if scan.ending else ():
-                if isinstance(known, (Schema, Channel)):
-                    self._channels.learn(known)
+            # The index at the end repeats schemas and channels under a checksum. Known beforehand,
+            # they show a damaged one in the data before its messages are read.
+            for definition in scan.ending.records if scan.ending else ():
+                if isinstance(definition, (Schema, Channel)):
+                    self._channels.learn(definition)
             repeats: dict[str, int] | None = {} if self._is_first else None
-            for record in self._walk(file, scan, wanted, start):
-                found = self._messages_of(scan, record)
-                if found is None:
+            for record in self._records(file, scan, wanted, start):
+                messages = self._messages_of(scan, record)
+                if messages is None:
                     break                       # a power cut in the middle of this record
-                if found:
-                    # known before the first message; the file may have been empty
+                if messages:
+                    # read now, since a file that is being written was empty before
                     if repeats is None:
                         repeats = repeats_in(self._path)
-                    yield self._without(found, repeats) if repeats else found
+                    yield self._without(messages, repeats) if repeats else messages
                 if progress:
                     progress(scan.end)
             self.is_complete, self.size = scan.complete, scan.end
 
-    def _walk(self, file: BinaryIO, scan: Scan, wanted: set[str] | None, start: int | None
-              ) -> Iterable[Found]:
-        """Return an iterator over the records of a file; an index selects those that matter."""
+    def _records(self, file: BinaryIO, scan: Scan, wanted: set[str] | None, start: int | None
+                 ) -> Iterable[Found]:
+        """Return the records of a file; with an index only the chunks that can have messages."""
         index = None if wanted is None and start is None else chunk_index(file, scan.ending)
-        here = self._channels.here
-        if not index or not here:
+        definitions = self._channels.here
+        if not index or not definitions:
             return scan
-        numbers = {number for (kind, number), record in here.items()
+        numbers = {number for (kind, number), record in definitions.items()
                    if kind is Channel and (wanted is None or record.topic in wanted)}
-        return scan.only([offset for offset, _, last, channels in index
-                          if (start is None or last >= start)
-                          and (not channels or channels & numbers)])
+        return scan.only([chunk.offset for chunk in index
+                          if (start is None or chunk.last_time >= start)
+                          and (not chunk.channels or chunk.channels & numbers)])
 
     def _messages_of(self, scan: Scan, record: Found) -> Sequence[Message] | None:
-        """Return the messages of a record, None where zeros follow as a power cut leaves them."""
+        """
+        Return the messages of a record; BagError says where it is damaged.
+
+        None where only zeros follow, as a power cut leaves them: there the bag ends.
+        """
         offset, opcode, body = record
         try:
-            return self._item(scan, offset, opcode, body)
+            if opcode is None:
+                raise Damaged(body)
+            if opcode == Opcode.CHUNK:
+                chunk = parse(opcode, body)
+                messages = self._split(unpacked(chunk))
+                scan.admit(offset, chunk, [time for _, _, time, _ in messages])
+                return messages
+            if opcode == Opcode.MESSAGE:
+                return self._split(HEAD.pack(opcode, len(body)) + body)
+            if opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
+                self._channels.learn(parse(opcode, body))
+            return ()
         except Damaged as error:
             if scan.is_followed_by_zeros():
                 return None
@@ -120,57 +117,37 @@ class PartReader:
             raise BagError(f'{self._name}: at byte {offset}: {error}; fourbar bag recover keeps '
                            'the rest') from None
 
-    def _item(self, scan: Scan, offset: int, opcode: int | None, body: bytes) -> Sequence[Message]:
-        if opcode is None:
-            raise Damaged(body)
-        if opcode == Opcode.CHUNK:
-            chunk = parse(opcode, body)
-            found = self._messages(unpacked(chunk))
-            scan.admit(offset, chunk, [item[2] for item in found])
-            return found
-        if opcode == Opcode.MESSAGE:
-            return self._messages(HEAD.pack(opcode, len(body)) + body)
-        if opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
-            self._channels.learn(parse(opcode, body))
-        return ()
-
-    def _messages(self, content: bytes) -> list[Message]:
-        """Return [(channel, sequence, log time, bytes)] of the content of a chunk."""
-        found, unpack = [], MESSAGE.unpack_from
+    def _split(self, content: bytes) -> list[Message]:
+        """Return the messages in the content of a chunk, and learn its schemas and channels."""
+        messages = []
         for _, opcode, begin, end in split(content):
             if opcode == IS_MESSAGE:
-                channel, sequence, stamp, _ = unpack(content, begin)
-                found.append((channel, sequence, stamp, content[begin + 22:end]))
+                channel, sequence, time, _ = MESSAGE.unpack_from(content, begin)
+                messages.append((channel, sequence, time, content[begin + MESSAGE.size:end]))
             elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
                 self._channels.learn(parse(opcode, content[begin:end]))
-        return self._channels.renumbered(found)
+        return self._channels.renumbered(messages)
 
-    def _without(self, found: Sequence[Message], repeats: dict[str, int]) -> list[Message]:
+    def _without(self, messages: Sequence[Message], repeats: dict[str, int]) -> list[Message]:
         """
-        Return messages without those that a part repeats at its beginning.
+        Return messages without those that a later part of a bag repeats at its beginning.
 
-        ``repeats``: {topic: number of its first new message}. It is emptied as soon as a list
-        holds no repeated message: no later one does.
+        ``repeats``: {topic: sequence number of its first new message}. It is emptied at the first
+        list without a repeated message: none comes after that.
         """
         begins = {number: repeats.get(channel.topic, 0)
                   for number, channel in self._channels.by_number.items()}
-        kept = [message for message in found if message[1] >= begins[message[0]]]
-        if len(kept) == len(found):
+        new = [message for message in messages if message[1] >= begins[message[0]]]
+        if len(new) == len(messages):
             repeats.clear()
-        return kept
+        return new
 
 
 class Channels:
     """
     The channels met so far, under numbers that hold for all files of a split bag.
 
-    Attributes
-    ----------
-    by_number : dict
-        {number: Channel}.
-    here : dict
-        {(Schema or Channel, number in the file that is read): definition}.
-
+    ``here``: {(Schema or Channel, number in the file that is read): definition}.
     """
 
     def __init__(self, path: Path) -> None:
@@ -179,19 +156,26 @@ class Channels:
         self._path, self._is_first = path, True
         self._schemas: dict[int, Schema] = {}
         self._decoders: dict[int, Decoder] = {}
-        self._numbers: dict[tuple[type, int], int] = {}     # {(kind, number there): number here}
-        self._plain: set[int] = set()                  # looked at
-        self._packed: set[int] = set()                 # with compressed messages
+        # {(Schema or Channel, number in the file that is read): number in the bag}
+        self._numbers: dict[tuple[type, int], int] = {}
+        self._examined: set[int] = set()     # channels with a message that was looked at
+        self._packed: set[int] = set()       # of these, channels of compressed messages
 
     def begin_file(self, is_first: bool) -> None:
         """Forget the numbers of the file before."""
         self.here, self._numbers, self._is_first = {}, {}, is_first
 
     def learn(self, record: Schema | Channel) -> None:
-        """Keep a definition; in the later files of a split bag it may have another number."""
+        """
+        Keep a schema or channel of the file that is read under a number of the bag.
+
+        In a later file of a split bag the same definition may have another number, and a new one
+        a number that is taken. Raises Damaged if a number changes its meaning within a file.
+        """
         kind = type(record)
+        changed = Damaged(f'{kind.__name__.lower()} {record.id} is another one than before')
         if self.here.setdefault((kind, record.id), record) != record:
-            raise Damaged(f'{kind.__name__.lower()} {record.id} is another one than before')
+            raise changed
         if (kind, record.id) in self._numbers:
             return
         known = self.by_number if kind is Channel else self._schemas
@@ -201,7 +185,7 @@ class Channels:
         number = record.id
         if number in known and not _is_same(known[number], record):
             if self._is_first:
-                raise Damaged(f'{kind.__name__.lower()} {record.id} is another one than before')
+                raise changed
             number = next((n for n, other in known.items() if _is_same(other, record)),
                           max(known) + 1)
         known.setdefault(number, replace(record, id=number))
@@ -211,37 +195,30 @@ class Channels:
         """Return the numbers of the channels of these topics."""
         return {number for number, channel in self.by_number.items() if channel.topic in topics}
 
-    def renumbered(self, found: list[Message]) -> list[Message]:
+    def renumbered(self, messages: list[Message]) -> list[Message]:
         """
-        Return messages, (channel in the file, ...), under the numbers of the bag and unpacked.
+        Return messages of the file under the channel numbers of the bag, and unpacked.
 
+        Some writers compress each message; the first one of a channel shows whether its were.
         Raises Damaged for an unknown channel.
         """
         try:
             numbers = {number: self._numbers[Channel, number]
-                       for number in {item[0] for item in found}}
+                       for number in {message[0] for message in messages}}
         except KeyError:
             raise Damaged('message of an unknown channel') from None
-        if any(number != here for here, number in numbers.items()):
-            found = [(numbers[item[0]], *item[1:]) for item in found]
-        return self._unpacked(found, set(numbers.values()) - self._plain) if numbers else found
-
-    def _unpacked(self, found: list[Message], new: set[int]) -> list[Message]:
-        """
-        Return messages as they were sent.
-
-        The first message of a channel shows whether they were compressed.
-        """
-        if new:
-            first = {number: data for number, _, _, data in reversed(found)}
+        if any(number != in_bag for number, in_bag in numbers.items()):
+            messages = [(numbers[message[0]], *message[1:]) for message in messages]
+        if new := set(numbers.values()) - self._examined:
+            first = {number: data for number, _, _, data in reversed(messages)}
             self._packed |= {number for number in new
                              if self.by_number[number].message_encoding == 'cdr'
                              and message_of(first[number]) is not first[number]}
-            self._plain |= new
+            self._examined |= new
         if not self._packed:
-            return found
-        return [(number, sequence, stamp, message_of(data) if number in self._packed else data)
-                for number, sequence, stamp, data in found]
+            return messages
+        return [(number, sequence, time, message_of(data) if number in self._packed else data)
+                for number, sequence, time, data in messages]
 
     # --- of a channel ---------------------------------------------------------------------------
 
@@ -256,10 +233,6 @@ class Channels:
         if schema is None:
             raise BagError(f'{self._path}: {channel.topic} has no schema')
         return schema
-
-    def qos(self, topic: str) -> list[Told]:
-        """Return the QoS profiles under which a topic was offered."""
-        return rosbag2.profiles_of(self.of(topic).metadata.get(rosbag2.QOS, ''))
 
     def decoder(self, number: int) -> Decoder:
         """Return the Decoder of a channel; raises BagError."""
@@ -278,7 +251,7 @@ class Channels:
 
 
 def _is_same(a: Schema | Channel, b: Schema | Channel) -> bool:
-    """Return whether two definitions are the same but for number and QoS."""
+    """Return whether two definitions are equal apart from their numbers and QoS."""
     if isinstance(a, Channel):
         return (a.topic, a.message_encoding, a.schema_id) == (b.topic, b.message_encoding,
                                                               b.schema_id)
@@ -287,7 +260,7 @@ def _is_same(a: Schema | Channel, b: Schema | Channel) -> bool:
 
 # --- metadata of rosbag2 in a file, also in one that was cut off ---------------------------------
 
-def metadata_in(path: str | Path) -> Told | None:
+def metadata_in(path: str | Path) -> YamlMap | None:
     """Return the rosbag2 metadata of a file, None if it has none."""
     found = None
     with open(path, 'rb') as file:
@@ -299,21 +272,25 @@ def metadata_in(path: str | Path) -> Told | None:
 
 
 def metadata_records(file: BinaryIO) -> Iterator[Metadata]:
-    """Yield every undamaged metadata record, by the index if there is one."""
+    """Yield every undamaged metadata record, by the index if there is one, else by a scan."""
     end = ending(file)
     places = end.of(MetadataIndex) if end else ()
-    is_told = places or end and any(not told.metadata_count for told in end.of(Statistics))
+    has_none = end and any(not statistics.metadata_count for statistics in end.of(Statistics))
     for place in places:
         file.seek(place.offset)
         with contextlib.suppress(Damaged):
             yield parse(Opcode.METADATA, file.read(place.length)[HEAD.size:])
-    for _, opcode, body in () if is_told else Scan(file):
+    for _, opcode, body in () if places or has_none else Scan(file):
         if opcode == Opcode.METADATA:
             yield parse(opcode, body)
 
 
 def repeats_in(path: str | Path) -> dict[str, int]:
-    """Return {topic: number of its first new message} of a later part of a split bag of ours."""
+    """
+    Return {topic: sequence number of its first new message} of a later part of a split bag.
+
+    It has the topics of which the part repeats a message; empty for bags of other recorders.
+    """
     try:
         about = (metadata_in(path) or {})['custom_data']
         numbers = json.loads(about[NUMBERS])

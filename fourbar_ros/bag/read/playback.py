@@ -19,24 +19,14 @@ from fourbar_ros.errors import BagError
 
 TICK = 0.05         # [s] longest sleep
 FASTER = 1.1        # one press of a key, as of ros2 bag play
-
-
 Tick = Callable[[int], object]           # with the time of the bag [ns]; False ends playing
 
 
 class Pace:
     """
-    How the time of a bag passes: at a rate, not at all, or message by message.
+    The time of a bag as it passes: at a rate, which can change, not at all, or message by message.
 
-    Can be changed at any moment.
-
-    Parameters
-    ----------
-    rate : float
-        Times as fast; ``inf`` does not wait at all.
-    clock : callable
-        Returns the time [s].
-
+    ``rate``: times as fast, ``inf`` does not wait at all; ``clock`` returns the time [s].
     """
 
     def __init__(self, rate: float = 1.0, clock: Callable[[], float] = time.monotonic) -> None:
@@ -52,10 +42,11 @@ class Pace:
 
     def passed(self) -> float:
         """Return the time of the bag since its beginning [s]."""
-        return (self._passed if self.is_paused else self._passed + (self._clock() - self._since)
-                * self.rate)
+        running = 0.0 if self.is_paused else (self._clock() - self._since) * self.rate
+        return self._passed + running
 
     def _hold(self) -> None:
+        """Begin to count anew from now, before the rate changes."""
         self._passed, self._since = self.passed(), self._clock()
 
     def pause(self, paused: bool = True) -> None:
@@ -71,28 +62,28 @@ class Pace:
         self.rate *= factor
 
     def step(self) -> None:
-        """Let the next message out, if the time stands still."""
+        """Let the next message out while the time is paused."""
         self._steps += self.is_paused
 
     def is_due(self, due: float) -> bool:
         """Return whether a message that is due after so many seconds goes out now."""
-        if self.is_paused:
-            if self._steps:
-                self._steps, self._passed = self._steps - 1, max(self._passed, due)
-                return True
+        if not self.is_paused:
+            return self.rate == inf or self.passed() >= due
+        if not self._steps:
             return False
-        return self.rate == inf or self.passed() >= due
+        self._steps, self._passed = self._steps - 1, max(self._passed, due)
+        return True
 
 
 def span(path: str | Path | Bag) -> tuple[int | None, int | None]:
     """Return (first, last) log time of a finished bag [ns], None where it is not known."""
     bag = path if isinstance(path, Bag) else Bag(path)
-    told = [summary and summary.statistics for summary in (part.summary() for part in bag.parts)]
-    begun = [statistics for statistics in told if statistics and statistics.message_count]
-    if None in told or not begun:
+    every = [summary and summary.statistics for summary in (part.summary() for part in bag.parts)]
+    begun = [statistics for statistics in every if statistics and statistics.message_count]
+    if None in every or not begun:
         return None, None
-    return min(part.message_start_time for part in begun), max(part.message_end_time
-                                                               for part in begun)
+    return (min(statistics.message_start_time for statistics in begun),
+            max(statistics.message_end_time for statistics in begun))
 
 
 def play(path: str | Path | Bag, topics: Sequence[str] | None = None, rate: float = 1.0,
@@ -147,7 +138,11 @@ def play(path: str | Path | Bag, topics: Sequence[str] | None = None, rate: floa
 
 
 def _wait(pace: Pace, due: int, origin: int, tick: Tick, period: float) -> bool:
-    """Wait, with ticks, until a message is due, ``due`` [ns of the bag] after its beginning."""
+    """
+    Wait until a message is due, ``due`` [ns] after the beginning of the bag at ``origin`` [ns].
+
+    Calls ``tick`` at least every ``period`` [s]; returns False as soon as a tick does.
+    """
     while True:
         if pace.is_due(due * 1e-9):
             return tick(origin + due) is not False

@@ -21,8 +21,8 @@ from fourbar_ros.bag.cdr import Decoder
 from fourbar_ros.bag.file_system import is_being_written
 from fourbar_ros.bag.mcap.scan import ending
 from fourbar_ros.bag.read.part import Channels, metadata_in, PartReader
-from fourbar_ros.bag.read.records import behind, Columns, Message, Progress, Raw, Record
-from fourbar_ros.bag.yaml_text import Told
+from fourbar_ros.bag.read.records import add_progress, Columns, Message, Progress, Raw, Record
+from fourbar_ros.bag.yaml_text import YamlMap
 from fourbar_ros.errors import BagError
 from mcap.reader import make_reader, Summary
 import numpy as np
@@ -87,14 +87,14 @@ class Bag:
         """Return the mcap library's Summary of a finished bag of one file, None for any other."""
         if len(self.files) > 1:
             return None
-        # it raises what it likes
+        # the library raises errors of any kind for a file that it cannot read
         with open(self.files[0], 'rb') as file, contextlib.suppress(Exception):
             end = ending(file)
             file.seek(0)
             return None if end is None or end.damage else make_reader(file).get_summary()
         return None
 
-    def metadata(self) -> Told:
+    def metadata(self) -> YamlMap:
         """
         Return the rosbag2 metadata kept in the file itself; the last undamaged record wins.
 
@@ -102,22 +102,23 @@ class Bag:
         """
         first = metadata_in(self.files[0])
         last = metadata_in(self.files[-1]) if len(self.files) > 1 else None
-        found = first or last
-        if not found:
+        metadata = first or last
+        if not metadata:
             raise BagError(f'{self.path}: has no rosbag2 metadata')
         if first and last:
-            found['custom_data'] = rosbag2.joined(rosbag2.about_of(first), rosbag2.about_of(last))
-        return found
+            metadata['custom_data'] = rosbag2.joined(rosbag2.about_of(first),
+                                                     rosbag2.about_of(last))
+        return metadata
 
     def about(self) -> dict[str, str]:
         """Return the custom_data of a bag as {str: str}; empty if it has none."""
         try:
-            found = rosbag2.about_of(self.metadata())
+            about = rosbag2.about_of(self.metadata())
         except BagError:
-            found = {}
-        if rosbag2.ENDED not in found:              # there was no room for it in the file
-            found |= rosbag2.about_beside(self.files[-1])
-        return found
+            about = {}
+        if rosbag2.ENDED not in about:              # there was no room for it in the file
+            about |= rosbag2.about_beside(self.files[-1])
+        return about
 
     # --- messages -------------------------------------------------------------------------------
 
@@ -129,27 +130,19 @@ class Bag:
 
     def decode(self, raw: Raw) -> SimpleNamespace:
         """Return the message of a :class:`Raw` as nested namespaces."""
-        found: SimpleNamespace = self.decoder_of(raw.channel).message(raw.data)
-        return found
+        return self.decoder_of(raw.channel).message(raw.data)
 
     def raw(self, topics: Iterable[str] | None = None, start: int | None = None,
             follow: bool = False) -> Iterator[Raw]:
         """
         Yield every :class:`Raw` message in the order of writing.
 
-        Parameters
-        ----------
-        topics : list of str, optional
-            Only these.
-        start : int, optional
-            Only messages at or after this log time [ns].
-        follow : bool
-            At the end of a bag that is being written, wait for more until it is finished.
-
+        ``topics``: only these; ``start``: only messages at or after this log time [ns];
+        ``follow``: at the end of a bag that is being written, wait for more until it is finished.
         """
-        for item in self.chunks(topics, start, follow):
-            for number, sequence, stamp, data in item:
-                yield Raw(self.channels[number].topic, self.type_of_channel(number), stamp,
+        for chunk in self.chunks(topics, start, follow):
+            for number, sequence, log_time, data in chunk:
+                yield Raw(self.channels[number].topic, self.type_of_channel(number), log_time,
                           sequence, data, number)
 
     def columns(self, topics: Iterable[str] | None = None, progress: Progress | None = None
@@ -163,60 +156,52 @@ class Bag:
         """
         Yield lists of :class:`Columns`, of about BLOCK messages that follow each other in the bag.
 
-        Within a list those of one topic may lie between each other, where its messages change to
-        and fro between layouts (lengths of texts and sequences): ``places`` tell the order.
-
-        Parameters
-        ----------
-        topics : list of str, optional
-            Only these.
-        apart : str, optional
-            The messages of this topic end a block and are yielded as :class:`Record`, where they
-            stand.
-        progress : callable, optional
-            Called with the number of bytes read so far.
-
+        A topic whose messages change between layouts (lengths of texts and sequences) has several
+        Columns in a list; ``places`` tell the order of their messages. The messages of the topic
+        ``apart`` end a block and are yielded as :class:`Record`, where they stand. ``topics``:
+        only these; ``progress`` is called with the number of bytes read so far.
         """
         block: list[Message] = []
-        place = size = 0
-        for item in self.chunks(topics, progress=progress):
-            for alone, part in self._parted(item, apart):
-                block += part
-                size += sum(len(data) for *_, data in part)
-                if block and (alone or len(block) >= BLOCK or size >= BLOCK_BYTES):
-                    yield self._block(block, place)
+        place = size = 0                    # of the block: messages before it, bytes
+        for chunk in self.chunks(topics, progress=progress):
+            for messages, single in self._parted(chunk, apart):
+                block += messages
+                size += sum(len(data) for *_, data in messages)
+                if block and (single or len(block) >= BLOCK or size >= BLOCK_BYTES):
+                    yield self._as_columns(block, place)
                     place, block, size = place + len(block), [], 0
-                if alone and apart:
-                    yield Record(apart, alone[2], self.decoder_of(alone[0]).message(alone[3]))
+                if single and apart:
+                    channel, _, log_time, data = single
+                    yield Record(apart, log_time, self.decoder_of(channel).message(data))
         if block:
-            yield self._block(block, place)
+            yield self._as_columns(block, place)
 
     def _parted(self, messages: Sequence[Message], apart: str | None
-                ) -> Iterator[tuple[Message | None, Sequence[Message]]]:
-        """Yield (message apart, messages before it), last (None, messages after it)."""
+                ) -> Iterator[tuple[Sequence[Message], Message | None]]:
+        """Yield (messages before, message of the topic ``apart``); last (the rest, None)."""
         numbers = {number for number, channel in self.channels.items() if channel.topic == apart}
         begin = 0
-        for i, item in enumerate(messages) if numbers else ():
-            if item[0] in numbers:
-                yield item, messages[begin:i]
+        for i, message in enumerate(messages) if numbers else ():
+            if message[0] in numbers:
+                yield messages[begin:i], message
                 begin = i + 1
-        yield None, messages[begin:] if begin else messages
+        yield messages[begin:] if begin else messages, None
 
-    def _block(self, block: Sequence[Message], place: int) -> list[Columns]:
+    def _as_columns(self, block: Sequence[Message], place: int) -> list[Columns]:
+        """Return the Columns of messages, of which the first stands at a place in the bag."""
         by_channel: dict[int, list[tuple[int, int, bytes]]] = {}
-        for i, (number, _, stamp, data) in enumerate(block, place):
-            by_channel.setdefault(number, []).append((i, stamp, data))
+        for i, (number, _, log_time, data) in enumerate(block, place):
+            by_channel.setdefault(number, []).append((i, log_time, data))
         made = []
-        for number, found in by_channel.items():
-            latest = max(time for _, time, _ in found)
-            if latest >= 1 << 63:
-                raise BagError(f'{self.path}: a log time of {latest} ns is after the year 2262')
-            places = np.array([place for place, _, _ in found])
-            times = np.array([time for _, time, _ in found], np.int64)
-            topic = self.channels[number].topic
-            parts = self.decoder_of(number).arrays([data for _, _, data in found])
-            made += [Columns(topic, times[rows], places[rows], records, layout)
-                     for layout, rows, records in parts]
+        for number, messages in by_channel.items():
+            places, times, datas = zip(*messages)
+            if max(times) >= 1 << 63:
+                raise BagError(f'{self.path}: a log time of {max(times)} ns is after the year '
+                               '2262')
+            topic, place_array, time_array = (self.channels[number].topic, np.array(places),
+                                              np.array(times, np.int64))
+            made += [Columns(topic, time_array[rows], place_array[rows], records, layout)
+                     for layout, rows, records in self.decoder_of(number).arrays(datas)]
         return sorted(made, key=lambda columns: columns.places[0])
 
     # --- topics met so far ----------------------------------------------------------------------
@@ -227,17 +212,22 @@ class Bag:
 
     def type_of_channel(self, number: int) -> str:
         """Return the type of a channel."""
-        found: str = self._channels.schema(number).name
-        return found
+        return str(self._channels.schema(number).name)
 
-    def qos_of(self, topic: str) -> list[Told]:
+    def type_if_known(self, number: int) -> str:
+        """Return the type of a channel, empty if the bag has no schema of it or a damaged one."""
+        try:
+            return self.type_of_channel(number)
+        except BagError:
+            return ''
+
+    def qos_of(self, topic: str) -> list[YamlMap]:
         """Return the QoS profiles, as dicts, under which a topic was offered."""
-        return self._channels.qos(topic)
+        return rosbag2.profiles_of(self._channels.of(topic).metadata.get(rosbag2.QOS, ''))
 
     def hash_of(self, topic: str) -> str:
         """Return the type hash of a topic, empty if the bag does not say."""
-        found: str = self._channels.of(topic).metadata.get(rosbag2.HASH, '')
-        return found
+        return str(self._channels.of(topic).metadata.get(rosbag2.HASH, ''))
 
     def decoder(self, topic: str) -> Decoder:
         """Return the Decoder of a topic, of its first channel if it has several."""
@@ -263,19 +253,23 @@ class Bag:
         for place, path in enumerate(self._each_file(follow)):
             name = self.path if len(self.files) == 1 else path
             part = PartReader(path, name, self._channels, place == 0, wait, self.damage)
-            was_cut, self.cut = self.cut, True
-            # its recorder keeps only the newest parts
+            was_cut, self.cut = self.cut, True      # until the file was read to its end
+            # a recorder that keeps only the newest parts may remove this one meanwhile
             with contextlib.suppress(FileNotFoundError):
-                done = partial(behind, progress, read) if progress else None
-                for found in part.chunks(wanted, start, done):
-                    chosen = self._chosen(found, wanted, start)
-                    if chosen:
-                        yield chosen
+                progress_here = partial(add_progress, progress, read) if progress else None
+                for messages in part.chunks(wanted, start, progress_here):
+                    if wanted is not None:
+                        numbers = self._channels.of_topics(wanted)
+                        messages = [message for message in messages if message[0] in numbers]
+                    if start is not None:
+                        messages = [message for message in messages if message[2] >= start]
+                    if messages:
+                        yield messages
                 self.cut = was_cut or not part.is_complete
                 read += part.size
 
     def _each_file(self, follow: bool) -> Iterator[Path]:
-        """Yield the files of the bag, of one being written also those to come."""
+        """Yield the files of a bag; ``follow``: wait for new ones as long as it is written."""
         done = set()
         while True:
             new = [file for file in rosbag2.files_of(self.path) if file not in done]
@@ -291,14 +285,6 @@ class Bag:
             return False
         time.sleep(POLL)
         return True
-
-    def _chosen(self, found: Sequence[Message], wanted: set[str] | None, start: int | None
-                ) -> Sequence[Message]:
-        if wanted is not None:
-            numbers = self._channels.of_topics(wanted)
-            found = [item for item in found if item[0] in numbers]
-        return found if start is None else [item for item in found if item[2] >= start]
-
 
 def records(path: str | Path, topics: Iterable[str] | None = None, start: int | None = None,
             follow: bool = False) -> Iterator[Record]:

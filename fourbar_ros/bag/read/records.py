@@ -19,9 +19,9 @@ Progress = Callable[[int], object]      # called with the number of bytes read
 Message = tuple[int, int, int, bytes]   # channel, sequence number, log time [ns], data
 
 
-def behind(progress: Progress, before: int, there: int) -> None:
-    """Tell the progress of a file that lies behind so many bytes."""
-    progress(before + there)
+def add_progress(progress: Progress, before: int, read: int) -> None:
+    """Report the bytes read of a file, which lies behind ``before`` bytes of other files."""
+    progress(before + read)
 
 
 class Record(NamedTuple):
@@ -44,12 +44,17 @@ class Raw(NamedTuple):
 
 
 class Columns(NamedTuple):
-    """Messages of one topic and layout, in order: log times [ns], places in the bag, fields."""
+    """
+    Messages of one topic and layout, in order: n log times [ns], places in the bag, records.
+
+    ``records`` is a structured array of shape (n,); the names of its fields are paths such as
+    ``header.stamp.sec``.
+    """
 
     topic: str
     times: Array
     places: Array
-    records: Array      # one row a message; field names are paths
+    records: Array
     layout: Layout
 
     @property
@@ -60,8 +65,7 @@ class Columns(NamedTuple):
     @property
     def tree(self) -> SimpleNamespace:
         """Return the fields as nested namespaces of arrays: ``tree.header.stamp.sec``."""
-        found: SimpleNamespace = self.layout.tree(self.records)
-        return found
+        return self.layout.tree(self.records)
 
     @property
     def fields(self) -> tuple[str, ...]:
@@ -75,7 +79,7 @@ class Columns(NamedTuple):
 
     @property
     def headed(self) -> Array:
-        """Return the stamps of messages that must have some [ns]; raises BagError."""
+        """Return the stamps of the headers [ns]; raises BagError if the messages have none."""
         if (stamps := self.stamps) is None:
             raise BagError(f'{self.topic}: {self.type} without a header')
         return stamps
@@ -85,6 +89,5 @@ class Columns(NamedTuple):
         """Return the stamps of the headers [ns], None if the messages have none."""
         if 'header.stamp.sec' not in self.fields:
             return None
-        found: Array | None = (self.records['header.stamp.sec'].astype(np.int64) * 10**9
-                               + self.records['header.stamp.nanosec'])
-        return found
+        return np.asarray(self.records['header.stamp.sec'].astype(np.int64) * 10**9
+                          + self.records['header.stamp.nanosec'])

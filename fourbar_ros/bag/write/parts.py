@@ -3,8 +3,8 @@
 """
 The files of a bag being written, one after the other.
 
-What each says of itself, when a bag continues in a new file, what that file repeats, which old
-files may be removed.
+A bag may go on in a new file (a part). Each part can be read alone, so it begins with the newest
+scene and other messages of before; old parts may be removed.
 """
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ from fourbar_ros.bag.file_system import mark_as_being_written, sync_folders
 from fourbar_ros.bag.mcap.records import OURS
 from fourbar_ros.bag.mcap.writer import Container
 from fourbar_ros.bag.rosbag2 import Channel
-from fourbar_ros.bag.yaml_text import dumped, Told
+from fourbar_ros.bag.yaml_text import dumped, YamlMap
 from mcap import __version__ as mcap_version
 
-SPLIT = 'split'             # why a part ended that another one follows
+SPLIT = 'split'             # why a part ended: another one follows
 SHARE = 10      # a bag that keeps the newest seconds has so many parts, unless split otherwise
 
 
@@ -33,19 +33,16 @@ class Parts:
     """
     The open file of a bag and those before it; a bag that is not split has one.
 
-    Parameters
+    ``file`` is the first one, new and unbuffered; ``about``: custom_data of every part;
+    ``given``: the next sequence number of every channel, which its owner changes;
+    ``is_synced``: finished parts are synced to the disk before they are closed.
+
+    Attributes
     ----------
-    folder : Path
-    file : binary file
-        The first one, new and unbuffered.
-    channels : list of Channel
-    about : dict
-        custom_data of every part.
-    given : list of int
-        The next sequence number of every channel; its owner changes it.
-    split : Split
-    is_synced : bool
-        Finished parts are synced before they are closed.
+    file, container : binary file, Container
+        The newest part.
+    ended : str
+        Why the newest part ended; empty while it is open.
 
     """
 
@@ -57,14 +54,14 @@ class Parts:
         self._about, self._given, self._is_synced = about, given, is_synced
         latched = {i for i, channel in enumerate(channels) if channel.latched}
         self._splitter = Splitter(split, latched) if split.is_wanted else None
-        # This part: its first numbers, messages that it repeats. Those before: metadata,
-        # files to sync, recorded messages, dropped ones by topic.
+        # of this part: the first sequence number of each channel, messages that it repeats
         self._firsts = [0] * len(channels)
-        self._repeats: list[tuple[int, int, int, bytes]] = []
-        self._done: list[Told] = []
+        self._repeats: list[Message] = []
+        # of the parts before: metadata, files to sync, counts of messages
+        self._metadata_before: list[YamlMap] = []
         self._unsynced: deque[BinaryIO] = deque()
-        self._recorded = 0
-        self._lost: dict[str, int] = {}
+        self._recorded_before = 0
+        self._dropped_before: dict[str, int] = {}          # by topic
         self.container = self._new_container(file)
         self._describe()
         self.write_metadata_file()
@@ -72,29 +69,32 @@ class Parts:
     @property
     def recorded(self) -> int:
         """Return how many messages are in the files, repeated ones counted once."""
-        return self._recorded + sum(self.container.counts.values()) - len(self._repeats)
+        return self._recorded_before + sum(self.container.counts.values()) - len(self._repeats)
 
-    def add(self, stamp: int, messages: list[tuple[int, int, bytes]]) -> None:
-        """Add the messages of a step, (channel, sequence, data), in a new part if one is due."""
+    def add(self, time: int, messages: list[tuple[int, int, bytes]]) -> None:
+        """
+        Add messages of one log time [ns], in a new part if one is due.
+
+        A message is (number of the channel in the file, from 1, sequence number, bytes).
+        """
         if self._splitter is None:
-            self.container.add_messages(stamp, messages)
+            self.container.add_messages(time, messages)
             return
-        for message in messages:
-            number, sequence, data = message
-            if self._splitter.is_due(number - 1, stamp, self.container.size):
-                self._next_part(stamp, self._splitter)
-            self._splitter.note(number - 1, sequence, stamp, data)
-            self.container.add_messages(stamp, (message,))
+        for number, sequence, data in messages:
+            if self._splitter.is_due(number - 1, time, self.container.size):
+                self._next_part(time, self._splitter)
+            self._splitter.note(Message(number - 1, sequence, time, data))
+            self.container.add_message(number, sequence, time, data)
 
     def flush(self) -> None:
-        """Write what was added; rosbag2 plays from the start that stands in metadata.yaml."""
+        """Write what was added; metadata.yaml gets a new start, from which rosbag2 plays."""
         before = self.container.start
         self.container.flush()
         if before != self.container.start:
             self.write_metadata_file()
 
     def end(self, why: str) -> None:
-        """Write the last metadata, which say why it ended, the end of the file, metadata.yaml."""
+        """Finish the newest file and metadata.yaml; both say why recording ended."""
         self.ended = why
         self._describe()
         self.container.finish()
@@ -116,17 +116,17 @@ class Parts:
             file.close()
 
     def write_metadata_file(self) -> None:
-        """Write metadata.yaml, of all parts."""
-        rosbag2.write_metadata_file(self.folder,
-                                    rosbag2.merged([*self._done, self._metadata()]))
+        """Write metadata.yaml, which describes all parts together."""
+        parts = [*self._metadata_before, self._metadata()]
+        rosbag2.write_metadata_file(self.folder, rosbag2.merged(parts))
 
     @property
     def has_a_name(self) -> bool:
-        """Return whether the file is still in some folder."""
+        """Return whether the newest file is still in some folder: it may have been deleted."""
         return os.fstat(self.file.fileno()).st_nlink > 0
 
     def missing(self) -> str:
-        """Return what became of the file; empty if it is where it was made."""
+        """Return what happened to the newest file; empty if it is where it was made."""
         with contextlib.suppress(OSError):
             if os.path.samestat(os.stat(self._path), os.fstat(self.file.fileno())):
                 return ''
@@ -134,15 +134,19 @@ class Parts:
 
     # --- the next part --------------------------------------------------------------------------
 
-    def _next_part(self, stamp: int, splitter: Splitter) -> None:
-        """End this file and open the next, which begins with what is needed to read it alone."""
+    def _next_part(self, time: int, splitter: Splitter) -> None:
+        """
+        End this file and open the next, from a log time [ns] on.
+
+        The new file is made first: if the disk refuses it, the old one goes on.
+        """
         self.container.flush()
         path, file = rosbag2.create_part(self.folder, splitter.number + 1)
         try:
             container = self._new_container(file)
             self.ended = SPLIT
             self._describe()
-            told, nexts = self._metadata(), self._nexts()
+            metadata, nexts = self._metadata(), self._next_numbers()
             self.container.finish()
         except Exception:
             file.close()
@@ -150,79 +154,93 @@ class Parts:
             raise
         finally:
             self.ended = ''
-        self._lost = self._dropped(nexts)
-        self._recorded = self.recorded
+        self._dropped_before = self._dropped(nexts)
+        self._recorded_before = self.recorded
         self._unsynced.append(self.file)
-        self._done.append(told)
+        self._metadata_before.append(metadata)
         self.container, self.file, self._path, self._firsts = container, file, path, nexts
-        splitter.begin(stamp)
+        splitter.begin(time)
         self._repeats = splitter.repeats()
         self._describe()
-        for channel, sequence, first_time, data in self._repeats:
-            container.add_message(channel + 1, sequence, stamp, data, first_time)
+        for message in self._repeats:
+            container.add_message(message.channel + 1, message.sequence, time, message.data,
+                                  published=message.time)
         if not self._is_synced:
             self.sync_finished()
-        self._forget_outdated(stamp, splitter)
+        self._remove_outdated(time, splitter)
 
-    def _forget_outdated(self, stamp: int, splitter: Splitter) -> None:
-        """Write metadata.yaml; remove the parts that are not needed any more."""
-        starts = [told['starting_time']['nanoseconds_since_epoch'] for told in self._done]
-        old = splitter.outdated([*starts, stamp])
-        gone, self._done = self._done[:old], self._done[old:]
+    def _remove_outdated(self, time: int, splitter: Splitter) -> None:
+        """Remove the parts that are older than the time to keep, metadata.yaml first."""
+        starts = [part['starting_time']['nanoseconds_since_epoch']
+                  for part in self._metadata_before]
+        number = splitter.outdated([*starts, time])
+        old, self._metadata_before = (self._metadata_before[:number],
+                                      self._metadata_before[number:])
         self.write_metadata_file()
-        for told in gone:
+        for part in old:
             with contextlib.suppress(FileNotFoundError):
-                (self.folder / told['relative_file_paths'][0]).unlink()
+                (self.folder / part['relative_file_paths'][0]).unlink()
 
     # --- what a part says of itself -------------------------------------------------------------
 
     def _new_container(self, file: BinaryIO) -> Container:
+        """Return a Container for a new file, with all channels; the file gets locked."""
         mark_as_being_written(file)
         container = Container(file, 'ros2', f'{OURS}{__version__}, mcap {mcap_version}')
-        numbers: dict[str, int] = {}
+        schemas: dict[str, int] = {}             # {type: number}
         for channel in self._channels:
-            if channel.type not in numbers:
-                numbers[channel.type] = container.add_schema(channel.type, channel.schema)
-            container.add_channel(channel.topic, numbers[channel.type], channel.metadata)
+            if channel.type not in schemas:
+                schemas[channel.type] = container.add_schema(channel.type, channel.schema)
+            container.add_channel(channel.topic, schemas[channel.type], channel.metadata)
         return container
 
     def _describe(self) -> None:
+        """Write the metadata so far into the file; a reader takes the last ones."""
         self.container.add_metadata(rosbag2.RECORD, {rosbag2.KEY: dumped(self._metadata())})
 
-    def _metadata(self) -> Told:
-        return rosbag2.describe(self._path.name, self.container,
-                                {**self._about, **self._numbers()})
-
-    def _numbers(self) -> dict[str, str]:
-        """Return the entries of custom_data about sequence numbers and the end, if any."""
-        told = {}
-        if self._done:
-            repeated = [self._topics[channel] for channel, *_ in self._repeats]
-            told[rosbag2.REPEATS] = json.dumps(repeated)
-        nexts = self._nexts() if self.ended else []
+    def _metadata(self) -> YamlMap:
+        """Return the rosbag2 metadata of this part, with its custom_data."""
+        entries = {}
+        if self._metadata_before:
+            repeated = [self._topics[message.channel] for message in self._repeats]
+            entries[rosbag2.REPEATS] = json.dumps(repeated)
+        nexts = self._next_numbers() if self.ended else []
         ends: Sequence[int | None] = nexts or [None] * len(self._topics)
-        told[rosbag2.NUMBERS] = json.dumps(dict(zip(self._topics, zip(self._firsts, ends))))
+        entries[rosbag2.NUMBERS] = json.dumps(dict(zip(self._topics, zip(self._firsts, ends))))
         if self.ended:
-            told[rosbag2.ENDED] = self.ended
+            entries[rosbag2.ENDED] = self.ended
             if dropped := self._dropped(nexts):
-                told[rosbag2.DROPPED] = json.dumps(dropped)
-        return told
+                entries[rosbag2.DROPPED] = json.dumps(dropped)
+        return rosbag2.describe(self._path.name, self.container, {**self._about, **entries})
 
-    def _nexts(self) -> list[int]:
-        """Return the next number of every channel: behind this part, or behind the whole bag."""
+    def _next_numbers(self) -> list[int]:
+        """Return the number after the last one of every channel: of this part, or of the bag."""
         if self.ended != SPLIT:
             return list(self._given)
         last = self.container.last
         return [last.get(i, first - 1) + 1 for i, first in enumerate(self._firsts, 1)]
 
     def _dropped(self, nexts: list[int]) -> dict[str, int]:
-        """Return {topic: messages dropped before these numbers}, in the parts before as well."""
-        repeated = {channel for channel, *_ in self._repeats}
-        found = {}
+        """
+        Return {topic: messages dropped so far}, of this part up to the numbers ``nexts``.
+
+        Numbers 5 to 14 given, 8 messages in the file: 2 dropped.
+        """
+        repeated = {message.channel for message in self._repeats}
+        dropped = {}
         for i, (topic, first, after) in enumerate(zip(self._topics, self._firsts, nexts)):
             in_part = self.container.counts.get(i + 1, 0) - (i in repeated)
-            found[topic] = self._lost.get(topic, 0) + after - first - in_part
-        return {topic: count for topic, count in found.items() if count}
+            dropped[topic] = self._dropped_before.get(topic, 0) + after - first - in_part
+        return {topic: count for topic, count in dropped.items() if count}
+
+
+class Message(NamedTuple):
+    """A message in the file: place of its channel, sequence number, log time [ns], bytes."""
+
+    channel: int
+    sequence: int
+    time: int
+    data: bytes
 
 
 class Split(NamedTuple):
@@ -254,49 +272,44 @@ class Splitter:
     """
     Decides when a bag continues in a new file, from the messages that go into it.
 
-    Parameters
-    ----------
-    split : Split
-    latched : set of int
-        Channels of which only the newest message holds.
-
+    ``latched``: channels of which only the newest message holds.
     """
 
     def __init__(self, split: Split, latched: Collection[int]) -> None:
         self._split, self._latched = split, latched
-        # {channel: (sequence, time, data)}, the newest of each, oldest first
-        self._last: dict[int, tuple[int, int, bytes]] = {}
-        self._begun: int | None = None   # [ns] when the part began
-        self.number = 0                  # of the part
+        self._newest: dict[int, Message] = {}    # by channel, in the order of arrival
+        self._begun: int | None = None           # [ns] when the part began
+        self.number = 0                          # of the part
 
     def is_due(self, channel: int, time: int, size: int) -> bool:
         """
-        Return whether a new part begins with this message.
+        Return whether a new part begins with a message at a log time [ns].
 
-        ``size`` is that of the part so far [bytes].
+        ``size``: that of the part so far [bytes].
         """
         if self._begun is None:
             self._begun = time
         split = self._split
-        is_full = (split.size and size >= split.size or split.seconds and time - self._begun
-                   >= split.seconds * 1e9)
-        return bool(is_full) and split.head in (None, channel)
+        is_full = split.size > 0 and size >= split.size
+        is_long = split.seconds > 0.0 and time - self._begun >= split.seconds * 1e9
+        return (is_full or is_long) and split.head in (None, channel)
 
-    def note(self, channel: int, sequence: int, time: int, data: bytes) -> None:
-        """Remember a message."""
-        self._last.pop(channel, None)
-        self._last[channel] = sequence, time, data
+    def note(self, message: Message) -> None:
+        """Remember a message, which went into the part."""
+        self._newest.pop(message.channel, None)        # so that the new one comes last
+        self._newest[message.channel] = message
 
-    def repeats(self) -> list[tuple[int, int, int, bytes]]:
+    def repeats(self) -> list[Message]:
         """
-        Return [(channel, sequence, time, data)] that a new part begins with.
+        Return the messages that a new part begins with, so that it can be read alone.
 
-        The newest latched messages, as the scene, and of all others the newest that came after
-        these.
+        The newest latched messages, as the scene, and of all other channels the newest message
+        that came after these: what came before belongs to another scene.
         """
-        items = [(channel, *item) for channel, item in self._last.items()]
-        newest = max((i for i, item in enumerate(items) if item[0] in self._latched), default=-1)
-        return [item for item in items if item[0] in self._latched] + items[newest + 1:]
+        newest = list(self._newest.values())
+        latched = [message for message in newest if message.channel in self._latched]
+        begin = newest.index(latched[-1]) + 1 if latched else 0
+        return latched + newest[begin:]
 
     def begin(self, time: int) -> None:
         """Begin the next part."""
@@ -306,7 +319,8 @@ class Splitter:
         """
         Return how many of the oldest parts may be removed.
 
-        ``starts``: when the parts began [ns]; the remaining ones cover the time to keep.
+        ``starts``: when each part began [ns]. A part that ended before the time to keep is not
+        needed: with starts 0, 10, 20, 30 s and 15 s to keep the first one.
         """
         keep = self._split.keep * 1e9
         return sum(start <= starts[-1] - keep for start in starts[1:]) if keep else 0

@@ -35,13 +35,13 @@ SYNC_PERIOD = 1.0
 SPACE_PERIOD = 1.0          # [s] between two looks at the free space
 SPACE_LEFT = 32 * 2**20     # [bytes] a bag is closed while its end still fits on the disk
 CDR_HEADER = 4              # [bytes] the shortest message
-WHY = 'stopped'             # the recording, where nobody says more
+WHY = 'stopped'             # why recording ended, where nobody says more
 NO_SPLIT = Split()
 # A queue of more messages or bytes than these takes no more: the newest are dropped.
 QUEUE_MESSAGES = 100_000
 QUEUE_BYTES = 128 * 2**20
-# The thread takes so many messages at a time: a bite holds the interpreter, and with it the thread
-# that drives the crank, for less than a microsecond a message.
+# The thread of the file takes so many messages, then lets other threads run: it holds the
+# interpreter, and with it the thread that drives the crank, for less than 1 us a message.
 BITE = 50
 
 
@@ -88,7 +88,8 @@ class BagWriter:
                            'must be positive, and not negative')
         self.flush_period, self.sync_period = flush_period, sync_period
         self._tell = tell or (lambda text: None)
-        self._intake = Intake(len(channels), self._say_that_it_drops)
+        self._intake = Intake(len(channels), lambda: self._tell(
+            f'{self.path}: the disk is too slow, messages are dropped'))
         self._stop = threading.Event()
         self._sync_error: OSError | None = None
         self.path, file = rosbag2.create(Path(directory), name)
@@ -128,8 +129,8 @@ class BagWriter:
         """
         Return how many messages found the queue full or were refused by the disk.
 
-        Each leaves a gap in the sequence numbers of its channel; the bag tells how many numbers
-        were given, so that a gap at its end is seen too.
+        Each leaves a gap in the sequence numbers of its channel. The bag notes how many numbers
+        were given, which shows a gap at its end too.
         """
         return self._intake.dropped
 
@@ -145,18 +146,10 @@ class BagWriter:
 
     def write(self, channel: int, data: bytes | bytearray | memoryview) -> bool:
         """
-        Take the bytes of one serialised message of the channel of this number; returns at once.
+        Take the bytes of one serialised message of a channel, by its number; returns at once.
 
-        Returns
-        -------
-        accepted : bool
-            False if the queue is full, recording has stopped by an error, or the bag is closed.
-
-        Raises
-        ------
-        BagError
-            For an argument that would spoil the file; the bag is not touched by it.
-
+        Return False if the queue is full, recording has stopped by an error, or the bag is closed.
+        Raises BagError for an argument that would spoil the file, and leaves the bag as it was.
         """
         count = len(self._intake.given)
         if type(channel) is not int or not 0 <= channel < count:
@@ -172,14 +165,11 @@ class BagWriter:
 
     def write_all(self, messages: Sequence[tuple[int, bytes]]) -> bool:
         """
-        Take messages, (channel, bytes), of one step, or drop them all.
+        Take messages, (channel, bytes), of one step, or drop them all; as :meth:`write`.
 
-        Arguments are trusted; else as :meth:`write`.
+        The arguments are not checked: a node calls this at every step.
         """
         return self._intake.put(messages)
-
-    def _say_that_it_drops(self) -> None:
-        self._tell(f'{self.path}: the disk is too slow, messages are dropped')
 
     def close(self, why: str = WHY) -> Path:
         """
@@ -202,6 +192,12 @@ class BagWriter:
     # --- in the threads -------------------------------------------------------------------------
 
     def _run(self) -> None:
+        """
+        Take messages from the queue to the file, flush it, look at the free space, until stopped.
+
+        A half period of tolerance keeps a flush that comes a little early from waiting for the
+        next round.
+        """
         now = flushed = looked = time.monotonic()
         period = min(FLUSH_PERIOD, self.flush_period)
         while not self._stop.wait(max(0.0, now + period - time.monotonic())) and not self.error:
@@ -218,12 +214,13 @@ class BagWriter:
         self._intake.drain(self._parts.add)
 
     def _finish(self, why: str) -> None:
+        """Write what waits and the end of the bag."""
         self._drain()
         self._parts.container.flush()
         self._parts.end(why)
 
     def _guard(self, action: Callable[[], object]) -> None:
-        """Run an action; after a first error nothing more goes into the file than its end."""
+        """Run an action on the file; its first error ends the recording, later ones do nothing."""
         if self.error:
             return
         try:
@@ -232,7 +229,7 @@ class BagWriter:
             self._give_up(self._parts.missing() or getattr(error, 'strerror', None) or str(error))
 
     def _give_up(self, why: str) -> None:
-        """End the bag by an error as well as the disk allows, and report it."""
+        """End the recording by an error: finish the file if the disk allows it, report."""
         parts, intake = self._parts, self._intake
         intake.refuse(f'recording stopped: {why}')
         parts.ended = why
@@ -252,6 +249,7 @@ class BagWriter:
         self._tell(f'{self.path}: {self.error}')
 
     def _look_at_the_disk(self) -> None:
+        """Raise what ends the bag: a failed sync, a file that is gone, too little space."""
         if self._sync_error:
             raise self._sync_error
         why = self._parts.missing()
@@ -263,6 +261,7 @@ class BagWriter:
             raise BagError(why)
 
     def _keep_synced(self) -> None:
+        """Bring finished parts and new data to the disk every sync period, until stopped."""
         synced, parts = 0, self._parts
         try:
             sync_folders(self.path)
@@ -288,23 +287,12 @@ class SteadyClock:
 
 class Intake:
     """
-    A queue between the threads that write and the one that serves the file.
+    The queue between the threads that record messages and the one that writes the file.
 
-    Parameters
-    ----------
-    channels : int
-    on_first_drop : callable
-        Called once, without arguments, when the queue is full for the first time.
-
-    Attributes
-    ----------
-    accepted, dropped : int
-        Messages that are or will be in the bag; messages that the queue or the disk refused.
-    given : list of int
-        The next sequence number of every channel; dropped messages have numbers too.
-    error : str or None
-        Why no more are taken.
-
+    ``on_first_drop`` is called once, when the queue is full for the first time. ``accepted``,
+    ``dropped``: messages that are or will be in the bag; messages that the queue or the disk
+    refused. ``given``: the next sequence number of every channel; dropped messages have numbers
+    too. ``error``: why no more are taken, or None.
     """
 
     def __init__(self, channels: int, on_first_drop: Callable[[], object]) -> None:
@@ -314,7 +302,8 @@ class Intake:
         self.clock, self._on_first_drop = SteadyClock(), on_first_drop
         self._queue: deque[tuple[int, int, list[tuple[int, int, bytes]]]] = deque()
         self._lock, self._is_closed = threading.Lock(), False
-        # Each pair: messages and bytes that came in or went out, changed by one side only.
+        # Counters of messages and bytes in and out: each is changed by one side only, so that
+        # the side of the file needs no lock.
         self._taken_in = self._taken_out = self._bytes_in = self._bytes_out = 0
 
     @property
@@ -324,9 +313,10 @@ class Intake:
 
     def put(self, messages: Sequence[tuple[int, bytes]]) -> bool:
         """
-        Take messages, (channel, bytes), of one step and time, or drop them all.
+        Take messages, (channel from 0, bytes), of one time, or drop them all.
 
-        Return whether they were taken.
+        Return whether they were taken. They wait as (channel from 1, sequence number, bytes), as
+        MCAP numbers them; dropped ones get a number too.
         """
         count, size, given = len(messages), 0, self.given
         with self._lock:
@@ -336,7 +326,7 @@ class Intake:
             for channel, data in messages:
                 sequence = given[channel]
                 given[channel] = sequence + 1
-                numbered.append((channel + 1, sequence & 0xFFFFFFFF, data))
+                numbered.append((channel + 1, sequence & 0xFFFFFFFF, data))     # 32 bits in MCAP
                 size += len(data)
             is_full = (self._taken_in - self._taken_out >= QUEUE_MESSAGES
                        or self._bytes_in - self._bytes_out + size > QUEUE_BYTES)
@@ -353,15 +343,11 @@ class Intake:
         return not is_full
 
     def drain(self, add: Callable[[int, list[tuple[int, int, bytes]]], None]) -> None:
-        """
-        Hand what waits to ``add(log time, messages)``.
-
-        Messages that come meanwhile wait for the next time.
-        """
+        """Hand the messages that wait now to ``add(log time, messages)``, a few at a time."""
         queue, bite = self._queue, 0
         for _ in range(len(queue)):
-            stamp, size, messages = queue.popleft()
-            add(stamp, messages)
+            log_time, size, messages = queue.popleft()
+            add(log_time, messages)
             self._bytes_out += size
             self._taken_out += len(messages)
             bite += len(messages)
@@ -376,7 +362,7 @@ class Intake:
         return was_open
 
     def add(self, text: str) -> None:
-        """Say more of the error."""
+        """Append to the text of the error."""
         self.error = (self.error or '') + text
 
     def refuse(self, error: str) -> None:

@@ -91,7 +91,7 @@ class System:
         self.derivative = self.course.first.derivative
 
     def __reduce__(self) -> tuple[object, ...]:
-        """Pickle what it was made of: the functions of its equations are made again."""
+        """Pickle the arguments: functions of the equations, which cannot be, are made again."""
         return System, (self._with_stroke, *self.start[:2], self.equation.elements, self.drive,
                         self.stops_at_change_points)
 
@@ -254,11 +254,10 @@ class System:
 
         def driven(time: float, state: State) -> tuple[float, ...]:
             """Return the derivatives with a drive or dampers, of the work last."""
-            position, rate, *rest = state
-            ratio = 1.0
+            position, rate, ratio = state[0], state[1], 1.0
             if not is_input:
                 value, ratio, _ = phase.input_of(position)
-                state = (value, ratio * rate, *rest)
+                state = (value, ratio * rate, *state[2:])
             torque, change = self._drive(time, state, regime) if self.drive else (0.0, ())
             inertia, half_slope, force, damping, couples = terms_of(position)
             torque = torque * ratio - damping * rate                                        # (T2)

@@ -234,12 +234,6 @@ class Panels(NamedTuple):
         """Return the inputs at the points."""
         return np.asarray(first[:, None] + length[:, None] * FINE.points**power[:, None])
 
-    @property
-    def growth(self) -> Array:
-        """Return dq/dx at the points."""
-        power = self.power[:, None]
-        return np.asarray(power * self.length[:, None] * FINE.points**(power - 1.0))
-
     def pick(self, places: NDArray[np.generic]) -> Panels:
         """Return some of these panels, by index or mask."""
         return Panels(*[row[places] for row in self])
@@ -293,7 +287,8 @@ def pass_over(panels: Panels, begin: Begin, spacing: float) -> Passage:
     Energy is integrated first, then time. The same by polynomials of half the degree estimates the
     errors: of each panel by itself, and of all since the start. ``spacing``: rounding of an input.
     """
-    growth = panels.growth
+    power = panels.power[:, None]
+    growth = power * panels.length[:, None] * FINE.points**(power - 1.0)        # dq/dx
     pushes = panels.force * growth
     with np.errstate(all='ignore'):
         kinetic = _along(pushes, begin.kinetic)

@@ -94,7 +94,7 @@ class Path:
         changes[i, column] = False
         start, = self._at(i, column)
         root = np.maximum(root + 2.0 * pi * np.round((start - root) / (2.0 * pi)), start)
-        order = _grouped(column * number + i, root)
+        order = np.lexsort((root, column * number + i))
         i, column = i[order], column[order]
         roots = [v[order] for v in (root, *g_there)]
         is_positive, is_next = roots[1] >= 0.0, (i[1:] == i[:-1]) & (column[1:] == column[:-1])
@@ -175,15 +175,3 @@ def _samples(constants: Array, number: int, out: bool, inside: bool,
 def stacked(tuples: Iterable[Sequence[Array]]) -> list[Array]:
     """Return the columns of several tuples, each joined: ((a, b), (c, d)) gives [ac, bd]."""
     return [np.concatenate(arrays) for arrays in zip(*tuples)]
-
-
-def _grouped(key: Array, x: Array) -> Array:
-    """
-    Return an order in which equal keys stand together, sorted by x.
-
-    Most keys occur once and need no sorting: they come first, which is faster.
-    """
-    is_one = np.bincount(key)[key] == 1
-    others = np.nonzero(~is_one)[0]
-    return np.concatenate((np.nonzero(is_one)[0],
-                           others[np.lexsort((x[others], key[others]))]))

@@ -122,6 +122,12 @@ class FourBarLinks(Mechanism):
             return 'change point'
         return _CLASSES[tuple(1 if margin > 0.0 else -1 for margin in self.margins)]
 
+    def loads_formula(self, numbers: NumberType, constants: Constants) -> Function:
+        """Return (fields of MOTION) -> fields of LOADS for constants of a number type."""
+        a1, a2, a3, a4 = constants.lengths
+        return make_loads(numbers, a1, a2, a3, a4, constants.bodies, constants.gravity,
+                          constants.external, self.input)
+
     @property
     def connections(self) -> tuple[Connection, ...]:
         """Return which links the four joints connect."""
@@ -278,12 +284,6 @@ class FourBar(FourBarLinks):
         a1, a2, a3, a4 = constants.lengths
         return make_motion(numbers, a1, a2, a3, a4, constants.sign)
 
-    def loads_formula(self, numbers: NumberType, constants: Constants) -> Function:
-        """Return (fields of MOTION) -> fields of LOADS for constants of a number type."""
-        a1, a2, a3, a4 = constants.lengths
-        return make_loads(numbers, a1, a2, a3, a4, constants.bodies, constants.gravity,
-                          constants.external)
-
     def driven_otherwise(self) -> tuple[SeenFromOutput, ...]:
         """Return the same linkage driven at its output link, once for each assembly mode."""
         mirrored = replace(self, a1=self.a3, a3=self.a1, bodies=None, external=External())
@@ -301,7 +301,7 @@ class FourBar(FourBarLinks):
         return {'rad/s': gain * abs(rate), 'rad/s^2': gain * (abs(acceleration) + rate**2)}
 
     def corners(self, motion: NamedFields) -> tuple[tuple[Scalar, Scalar, float], ...]:
-        """Return O1, A, B, O4, homogeneous."""
+        """Return O1, A, B, O4, each as (x w, y w, w) with w = 1; see Contract.corners."""
         return ((0.0, 0.0, 1.0),
                 (self.a1 * np.cos(motion.theta1), self.a1 * np.sin(motion.theta1), 1.0),
                 (self.a4 + self.a3 * np.cos(motion.theta4), self.a3 * np.sin(motion.theta4), 1.0),

@@ -69,7 +69,7 @@ def make_motion(n: NumberType, a1: Scalar, a2: Scalar, a3: Scalar, a4: Scalar,
     loop = make_loop(n, a1, a2, a3, a4, sign)
 
     def motion(theta1: Scalar, omega1: Scalar, alpha1: Scalar) -> Motion:
-        """Return the motion for an input by the loop's derivatives."""
+        """Return pose, rates and accelerations for theta1 [rad], omega1 and alpha1."""
         half = 0.5 * theta1
         sh, ch = sin(half) + beside_0, cos(half)
         at = loop(sh * sh, ch * ch, sh * ch)

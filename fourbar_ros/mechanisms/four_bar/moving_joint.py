@@ -34,7 +34,6 @@ from fourbar_ros.mechanisms.four_bar.four_bar import (
     singular_angles,
     turned_ranges,
 )
-from fourbar_ros.mechanisms.four_bar.loads import make_loads
 from fourbar_ros.mechanisms.loop import make_loop
 from fourbar_ros.mechanisms.parts import Output, Ranges, THETA1, THETA2, THETA3, THETA4
 from fourbar_ros.numerics.number_types import Function, nudge, NumberType, Scalar
@@ -218,12 +217,6 @@ class MovingJointFourBar(FourBarLinks):
     def motion_formula(self, numbers: NumberType, constants: Constants) -> Function:
         """Return (position, rate, acceleration) -> fields of MOTION for a number type."""
         return make_motion_at(numbers, tuple(constants.lengths), constants.sign, self.input)
-
-    def loads_formula(self, numbers: NumberType, constants: Constants) -> Function:
-        """Return (fields of MOTION) -> fields of LOADS for constants of a number type."""
-        a1, a2, a3, a4 = constants.lengths
-        return make_loads(numbers, a1, a2, a3, a4, constants.bodies, constants.gravity,
-                          constants.external, self.input)
 
     def transmission_sine(self, motion: Any) -> Any:
         """Return a number that is zero where the dyad is in line, at most one."""

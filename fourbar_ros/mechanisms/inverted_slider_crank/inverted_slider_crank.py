@@ -250,7 +250,7 @@ class InvertedSlider(OffsetSlide):
         return found
 
     def corners(self, motion: NamedFields) -> tuple[tuple[Scalar, Scalar, float], ...]:
-        """Return O1, A, B, which is at infinity, and O4, homogeneous."""
+        """Return O1, A, B, O4, each as (x w, y w, w); B is at infinity, square to the bar."""
         if self.is_driven_by_slide:
             return ()
         return ((0.0, 0.0, 1.0),

@@ -66,7 +66,7 @@ class InvertedSliderMotion(NamedTuple):
 
 
 def make_crank_motion(n: NumberType, a1: Scalar, a4: Scalar, h: Scalar, sign: Scalar) -> Function:
-    """Return the function (theta1, omega1, alpha1) -> :class:`InvertedSliderMotion`."""
+    """Return (theta1, omega1, alpha1) -> motion, by a block on a bar; sign: of the slide."""
     sin, cos, atan2, fabs = n.sin, n.cos, n.atan2, n.fabs
     beside_0 = nudge(n, n.exact_sum((a1, -a4, h)), n.exact_sum((a1, -a4, -h)))
     unit = n.power_of_two(a1, a4, h)
@@ -74,7 +74,7 @@ def make_crank_motion(n: NumberType, a1: Scalar, a4: Scalar, h: Scalar, sign: Sc
     block_on_bar = make_block_on_bar(n, a1, a4, h, sign)
 
     def motion(theta1: Scalar, omega1: Scalar, alpha1: Scalar) -> InvertedSliderMotion:
-        """Return the motion for a crank angle."""
+        """Return pose, rates and accelerations for a crank angle [rad], omega1 and alpha1."""
         half = 0.5 * theta1
         sh, ch = sin(half) + beside_0, cos(half)
         at = block_on_bar(sh * sh, ch * ch, sh * ch)
@@ -96,7 +96,7 @@ def make_crank_motion(n: NumberType, a1: Scalar, a4: Scalar, h: Scalar, sign: Sc
 
 
 def make_slide_motion(n: NumberType, a1: Scalar, a4: Scalar, h: Scalar, sign: Scalar) -> Function:
-    """Return the function (slide, velocity, acceleration) -> :class:`InvertedSliderMotion`."""
+    """Return (slide, velocity, acceleration) -> motion, by the triangle that the bar sees."""
     atan2, fabs = n.atan2, n.fabs
     unit = n.power_of_two(a1, a4, h)
     a1, a4, h, per_unit = a1 / unit, a4 / unit, h / unit, 1.0 / unit
@@ -104,7 +104,7 @@ def make_slide_motion(n: NumberType, a1: Scalar, a4: Scalar, h: Scalar, sign: Sc
 
     def motion(slide: Scalar, slide_velocity: Scalar,
                slide_acceleration: Scalar) -> InvertedSliderMotion:
-        """Return the motion for a slide."""
+        """Return pose, rates and accelerations for a slide [m], its velocity and acceleration."""
         seen = triangle(slide * per_unit)
         v, a = slide_velocity * per_unit, slide_acceleration * per_unit
         square = v * v

@@ -35,7 +35,11 @@ Closing = Function      # of an input, returns the closings of some dyads
 
 
 def make_closing(n: NumberType, stage: Stage, own: Numbers) -> Function:
-    """Return the function (D or its like, curves of the links it hangs on) -> closing."""
+    """
+    Return (D, or angle or slide of a pair; curves of the links a dyad hangs on) -> its closing.
+
+    By (R1) to (R3): a number that is positive where the dyad closes, zero at its toggles.
+    """
     if stage.pair:
         of_pair = Closure(stage, own).make_closing(n)
         return lambda way, _first, _second: of_pair(way)
@@ -43,6 +47,7 @@ def make_closing(n: NumberType, stage: Stage, own: Numbers) -> Function:
     size = sum(map(abs, (*own.p, *own.q, *sizes)), start=0.0)
 
     def closing(apart: Sequence[Scalar], first: Curve, second: Curve) -> Scalar:
+        """Return the closing by (R1) to (R3), of the distance or the directions of its ends."""
         if kind == PRP:
             (x1, y1), (x2, y2) = turned(first, *sizes[:2])[:2], turned(second, *sizes[2:])[:2]
             return x1 * y2 - y1 * x2
@@ -62,7 +67,7 @@ def make_closing(n: NumberType, stage: Stage, own: Numbers) -> Function:
 
 def make_closings(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
                   signs: Sequence[Scalar], count: int) -> Closing:
-    """Return input -> closings of the first ``count`` dyads; 1 of those that have none."""
+    """Return input -> closings of the first ``count`` dyads; 1.0 of those without toggles."""
     given = converted(tuple(numbers), n.number)
     return _make_along(n, layout, given, signs, count, [
         make_closing(n, stage, own if stage.pair else other)
@@ -73,20 +78,16 @@ def make_closings(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
 def make_squares(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
                  signs: Sequence[Scalar]) -> Function:
     """Return input -> {number of a dyad: |D|^2, scaled}; where one is zero, links have a pole."""
-    asked: dict[int, Function] = {}
-    for number, (stage, own) in enumerate(zip(layout.stages, numbers)):
-        if stage.kind in (RRR, RPR) and stage.name != CYLINDER:
-            asked[number] = _make_square(n, stage, own)
-    along = _make_along(n, layout, numbers, signs, len(layout.stages),
-                        [asked.get(number) for number in range(len(layout.stages))])
-
-    def squares(x: Scalar) -> dict[int, Scalar]:
-        found = along(x)
-        return {number: found[number] for number in asked}
-    return squares
+    square_of = [_make_square(n, stage, own)
+                 if stage.kind in (RRR, RPR) and stage.name != CYLINDER else None
+                 for stage, own in zip(layout.stages, numbers)]
+    along = _make_along(n, layout, numbers, signs, len(layout.stages), square_of)
+    return lambda x: {number: square for number, (square, function) in enumerate(
+        zip(along(x), square_of)) if function}
 
 
 def _make_square(n: NumberType, stage: Stage, own: Numbers) -> Function:
+    """Return (D, or angle or slide of a pair; two curves that are not read) -> |D|^2, scaled."""
     if stage.pair:
         of_pair = Closure(stage, own).make_square(n)
         return lambda way, _first, _second: of_pair(way)
@@ -97,7 +98,7 @@ def _make_square(n: NumberType, stage: Stage, own: Numbers) -> Function:
 
 def make_places(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
                 signs: Sequence[Scalar], count: int) -> Closing:
-    """Return input -> how far a pair, the last of some dyads, is beside a flat position."""
+    """Return input -> (distance from a flat position, side) of the last of ``count`` dyads."""
     place = Closure(layout.stages[count - 1], numbers[count - 1]).make_place(n)
     given = converted(tuple(numbers), n.number)
     along = _make_along(n, layout, given, signs, count,
@@ -106,18 +107,20 @@ def make_places(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
 
 
 def _make_along(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
-                signs: Sequence[Scalar], count: int, asked: Sequence[Function | None]) -> Closing:
-    """Return input -> what is asked of each of the first dyads as it hangs; 1 of the others."""
+                signs: Sequence[Scalar], count: int,
+                measures: Sequence[Function | None]) -> Closing:
+    """Return input -> the measure of each of the first ``count`` dyads, 1.0 if it has none."""
     driver, frames = make_driver(n, layout, numbers, signs), Frames(layout, numbers)
-    work = list(zip(make_moves(n, layout, numbers, signs), asked))[:count]
+    work = list(zip(make_moves(n, layout, numbers, signs), measures))[:count]
 
     def along(x: Scalar) -> list[Scalar]:
+        """Go from dyad to dyad; the last need not be solved, so it may be unable to close."""
         poses, found = frames.begin(driver(x)), []
-        for number, (moves, ask) in enumerate(work):
-            hung = frames.hang(number, poses)
-            found.append(ask(*hung[2:]) if ask else 1.0)
+        for number, (moves, measure) in enumerate(work):
+            ends = frames.hang(number, poses)
+            found.append(measure(*ends[2:]) if measure else 1.0)
             if len(found) < count:
-                frames.add(number, poses, moves(*hung))
+                frames.add(number, poses, moves(*ends))
         return found
     return along
 

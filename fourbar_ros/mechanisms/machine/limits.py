@@ -95,7 +95,7 @@ class WithLimits(Mechanism):
         """Return the assembly modes of all dyads as +-1."""
 
     def require_closing(self) -> None:
-        """Refuse a machine that cannot be assembled at any input."""
+        """Raise InvalidParameter for the dyad that cannot be assembled at any input."""
         name = self._closings.stopped
         if name:
             one, other = next((dyad.first.link, dyad.second.link) for dyad in self.stages
@@ -106,6 +106,7 @@ class WithLimits(Mechanism):
 
     @of_geometry
     def _closings(self) -> Closings:
+        """Return where all dyads close; of a slide searched twice as far as lengths and stroke."""
         size = sum(map(abs, self.lengths))
         stroke = two_numbers('stroke', self.stroke, STROKE) if self.stroke is not None else ()
         far = 2.0 * max([size, *map(abs, stroke)])
@@ -123,12 +124,16 @@ class WithLimits(Mechanism):
         real = [Singularity(complex(end.x), FLAT_LIMIT if end.is_flat else LIMIT)
                 for end in self._ends]
         real += [Singularity(complex(x), FLAT) for x in self.flat_inputs]
-        # where slides become parallel |sine| has a minimum too, at a real input
-        return (*real, *[Singularity(z, kind) for kind, searches in (
-            (TOGGLE, self._closings.near), (POLE, self._closings.poles))
-            for search in searches for z in search()
-            if all(abs(self.distance(z.real, one.input.real) + 1j * z.imag)
-                   > SAME_AS[one.kind] * self.input_unit for one in real)])
+
+        def is_new(z: complex) -> bool:
+            """Return whether z is none of the real ones, which searches find too, a bit beside."""
+            return all(abs(self.distance(z.real, one.input.real) + 1j * z.imag)
+                       > SAME_AS[one.kind] * self.input_unit for one in real)
+        return (*real,
+                *[Singularity(z, TOGGLE) for search in self._closings.near for z in search()
+                  if is_new(z)],
+                *[Singularity(z, POLE) for search in self._closings.poles for z in search()
+                  if is_new(z)])
 
     @property
     def singular_inputs(self) -> list[complex]:
@@ -192,18 +197,14 @@ class WithLimits(Mechanism):
 
     @property
     def modes(self) -> dict[int, str]:
-        """
-        Return {mode: its name}: the modes of the dyads that have two.
-
-        With change points also those in which the machine goes on through its flat positions.
-        """
+        """Return {mode: 'DYAD MODE, ...'}: its own, and those into which flat positions lead."""
         modes = dict.fromkeys([self.mode, *map(self.mode_beyond, self.flat_inputs)])
         return {one.mode: ', '.join(f'{dyad.name} {dyad.mode}' for dyad in one.stages
                                     if dyad.kind not in OF_ONE_MODE) or 'one'
                 for one in map(self.in_mode, modes)}
 
     def mode_beyond(self, limit: float) -> int:
-        """Return the mode into which quantities go on smoothly at a toggle, a flat position."""
+        """Return the mode in which a motion goes on smoothly beyond a limit or a flat position."""
         passed = self._flat_pairs_at(limit)
         if not passed:
             number = self._stage_at(limit)
@@ -219,7 +220,7 @@ class WithLimits(Mechanism):
         return tuple(sorted({*self.modes, *map(self.mode_beyond, ends)}))
 
     def driven_otherwise(self) -> tuple[SeenFromLink, ...]:  # type: ignore[override]  # never flat
-        """Return the machine driven at its link on the ground, if the crank turns back by it."""
+        """Return the machine driven at a link on the ground, if its dyad alone stops the crank."""
         names = {end.dyad for end in self._ends}
         dyads = [i for i, dyad in enumerate(self.stages) if {dyad.name} == names]
         if self.input != CRANK or not dyads or not can_drive(self.stages[dyads[0]],
@@ -233,7 +234,7 @@ class WithLimits(Mechanism):
         return [end for bound in self.limits if bound for end in bound]
 
     def _flat_pairs_at(self, place: float) -> frozenset[int]:
-        """Return the numbers of the pairs that lie flat at an input, through which motion goes."""
+        """Return the numbers of the pairs that lie flat at an input without stopping motion."""
         return next((pairs for flat, pairs in self._closings.flats.items()
                      if abs(self.distance(place, flat)) < SAME * self.input_unit), frozenset())
 
@@ -243,7 +244,7 @@ class WithLimits(Mechanism):
         return [dyad.name for dyad in self.stages].index(end.dyad)
 
     def _why_no_motion(self, position: float) -> FourBarError:
-        """Return the error for an input at which a dyad does not close, or is at its toggle."""
+        """Return OutOfRange, or Toggle with its dyad, for an input at which there is no motion."""
         error = super()._why_no_motion(position)
         unit = self.input_coordinate.unit
         if isinstance(error, Toggle):
@@ -260,7 +261,7 @@ class WithLimits(Mechanism):
         return error
 
     def _dyad_at(self, position: float) -> str:
-        """Return the dyad that cannot be solved at an input."""
+        """Return the name of the first dyad that cannot be solved at an input."""
         for number in range(len(self.stages) - 1):
             try:
                 make_closings(REAL, self.layout, self.numbers, self.signs, number + 2)(position)
@@ -278,17 +279,11 @@ def can_drive(dyad: Dyad, driven: str) -> bool:
 
 class SeenFromLink:
     """
-    A machine whose coordinate p is the angle of a link on the ground [rad].
+    A machine driven at a link on the ground, whose angle is the coordinate p [rad].
 
-    Parameters
-    ----------
-    layout, numbers, signs
-        As for :func:`.motion.make_motion`.
-    number : int
-        Of the dyad whose link on the ground it is.
-    mode : int
-        2: from the rod, B to P, to the crank, O1 to P, one turns left by less than pi; 1: right.
-
+    ``layout``, ``numbers``, ``signs``: as for :func:`.motion.make_motion`; ``number``: of the dyad
+    that has this link; ``mode`` 2: from the rod, B to P, to the crank, O1 to P, one turns left by
+    less than pi, 1: right.
     """
 
     change_point_margin, input_unit, is_driven_by_slide, turns_fully = 1.0, 1.0, False, False
@@ -298,8 +293,8 @@ class SeenFromLink:
         self._layout, self._numbers, self._signs = layout, numbers, signs
         self._number, self.mode = number, mode
         stage = layout.stages[number]
-        self._turns_first = stage.second == 0
-        self._link = stage.number - 1 + int(self._turns_first)     # among the moving ones
+        self._is_rod_first = stage.second == 0      # the dyad's second link is then on the ground
+        self._link = stage.number - 1 + int(self._is_rod_first)     # among the moving ones
 
     def in_mode(self, mode: int) -> SeenFromLink:
         """Return the same in another assembly mode."""
@@ -317,6 +312,7 @@ class SeenFromLink:
         work = make_moves(numbers, self._layout, self._numbers, self._signs)
 
         def coefficients(position: Scalar) -> list[Curve]:
+            """Return the curves of all links: first crank and dyad, then the other dyads."""
             crank, one, two = inverse(position)
             poses, curves = frames.begin(Driven(crank, EXACT)), [crank]
             for i, moves in enumerate(work):
@@ -328,22 +324,23 @@ class SeenFromLink:
 
     def _make_inverse(self, n: NumberType) -> Callable[[Scalar], tuple[Curve, Curve, Curve]]:
         """Return p -> curves of the crank and of both links of the dyad, (O1)."""
-        own, turns_first = self._numbers[self._number], self._turns_first
+        own, is_rod_first = self._numbers[self._number], self._is_rod_first
         pin, at_q, (rod, output) = own.p, own.q, own.sizes
-        if not turns_first:
+        if not is_rod_first:
             pin, at_q, rod, output = at_q, pin, output, rod
         length = hypot(*pin)
         moves = make_rrr(n, 1.0 if self.mode == 2 else -1.0, rod, length)
         sin, cos, c0, s0 = n.sin, n.cos, pin[0] / length, pin[1] / length
 
         def inverse(p: Scalar) -> tuple[Curve, Curve, Curve]:
+            """Return crank, first and second link of the dyad at an angle p, by (O1)."""
             driven = (*point_of(FIXED, *at_q), cos(p), sin(p), 1.0, 0.0)
             at_b = point_of(driven, output, 0.0)
             (*_, c1, s1, d_rod, dd_rod), (*_, c2, s2, turn, bend), *_ = moves(
                 at_b, ORIGIN, between(at_b, ORIGIN), FIXED, FIXED)
             crank = (*ORIGIN, c2 * c0 + s2 * s0, s2 * c0 - c2 * s0, turn, bend)
             coupler = (*point_of(crank, *pin), -c1, -s1, d_rod, dd_rod)
-            return crank, *((coupler, driven) if turns_first else (driven, coupler))
+            return crank, *((coupler, driven) if is_rod_first else (driven, coupler))
         return inverse
 
     def read_coordinate(self, numbers: NumberType,

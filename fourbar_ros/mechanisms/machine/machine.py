@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from dataclasses import fields as fields_of
-from functools import cached_property
+from functools import cached_property, partial
 from math import nan
 from typing import Any
 
@@ -120,13 +120,13 @@ class Machine(WithLimits):
         self.require_closing()
         self._check_stroke()
 
-    def _set(self, **values: Any) -> None:
+    def _set(self, **values: Any) -> None:      # past the frozen dataclass
         for name, value in values.items():
             object.__setattr__(self, name, value)
 
     @of_geometry
     def stages(self) -> tuple[Dyad, ...]:
-        """Return all dyads; a cylinder is one whose slide is driven, and the first."""
+        """Return all dyads; a cylinder is one whose slide is driven, and stands first."""
         if self.cylinder is None:
             return self.dyads
         base, pin, links, mode = self.cylinder
@@ -134,7 +134,7 @@ class Machine(WithLimits):
 
     @of_geometry
     def numbers(self) -> tuple[Numbers, ...]:
-        """Return what the formulas of all dyads take."""
+        """Return the numbers that the formulas of each dyad take."""
         return tuple(shaped(self.layout, [dyad.numbers for dyad in self.stages]))
 
     # --- lengths and modes ----------------------------------------------------------------------
@@ -150,7 +150,7 @@ class Machine(WithLimits):
         return self._with_stages([with_lengths(dyad, given) for dyad in self.stages])
 
     def _with_stages(self, stages: Sequence[Dyad]) -> Machine:
-        """Return a copy with other dyads; with a cylinder, the first of them is the cylinder's."""
+        """Return a copy with other dyads, unchecked; with a cylinder, the first of them is its."""
         # the lengths decide which dyads need the closed form of a kind
         layout = with_pairs(self.layout, [dyad.numbers for dyad in stages])
         if self.cylinder is None:
@@ -162,19 +162,21 @@ class Machine(WithLimits):
 
     @property
     def numbers_of_lengths(self) -> tuple[str | tuple[int, int], ...]:
-        """Return the name of each number of its dyads; of closed forms of kinds no length is."""
+        """
+        Return what each number of its dyads is, see :attr:`.Described.numbers_of_lengths`.
+
+        All '' where any dyad has the form of a pair, whose shape follows from several lengths.
+        """
+        if any(stage.pair for stage in self.layout.stages):
+            return ('',) * sum(len(part) for own in self.numbers for part in own)
         found: list[str | tuple[int, int]] = []
-        is_free = not any(stage.pair for stage in self.layout.stages)
-        for dyad, own in zip(self.stages, self.numbers):
-            first = len(found)
-            reach = (first, first + 1), (first + 2, first + 3)
+        for dyad in self.stages:            # in the order of Numbers: p, q, sizes, reach, shape
+            p, q = (len(found), len(found) + 1), (len(found) + 2, len(found) + 3)
             found += [f'{dyad.name}.{place}.{name}' for place in ('first', 'second')
                       for name in ('along', 'across')]
             for name in DIMENSIONS[dyad.kind]:
                 found += ('', '') if name in ANGLES else (f'{dyad.name}.{name}',)
-            found += reach + reach[:len(own.shape)] * (dyad.name == CYLINDER)
-            if not is_free:
-                found[first:] = [''] * sum(map(len, own))
+            found += (p, q, p, q) if dyad.name == CYLINDER else (p, q)
         return tuple(found)
 
     @property
@@ -206,7 +208,7 @@ class Machine(WithLimits):
 
     @property
     def structure(self) -> tuple[object, ...]:
-        """Return what mechanisms have in common whose formulas do the same with other numbers."""
+        """Return the cache key of traced formulas: equal if machines differ in numbers only."""
         return type(self), self.layout
 
     @cached_property
@@ -245,7 +247,7 @@ class Machine(WithLimits):
         return connections_of(self.layout.links[0], self.layout.driven, self.stages)
 
     def link_motion(self, motion: NamedFields, link: str) -> LinkMotion:
-        """Return the LinkMotion of a link by name."""
+        """Return the motion of a link by name, from its coefficients and the input's rates."""
         i = self.MOTION._fields.index(f'x_{link}')
         x, y, dx, dy, ddx, ddy, cosine, sine, turn, bend = tuple(motion)[i:i + 10]
         rate, acceleration = motion.rate, motion.acceleration
@@ -276,12 +278,8 @@ class Machine(WithLimits):
         return diagram.acceleration_polygon(self, motion)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        given = {own.name: getattr(self, own.name) for own in fields_of(self)}
+        """Return how to unpickle it: made again from its fields, as its types are made with it."""
+        fields = {own.name: getattr(self, own.name) for own in fields_of(self)}
         for name in ('bodies', 'external'):
-            given[name] = given[name] and given[name]._asdict()
-        return _again, (given,)
-
-
-def _again(given: dict[str, Any]) -> Machine:
-    """Return a machine that was pickled."""
-    return Machine(**given)
+            fields[name] = fields[name] and fields[name]._asdict()
+        return partial(Machine, **fields), ()

@@ -20,7 +20,7 @@ A double root is a limit of the range, on both sides, where the dyad is at a tog
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from decimal import Decimal
 from functools import partial
 from math import inf, nextafter, pi
@@ -43,10 +43,12 @@ from fourbar_ros.numerics.number_types import COMPLEX, Function, REAL
 import numpy as np
 
 PIECES, MOST_HALVINGS, MOST_SAMPLES = 96, 26, 2**15
-STEP = 2.0**-200                 # complex step
+STEP = 2.0**-200                 # of derivatives by a complex step
 # [rad] a full turn is sampled from this beyond -pi, where symmetric machines lie flat
 SEAM = 0.01234
-MISFIT, ROUNDING = 1e-4, 2.0**-47
+MISFIT = 1e-4                    # of a cubic, over the size of a closing: finer pieces are halved
+ROUNDING = 2.0**-47              # closings below this are noise
+NARROWEST = 1e-11                # pieces are not halved on: their samples would differ by rounding
 NEWTON_STEPS = 12
 # Minima of a closing below this are decided in many digits: its noise is less than 1e-15, that of
 # a minimum between samples whose cubics hold less than 1e-6.
@@ -59,7 +61,7 @@ DOUBLE = 2.0**-20       # the same: so far a double root is found beside where i
 
 class Limit(NamedTuple):
     """
-    An end of a range: the input, and the dyad that is at a toggle there, if one is.
+    An end of a range: the input [rad or m] and the dyad that is at a toggle there, or ''.
 
     ``is_flat``: it is a change point, the same limit of the ranges on both sides.
     """
@@ -69,7 +71,7 @@ class Limit(NamedTuple):
     is_flat: bool = False
 
     def turned(self, turns: float = 1.0) -> Limit:
-        """Return the same some turns later."""
+        """Return the same limit some turns of the crank later."""
         return self._replace(x=self.x + 2.0 * pi * turns)
 
 
@@ -106,7 +108,7 @@ def find_ranges(layout: Layout, numbers: Sequence[Numbers], signs: Sequence[floa
     bounds : tuple of 2 floats
         For a driven slide: where to search [m].
     unit : float
-        Of the input.
+        In which inputs are about one [rad or m].
 
     Raises
     ------
@@ -126,7 +128,7 @@ def find_ranges(layout: Layout, numbers: Sequence[Numbers], signs: Sequence[floa
         limits = [(Limit(low, name), Limit(high, name))]
     near: list[Near] = []
     every = make_closings(COMPLEX, layout, numbers, signs, len(layout.stages))
-    screens: dict[Bound, dict[int, Near]] = {}
+    screens: dict[Bound, dict[int, Near]] = {}      # of each range that stood when it was screened
     flats: dict[float, frozenset[int]] = {}
     for count, (stage, own) in enumerate(zip(layout.stages, numbers)):
         closure = Closure(stage, own) if stage.pair else None
@@ -152,7 +154,11 @@ def find_ranges(layout: Layout, numbers: Sequence[Numbers], signs: Sequence[floa
 
 
 class _Path(NamedTuple):
-    """The inputs between two limits, or of a full turn, by phi."""
+    """
+    The inputs from ``low`` to ``high`` as a function of phi, in which closings are analytic.
+
+    Of a full turn (``is_closed``) phi is the input; else input = middle + half sin(phi).
+    """
 
     low: float
     high: float
@@ -160,11 +166,11 @@ class _Path(NamedTuple):
 
     @classmethod
     def of(cls, bound: Bound) -> _Path:
-        if bound is None:
-            return cls(-pi, pi, True)
-        return cls(bound[0].x, bound[1].x, False)
+        """Return the path of a range."""
+        return cls(-pi, pi, True) if bound is None else cls(bound[0].x, bound[1].x, False)
 
     def to_input(self, phi: Any) -> Any:
+        """Return the inputs at phi, real or complex, from the nearer end, which keeps digits."""
         if self.is_closed:
             return phi
         half = 0.5 * (self.high - self.low)
@@ -172,7 +178,7 @@ class _Path(NamedTuple):
                         self.high - 2.0 * half * np.sin(0.5 * (0.5 * pi - phi))**2)
 
     def start(self) -> Array:
-        """Return phi in equal steps; without a toggle at either end, where it is singular."""
+        """Return the phi of the first samples, denser at both ends but not in these toggles."""
         if self.is_closed:
             return np.linspace(-pi, pi, PIECES + 1) + SEAM
         way = np.linspace(-1.0, 1.0, PIECES + 1)
@@ -183,9 +189,9 @@ class _Path(NamedTuple):
 def flat_place(layout: Layout, numbers: Sequence[Numbers], signs: Sequence[float], number: int,
                x: float) -> Laurent:
     """
-    Return the input near x at which a dyad lies flat, in many digits.
+    Return the input near x at which dyad ``number`` lies flat, in many digits by Newton's method.
 
-    Of a pair where it does, of others where their closing is least: a double root.
+    A root of :func:`.make_places` of a pair; of other dyads the minimum of their closing.
     """
     with many_digits():
         count, is_pair = number + 1, layout.stages[number].pair is not None
@@ -205,9 +211,10 @@ def flat_place(layout: Layout, numbers: Sequence[Numbers], signs: Sequence[float
 def _screen(bound: Bound, layout: Layout, numbers: Sequence[Numbers],
             every: Closing) -> dict[int, Near]:
     """
-    Return {number of a dyad: what is near it} of those that need no closer look.
+    Return {number of a dyad: search for complex toggles} of dyads that close in all of a range.
 
-    With one evaluation of all: on a grid and between, cubics hold and stay away from zero.
+    One evaluation of all dyads on a grid and between shows it where cubics hold and stay away from
+    zero. From the first other dyad on none is given, as those hang on it.
     """
     path = _Path.of(bound)
     phi = path.start()
@@ -233,7 +240,7 @@ def _screen(bound: Bound, layout: Layout, numbers: Sequence[Numbers],
 
 def _near(closings: Closing, number: int, path: _Path, phi: Array, value: Array,
           slope: Array) -> list[complex]:
-    """Return the complex toggles of a dyad next to the minima between samples."""
+    """Return the complex toggles of dyad ``number`` next to the minima between samples at phi."""
     is_open = value > 0.0
     return [z for i in np.flatnonzero((slope[:-1] <= 0.0) & (slope[1:] > 0.0)
                                       & is_open[:-1] & is_open[1:])
@@ -242,7 +249,7 @@ def _near(closings: Closing, number: int, path: _Path, phi: Array, value: Array,
 
 
 def _minima(phi: Array, value: Array, slope: Array) -> list[tuple[float, Array]]:
-    """Return the minima below :data:`DOUBTFUL`, each with the samples that it leaves in doubt."""
+    """Return (phi, numbers of samples of doubtful sign) of minima below :data:`DOUBTFUL`."""
     found: list[tuple[float, Array]] = []
     for i in np.flatnonzero((slope[:-1] <= 0.0) & (slope[1:] > 0.0)):
         curve = (slope[i + 1] - slope[i]) / (phi[i + 1] - phi[i])
@@ -255,14 +262,14 @@ def _minima(phi: Array, value: Array, slope: Array) -> list[tuple[float, Array]]
 
 
 class _Search:
-    """Of the ranges of a machine: what :func:`find_ranges` asks for one dyad."""
+    """The search for the ranges of a machine, dyad by dyad; see :func:`find_ranges`."""
 
     def __init__(self, layout: Layout, numbers: Sequence[Numbers], signs: Sequence[float],
                  unit: float) -> None:
         self._machine, self._unit = (layout, numbers, signs), unit
 
     def split(self, bound: Bound, number: int) -> tuple[list[Bound], Near]:
-        """Return the parts of a range in which one more dyad closes, and what is near it."""
+        """Return the parts of a range in which dyad ``number`` closes, and a search near them."""
         stage = self._machine[0].stages[number]
         in_complex, in_floats = [make_closings(n, *self._machine, number + 1)
                                  for n in (COMPLEX, REAL)]
@@ -291,7 +298,8 @@ class _Search:
         if not (ends or both):
             return ([bound] if is_open.all() or is_signed else []), near
         if is_signed:
-            return list(_between_all(bound, ends)), near
+            every = [*ends, ends[0].turned()] if bound is None else [bound[0], *ends, bound[1]]
+            return list(zip(every, every[1:])), near      # it closes on both sides of each
         ends = sorted(ends + both, key=lambda end: end.x)
         if path.is_closed:
             if is_open[0]:       # the first part began before the first sample
@@ -305,19 +313,25 @@ class _Search:
     def _minima(self, number: int, path: _Path, phi: Array, value: Array,
                 slope: Array) -> list[tuple[Array, tuple[float, ...]]]:
         """
-        Return of minima near zero the samples too near to tell, and the limits below and above.
+        Return (samples of doubtful sign, limits) of each minimum of a closing that is nearly zero.
 
-        These are equal at a double root; a positive minimum has none.
+        The limits are two inputs, equal at a double root, or none of a positive minimum.
         """
         return [(inner, self._decided(number, float(path.to_input(np.array([at]))[0])))
                 for at, inner in _minima(phi, value, slope)]
 
     def _decided(self, number: int, x: float) -> tuple[float, ...]:
-        """Return the limits beside a minimum of a closing near x; () if there are none, (R4)."""
+        """
+        Return the limits of the input beside a minimum of a closing near x, by many digits, (R4).
+
+        None if it is positive, twice the same for a double root, else two roots, each rounded to
+        the side on which the dyad closes.
+        """
         with many_digits():
             closings = make_closings(LAURENT, *self._machine, number + 1)
 
             def terms(at: Decimal) -> list[Decimal]:
+                """Return c0, c1, c2 of the closing's series at an input."""
                 closing = closings(series(at) + FIRST_TERMS)[-1]
                 return [closing.coefficient(i) for i in range(3)]
 
@@ -369,7 +383,7 @@ class _Search:
 
     def with_flats(self, flats: dict[float, frozenset[int]], closure: Closure,
                    limits: Sequence[Bound], number: int) -> dict[float, frozenset[int]]:
-        """Return flat positions with those of one more pair."""
+        """Return {input: pairs that lie flat there} with one more pair, where motion goes on."""
         stage = self._machine[0].stages[number]
         assert stage.pair is not None
         other = other_of(stage)
@@ -388,6 +402,7 @@ class _Search:
         return joined
 
     def _distance(self, one: float, other: float) -> float:
+        """Return the distance of two inputs [rad, or units of a slide], turns not counted."""
         difference = one - other
         if self._machine[0].driver == 'crank':
             return abs(difference - 2.0 * pi * round(difference / (2.0 * pi)))
@@ -395,7 +410,12 @@ class _Search:
 
     def _flats_between(self, bound: Bound, signs: Sequence[float],
                        number: int, known: dict[float, frozenset[int]]) -> list[float]:
-        """Return the inputs of a range at which an inner pair lies flat, to one float."""
+        """
+        Return the inputs of a range at which a pair away from the crank lies flat, to one float.
+
+        ``signs``: of :attr:`.Closure.flats`; ``known``: flat inputs of pairs before, at which the
+        motion has a kink, so that samples are taken between them.
+        """
         in_complex, in_floats = [make_places(n, *self._machine, number + 1)
                                  for n in (COMPLEX, REAL)]
         low, high = (-pi, pi) if bound is None else (bound[0].x, bound[1].x)
@@ -425,24 +445,22 @@ class _Search:
 
 
 def _sampled(values: Function, path: _Path) -> Callable[[Array], tuple[Array, Array]]:
-    """Return phi -> values and derivatives of a function of the input."""
+    """Return phi -> values and derivatives by phi of a function of the input."""
     def sample(phi: Array) -> tuple[Array, Array]:
+        """Return both by one complex step; NaN where the function has no value."""
         with np.errstate(all='ignore'):
             value = values(path.to_input(phi + 1j * STEP)) + 0.0 * phi
         return value.real, value.imag / STEP
     return sample
 
 
-def _between_all(bound: Bound,
-                 ends: list[Limit]) -> Iterator[tuple[Limit, Limit]]:
-    """Yield the parts between limits of which both sides are open."""
-    every = [*ends, ends[0].turned()] if bound is None else [bound[0], *ends, bound[1]]
-    return zip(every, every[1:])
-
-
 def _resolved(phi: Array, sample: Callable[[Array], tuple[Array, Array]],
               dyad: str) -> tuple[Array, Array, Array]:
-    """Return phi, values and derivatives, so close that cubics between them hold."""
+    """
+    Return phi, values and slopes of a closing at samples so close that cubics between them hold.
+
+    Pieces that :func:`_doubtful` names are halved. InvalidParameter for ``dyad`` if too many are.
+    """
     value, slope = sample(phi)
     pending = np.ones(phi.size - 1, bool)
     for _ in range(MOST_HALVINGS):
@@ -454,10 +472,10 @@ def _resolved(phi: Array, sample: Callable[[Array], tuple[Array, Array]],
                                    'others that its ranges cannot be told in floats')
         width = phi[i + 1] - phi[i]
         middle = phi[i] + 0.5 * width
-        here, its = sample(middle)
-        doubtful = _doubtful((value, slope), (here, its), i, width)
-        phi, value, slope = (np.insert(old, i + 1, new) for old, new in
-                             ((phi, middle), (value, here), (slope, its)))
+        middle_value, middle_slope = sample(middle)
+        doubtful = _doubtful((value, slope), (middle_value, middle_slope), i, width)
+        phi, value, slope = (np.insert(old, i + 1, new) for old, new in (
+            (phi, middle), (value, middle_value), (slope, middle_slope)))
         pending = np.zeros(phi.size - 1, bool)
         left = i + np.arange(i.size)
         pending[left] = pending[left + 1] = doubtful
@@ -466,22 +484,31 @@ def _resolved(phi: Array, sample: Callable[[Array], tuple[Array, Array]],
 
 def _doubtful(ends: tuple[Array, Array], inner: tuple[Array, Array], i: Array,
               width: Array) -> Array:
-    """Return which pieces ``i`` a cubic does not describe, or that may hide two roots."""
-    (value, slope), (here, its) = ends, inner
+    """
+    Return which pieces a cubic does not describe, or that may hide two roots.
+
+    ``ends``: values and slopes at all samples; ``inner``: those in the middle of the pieces, which
+    begin at samples ``i`` and are ``width`` wide.
+    """
+    (value, slope), (middle_value, middle_slope) = ends, inner
     cubic = 0.5 * (value[i] + value[i + 1]) + 0.125 * width * (slope[i] - slope[i + 1])
-    misfit = np.abs(here - cubic)
+    misfit = np.abs(middle_value - cubic)
     size = np.maximum(np.abs(value[i]), np.abs(value[i + 1]))
-    halves = [_least(value[i], slope[i], here, its, 0.5 * width),
-              _least(here, its, value[i + 1], slope[i + 1], 0.5 * width)]
+    halves = [_least(value[i], slope[i], middle_value, middle_slope, 0.5 * width),
+              _least(middle_value, middle_slope, value[i + 1], slope[i + 1], 0.5 * width)]
     crosses = (value[i] > 0.0) != (value[i + 1] > 0.0)
     doubtful: Array = ((misfit > MISFIT * size) | ~np.isfinite(misfit)
                        | (~crosses & (np.minimum(*halves) < 4.0 * misfit)))
-    doubtful &= (width > 1e-11) & (size > ROUNDING)
+    doubtful &= (width > NARROWEST) & (size > ROUNDING)
     return doubtful
 
 
 def _least(f0: Array, d0: Array, f1: Array, d1: Array, width: Array) -> Array:
-    """Return the least of |cubic| over a piece, about: zero if it changes its sign."""
+    """
+    Return about the least |cubic| over pieces, zero if it changes its sign.
+
+    The cubics have values f0, f1 and slopes d0, d1 at the ends of pieces of a ``width``.
+    """
     # at equal steps, and where the slopes of both ends would meet at zero
     bend = np.where((d0 < 0.0) != (d1 < 0.0), d0 / np.where(d0 == d1, 1.0, d0 - d1), 0.5)
     t = np.concatenate((np.linspace(0.0, 1.0, 9)[:, None] + 0.0 * bend, bend[None]))
@@ -492,7 +519,11 @@ def _least(f0: Array, d0: Array, f1: Array, d1: Array, width: Array) -> Array:
 
 
 def _root(closing: Closing, low: float, high: float, opens_low: bool) -> float:
-    """Return the last input on the open side, halving to neighbouring floats."""
+    """
+    Return the last input between low and high at which a dyad closes, one of two neighbours.
+
+    ``opens_low``: whether it closes at low, else at high.
+    """
     while True:
         middle = 0.5 * (low + high)
         if not low < middle < high:
@@ -509,15 +540,15 @@ def _root(closing: Closing, low: float, high: float, opens_low: bool) -> float:
 
 def _complex_toggle(closing: Closing, path: _Path, phi: Array, value: Array,
                     slope: Array) -> list[complex]:
-    """Return the complex input near a minimum at which a closing vanishes; none if far away."""
+    """Return the complex input near a minimum at which a closing is zero, [] if it is far away."""
     width = phi[1] - phi[0]
     at = phi[0] - slope[0] * width / (slope[1] - slope[0])
     z = np.array([at + 1j * np.sqrt(2.0 * value.min() * width / (slope[1] - slope[0]))])
     h = 2.0**-26
     with np.errstate(all='ignore'):
         for _ in range(NEWTON_STEPS):
-            here, there = (closing(path.to_input(w)) for w in (z, z + h * (1.0 + 0.0j)))
-            z = z - here * h / (there - here)
+            at_z, ahead = (closing(path.to_input(w)) for w in (z, z + h * (1.0 + 0.0j)))
+            z = z - at_z * h / (ahead - at_z)
         x = complex(path.to_input(z)[0])
     is_near = np.isfinite(x) and x.imag != 0.0 and abs(z[0].imag) < 2.0
     return [x] if is_near else []

@@ -62,11 +62,11 @@ class ScotchYokeMotion(NamedTuple):
 
 
 def make_crank_motion(n: NumberType, a1: Scalar, e: Scalar, sign: Scalar) -> Function:
-    """Return the function (theta1, omega1, alpha1) -> :class:`ScotchYokeMotion`."""
+    """Return (theta1, omega1, alpha1) -> motion of a crank a1 and a guide at y = e [m]."""
     sin, cos, atan2, fabs = n.sin, n.cos, n.atan2, n.fabs
 
     def motion(theta1: Scalar, omega1: Scalar, alpha1: Scalar) -> ScotchYokeMotion:
-        """Return the motion for a crank angle."""
+        """Return pose, rates and accelerations for a crank angle [rad], omega1 and alpha1."""
         cos_x, sin_x = cos(theta1), sin(theta1)
         slide, rise, square = a1 * cos_x, a1 * sin_x, omega1 * omega1                   # (M1)
         return ScotchYokeMotion(
@@ -81,7 +81,7 @@ def make_crank_motion(n: NumberType, a1: Scalar, e: Scalar, sign: Scalar) -> Fun
 
 
 def make_slide_motion(n: NumberType, a1: Scalar, e: Scalar, sign: Scalar) -> Function:
-    """Return the function (slide, velocity, acceleration) -> :class:`ScotchYokeMotion`."""
+    """Return (slide, velocity, acceleration) -> motion; ``sign``: of sin(theta1)."""
     sqrt, atan2, fabs = n.sqrt, n.atan2, n.fabs
     unit = n.power_of_two(a1, e)
     a1, e, per_unit = a1 / unit, e / unit, 1.0 / unit
@@ -89,7 +89,7 @@ def make_slide_motion(n: NumberType, a1: Scalar, e: Scalar, sign: Scalar) -> Fun
 
     def motion(slide: Scalar, slide_velocity: Scalar,
                slide_acceleration: Scalar) -> ScotchYokeMotion:
-        """Return the motion for a slide."""
+        """Return pose, rates and accelerations for a slide [m], its velocity and acceleration."""
         s, v, a = slide * per_unit, slide_velocity * per_unit, slide_acceleration * per_unit
         square = v * v
         root = sign * sqrt((a1 - s) * (a1 + s))                                         # (M5)

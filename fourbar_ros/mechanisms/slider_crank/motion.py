@@ -69,7 +69,7 @@ def make_crank_motion(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Sc
     rod_on_line = make_rod_on_line(n, a1, a2, e, sign, is_long)
 
     def motion(theta1: Scalar, omega1: Scalar, alpha1: Scalar) -> SliderCrankMotion:
-        """Return the motion for a crank angle."""
+        """Return pose, rates and accelerations for a crank angle [rad], omega1 and alpha1."""
         cos_x, sin_x = cos(theta1), sin(theta1)
         at = rod_on_line(cos_x, sin_x)
         square = omega1 * omega1
@@ -93,7 +93,7 @@ def make_crank_motion(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Sc
 
 
 def make_slider_motion(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar) -> Function:
-    """Return the function (slide, velocity, acceleration) -> :class:`SliderCrankMotion`."""
+    """Return (slide, velocity, acceleration) -> motion, by a triangle; sign: of sin(theta2)."""
     atan2, fabs = n.atan2, n.fabs
     unit = n.power_of_two(a1, a2, e)
     a1, a2, e, per_unit = a1 / unit, a2 / unit, e / unit, 1.0 / unit
@@ -101,7 +101,7 @@ def make_slider_motion(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: S
 
     def motion(slide: Scalar, slide_velocity: Scalar,
                slide_acceleration: Scalar) -> SliderCrankMotion:
-        """Return the motion for a slide."""
+        """Return pose, rates and accelerations for a slide [m], its velocity and acceleration."""
         at = triangle(slide * per_unit)
         v, a = slide_velocity * per_unit, slide_acceleration * per_unit
         square = v * v

@@ -184,14 +184,12 @@ class SliderCrank(OffsetSlide):
         """Return up to two poses where the slider of a driven crank turns back in this mode."""
         points, unit = [], power_of_two(*self.lengths)
         a1, a2, e = (length / unit for length in self.lengths)
-        for stretched, r, k in zip((True, False), (a1 + a2, a1 - a2), reach(a1, a2, e)[::-1]):
-            if k > 0.0 and self.input == CRANK:
-                # of A, along x
-                ahead = self.sign * sqrt(k) if stretched else -self.sign * sqrt(k)
-                # B as seen from O1
-                behind = -1.0 if r < 0.0 else 1.0
-                points.append(SliderDeadPoint(atan2(behind * e, ahead), unit * behind * ahead,
-                                              stretched))
+        folded, stretched = reach(a1, a2, e)
+        for is_stretched, r, square in ((True, a1 + a2, stretched), (False, a1 - a2, folded)):
+            if square > 0.0 and self.input == CRANK:
+                x = self.sign * sqrt(square) if is_stretched else -self.sign * sqrt(square)  # of A
+                side = -1.0 if r < 0.0 else 1.0     # B is on the other side of O1
+                points.append(SliderDeadPoint(atan2(side * e, x), unit * side * x, is_stretched))
         return tuple(sorted(points))
 
     def motion_formula(self, numbers: NumberType, constants: Constants) -> Function:
@@ -241,7 +239,7 @@ class SliderCrank(OffsetSlide):
         return found
 
     def corners(self, motion: NamedFields) -> tuple[tuple[Scalar, Scalar, float], ...]:
-        """Return O1, A, B and O4, which is at infinity, homogeneous."""
+        """Return O1, A, B, O4, each as (x w, y w, w); O4 is at infinity, square to the guide."""
         if self.is_driven_by_slide:
             return ()
         return ((0.0, 0.0, 1.0),

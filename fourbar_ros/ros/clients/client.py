@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.ros.messages import Message, resolve
+from fourbar_ros.scene.files import NODE
 from fourbar_ros.scene.topics import INPUT_DEPTH, INPUTS, Service, SERVICES, Topic
 import rclpy
 import rclpy.client
@@ -20,9 +21,7 @@ from rclpy.qos import QoSProfile
 from rclpy.subscription import Subscription
 from rclpy.task import Future
 
-NODE = '/fourbar'           # default name of the node
-# [s] to find the node and to get an answer; discovery alone takes up to 4 s
-PATIENCE = 10.0
+PATIENCE = 10.0             # [s] to find a node or get an answer; discovery may take 4 s
 POLL = 0.02                 # [s] between two looks at a condition
 
 
@@ -93,7 +92,7 @@ class Client:
         return self._services[name]
 
     def introduce(self, service: rclpy.client.Client, service_name: str) -> None:
-        """Do what is needed before the first request to a service; nothing here."""
+        """Prepare the first request to a service: for subclasses, nothing here."""
 
     def result_of(self, future: Future, name: str, patience: float | None = None) -> Any:
         """Return the result of a future, once it is there."""

@@ -20,10 +20,10 @@ from fourbar_ros.mechanisms.quantities import select
 from fourbar_ros.pipeline.status import STATUS_NAMES
 from fourbar_ros.report.tables import mode_name, rate_unit, what_it_is
 from fourbar_ros.report.terminal import make_console, PlainTable
-from fourbar_ros.ros.clients.client import Client, NODE, opened
+from fourbar_ros.ros.clients.client import Client, opened
 from fourbar_ros.ros.messages import Message, resolve, to_stamp
 from fourbar_ros.scene.arguments import Parser, positive
-from fourbar_ros.scene.files import find
+from fourbar_ros.scene.files import find, NODE
 from fourbar_ros.scene.scene import load, Scene
 from fourbar_ros.scene.topics import INPUTS, OUTPUTS
 from rclpy.node import Node
@@ -282,7 +282,8 @@ def run(path: str | Path, seconds: float, directory: str | Path, console: Consol
 def main(args: Sequence[str] | None = None) -> int:
     """Parse the arguments and run; exit code 0 only if the node and its bag are good."""
     parser = Parser(prog='fourbar_demo', description=__doc__)
-    parser.add_argument('scene', help='parameter file (YAML) or name of a shipped scene, as paper')
+    parser.add_argument('scene',
+                        help='parameter file (YAML) or name of a shipped scene, e.g. paper')
     parser.add_argument('--seconds', type=positive, default=5.0, metavar='S',
                         help='duration of the stream [s] (default 5)')
     parser.add_argument('--directory', default='bags', metavar='DIR',

@@ -220,10 +220,10 @@ class _Live(Client):
 
     def _introduce(self) -> None:
         """
-        Send the first motion again until all its answers have come.
+        Send the first motion again and again until all its answers have come.
 
-        A node that has not matched our publisher yet drops what we send, and so do we with its
-        answers before we have matched theirs; neither can be seen from here.
+        Until the node has matched our publisher, and we its, motions or answers are lost; neither
+        side can see whether the other has.
         """
         motion, self._unanswered = self._unanswered, b''
         if not motion:
@@ -266,7 +266,7 @@ class _Live(Client):
             self.executor.spin_once(timeout_sec=0.02)
 
     def compared(self) -> list[Answer]:
-        """Return the answers beside what was recorded."""
+        """Return an Answer for each topic, once all motions were sent."""
         if not self._last:
             raise BagError('the bag has no motion of the driven joint')
         return [topic.finished(name) for name, topic in self._topics.items()]
@@ -357,7 +357,7 @@ class Meeting:
                         self.largest, self.field = difference, leaf.name
 
     def finished(self, topic: str) -> Answer:
-        """Compare the rest; what still waits for an answer is missing."""
+        """Compare the last pairs; recorded messages without an answer are missing."""
         if self._pairs:
             self.compare()
         return Answer(topic, self.messages, self.missing + len(self._expected), self.largest,

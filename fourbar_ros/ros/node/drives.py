@@ -51,7 +51,7 @@ class Drive(ABC):
         """Make no more steps, when the one in hand is done."""
 
     def prepare(self, scene: Scene) -> None:        # noqa: B027 # most have nothing to prepare
-        """Do what takes long for a scene that is about to hold, while steps go on."""
+        """Make ready for a new scene while steps of the old one go on: for slow preparations."""
 
     def apply(self, settings: DriveSettings) -> None:
         """Take over changed DriveSettings of the scene."""
@@ -86,7 +86,7 @@ class TimerDrive(Drive):
         self._thread.start()
 
     def stop(self) -> None:
-        """Stop it and wait for the current sample."""
+        """Stop the thread after the current sample."""
         self._stopping = True
         self._thread.join()
 
@@ -180,7 +180,7 @@ class SimulatedDrive(Drive):
         self._timer = self._node.create_timer(1.0 / self.settings.rate, self._tick)
 
     def stop(self) -> None:
-        """Stop it."""
+        """Stop the timer."""
         self._node.destroy_timer(self._timer)
 
     def apply(self, settings: DriveSettings) -> None:

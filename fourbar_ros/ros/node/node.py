@@ -105,7 +105,7 @@ class FourBarNode(Base):
         return WrenchInputs(self, self.stream, self.recording)
 
     def _trajectories(self, scene: Scene) -> Trajectories | None:
-        """Return what converts trajectories between input and output, if the scene wants it."""
+        """Return the converter of trajectories, None if the scene wants none."""
         if not scene.values['trajectories']:
             return None
         from fourbar_ros.ros.node.trajectories import Trajectories  # and its messages
@@ -218,7 +218,7 @@ def close(nodes: Sequence[FourBarNode], why: str = 'the node ended') -> None:
 
 
 def in_one_line(error: Exception) -> str:
-    """Return what an error at start says, in one line."""
+    """Return the message of an error at start, in one line."""
     if isinstance(error, UnknownArguments):
         return f'ROS 2 knows no argument {error}'
     return ' '.join(str(error).split())

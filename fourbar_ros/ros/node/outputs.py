@@ -86,7 +86,7 @@ def drive_layout() -> FieldMap:
 
 
 class Wanted(NamedTuple):
-    """The outputs that a step is for, and what it has to compute for them."""
+    """The outputs that a step has to send, and the parts of a step that they need."""
 
     driven: bool
     drive_state: bool
@@ -114,7 +114,7 @@ class Outputs:
         self._driven = self._publisher(DRIVEN)
 
     def apply(self, scene: Scene) -> None:
-        """Take over a scene: create publishers, leave those silent that it does not name."""
+        """Take over a scene: create its publishers; others of an earlier scene become silent."""
         self.mode = mode_number(scene.linkage.mode)
         for name, topic in scene.topics.items():
             if name not in self._made:
@@ -138,7 +138,7 @@ class Outputs:
 
     def _update(self) -> None:
         """
-        Note what steps must compute with and without a bag.
+        Note the outputs that steps have to compute, while a bag is recorded and while none is.
 
         It is called when a subscriber comes or leaves: in every step it would take too long.
         """
@@ -148,14 +148,14 @@ class Outputs:
         self.are_heard = bool(subscribed)
 
     def _wanted_for(self, publishers: Collection[TopicPublisher]) -> Wanted:
-        """Return what a step has to compute for these publishers."""
+        """Return the work of a step whose messages go to these publishers."""
         outputs = [output for output in self.named if output in publishers]
         return Wanted(self._driven in publishers, self._drive_state in publishers, outputs,
                       any(output.needs_loads for output in outputs),
                       frozenset(output.name for output in outputs if output.is_part))
 
     def wanted(self) -> Wanted:
-        """Return what is Wanted now: all outputs while recording, else those with subscribers."""
+        """Return the work of a step now: all outputs while recording, else subscribed ones."""
         return self._all if self._recording.active else self._subscribed
 
     def send_driven(self, stamp: Stamp, values: Sequence[float]) -> None:

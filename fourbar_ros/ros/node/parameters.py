@@ -51,7 +51,7 @@ def scene(node: Base, arguments: Sequence[str] = ()) -> Scene:
     Raises
     ------
     InvalidParameter
-        Naming the parameter, what was given and what is allowed.
+        A value is not allowed; the message names the parameter, its value and the allowed ones.
 
     """
     every = {name: parameter.value

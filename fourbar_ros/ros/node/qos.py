@@ -68,7 +68,7 @@ def subscription(node: Node, topic: Topic, take: Callable[..., None], is_reliabl
 
 
 def _overrides(node: Node, entity: str, topic: Topic) -> QoSOverridingOptions:
-    """Return the policies that rclpy is to read from parameters: those that are given."""
+    """Return the policies that the user gives as parameters; rclpy reads them from there."""
     return QoSOverridingOptions([QoSPolicyKind[policy.upper()] for policy in POLICIES
                                  if has_override(node, entity, topic, policy)])
 
@@ -91,7 +91,7 @@ def check(node: Node, scene: Scene) -> None:
 
 def _fault_of(parts: Sequence[str], value: Any, topics: Mapping[str, str]) -> str:
     """
-    Return what is wrong with an override, '' if nothing.
+    Return the reason why an override is invalid, '' if it is valid.
 
     ``parts``: topic, entity, policy of its name; ``topics``: {topic: its entity}.
     """

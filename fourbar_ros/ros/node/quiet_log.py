@@ -34,7 +34,7 @@ class _Cause:
 
 class QuietLog:
     """
-    Logs the first line of a cause at once; of those in the next ``interval`` [s], the newest only.
+    Logs the first line of a cause at once, then only the newest line of each ``interval`` [s].
 
     A stream of 1000 bad inputs a second would flood the log. The line held back says how often it
     came; :meth:`flush` writes it when the interval is over.
@@ -61,6 +61,7 @@ class QuietLog:
                     self._log(cause)
 
     def _note(self, name: Hashable, text: str, is_warning: bool) -> None:
+        """Count a line of a cause; log it if the interval since the last one is over."""
         with self._lock:
             cause = self._causes.pop(name, None) or _Cause(-self._interval)
             self._causes[name] = cause

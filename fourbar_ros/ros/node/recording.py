@@ -79,7 +79,7 @@ class Recording:
 
     def open(self, scene: Scene, name: str = '') -> OpenBag:
         """
-        Create a bag for the input and the outputs of a scene, without recording yet.
+        Create a bag with a channel for the input and each output of a scene; do not record yet.
 
         Waits for the disk, so it must not run during a step.
 

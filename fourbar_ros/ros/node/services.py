@@ -27,7 +27,7 @@ from fourbar_ros.scene.topics import SERVICES
 
 
 def create(node: Base) -> None:
-    """Create the services of the node's scene; its workers run those that take long."""
+    """Create the services that the scene names; slow ones run in the node's workers."""
     handlers = {'find_extrema': find_extrema, 'evaluate': evaluate_one,
                 'start_recording': start_recording, 'stop_recording': stop_recording}
 

@@ -100,7 +100,7 @@ class Stream:
 
     @property
     def is_heard(self) -> bool:
-        """Return whether anyone listens to what steps give, or a bag records it."""
+        """Return whether any message of a step has a subscriber or goes into a bag."""
         return self.outputs.are_heard or self._recording.active or self.pictures.are_seen
 
     def _renew_stepper(self) -> None:

@@ -185,7 +185,7 @@ class TorqueDrive(Moving, TimerDrive):
         super().start()
 
     def stop(self) -> None:
-        """Stop it and wait for the sample in hand."""
+        """Stop the thread after the current sample, unsubscribe."""
         super().stop()
         if self._command:
             self._command.destroy()
@@ -209,7 +209,7 @@ class SimulatedTorqueDrive(Moving, SimulatedDrive):
         super().start()
 
     def stop(self) -> None:
-        """Stop it."""
+        """Stop the timer, unsubscribe."""
         super().stop()
         if self._command:
             self._command.destroy()

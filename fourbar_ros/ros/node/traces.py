@@ -71,8 +71,7 @@ def extrema(scene: Scene) -> Iterator[Marker]:
     labels, right = [], -inf
     for extremum in every:
         try:
-            position = extremum.slide if mechanism.is_driven_by_slide else extremum.theta1
-            diagram = mechanism.diagram(mechanism.motion(float(position)))
+            diagram = mechanism.diagram(mechanism.motion(extremum.input))
         except FourBarError:
             continue
         at = next(place for name, place in diagram.joints.items() if name not in diagram.ground)

@@ -92,7 +92,7 @@ class Trajectories:
 
     @property
     def counts(self) -> dict[str, int]:
-        """Return the counters of the diagnostics: what came, was refused, was not taken."""
+        """Return counters for the diagnostics: trajectories that came, were refused, were lost."""
         lost = sum(sequence.lost for sequence in self._sequences) + self._too_many
         return {'trajectories': self._came + self._too_many,
                 'trajectories_refused': self._refused, 'trajectories_lost': lost}
@@ -188,7 +188,7 @@ class Trajectories:
 
 
 def _read(data: bytes) -> Points:
-    """Read a message; raise InvalidParameter for whatever a foreign writer may send."""
+    """Read a message; raise InvalidParameter for bytes that are no JointTrajectory."""
     try:
         return read(data)
     except Exception:
@@ -350,17 +350,17 @@ def _point(lengths: Sequence[int], begin: int) -> np.dtype[np.void]:
     ``lengths``: numbers of values of its FIELDS. Each array is a count of 4 bytes, padding to 8,
     and doubles; behind them stands the time from start.
     """
-    names, formats, offsets, at = [], [], [], begin
+    names, formats, offsets, end = [], [], [], begin
     for name, length in zip(FIELDS, lengths):
         names += [f'{name} length', name]
-        at += 4
-        numbers = at + (-at % 8 if length else 0)
         formats += ['<u4', ('<f8', (length,))]
-        offsets += [at - 4 - begin, numbers - begin]
-        at = numbers + 8 * length
+        values = end + 4
+        values += -values % 8 if length else 0
+        offsets += [end - begin, values - begin]
+        end = values + 8 * length
     return np.dtype({'names': [*names, 'sec', 'nanosec'], 'formats': [*formats, '<i4', '<u4'],
-                     'offsets': [*offsets, at - begin, at + 4 - begin],
-                     'itemsize': at + 8 - begin})
+                     'offsets': [*offsets, end - begin, end + 4 - begin],
+                     'itemsize': end + 8 - begin})
 
 
 ROUNDED = 1e-6         # [rad] by which a sender's pi in single precision may be larger
@@ -437,7 +437,7 @@ def _steps(samples: Samples, delay: float = 0.0) -> tuple[Array, Array, Array]:
     """
     Return arrays (n - 1,) of the steps between samples: turns lacking, is a wrap, way [rad].
 
-    The way is what the speeds at both ends make of the time between, h (v + v')/2; zero where
+    The way follows from the time h and the speeds at both ends, h (v + v')/2; it is zero where
     their signs differ. A step of -6.1 rad on a way of 0.2 lacks one turn. ``delay`` [s]: the
     times of the samples may differ so much from the true ones.
     """

@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""TF: the frames of the links, each in that of its parent in the URDF, and those of the points."""
+"""TF: the frame of each link in the frame of its parent, as in the URDF; frames of points."""
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence

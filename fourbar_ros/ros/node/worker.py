@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Services that take long: answered by a thread of their own, the executor goes on with inputs."""
+"""A thread for slow jobs, as long services, while the executor goes on with inputs."""
 from __future__ import annotations
 
 from collections.abc import Callable

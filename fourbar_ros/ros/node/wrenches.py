@@ -66,7 +66,7 @@ class WrenchInputs:
                         f'a force in the frame {frame!r}, this one is {ours!r}')
             return
         wrench = Wrench(force.x, force.y, torque.z)
-        before = self._last.get(link) if link in self._received else None
+        before = self._last.get(link) if link in self._received else None    # none in a silence
         self._received[link], self._last[link] = self._now(), wrench
         if self._stream.scene.wrenches.extrapolated:
             wrench = a_step_later(wrench, before)

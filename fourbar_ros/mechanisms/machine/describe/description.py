@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-What a machine is described with: points, dyads, a cylinder; each checked by itself.
+What a machine is described with: points, dyads, a cylinder, each of which checks itself.
 
 A dyad (Assur group of class II) is two links and three joints, each a pin (R) or a slide (P). The
 letters name the outer joint on the link of ``first``, the inner joint, and the outer joint on the
@@ -43,40 +43,21 @@ PARALLEL = 1e-9
 
 
 class Numbers(NamedTuple):
-    """
-    What the formulas of a dyad take: lengths [m], and cosine and sine of each angle.
+    """What the formulas of a dyad take: lengths [m], and cosine and sine of each angle."""
 
-    Parameters
-    ----------
-    p, q : tuple of 2
-        Where it hangs on the links of ``first`` and of ``second``.
-    sizes : tuple
-        Its dimensions.
-    reach : tuple of 2
-        Sizes of ``p`` and ``q``.
-    shape : tuple
-        Of a dyad between links that are joined to each other: see :func:`.pairs.shaped`.
-
-    """
-
-    p: tuple[Scalar, Scalar]
-    q: tuple[Scalar, Scalar]
-    sizes: tuple[Scalar, ...]
-    reach: tuple[Scalar, ...] = ()
-    shape: tuple[Scalar, ...] = ()
+    p: tuple[Scalar, Scalar]            # where it hangs on the link of ``first``: along, across
+    q: tuple[Scalar, Scalar]            # ... of ``second``
+    sizes: tuple[Scalar, ...]           # its dimensions
+    reach: tuple[Scalar, ...] = ()      # sizes of p and q
+    shape: tuple[Scalar, ...] = ()      # of links joined to each other, see :func:`.pairs.shaped`
 
 
 class Point(NamedTuple):
     """
-    A point fixed to a link.
+    A point fixed to a link or the 'ground'.
 
-    Parameters
-    ----------
-    link : str
-        Name of the link, or 'ground'.
-    along, across : float
-        From its first joint, along the link and to its left [m]; of the ground x and y.
-
+    ``along``, ``across`` [m]: from the first joint of the link, along it and to its left; of the
+    ground x and y.
     """
 
     link: str
@@ -162,24 +143,25 @@ class Dyad:
         self._require_directions(where)
 
     def _checked_dimensions(self, where: str) -> dict[str, float]:
-        """Return {name: value} of its dimensions; others must not be given."""
+        """Return {name: value} of the dimensions of its kind, checked; others must be None."""
         wanted = DIMENSIONS[self.kind]
         for field in fields(self):
             value = getattr(self, field.name)
-            if (field.default is None and field.name not in wanted and value is not None):
+            if field.default is None and field.name not in wanted and value is not None:
                 raise InvalidParameter(f'{where}.{field.name}', value, f'a dyad {self.kind} has '
                                        f'{", ".join(wanted)} only')
-        given = {name: getattr(self, name) for name in wanted}
-        if given.get('offset', 0.0) is None:
-            given['offset'] = 0.0
-        for name, value in given.items():
+        values = {name: getattr(self, name) for name in wanted}
+        if values.get('offset', 0.0) is None:
+            values['offset'] = 0.0
+        for name, value in values.items():
             if value is None:
                 raise InvalidParameter(f'{where}.{name}', value, f'a dyad {self.kind} needs it')
-            given[name] = (number(f'{where}.{name}', value) if name in ANGLES
-                           else checked_length(f'{where}.{name}', value, name == 'offset'))
-        return given
+            values[name] = (number(f'{where}.{name}', value) if name in ANGLES
+                            else checked_length(f'{where}.{name}', value, name == 'offset'))
+        return values
 
     def _require_directions(self, where: str) -> None:
+        """Refuse slides that are parallel on links that do not turn to each other."""
         if self.slot is not None and abs(sin(self.slot)) < PARALLEL:
             raise InvalidParameter(f'{where}.slot', self.slot, 'must not be parallel to the '
                                    'direction in which the yoke slides: not a multiple of pi')
@@ -197,7 +179,7 @@ class Dyad:
 
     @property
     def numbers(self) -> Numbers:
-        """Return what it is described with, as its formulas take it."""
+        """Return places and dimensions as its formulas take them, angles as cosine and sine."""
         found: list[float] = []
         for name in DIMENSIONS[self.kind]:
             value = getattr(self, name)
@@ -237,7 +219,7 @@ class Cylinder(NamedTuple):
 
 
 def require_name(what: str, name: Any) -> None:
-    """Refuse what cannot be part of the name of a field, a topic or a frame."""
+    """Raise InvalidParameter unless ``name`` can be part of a field, a topic and a frame."""
     if not (isinstance(name, str) and re.fullmatch('[A-Za-z][A-Za-z0-9_]*', name)
             and not name.endswith('_') and '__' not in name and not iskeyword(name)):
         raise InvalidParameter(what, name, 'must be a name: letters, digits and single '
@@ -245,7 +227,7 @@ def require_name(what: str, name: Any) -> None:
 
 
 def checked_length(name: str, value: Any, is_signed: bool = False) -> float:
-    """Return a length [m] as a float."""
+    """Return a length [m] as a float, positive unless signed, whose square does not overflow."""
     result = number(name, value) if is_signed else number(
         name, value, 'a length must be a positive number', above=0.0)
     if not (SHORTEST < abs(result) < LONGEST or is_signed and result == 0.0):
@@ -267,7 +249,7 @@ def checked_point(name: str, value: Any) -> Point:
 
 
 def checked_links(name: str, value: Any) -> tuple[str, str]:
-    """Return the names of two links."""
+    """Return the names of two links as a tuple; raise InvalidParameter for anything else."""
     links = tuple(value) if isinstance(value, (tuple, list)) else ()
     if len(links) != 2:
         raise InvalidParameter(name, value, 'must be the names of two links')
@@ -277,7 +259,7 @@ def checked_links(name: str, value: Any) -> tuple[str, str]:
 
 
 def checked_mode(name: str, value: Any, has_one: bool = False) -> int:
-    """Return an assembly mode."""
+    """Return an assembly mode, 1 or 2 (of a dyad that ``has_one``, 2), as an int."""
     if isinstance(value, bool) or value not in ((OPEN,) if has_one else (CROSSED, OPEN)):
         raise InvalidParameter(name, value, 'must be 2: it has one assembly mode' if has_one
                                else 'must be 1 or 2')
@@ -285,7 +267,7 @@ def checked_mode(name: str, value: Any, has_one: bool = False) -> int:
 
 
 def checked_cylinder(given: Any, driven: str) -> Cylinder | None:
-    """Return the cylinder, which a machine has that is driven by one, and no other."""
+    """Return the checked cylinder of a machine; None of one that is driven otherwise."""
     if (given is None) is (driven == CYLINDER):
         raise InvalidParameter('cylinder', given, 'a machine has one if input is cylinder, '
                                                   'and only then')
@@ -314,7 +296,7 @@ def checked_cylinder(given: Any, driven: str) -> Cylinder | None:
 
 
 def checked_dyads(given: Any, driven: str) -> tuple[Dyad, ...]:
-    """Return one dyad or more, as a tuple; with a cylinder, which is one, also none."""
+    """Return one dyad or more, as a tuple; none will do with a cylinder, which is one."""
     dyads = tuple(given) if isinstance(given, (tuple, list)) else ()
     may_be_none = driven == CYLINDER and given in ((), [])
     if not (dyads or may_be_none) or not all(isinstance(dyad, Dyad) for dyad in dyads):
@@ -322,23 +304,23 @@ def checked_dyads(given: Any, driven: str) -> tuple[Dyad, ...]:
     return dyads
 
 
-def with_lengths(dyad: Dyad, given: dict[str, float]) -> Dyad:
-    """Return a dyad with other lengths, by their names in a machine."""
+def with_lengths(dyad: Dyad, lengths: dict[str, float]) -> Dyad:
+    """Return a dyad d with other lengths, {'d.first.along': 0.4, 'd.length_1': 1.2, ...}."""
     changed: dict[str, Any] = {
         place: getattr(dyad, place)._replace(**{
-            name: given[f'{dyad.name}.{place}.{name}'] for name in ('along', 'across')
-            if f'{dyad.name}.{place}.{name}' in given})
+            name: lengths[f'{dyad.name}.{place}.{name}'] for name in ('along', 'across')
+            if f'{dyad.name}.{place}.{name}' in lengths})
         for place in ('first', 'second')}
-    changed.update((name, given[f'{dyad.name}.{name}']) for name in DIMENSIONS[dyad.kind]
-                   if f'{dyad.name}.{name}' in given)
+    changed.update((name, lengths[f'{dyad.name}.{name}']) for name in DIMENSIONS[dyad.kind]
+                   if f'{dyad.name}.{name}' in lengths)
     return replace(dyad, **changed)
 
 
 def by_link(name: str, given: Any, kind: type, of_links: Any, default: Any) -> Any:
     """
-    Return what is given for links, {link: record} or a tuple, as one NamedTuple ``of_links``.
+    Return the records given for links, {link: record} or a tuple, as one NamedTuple ``of_links``.
 
-    Each record is a ``kind``, a Body or an Applied; links without one get the default. None: None.
+    Each is a ``kind``, Body or Applied; links without one get the default. None stays None.
     """
     if given is None:
         return None
@@ -354,7 +336,7 @@ def by_link(name: str, given: Any, kind: type, of_links: Any, default: Any) -> A
     return of_links(**{link: given.get(link, default) for link in of_links._fields})
 
 
-X = (1.0, 0.0)
+X = (1.0, 0.0)                   # a slide along its carrier
 
 
 def connections_of(frame: str, driven: str, stages: Sequence[Dyad]) -> tuple[Connection, ...]:
@@ -365,7 +347,7 @@ def connections_of(frame: str, driven: str, stages: Sequence[Dyad]) -> tuple[Con
 
 
 def _of_dyad(dyad: Any) -> Iterator[Connection]:     # its kind has these dimensions: checked
-    """Yield those of the first, the inner and the second joint."""
+    """Yield the connections of the first, the inner and the second joint of a dyad."""
     one, other = dyad.links
     yield (_slide(dyad.first, one, dyad.direction_1) if dyad.kind == PRP
            else Connection(dyad.first.link, one, tuple(dyad.first[1:])))
@@ -375,6 +357,7 @@ def _of_dyad(dyad: Any) -> Iterator[Connection]:     # its kind has these dimens
 
 
 def _inner(dyad: Any, one: str, other: str) -> Connection:
+    """Return the connection of both links of a dyad; of a slide its carrier is the parent."""
     if dyad.kind == RRR:
         return Connection(one, other, (dyad.length_1, 0.0), (dyad.length_2, 0.0))
     if dyad.kind == RRP:

@@ -39,7 +39,7 @@ def places_of(mechanism: Machine, motion: NamedFields) -> dict[str, Array]:
 
 
 def _place(mechanism: Machine, motion: NamedFields, stage: Stage, dyad: Any, place: str) -> Array:
-    """Return where a joint of a dyad is."""
+    """Return where the 'first', 'inner' or 'second' joint of a dyad is [m], shape (2,)."""
     slides = SLIDES[stage.kind]
     if place in slides:
         return _at(mechanism, motion, stage.links[slides[place]], 0.0, 0.0)
@@ -59,11 +59,7 @@ def _at(mechanism: Machine, motion: NamedFields, link: str, along: float, across
 
 
 def diagram(mechanism: Machine, motion: NamedFields) -> Diagram:
-    """
-    Return the :class:`Diagram` of one pose.
-
-    Each link is drawn from its first joint to every point at which something hangs on it.
-    """
+    """Return the picture of one pose: bars from joint to joint of each link, blocks on slides."""
     joints = places_of(mechanism, motion)
     held = mechanism.layout.ground
     ground = [BASE] if mechanism.input != 'slide' and not held else []
@@ -85,6 +81,7 @@ def diagram(mechanism: Machine, motion: NamedFields) -> Diagram:
 
 
 def _direction(motion: NamedFields, link: str) -> Array:
+    """Return the direction of a link as a unit vector."""
     if link == GROUND:
         return np.array((1.0, 0.0))
     return vector(getattr(motion, f'cos_{link}'), getattr(motion, f'sin_{link}'))
@@ -112,7 +109,11 @@ def _bars_of_parents(mechanism: Machine, motion: NamedFields, joints: Places) ->
 
 
 def _third_sides(mechanism: Machine, motion: NamedFields, joints: Places) -> list[Bar]:
-    """Return the sides of links with three joints and more that do not begin at the first."""
+    """
+    Return the sides of links with three joints and more that do not begin at the first joint.
+
+    They close the triangle of such a link, whose other sides are drawn from its first joint.
+    """
     layout = mechanism.layout
     on_link: dict[str, list[Array]] = {link: [] for link in layout.links}
     for stage, dyad in zip(layout.stages, mechanism.stages):
@@ -135,7 +136,7 @@ def _third_sides(mechanism: Machine, motion: NamedFields, joints: Places) -> lis
 
 
 def _angles(mechanism: Machine, joints: Places) -> dict[str, str]:
-    """Return {angle of the input or the output: joint about which its arc is drawn}."""
+    """Return {field of the input's or the output's angle: joint about which its arc is drawn}."""
     places = {link.name: link.first_joint for link in mechanism.LINKS}
     found = {}
     for coordinate in mechanism.DRAWN:
@@ -152,7 +153,7 @@ def velocity_polygon(mechanism: Machine, motion: NamedFields) -> list[Arrow]:
 
 
 def acceleration_polygon(mechanism: Machine, motion: NamedFields) -> list[Arrow]:
-    """Return the arrows of the accelerations of all moving joints, with those of the crank."""
+    """Return the arrows of accelerations [m/s^2] of moving joints, those on the crank in parts."""
     found = []
     for name, link, point in _moving(mechanism, motion):
         found.append(total(point.acceleration, f'A_{{{name}}}'))
@@ -163,7 +164,7 @@ def acceleration_polygon(mechanism: Machine, motion: NamedFields) -> list[Arrow]
 
 def _moving(mechanism: Machine, motion: NamedFields
             ) -> list[tuple[str, LinkMotion | None, PointMotion]]:
-    """Return (name, motion of the crank if it is on that, PointMotion) of joints that move."""
+    """Return (name, motion of the crank if it is on that, else None, its own) of moving joints."""
     found, held = [], mechanism.layout.ground
     for stage, dyad in zip(mechanism.layout.stages, mechanism.stages):
         for place, parent in (('first', stage.first), ('second', stage.second)):

@@ -1,9 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-How a machine is put together, and what its links, joints, slides and fields are called.
+The structure of a machine and the names that follow: of links, joints, slides, fields.
 
-From the structure alone: which dyad hangs on which links, not how long they are.
+Which dyad hangs on which links, not how long these are.
 """
 from __future__ import annotations
 
@@ -28,8 +28,7 @@ from fourbar_ros.mechanisms.machine.describe.description import (
 from fourbar_ros.mechanisms.parts import Coordinate, GROUND
 
 PLACES = ('first', 'inner', 'second')
-# The joints of each kind that slide; the link that slides there; whether the second link turns
-# with the link it hangs on, and the first.
+# {kind: {joint that slides: which link of the dyad slides there, 0 the first, 1 the second}}
 SLIDES = {RRR: {}, RRP: {'second': 1}, RPR: {'inner': 0}, RPP: {'inner': 0, 'second': 1},
           PRP: {'first': 0, 'second': 1}}
 BASE = 'base'
@@ -87,7 +86,7 @@ class Stage(NamedTuple):
         return [self.links[i] for i in SLIDES[self.kind].values()]
 
     def joints(self) -> list[tuple[str, str]]:
-        """Return (place, name) of its joints."""
+        """Return (place, name) of its three joints: ('first', 'd_first'), ... of dyad d."""
         return [(place, f'{self.name}_{place}') for place in PLACES]
 
     def ends(self, place: str) -> tuple[int, int]:
@@ -142,7 +141,7 @@ class Layout(NamedTuple):
         return self.links[1]
 
     def turning(self) -> set[str]:
-        """Return the names of the links that turn."""
+        """Return the names of the links that turn against the ground."""
         turns = [0, int(self.driven == CRANK_LINK)]     # equal numbers: they turn together
         for stage in self.stages:
             one, other, own = turns[stage.first], turns[stage.second], stage.number
@@ -216,22 +215,23 @@ def layout_of(driver: str, dyads: Sequence[Dyad], output: str | None = None) -> 
 
 
 def _why_not_there(dyads: Sequence[Dyad], link: str, known: Sequence[str]) -> str:
-    """Return why no dyad can hang on a link yet, and what helps."""
+    """Return the text of an error for a link on which no dyad can hang yet, with what helps."""
     owner = next((dyad for dyad in dyads if link in dyad.links), None)
     if owner is None:
         return f'there is no such link{nearest(link, known)}'
-    below = {dyad.name: {other.name for other in dyads if other is not dyad
-                         and {dyad.first.link, dyad.second.link} & {*other.links}}
-             for dyad in dyads}
+    # {dyad: those on whose links it hangs}
+    supports = {dyad.name: {other.name for other in dyads if other is not dyad
+                            and {dyad.first.link, dyad.second.link} & {*other.links}}
+                for dyad in dyads}
     try:
-        order = ', '.join(TopologicalSorter(below).static_order())
+        order = ', '.join(TopologicalSorter(supports).static_order())
     except CycleError as error:
-        at, *_ = error.args[1]
-        for _ in dyads:
-            below = {name: its.union(*[below[other] for other in its])
-                     for name, its in below.items()}
-        group = [own for dyad in dyads for own in dyad.links
-                 if at in below[dyad.name] and dyad.name in below[at]]
+        in_cycle, *_ = error.args[1]
+        for _ in dyads:             # then also those on which these hang, and so on
+            supports = {name: own.union(*[supports[other] for other in own])
+                        for name, own in supports.items()}
+        group = [link for dyad in dyads for link in dyad.links
+                 if in_cycle in supports[dyad.name] and dyad.name in supports[in_cycle]]
         return (f'is a link of dyad {owner.name}, but no order of dyads works: the links '
                 f'{", ".join(group)} close only together, an Assur group of a higher class. '
                 'Drive another link, or hang one of their dyads on links before it')
@@ -239,7 +239,7 @@ def _why_not_there(dyads: Sequence[Dyad], link: str, known: Sequence[str]) -> st
 
 
 def _require_new(where: str, links: Sequence[str], owners: dict[str, str]) -> None:
-    """Refuse names of links that are taken."""
+    """Refuse names of links that are equal or taken; ``owners``: {link: whose it is, in words}."""
     if links[0] == links[1]:
         raise InvalidParameter(f'{where}.links', tuple(links), 'must be two names')
     for link in links:
@@ -251,7 +251,7 @@ def _require_new(where: str, links: Sequence[str], owners: dict[str, str]) -> No
 
 
 def _require_single(layout: Layout) -> None:
-    """Refuse names that make two fields of one name, as link d_inner and the pin of dyad d."""
+    """Refuse names that make two fields alike, as a link called d_inner and a pin of dyad d."""
     for fields in (motion_fields(layout), load_fields(layout)):
         name, count = Counter(fields).most_common(1)[0]
         if count > 1:

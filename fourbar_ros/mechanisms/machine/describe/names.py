@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-What a machine states about itself by the contract, from its layout.
+What a machine states about itself by the contract, LINKS to QUANTITIES, from its layout.
 
 Its records (motion, loads, bodies) are NamedTuple types that are made at run time; their values
 pass from process to process.
@@ -72,6 +72,7 @@ def names_of(layout: Layout) -> dict[str, Any]:
 
 
 def _links(layout: Layout) -> list[Link]:
+    """Return the moving links with their first joints: the driven one, then those of dyads."""
     turning = layout.turning()
     found = [Link(layout.driven, layout.driven, BASE if layout.ground else 'O1',
                   turns=layout.driven in turning)]
@@ -103,7 +104,7 @@ def _reactions(layout: Layout) -> list[Reaction]:
 
 
 def _joints(layout: Layout) -> list[Joint]:
-    """Return all joints: pins with the angle of one link to the other, slides with their way."""
+    """Return all joints: pins with the angle between links, slides with the place on them."""
     moving = {name for name, _, _ in layout.pins()}
     base = (travel(SLIDER_LINK) if layout.driven == SLIDER_LINK else
             coordinate(BASE if BASE in moving else CRANK_LINK))
@@ -140,7 +141,7 @@ def _outputs(layout: Layout, driven: Coordinate) -> tuple[Output, ...]:
 
 
 def _quantities(layout: Layout, driven: Coordinate) -> list[Quantity]:
-    """Return what can be asked for by name, but for what all mechanisms have."""
+    """Return the quantities beside those of all mechanisms: of links, slides, dyads and joints."""
     found = []
     for link in [link for link in layout.moving if link in layout.turning()]:
         found += _of_coordinate(coordinate(link), f'of {link}')
@@ -157,14 +158,13 @@ def _quantities(layout: Layout, driven: Coordinate) -> list[Quantity]:
     return [quantity for quantity in found if quantity.name not in driven]
 
 
-def _of_coordinate(its: Coordinate, text: str) -> list[Quantity]:
-    if its.unit == 'm':
-        return [Quantity(its.position, 'm', f'position {text}', False),
-                Quantity(its.rate, 'm/s', f'velocity {text}', False),
-                Quantity(its.acceleration, 'm/s^2', f'acceleration {text}', False)]
-    return [Quantity(its.position, 'rad', f'angle {text}, continuous', False),
-            Quantity(its.rate, 'rad/s', f'angular velocity {text}', False),
-            Quantity(its.acceleration, 'rad/s^2', f'angular acceleration {text}', False)]
+def _of_coordinate(coordinate: Coordinate, text: str) -> list[Quantity]:
+    """Return position, rate and acceleration of a coordinate; ``text``: whose it is."""
+    unit, terms = coordinate.unit, ('position {}', 'velocity {}', 'acceleration {}')
+    if unit == 'rad':
+        terms = 'angle {}, continuous', 'angular velocity {}', 'angular acceleration {}'
+    return [Quantity(name, unit + per, term.format(text), False)
+            for name, per, term in zip(coordinate, ('', '/s', '/s^2'), terms)]
 
 
 def lengths_of(dyads: Sequence[Dyad]) -> list[tuple[Length, float]]:
@@ -187,11 +187,12 @@ def record_type(name: str, fields: tuple[str, ...]) -> Any:
     base: Any = namedtuple(name, fields)       # type: ignore[misc]  # noqa: PYI024
 
     def reduce(self: Any) -> tuple[Any, ...]:
+        """Return how to unpickle a record: its type is none of this module's names."""
         return restored, (name, fields, tuple(self))
 
     return type(name, (base,), {'__slots__': (), '__reduce__': reduce, '__module__': __name__})
 
 
 def restored(name: str, fields: tuple[str, ...], values: tuple[Any, ...]) -> Any:
-    """Return a record that was taken apart."""
+    """Return a record of :func:`record_type` that was pickled."""
     return record_type(name, fields)._make(values)

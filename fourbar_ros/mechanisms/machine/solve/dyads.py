@@ -115,6 +115,7 @@ def make_rrr(n: NumberType, sign: Scalar, r1: Scalar, r2: Scalar) -> MovesDyad:
 
     def motion(at_p: Node, at_q: Node, apart: Node, _first: Curve,
                _second: Curve) -> DyadMotion:
+        """Return the curves of both rods from P, Q and D = Q - P, by (D1) to (D3)."""
         px, py, pdx, pdy, pddx, pddy = at_p
         qx, qy, qdx, qdy, qddx, qddy = at_q
         x, y, dx, dy, ddx, ddy = apart
@@ -138,7 +139,7 @@ def make_rrr(n: NumberType, sign: Scalar, r1: Scalar, r2: Scalar) -> MovesDyad:
 
 
 def turned(curve: Curve, cosine: Scalar, sine: Scalar) -> tuple[Scalar, Scalar, Scalar, Scalar]:
-    """Return a direction fixed to a link (cosine, sine), its turning and its derivative."""
+    """Return cosine, sine and both derivatives of a direction that is given on a link."""
     c, s, turn, bend = curve[6:]
     return c * cosine - s * sine, s * cosine + c * sine, turn, bend
 
@@ -149,6 +150,7 @@ def make_rrp(n: NumberType, sign: Scalar, r1: Scalar, cos_t: Scalar, sin_t: Scal
 
     def motion(at_p: Node, at_q: Node, apart: Node, _first: Curve,
                second: Curve) -> DyadMotion:
+        """Return the curves of rod and block, and the slide, by (D4) to (D6)."""
         px, py, pdx, pdy, pddx, pddy = at_p
         qx, qy, qdx, qdy, qddx, qddy = at_q
         x, y, dx, dy, ddx, ddy = apart
@@ -179,6 +181,7 @@ def make_rpr(n: NumberType, sign: Scalar, h: Scalar) -> MovesDyad:
     sqrt = n.sqrt
 
     def motion(at_p: Node, at_q: Node, apart: Node, _first: Curve, _second: Curve) -> DyadMotion:
+        """Return the curves of block and bar, and the slide, by (D7) to (D9)."""
         x, y, dx, dy, ddx, ddy = [-part for part in apart]
         distance = sqrt(x * x + y * y)
         s = sign * sqrt((distance - h) * (distance + h))                                # (D7)
@@ -201,11 +204,13 @@ def make_rpp(n: NumberType, _sign: Scalar, cos_t: Scalar, sin_t: Scalar, cos_g: 
     per_sine = 1.0 / sin_g
 
     def split(x: Scalar, y: Scalar, tx: Scalar, ty: Scalar) -> tuple[Scalar, Scalar]:
+        """Return the parts of (x, y) along the slide t and along the slot c."""
         across = (y * tx - x * ty) * per_sine                                           # (D10)
         return x * tx + y * ty - across * cos_g, across
 
     def motion(at_p: Node, at_q: Node, apart: Node, _first: Curve,
                second: Curve) -> DyadMotion:
+        """Return the curves of block and yoke, and both slides, by (D10)."""
         px, py, pdx, pdy, pddx, pddy = at_p
         qx, qy, qdx, qdy, qddx, qddy = at_q
         tx, ty, turn, bend = turned(second, cos_t, sin_t)
@@ -233,6 +238,7 @@ def make_prp(n: NumberType, _sign: Scalar, cos_1: Scalar, sin_1: Scalar, cos_2: 
     """Return the motion of the dyad PRP: two blocks pinned together, on lines through P and Q."""
     def motion(at_p: Node, _at_q: Node, apart: Node, first: Curve,
                second: Curve) -> DyadMotion:
+        """Return the curves of both blocks, and both slides, from P, D and the lines, by (D11)."""
         px, py, pdx, pdy, pddx, pddy = at_p
         x_0, y_0, dx, dy, ddx, ddy = apart
         x1, y1, turn1, bend1 = turned(first, cos_1, sin_1)

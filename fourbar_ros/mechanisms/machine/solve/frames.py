@@ -43,7 +43,7 @@ from fourbar_ros.mechanisms.machine.solve.dyads import (
 )
 from fourbar_ros.mechanisms.machine.solve.pairs import (
     anchors_of,
-    HERE,
+    FIRST_JOINT,
     Joints,
     other_of,
     Place,
@@ -59,7 +59,7 @@ Seen = tuple[int, int]        # a link and the frame in which it is seen
 
 
 def composed(frame: Curve, own: Curve) -> Curve:
-    """Return the curve of a link from its own in a frame and that of the frame, (K1)."""
+    """Return the curve of a link on the ground from its own, seen in a frame, and the frame's."""
     x, y, dx, dy, ddx, ddy, c, s, d_angle, dd_angle = own
     x0, y0, dx0, dy0, ddx0, ddy0, cosine, sine, turn, bend = frame
     ddx, ddy = (ddx - 2.0 * turn * dy - bend * y - turn * turn * x,
@@ -73,9 +73,9 @@ def composed(frame: Curve, own: Curve) -> Curve:
 
 def seen_from(curves: Sequence[Curve], ground: int) -> list[Curve]:
     """
-    Return curves as one of the links sees them, (K1) of the first, their frame, turned round.
+    Return curves as seen from link number ``ground``; the frame stands in its place.
 
-    The frame takes the place of that link.
+    By (K1), with the motion of the frame inverse to that of the link.
     """
     x, y, dx, dy, ddx, ddy, c, s, turn, bend = curves[ground]
     x, y, dx, dy, ddx, ddy, c, s, turn, bend = composed(
@@ -86,38 +86,44 @@ def seen_from(curves: Sequence[Curve], ground: int) -> list[Curve]:
 
 
 class Poses:
-    """Curves of links in frames, as far as they are known."""
+    """
+    The curves of links in frames that are known so far in one pose.
+
+    ``known``: {(link, frame): curve}; ``relations``: {(a link, another to which it is pinned):
+    direction of the first seen from the second}; ``ways``: {(a link, its carrier): its slide and
+    derivatives}; ``of_cylinder``: see :class:`.Driven`.
+    """
 
     def __init__(self, base_of: Callable[[int, int], int], driven: Driven) -> None:
-        # (link, frame) -> the link by whose frame the curve is found
-        self._base_of = base_of
+        self._base_of = base_of         # (link, frame) -> the link between them
         self.known: dict[Seen, Curve] = {(1, 0): driven.curve}
-        # (a link, another to which it is pinned) -> how the first is turned, seen from the second
         self.relations: dict[Seen, Direction] = {}
-        # (a link, its carrier) -> slide and its derivatives
         self.ways: dict[Seen, Sequence[Scalar]] = {(1, 0): driven.way} if driven.way else {}
         self.of_cylinder = driven.of_cylinder
 
     def of(self, link: int, frame: int) -> Curve:
-        """Return the curve of a link in one of its frames."""
+        """Return the curve of a link in one of its frames, composed from known ones if need be."""
         if link == frame:
             return FIXED
-        found = self.known.get((link, frame))
-        if found is None:
+        if (link, frame) not in self.known:
             base = self._base_of(link, frame)
-            found = composed(self.of(base, frame), self.known[link, base])
-            self.known[link, frame] = found
-        return found
+            self.known[link, frame] = composed(self.of(base, frame), self.known[link, base])
+        return self.known[link, frame]
 
     def pin(self, frame: int, link: int, arm: tuple[Scalar, Scalar], shared: int) -> None:
-        """Take a link that is pinned to its frame, both known in a shared one."""
+        """
+        Add the curve of a link in a frame to which its first joint is pinned, at ``arm`` there.
+
+        Both are known in the frame ``shared``; only their directions matter, so no digit of the
+        place is lost as it would be in a difference of places.
+        """
         *_, c0, s0, turn0, bend0 = self.of(frame, shared)
         *_, c, s, turn, bend = self.of(link, shared)
         self.known[link, frame] = (*arm, 0.0, 0.0, 0.0, 0.0, c0 * c + s0 * s, c0 * s - s0 * c,
                                    turn - turn0, bend - bend0)
 
     def slide(self, link: int, slide: Slide, way: Sequence[Scalar]) -> None:
-        """Take a link that slides in its carrier, and the carrier as seen from it."""
+        """Add the curve of a link that slides in its carrier, and of the carrier seen from it."""
         (carrier, (x, y), (c, s)), (place, rate, change) = slide, way
         self.ways[link, carrier] = way
         if (link, carrier) not in self.known:
@@ -131,19 +137,19 @@ class Frames:
     """
     The frames of all links of a machine, and how the dyads hang in them.
 
-    Parameters
-    ----------
-    layout, numbers
-        As for :func:`.motion.make_motion`.
-
+    Made once of layout and numbers (see :func:`.motion.make_motion`). In one pose :meth:`begin`
+    starts with the driven link, :meth:`hang` gives what each dyad is solved from, :meth:`add`
+    takes its links.
     """
 
     def __init__(self, layout: Layout, numbers: Sequence[Numbers]) -> None:
-        # of each link but the ground: the link that carries it; in which it is solved
+        # {link: the one that carries it}, {link: the one in whose frame it is solved}
         self._frame, self._solved = {1: 0}, {1: 0}
         self._sliding: set[int] = set()
         self._slides = [slides_of(stage, own) for stage, own in zip(layout.stages, numbers)]
-        self._anchors: dict[int, Anchor] = {1: (0, HERE)} if layout.driver != 'slide' else {}
+        self._anchors: dict[int, Anchor] = {}
+        if layout.driver != 'slide':
+            self._anchors[1] = 0, FIRST_JOINT
         self._joints = Joints(layout.driver)
         self._work = []
         for stage, own, slides in zip(layout.stages, numbers, self._slides):
@@ -163,10 +169,12 @@ class Frames:
 
     def _frame_of(self, stage: Stage) -> tuple[int, Anchor | None]:
         """
-        Return the frame of a dyad; between moving links that are pinned, one of these.
+        Return the frame of a dyad, and what has to be pinned in that first, if anything.
 
-        Then also (the other, where on the frame its first joint is). Of a dyad that slides on a
-        block and hangs on what carries that: the block, by which its direction is given.
+        It is the last frame of both links on which the dyad hangs. Of moving links that are pinned
+        to each other it is one of them; then also (the other, its first joint there). Of a dyad
+        that slides on a block and hangs on what carries that it is the block, which gives its
+        direction.
         """
         frame = self.common(stage.first, stage.second)
         for parent, child in ((stage.first, stage.second), (stage.second, stage.first)):
@@ -188,14 +196,14 @@ class Frames:
                 and frame in self._sliding and self._frame[frame] == stage.first)
 
     def _up(self, link: int) -> Iterator[int]:
-        """Yield a link, its frame, the frame of that, to the ground."""
+        """Yield a link, its frame, the frame of that and so on down to the ground, 0."""
         while link:
             yield link
             link = self._frame[link]
         yield 0
 
     def _path(self, link: int, arm: tuple[Scalar, Scalar]) -> list[Anchor]:
-        """Return (link, arm) from a point on, joint by joint, as far as they are pinned."""
+        """Return (link, place on it) of a point, then of first joints as long as they are pins."""
         found = [(link, arm)]
         while link in self._anchors:
             link, arm = self._anchors[link]
@@ -204,15 +212,21 @@ class Frames:
 
     def _arms(self, stage: Stage, frame: int, at_p: Place,
               at_q: Place) -> list[tuple[int, Scalar, Scalar]] | None:
-        """Return (link, along, across) of which D is the sum; None if P, Q meet in the frame."""
+        """
+        Return the arms (link, along, across) that lead from P to Q, of which D is the sum.
+
+        They go from pin to pin over the last link that both have in common, so that its own motion
+        is not in D. None if that is the frame: then Q - P has nothing to lose.
+        """
         from_p, from_q = self._path(stage.first, at_p), self._path(stage.second, at_q)
         links = [link for link, _ in from_p]
         common = next((link for link, _ in from_q if link in links), frame)
         if common in (frame, 0):
             return None
         i, j = links.index(common), [link for link, _ in from_q].index(common)
-        (a, b), (c, d) = from_p[i][1], from_q[j][1]
-        arms = [(common, c - a, d - b), *((link, *arm) for link, arm in from_q[:j]),
+        (p_along, p_across), (q_along, q_across) = from_p[i][1], from_q[j][1]
+        arms = [(common, q_along - p_along, q_across - p_across),
+                *((link, *arm) for link, arm in from_q[:j]),
                 *((link, -arm[0], -arm[1]) for link, arm in from_p[:i])]
         # from a carrier a rod may lead out of the frame
         return arms if all(frame in self._up(link) for link, *_ in arms) else None
@@ -223,7 +237,7 @@ class Frames:
         return next(link for link in self._up(other) if link in chain)
 
     def base_of(self, link: int, frame: int) -> int:
-        """Return the link by whose frame the curve of a link in a frame is found."""
+        """Return the link in between, in which a link is known and which is known in a frame."""
         solved = self._solved[link]
         return solved if frame in self._up(solved) else self._frame[link]
 
@@ -233,9 +247,9 @@ class Frames:
 
     def hang(self, number: int, poses: Poses) -> tuple[Node, Node, Any, Curve, Curve]:
         """
-        Return P, Q, D and the curves of the links they are of, in the frame of a dyad.
+        Return P, Q, D = Q - P and the curves of the links on which a dyad hangs, in its frame.
 
-        In place of D, of a pair: its angle or slide; of a cylinder: what drives it.
+        In place of D a pair gets its angle or slide, and a cylinder what drives it.
         """
         stage, frame, at_p, at_q, arms, pair = self._work[number]
         if stage.pair:
@@ -257,7 +271,7 @@ class Frames:
 
     def _hang_pair(self, stage: Stage, poses: Poses, at_p: Place,
                    at_q: Place) -> tuple[Node, Node, Any, Curve, Curve]:
-        """Return the same of a dyad between links that are joined to each other."""
+        """Return what :meth:`hang` does, of a dyad between links that are joined to each other."""
         assert stage.pair is not None
         frame, other = stage.pair.frame, other_of(stage)
         way: Sequence[Scalar]
@@ -266,15 +280,16 @@ class Frames:
         else:
             way = self.relation(other, frame, poses)
             if (other, frame) not in poses.known:
-                here, there = self._joints.pin(other, frame)
-                turned = (*there, 0.0, 0.0, 0.0, 0.0, *way)
-                place = point_of(turned, -here[0], -here[1]) if here is not HERE else turned[:6]
-                poses.known[other, frame] = (*place, *way)
+                on_other, on_frame = self._joints.pin(other, frame)
+                about_pin = (*on_frame, 0.0, 0.0, 0.0, 0.0, *way)
+                first_joint = (about_pin[:6] if on_other is FIRST_JOINT
+                               else point_of(about_pin, -on_other[0], -on_other[1]))
+                poses.known[other, frame] = (*first_joint, *way)
         first, second = poses.of(stage.first, frame), poses.of(stage.second, frame)
         return point_of(first, *at_p), point_of(second, *at_q), way, first, second
 
     def relation(self, link: int, other: int, poses: Poses) -> Direction:
-        """Return how a link is turned, seen from one to which it is pinned."""
+        """Return the direction of a link, and its derivatives, seen from one it is pinned to."""
         for (one, two), is_inverse in (((link, other), False), ((other, link), True)):
             found = poses.relations.get((one, two)) or (
                 (one, two) in poses.known and poses.known[one, two][6:])
@@ -287,7 +302,7 @@ class Frames:
         return c0 * c + s0 * s, c0 * s - s0 * c, turn - turn0, bend - bend0
 
     def add(self, number: int, poses: Poses, moved: DyadMotion) -> tuple[Curve, Curve]:
-        """Take the curves of a dyad in its frame; return those on the ground."""
+        """Take the curves of a dyad's links in its frame; return those in the machine's frame."""
         stage, frame, at_p, *_ = self._work[number]
         one, two = stage.number, stage.number + 1
         poses.known[one, frame], poses.known[two, frame] = moved[:2]

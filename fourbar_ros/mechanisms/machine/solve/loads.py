@@ -166,7 +166,12 @@ def make_base(n: NumberType, layout: Layout) -> Function:
 
 
 def make_backward(n: NumberType, layout: Layout, numbers: Sequence[Numbers]) -> Function:
-    """Return (curves, slides, sines, needs, drive) -> fields of all joints of the dyads."""
+    """
+    Return (curves, slides, sines, needs, drive) -> fields of all joints of the dyads.
+
+    Solves from the last dyad to the first: nothing hangs on the last one, so its needs are known,
+    and each adds its forces to the needs of the links that carry it.
+    """
     work = [(i, stage.first - 1, stage.second - 1, stage.number - 1,
              partial(SOLVERS[stage.kind], own.sizes), make_fields(n, stage),
              make_arms(stage, own))
@@ -175,7 +180,7 @@ def make_backward(n: NumberType, layout: Layout, numbers: Sequence[Numbers]) -> 
 
     def backward(curves: Sequence[Curve], slides: Sequence[Sequence[Scalar]],
                  sines: Sequence[Scalar], needs: list[Needs], drive: Scalar) -> list[Scalar]:
-        """Return the fields; each dyad adds its forces to the needs of the links it hangs on."""
+        """Return the fields of the joints, in the order of the dyads."""
         directions = [Vector(*curve[6:8]) for curve in curves]
         found: list[tuple[Scalar, ...]] = [()] * len(work)
         for number, on_first, on_second, own, solve, fields, arms in work:

@@ -76,6 +76,7 @@ def make_cylinder(n: NumberType, sign: Scalar, own: Numbers) -> Driver:
     of_base = -base_x * per_b, -base_y * per_b          # from the base to O1
 
     def crank(s: Scalar) -> Driven:
+        """Return the crank, and the rod, at a length of the cylinder, by (C1)."""
         (cos_x, sin_x, cos_b, sin_b, cos_2, sin_2, d_x, _, d_2, dd_x, _, dd_2,
          _) = triangle((s + 0.0 * sqrt(s)) * per)       # no length is below zero       # (C1)
         directions = (turned_by(turned_by((cos_2, sin_2), of_base), of_pin),
@@ -97,12 +98,17 @@ def make_driver(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
 
 
 def make_errors(n: NumberType, stage: Stage, own: Numbers) -> Function:
-    """Return (errors of both links, |s| of its slides, sine, cosine) -> errors of its links."""
+    """
+    Return (errors of the links it hangs on, slides, sine, cosine) -> errors of a dyad's own links.
+
+    A bound, by (C3) to (C6), of how far relative errors of the lengths move and turn them.
+    """
     fabs, kind = n.fabs, stage.kind
     (reach_p, reach_q), sizes = own.reach, own.sizes
 
     def errors(first: Errors, second: Errors, slides: Sequence[Scalar], sine: Scalar,
                cosine: Scalar) -> tuple[Errors, Errors]:
+        """Return (error of the first joint [m], of the angle [rad]) of both links of the dyad."""
         at_p = first[0] + reach_p * (1.0 + first[1])
         at_q = second[0] + reach_q * (1.0 + second[1])
         both, per = at_p + at_q, 1.0 / fabs(sine)
@@ -125,10 +131,11 @@ def make_errors(n: NumberType, stage: Stage, own: Numbers) -> Function:
 
 
 def make_errors_on_ground(n: NumberType, ground: int) -> Function:
-    """Return (errors in the frame, curves on the ground, a link) -> errors of that, a bound."""
+    """Return (errors in the frame, curves on the ground, a link) -> its errors there, a bound."""
     fabs = n.fabs
 
     def on_ground(errors: Sequence[Errors], curves: Sequence[Curve], link: int) -> Errors:
+        """Return the errors of a link plus those of the ground, whose angle moves the link."""
         (place, turn), (x, y) = errors[ground], curves[link][:2]
         at, turned = (0.0, 0.0) if link == ground else errors[link]
         return place + at + (fabs(x) + fabs(y)) * turn, turn + turned
@@ -138,10 +145,11 @@ def make_errors_on_ground(n: NumberType, ground: int) -> Function:
 def make_walk(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
               signs: Sequence[Scalar]) -> Walk:
     """
-    Return input -> curves of all links, the frame's first, and for each dyad its slides.
+    Return input -> all that the fields of a motion are made of, dyad by dyad.
 
-    Also (sine, cosine) of each, the errors of all links, and for each pin between moving links
-    how the second is turned, seen from the first.
+    Curves of all links in the frame, its own first; slides of each dyad; (sine, cosine) of its
+    transmission angle; errors of all links; of each pin between moving links the direction of the
+    second seen from the first.
     """
     driver, frames = make_driver(n, layout, numbers, signs), Frames(layout, numbers)
     work = [(stage, moves, make_errors(n, stage, given)) for stage, given, moves in zip(
@@ -149,6 +157,7 @@ def make_walk(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
     pins = [(i, j) for _, i, j in layout.pins()]
 
     def walk(position: Scalar) -> Walked:
+        """Solve the driven link, then each dyad in its frame from the links it hangs on."""
         driven = driver(position)
         curves, slides, transmissions = [FIXED, driven.curve], [], []
         errors: list[Errors] = [EXACT, driven.errors]
@@ -187,6 +196,7 @@ def make_motion(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
     with_cylinder = layout.driver == CYLINDER
 
     def motion(position: Scalar, rate: Scalar, acceleration: Scalar) -> tuple[Scalar, ...]:
+        """Return the fields in the order of motion_fields: links, slides, pins, angles, curves."""
         curves, slides, transmissions, errors, pins = walk(position)
         condition = errors[output][error_of_output]
         if ground:
@@ -221,14 +231,11 @@ def make_motion(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
 
 
 def make_transmission_angles(n: NumberType) -> Function:
-    """
-    Return (sine, cosine) of all dyads -> their transmission angles [rad], in [0, pi].
-
-    The last is that of the dyad nearest to its toggle once more.
-    """
+    """Return (sine, cosine) of all dyads -> angles [rad] in [0, pi], and again the worst one."""
     atan2, fabs, least = n.atan2, n.fabs, n.least
 
     def angles(transmissions: Sequence[tuple[Scalar, Scalar]]) -> list[Scalar]:
+        """Return the angles; the worst is that of the least |sine|, nearest to its toggle."""
         sizes = [(fabs(sine), cosine) for sine, cosine in transmissions]
         found = [atan2(sine, cosine) for sine, cosine in sizes]
         return [*found, least([(size, angle) for (size, _), angle in zip(sizes, found)])[1]]

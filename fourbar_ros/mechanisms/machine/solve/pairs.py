@@ -61,7 +61,7 @@ from fourbar_ros.numerics.number_types import Function, nudge, NumberType, power
 Place = tuple[Scalar, Scalar]        # along and across, on a link
 # Of a link that slides: (its carrier, start and direction of the slide there).
 Slide = tuple[int, Place, Place]
-HERE = (0.0, 0.0)
+FIRST_JOINT = (0.0, 0.0)             # as a place
 # Pairs with a margin below this are solved in their own form. The others have all digits in the
 # general one too (:mod:`.dyads`), with a third fewer operations.
 CLOSE = 2.0**-6
@@ -75,7 +75,7 @@ def slides_of(stage: Stage, own: Numbers) -> list[tuple[int, Slide]]:
     if stage.kind == RPR:
         return [(one, (two, (0.0, sizes[0]), (1.0, 0.0)))]
     if stage.kind == RPP:
-        return [(one, (two, HERE, (sizes[2], sizes[3]))),
+        return [(one, (two, FIRST_JOINT, (sizes[2], sizes[3]))),
                 (two, (stage.second, own.q, (sizes[0], sizes[1])))]
     if stage.kind == PRP:
         return [(one, (stage.first, own.p, (sizes[0], sizes[1]))),
@@ -87,7 +87,7 @@ def anchors_of(stage: Stage, own: Numbers) -> dict[int, tuple[int, Place]]:
     """Return {link of a dyad: (link to which its first joint is pinned, where)}."""
     one, two = stage.number, stage.number + 1
     if stage.kind == PRP:
-        return {two: (one, HERE)}
+        return {two: (one, FIRST_JOINT)}
     second = {RRR: (stage.second, own.q), RPR: (stage.second, own.q),
               RRP: (one, (own.sizes[0], 0.0))}.get(stage.kind)
     return {one: (stage.first, own.p), **({two: second} if second else {})}
@@ -102,13 +102,13 @@ class Joints:
     """
 
     def __init__(self, driver: str) -> None:
-        self.pins = {} if driver == 'slide' else {(1, 0): (HERE, HERE)}
-        self.slides = {(1, 0): (HERE, (1.0, 0.0))} if driver == 'slide' else {}
+        self.pins = {} if driver == 'slide' else {(1, 0): (FIRST_JOINT, FIRST_JOINT)}
+        self.slides = {(1, 0): (FIRST_JOINT, (1.0, 0.0))} if driver == 'slide' else {}
 
     def add(self, stage: Stage, own: Numbers) -> None:
         """Take the joints of a dyad."""
         for link, (carrier, place) in anchors_of(stage, own).items():
-            self.pins[link, carrier] = HERE, place
+            self.pins[link, carrier] = FIRST_JOINT, place
         if stage.kind == RRR:
             r1, r2 = own.sizes
             self.pins[stage.number + 1, stage.number] = (r2, 0.0), (r1, 0.0)
@@ -131,12 +131,12 @@ class Joints:
 
 
 def other_of(stage: Stage) -> int:
-    """Return the link of a pair that is not the frame."""
+    """Return the number of the link of a pair that is not its frame."""
     return stage.first if stage.turns_first else stage.second
 
 
 def _shape(stage: Stage, own: Numbers, joints: Joints, length: Function) -> tuple[Scalar, ...]:
-    """Return what makes the loop of a pair, beside the sizes of the dyad: see :func:`shaped`."""
+    """Return what makes the loop of a pair, beside sizes of the dyad: ``shape`` of shaped()."""
     assert stage.pair is not None
     frame, other = stage.pair.frame, other_of(stage)
     (p_x, p_y), (q_x, q_y) = (own.p, own.q) if stage.turns_first else (own.q, own.p)
@@ -175,7 +175,7 @@ def shaped(layout: Layout, numbers: Sequence[Numbers], length: Function = hypot)
 
 
 def with_pairs(layout: Layout, numbers: Sequence[Numbers]) -> Layout:
-    """Return a layout with those of its pairs that lose digits in the general formulas."""
+    """Return a layout whose stages have a ``pair`` where the general formulas lose digits."""
     joints, stages = Joints(layout.driver), []
     for stage, own in zip(layout.stages, numbers):
         pair = None if stage.name == CYLINDER else joints.pair_of(stage)
@@ -185,7 +185,7 @@ def with_pairs(layout: Layout, numbers: Sequence[Numbers]) -> Layout:
 
 
 def _if_close(pair: Pair, stage: Stage, own: Numbers, joints: Joints) -> Pair | None:
-    """Return a pair if it is near a change point or of unlike lengths, else None."""
+    """Return a pair if it is near a change point or its lengths are unlike, else None."""
     stage = stage._replace(pair=pair)
     try:
         own = own._replace(shape=_shape(stage, own, joints, hypot))
@@ -205,6 +205,7 @@ def make_half_angle(n: NumberType, beside_0: Scalar = 0.0) -> Function:
     fabs, where = n.fabs, n.where
 
     def half_angle(cos_x: Scalar, sin_x: Scalar) -> tuple[Scalar, Scalar, Scalar]:
+        """Return squares and product of sine and cosine of x/2, without cancellation."""
         sin_x = sin_x + beside_0
         large = 0.5 * (1.0 + fabs(cos_x))
         small = 0.25 * sin_x * sin_x / large
@@ -214,15 +215,15 @@ def make_half_angle(n: NumberType, beside_0: Scalar = 0.0) -> Function:
 
 
 def turned_by(one: Sequence[Scalar], other: Sequence[Scalar]) -> tuple[Scalar, Scalar]:
-    """Return the sum of two directions, each (cosine, sine)."""
+    """Return (cosine, sine) of the sum of two angles, each given so."""
     (c, s), (cosine, sine) = one, other
     return c * cosine - s * sine, s * cosine + c * sine
 
 
-def along(way: Sequence[Scalar], first: Scalar, second: Scalar) -> tuple[Scalar, Scalar]:
-    """Return derivatives by the input of those by an angle or a slide, (P2)."""
-    turn, bend = way[-2:]
-    return first * turn, second * turn * turn + first * bend
+def by_input(way: Sequence[Scalar], first: Scalar, second: Scalar) -> tuple[Scalar, Scalar]:
+    """Return derivatives by the input from those by an angle or slide, ``way``, by (P2)."""
+    rate, change = way[-2:]
+    return first * rate, second * rate * rate + first * change
 
 
 def make_rrr_pair(n: NumberType, sign: Scalar, stage: Stage, own: Numbers) -> MovesDyad:
@@ -237,12 +238,13 @@ def make_rrr_pair(n: NumberType, sign: Scalar, stage: Stage, own: Numbers) -> Mo
 
     def motion(at_p: Node, at_q: Node, way: Sequence[Scalar], _first: Curve,
                _second: Curve) -> DyadMotion:
+        """Return the curves of both rods from the angle between the links they hang on."""
         (_, _, cos_bx, sin_bx, cos_b, sin_b, cos_y, sin_y, cos_mu, sin_mu, d_bx, d_mu, d_y, d_b,
          dd_mu, dd_y, dd_b, _) = loop(*half_angle(*turned_by(way[:2], (cos_0, sin_0))))
-        coupler: Direction = *turned_by((cos_b, sin_b), of_g), *along(way, d_b, dd_b)
-        output: Direction = *turned_by((cos_y, sin_y), of_g), *along(way, d_y, dd_y)
-        on_other: Direction = *turned_by((cos_bx, sin_bx), of_a), *along(way, d_bx, dd_b)
-        between: Direction = cos_mu, side * sin_mu, *along(way, side * d_mu, side * dd_mu)
+        coupler: Direction = *turned_by((cos_b, sin_b), of_g), *by_input(way, d_b, dd_b)
+        output: Direction = *turned_by((cos_y, sin_y), of_g), *by_input(way, d_y, dd_y)
+        on_other: Direction = *turned_by((cos_bx, sin_bx), of_a), *by_input(way, d_bx, dd_b)
+        between: Direction = cos_mu, side * sin_mu, *by_input(way, side * d_mu, side * dd_mu)
         directions = (coupler, output) if first else (output, coupler)
         return ((*at_p, *directions[0]), (*at_q, *directions[1]), (), side * sin_mu, cos_mu,
                 {(one if first else two, other): on_other, (two, one): between})
@@ -262,22 +264,23 @@ def make_rrp_pair(n: NumberType, sign: Scalar, stage: Stage, own: Numbers) -> Mo
 
     def motion(at_p: Node, _at_q: Node, way: Sequence[Scalar], _first: Curve,
                _second: Curve) -> DyadMotion:
+        """Return the curves of rod and block, and the slide, from the angle of the rod's link."""
         cos_x, sin_x = turned_by(way[:2], of_0)
         cos_b, sin_b, cos_2, sin_2, s, d_b, d_2, d_s, dd_b, dd_s, _ = rod_on_line(
             cos_x + beside_0, sin_x)
         s = unit * s
-        d_s, dd_s = along(way, unit * d_s, unit * dd_s)
-        rod = *at_p, *turned_by((cos_b, sin_b), line), *along(way, d_b, dd_b)
+        d_s, dd_s = by_input(way, unit * d_s, unit * dd_s)
+        rod = *at_p, *turned_by((cos_b, sin_b), line), *by_input(way, d_b, dd_b)
         block = (foot_x + s * t_x, foot_y + s * t_y, d_s * t_x, d_s * t_y, dd_s * t_x,
                  dd_s * t_y, t_x, t_y, 0.0, 0.0)
-        on_other: Direction = *turned_by((cos_2, sin_2), of_a), *along(way, d_2, dd_b)
+        on_other: Direction = *turned_by((cos_2, sin_2), of_a), *by_input(way, d_2, dd_b)
         return rod, block, (s - start, d_s, dd_s), cos_b, sin_b, {(one, other): on_other}
     return motion
 
 
 def _bar(stage: Stage, at_p: Node, at_q: Node, direction: Direction, slide: tuple[Scalar, ...],
          sine: Scalar, cosine: Scalar, relations: Relations) -> DyadMotion:
-    """Return the motion of RPR by the direction of its bar, from the end on the frame."""
+    """Return the motion of RPR by the direction of its bar, seen from the end on the frame."""
     c, s, turn, bend = direction
     if not stage.turns_first:
         c, s = -c, -s
@@ -297,13 +300,14 @@ def make_rpr_pair(n: NumberType, sign: Scalar, stage: Stage, own: Numbers) -> Mo
 
     def motion(at_p: Node, at_q: Node, way: Sequence[Scalar], _first: Curve,
                _second: Curve) -> DyadMotion:
+        """Return the curves of block and bar, and the slide, from the angle of the other link."""
         (_, _, cos_y, sin_y, cos_2, sin_2, l, d_l, d_y, d_2, dd_l, dd_y, _,
          per_q) = block_on_bar(*half_angle(*turned_by(way[:2], (cos_0, sin_0))))
         per = sqrt(per_q)
-        bar: Direction = *turned_by((cos_y, sin_y), of_g), *along(way, d_y, dd_y)
+        bar: Direction = *turned_by((cos_y, sin_y), of_g), *by_input(way, d_y, dd_y)
         on_other: Direction = (*turned_by((side * cos_2, side * sin_2), of_a),
-                               *along(way, d_2, dd_y))
-        return _bar(stage, at_p, at_q, bar, (unit * l, *along(way, unit * d_l, unit * dd_l)),
+                               *by_input(way, d_2, dd_y))
+        return _bar(stage, at_p, at_q, bar, (unit * l, *by_input(way, unit * d_l, unit * dd_l)),
                     l * per, h * per, {pinned: on_other})
     return motion
 
@@ -318,23 +322,17 @@ def make_rrr_slide(n: NumberType, sign: Scalar, stage: Stage, own: Numbers) -> M
 
     def motion(at_p: Node, at_q: Node, way: Sequence[Scalar], _first: Curve,
                _second: Curve) -> DyadMotion:
+        """Return the curves of both rods from the slide between the links they hang on."""
         (cos_x, sin_x, cos_b, sin_b, cos_2, sin_2, d_x, d_b, d_2, dd_x, dd_b, dd_2,
          _) = triangle((way[0] + shift) * per)
         scaled = way[1] * per, way[2] * per
-        frames: Direction = *turned_by((cos_x, sin_x), line), *_along_slide(scaled, d_x, dd_x)
-        others: Direction = *turned_by((-cos_b, -sin_b), line), *_along_slide(scaled, d_b, dd_b)
-        d_2, dd_2 = _along_slide(scaled, -side * d_2, -side * dd_2)
+        frames: Direction = *turned_by((cos_x, sin_x), line), *by_input(scaled, d_x, dd_x)
+        others: Direction = *turned_by((-cos_b, -sin_b), line), *by_input(scaled, d_b, dd_b)
+        d_2, dd_2 = by_input(scaled, -side * d_2, -side * dd_2)
         directions = (others, frames) if first else (frames, others)
         return ((*at_p, *directions[0]), (*at_q, *directions[1]), (), side * sin_2, -cos_2,
                 {(two, one): (-cos_2, side * sin_2, d_2, dd_2)})
     return motion
-
-
-def _along_slide(way: tuple[Scalar, Scalar], first: Scalar,
-                 second: Scalar) -> tuple[Scalar, Scalar]:
-    """Return derivatives by the input of those by a slide in a unit, (P2)."""
-    rate, change = way
-    return first * rate, second * rate * rate + first * change
 
 
 def make_rpr_slide(n: NumberType, sign: Scalar, stage: Stage, own: Numbers) -> MovesDyad:
@@ -348,6 +346,7 @@ def make_rpr_slide(n: NumberType, sign: Scalar, stage: Stage, own: Numbers) -> M
 
     def motion(at_p: Node, at_q: Node, way: Sequence[Scalar], _first: Curve,
                _second: Curve) -> DyadMotion:
+        """Return the curves of block and bar, and their slide, from that of the other link."""
         x = way[0] * per + shift + beside_0
         q = x * x + e * e
         l = sign * sqrt(x * x + k)  # noqa: E741                                        # (P3)
@@ -358,8 +357,8 @@ def make_rpr_slide(n: NumberType, sign: Scalar, stage: Stage, own: Numbers) -> M
         dd_y = (h * dd_l - 2.0 * x * d_y) * per_q
         scaled, root = (way[1] * per, way[2] * per), sqrt(per_q)
         bar: Direction = (*turned_by(((l * x + h * e) * per_q, (l * e - h * x) * per_q), line),
-                          *_along_slide(scaled, d_y, dd_y))
-        d_l, dd_l = _along_slide(scaled, unit * d_l, unit * dd_l)
+                          *by_input(scaled, d_y, dd_y))
+        d_l, dd_l = by_input(scaled, unit * d_l, unit * dd_l)
         return _bar(stage, at_p, at_q, bar, (unit * l, d_l, dd_l), l * root, h * root, {})
     return motion
 
@@ -370,14 +369,22 @@ PAIRS = {(RRR, False): make_rrr_pair, (RRP, False): make_rrp_pair, (RPR, False):
 
 def rod_of_cylinder(at_p: Node, at_q: Node, driven: Any, _first: Curve,
                     _second: Curve) -> DyadMotion:
-    """Return the motion of the rod and the tube of a cylinder, which its own triangle gives."""
+    """
+    Return the motion of rod and tube of a cylinder, whose triangle the driver has solved.
+
+    ``driven``: length, direction of the rod, sine and cosine of the transmission angle.
+    """
     slide, rod, sine, cosine = driven
     return (*at_p, *rod), (*at_q, *rod), (slide, 1.0, 0.0), sine, cosine, {}
 
 
 def make_moves(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
                signs: Sequence[Scalar]) -> list[MovesDyad]:
-    """Return the motions of all dyads."""
+    """
+    Return for each dyad the function that solves it for its links, see MovesDyad.
+
+    The general form of :mod:`.dyads`; that of a pair where the general one would lose digits.
+    """
     return [rod_of_cylinder if stage.name == CYLINDER
             else PAIRS[stage.kind, stage.pair.slides](n, sign, stage, own) if stage.pair
             else MAKERS[stage.kind](n, sign, *own.sizes)
@@ -410,15 +417,17 @@ class Factor(NamedTuple):
 
 class Closure:
     """
-    Where a pair closes: by the signs of its factors, which are exact.
+    Where a pair closes: where the factors of its discriminant are positive.
 
     Of two factors one at most is negative. One that vanishes in one direction and is positive
-    elsewhere makes a change point: ``flats`` has +1.0 or -1.0 of x = 0 or pi, 0.0 of sigma = 0.
+    elsewhere makes a change point; their exact signs tell. ``flats`` has its directions: +1.0 for
+    x = 0, -1.0 for x = pi, or 0.0 for sigma = 0 of a slide.
     """
 
     def __init__(self, stage: Stage, own: Numbers) -> None:
         assert stage.pair is not None
         self.slides, self.is_sine = stage.pair.slides, stage.kind == RRP
+        # sigma where the slide is zero, or the direction of the other link where the angle is
         self._start: Any = own.shape[0] if self.slides else own.shape[2:4]
         self._factors = _factors(stage, own)
         one, other = own.shape[:2]
@@ -437,21 +446,22 @@ class Closure:
 
     @property
     def margin(self) -> float:
-        """Return how near a change point it is, from 0 to 1, or how unlike its lengths are."""
+        """Return the least ratio, 0 to 1, of coefficients (0: a change point) or of rods."""
         sizes = [sorted(map(abs, (1.0 if self.slides else plus, minus)))
                  for plus, minus in self._factors]
         return min([small / large if large else 0.0 for small, large in [*sizes, self._rods]])
 
     def _flats_of(self, factor: Factor) -> list[float]:
+        """Return the directions in which a factor vanishes, as in ``flats``."""
         if self.slides:
             return [0.0] if factor.minus == 0.0 < factor.plus else []
         return [sign for sign, value in ((1.0, factor.plus), (-1.0, factor.minus)) if value == 0.0]
 
     def make_place(self, n: NumberType) -> Function:
         """
-        Return the angle or slide of a pair -> (how far beside a flat position, on which side).
+        Return a function of the angle or slide of a pair: distance from a flat position, and side.
 
-        Of an angle sine and cosine, of RRP cosine and sine; of a slide sigma and 0.
+        Of an angle (sin x, cos x), of RRP (cos x, sin x), of a slide (sigma, 0).
         """
         if self.slides:
             return lambda way: (way[0] + self._start, 0.0)
@@ -460,10 +470,11 @@ class Closure:
         return lambda way: turned_by(way[:2], self._start)[::-1]
 
     def make_closing(self, n: NumberType) -> Function:
-        """Return the angle or slide of a pair -> product of the factors that have toggles."""
+        """Return angle or slide of a pair -> product of the scaled factors that have toggles."""
         place, half_angle = self.make_place(n), make_half_angle(n)
 
         def closing(way: Sequence[Scalar]) -> Scalar:
+            """Return a number that is positive where the pair closes, zero at its toggles."""
             beside, ahead = place(way)
             one, other = beside * beside, 1.0
             if not self.slides:
@@ -476,11 +487,12 @@ class Closure:
         return closing
 
     def make_square(self, n: NumberType) -> Function:
-        """Return the angle or slide of a pair -> |D|^2, scaled."""
+        """Return angle or slide of a pair -> |Q - P|^2, scaled: a pole where it is zero."""
         place, half_angle = self.make_place(n), make_half_angle(n)
         one, other = self._square
 
         def square(way: Sequence[Scalar]) -> Scalar:
+            """Return the scaled square of the distance of the dyad's ends."""
             beside, ahead = place(way)
             if self.slides:
                 size: Scalar = beside * beside + one
@@ -494,7 +506,8 @@ class Closure:
         """
         Return the input where a pair of the driven link and the ground lies flat [rad or m].
 
-        ``is_driven``: whether it is the driven link that moves in the frame.
+        ``flat``: one of ``flats``; ``is_driven``: whether the driven link, not the ground, moves
+        in the pair's frame.
         """
         if self.slides:
             return float(0.0 - self._start)
@@ -505,6 +518,7 @@ class Closure:
 
 
 def _factors(stage: Stage, own: Numbers) -> list[Factor]:
+    """Return the factors of the discriminant of a pair, from exact sums of scaled lengths."""
     assert stage.pair is not None
     unit = power_of_two(*own.sizes[:1 + (stage.kind == RRR)],
                         *own.shape[stage.pair.slides:2])
