@@ -19,7 +19,7 @@ setup(
     package_dir=SCENES,
     package_data={NAME: ['py.typed'], f'{NAME}.generated': ['c/*'], LAB: ['py.typed'],
                   f'{LAB}.reproduction': ['*.yaml'],
-                  f'{LAB}.live': ['*.js'],
+                  f'{LAB}.live': ['*.js', '*.css'],
                   **dict.fromkeys(SCENES, ['*.yaml', '*.csv'])},
     data_files=[
         ('share/ament_index/resource_index/packages', ['resource/' + NAME]),

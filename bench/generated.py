@@ -11,6 +11,7 @@ import subprocess
 from tempfile import TemporaryDirectory
 
 from fourbar_ros import load_scene
+from fourbar_ros.generated import generate
 from fourbar_ros.generated.c_code import Code
 from fourbar_ros.generated.model import Model
 import numpy as np
@@ -18,7 +19,7 @@ import numpy as np
 from . import ROOT
 from .pages import best_time, table
 
-SAMPLES, ROUNDS = 20_000, 15
+SAMPLES, ROUNDS, STEPS_MADE = 20_000, 15, 5000
 SCENES = ('paper', 'slider_crank', 'cylinder', 'scotch_yoke', 'bucket', 'watt', 'jansen',
           'andrews', 'classics/v8')
 C = ['-std=c99', '-O2']
@@ -50,6 +51,22 @@ FLOOR
   return sum;
 }
 """
+STEPS = """
+#include "NAME.h"
+void steps(int count, double step, double *to)
+{
+  NAME_drive drive;
+  int i;
+  NAME_start(&drive TORQUE);
+  for (i = 0; i < count; ++i) {
+    (void)NAME_advance(&drive, step TORQUE);
+    to[3 * i] = drive.position;
+    to[3 * i + 1] = drive.velocity;
+    to[3 * i + 2] = drive.evaluations;
+  }
+}
+"""
+MOVED = ('motor', 'controlled', 'engine', 'released', 'sundials', 'classics/door_closer')
 FLAGS = ([['gcc', '-std=c99', level] for level in ('-O0', '-O1', '-O2', '-O3')]
          + [['gcc', '-std=gnu99', '-O2', '-march=native'],
             ['gcc', '-std=gnu99', '-O2', '-march=native', 'NO_PRAGMA'],
@@ -118,6 +135,7 @@ def main():
     """Print the tables."""
     with TemporaryDirectory() as folder:
         _machines(Path(folder))
+        _steps(Path(folder))
         _flags(Path(folder))
 
 
@@ -144,6 +162,38 @@ def _machines(folder):
         counts.append(f'{path.stem} {found[False]}'
                       + (f'; {found[True]}' if True in found else ''))
     print(', '.join(f'{text.replace(";", " and")}' for text in counts) + '.\n')
+
+
+def _steps(folder):
+    print('Steps of motion by torque, as long as the node makes them, us a step; the values that '
+          'differ are of position, velocity and evaluations.\n')
+    rows = []
+    for path in MOVED:
+        name, scene = Path(path).name, load_scene(ROOT / 'config' / f'{path}.yaml')
+        place = folder / f'{name}_steps'
+        place.mkdir()
+        generate(scene, place, name=name)
+        torque = ', 0.0' * (scene.drive.source == 'torque')
+        (place / 'steps.c').write_text(STEPS.replace(' TORQUE', torque).replace('NAME', name))
+        subprocess.run(['gcc', *C, '-shared', '-fPIC', '-o', place / 'steps.so', f'{name}.c',
+                        'steps.c', '-lm'], check=True, cwd=place)
+        run = ctypes.CDLL(str(place / 'steps.so')).steps
+        run.argtypes = [ctypes.c_int, ctypes.c_double, ctypes.c_void_p]
+        step, found = 1.0 / scene.drive.rate, np.zeros((STEPS_MADE, 3))
+        in_c = best_time(lambda: run(STEPS_MADE, step, found.ctypes.data), ROUNDS)
+        mover, expected = scene.mover, []
+
+        def in_python():
+            values = mover.start()
+            expected.clear()
+            for _ in range(STEPS_MADE):
+                _, values = mover.next(values, step)
+                expected.append((values.position, values.velocity, values.evaluations))
+        slow = best_time(in_python, 3)
+        rows.append((name, f'{step:g}', f'{found[:, 2].mean():.1f}',
+                     f'{1e6 * in_c / STEPS_MADE:.2f}', f'{1e6 * slow / STEPS_MADE:.0f}',
+                     f'{np.count_nonzero(found != expected)} of {found.size}'))
+    table(('scene', 'step [s]', 'evaluations a step', 'C', 'Python', 'values that differ'), rows)
 
 
 def _flags(folder):

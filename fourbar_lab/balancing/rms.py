@@ -63,25 +63,12 @@ class Counterweight(NamedTuple):
 
 
 class Balance(NamedTuple):
-    """
-    Counterweights, and how good they are.
-
-    Parameters
-    ----------
-    counterweights : tuple of Counterweight
-    value : float
-        What was minimized, for the links with them.
-    bound : float
-        No counterweights within the radii and the mass give less than this.
-    numbers : ndarray, shape (4 links,)
-        (m, m x, m y, J) of all links with them.
-
-    """
+    """Counterweights, and how good they are."""
 
     counterweights: tuple[Counterweight, ...]
-    value: float
-    bound: float
-    numbers: Array
+    value: float        # what was minimized, for the links with them
+    bound: float        # no counterweights within the radii and the mass give less than this
+    numbers: Array      # (m, m x, m y, J) of all links with them, shape (4 links,)
 
     @property
     def added(self) -> float:

@@ -78,6 +78,7 @@ def _radius(text: str) -> tuple[str, float]:
 
 
 def _run(arguments: argparse.Namespace) -> None:
+    """Balance a scene; print counterweights and loads, write the scene and the pictures asked."""
     from fourbar_lab.balancing.loads import Loads
     from fourbar_lab.balancing.result import draw_changes, scene_text
     from fourbar_lab.balancing.rms import Places

@@ -49,6 +49,7 @@ def _is_bag(name: str) -> bool:
 
 
 def _live(arguments: Namespace) -> None:
+    """Serve the page of a scene, of bags or of a node until it is interrupted."""
     from fourbar_ros.errors import InvalidParameter
     from fourbar_ros.scene.files import find
     from fourbar_ros.scene.scene import load
@@ -59,7 +60,8 @@ def _live(arguments: Namespace) -> None:
         raise InvalidParameter('SCENE', next(name for name in what if name not in bags),
                                'must be the only one, or all must be bags')
     scene = load(find(what[0])) if what and not bags else None
-    gc.disable()         # a collection finds nothing in what imports make: a tenth of the start
+    # collections find nothing in what imports make, and take a tenth of the start
+    gc.disable()
     from fourbar_lab.live.server import free_port, serve_node, serve_run, serve_scene
     gc.freeze()
     gc.enable()

@@ -16,8 +16,8 @@ EVERY = 30.0        # [s] between two lines about progress where there is no ter
 
 
 @contextmanager
-def shown() -> Iterator[Callable[[Progress], None]]:
-    """Give a function that shows the progress of a run: a bar, or a line now and then."""
+def progress_shown() -> Iterator[Callable[[Progress], None]]:
+    """Give the function that a run reports its progress to; the bar ends with the context."""
     from rich.console import Console
     from rich.progress import BarColumn, TextColumn
     from rich.progress import Progress as Bar
@@ -26,9 +26,10 @@ def shown() -> Iterator[Callable[[Progress], None]]:
     with Bar(BarColumn(), TextColumn(text), console=console, transient=True,
              disable=not console.is_terminal) as bar:
         task = bar.add_task('designs', text='', total=None)
-        last = time.monotonic()
+        last = time.monotonic()          # when a line was printed
 
         def report(progress: Progress) -> None:
+            """Move the bar; where there is no terminal, print a line now and then."""
             nonlocal last
             line = in_words(progress)
             bar.update(task, total=progress.total, completed=progress.done, text=line)

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import sys
 
 from fourbar_lab.cli import tolerances
-from fourbar_lab.cli.progress import shown
+from fourbar_lab.cli.progress import progress_shown
 from fourbar_ros.cli.common import add_verb, BAD, HelpFormatter, Verbs
 from fourbar_ros.scene.arguments import positive_integer
 
@@ -49,6 +49,7 @@ def add(verbs: Verbs) -> None:
 
     def with_run_implied(args: Sequence[str], namespace: argparse.Namespace | None
                          ) -> tuple[argparse.Namespace, list[str]]:
+        """Parse ``STUDY.yaml`` as ``run STUDY.yaml``."""
         if args and args[0] not in (*ACTIONS, '-h', '--help'):
             args = ['run', *args]
         return parse(args, namespace)
@@ -56,11 +57,12 @@ def add(verbs: Verbs) -> None:
     verb.parse_known_args = with_run_implied        # type: ignore[method-assign, assignment]
     actions = verb.add_subparsers(dest='action', required=True, metavar='ACTION')
     _add_run(actions)
-    _add_answers(actions)
+    _add_queries(actions)
     tolerances.add(actions)
 
 
 def _add_run(actions: Verbs) -> None:
+    """Add the action that computes a study."""
     run = actions.add_parser('run', help='compute the designs of a study; "run" may be left out',
                              description=DESCRIPTION, epilog=EPILOG,
                              formatter_class=HelpFormatter)
@@ -78,7 +80,8 @@ def _add_run(actions: Verbs) -> None:
     run.set_defaults(run=_run)
 
 
-def _add_answers(actions: Verbs) -> None:
+def _add_queries(actions: Verbs) -> None:
+    """Add the actions that read the folder of a study: show, plot, pick."""
     show = actions.add_parser('show', help='show counts, ranges and the best designs of a study',
                               description='Show how many designs were left out by what, the '
                                           'range of each column, and the best designs.')
@@ -101,44 +104,37 @@ def _add_answers(actions: Verbs) -> None:
 
 
 def _show(arguments: argparse.Namespace) -> None:
-    from fourbar_lab.studies.report import (
-        about,
-        best_rows,
-        FRONT,
-        front_rows,
-        front_words,
-        RANGE_HEADS,
-        range_rows,
-    )
+    """Print the tables of a study, as far as it is computed."""
+    from fourbar_lab.studies import report
     from fourbar_lab.studies.results import Results
     from fourbar_ros.report.terminal import make_console, PlainTable
     results, console = Results(arguments.study), make_console()
-    console.print(about(results))
-    parts: list[tuple[str, Sequence[str], Sequence[Sequence[str]]]] = [
+    console.print(report.about(results))
+    tables: list[tuple[str, Sequence[str], Sequence[Sequence[str]]]] = [
         ('designs', ('', '>'), [(reason, str(number))
                                 for reason, number in results.counts.items()])]
     if results.kept:
-        parts.append(('ranges', _right(RANGE_HEADS, 2), range_rows(results)))
+        tables.append(('ranges', _right(report.RANGE_HEADS, 2), report.range_rows(results)))
         if results.objectives:
-            columns, best = best_rows(results)
-            parts.append(('best designs', _right(columns, 1), best))
+            columns, best = report.best_rows(results)
+            tables.append(('best designs', _right(columns, 1), best))
         if len(results.objectives) > 1:
-            columns, front = front_rows(results)
-            parts.append((FRONT, _right(columns, 0), front))
-    for title, heads, lines in parts:
+            columns, front = report.front_rows(results)
+            tables.append((report.FRONT, _right(columns, 0), front))
+    for title, heads, lines in tables:
         table = PlainTable(title, heads)
         for line in lines:
             table.add_row(*line)
         console.print()
         console.print(table)
-        if title == FRONT:
-            console.print(front_words(results))
+        if title == report.FRONT:
+            console.print(report.front_words(results))
     for row, text in results.failures[:5]:
         console.print(f'row {row} failed: {text}')
 
 
 def _right(heads: Sequence[str], first: int) -> list[str]:
-    """Return the heads of a table whose columns are right-aligned from one on."""
+    """Return heads with ``>``, which aligns a column on the right, from number ``first`` on."""
     return [head + '>' * (place >= first) for place, head in enumerate(heads)]
 
 
@@ -149,6 +145,7 @@ def _plot(arguments: argparse.Namespace) -> None:
 
 
 def _pick(arguments: argparse.Namespace) -> None:
+    """Write the scene of a design: the best, the worst, or that of a row."""
     from fourbar_lab.studies import StudyError
     from fourbar_lab.studies.results import Results
     from fourbar_ros.scene.scene import from_values
@@ -173,6 +170,7 @@ def _pick(arguments: argparse.Namespace) -> None:
 
 
 def _run(arguments: argparse.Namespace) -> int:
+    """Compute a study with its progress shown; the exit code tells whether a design failed."""
     from fourbar_lab.studies.chunks import FEASIBLE
     from fourbar_lab.studies.engine import Cluster, Local, run
     from fourbar_lab.studies.folder import Folder
@@ -181,7 +179,7 @@ def _run(arguments: argparse.Namespace) -> int:
     folder.begin(study, arguments.resume)
     executor = Cluster(arguments.cluster) if arguments.cluster else Local(arguments.workers)
     try:
-        with shown() as report:
+        with progress_shown() as report:
             done = run(study, folder, executor, report)
     except KeyboardInterrupt:
         print(f'interrupted: {len(folder.parts())} of {study.chunks} chunks are done; --resume '

@@ -9,7 +9,7 @@ from math import isfinite
 import tempfile
 from typing import TYPE_CHECKING
 
-from fourbar_lab.cli.progress import shown
+from fourbar_lab.cli.progress import progress_shown
 from fourbar_ros.cli.common import HelpFormatter, Verbs
 from fourbar_ros.scene.arguments import positive_integer
 
@@ -44,6 +44,7 @@ def add(actions: Verbs) -> None:
 
 
 def _run(arguments: argparse.Namespace) -> None:
+    """Print three tables: the box, the bounds of each measure, its derivatives."""
     from fourbar_lab.studies.study import read
     from fourbar_lab.studies.tolerance_analysis import box_of, tolerances
     from fourbar_ros.report.terminal import make_console, PlainTable
@@ -75,7 +76,11 @@ def _run(arguments: argparse.Namespace) -> None:
 
 
 def _drawn(study: Study, workers: int | None) -> tuple[dict[str, Summary], float]:
-    """Return {measure: its Summary} of the rows of a study, and which share is feasible."""
+    """
+    Compute the rows of a study; return {measure: its Summary} and the share that is feasible.
+
+    All rows count, feasible or not, and nobody wants objectives or curves here.
+    """
     from fourbar_lab.studies.engine import Local, run
     from fourbar_lab.studies.folder import Folder
     from fourbar_lab.studies.results import Results
@@ -84,7 +89,7 @@ def _drawn(study: Study, workers: int | None) -> tuple[dict[str, Summary], float
         folder, executor = Folder(f'{path}/drawn'), Local(workers)
         folder.begin(study, False)
         try:
-            with shown() as report:
+            with progress_shown() as report:
                 run(study, folder, executor, report)
         finally:
             executor.close()
@@ -94,6 +99,7 @@ def _drawn(study: Study, workers: int | None) -> tuple[dict[str, Summary], float
 
 
 def _bounds_row(one: Toleranced, drawn: dict[str, Summary]) -> tuple[str, ...]:
+    """Return the row of a measure: (least, greatest) by each way, and percentiles as drawn."""
     measure, value, _ = one.sensitivity
     summary = drawn[measure.name]
     assert not isinstance(value, str)           # tolerances() leaves the class out
@@ -103,7 +109,7 @@ def _bounds_row(one: Toleranced, drawn: dict[str, Summary]) -> tuple[str, ...]:
 
 
 def _derivative_rows(one: Toleranced, box: Sequence[Tolerance]) -> list[tuple[str, ...]]:
-    """Return the rows of a measure, what contributes most first."""
+    """Return the rows of a measure's derivatives, first the tolerance that contributes most."""
     measure, _, by = one.sensitivity
     if not any(isfinite(value) for value in by.values()):
         return []
@@ -113,7 +119,7 @@ def _derivative_rows(one: Toleranced, box: Sequence[Tolerance]) -> list[tuple[st
 
 
 def _unit(of: str, by: str) -> str:
-    """Return the unit of a derivative."""
+    """Return the unit of a derivative: of N m by kg/m it is (N m)/(kg/m)."""
     of, by = (f'({unit})' if set(unit) & set(' /') else unit or '1' for unit in (of, by))
     return of if by == '1' else f'{of}/{by}'
 

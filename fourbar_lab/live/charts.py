@@ -12,15 +12,15 @@ from fourbar_ros.extrema.find import CONSTANT, Extremum, INTERIOR, MAXIMUM
 from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.report.cycles import ground_forces
-from fourbar_ros.report.significant import significant
+from fourbar_ros.report.labels import significant
 import numpy as np
 
 COLOURS = ('#2463a8', '#a3501c', '#1e6b37', '#7b3294', '#8a1538', '#4d5b00')
 OF_DARK = ('#6aa9e9', '#e0905c', '#6cc28a', '#c08ad6', '#e8789a', '#b5c24a')
 CURVE_HEIGHT, GAP, TOP, LEFT, RIGHT = 130, 46, 34, 78, 24      # [px]
 CURSOR = '#c0392b'
-NEAR, FAR = 10.0, 30.0      # times the median size: shown of a curve that goes beyond the latter
-GOOD = 50.0                 # [deg] a transmission angle is called good so far off square
+NEAR, FAR = 10.0, 30.0      # a curve beyond FAR times its median size is shown up to NEAR times
+GOOD = 50.0                 # [deg] a transmission angle is called good within this of 90 deg
 BAND = 'rgba(60,160,80,.16)'
 POLAR_SIZE = 400, 380                                          # [px]
 POLAR_EDGES = 62, 18, 40, 44                                   # left, right, top, bottom [px]
@@ -40,13 +40,13 @@ def over_input(shown: Shown, names: Sequence[str], extrema: Sequence[Extremum],
     for cycle in shown.cycles:              # a gap separates the ranges of the input
         inputs += [*map(shown.shown_input, cycle.inputs.tolist()), None]
     columns = {'x': inputs} | {name: _column(shown, name) for name in names}
-    series = [_line(place, 0, name) | {
-        'name': name, 'color': _colour(place, is_dark),
+    series = [_line(panel, 0, name) | {
+        'name': name, 'color': _colour(panel, is_dark),
         'markPoint': {'data': _marks(shown, name, extrema), 'silent': False},
         'markArea': {'silent': True, 'itemStyle': {'color': BAND},
                      'data': [[{'yAxis': radians(90.0 - GOOD)}, {'yAxis': radians(90.0 + GOOD)}]]
                      if name.startswith('transmission_angle') else []}}
-              for place, name in enumerate(names)]
+              for panel, name in enumerate(names)]
     ends = shown.shown_input(shown.ranges[0][0]), shown.shown_input(shown.ranges[-1][1])
     label = f'{shown.linkage.input_coordinate.position} [{shown.input_unit}]'
     options = _panels(shown, names, (series, [columns]), (*ends, label), is_dark)
@@ -58,7 +58,11 @@ def over_input(shown: Shown, names: Sequence[str], extrema: Sequence[Extremum],
 
 
 def _bounds(values: Sequence[float | None], extrema: Sequence[float]) -> dict[str, float | None]:
-    """Return the bounds of a value axis: None, but where a curve goes to infinity at toggles."""
+    """
+    Return {'min', 'max'} of a value axis; None leaves the choice to the chart.
+
+    A curve that grows without bound at toggles is cut off above its usual values and its extrema.
+    """
     sizes = np.abs([value for value in values if value is not None])
     typical = float(np.median(sizes)) if len(sizes) else 0.0
     bound = max([NEAR * typical, *(1.2 * abs(value) for value in extrema)])
@@ -71,28 +75,29 @@ def _bounds(values: Sequence[float | None], extrema: Sequence[float]) -> dict[st
 def over_time(shown: Shown, runs: Sequence[tuple[str, Array, dict[str, Array]]],
               names: Sequence[str], end: float, is_dark: bool) -> Options:
     """
-    Return the options of one panel for each quantity over time.
+    Return the options of one panel for each quantity, with its curve over time in each run.
 
-    ``runs``: of each its title, times [s], and values of its quantities by name.
+    ``runs``: (title, times [s], {quantity: values}); the first one is solid, others are dashed.
     """
-    columns = [{'x': times.tolist()} | {name: _finite(values) for name, values in found.items()}
-               for _, times, found in runs]
-    series = [_line(place, which, name) | {
-        'name': ' '.join(filter(None, (name, title))), 'color': _colour(which, is_dark),
-        'lineStyle': {'width': 2, 'type': 'dashed' if which else 'solid'}}
-              for place, name in enumerate(names)
-              for which, (title, _, found) in enumerate(runs) if name in found]
+    columns = [{'x': times.tolist()} | {name: _finite(values) for name, values in curves.items()}
+               for _, times, curves in runs]
+    series = [_line(panel, run, name) | {
+        'name': ' '.join(filter(None, (name, title))), 'color': _colour(run, is_dark),
+        'lineStyle': {'width': 2, 'type': 'dashed' if run else 'solid'}}
+              for panel, name in enumerate(names)
+              for run, (title, _, curves) in enumerate(runs) if name in curves]
     return _panels(shown, names, (series, columns), (0.0, end, 'time [s]'), is_dark)
 
 
-def _line(place: int, which: int, name: str) -> Options:
-    """Return the series of a column of data set number ``which`` in panel number ``place``."""
-    return {'type': 'line', 'id': f'line{place}_{which}', 'showSymbol': False,
-            'xAxisIndex': place, 'yAxisIndex': place, 'lineStyle': {'width': 2},
-            'datasetIndex': which, 'encode': {'x': 'x', 'y': name}}
+def _line(panel: int, data_set: int, name: str) -> Options:
+    """Return the line of column ``name`` of a data set, in a panel, both by number."""
+    return {'type': 'line', 'id': f'line{panel}_{data_set}', 'showSymbol': False,
+            'xAxisIndex': panel, 'yAxisIndex': panel, 'lineStyle': {'width': 2},
+            'datasetIndex': data_set, 'encode': {'x': 'x', 'y': name}}
 
 
 def _finite(values: Array) -> list[float | None]:
+    """Return numbers as JSON has them: None, a gap in the line, for NaN and infinities."""
     return [value if isfinite(value) else None for value in np.asarray(values, float).tolist()]
 
 
@@ -143,7 +148,11 @@ def _grid(is_dark: bool) -> Options:
 
 
 def _column(shown: Shown, name: str) -> list[float | None]:
-    """Return the values of a quantity over all ranges of the input, gaps between them."""
+    """
+    Return the values of a quantity over all ranges of the input, with a gap (None) after each.
+
+    Values that are huge beside the others, at toggles, are gaps too.
+    """
     data: list[float | None] = []
     for _, values in shown.curves(name):
         with np.errstate(invalid='ignore'):
@@ -163,9 +172,9 @@ def _marks(shown: Shown, name: str, extrema: Sequence[Extremum]) -> list[Options
             and isfinite(extremum.value)]
 
 
-def cursor_style(at: float, low: float, high: float) -> str:
-    """Return the CSS of the line over the panels that stands at the present input or time."""
-    share = (at - low) / (high - low) if high > low else 0.0
+def cursor_style(value: float, low: float, high: float) -> str:
+    """Return the CSS that puts the cursor, a line over all panels, at a value of their axis."""
+    share = (value - low) / (high - low) if high > low else 0.0
     return f'left:calc({LEFT}px + {share:.6f} * (100% - {LEFT + RIGHT}px))'
 
 
@@ -179,15 +188,15 @@ def polar(shown: Shown, is_dark: bool) -> Options:
     series: list[Options] = []
     largest = 0.0
     for name, text in names.items():
-        data: list[list[float | None]] = []
+        points: list[list[float | None]] = []
         for cycle in shown.cycles:
             x, y = (getattr(cycle.loads, f'{name}_{axis}') for axis in 'xy')
             size = np.hypot(x, y)
             bound = LIMIT * float(np.nanmedian(size)) or np.inf
-            data += [[float(a), float(b)] for a, b, c in zip(x, y, size) if c <= bound]
-            data.append([None, None])
+            points += [[float(a), float(b)] for a, b, c in zip(x, y, size) if c <= bound]
+            points.append([None, None])         # a gap between ranges of the input
             largest = max(largest, float(np.nanquantile(size[np.isfinite(size)], 0.99)))
-        series.append({'type': 'line', 'name': text, 'showSymbol': False, 'data': data,
+        series.append({'type': 'line', 'name': text, 'showSymbol': False, 'data': points,
                        'lineStyle': {'width': 2}, 'color': _colour(len(series), is_dark)})
     left, right, top, bottom = POLAR_EDGES
     bound, step = _round_axis(1.04 * largest)
@@ -204,7 +213,7 @@ def polar(shown: Shown, is_dark: bool) -> Options:
 
 
 def _round_axis(largest: float) -> tuple[float, float]:
-    """Return (bound, step) of an axis from -bound to bound with round steps of 1, 2 or 5."""
+    """Return (bound, step) of an axis -bound to bound, in round steps: of 7.3, (10.0, 5.0)."""
     if not largest > 0.0 or not isfinite(largest):
         return 1.0, 0.5
     size = 10.0 ** floor(log10(largest / 2.0))
@@ -214,7 +223,7 @@ def _round_axis(largest: float) -> tuple[float, float]:
 
 
 def polar_now(shown: Shown, loads: NamedFields, bound: float, is_dark: bool) -> str:
-    """Return SVG dots at the present loads, to lie over the polar diagram of that bound [N]."""
+    """Return SVG of a dot for each force of a pose, to lie over the diagram of :func:`polar`."""
     left, right, top, bottom = POLAR_EDGES
     width, height = POLAR_SIZE[0] - left - right, POLAR_SIZE[1] - top - bottom
     dots = []

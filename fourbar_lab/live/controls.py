@@ -12,7 +12,7 @@ typed, and set a slider back to an older place. A value that the server sets cal
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable
-from math import inf, isfinite, isnan
+from math import inf, isfinite
 import re
 
 from fourbar_lab.live.model import Shown
@@ -31,22 +31,20 @@ THOUSANDS = re.compile(r'[-+]?[1-9]\d{0,2},\d{3}', re.ASCII)      # or a point a
 GROUPS = {'linkage': 'Linkage', 'dyads': 'Dyads', 'drive': 'Input', 'gravity': 'Gravity',
           'bodies': 'Bodies', 'external': 'Loads from outside', 'points': 'Points'}
 OPEN = ('linkage', 'dyads', 'drive')       # groups that are open at first
-HIDDEN = ('external.timeout',)
-OF_DRIVE = ('drive.speed',)                # of the drive, what a picture depends on
 SPAN = 2.5                                 # sliders reach so many times the first value
 
 Answer = Awaitable[None] | None          # of a node it comes later
-Change = Callable[[str, float], Answer]
-Show = Callable[[float], None]
-Then = tuple[Change, Callable[[str], None]]
+Change = Callable[[str, float], Answer]     # takes a parameter's name and new value
+Refuse = Callable[[str], None]              # takes the reason
+Show = Callable[[float], None]              # shows a parameter's value in its controls
 
 
 class NoNumber(FourBarError, ValueError):
-    """What was typed is no finite number, or could be two; the message says what is one."""
+    """What was typed is no finite number, or could be two; the message says what to type."""
 
 
 def read_number(text: str) -> float:
-    """Return the number that a user typed, with a point or a comma, or as a fraction."""
+    """Return the number of a typed 0.5, 0,5 or 1/2; NoNumber of 1,234, thousands to some."""
     text = text.strip().replace('\N{MINUS SIGN}', '-')
     match = TYPED.fullmatch(text)
     if not match:
@@ -66,16 +64,9 @@ class UserValue(ValueElement, DisableableElement):
     """
     A control whose browser counts what its user does, and whose server answers with the count.
 
-    Parameters
-    ----------
-    value : float
-    take : callable, optional
-        Called with the number that the user gives.
-    refuse : callable, optional
-        Called with a :class:`NoNumber` in its place; the control goes back to its value.
-    throttle : float
-        Least time between two values from the browser; the last one always comes [s].
-
+    ``take`` is called with the number that the user gives, or ``refuse`` with a :class:`NoNumber`,
+    and the control goes back to its value. ``throttle``: least time between two values from the
+    browser, of which the last one always comes [s].
     """
 
     VALUE_PROP = 'value'
@@ -88,11 +79,15 @@ class UserValue(ValueElement, DisableableElement):
         self.on('commit', self._answer, [None], throttle=throttle)
 
     def _answer(self, event: GenericEventArguments) -> Answer:
-        """Take what the user did; the browser learns it even if the value stays what it was."""
-        given, self._props['answered'] = event.args
+        """
+        Take (text, count of the user's actions) from the browser, and answer with the count.
+
+        The answer is sent even if the value stays what it was: the browser waits for it.
+        """
+        text, self._props['answered'] = event.args
         self.update()
         try:
-            value = read_number(str(given))
+            value = read_number(str(text))
         except NoNumber as error:
             if self._refuse:
                 self._refuse(error)
@@ -128,29 +123,29 @@ class Slider(UserValue, component='slider.js'):     # type: ignore[call-arg]  # 
 
 
 def shown_parameters(shown: Shown) -> dict[str, list[Parameter]]:
-    """Return {group: numbers of the scene that this mechanism has}, in the order of GROUPS."""
-    links = {link.name for link in shown.linkage.LINKS} | {'rods'}
-    found: dict[str, list[Parameter]] = {}
+    """Return {group: parameters that get controls}, in the order of GROUPS."""
+    groups: dict[str, list[Parameter]] = {group: [] for group in GROUPS}
     for name, value in shown.scene.values.items():
-        group, *rest = name.split('.')
-        parameter = parameters.of_name(name)
-        if (group not in GROUPS or name in HIDDEN or parameter.type not in ('double', 'integer')
-                or (group == 'drive' and name not in OF_DRIVE)
-                or (group in ('bodies', 'external') and rest[0] not in links)
-                or (isnan(value) if isinstance(value, float) else False)
-                or (group == 'linkage' and not _has(shown, rest[0]))):
-            continue
-        found.setdefault(group, []).append(parameter)
-    return {group: found[group] for group in GROUPS if group in found}
+        group, parameter = name.partition('.')[0], parameters.of_name(name)
+        if (group in GROUPS and parameter.type in ('double', 'integer') and value == value
+                and _has_effect(shown, *name.split('.'))):
+            groups[group].append(parameter)
+    return {group: found for group, found in groups.items() if found}
 
 
-def _has(shown: Shown, name: str) -> bool:
-    # a machine has a mode for each dyad
-    return (name in shown.linkage.length_names
-            or (name == 'mode' and not shown.scene.values.get('linkage.dyads')))
+def _has_effect(shown: Shown, group: str, *rest: str) -> bool:
+    """Return whether a page of this mechanism shows what a parameter of a group does."""
+    if group == 'drive':
+        return rest == ('speed',)
+    if group in ('bodies', 'external'):
+        return rest[0] in {'rods', *(link.name for link in shown.linkage.LINKS)}
+    if group == 'linkage' and rest[0] not in shown.linkage.length_names:
+        # a machine has a mode for each dyad instead
+        return rest == ('mode',) and not shown.scene.values.get('linkage.dyads')
+    return True
 
 
-def build(shown: Shown, change: Change, refuse: Callable[[str], None]) -> dict[str, Show]:
+def build(shown: Shown, change: Change, refuse: Refuse) -> dict[str, Show]:
     """
     Build the controls; return {name of the parameter: a function that shows a value of it}.
 
@@ -162,39 +157,39 @@ def build(shown: Shown, change: Change, refuse: Callable[[str], None]) -> dict[s
         with ui.expansion(GROUPS[group], value=group in OPEN).classes('full-width').props(
                 'dense expand-separator'):
             for parameter in found:
-                value = shown.scene.values[parameter.name]
-                make = (_choice if parameter.name.endswith('.mode')
-                        and parameter.type == 'integer' else _number)
+                is_choice = parameter.name.endswith('.mode') and parameter.type == 'integer'
                 with ui.row().classes('fb-middle full-width no-wrap fb-control'):
-                    shows[parameter.name] = make(parameter, value, shown, (change, refuse))
+                    shows[parameter.name] = (_choice(parameter, shown, change) if is_choice
+                                             else _number(parameter, shown, change, refuse))
     return shows
 
 
 def _tooltip(parameter: Parameter) -> None:
-    """Say what a parameter means, beside its control: below is the next one."""
+    """Add the text of a parameter to its control, on its right: below is the next one."""
     text = parameter.text.partition('; for the sliders')[0]         # a page has no docs
     ui.tooltip(text[0].upper() + text[1:]).props(
         'anchor="center right" self="center left" :delay="400"')
 
 
-def _choice(parameter: Parameter, value: int, shown: Shown, then: Then) -> Show:
-    """Build the buttons of an assembly mode."""
-    name, (change, _) = parameter.name, then
+def _choice(parameter: Parameter, shown: Shown, change: Change) -> Show:
+    """Build the buttons of an assembly mode; return the function that shows a mode."""
+    name = parameter.name
     modes = shown.linkage.modes if name == 'linkage.mode' else {1: '1', 2: '2'}
     dyad = name.split('.')[1] if name.startswith('dyads.') else ''
     ui.label(' '.join(filter(None, (dyad, 'assembly mode'))))
-    held: float = value
+    value = current = shown.scene.values[name]
 
     def take(event: ValueChangeEventArguments[int]) -> Answer:
-        nonlocal held
-        if event.value == held:             # it was shown, not chosen
+        """Take a mode from the user, unless it is what show() has just set."""
+        nonlocal current
+        if event.value == current:
             return None
-        held = event.value
-        return change(name, held)
+        current = event.value
+        return change(name, current)
 
     def show(value: float) -> None:
-        nonlocal held
-        held = value
+        nonlocal current
+        current = value
         buttons.set_value(value)
 
     with ui.toggle(dict(modes), value=value, on_change=take).props(
@@ -203,9 +198,13 @@ def _choice(parameter: Parameter, value: int, shown: Shown, then: Then) -> Show:
     return show
 
 
-def _number(parameter: Parameter, value: float, shown: Shown, then: Then) -> Show:
-    """Build the field of a number with a slider beside it."""
-    name, (change, refuse) = parameter.name, then
+def _number(parameter: Parameter, shown: Shown, change: Change, refuse: Refuse) -> Show:
+    """
+    Build a field for a number and a slider beside it; return the function that shows a value.
+
+    A typed number may lie beyond the ends of the slider, which then stands at an end.
+    """
+    name, value = parameter.name, shown.scene.values[parameter.name]
     low, high, step = _span(parameter, float(value), shown)
 
     def clamped(value: float) -> float:
@@ -234,7 +233,12 @@ def _number(parameter: Parameter, value: float, shown: Shown, then: Then) -> Sho
 
 
 def _span(parameter: Parameter, value: float, shown: Shown) -> tuple[float, float, float]:
-    """Return (low, high, step) of a slider."""
+    """
+    Return (low, high, step) of the slider of a parameter with this value.
+
+    It reaches :data:`SPAN` times the value, from zero or from as far below, within what the
+    parameter allows. Of a zero, the longest link or 1 stands for the value.
+    """
     size = max(map(abs, shown.linkage.lengths)) if parameter.unit == 'm' else 1.0
     reach = SPAN * (abs(value) or size)
     low = -reach if value < 0.0 or value == 0.0 or parameter.unit == 'rad/s or m/s' else 0.0

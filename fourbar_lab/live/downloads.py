@@ -17,12 +17,12 @@ from fourbar_lab.live.svg import HEIGHT, STYLE, WIDTH
 from fourbar_lab.live.tables import extrema_rows
 from fourbar_ros.errors import FourBarError
 from nicegui import run, ui
+import numpy as np
 
 if TYPE_CHECKING:
     from fourbar_lab.live.page import Page
 
-FRAMES = 120             # pictures in a page of its own
-
+FRAMES = 120             # pictures in a page that needs no server
 
 # The picture as the browser draws it, at twice its size.
 PNG = """(name, svg) => {
@@ -54,7 +54,11 @@ def menu(page: Page) -> None:
 
 
 async def _send(page: Page, suffix: str, make: Callable[[], str | bytes]) -> None:
-    """Make a file without stopping the page, and send it; or say why there is none."""
+    """
+    Make a file in a thread, so that the page goes on, and send it; or say why there is none.
+
+    A mechanism that cannot be assembled has no file at all, one without a pose no picture.
+    """
     why = page.refusal if page.refusal or suffix not in ('svg', 'png', 'html') else page.no_pose
     if why:
         ui.notify(f'nothing to save: {why}', type='warning')
@@ -81,22 +85,20 @@ def picture(page: Page) -> str:
 
 
 def cycle_csv(shown: Shown) -> str:
-    """Return every field of motion and loads over the ranges of the input, SI units."""
+    """Return every field of motion and loads over the ranges of the input as CSV, SI units."""
     text = io.StringIO()
     writer = csv.writer(text)
-    for place, cycle in enumerate(shown.cycles):
-        columns = dict(zip(cycle.motion._fields, cycle.motion))
-        columns |= dict(zip(cycle.loads._fields, cycle.loads)) if cycle.loads else {}
-        if place == 0:
+    for number, cycle in enumerate(shown.cycles):
+        columns = cycle.motion._asdict() | (cycle.loads._asdict() if cycle.loads else {})
+        if number == 0:
             writer.writerow(columns)
-        values = [value if getattr(value, 'shape', ()) else [value] * len(cycle.inputs)
-                  for value in columns.values()]
-        writer.writerows([repr(float(x)) for x in row] for row in zip(*values))
+        arrays = [np.broadcast_to(column, cycle.inputs.shape) for column in columns.values()]
+        writer.writerows([repr(float(x)) for x in row] for row in zip(*arrays))
     return text.getvalue()
 
 
 def html(page: Page) -> str:
-    """Return a page of its own: the moving mechanism, its scene and its extrema, no server."""
+    """Return a page that needs no server: the moving mechanism, its scene and its extrema."""
     shown, layers = page.shown, Layers(page.layers.curves, page.layers.forces)
     frames = [mechanism_svg(shown, pose, page.view, page.per_newton, layers)
               for _, pose in shown.samples(FRAMES)]

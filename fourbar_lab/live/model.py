@@ -18,7 +18,7 @@ from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.pipeline.status import evaluate
 from fourbar_ros.report.axis import AXIS_ANGLE, axis_angle, with_gaps
 from fourbar_ros.report.cycles import cycles, usual_points
-from fourbar_ros.report.joint_labels import Labels, labels_of
+from fourbar_ros.report.labels import Labels, labels_of
 from fourbar_ros.scene.parameters import ParameterValues
 from fourbar_ros.scene.scene import from_values, Scene
 import numpy as np
@@ -28,18 +28,11 @@ ROUNDING = 64 * 2.0**-52     # of sums of forces and rates
 LIMIT = 1e9             # a curve that grows beyond this many times its median leaves the chart
 
 
-@dataclass(frozen=True)
-class Cycle:
+class Cycle(NamedTuple):
     """
     The mechanism over one range of its input at constant rate and acceleration.
 
-    Parameters
-    ----------
-    inputs : array of shape (n,)
-        Position of the input [rad] or [m], from low to high.
-    motion, loads : NamedTuples of arrays of shape (n,)
-        ``loads`` is None without masses.
-
+    Inputs [rad] or [m] grow; fields of motion and loads (None without masses) are arrays (n,).
     """
 
     inputs: Array
@@ -59,19 +52,12 @@ class Shown:
     """
     A scene as a page shows it: in one assembly mode, at one rate and acceleration of the input.
 
-    Parameters
-    ----------
-    scene : Scene
-    acceleration : float
-        Acceleration of the input [rad/s^2] or [m/s^2].
-    speed : float, optional
-        Rate of the input [rad/s] or [m/s], in place of ``drive.speed`` of the scene.
-
+    What is expensive is computed when it is first asked for.
     """
 
     scene: Scene
-    acceleration: float = 0.0
-    speed: float | None = None
+    acceleration: float = 0.0       # of the input [rad/s^2] or [m/s^2]
+    speed: float | None = None      # of the input [rad/s] or [m/s]; None: drive.speed of the scene
 
     @cached_property
     def linkage(self) -> Mechanism:
@@ -89,22 +75,26 @@ class Shown:
         return self.linkage.input_ranges
 
     def range_of(self, position: float) -> tuple[float, float]:
-        """Return the range of the input in which a position lies, a little inside of its ends."""
+        """Return the range of the input nearest to a position, without its ends: toggles."""
         low, high = min(self.ranges, key=lambda ends: max(ends[0] - position, position - ends[1]))
         margin = 0.0 if self.linkage.turns_fully else 1e-6 * (high - low)
         return low + margin, high - margin
 
     def nearest_input(self, position: float) -> float:
-        """Return the input in the ranges that is nearest to a position, of angles in any turn."""
-        turns = [0.0]
+        """
+        Return the input in the ranges that is nearest to a position.
+
+        An angle counts in any turn: with a range from -1 to 1, the input nearest to 7.0 is 0.717.
+        """
+        same = [position]
         if not self.linkage.is_driven_by_slide:
-            whole = remainder(position, tau) - position
-            turns += [whole, whole - tau, whole + tau]
-        near = []
-        for turn in turns:
-            low, high = self.range_of(position + turn)
-            near.append(min(max(position + turn, low), high))
-        return min(zip(near, turns), key=lambda pair: abs(pair[0] - position - pair[1]))[0]
+            angle = remainder(position, tau)
+            same += [angle, angle - tau, angle + tau]
+        nearest = []
+        for place in same:
+            low, high = self.range_of(place)
+            nearest.append(min(max(place, low), high))
+        return min(zip(nearest, same), key=lambda pair: abs(pair[0] - pair[1]))[0]
 
     @cached_property
     def cycles(self) -> tuple[Cycle, ...]:
@@ -150,12 +140,11 @@ class Shown:
 
     def place_of(self, extremum: Extremum) -> float:
         """Return the input of an extremum [rad] or [m], within the ranges."""
-        if self.linkage.is_driven_by_slide:
-            return extremum.slide
-        angle = extremum.theta1
-        inside = [angle + turn for turn in (0.0, -tau, tau)
-                  if any(low - 1e-9 <= angle + turn <= high + 1e-9 for low, high in self.ranges)]
-        return inside[0] if inside else angle
+        turns = (0.0,) if self.linkage.is_driven_by_slide else (0.0, -tau, tau)
+        inside = [extremum.input + turn for turn in turns
+                  if any(low - 1e-9 <= extremum.input + turn <= high + 1e-9
+                         for low, high in self.ranges)]
+        return inside[0] if inside else extremum.input
 
     def pose(self, position: float, rate: float | None = None,
              acceleration: float | None = None) -> tuple[int, Pose]:
@@ -186,7 +175,7 @@ class Shown:
                 for name, point in self.points.items()}
 
     def samples(self, most: int) -> list[tuple[float, Pose]]:
-        """Return some (input, pose) over the cycles, at most about so many, where finite."""
+        """Return (input, pose) at about ``most`` equal steps over the cycles, without toggles."""
         found = []
         for cycle in self.cycles:
             step = max(1, ceil(len(cycle.inputs) * len(self.cycles) / most))
@@ -199,14 +188,14 @@ class Shown:
 
     @cached_property
     def poses(self) -> list[Pose]:
-        """Return some forty poses over the cycles, for the size of pictures."""
+        """Return some forty poses over the cycles: pictures get a size that suits all of them."""
         return [pose for _, pose in self.samples(40)]
 
     def values(self, pose: Pose) -> dict[str, tuple[float, str]]:
         """
         Return {name: (value, unit)} of a pose: all joints, transmission angle, all loads.
 
-        What is less than the rounding of the largest value of its unit over the cycle is 0.
+        A value within the rounding of the largest one of its unit over the cycle is shown as 0.
         """
         return {name: (0.0 if abs(value) <= ROUNDING * self._largest.get(unit, 0.0) else value,
                        unit) for name, (value, unit) in self._values(pose).items()}
@@ -221,12 +210,13 @@ class Shown:
         return found
 
     def _values(self, pose: Pose) -> dict[str, tuple[float, str]]:
+        """Return as :meth:`values`, with rounding; positions of joints that turn in degrees."""
         found, (motion, loads) = {}, pose
         for coordinate in self.linkage.PARTS:
-            angle = coordinate.unit == 'rad'
-            for name, factor, unit in zip(coordinate, (degrees(1.0) if angle else 1.0, 1.0, 1.0),
-                                          (('deg', 'rad/s', 'rad/s²') if angle
-                                           else ('m', 'm/s', 'm/s²'))):
+            is_angle = coordinate.unit == 'rad'
+            units = ('deg', 'rad/s', 'rad/s²') if is_angle else ('m', 'm/s', 'm/s²')
+            factors = (degrees(1.0) if is_angle else 1.0, 1.0, 1.0)
+            for name, factor, unit in zip(coordinate, factors, units):
                 found[name] = factor * getattr(motion, name), unit
         found['transmission_angle'] = degrees(motion.transmission_angle), 'deg'
         if loads is not None:
@@ -256,19 +246,11 @@ def written(unit: str) -> str:
 
 
 def _sample(columns: Any, i: int) -> Any:
-    """Return number i of a NamedTuple of arrays and of numbers that are the same everywhere."""
+    """Return sample i of a named tuple of arrays; numbers are the same in every sample."""
     return type(columns)(*[float(column[i] if np.ndim(column) else column) for column in columns])
 
 
 def shown(values: ParameterValues, acceleration: float = 0.0,
           speed: float | None = None) -> Shown:
-    """
-    Return what is shown of a flat dict of parameters.
-
-    Raises
-    ------
-    InvalidParameter
-        A value is impossible; the message names it and says what is allowed.
-
-    """
+    """Return what is shown of a flat dict of parameters; InvalidParameter if one is impossible."""
     return Shown(from_values(values), acceleration, speed)

@@ -14,7 +14,7 @@ from collections.abc import Awaitable, Callable, Mapping
 import contextlib
 from math import isfinite
 import time
-from typing import NamedTuple
+from typing import Any, NamedTuple
 from urllib.parse import urlencode
 
 from fourbar_lab.live import charts
@@ -58,21 +58,14 @@ class Page:
     """
     One tab of a browser: a scene, its state, and the elements that show it.
 
-    Parameters
-    ----------
-    title : str
-        Name of the scene, or what else is shown.
-    values : dict
-        Parameters of the scene by name.
-    query : dict
-        Query of the address of the page.
-    playback : callable, optional
-        Shown -> :class:`~fourbar_lab.live.playback.Playback`; not given: the input over a cycle.
-
+    ``title`` is the name of the scene, or of what else is shown; ``values`` its parameters;
+    ``query`` that of the page's address, which may change them; ``playback`` makes what moves the
+    input, by default :class:`.CyclePlayback`.
     """
 
     def __init__(self, title: str, values: ParameterValues, query: dict[str, str],
                  playback: Callable[[Shown], Playback] | None = None):
+        """Take the state from the query; of a bad one, say so and show the scene as it is."""
         link, self.problem = Link(title, values, values, None, 0.0), ''
         try:
             link = read(query, title, values)
@@ -90,7 +83,8 @@ class Page:
         self.handle: Handle | None = None
         self.pose: Pose | None = None
         self.refusal = self.no_pose = ''         # why there is no mechanism, why it has no pose
-        self.last, self.frames, self.is_behind = time.monotonic(), 0, False
+        self.last, self.frames = time.monotonic(), 0        # of the playback: time, number of it
+        self.is_behind = False                              # the browser, with its frames
 
     def build(self) -> None:
         """Build the elements of the page and fill them."""
@@ -150,6 +144,7 @@ class Page:
         self.elements.words.set_text('impossible')
 
     def _draw_traces(self) -> None:
+        """Draw the coupler curves, which lie below the mechanism and change seldom."""
         self.elements.picture.draw_under(traces_svg(self.shown, self.view)
                                          if self.layers.curves and not self.refusal else '')
 
@@ -165,21 +160,24 @@ class Page:
             self.elements.clear_pose()
             return
         self.pose = pose
-        beside = [(other, *(other.pose(*state) if state else (OUT_OF_RANGE, None)))
-                  for other, state in self.playback.others()]
-        ghosts = ''.join(ghost_svg(other, its, self.view) for other, status, its in beside
-                         if status == OK)
+        others: list[tuple[Shown, Pose | None]] = []        # in the other runs at this moment
+        for shown, state in self.playback.others():
+            status, its_pose = shown.pose(*state) if state else (OUT_OF_RANGE, None)
+            others.append((shown, its_pose if status == OK else None))
+        ghosts = ''.join(ghost_svg(shown, its_pose, self.view) for shown, its_pose in others
+                         if its_pose)
         grips = grips_svg(self.shown, pose, self.view) if self.playback.can_drag else ''
         self.elements.picture.content = ghosts + mechanism_svg(
             self.shown, pose, self.view, self.per_newton, self.layers) + grips
         if with_table:
             self.elements.now.rows = now_rows(
                 self.shown.values(pose),
-                [other.values(its) if status == OK else {} for other, status, its in beside],
+                [shown.values(its_pose) if its_pose else {} for shown, its_pose in others],
                 self.shown.labels.forces if self.shown.labels.words else {})
         self.views.show(pose)
 
     def _why_no_pose(self, status: int) -> str:
+        """Return a status with the input that has it, for the alarm of the page."""
         text = f'{STATUS_NAMES[status]} at {self.playback.label} {self.playback.at:.6g}'
         _, rate, acceleration = self.playback.state()
         return text if status != INVALID_INPUT else (
@@ -205,6 +203,7 @@ class Page:
     # --- transport ------------------------------------------------------------------------------
 
     def _set_input(self) -> None:
+        """Give slider and field the bounds, label and value of the playback."""
         low, high = self.playback.bounds
         self.elements.slider.set_range(low, high, (high - low) / 720.0)
         self.elements.field.props(f'label="{self.playback.label}"')
@@ -235,6 +234,12 @@ class Page:
         self.elements.play.props(f'icon={"pause" if self.timer.active else "play_arrow"}')
 
     async def _tick(self) -> None:
+        """
+        Draw the next frame while the playback goes on.
+
+        Now and then the browser must answer before there is another: a slow one would else get
+        frames faster than it shows them, and lag behind more and more.
+        """
         if self.is_behind:
             return
         self._advance()
@@ -247,6 +252,7 @@ class Page:
                 self.is_behind = False
 
     def _advance(self) -> None:
+        """Move the playback on by the time that has passed, at most 0.2 s, and draw it."""
         now = time.monotonic()
         self.playback.advance(min(now - self.last, 0.2))
         self.last, self.frames = now, self.frames + 1
@@ -319,24 +325,21 @@ class Views:
     """
     What the views of a page show: curves, forces, polygons, extrema, facts.
 
-    Parameters
-    ----------
-    page : Page
-        With ``shown``, ``playback``, ``names`` and ``elements``.
-
+    Filling one takes a search or a large message, so only the view that is open is filled, once
+    for each mechanism.
     """
 
     def __init__(self, page: Page):
         self.page, self.elements = page, page.elements
         self.extrema: list[Extremum] | None = None      # of the mechanism that is shown
         self.polar_bound = 1.0
-        self._fresh: set[str] = set()
+        self._fresh: set[str] = set()       # names of views that show the present mechanism
         self._fill: dict[str, Callable[[], None]] = {
             CURVES: self._fill_curves, FORCES: self._fill_forces,
             POLYGONS: self._fill_polygons, EXTREMA: self._fill_extrema, FACTS: self._fill_facts}
 
     def expire(self) -> None:
-        """Another mechanism is shown: what is not open is emptied, all must be filled again."""
+        """Note that another mechanism is shown: all views must be filled again."""
         self.extrema = None
         self._fresh.clear()
         self.elements.clear_views(besides=self.elements.tabs.value)
@@ -354,7 +357,7 @@ class Views:
             self._fill[name]()
 
     def show(self, pose: Pose) -> None:
-        """Show a pose in the view that is open."""
+        """Mark a pose in the view that is open: a cursor, dots or polygons."""
         page, elements, name = self.page, self.elements, self.elements.tabs.value
         if name not in self._fresh:
             return
@@ -380,12 +383,14 @@ class Views:
         return self.extrema
 
     def _fill_curves(self) -> None:
+        """Draw the curves of the chosen quantities, over the input with extrema, or over time."""
         page, elements = self.page, self.elements
         extrema = self.found if page.playback.has_extrema else []
         set_chart(elements.curves, page.playback.curves(page.names, extrema, elements.is_dark))
         elements.curves.style(f'height:{charts.height(len(page.names))}px')
 
     def _fill_forces(self) -> None:
+        """Draw the polar diagram of the forces, or say why there are no loads."""
         has_loads = self.page.shown.linkage.bodies is not None
         self.elements.no_loads.set_visibility(not has_loads)
         self.elements.no_loads.set_text(f'no loads: {self.page.shown.scene.why_no_loads}')
@@ -394,6 +399,7 @@ class Views:
         self.polar_bound = options['xAxis']['max'] if has_loads else 1.0
 
     def _fill_polygons(self) -> None:
+        """Find a scale for each polygon that suits all poses; :meth:`show` draws them."""
         linkage = self.page.shown.linkage
         self.polygon_views = [
             polygon_view([polygon(pose.motion) for pose in self.page.shown.poses])
@@ -403,6 +409,7 @@ class Views:
         self.elements.extrema.rows = extrema_rows(self.page.shown, self.found)
 
     def _fill_facts(self) -> None:
+        """Show type, ranges and letters of the mechanism, and where it is among all four-bars."""
         rows = [*facts(self.page.shown.linkage), *joint_rows(self.page.shown)]
         self.elements.octahedron.content = octahedron_svg(self.page.shown.linkage)
         self.elements.facts.rows = [{'name': name, 'text': text} for name, text in rows]
@@ -416,18 +423,13 @@ class BadLink(FourBarError, ValueError):
 
 
 class Link(NamedTuple):
-    """
-    What an address asks for.
+    """What an address asks for."""
 
-    Name of the scene, its own parameters and those of the link, input in the unit of the page
-    (None: not given) and its acceleration.
-    """
-
-    title: str
-    first: ParameterValues
-    values: ParameterValues
-    at: float | None
-    acceleration: float
+    title: str                      # of the scene
+    first: ParameterValues          # the scene's own
+    values: ParameterValues         # with those that the link changes
+    at: float | None                # the input in the unit of the page; None: not given
+    acceleration: float             # of the input
 
 
 def rounded(at: float) -> float:
@@ -449,12 +451,8 @@ def read(query: Mapping[str, str], title: str, values: ParameterValues) -> Link:
     """
     Return the :class:`Link` of a query to a page that serves a scene.
 
-    Raises
-    ------
-    BadLink
-        It is a link to another scene that does not come with this software, or names an unknown
-        parameter, or a value is no number.
-
+    BadLink if it is to another scene, unless that comes with this software; if it names an unknown
+    parameter; or if input or acceleration is no number.
     """
     first, scene = dict(values), query.get(SCENE, title)
     if scene != title:
@@ -463,19 +461,19 @@ def read(query: Mapping[str, str], title: str, values: ParameterValues) -> Link:
             raise BadLink(f'the link is to the scene {scene}, this page shows {title}: '
                           f'fourbar live {scene}')
         first = parameters.check(files.read_values(shipped[scene]))
-    found, at, acceleration = dict(first), None, 0.0
+    numbers: dict[str, float] = {}
+    changed: dict[str, Any] = {}
     for name, text in query.items():
-        if name == SCENE:
-            continue
         value = files.parse(text)
         if name in (AT, ACCELERATION):
             if (isinstance(value, bool) or not isinstance(value, (int, float))
                     or not isfinite(value)):
                 raise BadLink('the link has '
                               f'{InvalidParameter(name, text, "must be a finite number")}')
-            at, acceleration = (float(value), acceleration) if name == AT else (at, float(value))
-        elif parameters.find(name) is None:
-            raise BadLink(f'the link has the unknown parameter {name}')
-        else:
-            found[name] = value
-    return Link(scene, first, found, at, acceleration)
+            numbers[name] = float(value)
+        elif name != SCENE:
+            if parameters.find(name) is None:
+                raise BadLink(f'the link has the unknown parameter {name}')
+            changed[name] = value
+    return Link(scene, first, {**first, **changed}, numbers.get(AT),
+                numbers.get(ACCELERATION, 0.0))

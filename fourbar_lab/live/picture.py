@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
+from itertools import combinations
 from math import hypot, inf, isfinite
 from types import MappingProxyType
 from typing import NamedTuple
@@ -18,15 +19,16 @@ from fourbar_ros.mechanisms.picture import Arm, forces_of, of_kind, picture, Piv
 from fourbar_ros.mechanisms.points import instant_centre, link_motion, LinkMotion
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.report.axis import axis_angle, axis_parts
+from fourbar_ros.report.labels import significant
 from fourbar_ros.report.mechanism_panel import renamed
-from fourbar_ros.report.significant import significant
 import numpy as np
 
 LONGEST_FORCE = 105.0              # [px]
 DOWN = np.array([1.0, -1.0])       # pixels count downwards
 NEAR = 24.0                        # [px] a joint is caught from so far
-DRAG_SAMPLES = 181                  # of the cycles are places to drag a joint to
-MOST_EDGE, FITS = 130.0, 4         # [px] that arrows may take of a side, steps to find how much
+DRAG_SAMPLES = 181                 # inputs of the cycles, one of which a dragged joint takes
+MOST_EDGE = 130.0                  # [px] that arrows may take of a side at most
+FITS = 4                           # steps to find how much they need
 
 
 class Layers(NamedTuple):
@@ -39,7 +41,12 @@ class Layers(NamedTuple):
 
 
 def mechanism_view(*several: Shown) -> View:
-    """Return the view in which poses, forces and coupler curves of what is shown have room."""
+    """
+    Return the view in which poses, forces and coupler curves of all that is shown have room.
+
+    Arrows keep their length in pixels, so the view fits the places, and edges grow step by step
+    until the tips of the arrows lie in them.
+    """
     places = [place for shown in several for motion, _ in shown.poses
               for place in _places(shown.linkage.diagram(motion))]
     places += [trace.place for shown in several for traces in shown.traces.values()
@@ -49,7 +56,7 @@ def mechanism_view(*several: Shown) -> View:
     flat = np.concatenate([np.reshape(place, (-1, 2)) for place in places])
     tails, arrows = _force_arrows(several)
     edges = np.full(4, MARGIN)
-    for _ in range(FITS):       # arrows keep their length, so what they need changes little
+    for _ in range(FITS):
         view = view_of(flat, edges)
         tips = np.stack(view.at(tails.T), axis=-1) + arrows
         beyond = np.concatenate((-tips, tips - (WIDTH, HEIGHT))).reshape(2, -1, 2)
@@ -67,18 +74,24 @@ def _force_arrows(several: Sequence[Shown]) -> tuple[Array, Array]:
             assert loads is not None, 'there is a force scale'
             found += [(force.place, per_newton * DOWN * force.vector)
                       for force in forces_of(shown.linkage.diagram(motion), loads)]
-    tails, arrows = (np.array([pair[i] for pair in found]).reshape(-1, 2) for i in (0, 1))
+    pairs: Array = np.array(found).reshape(-1, 2, 2)
+    tails, arrows = pairs[:, 0], pairs[:, 1]
     fits = np.hypot(*arrows.T) <= 1.2 * LONGEST_FORCE       # a few near toggles leave the picture
     return tails[fits], arrows[fits]
 
 
 def _places(diagram: Diagram) -> list[Array]:
+    """Return the places of joints, ends of bars and blocks [m]."""
     return [*diagram.joints.values(), *(end for bar in diagram.bars for end in bar[:2]),
             *(block.place for block in diagram.blocks)]
 
 
 def force_scale(shown: Shown) -> float:
-    """Return [px/N] at which the longest joint force of a cycle has its full length."""
+    """
+    Return the scale [px/N] at which the longest joint force of a cycle has its full length.
+
+    The longest but for 2 %, which may be near toggles; 0.0 without forces.
+    """
     names = shown.linkage.diagram(shown.poses[0].motion).forces if shown.poses else ()
     sizes = [getattr(loads, name) for _, loads in shown.poses if loads for name in names]
     largest = float(np.quantile(sizes, 0.98)) if sizes else 0.0
@@ -96,27 +109,31 @@ def document(content: str, width: float = WIDTH, height: float = HEIGHT) -> str:
 
 def mechanism_svg(shown: Shown, pose: Pose, view: View, per_newton: float,
                   layers: Layers = Layers()) -> str:
-    """Return the SVG content of the mechanism in one pose; ``per_newton``: [px/N] of forces."""
+    """
+    Return the SVG content of the mechanism in one pose; ``per_newton``: [px/N] of forces.
+
+    Links first, then letters of the joints, points and forces with labels where there is room.
+    """
     (motion, loads), linkage = pose, shown.linkage
     diagram = linkage.diagram(motion)
-    at = {name: view.at(place) for name, place in diagram.joints.items()}
+    joints = {name: view.at(place) for name, place in diagram.joints.items()}
     primitives = picture(linkage, motion, shown.points if layers.curves else {})
     parts = [svg.primitive(part, view) for part in primitives]
-    letters = {shown.labels.letters.get(name, name): place for name, place in at.items()}
+    letters = {shown.labels.letters.get(name, name): pixel for name, pixel in joints.items()}
     forces = (_forces(shown, diagram, loads, view, per_newton)
               if layers.forces and loads is not None else [])
-    room = svg.Room(at.values(), [force[:2] for force in forces
-                                  if hypot(*force[1]) <= 2.0 * LONGEST_FORCE])
-    middle = np.mean(list(at.values()), axis=0)
-    parts += [room.label('', place, tuple(place - middle), letter)
-              for letter, place in letters.items()]
+    room = svg.Room(joints.values(), [(start, vector) for start, vector, _ in forces
+                                      if hypot(*vector) <= 2.0 * LONGEST_FORCE])
+    middle = np.mean(list(joints.values()), axis=0)
+    parts += [room.label('', pixel, tuple(pixel - middle), letter)
+              for letter, pixel in letters.items()]
     for arm in of_kind(Arm, primitives):
         tip, name = view.at(arm.end), arm.name
         parts += [svg.circle('point', tip, 4.5), room.label(
             'point', tip, (0.6, -0.8), f'point {name}' if name in letters else name)]
     parts += [svg.arrow('force', *force, room) for force in forces]
     if layers.centres:
-        parts += _centres(linkage, motion, view, at.values())
+        parts += _centres(linkage, motion, view, joints.values())
     if layers.axis and shown.has_axis:
         parts += _axis(linkage, motion, view)
     return f'<g class="fb">{"".join(parts)}</g>'
@@ -156,15 +173,17 @@ def _forces(shown: Shown, diagram: Diagram, loads: NamedFields, view: View, per_
 
 def _centres(linkage: Mechanism, motion: NamedFields, view: View,
              joints: Iterable[tuple[float, float]]) -> list[str]:
-    """Return crosses at the instant centres that are no joints, as far as they are in view."""
-    links = [(i + 2, link_motion(linkage, motion, link.name))
-             for i, link in enumerate(linkage.LINKS)]
-    pairs: list[tuple[int, int, LinkMotion | None, LinkMotion]]
-    pairs = [(1, j, None, link) for j, link in links]
-    pairs += [(i, j, one, other) for n, (i, one) in enumerate(links)
-              for j, other in links[n + 1:]]
+    """
+    Return a cross and P_ij at each instant centre that is in view and no joint.
+
+    Centres are of pairs of links; link 1 is the ground, the others are numbered from 2.
+    """
+    links: list[tuple[int, LinkMotion | None]] = [(1, None)]
+    links += [(i, link_motion(linkage, motion, link.name))
+              for i, link in enumerate(linkage.LINKS, 2)]
     found = []
-    for i, j, one, other in pairs:
+    for (i, one), (j, other) in combinations(links, 2):
+        assert other is not None, 'the ground is the first'
         x, y = view.at(instant_centre(other, one))
         if 0.0 <= x <= WIDTH and 0.0 <= y <= HEIGHT and all(
                 hypot(x - u, y - v) > 6.0 for u, v in joints):
@@ -199,10 +218,14 @@ def polygon_view(polygons: Iterable[list[Arrow]]) -> View:
 
 def polygon_svg(arrows: list[Arrow], view: View, unit: str,
                 letters: Mapping[str, str] = MappingProxyType({})) -> str:
-    """Return the SVG content of a velocity or acceleration polygon; the pole is o."""
+    """
+    Return the SVG content of a velocity or acceleration polygon, with magnitudes; the pole is o.
+
+    ``letters``: {name of a joint: its letter} for the labels of arrows.
+    """
     pole = view.at((0.0, 0.0))
     room = svg.Room([pole])
-    drawn = {}          # joints at one place have the same arrow, once
+    drawn = {}          # by label and pixel: joints at one place have the same arrow, once
     for arrow in without_repeats(arrows, 1.0 / view.scale):
         label = f'{renamed(arrow.label, letters)} = {significant(hypot(*arrow.vector))} {unit}'
         start = view.at(arrow.start)
@@ -218,7 +241,7 @@ def polygon_svg(arrows: list[Arrow], view: View, unit: str,
 # --- dragging a joint ----------------------------------------------------------------------------
 
 class Handle:
-    """A joint that was caught with the pointer, and the inputs at which it is where."""
+    """The joint nearest to a pixel, to be dragged; ``joint`` is '' if none is near enough."""
 
     def __init__(self, shown: Shown, pose: Pose, view: View, pixel: tuple[float, float]):
         self.shown, self.view = shown, view
@@ -231,29 +254,34 @@ class Handle:
 
     @cached_property
     def _path(self) -> tuple[Array, Array]:
-        """Return the inputs and the pixels of the joint at them."""
+        """Return inputs over the cycles, (n,), and the pixels of the joint at them, (n, 2)."""
         found = [(position, self.view.at(self.shown.linkage.diagram(motion).joints[self.joint]))
                  for position, (motion, _) in self.shown.samples(DRAG_SAMPLES)]
         inputs, pixels = zip(*found)
         return np.array(inputs), np.array(pixels)
 
     def input_at(self, pixel: tuple[float, float], now: float) -> float:
-        """Return the input that brings the joint nearest to a pixel; of two, the one near now."""
+        """
+        Return the input that brings the joint nearest to a pixel.
+
+        Paths cross themselves: an input that is a whole cycle from the one now counts as 20 px
+        farther.
+        """
         inputs, pixels = self._path
         away = np.hypot(*(pixels - pixel).T)
-        turn = np.array([abs(self.shown.linkage.distance(x, now)) for x in inputs])
+        from_now = np.array([abs(self.shown.linkage.distance(x, now)) for x in inputs])
         span = float(np.ptp(inputs)) or 1.0
-        best = int(np.argmin(away + 20.0 * turn / span))
+        best = int(np.argmin(away + 20.0 * from_now / span))
         return float(inputs[best]) + self._between(inputs, pixels, best, pixel)
 
     @staticmethod
     def _between(inputs: Array, pixels: Array, best: int,
                  pixel: tuple[float, float]) -> float:
-        """Return how far beyond the best sample the foot of the pixel on its path lies."""
-        one, other = max(best - 1, 0), min(best + 1, len(inputs) - 1)
-        way, step = pixels[other] - pixels[one], inputs[other] - inputs[one]
-        square = float(way @ way)
-        if square == 0.0 or abs(step) > 0.1 * float(np.ptp(inputs)):
+        """Return the input from the best sample to the foot of a perpendicular on the path."""
+        before, after = max(best - 1, 0), min(best + 1, len(inputs) - 1)
+        chord, step = pixels[after] - pixels[before], inputs[after] - inputs[before]
+        square = float(chord @ chord)
+        if square == 0.0 or abs(step) > 0.1 * float(np.ptp(inputs)):    # a gap between ranges
             return 0.0
-        share = float(way @ (np.asarray(pixel) - pixels[best])) / square
+        share = float(chord @ (np.asarray(pixel) - pixels[best])) / square
         return min(max(share, -0.5), 0.5) * float(step)

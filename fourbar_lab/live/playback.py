@@ -3,8 +3,9 @@
 """
 What moves the mechanism of a page: its input over a cycle, recorded runs, or a running node.
 
-Each playback has the same face: ``bounds`` and ``at`` in the unit of the page, ``go``,
-``advance``, and ``state``, the position, rate and acceleration of the input.
+A playback drives the slider of the page: ``label``, ``bounds`` and ``at`` are what it shows, in
+degrees, metres or seconds; ``go`` and ``advance`` move it. ``state`` is that of the input, in SI
+units.
 """
 from __future__ import annotations
 
@@ -27,7 +28,7 @@ MOST_POINTS = 1500          # of a curve over a long run
 
 
 class State(NamedTuple):
-    """Position, rate and acceleration of the input: [rad] or [m], and so on."""
+    """State of the input: position [rad] or [m], rate and acceleration of it by seconds."""
 
     position: float
     rate: float
@@ -36,7 +37,7 @@ class State(NamedTuple):
 
 @dataclass
 class Pace:
-    """How fast a playback goes: what the number means, its bounds, and the number."""
+    """How fast a playback goes: a slider, and its value."""
 
     label: str
     least: float
@@ -45,13 +46,14 @@ class Pace:
 
 
 class Playback(ABC):
-    """What moves the input."""
+    """What moves the input of a mechanism."""
 
     can_drag = True
     has_extrema = True          # its curves are over the input, with the extrema marked
     pace: Pace | None = None    # what its user may set; None: nothing
-    speed: float | None = None  # of the input, where it is not the scene's: pictures have its size
-    is_difference = False       # of runs beside it, their difference is drawn
+    # largest rate of the input if it is not the scene's: arrows and curves are scaled for it
+    speed: float | None = None
+    is_difference = False       # curves are differences from the run beside it
     beside: tuple[str, ...] = ()        # titles of other runs to compare with
 
     @property
@@ -86,7 +88,7 @@ class Playback(ABC):
         """Go on with another mechanism."""
 
     def others(self) -> list[tuple[Shown, State | None]]:
-        """Return the mechanism and the state of each run beside; None after its end."""
+        """Return the mechanism and the state of each run to compare with; None after its end."""
         return []
 
     def warning(self) -> str:
@@ -109,18 +111,15 @@ class CyclePlayback(Playback):
 
     @property
     def label(self) -> str:
-        """Return what its slider shows, with unit."""
         return f'{self.shown.linkage.input_coordinate.position} [{self.shown.input_unit}]'
 
     @property
     def bounds(self) -> tuple[float, float]:
-        """Return the ends of its slider."""
         return (self.shown.shown_input(self.shown.ranges[0][0]),
                 self.shown.shown_input(self.shown.ranges[-1][1]))
 
     @property
     def at(self) -> float:
-        """Return where its slider stands."""
         return self.shown.shown_input(self.position)
 
     def go(self, at: float) -> None:
@@ -129,10 +128,10 @@ class CyclePlayback(Playback):
             at if self.shown.linkage.is_driven_by_slide else radians(at))
 
     def advance(self, seconds: float) -> None:
-        """Move on by a time."""
+        """Move on by a time: round, in the sense of the rate, or back and forth between limits."""
         assert self.pace is not None            # a node has none, and moves by itself
         low, high = self.shown.range_of(self.position)
-        way = seconds / self.pace.value * (high - low)
+        way = seconds / self.pace.value * (high - low)      # of a cycle: a turn, or there and back
         if self.shown.linkage.turns_fully:
             forward = float(np.copysign(way, self.shown.rate or 1.0))
             self.position = low + (self.position + forward - low) % (high - low)
@@ -144,7 +143,6 @@ class CyclePlayback(Playback):
             self.position = min(max(2.0 * end - self.position, low), high)
 
     def state(self) -> State:
-        """Return the :class:`State` of the input."""
         return State(self.position, self.shown.rate, self.shown.acceleration)
 
     def follow(self, shown: Shown) -> None:
@@ -158,20 +156,10 @@ class CyclePlayback(Playback):
 
 
 class Run(NamedTuple):
-    """
-    The recorded motion of an input.
+    """The recorded motion of an input."""
 
-    Parameters
-    ----------
-    times : array of shape (n,)
-        Since the first sample [s], growing.
-    states : array of shape (3, n)
-        Position, rate and acceleration of the input.
-
-    """
-
-    times: Array
-    states: Array
+    times: Array        # (n,), since the first sample [s], growing
+    states: Array       # (3, n): position, rate and acceleration of the input
 
 
 class RunPlayback(Playback):
@@ -189,17 +177,14 @@ class RunPlayback(Playback):
 
     @property
     def label(self) -> str:
-        """Return what its slider shows, with unit."""
         return 'time [s]'
 
     @property
     def bounds(self) -> tuple[float, float]:
-        """Return the ends of its slider."""
         return 0.0, float(self.run.times[-1])
 
     @property
     def at(self) -> float:
-        """Return where its slider stands."""
         return self.time
 
     def go(self, at: float) -> None:
@@ -228,7 +213,7 @@ class RunPlayback(Playback):
                is_dark: bool) -> charts.Options:
         """Return the options of the chart over time, of all runs or of their difference."""
         if self.is_difference:
-            runs = [('', *_differences((self.shown, self.run), self.runs_beside[0][1:], names))]
+            runs = [('', *_differences(self.shown, self.run, *self.runs_beside[0][1:], names))]
         else:
             runs = [(title, *_thinned(shown, run, names))
                     for title, shown, run in [('', self.shown, self.run), *self.runs_beside]]
@@ -243,26 +228,29 @@ def state_at(run: Run, time: float) -> State:
 
 def _thinned(shown: Shown, run: Run,
              names: Sequence[str]) -> tuple[Array, dict[str, Array]]:
-    """Return times and values of quantities over a run, of a long one some of its samples."""
+    """Return times [s] and {quantity: values} of a run, at :data:`MOST_POINTS` samples at most."""
     picked = np.linspace(0, len(run.times) - 1, min(len(run.times), MOST_POINTS)).astype(int)
     return run.times[picked], _values(shown, run, names, picked)
 
 
-def _differences(one: tuple[Shown, Run], other: tuple[Shown, Run],
+def _differences(shown: Shown, run: Run, other_shown: Shown, other: Run,
                  names: Sequence[str]) -> tuple[Array, dict[str, Array]]:
-    """Return times of one run, and by how much the other's quantities are larger at them."""
-    (shown, run), (its, second) = one, other
+    """
+    Return times [s] of a run, and by how much the quantities of another run are larger at them.
+
+    Up to the end of the shorter one; between its samples the other run holds the last.
+    """
     times, values = _thinned(shown, run, names)
-    both = times <= second.times[-1]
-    held = np.maximum(np.searchsorted(second.times, times[both], 'right') - 1, 0)
-    return times[both], {name: found - values[name][both]
-                         for name, found in _values(its, second, names, held).items()
-                         if name in values}
+    is_in_both = times <= other.times[-1]
+    last = np.maximum(np.searchsorted(other.times, times[is_in_both], 'right') - 1, 0)
+    return times[is_in_both], {
+        name: of_other - values[name][is_in_both]
+        for name, of_other in _values(other_shown, other, names, last).items() if name in values}
 
 
 def _values(shown: Shown, run: Run, names: Sequence[str],
             picked: Array) -> dict[str, Array]:
-    """Return the quantities that a mechanism has, at samples of a run."""
+    """Return {quantity: values} at samples ``picked`` of a run, of those that its scene has."""
     motion, loads = shown.linkage.motion_and_loads(*[row[picked] for row in run.states])
     return {name: np.broadcast_to(shown.quantities[name].of(motion, loads), picked.shape)
             for name in names if name in shown.quantities}
@@ -285,11 +273,11 @@ class NodePlayback(CyclePlayback):
         """Do nothing: the node decides."""
 
     def advance(self, seconds: float) -> None:
-        """Take the latest motion."""
-        found = self.latest()
-        if found is not None and found is not self._last:
-            self._last, self._heard = found, monotonic()
-            self._state = State(*found)
+        """Take the latest motion of the node; its largest rate so far scales the pictures."""
+        motion = self.latest()
+        if motion is not None and motion is not self._last:
+            self._last, self._heard = motion, monotonic()
+            self._state = State(*motion)
             if abs(self._state.rate) <= FASTEST:
                 self.speed = max(self.speed or 0.0, self._state.rate, key=abs)
             if isfinite(self._state.position):

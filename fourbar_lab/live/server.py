@@ -63,7 +63,9 @@ class OnlyHere:
         self.origins = {f'http://{host}' for host in self.hosts}
 
     async def __call__(self, scope: Scope, receive: Asgi, send: Asgi) -> None:
+        """Serve a request, or refuse it with status 403; of a websocket, with code 1008."""
         async def send_for_us(message: Scope) -> None:
+            """Send, with headers that forbid frames around our pages."""
             if message['type'] == 'http.response.start':
                 message['headers'] = [*message['headers'], *NOT_FRAMED]
             await send(message)
@@ -79,6 +81,7 @@ class OnlyHere:
         await self.served(scope, receive, send_for_us)
 
     def _is_allowed(self, scope: Scope) -> bool:
+        """Return whether a request comes from our own page, from no page, or from a link to us."""
         headers = {name.decode('latin-1').lower(): value.decode('latin-1')
                    for name, value in scope['headers']}
         is_link = (scope['type'] == 'http' and scope['method'] == 'GET'
@@ -91,9 +94,9 @@ class OnlyHere:
 
 def free_port(wanted: int | None) -> int:
     """
-    Return a port of this machine; PortTaken if it is in use.
+    Return a port of this machine that is free; PortTaken if the wanted one is not.
 
-    None: the usual one, so that addresses can be shared, or any free one.
+    None: the usual one, so that addresses can be shared, else any; 0: any.
     """
     if wanted is None:
         try:
@@ -146,6 +149,7 @@ def serve_node(node: str, patience: float, port: int, is_opened: bool) -> None:
 
 def _serve(title: str, make: Callable[[dict[str, str]], Page], port: int,
            is_opened: bool) -> None:
+    """Serve what ``make`` builds of the query of each tab, until the process is interrupted."""
     async def page() -> None:
         # nothing is made for what only asks and never opens a socket, as an image tag
         await ui.context.client.connected()
@@ -161,7 +165,7 @@ def _serve(title: str, make: Callable[[dict[str, str]], Page], port: int,
            gzip_middleware_factory=None, ws_per_message_deflate=False, tailwind=False)
 
 
-FASTER = 1.2            # ... than what the pictures have room for
+FASTER = 1.2            # pictures are scaled anew for rates this many times theirs
 
 
 class NodePage(Page):
@@ -171,7 +175,7 @@ class NodePage(Page):
         super().__init__(watched.node, watched.values, {},
                          lambda shown: NodePlayback(shown, watched.latest))
         self.watched, self.version = watched, watched.version
-        self._one_by_one = Lock()
+        self._one_by_one = Lock()               # held while the node answers
         self._under_way: list[str] = []         # names of parameters without an answer yet
 
     def build(self) -> None:
@@ -200,6 +204,7 @@ class NodePage(Page):
             self.elements.show_value[name](self.watched.values[name])
 
     def _advance(self) -> None:
+        """Take what has changed in the node, then move on as every page."""
         if self.version != self.watched.version:
             self.version, self.values = self.watched.version, self.watched.values
             self._show_values(*self.values)
@@ -218,24 +223,18 @@ class NoRun(FourBarError, ValueError):
 
 def read_run(path: str | Path, node: str | None = None) -> tuple[Scene, Run]:
     """
-    Return the scene of a bag at its start, and the run.
+    Return the scene of a bag at its start, and the run; messages may be in any order.
 
-    Raises
-    ------
-    BagError
-        It cannot be read, or holds no scene.
-    NoRun
-        It holds no sample of the motion of the input.
-
+    BagError if it cannot be read, or holds no scene; NoRun if no sample of the input's motion.
     """
     bag = Bag(path)
     origin = origin_of(bag, node)
     topic = origin.topics.get(DRIVEN.name)
     stamps, states = [], []
     for block in bag.blocks(topics=[topic] if topic else []):
-        for found in block:
-            stamps.append(found.stamps)
-            states.append(np.stack(driven_of(found.tree)))
+        for messages in block:
+            stamps.append(messages.stamps)
+            states.append(np.stack(driven_of(messages.tree)))
     if not stamps:
         raise NoRun(f'{path}: no motion of the input in it ({DRIVEN.topic})')
     times = np.concatenate(stamps)

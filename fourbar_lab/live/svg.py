@@ -10,7 +10,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from html import escape
+from itertools import product
 from math import atan2, cos, hypot, inf, sin
+from pathlib import Path
 import re
 from typing import NamedTuple
 
@@ -23,37 +25,17 @@ WIDTH, HEIGHT = 720.0, 420.0       # [px] of a picture
 MARGIN = 44.0                      # [px]
 LINE = 19.0                        # [px] between labels
 INCH = 85.0                        # [px] for the signs of blocks and pivots
-LETTER = 8.6                       # [px] of a letter, in wide fonts
+LETTER = 8.6                       # [px] width of a letter, in wide fonts
 LESS = 0.75                        # size of a subscript
-AROUND = (0.0, 0.6, -0.6, 1.2, -1.2, 2.0, -2.0, 3.1)    # [rad] where a label looks for room
+# A label looks for room in these directions from its own [rad], so far from its place [px].
+AROUND, FARTHER = (0.0, 0.6, -0.6, 1.2, -1.2, 2.0, -2.0, 3.1), (5.0, 22.0, 44.0, 70.0)
 ALONG, FREE = (0.35, 0.6, 0.8, 1.0), 5.0        # parts of an arrow that stay free, [px] around
-FARTHER = (5.0, 22.0, 44.0, 70.0)  # [px] ... and how far from its place
 LEAST = 4.0                        # [px] shorter arrows are left out
-STYLE = """
-.fb text{font:italic 15px 'STIX Two Text',Georgia,serif;fill:var(--fb-ink,#1c1c1c);
-paint-order:stroke;stroke:var(--fb-paper,#fff);stroke-width:3px;stroke-linejoin:round}
-.fb .bar{stroke:var(--fb-ink,#1c1c1c);stroke-width:9;stroke-linecap:round}
-.fb .core{stroke:var(--fb-link,#dfe5ec);stroke-width:6;stroke-linecap:round}
-.fb .block{fill:var(--fb-link,#dfe5ec);stroke:var(--fb-ink,#1c1c1c);stroke-width:1.6}
-.fb .pin{fill:var(--fb-paper,#fff);stroke:var(--fb-ink,#1c1c1c);stroke-width:1.6}
-.fb .ground{fill:none;stroke:var(--fb-ink,#1c1c1c);stroke-width:1.6}
-.fb .trace{fill:none;stroke:var(--fb-point,#8a5200);stroke-width:1.6}
-.fb .point{fill:var(--fb-point,#8a5200)} .fb text.point{fill:var(--fb-point,#8a5200)}
-.fb .arm{stroke:var(--fb-point,#8a5200);stroke-dasharray:5 3;stroke-width:1.2}
-.fb .force{stroke:var(--fb-force,#1e6b37);fill:var(--fb-force,#1e6b37);stroke-width:2.4}
-.fb text.force{stroke:var(--fb-paper,#fff);stroke-width:3px}
-.fb .part{stroke:var(--fb-part,#a02c2c);fill:var(--fb-part,#a02c2c);stroke-width:2}
-.fb text.part{stroke:var(--fb-paper,#fff);stroke-width:3px}
-.fb .sum{stroke:var(--fb-sum,#1f4e8c);fill:var(--fb-sum,#1f4e8c);stroke-width:2.6}
-.fb text.sum{stroke:var(--fb-paper,#fff);stroke-width:3px}
-.fb .ghost{opacity:.42} .fb .ghost .core{stroke:var(--fb-point,#8a5200)}
-.fb .through{stroke:var(--fb-ink,#1c1c1c);stroke-dasharray:6 5;stroke-width:.8;opacity:.6}
-.fb .centre{stroke:var(--fb-part,#a02c2c);stroke-width:1.8}
-.fb text.centre{stroke:var(--fb-paper,#fff);stroke-width:3px;fill:var(--fb-part,#a02c2c)}
-"""
+# Without the lines of its licence, which every saved picture would repeat.
+STYLE = Path(__file__).with_name('picture.css').read_text(encoding='utf-8').partition('*/')[2]
 
 
-Pixel = tuple[float, float]
+Pixel = tuple[float, float]           # [px], y downwards
 Box = tuple[float, float, float, float]         # left, above, right, below [px]
 INDEX = re.compile(r'([_^])(?:\{([^}]*)\}|(\w))')
 
@@ -65,7 +47,7 @@ class View(NamedTuple):
     top: float
     scale: float
 
-    def at(self, place: Iterable[float]) -> tuple[float, float]:
+    def at(self, place: Iterable[float]) -> Pixel:
         """Return the pixel of a place [m]."""
         x, y = place
         return (x - self.left) * self.scale, (self.top - y) * self.scale
@@ -77,7 +59,7 @@ class View(NamedTuple):
 
 def view_of(places: Array, edges: Sequence[float] | Array = (MARGIN,) * 4) -> View:
     """
-    Return the :class:`View` that holds places of shape (n, 2) [m], centred.
+    Return the :class:`View` in which places [m], shape (n, 2), fill the picture, centred.
 
     ``edges``: what is left free on the left, above, on the right, below [px].
     """
@@ -92,18 +74,18 @@ def view_of(places: Array, edges: Sequence[float] | Array = (MARGIN,) * 4) -> Vi
                 float(y + (above + 0.5 * room[1]) / scale), scale)
 
 
-def line(kind: str, start: tuple[float, float], end: tuple[float, float]) -> str:
+def line(kind: str, start: Pixel, end: Pixel) -> str:
     """Return a line."""
     return (f'<line class="{kind}" x1="{start[0]:.1f}" y1="{start[1]:.1f}" '
             f'x2="{end[0]:.1f}" y2="{end[1]:.1f}"/>')
 
 
-def circle(kind: str, at: tuple[float, float], radius: float) -> str:
+def circle(kind: str, at: Pixel, radius: float) -> str:
     """Return a circle."""
     return f'<circle class="{kind}" cx="{at[0]:.1f}" cy="{at[1]:.1f}" r="{radius:g}"/>'
 
 
-def text(kind: str, at: tuple[float, float], words: str, anchor: str = 'start') -> str:
+def text(kind: str, at: Pixel, words: str, anchor: str = 'start') -> str:
     """Return a text; ``words`` may have indices as mathtext has them: V_{B/A}, F_2."""
     end = '' if anchor == 'start' else f' text-anchor="{anchor}"'
     return (f'<text class="{kind}" x="{at[0]:.1f}" y="{at[1]:.1f}"{end}>'
@@ -111,7 +93,11 @@ def text(kind: str, at: tuple[float, float], words: str, anchor: str = 'start') 
 
 
 def _index(match: re.Match[str]) -> str:
-    """Return an index lowered or raised; a shift holds for all that follows it."""
+    """
+    Return an index of :func:`text`, lowered or raised.
+
+    In SVG a shift holds for all that follows, so an invisible character shifts back.
+    """
     shift = 4 if match[1] == '_' else -5
     return (f'<tspan dy="{shift}" font-size="{LESS:.0%}">{match[2] or match[3]}</tspan>'
             f'<tspan dy="{-shift}">&#8203;</tspan>')
@@ -142,7 +128,7 @@ def primitive(part: Primitive, view: View) -> str:
     return f'{fixed}<polygon class="{kind}" points="{points}"/>'
 
 
-def arrow(kind: str, start: tuple[float, float], vector: tuple[float, float],
+def arrow(kind: str, start: Pixel, vector: Pixel,
           label: str, room: Room) -> str:
     """Return an arrow [px] with its label at the tip; nothing of one too short to be seen."""
     size = hypot(*vector)
@@ -163,38 +149,32 @@ class Room:
     """
     Where labels have room: inside the picture, and not above each other.
 
-    Parameters
-    ----------
-    pins : iterable of (float, float)
-        Places that stay free too [px].
-    arrows : iterable of ((float, float), (float, float))
-        Starts and vectors of arrows that stay free too [px].
-
+    Pins and arrows (start, vector) stay free too [px].
     """
 
-    def __init__(self, pins: Iterable[tuple[float, float]],
+    def __init__(self, pins: Iterable[Pixel],
                  arrows: Iterable[tuple[Pixel, Pixel]] = ()):
         places = [*pins, *((start[0] + part * vector[0], start[1] + part * vector[1])
                            for start, vector in arrows for part in ALONG)]
         self._taken = [(x - FREE, y - FREE, x + FREE, y + FREE) for x, y in places]
 
-    def label(self, kind: str, at: tuple[float, float], away: tuple[float, float],
+    def label(self, kind: str, at: Pixel, away: Pixel,
               words: str) -> str:
-        """Return a text near a place, if there is room in the direction ``away``."""
+        """
+        Return a text near a place, if there is room in the direction ``away``.
+
+        The first free box is taken, or the one that covers least of what is there.
+        """
         width = LETTER * len(plain(words))
         angle = atan2(away[1], away[0])
-        best, least = None, inf
-        for far in FARTHER:
-            for turn in AROUND:
-                box = self._box(at, angle + turn, far, width)
-                overlap = sum(_overlap(box, other) for other in self._taken)
-                if overlap < least:
-                    best, least = box, overlap
-                if least == 0.0:
-                    break
+        least = inf
+        for far, turn in product(FARTHER, AROUND):
+            box = self._box(at, angle + turn, far, width)
+            overlap = sum(_overlap(box, other) for other in self._taken)
+            if overlap < least:
+                best, least = box, overlap
             if least == 0.0:
                 break
-        assert best is not None
         self._taken.append(best)
         left, _, right, below = best
         # on the side of the edge: a wider font then grows inwards
@@ -203,7 +183,7 @@ class Room:
         return text(kind, (left, below - 4.0), words)
 
     @staticmethod
-    def _box(at: tuple[float, float], angle: float, far: float, width: float) -> Box:
+    def _box(at: Pixel, angle: float, far: float, width: float) -> Box:
         """Return the box of a label in a direction of its place, moved into the picture."""
         u, v = cos(angle), sin(angle)
         x = at[0] + u * (far + 0.5 * width) - 0.5 * width

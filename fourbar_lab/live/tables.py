@@ -13,6 +13,7 @@ from fourbar_ros.report.poses import number
 
 
 def _column(name: str, label: str, align: str = 'left') -> dict[str, str]:
+    """Return a column of a table as Quasar has it."""
     return {'name': name, 'label': label, 'field': name, 'align': align}
 
 
@@ -24,7 +25,7 @@ NOW_COLUMNS = [_column('name', 'now'), _column('value', 'value', 'right'),
 
 
 def extrema_rows(shown: Shown, extrema: Sequence[Extremum]) -> list[dict[str, str | float]]:
-    """Return the rows of the extrema; ``input`` is where a click goes, in the page's unit."""
+    """Return the rows of the table of extrema; a click goes to ``input``, in the page's unit."""
     rows: list[dict[str, str | float]] = []
     for i, extremum in enumerate(extrema):
         at = shown.shown_input(shown.place_of(extremum))
@@ -57,7 +58,12 @@ def now_columns(title: str, others: Sequence[str]) -> list[dict[str, str]]:
 def now_rows(pose: Mapping[str, tuple[float, str]],
              others: Sequence[Mapping[str, tuple[float, str]]] = (),
              symbols: Mapping[str, str] = MappingProxyType({})) -> list[dict[str, str]]:
-    """Return the rows of :meth:`.Shown.values`, those of other runs beside; '' is unknown."""
+    """
+    Return the rows of the table of a pose, {name: (value, unit)}, with those of other runs beside.
+
+    ``symbols``: {name of a force: its letter in the picture}. A cell is '' where a run has no such
+    value; with one other run, the last column is how much its value is larger.
+    """
     rows = []
     for name, (value, unit) in pose.items():
         symbol = f' = {plain(symbols[name])}' if name in symbols else ''

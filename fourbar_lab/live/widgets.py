@@ -3,6 +3,7 @@
 """What a page consists of: controls, picture and transport, curves and tables."""
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fourbar_lab.live.charts import CURSOR, GAP, Options, POLAR_SIZE, TOP
@@ -17,55 +18,8 @@ if TYPE_CHECKING:
     from fourbar_lab.live.page import Page
 
 HEAD = f"""<style>{STYLE}
-body{{--fb-paper:#ffffff;--fb-ink:#1c1c1c;--fb-link:#dfe5ec;--fb-point:#8a5200;--fb-force:#1e6b37;
---fb-part:#a02c2c;--fb-sum:#1f4e8c}}
-body.body--dark{{--fb-paper:#161a1f;--fb-ink:#ececec;--fb-link:#3b4653;--fb-point:#e3a857;
---fb-force:#6fcf8e;--fb-part:#f08a8a;--fb-sum:#8ab8f0}}
-body{{--fb-page:#ffffff}} body.body--dark{{--fb-page:#121212}}
-.fb-head{{padding:2px 12px}} .nicegui-content{{padding:8px 12px}}
-.fb-columns{{display:grid;gap:8px 12px;width:100%;align-items:start;
-grid-template:"controls stage stage" auto "controls options options" auto "controls views now" 1fr
-/ 280px minmax(0,1fr) minmax(22rem,max-content)}}
-.fb-columns:has(>.fb-turned){{
-grid-template:"stage stage" auto "options options" auto "views now" 1fr
-/ minmax(0,1fr) minmax(22rem,max-content)}}
-.fb-controls{{grid-area:controls;position:sticky;top:48px;max-height:calc(100vh - 56px);
-overflow-y:auto}}
-.fb-controls.fb-turned{{display:none}}
-.fb-stage{{grid-area:stage;position:relative;background:var(--fb-page)}}
-.fb-options{{grid-area:options}} .fb-views{{grid-area:views}} .fb-now{{grid-area:now}}
-.fb-picture{{display:block;width:100%;aspect-ratio:{WIDTH:g}/{HEIGHT:g};
-max-height:calc(100vh - 112px);background:var(--fb-paper);
-border:1px solid rgba(128,128,128,.35);user-select:none;-webkit-user-select:none}}
-.fb-picture .grip{{fill:transparent;stroke:none;cursor:grab;touch-action:none}}
-.fb-picture .grip:hover{{stroke:var(--fb-sum);stroke-dasharray:3 3}}
-.fb-held,.fb-held .grip{{cursor:grabbing}}
-@media (min-width:1700px){{.fb-columns{{
-grid-template:"controls stage views" auto "controls options views" auto "controls now views" 1fr
-/ 280px minmax(0,1fr) minmax(0,40rem)}}
-.fb-columns:has(>.fb-turned){{grid-template:"stage views" auto "options views" auto "now views" 1fr
-/ minmax(0,1fr) minmax(0,40rem)}}}}
-@media (max-width:1000px){{.fb-columns,.fb-columns:has(>.fb-turned){{
-grid-template:"stage" "controls" "options" "views" "now" / minmax(0,1fr)}}
-.fb-controls{{display:none;position:static;max-height:none}}
-.fb-controls.fb-turned{{display:block}}
-.fb-picture{{max-height:45vh}} .fb text{{font-size:18px}}}}
-@media (max-width:1000px) and (min-height:600px){{
-.fb-stage{{position:sticky;top:40px;padding-top:4px;z-index:5}}}}
-.fb-alarm{{position:absolute;z-index:1;left:8px;right:8px;top:8px;pointer-events:none}}
-.fb-alarm span,.fb-alarm{{background:var(--fb-paper)}}
-.body--dark .fb-alarm{{color:#ff9c94 !important}}
-.fb-middle{{align-items:center}} .fb-control{{gap:10px}}
-.fb-number{{width:9.5rem;flex:none}}
-.fb-over{{position:relative;max-width:100%;overflow-x:auto;overflow-y:hidden}}
-.fb-cursor{{position:absolute;top:{TOP}px;bottom:{GAP}px;width:0;
-border-left:1.5px solid {CURSOR};pointer-events:none}}
-.fb-dots{{position:absolute;top:0;left:0;pointer-events:none}}
-.fb-table td,.fb-table th{{font-variant-numeric:tabular-nums;white-space:nowrap}}
-.fb-table td,.fb-table th{{padding-left:8px;padding-right:8px}}
-.fb-tight td,.fb-tight th{{padding-left:4px;padding-right:4px;font-size:12px}}
-.fb-words td{{white-space:normal}} .fb-words td:first-child{{white-space:nowrap}}
-</style>"""
+:root{{--fb-aspect:{WIDTH:g}/{HEIGHT:g};--fb-top:{TOP}px;--fb-gap:{GAP}px;--fb-cursor:{CURSOR}}}
+{Path(__file__).with_name('page.css').read_text(encoding='utf-8')}</style>"""
 CURVES, FORCES, POLYGONS, EXTREMA, FACTS = TABS = (
     'Curves', 'Forces', 'Polygons', 'Extrema', 'Facts')
 LAYERS = {'curves': 'coupler curves', 'forces': 'forces', 'centres': 'instant centres',
@@ -94,16 +48,7 @@ class Picture(ContentElement, component='picture.js'):  # type: ignore[call-arg]
 
 
 class Elements:
-    """
-    What a page consists of; what its user does goes to the page.
-
-    Parameters
-    ----------
-    page : Page
-        With ``title``, ``shown``, ``playback``, ``names``, ``layers``, ``acceleration`` and the
-        methods that answer to each control.
-
-    """
+    """What a page consists of. What its user does calls methods of the page, which changes it."""
 
     def __init__(self, page: Page):
         self.page = page
@@ -129,6 +74,7 @@ class Elements:
                     'fb-tight' if page.playback.beside else '')
 
     def _header(self) -> None:
+        """Build the bar on top: title, description, downloads, dark or light."""
         page = self.page
         with ui.header(elevated=False).classes('fb-middle fb-head no-wrap'):
             # narrow windows show the controls after a click, wide ones until a click
@@ -141,6 +87,7 @@ class Elements:
                 'flat dense color=white aria-label="dark or light"')
 
     def _controls(self) -> None:
+        """Build the panel of all parameters."""
         page = self.page
         self.show_value = build(page.shown, page.change, page.refuse)
         Field('acceleration of the input', page.acceleration, page.set_acceleration,
@@ -148,6 +95,7 @@ class Elements:
             'dense aria-label="acceleration of the input"').classes('full-width')
 
     def _picture(self) -> None:
+        """Build the picture of the mechanism, whose joints can be dragged."""
         page = self.page
         self.picture = Picture('the mechanism in its pose')
         self.picture.on('take', lambda event: page.take(event.args))
@@ -155,6 +103,7 @@ class Elements:
         self.picture.on('leave', page.leave)
 
     def _transport(self) -> None:
+        """Build what moves the input: play button, slider and field."""
         page = self.page
         with ui.row().classes('fb-middle full-width no-wrap q-pt-xs'):
             self.play = ui.button(icon='play_arrow', on_click=page.play).props(
@@ -166,6 +115,7 @@ class Elements:
                 'dense aria-label="input value"').classes('fb-number')
 
     def _options(self) -> None:
+        """Build the pace of the playback, and a box for each layer of the picture."""
         page, pace = self.page, self.page.playback.pace
         if pace:
             ui.label(pace.label)
@@ -177,6 +127,7 @@ class Elements:
                         ).set_visibility(name != 'axis' or page.shown.has_axis)
 
     def _views(self) -> None:
+        """Build a tab for each view; they are filled when they are opened."""
         page = self.page
         with ui.tabs().props('dense no-caps align=left').classes('full-width') as self.tabs:
             for name in TABS:
@@ -234,7 +185,7 @@ class Elements:
         self.now.rows = []
 
     def clear_views(self, besides: str | None = None) -> None:
-        """Take away what shows a mechanism over its cycle, but for one view."""
+        """Empty the charts and tables of all views but one."""
         for name, chart in ((CURVES, self.curves), (FORCES, self.polar)):
             if name != besides and chart.options:
                 set_chart(chart, {})
@@ -248,6 +199,7 @@ def _panel(name: str) -> ui.tab_panel:
 
 
 def _table(columns: list[dict[str, str]], key: str, props: str = '') -> ui.table:
+    """Return an empty table without pages; ``key``: the column that tells rows apart."""
     return ui.table(columns=columns, rows=[], row_key=key).props(
         f'dense flat hide-pagination {props} :rows-per-page-options="[0]"').classes(
         'full-width fb-table')

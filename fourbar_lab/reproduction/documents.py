@@ -8,21 +8,7 @@ from math import atan, degrees, isnan, nan, sqrt
 from pathlib import Path
 from typing import Any, NamedTuple, TYPE_CHECKING, Union
 
-from fourbar_lab.reproduction import published, statements
-from fourbar_lab.reproduction.verdicts import (
-    AGREES,
-    ANSWERED,
-    ASSUMED,
-    DEFINED,
-    DIFFERS,
-    DRAWN,
-    GARBLED,
-    MISPRINT,
-    MISSING,
-    ROUNDED,
-    VERDICTS,
-    WRONG,
-)
+from fourbar_lab.reproduction import published, statements, verdicts
 from fourbar_ros.report.terminal import make_console, PlainTable
 import yaml
 
@@ -30,8 +16,8 @@ if TYPE_CHECKING:
     from rich.console import Console
 
 DOCUMENTS = Path(__file__).with_name('published.yaml')
-Entry = Mapping[str, Any]       # of published.yaml
-Term = Union[str, float]        # an expression
+Entry = Mapping[str, Any]       # a row of published.yaml, whose head explains the keys
+Term = Union[str, float]        # an expression of such a row
 FUNCTIONS: dict[str, Any] = {'__builtins__': {}, 'atan': atan, 'degrees': degrees, 'sqrt': sqrt}
 EXACT = 1e-12      # of the sum of the terms: more than rounding, less than any slip
 
@@ -66,29 +52,34 @@ def reproduce(path: str | Path = DOCUMENTS) -> list[Section]:
 
 
 def _section(entry: Entry) -> Section:
-    values, symbols = (_computed(entry[name]) if name in entry else {}
-                       for name in ('values', 'symbols'))
+    """Return a section of published.yaml, with what its functions compute."""
+    values, symbols = (_computed(entry[key]) if key in entry else {}
+                       for key in ('values', 'symbols'))
     rows = [_equation(row, symbols) if 'terms' in row or 'value' in row else _number(row, values)
             for row in entry['rows']]
     return Section(entry['title'], rows, entry.get('figure', ''))
 
 
 def _computed(name: str) -> Mapping[str, float]:
-    """Return the dict of a function of published.py or statements.py."""
-    found: Mapping[str, float] = getattr(statements if hasattr(statements, name) else published,
-                                         name)()
-    return found
+    """Call a function of statements.py or published.py by its name; return its dict."""
+    module = statements if hasattr(statements, name) else published
+    numbers: Mapping[str, float] = getattr(module, name)()
+    return numbers
 
 
 def _number(row: Entry, values: Mapping[str, float]) -> Row:
-    """Return the Row of a printed number, with its difference and the verdict on it."""
+    """
+    Return the Row of a printed number, with its difference from ours and the verdict on it.
+
+    A number that follows from others that are printed (``own``) must do so too.
+    """
     printed = row.get('printed', '')
     own = _evaluate(row['own'], {}) if 'own' in row else nan
     ours = float(values[row['key']]) if 'key' in row else own
     verdict = _verdict(row, ours)
     if not isnan(own) and not agrees(own, printed):
-        verdict = DIFFERS
-    reason = '' if verdict == AGREES and 'rounded' in row else _reason(row)
+        verdict = verdicts.DIFFERS
+    reason = '' if verdict == verdicts.AGREES and 'rounded' in row else _reason(row)
     return Row(row['what'], row.get('unit', ''), printed, ours, ours - float(printed or nan),
                verdict, reason)
 
@@ -97,24 +88,30 @@ def _verdict(row: Entry, ours: float) -> str:
     """
     Return the verdict on a number.
 
-    DIFFERS also if published.yaml gives a reason that does not explain the difference.
+    DIFFERS also if published.yaml gives a reason that does not explain the difference, or one
+    although there is none.
     """
-    for name, verdict in (('missing', MISSING), ('assumed', ASSUMED), ('defined', DEFINED)):
-        if name in row:
+    for key, verdict in (('missing', verdicts.MISSING), ('assumed', verdicts.ASSUMED),
+                         ('defined', verdicts.DEFINED)):
+        if key in row:
             return verdict
     difference = abs(ours - float(row['printed']))
     if agrees(ours, row['printed']):
-        verdict = AGREES
+        verdict = verdicts.AGREES
     elif difference <= row.get('drawn', 0.0) * abs(float(row.get('scale', ours))):
-        verdict = DRAWN
+        verdict = verdicts.DRAWN
+    elif difference <= row.get('rounded', 0.0) * abs(ours):
+        verdict = verdicts.ROUNDED
     else:
-        verdict = ROUNDED if difference <= row.get('rounded', 0.0) * abs(ours) else DIFFERS
+        verdict = verdicts.DIFFERS
     if 'copies' in row:
-        return (GARBLED if verdict in (AGREES, ROUNDED)
-                and is_reading(row['printed'], row['copies']) else DIFFERS)
-    for name, wrong in (('garbled', GARBLED), ('misprint', MISPRINT), ('wrong', WRONG)):
-        if name in row:
-            return wrong if verdict == DIFFERS else DIFFERS
+        is_explained = (verdict in (verdicts.AGREES, verdicts.ROUNDED)
+                        and is_reading(row['printed'], row['copies']))
+        return verdicts.GARBLED if is_explained else verdicts.DIFFERS
+    for key, reason in (('garbled', verdicts.GARBLED), ('misprint', verdicts.MISPRINT),
+                        ('wrong', verdicts.WRONG)):
+        if key in row:
+            return reason if verdict == verdicts.DIFFERS else verdicts.DIFFERS
     return verdict
 
 
@@ -133,7 +130,7 @@ def is_reading(text: str, copies: Sequence[str]) -> bool:
 
 
 def agrees(value: float, text: str) -> bool:
-    """Return whether a decimal number is the value, rounded or truncated after its last digit."""
+    """Return whether a printed number is the value, rounded or cut: 0.67 and 0.66 are 2/3."""
     printed, unit = float(text), 10.0**-len(text.partition('.')[2])
     beyond = (value - printed) / unit if printed >= 0.0 else (printed - value) / unit
     return -0.5 <= beyond < 1.0
@@ -143,27 +140,28 @@ def _equation(row: Entry, symbols: Mapping[str, float]) -> Row:
     """
     Return the Row of an equation: its printed form against what it must give.
 
-    A sum of terms must be zero, relative to their magnitudes; a formula must give ``ours``.
+    A sum of ``terms`` must be zero, relative to their magnitudes; a ``value`` must be ``ours``. A
+    misprint must be wrong, and its correction right.
     """
-    def left(terms: Sequence[Term]) -> float:
+    def relative_sum(terms: Sequence[Term]) -> float:
         numbers = [_evaluate(term, symbols) for term in terms]
         return sum(numbers) / sum(map(abs, numbers))
 
-    def of(form: Term | list[Term]) -> float:
-        return left(form) if isinstance(form, list) else _evaluate(form, symbols)
+    def value(form: Term | list[Term]) -> float:
+        return relative_sum(form) if isinstance(form, list) else _evaluate(form, symbols)
 
-    form = row.get('terms', row.get('value'))
-    must, printed = _evaluate(row.get('ours', '0.0'), symbols), of(form)
-    scale = max(1.0, abs(must))
-    is_right = abs(printed - must) <= row.get('within', EXACT) * scale
-    verdict = AGREES if is_right else DIFFERS
-    if 'misprint' in row and not is_right and abs(of(row['correct']) - must) <= EXACT * scale:
-        verdict = MISPRINT      # and the correction is one
+    ours = _evaluate(row.get('ours', '0.0'), symbols)
+    printed = value(row['terms'] if 'terms' in row else row['value'])
+    scale = max(1.0, abs(ours))
+    is_right = abs(printed - ours) <= row.get('within', EXACT) * scale
+    verdict = verdicts.AGREES if is_right else verdicts.DIFFERS
     if 'answered' in row:       # nothing is printed: two sides of ours
         return Row(row['what'], row.get('unit', ''), '', printed, nan,
-                   ANSWERED if is_right else DIFFERS, row['answered'])
+                   verdicts.ANSWERED if is_right else verdict, row['answered'])
+    if 'misprint' in row and not is_right and abs(value(row['correct']) - ours) <= EXACT * scale:
+        verdict = verdicts.MISPRINT
     text = f'{printed:.6g}' if not is_right or 'value' in row else '0'
-    return Row(row['what'], row.get('unit', ''), text, must, must - printed, verdict, _reason(row))
+    return Row(row['what'], row.get('unit', ''), text, ours, ours - printed, verdict, _reason(row))
 
 
 def _evaluate(expression: Term, symbols: Mapping[str, float]) -> float:
@@ -177,21 +175,21 @@ COLUMNS = ('', 'printed>', 'ours>', 'difference>', 'unit', 'verdict', '')
 
 
 def cells(row: Row) -> tuple[str, ...]:
-    """Return the texts of a Row, without its reason."""
+    """Return the texts of a Row under :data:`COLUMNS`, but for the last: where its reason is."""
     return (row.what, row.printed, '' if isnan(row.ours) else f'{row.ours:.10g}',
             '' if isnan(row.difference) else f'{row.difference:.3g}', row.unit, row.verdict)
 
 
 def footnotes(section: Section) -> dict[str, int]:
-    """Return {reason: its number} of a Section, in order."""
-    return {reason: i for i, reason in enumerate(dict.fromkeys(row.reason for row in section.rows
-                                                               if row.reason), 1)}
+    """Return {reason: its number} of a Section, each once, in order from 1."""
+    reasons = dict.fromkeys(row.reason for row in section.rows if row.reason)
+    return {reason: number for number, reason in enumerate(reasons, 1)}
 
 
 def count(sections: Sequence[Section]) -> dict[str, int]:
     """Return the number of rows of each verdict, as a dict in the order of VERDICTS."""
-    found = [row.verdict for section in sections for row in section.rows]
-    return {verdict: found.count(verdict) for verdict in VERDICTS if verdict in found}
+    given = [row.verdict for section in sections for row in section.rows]
+    return {verdict: given.count(verdict) for verdict in verdicts.VERDICTS if verdict in given}
 
 
 def summary(sections: Sequence[Section]) -> str:

@@ -3,7 +3,7 @@
 """Draw the figures of the documents from computed values, for ``fourbar reproduce --html``."""
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from datetime import date
 import html
 from io import StringIO
@@ -12,20 +12,14 @@ from pathlib import Path
 import re
 from typing import TYPE_CHECKING
 
-from fourbar_lab.reproduction import published
+from fourbar_lab.reproduction import published, verdicts
 from fourbar_lab.reproduction.documents import cells, COLUMNS, footnotes, Section, summary
-from fourbar_lab.reproduction.verdicts import (
-    ASSUMED,
-    DIFFERS,
-    GARBLED,
-    MISPRINT,
-    MISSING,
-    VERDICTS,
-    WRONG,
-)
 from fourbar_ros import __version__
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.mechanisms.contract import CROSSED, OPEN
+from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.parts import NamedFields
+from fourbar_ros.mechanisms.picture import Points
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.report.drawing import CannotDraw, make_figure, need_matplotlib, STYLE, Units
 import numpy as np
@@ -52,56 +46,56 @@ figure { margin: 1em 0; } svg { max-width: 100%; height: auto; } figcaption, ol 
   font-size: 0.92em; }
 @media print { section { break-inside: avoid; } nav { break-after: page; } }
 """
-STYLES = {MISPRINT: 'wrong', WRONG: 'wrong', GARBLED: 'copy', ASSUMED: 'assumed',
-          MISSING: 'assumed', DIFFERS: 'differs'}
+STYLES = {verdicts.MISPRINT: 'wrong', verdicts.WRONG: 'wrong', verdicts.GARBLED: 'copy',
+          verdicts.ASSUMED: 'assumed', verdicts.MISSING: 'assumed', verdicts.DIFFERS: 'differs'}
+POLYGONS = 'Velocity and acceleration polygons.'
 FEET = Units(('in', published.INCH), ('ft/s', published.FOOT), ('ft/s$^2$', published.FOOT))
 
 
+def _drawing(linkage: Mechanism, motion: NamedFields, title: str, caption: str,
+             points: Points | None = None, names: Mapping[str, str] | None = None,
+             units: Units = FEET) -> Captioned:
+    """Return a mechanism with its polygons; ``names``: {our name of a joint: the slides'}."""
+    return make_figure(linkage, motion, None, title, points, names, units), caption
+
+
 def example_7_2() -> Captioned:
-    motion = published.EXAMPLE_7_2.motion(*published.GIVEN_7_2)
-    return (make_figure(published.EXAMPLE_7_2, motion, None, 'slider-crank at 30 deg, points and '
-                                                             'units of the slides',
-                        names={'O_1': 'O_2', 'A': 'B', 'B': 'C'}, units=FEET),
-            'Velocity and acceleration polygons.')
+    return _drawing(published.EXAMPLE_7_2, published.EXAMPLE_7_2.motion(*published.GIVEN_7_2),
+                    'slider-crank at 30 deg, points and units of the slides', POLYGONS,
+                    names={'O_1': 'O_2', 'A': 'B', 'B': 'C'})
 
 
 def example_7_3() -> Captioned:
-    motion = published.EXAMPLE_7_3.motion(*published.GIVEN_7_3)
-    return (make_figure(published.EXAMPLE_7_3, motion, None, '4R at 120 deg, points and units of '
-                                                             'the slides',
-                        points=published.POINTS_7_3,
-                        names={'O_1': 'A', 'A': 'B', 'B': 'C', 'O_4': 'D'}, units=FEET),
-            'Velocity and acceleration polygons.')
+    return _drawing(published.EXAMPLE_7_3, published.EXAMPLE_7_3.motion(*published.GIVEN_7_3),
+                    '4R at 120 deg, points and units of the slides', POLYGONS,
+                    published.POINTS_7_3, {'O_1': 'A', 'A': 'B', 'B': 'C', 'O_4': 'D'})
 
 
 def example_7_5() -> Captioned:
-    motion = published.EXAMPLE_7_5.motion(*published.GIVEN_7_5)
-    return (make_figure(published.EXAMPLE_7_5, motion, None, 'inverted slider-crank at 30 deg, '
-                                                             'points and units of the slides',
-                        names={'O_1': 'E', 'O_4': 'D'}, units=FEET),
-            'Q is the point of the bar under A; the Coriolis term turns V_rel by 90° in the sense '
-            'of the bar.')
+    return _drawing(published.EXAMPLE_7_5, published.EXAMPLE_7_5.motion(*published.GIVEN_7_5),
+                    'inverted slider-crank at 30 deg, points and units of the slides',
+                    'Q is the point of the bar under A; the Coriolis term turns V_rel by 90° in '
+                    'the sense of the bar.', names={'O_1': 'E', 'O_4': 'D'})
 
 
 def example_7_6() -> Captioned:
-    motion = published.EXAMPLE_7_6.motion(*published.GIVEN_7_6)
-    return (make_figure(published.EXAMPLE_7_6, motion, None, '4R at 60 deg, 10 rad/s, 100 rad/s², '
-                                                             'assembly mode 2'),
-            'The slides solve this example with the input-output equations, in any unit of '
-            'length.')
+    return _drawing(published.EXAMPLE_7_6, published.EXAMPLE_7_6.motion(*published.GIVEN_7_6),
+                    '4R at 60 deg, 10 rad/s, 100 rad/s², assembly mode 2',
+                    'The slides solve this example with the input-output equations, in any unit '
+                    'of length.', units=Units())
 
 
 def example_7_7() -> Captioned:
+    """Draw alpha4, and omega4 eight times as large as in the slides, over two turns."""
     theta1 = np.linspace(-tau, tau, 1441)
     curves, marks = [], []
     for mode, style in ((CROSSED, '-'), (OPEN, '--')):
-        motion = published.EXAMPLE_7_7.in_mode(mode).motion(theta1, 10.0)
-        curves += [(theta1, motion.alpha4, fr'$\alpha_4$, mode ' f'{mode} [rad/s$^2$]', style,
-                    'C3'),
+        linkage = published.EXAMPLE_7_7.in_mode(mode)
+        motion = linkage.motion(theta1, 10.0)
+        curves += [(theta1, motion.alpha4, rf'$\alpha_4$, mode {mode} [rad/s$^2$]', style, 'C3'),
                    (theta1, 8.0 * motion.omega4, rf'$8\,\omega_4$, mode {mode} [rad/s]', style,
                     'C0')]
-        for extremum in find_extrema(published.EXAMPLE_7_7.in_mode(mode), ('alpha4', 'omega4'),
-                                     10.0):
+        for extremum in find_extrema(linkage, ('alpha4', 'omega4'), 10.0):
             factor = 8.0 if extremum.quantity == 'omega4' else 1.0
             marks += [(x, factor * extremum.value)
                       for x in (extremum.theta1, extremum.theta1 - tau)]
@@ -111,6 +105,7 @@ def example_7_7() -> Captioned:
 
 
 def paper_figure_3() -> Captioned:
+    """Draw omega4 and alpha4 of the paper's linkage over a turn."""
     theta1 = np.linspace(0.0, tau, 1441)
     motion = published.PAPER.motion(theta1, published.PAPER_SPEED)
     marks = [[(e.theta1, e.value) for e in find_extrema(published.PAPER, (name,),
@@ -123,6 +118,7 @@ def paper_figure_3() -> Captioned:
 
 
 def paper_figure_4() -> Captioned:
+    """Draw the shaking force and moment, right and as the paper prints them."""
     theta1, force, moment, _ = published.wrong_curves()
     loads = published.THIN.loads(theta1, published.PAPER_SPEED)
     curves = [[(theta1, loads.shaking_force, 'm a', '-', 'k'),
@@ -174,10 +170,11 @@ def svg(name: str) -> tuple[str, str]:
     """Return (SVG text, caption) of a figure by name; the text is the same every time."""
     import matplotlib
     figure, caption = globals()[name]()
-    text = StringIO()
+    file = StringIO()
     with matplotlib.rc_context({**STYLE, 'svg.hashsalt': name}):
-        figure.savefig(text, format='svg', metadata={'Date': None})
-    return text.getvalue().partition('<svg')[1] + text.getvalue().partition('<svg')[2], caption
+        figure.savefig(file, format='svg', metadata={'Date': None})
+    text = file.getvalue()
+    return text[text.index('<svg'):], caption           # without the head of an XML file
 
 
 def page(sections: Sequence[Section], when: str | None = None) -> str:
@@ -190,7 +187,8 @@ def page(sections: Sequence[Section], when: str | None = None) -> str:
     body = '\n'.join(_section(section, i) for i, section in enumerate(sections))
     contents = ''.join(f'<li><a href="#s{i}">{html.escape(section.title)}</a></li>'
                        for i, section in enumerate(sections))
-    legend = ''.join(f'<dt>{name}</dt><dd>{meaning}</dd>' for name, meaning in VERDICTS.items())
+    legend = ''.join(f'<dt>{name}</dt><dd>{meaning}</dd>'
+                     for name, meaning in verdicts.VERDICTS.items())
     return ('<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
             '<meta name="viewport" content="width=device-width"><title>The two source documents, '
             f'recomputed</title>\n<style>\n{CSS}</style></head>\n<body>\n<h1>The two source '
@@ -206,17 +204,14 @@ GREEK = {'theta': 'θ', 'omega': 'ω', 'alpha': 'α'}
 
 
 def typeset(text: str) -> str:
-    """
-    Return a text as HTML.
-
-    Greek letters with indices, powers of units, V_A and A_C/B with their indices.
-    """
+    """Return a text as HTML: theta1, V_A, A_C/B with their indices, s^2 with its power."""
     text = SYMBOL.sub(lambda match: f'{GREEK[match[1]]}<sub>{match[2]}</sub>', html.escape(text))
     text = re.sub(r'\b([AV])_([A-Z](?:/[A-Z])?)\b', r'\1<sub>\2</sub>', text)
     return re.sub(r'\b(m|s|ft|v\d)\^(\d)', r'\1<sup>\2</sup>', text)
 
 
 def _section(section: Section, number: int) -> str:
+    """Return a section as HTML: its table, numbered reasons below, and its figure."""
     notes = footnotes(section)
     heads = ''.join(f'<th{_kind(head)}>{html.escape(head.rstrip(">"))}</th>' for head in COLUMNS)
     rows = []
@@ -224,10 +219,10 @@ def _section(section: Section, number: int) -> str:
         style = f' class="{STYLES[row.verdict]}"' if row.verdict in STYLES else ''
         note = f'({notes[row.reason]})' if row.reason else ''
         texts = (*cells(row), note)
-        columns = [' class="part"' if i == 0 and text.startswith(' ') else _kind(head)
-                   for i, (head, text) in enumerate(zip(COLUMNS, texts))]
+        kinds = [' class="part"' if i == 0 and text.startswith(' ') else _kind(head)
+                 for i, (head, text) in enumerate(zip(COLUMNS, texts))]
         rows.append(f'<tr{style}>' + ''.join(f'<td{kind}>{typeset(text)}</td>'
-                                             for kind, text in zip(columns, texts)) + '</tr>')
+                                             for kind, text in zip(kinds, texts)) + '</tr>')
     text = (f'<section id="s{number}"><h2>{typeset(section.title)}</h2>\n<div '
             f'class="wide"><table><tr>{heads}</tr>\n'
             + '\n'.join(rows) + '\n</table></div>')

@@ -3,9 +3,10 @@
 """
 Computed values for everything that the two documents print: one function per example.
 
-Each returns a dict by name. The printed numbers are in published.yaml;
+Each returns a dict by name, the ``key`` of a row in published.yaml, which has the printed numbers;
 :mod:`fourbar_lab.reproduction.documents` compares. Examples given in inches, feet and degrees are
-computed in SI units and converted back at the end.
+computed in SI units and converted back at the end. Links have the numbers of the slides: crank 2,
+coupler 3, output 4; omega_beta is the coupler's rate.
 """
 from __future__ import annotations
 
@@ -50,18 +51,19 @@ THIN = FourBar(*PAPER_LENGTHS, bodies=THIN_RODS)
 
 
 def example_7_2() -> dict[str, float]:
+    """Return speeds and accelerations of B, C and the coupler of a slider-crank [ft, rad, s]."""
     m, a2 = EXAMPLE_7_2.motion(*GIVEN_7_2), EXAMPLE_7_2.a2
     b = point_motion(EXAMPLE_7_2, m, 'coupler', 0.0)
     return {'angle': degrees(m.theta1), 'omega2': -m.omega1, 'v_b': float(b.speed) / FOOT,
-            'a_b': hypot(*b.acceleration) / FOOT,
-            'v_c': m.slide_velocity / FOOT, 'omega3': m.omega_beta,
-            'normal': m.omega_beta**2 * a2 / FOOT,
+            'a_b': hypot(*b.acceleration) / FOOT, 'v_c': m.slide_velocity / FOOT,
+            'omega3': m.omega_beta, 'normal': m.omega_beta**2 * a2 / FOOT,
             'alpha3': m.alpha_beta, 'tangential': m.alpha_beta * a2 / FOOT,
             'a_c': -m.slide_acceleration / FOOT,
             'delta': degrees(acceleration_image(m.omega_beta, m.alpha_beta)[1])}
 
 
 def example_7_3() -> dict[str, float]:
+    """Return places [in] and accelerations of a 4R's points, rates of its links [ft, rad, s]."""
     m = EXAMPLE_7_3.motion(*GIVEN_7_3)
     points = {f'a_{name.lower()}': hypot(*point_motion(EXAMPLE_7_3, m, *point).acceleration) / FOOT
               for name, point in POINTS_7_3.items()}
@@ -89,25 +91,27 @@ def example_7_4() -> dict[str, float]:
 
 
 def example_7_5() -> dict[str, float]:
+    """Return the motion of an inverted slider-crank; Q is the point of the bar under A [ft]."""
     m, a1 = EXAMPLE_7_5.motion(*GIVEN_7_5), EXAMPLE_7_5.a1
-    return {'angle': degrees(m.theta1), 'offset': EXAMPLE_7_5.offset / INCH, 'v_a': -m.omega1 * a1
-            / FOOT, 'v_q': m.omega4 * m.slide / FOOT, 'v_rel': -m.slide_velocity / FOOT,
-            'omega4': m.omega4, 'qd': m.slide / INCH, 'a_a': m.omega1**2 * a1 / FOOT,
-            'normal': m.omega4**2 * m.slide / FOOT, 'coriolis': -2.0 * m.omega4 * m.slide_velocity
-            / FOOT,
-            'tangential': m.alpha4 * m.slide / FOOT, 'alpha4': m.alpha4}
+    return {'angle': degrees(m.theta1), 'offset': EXAMPLE_7_5.offset / INCH,
+            'qd': m.slide / INCH, 'omega4': m.omega4, 'alpha4': m.alpha4,
+            'v_a': -m.omega1 * a1 / FOOT, 'v_q': m.omega4 * m.slide / FOOT,
+            'v_rel': -m.slide_velocity / FOOT, 'a_a': m.omega1**2 * a1 / FOOT,
+            'normal': m.omega4**2 * m.slide / FOOT,
+            'coriolis': -2.0 * m.omega4 * m.slide_velocity / FOOT,
+            'tangential': m.alpha4 * m.slide / FOOT}
 
 
 def example_7_6() -> dict[str, float]:
+    """Return angles, rates and half-angles v = tan(theta / 2) of links 2 and 4 in both modes."""
     values: dict[str, float] = {}
     for name, mode in (('', OPEN), ('other_', CROSSED)):
         m = EXAMPLE_7_6.in_mode(mode).motion(*GIVEN_7_6)
-        for n, triple in ((2, m[3:6]), (4, m[9:12])):
-            v = to_half_angle(*triple)
-            values |= {f'{name}theta{n}': degrees(triple[0]), f'{name}omega{n}': triple[1],
-                       f'{name}alpha{n}': triple[2]}
-            values |= {f'{name}{order}v{n}': float(part)
-                       for order, part in zip(('', 'd', 'dd'), v)}
+        for n, (theta, omega, alpha) in ((2, m[3:6]), (4, m[9:12])):
+            values |= {f'{name}theta{n}': degrees(theta), f'{name}omega{n}': omega,
+                       f'{name}alpha{n}': alpha}
+            values |= {f'{name}{order}v{n}': float(part) for order, part in
+                       zip(('', 'd', 'dd'), to_half_angle(theta, omega, alpha))}
         values |= {f'{name}theta2_positive': degrees(m.theta2) % 360.0,
                    f'{name}beta': degrees(m.beta),
                    f'{name}interior': degrees(m.theta2) % 360.0 - 180.0,
@@ -116,6 +120,7 @@ def example_7_6() -> dict[str, float]:
 
 
 def example_7_7() -> dict[str, float]:
+    """Return the coefficients of Eq. (38), v1-v4, and the extrema of omega4 and alpha4 [deg]."""
     equation = io_equation(EXAMPLE_7_7.lengths, 1, 4)
     values = {'eq38_v1v4': equation.both, 'eq38_v1': equation.first, 'eq38_mixed': -equation.mixed,
               'eq38_v4': -equation.second, 'eq38': equation.constant}
@@ -123,30 +128,41 @@ def example_7_7() -> dict[str, float]:
 
 
 def _extrema(linkage: FourBar, speed: float, unit: str) -> dict[str, float]:
-    """Return the values and places of the global extrema of omega4 and alpha4 in both modes."""
-    values = {}
+    """
+    Return values and places (rad or deg) of the global extrema of omega4 and alpha4 in both modes.
+
+    Places count from 0 to a turn, and (``_negative``) from minus a turn to 0.
+    """
+    values: dict[str, float] = {}
+    turn = 360.0 if unit == 'deg' else 2.0 * pi
     for mode in (CROSSED, OPEN):
-        for e in find_extrema(linkage.in_mode(mode), ('omega4', 'alpha4'), speed):
-            if e.is_global:
-                name = f'mode{mode}_{e.quantity}_{e.kind[:3]}'
-                values[name] = e.value
-                values[f'{name}_at'] = degrees(e.theta1) if unit == 'deg' else e.theta1
-                values[f'{name}_at_negative'] = (values[f'{name}_at']
-                                                 - (360.0 if unit == 'deg' else 2.0 * pi))
+        for extremum in find_extrema(linkage.in_mode(mode), ('omega4', 'alpha4'), speed):
+            if extremum.is_global:
+                name = f'mode{mode}_{extremum.quantity}_{extremum.kind[:3]}'
+                place = degrees(extremum.theta1) if unit == 'deg' else extremum.theta1
+                values |= {name: extremum.value, f'{name}_at': place,
+                           f'{name}_at_negative': place - turn}
     return values
 
 
 def paper_table_1() -> dict[str, float]:
+    """Return the masses of the paper's rods [kg]."""
     return {f'm{i}': rod.mass for i, rod in enumerate(RODS, 1)}
 
 
 def paper_table_2() -> dict[str, float]:
+    """Return extrema of omega4 and alpha4 of the paper's linkage, in rad and (``_deg``) in deg."""
     values = _extrema(PAPER, PAPER_SPEED, 'rad')
     return values | {f'{name}_deg': degrees(value) for name, value in values.items()
                      if '_at' in name}
 
 
 def paper_table_3() -> dict[str, float]:
+    """
+    Return the largest shaking forces and moments over a turn, and where they are [rad].
+
+    For thin rods, for solid ones, with the arm of the paper's figure, and as the paper has them.
+    """
     values: dict[str, float] = {}
     for name, linkage, quantity in (('force', THIN, 'shaking_force'),
                                     ('moment', THIN, 'shaking_moment'),
@@ -170,9 +186,9 @@ def literal_moment(motion: NamedFields, loads: NamedFields) -> Scalar:
     That arm runs from the centre of gravity of link 3 to joint 4.
     """
     along = THIN_RODS.output.cg_along
-    moment: Scalar = along * (motion.cos_y * loads.f43_y - motion.sin_y * loads.f43_x)
-    found: Scalar = moment - loads.driving_torque
-    return found
+    moment: Scalar = (along * (motion.cos_y * loads.f43_y - motion.sin_y * loads.f43_x)
+                      - loads.driving_torque)
+    return moment
 
 
 def wrong_curves() -> tuple[Array, Array, Array, Array]:
@@ -196,34 +212,35 @@ def solve_eq_9(linkage: FourBar, motion: NamedFields, with_velocities: bool = Fa
     """
     Return the nine unknowns of the paper's Eq. (9), shape (n, 9).
 
-    F41, F21, F32, F43 (x, y each), T41. ``with_velocities``: the force rows hold m v in place of m
-    a.
+    They are F41, F21, F32, F43 (x, y each) and T41: three equations, Newton's and Euler's, for
+    each of three links. ``with_velocities``: the force rows hold m v in place of m a.
     """
     assert linkage.bodies is not None
     size = np.size(motion.theta1)
-    a, right = np.zeros((size, 9, 9)), np.zeros((size, 9))
+    matrix, right = np.zeros((size, 9, 9)), np.zeros((size, 9))
     for i, (link, body, length) in enumerate(zip(('crank', 'coupler', 'output'), linkage.bodies,
                                                  linkage.lengths)):
         first, centre, end = (point_motion(linkage, motion, link, along)
                               for along in (0.0, body.cg_along, length))
-        arms = [(joint.place - centre.place)
+        # forces i and i + 1 act on this link, the former one as a reaction, but for the ground's
+        arms = [joint.place - centre.place
                 for joint in ((end, first) if i == 2 else (first, end))]
         for column, sign, arm in zip((2 * i, 2 * i + 2), (1.0 if i == 0 else -1.0, 1.0), arms):
-            a[:, 3 * i, column] = a[:, 3 * i + 1, column + 1] = sign
-            a[:, 3 * i + 2, column], a[:, 3 * i + 2,
-                                       column + 1] = -sign * arm[:, 1], sign * arm[:, 0]
+            matrix[:, 3 * i, column] = matrix[:, 3 * i + 1, column + 1] = sign
+            matrix[:, 3 * i + 2, column] = -sign * arm[:, 1]
+            matrix[:, 3 * i + 2, column + 1] = sign * arm[:, 0]
         right[:, 3 * i:3 * i + 2] = body.mass * (centre.velocity if with_velocities
                                                  else centre.acceleration)
         right[:, 3 * i + 2] = body.inertia * (motion.alpha1, motion.alpha_beta, motion.alpha4)[i]
-    a[:, 2, 8] = 1.0
-    return np.linalg.solve(a, right[..., None])[..., 0]
+    matrix[:, 2, 8] = 1.0
+    return np.linalg.solve(matrix, right[..., None])[..., 0]
 
 
 def eq_9() -> dict[str, float]:
     """
-    Return the largest difference between the paper's Eq. (10) and our closed forms.
+    Return the largest difference between Eq. (9), solved as in the paper's (10), and our loads.
 
-    It is relative to the largest force of a turn.
+    It is over a turn, relative to the largest force of it.
     """
     motion, loads = PAPER.step(np.linspace(0.0, 2.0 * pi, 361), PAPER_SPEED)
     names = ('f41_x', 'f41_y', 'f21_x', 'f21_y', 'f32_x', 'f32_y', 'f43_x', 'f43_y',
@@ -234,46 +251,53 @@ def eq_9() -> dict[str, float]:
 
 def vectors() -> dict[str, float]:
     """
-    Return the symbols of the slides' vector equations.
+    Return the symbols of the slides' vector equations, in SI units.
 
-    (1)-(3): C of Example 7.3 on its circle about D; (6): B and C there; (7) and following and
-    the acceleration image: Example 7.2, with theta2, theta3 of its crank and coupler; (9)-(11): A
-    and the bar of Example 7.5. The two sides of an equation reach their points over different
-    links.
+    The two sides of an equation reach their points over different links.
     """
-    m, four_bar = EXAMPLE_7_3.motion(*GIVEN_7_3), EXAMPLE_7_3
-    b, c = point_motion(four_bar, m, 'crank', four_bar.a1), point_motion(four_bar, m, 'output',
-                                                                         four_bar.a3)
-    found = {'omega': m.omega_beta, 'alpha': m.alpha_beta}
-    found |= _components(p=c.acceleration, q=b.acceleration, r=c.place - b.place)
-    along = point_motion(four_bar, m, 'coupler', four_bar.a2)
-    found |= {'speed': m.omega4 * four_bar.a3, 'growth': m.alpha4 * four_bar.a3,
-              'radius': four_bar.a3, 'omega4': m.omega4}
-    found |= _components(v_c=along.velocity, a_c=along.acceleration,
-                         tangent=np.array([-m.sin_y, m.cos_y]))
-    m, slider = EXAMPLE_7_2.motion(*GIVEN_7_2), EXAMPLE_7_2
-    found |= {'r2': slider.a1, 'r3': slider.a2, 's2': m.sin_x, 'c2': m.cos_x, 's3': m.sin_b,
-              'c3': m.cos_b,
-              'w2': m.omega1, 'al2': m.alpha1, 'w3': m.omega_beta, 'al3': m.alpha_beta,
-              'v4': m.slide_velocity,
-              'acc4': m.slide_acceleration}
-    b, c = (point_motion(slider, m, 'coupler', part * slider.a2) for part in (0.0, 1.0))
+    return _vectors_7_3() | _vectors_7_2() | _vectors_7_5()
+
+
+def _vectors_7_3() -> dict[str, float]:
+    """Return those of (1)-(3), C on its circle about D, and of (6), B and C, in Example 7.3."""
+    m, linkage = EXAMPLE_7_3.motion(*GIVEN_7_3), EXAMPLE_7_3
+    b, c = (point_motion(linkage, m, 'crank', linkage.a1),
+            point_motion(linkage, m, 'output', linkage.a3))
+    c_by_coupler = point_motion(linkage, m, 'coupler', linkage.a2)
+    return {'omega': m.omega_beta, 'alpha': m.alpha_beta, 'omega4': m.omega4,
+            'radius': linkage.a3, 'speed': m.omega4 * linkage.a3, 'growth': m.alpha4 * linkage.a3,
+            **_components(p=c.acceleration, q=b.acceleration, r=c.place - b.place,
+                          v_c=c_by_coupler.velocity, a_c=c_by_coupler.acceleration,
+                          tangent=np.array([-m.sin_y, m.cos_y]))}
+
+
+def _vectors_7_2() -> dict[str, float]:
+    """Return those of (7), (8) and the acceleration image in Example 7.2; crank 2, coupler 3."""
+    m, linkage = EXAMPLE_7_2.motion(*GIVEN_7_2), EXAMPLE_7_2
+    b, c = (point_motion(linkage, m, 'coupler', along) for along in (0.0, linkage.a2))
     image = (complex(m.slide_acceleration - b.acceleration[0], -b.acceleration[1])
              / complex(*(c.place - b.place)))
-    found |= {'image': abs(image), 'delta': degrees(phase(image)) % 360.0}
-    m, inverted = EXAMPLE_7_5.motion(*GIVEN_7_5), EXAMPLE_7_5
-    a, q = point_motion(inverted, m, 'crank', inverted.a1), point_motion(inverted, m, 'output',
-                                                                         m.slide)
-    bar = link_motion(inverted, m, 'output')
-    found |= {'bar_omega': m.omega4, 'bar_alpha': m.alpha4,
-              'crank_omega': m.omega1, 'coriolis': 2.0 * abs(m.omega4 * m.slide_velocity)}
-    return found | _components(crank=a.place, a=a.acceleration, bar=q.acceleration,
-                               arm=a.place - (inverted.a4, 0.0),
-                               v=m.slide_velocity * bar.direction,
-                               rel=m.slide_acceleration * bar.direction)
+    return {'r2': linkage.a1, 'r3': linkage.a2, 's2': m.sin_x, 'c2': m.cos_x, 's3': m.sin_b,
+            'c3': m.cos_b, 'w2': m.omega1, 'al2': m.alpha1, 'w3': m.omega_beta,
+            'al3': m.alpha_beta, 'v4': m.slide_velocity, 'acc4': m.slide_acceleration,
+            'image': abs(image), 'delta': degrees(phase(image)) % 360.0}
+
+
+def _vectors_7_5() -> dict[str, float]:
+    """Return those of (9)-(11), A and the point Q of the bar under it, in Example 7.5."""
+    m, linkage = EXAMPLE_7_5.motion(*GIVEN_7_5), EXAMPLE_7_5
+    a, q = (point_motion(linkage, m, 'crank', linkage.a1),
+            point_motion(linkage, m, 'output', m.slide))
+    bar = link_motion(linkage, m, 'output')
+    return {'bar_omega': m.omega4, 'bar_alpha': m.alpha4, 'crank_omega': m.omega1,
+            'coriolis': 2.0 * abs(m.omega4 * m.slide_velocity),
+            **_components(crank=a.place, a=a.acceleration, bar=q.acceleration,
+                          arm=a.place - (linkage.a4, 0.0), v=m.slide_velocity * bar.direction,
+                          rel=m.slide_acceleration * bar.direction)}
 
 
 def _components(**vectors: Array) -> dict[str, float]:
+    """Return {NAME_x: x, NAME_y: y} of named vectors."""
     return {f'{name}_{axis}': float(part) for name, vector in vectors.items()
             for axis, part in zip('xy', vector)}
 
@@ -288,9 +312,8 @@ def symbols() -> dict[str, float]:
     m = EXAMPLE_7_6.motion(*GIVEN_7_6)
     a1, a2, a3, a4 = EXAMPLE_7_6.lengths
     found = {'a1': a1, 'a2': a2, 'a3': a3, 'a4': a4} | bilinear_factors(a1, a2, a3, a4)._asdict()
-    for n, triple in enumerate((m[0:3], m[3:6], m[6:9], m[9:12]), 1):
-        found |= dict(zip((f'v{n}', f'dv{n}', f'ddv{n}'), map(float, to_half_angle(*triple))))
-        found |= {f'w{n}': triple[1], f'al{n}': triple[2]}
+    for n, angle in enumerate((m[0:3], m[3:6], m[6:9], m[9:12]), 1):
+        found |= _half_angle(n, *angle)
     return found | {letter: found[f'{letter}1'] * found[f'{letter}2'] for letter in 'ABCD'}
 
 
@@ -307,8 +330,13 @@ def paper_symbols() -> dict[str, float]:
               'C1': a1 - a2 - a3 + a4, 'C2': a1 + a2 - a3 + a4, 'D1': a1 + a2 + a3 + a4,
               'D2': a1 - a2 + a3 + a4}
     m = EXAMPLE_7_6.motion(*GIVEN_7_6)
-    for n, triple in ((1, (m.theta1 + pi, m.omega1, m.alpha1)),
-                      (4, (-m.theta4, -m.omega4, -m.alpha4))):
-        found |= dict(zip((f'v{n}', f'dv{n}', f'ddv{n}'), map(float, to_half_angle(*triple))))
-        found |= {f'w{n}': triple[1], f'al{n}': triple[2]}
+    found |= (_half_angle(1, m.theta1 + pi, m.omega1, m.alpha1)
+              | _half_angle(4, -m.theta4, -m.omega4, -m.alpha4))
     return found | {letter: found[f'{letter}1'] * found[f'{letter}2'] for letter in 'ABCD'}
+
+
+def _half_angle(n: int, theta: float, omega: float, alpha: float) -> dict[str, float]:
+    """Return v = tan(theta / 2) with its derivatives, omega and alpha of angle n, as symbols."""
+    names = f'v{n}', f'dv{n}', f'ddv{n}'
+    return {**dict(zip(names, map(float, to_half_angle(theta, omega, alpha)))),
+            f'w{n}': omega, f'al{n}': alpha}

@@ -3,8 +3,8 @@
 """
 What the two documents say in words and steps, as numbers: the method, its items, their questions.
 
-Each function returns a dict by name for published.yaml, as those of
-:mod:`fourbar_lab.reproduction.published`.
+Functions return a dict of numbers by name for published.yaml, as those of
+:mod:`fourbar_lab.reproduction.published`; the rows there say what each number must be.
 """
 from __future__ import annotations
 
@@ -24,35 +24,42 @@ from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.numerics.arrays import Values
 import numpy as np
 
-STEP = 1e-30                                # of derivatives by the complex step
+STEP = 1e-30                                # of derivatives by a complex step
+TURN = np.linspace(-3.0, 3.0, 61)           # theta1 of samples of a turn [rad]
 DISC = {'radius': 0.3, 'w': 4.0, 'al': 2.0}      # of our own, on flat ground
 FOUR_EXTREMA = (1, 2, 2, 2)                 # a crank-rocker whose alpha4 has four in each mode
 
 
 def contact() -> dict[str, float]:
     """
-    Return the symbols of Eqs. (12)-(15) of the slides.
+    Return the symbols of the slides' Eqs. (12)-(15), on accelerations of links in contact.
 
-    (12): crank 2, coupler 3 of Example 7.6. (13)-(15): the rolling disc, ``p2`` the acceleration
-    of its contact from the cycloid r (phi - sin phi, 1 - cos phi), phi clockwise, at phi = 0.
+    (12): angular ones of crank 2 and coupler 3 of Example 7.6. (13)-(15): a disc that rolls;
+    ``c`` is its centre, ``rolling`` its contact, ``p2`` the same acceleration from the cycloid
+    r (phi - sin phi, 1 - cos phi), phi clockwise, at phi = 0, and ``p1`` that of the ground.
     """
     m = published.EXAMPLE_7_6.motion(*published.GIVEN_7_6)
     radius, w, al = DISC.values()
-    found = rolling_contact(w, al, radius, (0.0, 1.0))
-    (c_x, c_y), (rolling_x, rolling_y) = found.centre_acceleration, found.contact_acceleration
+    disc = rolling_contact(w, al, radius, (0.0, 1.0))
+    (c_x, c_y), (rolling_x, rolling_y) = disc.centre_acceleration, disc.contact_acceleration
     return {**DISC, 'al2': m.alpha1, 'al3': m.alpha_beta, 'apparent': m.alpha2, 'p1_y': 0.0,
             'p2_x': 0.0, 'p2_y': radius * w**2, 'c_x': float(c_x), 'c_y': float(c_y),
             'rolling_x': float(rolling_x), 'rolling_y': float(rolling_y)}
 
 
 def method() -> dict[str, float]:
-    """Return what the slides' steps 1 to 9 and items 1 to 15 of Example 7.7 say."""
+    """
+    Return what the slides' steps 1 to 9 and items 1 to 15 of Example 7.7 say.
+
+    Differences (``mirror``, ``at_rate``, ``step_...``, ``slope``) are relative, and should vanish;
+    ``degree``, ``in_a_mode`` and ``most`` count extrema of alpha4.
+    """
     linkage, speed = published.EXAMPLE_7_7, 10.0
-    theta1 = np.linspace(-3.0, 3.0, 61)
-    mirrored = linkage.in_mode(CROSSED).motion(-theta1, speed)
-    motion = linkage.motion(theta1, speed)
-    polynomial = rate_polynomials(*map(int, linkage.lengths))[-1]
-    degree = len(polynomial.c) - 1 - next(i for i, c in enumerate(polynomial.c) if c)
+    mirrored = linkage.in_mode(CROSSED).motion(-TURN, speed)
+    motion = linkage.motion(TURN, speed)
+    coefficients = rate_polynomials(*map(int, linkage.lengths))[-1].c
+    # roots at zero are none of the condition: they do not count
+    degree = len(coefficients) - 1 - next(i for i, c in enumerate(coefficients) if c)
     by_rate, by_acceleration = (_at_extrema(linkage, name, speed)
                                 for name in ('omega4', 'alpha4'))
     return {'turns': float(linkage.turns_fully),
@@ -76,30 +83,31 @@ def algorithms() -> dict[str, float]:
 
 
 def _steps(linkage: FourBar, speed: float) -> dict[str, float]:
-    """Return how far the method's theta4, omega4, alpha4 of theta1 alone miss our motion."""
-    theta1 = np.linspace(-3.0, 3.0, 61)
-    equation, motion = io_equation(linkage.lengths, 1, 4), linkage.motion(theta1, speed)
-    theta4 = equation.solve(theta1)[linkage.mode - 1]                          # step 1
-    omega4 = speed * equation.ratio(theta1, theta4)                            # step 2
-    alpha4 = speed**2 * equation.second_ratio(theta1, theta4)                  # steps 3 and 4
+    """Return how far theta4, omega4, alpha4 by the method's steps miss our motion, relative."""
+    equation, motion = io_equation(linkage.lengths, 1, 4), linkage.motion(TURN, speed)
+    theta4 = equation.solve(TURN)[linkage.mode - 1]                          # step 1
+    omega4 = speed * equation.ratio(TURN, theta4)                            # step 2
+    alpha4 = speed**2 * equation.second_ratio(TURN, theta4)                  # steps 3 and 4
     return {'step_1': _largest(np.sin(0.5 * (theta4 - motion.theta4))),
             'step_2': _largest(omega4 - motion.omega4) / _largest(omega4),
             'step_4': _largest(alpha4 - motion.alpha4) / _largest(alpha4)}
 
 
 def _at_extrema(linkage: FourBar, quantity: str, speed: float) -> NamedFields:
-    found = [extremum.theta1 for extremum in find_extrema(linkage, (quantity,), speed)]
-    return linkage.motion(found, speed)
+    """Return the motion at all extrema of a quantity."""
+    return linkage.motion([extremum.theta1 for extremum
+                           in find_extrema(linkage, (quantity,), speed)], speed)
 
 
 def _slope(linkage: FourBar, quantity: str, theta1: Values) -> float:
-    """Return the largest slope over theta1 of a quantity there, over its largest in the turn."""
-    turn, = linkage.motion(np.linspace(-3.0, 3.0, 61), 1.0, fields=(quantity,))
-    complex_, = linkage.motion(np.asarray(theta1) + 1j * STEP, 1.0, fields=(quantity,))
-    return _largest(complex_.imag / STEP) / _largest(turn)
+    """Return the largest |dQ/dtheta1| at these inputs over the largest |Q| of a turn."""
+    of_turn, = linkage.motion(TURN, 1.0, fields=(quantity,))
+    here, = linkage.motion(np.asarray(theta1) + 1j * STEP, 1.0, fields=(quantity,))
+    return _largest(here.imag / STEP) / _largest(of_turn)
 
 
 def _largest(values: Values) -> float:
+    """Return the largest magnitude."""
     return float(np.max(np.abs(values)))
 
 
@@ -113,16 +121,15 @@ def axis() -> dict[str, float]:
     found: dict[str, float] = {}
     for name, linkage in (('7_7', published.EXAMPLE_7_7), ('paper', published.PAPER)):
         square, bend = [90.0], [0.0]
-        for mode in (CROSSED, OPEN):
-            its = linkage.in_mode(mode)
+        for its in (linkage.in_mode(CROSSED), linkage.in_mode(OPEN)):
             for extremum in find_extrema(its, ('omega4', 'alpha4'), 1.0):
                 motion = its.motion(np.array([extremum.theta1 + 1j * STEP]), 1.0)
-                seen = collineation_axis(its, motion)
+                line = collineation_axis(its, motion)       # its direction along the coupler
                 if extremum.quantity == 'omega4':
-                    tilt = float((seen.along / seen.across).real[0])
-                    square.append(90.0 - degrees(np.arctan(tilt)))
+                    cotangent = float((line.along / line.across).real[0])
+                    square.append(90.0 - degrees(np.arctan(cotangent)))
                 else:
-                    slope = float((seen.across / seen.along).imag[0]) / STEP
+                    slope = float((line.across / line.along).imag[0]) / STEP
                     ratio = float(motion.omega4.real[0])
                     bend.append((slope + 2.0 * ratio - 1.0) / (abs(slope) + 1.0 + abs(ratio)))
         found |= {f'square_{name}': max(square, key=lambda angle: abs(angle - 90.0)),
@@ -157,37 +164,39 @@ def last_question() -> dict[str, float]:
     """Return what answers the paper's claim that extreme alpha4 implies extreme shaking."""
     e = 1e-6
     thin, speed = published.THIN, published.PAPER_SPEED
-    weighted = counterweighted(thin)
     point, peak, bound = least_moment(thin, speed)
-    at = largest_alpha4(thin)
-    loads = thin.loads(at, speed)
-    rate_loads = thin.loads(max(find_extrema(thin, ('omega4',), speed),
-                                key=lambda extremum: abs(extremum.value)).theta1, speed)
+    at_alpha4, at_omega4 = (
+        abs(_moment_about(point, thin.loads(largest(thin, quantity), speed))) / peak
+        for quantity in ('alpha4', 'omega4'))
     return {'share': force_share(small_share(e)) / sqrt(e), 'share_limit': 5.0 * sqrt(10.0) / 24.0,
-            'weighted': force_share(weighted), 'peak': peak, 'bound': bound, 'point_x': point[0],
-            'point_y': point[1], 'at_alpha4': abs(_moment_about(point, loads)) / peak,
-            'at_omega4': abs(_moment_about(point, rate_loads)) / peak}
+            'weighted': force_share(counterweighted(thin)), 'peak': peak, 'bound': bound,
+            'point_x': point[0], 'point_y': point[1], 'at_alpha4': at_alpha4,
+            'at_omega4': at_omega4}
 
 
 def force_share(linkage: FourBar) -> float:
     """Return the shaking force at the largest alpha4 over its peak."""
     peak = max(extremum.value for extremum in find_extrema(linkage, ('shaking_force',), 1.0))
-    return float(linkage.loads(largest_alpha4(linkage), 1.0).shaking_force) / peak
+    return float(linkage.loads(largest(linkage, 'alpha4'), 1.0).shaking_force) / peak
 
 
-def largest_alpha4(linkage: FourBar) -> float:
-    """Return theta1 of the largest alpha4, of either sign [rad]."""
-    return max(find_extrema(linkage, ('alpha4',), 1.0),
+def largest(linkage: FourBar, quantity: str) -> float:
+    """Return theta1 [rad] where a quantity is largest, of either sign."""
+    return max(find_extrema(linkage, (quantity,), 1.0),
                key=lambda extremum: abs(extremum.value)).theta1
 
 
 def counterweighted(linkage: FourBar) -> FourBar:
-    """Return a linkage with 5 kg on its crank that cancel the force at its largest alpha4."""
+    """
+    Return a linkage with 5 kg on its crank that cancel the shaking force at its largest alpha4.
+
+    At unit rate a first moment s on the crank adds the force s e^{i theta1}.
+    """
     assert linkage.bodies is not None
-    crank, mass, at = linkage.bodies.crank, 5.0, largest_alpha4(linkage)
-    loads = linkage.loads(at, 1.0)
+    crank, mass, theta1 = linkage.bodies.crank, 5.0, largest(linkage, 'alpha4')
+    loads = linkage.loads(theta1, 1.0)
     force = complex(loads.shaking_force_x, loads.shaking_force_y)
-    moment = crank.mass * complex(crank.cg_along, crank.cg_across) - force * np.exp(-1j * at)
+    moment = crank.mass * complex(crank.cg_along, crank.cg_across) - force * np.exp(-1j * theta1)
     total = crank.mass + mass
     body = Body(total, moment.real / total, moment.imag / total, crank.inertia)
     return replace(linkage, bodies=linkage.bodies._replace(crank=body))
@@ -198,21 +207,22 @@ def least_moment(linkage: FourBar, speed: float, samples: int = 1440
     """
     Return the point [m] about which the largest shaking moment over a turn is least.
 
-    With that peak [N m], and a bound below which no point's peak is: the dual of the linear
-    programme, which weighs the poses. Both are of evenly spaced poses.
+    With that peak [N m], and a bound that no point's peak is below, both of evenly spaced poses.
+    The moment about (x, y) is M - x F_y + y F_x; a linear programme minimizes the largest |.|, and
+    its dual, which weighs the poses, is the bound.
     """
     from scipy.optimize import linprog
     theta1 = np.linspace(0.0, tau, samples, endpoint=False)
     x, y, moment = linkage.step(theta1, speed, 0.0, fields=(
         'shaking_force_x', 'shaking_force_y', 'shaking_moment'))
     force, size = np.hypot(x, y).max(), np.abs(moment).max()
-    of_point, one = np.stack((y, -x), axis=-1) / force, np.ones((samples, 1))
-    sides = np.concatenate((-moment, moment)) / size
-    found = linprog([0.0, 0.0, 1.0], np.block([[-of_point, -one], [of_point, -one]]), sides,
-                    bounds=[(None, None), (None, None), (0.0, None)])
-    point = (found.x[:2] * size / force).tolist()
-    return ((point[0], point[1]), found.fun * size,
-            float(found.ineqlin.marginals @ sides) * size)
+    of_point, ones = np.stack((y, -x), axis=-1) / force, np.ones((samples, 1))
+    limits = np.concatenate((-moment, moment)) / size
+    solution = linprog([0.0, 0.0, 1.0], np.block([[-of_point, -ones], [of_point, -ones]]), limits,
+                       bounds=[(None, None), (None, None), (0.0, None)])
+    point_x, point_y = (solution.x[:2] * size / force).tolist()
+    return ((point_x, point_y), solution.fun * size,
+            float(solution.ineqlin.marginals @ limits) * size)
 
 
 def _moment_about(point: tuple[float, float], loads: NamedFields) -> float:

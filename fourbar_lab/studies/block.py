@@ -177,6 +177,7 @@ class Block:
                              for quantity in quantities], bool)
 
         def evaluate(x: Array) -> Array:
+            """Return all quantities, shape (q, n, any), at inputs of shape (n, any)."""
             state = designs.state(x, self.study.acceleration, with_loads)
             values = np.empty((len(quantities), *x.shape), x.dtype)
             for row, quantity in zip(values, quantities):

@@ -39,28 +39,20 @@ if TYPE_CHECKING:      # an optional package
     from flint import arb
 
 PRECISION, INPUT = 80, 'input'      # [bit]; the input as a parameter
-# What a piece may add, over what the box adds and over the value; how often pieces are halved.
-SMALL, NOTHING, MOST_PIECES, DEEPEST = 0.02, 2.0**-40, 3000, 40
+# A piece is small enough if it adds less than this, over what the box adds, and over the value.
+SMALL, NOTHING = 0.02, 2.0**-40
+# Halvings of pieces altogether, and of one.
+MOST_PIECES, DEEPEST = 3000, 40
 # Halvings of a piece of which nothing is known: the box reaches a toggle there.
 HOPELESS = 8
 
 
 class Enclosed(NamedTuple):
-    """
-    A quantity over a piece of the input and the box, as balls.
+    """A quantity over a piece X of the input and the box P, as balls: the terms of (B1)."""
 
-    Parameters
-    ----------
-    middle
-        Q(c, p0).
-    by_piece, by_box
-        |Q_x(X, P)| times half the width of X; the sum of |Q_pi(X, P)| t_i.
-
-    """
-
-    middle: arb
-    by_piece: arb
-    by_box: arb
+    middle: arb         # Q(c, p0)
+    by_piece: arb       # |Q_x(X, P)| times half the width of X
+    by_box: arb         # sum |Q_pi(X, P)| t_i
 
 
 # (low, high) of a piece of the input -> for each quantity an Enclosed, or None: nothing is known
@@ -82,22 +74,10 @@ def enclosing(make: Make, values: ParameterValues, widths: dict[str, float],
     """
     Return the function that encloses quantities over pieces of the input and a box.
 
-    Parameters
-    ----------
-    make : callable
-    values : dict
-        {parameter: float}, others may be anything: the middle of the box.
-    widths : dict
-        {parameter: half the width of the box}.
-    references : sequence
-        For each quantity None, or of an angle a function of the input: it is taken within half a
-        turn of that.
-
-    Raises
-    ------
-    ImportError
-        python-flint is not installed.
-
+    ``values`` is the middle of the box, {parameter: float or what else a scene has}; ``widths``
+    {parameter: half the width of the box}. ``references`` has, for each quantity that is an angle,
+    a function of the input, else None: the angle is taken within half a turn of that. ImportError
+    if python-flint is not installed.
     """
     from flint import arb
 
@@ -105,8 +85,9 @@ def enclosing(make: Make, values: ParameterValues, widths: dict[str, float],
              for name, value in values.items()}
     radii = {name: arb(0, width) for name, width in widths.items()}
 
-    def enclosed(whole: Dual, x: float, reference: Reference) -> Enclosed | None:
-        middle, by = value_of(whole), dict(derivatives_of(whole))
+    def enclosed(quantity: Dual, x: float, reference: Reference) -> Enclosed | None:
+        """Return the terms of (B1) of a quantity computed on a piece about x; None: infinite."""
+        middle, by = value_of(quantity), dict(derivatives_of(quantity))
         by_piece = abs(by.pop(INPUT, arb(0)) * radii[INPUT])
         by_box = sum((abs(part * radii[name]) for name, part in by.items()), start=arb(0))
         if not (middle.is_finite() and by_piece.is_finite() and by_box.is_finite()):
@@ -116,6 +97,7 @@ def enclosing(make: Make, values: ParameterValues, widths: dict[str, float],
         return Enclosed(middle, by_piece, by_box)
 
     def evaluate(low: float, high: float) -> Sequence[Enclosed | None]:
+        """Return all quantities on a piece: the input is one more parameter of the box there."""
         try:
             with precision(PRECISION):
                 ball = arb(low).union(arb(high))
@@ -124,7 +106,7 @@ def enclosing(make: Make, values: ParameterValues, widths: dict[str, float],
                 centred, numbers = centred_on(radii)
                 rows = make(numbers, exact | {name: centred(exact[name], {name: arb(1)})
                                               for name in widths})
-                return [enclosed(whole, float(x), reference) for whole, reference
+                return [enclosed(quantity, float(x), reference) for quantity, reference
                         in zip(rows(centred(x, {INPUT: arb(1)})), references)]
         except (ValueError, ZeroDivisionError):     # a divisor may vanish
             return [None] * len(references)
@@ -135,20 +117,15 @@ class Box:
     """
     Bounds of the extreme values of quantities of all mechanisms in a box.
 
-    Parameters
-    ----------
-    evaluate : callable
-        See :func:`enclosing`.
-    pieces : sequence of (low, high)
-        That cover the input range.
-
+    ``evaluate``: see :func:`enclosing`; ``pieces``: (low, high), which cover the input range.
     """
 
     def __init__(self, evaluate: Evaluate, pieces: Sequence[tuple[float, float]]) -> None:
         self._evaluate, self._pieces = evaluate, pieces
         self._known: dict[tuple[float, float], Sequence[Enclosed | None]] = {}
 
-    def _at(self, low: float, high: float, row: int) -> Enclosed | None:
+    def _enclosed(self, low: float, high: float, row: int) -> Enclosed | None:
+        """Return quantity number ``row`` over a piece; all are computed at once, and kept."""
         if (low, high) not in self._known:
             self._known[low, high] = self._evaluate(low, high)
         return self._known[low, high][row]
@@ -163,36 +140,47 @@ class Box:
 
     def _least_maximum(self, row: int, places: Sequence[float], sign: int) -> float:
         """Return a lower bound of the largest sign Q, (B2)."""
-        known = [self._at(x, x, row) for x in places]
+        known = [self._enclosed(x, x, row) for x in places]
         return max((nextafter(float((sign * one.middle - one.by_box).lower()), -inf)
                     for one in known if one is not None), default=-inf)
 
     def _largest(self, row: int, sign: int) -> float:
-        """Return an upper bound of the largest sign Q, (B1)."""
-        work = [self._bounded(low, high, row, sign) for low, high in self._pieces]
-        heapq.heapify(work)
+        """
+        Return an upper bound of the largest sign Q, (B1).
+
+        It is that of the piece with the largest one, which is halved until it is good enough, or
+        too small for hope.
+        """
+        heap = [self._piece(low, high, row, sign) for low, high in self._pieces]
+        heapq.heapify(heap)
         for _ in range(MOST_PIECES):
-            bound, is_fine, depth, low, high = work[0]
-            if is_fine or -depth > (HOPELESS if isinf(bound) else DEEPEST):
+            worst = heap[0]
+            if worst.is_fine or -worst.minus_depth > (HOPELESS if isinf(worst.minus_bound)
+                                                      else DEEPEST):
                 break
-            middle = 0.5 * (low + high)
-            heapq.heapreplace(work, self._bounded(low, middle, row, sign, depth - 1))
-            heapq.heappush(work, self._bounded(middle, high, row, sign, depth - 1))
-        return -work[0][0]
+            middle, depth = 0.5 * (worst.low + worst.high), worst.minus_depth - 1
+            heapq.heapreplace(heap, self._piece(worst.low, middle, row, sign, depth))
+            heapq.heappush(heap, self._piece(middle, worst.high, row, sign, depth))
+        return -heap[0].minus_bound
 
-    def _bounded(self, low: float, high: float, row: int, sign: int,
-                 depth: int = 0) -> tuple[float, bool, int, float, float]:
-        """
-        Return minus the bound of a piece, whether it is good enough, minus its depth, its ends.
-
-        In this order: of pieces of which nothing is known the smallest comes first.
-        """
-        one = self._at(low, high, row)
+    def _piece(self, low: float, high: float, row: int, sign: int, minus_depth: int = 0) -> _Piece:
+        """Return a piece with its bound of sign Q, infinite where nothing is known."""
+        one = self._enclosed(low, high, row)
         if one is None:
-            return -inf, False, depth, low, high
+            return _Piece(-inf, False, minus_depth, low, high)
         bound = nextafter(float((sign * one.middle + one.by_piece + one.by_box).upper()), inf)
         small = SMALL * float(one.by_box.upper()) + NOTHING * abs(float(one.middle))
-        return -bound, float(one.by_piece.upper()) <= small, depth, low, high
+        return _Piece(-bound, float(one.by_piece.upper()) <= small, minus_depth, low, high)
+
+
+class _Piece(NamedTuple):
+    """A piece of the input in a heap: largest bound first, then the most often halved."""
+
+    minus_bound: float
+    is_fine: bool       # it adds little beside the box
+    minus_depth: int
+    low: float
+    high: float
 
 
 # The precision of Arb is one for all threads.
@@ -239,15 +227,9 @@ BALLS = NumberType('balls', lambda v: _ball(v).sin(), lambda v: _ball(v).cos(), 
 
 class Centred(Dual):
     """
-    A number over a box; see :func:`centred_on`, which gives subclasses their ``radii``.
+    A number over a box: its value in the middle, and balls that hold its derivatives everywhere.
 
-    Parameters
-    ----------
-    value : flint.arb
-        In the middle of the box.
-    by : dict
-        {parameter: flint.arb that holds the derivative everywhere in the box}.
-
+    :func:`centred_on` gives subclasses their ``radii``.
     """
 
     __slots__ = ('_whole',)
@@ -268,13 +250,9 @@ class Centred(Dual):
 
 def centred_on(radii: dict[str, arb]) -> tuple[type[Centred], NumberType]:
     """
-    Return the type of numbers over a box, and their number type.
+    Return the class of numbers over a box, and their number type.
 
-    Parameters
-    ----------
-    radii : dict
-        {parameter: half the width of the box, as the ball 0 +- that}.
-
+    ``radii``: {parameter: half the width of the box, as the ball 0 +- that}.
     """
     centred: type[Centred] = type('Centred', (Centred,), {'__slots__': (), 'radii': radii})
     numbers = duals_of(BALLS, centred)
@@ -283,17 +261,17 @@ def centred_on(radii: dict[str, arb]) -> tuple[type[Centred], NumberType]:
 
 def _lipschitz(hypot: Function, centred: type[Centred]) -> Function:
     """
-    Return ``hypot`` over a box in which both may vanish: of a force that changes its sense.
+    Return ``hypot`` over a box in which x and y may vanish, as those of a force that reverses.
 
-    There it has no derivative, and changes by no more than (x, y) does.
+    At zero it has no derivative, but changes by no more than (x, y) does: its derivative by p is
+    taken as [-1, 1] |(x_p, y_p)|.
     """
     def call(x: Scalar, y: Scalar) -> Centred:
-        found = hypot(x, y)
-        if all(part.is_finite() for part in found.by.values()):
-            result: Centred = found
-            return result
-        one, other = derivatives_of(x), derivatives_of(y)
-        either = _ball(0.0).union(_ball(1.0)) * 2.0 - 1.0
-        return centred(found.value, {name: either * BALLS.hypot(*[
-            abs(_ball(by.get(name, 0.0))).upper() for by in (one, other)]) for name in found.by})
+        size: Centred = hypot(x, y)
+        if all(part.is_finite() for part in size.by.values()):
+            return size
+        by_x, by_y = derivatives_of(x), derivatives_of(y)
+        minus_one_to_one = _ball(0.0).union(_ball(1.0)) * 2.0 - 1.0
+        return centred(size.value, {name: minus_one_to_one * BALLS.hypot(*[
+            abs(_ball(by.get(name, 0.0))).upper() for by in (by_x, by_y)]) for name in size.by})
     return call

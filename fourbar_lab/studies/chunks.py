@@ -33,16 +33,10 @@ class Chunk(NamedTuple):
     """
     Results of one chunk.
 
-    Parameters
-    ----------
-    columns : dict
-        {name: array of the rows kept}: ``row``, the parameters that vary, the measures,
-        ``NAME.x`` and ``NAME.y`` of shape (rows, samples) of curves; ``feasible`` if all are kept.
-    counts : dict
-        {reason: number} of the designs of this chunk: kept, left out by which constraint.
-    failures : list of (int, str)
-        Rows whose computation raised an error, and its text.
-
+    ``columns``: {name: array of the rows kept}: ``row``, the parameters that vary, the measures,
+    ``NAME.x`` and ``NAME.y`` of shape (rows, samples) of curves; ``feasible`` if all are kept.
+    ``counts``: {reason: number} of its designs, kept or left out by which constraint;
+    ``failures``: rows whose computation raised an error, and its text.
     """
 
     columns: dict[str, Array]

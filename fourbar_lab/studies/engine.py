@@ -25,20 +25,20 @@ from fourbar_lab.studies.chunks import Chunk, compute, FAILED, nothing
 from fourbar_lab.studies.folder import encode, Folder, made_with
 from fourbar_lab.studies.study import Study, StudyError
 
-AHEAD = 2
-# [s] between two looks whether the executor still lives.
-LOOK = 1.0
-# Times that workers may die without a chunk getting done in between.
-DEATHS = 3
+AHEAD = 2           # chunks under way for each worker: one is ready when another is done
+LOOK = 1.0          # [s] between two looks whether the executor still lives
+DEATHS = 3          # times that workers may die without a chunk getting done in between
+QUIET = ('distributed', 'tornado.application', 'asyncio')   # they print what Cluster.check says
+PATIENCE = 30.0     # [s] until a scheduler must have answered
 
 
 class Progress(NamedTuple):
-    """How far a run is: designs done, of how many, how many of them in this run, [s] it took."""
+    """How far a run is, in designs."""
 
     done: int
     total: int
     in_this_run: int
-    seconds: float
+    seconds: float          # since the beginning of this run
 
     @property
     def rate(self) -> float:
@@ -54,23 +54,11 @@ class Progress(NamedTuple):
 def run(study: Study, folder: Folder, executor: Executor,
         report: Callable[[Progress], None] = lambda progress: None) -> Progress:
     """
-    Compute the chunks of a study that its folder does not hold yet.
+    Compute the chunks of a study that its folder, after :meth:`.Folder.begin`, does not hold yet.
 
-    Parameters
-    ----------
-    study : Study
-    folder : Folder
-        After :meth:`.Folder.begin`.
-    executor : Executor
-    report : callable
-        Called with a :class:`Progress` at the beginning and after each chunk.
-
-    Raises
-    ------
-    StudyError
-        The executor is gone, its workers keep dying, the disk is full, or another command
-        computes the same folder. What is done is kept.
-
+    ``report`` is called at the beginning and after each chunk. StudyError if the executor is gone,
+    its workers keep dying, the disk is full, or another command computes the same folder; what is
+    done is kept.
     """
     with folder.locked():
         there = folder.parts().keys()
@@ -89,15 +77,20 @@ def run(study: Study, folder: Folder, executor: Executor,
 
 
 def _size(study: Study, number: int) -> int:
+    """Return how many designs a chunk has: the last one may have fewer than others."""
     start, stop = study.rows_of(number)
     return stop - start
 
 
 def _parts(study: Study, executor: Executor, todo: Iterator[int]) -> Iterator[Part]:
-    """Yield the parts of chunks as they get done."""
+    """
+    Yield the parts of chunks as they get done.
+
+    If a worker dies, all that was under way is submitted again, for its pool is gone with it.
+    """
     under_way: dict[Future[Part], int] = {}
-    again: list[int] = []
-    deaths = 0
+    again: list[int] = []               # chunks that were lost, the last one first
+    deaths = 0                          # since the last part
     while True:
         while len(under_way) < AHEAD * executor.workers:
             number = again.pop() if again else next(todo, None)
@@ -113,18 +106,17 @@ def _parts(study: Study, executor: Executor, todo: Iterator[int]) -> Iterator[Pa
             try:
                 part = future.result()
             except (Exception, CancelledError) as error:    # noqa: B902
-                lost = [number, *under_way.values()]
                 deaths += 1
-                _go_on_after(error, executor, number, deaths)
-                again += lost[::-1]
+                _recover(error, executor, number, deaths)
+                again += reversed([number, *under_way.values()])
                 under_way.clear()
                 break
             deaths = 0
             yield part
 
 
-def _go_on_after(error: BaseException, executor: Executor, number: int, deaths: int) -> None:
-    """Let the executor recover from an error, or say that the run is over."""
+def _recover(error: BaseException, executor: Executor, number: int, deaths: int) -> None:
+    """Let the executor recover from the error of a chunk; StudyError if it cannot any more."""
     if deaths <= DEATHS and executor.recover(error):
         return
     executor.check()
@@ -142,32 +134,25 @@ def _require_our_versions(part: Part) -> None:
         raise StudyError(f'a worker has {"; ".join(differ)}: install the same versions there')
 
 
-# Loggers that print what :meth:`Cluster.check` says.
-QUIET = ('distributed', 'tornado.application', 'asyncio')
-# [s] until a scheduler must have answered.
-PATIENCE = 30.0
-
-
 class Part(NamedTuple):
-    """A chunk as a worker returns it: its number, the Parquet file, the versions behind it."""
+    """A chunk as a worker returns it: its number, its Parquet file, versions that made it."""
 
     number: int
     content: bytes
-    counts: dict[str, int]
     made_with: dict[str, str]
 
 
 def compute_part(study: Study, number: int) -> Part:
-    """Return a chunk as a file; runs in a worker."""
+    """Return a chunk as a file; runs in a worker. An error of ours makes its designs failed."""
     try:
         chunk = compute(study, number)
     except MemoryError:
         raise                      # of this machine now, not of the designs
-    except Exception as error:     # noqa: B902    an error of ours: listed, not fatal
+    except Exception as error:     # noqa: B902
         start, stop = study.rows_of(number)
         text = f'rows {start} to {stop - 1}: {type(error).__name__}: {error}'
         chunk = Chunk(nothing(study), {FAILED: stop - start}, [(start, text)])
-    return Part(number, encode(study, chunk), chunk.counts, made_with())
+    return Part(number, encode(study, chunk), made_with())
 
 
 class Executor(Protocol):
@@ -201,15 +186,7 @@ def _begin_worker(alive: Connection) -> None:
 
 
 class Local:
-    """
-    Processes of this machine.
-
-    Parameters
-    ----------
-    workers : int, optional
-        How many; None: one for each processor that this process may use.
-
-    """
+    """Processes of this machine, by default one for each processor that this one may use."""
 
     def __init__(self, workers: int | None = None):
         usable = len(os.sched_getaffinity(0)) if hasattr(os, 'sched_getaffinity') else None
@@ -217,6 +194,7 @@ class Local:
         self._begin()
 
     def _begin(self) -> None:
+        """Start the pool; its workers end when our end of the pipe is closed, however."""
         context = multiprocessing.get_context('spawn')
         theirs, self._alive = context.Pipe(duplex=False)
         self._pool = ProcessPoolExecutor(self.workers, context, _begin_worker, (theirs,))
@@ -240,24 +218,15 @@ class Local:
 
     def close(self) -> None:
         self._alive.close()            # ends the workers: what runs is not waited for
-        # So is its thread: Python 3.11 may wake it at exit while it closes its pipe.
+        # Its thread is: Python 3.11 may wake it at exit while it closes its pipe.
         self._pool.shutdown(wait=True, cancel_futures=True)
 
 
 class Cluster:
     """
-    A Dask cluster.
+    A Dask cluster, by the address of its scheduler, as ``tcp://host:8786``.
 
-    Parameters
-    ----------
-    address : str
-        Address of its scheduler, as ``tcp://host:8786``.
-
-    Raises
-    ------
-    StudyError
-        It does not answer, or has other versions than this process.
-
+    StudyError if it does not answer, or has other versions than this process.
     """
 
     def __init__(self, address: str):

@@ -29,11 +29,13 @@ try:
 except ImportError:
     fcntl = None        # type: ignore[assignment]  # Windows has none
 
-# Raise it when results change in their bits: a study begun before is then not resumed.
+# Version of the formulas: raise it when results change in their bits, so that a study begun before
+# is not resumed.
 KERNELS = '3'
 # The manifest is the metadata of a part without rows: readers of a folder of Parquet files stumble
 # over any other file in it.
-MANIFEST, OLD_MANIFEST, PART = '_manifest.parquet', 'manifest.json', 'part-{:08d}.parquet'
+MANIFEST, PART = '_manifest.parquet', 'part-{:08d}.parquet'
+OLD_MANIFEST = 'manifest.json'      # of early versions
 _PART = re.compile(r'part-(\d{8,})\.parquet')
 KEY = b'fourbar_ros'        # of our metadata in a part
 MOST_FAILURES = 1000        # that are read at once
@@ -60,6 +62,7 @@ def as_json(study: Study) -> Manifest:
 
 
 def _plain(record: Any) -> Manifest:
+    """Return a named tuple as JSON has it: records within as dicts, infinities as texts."""
     return {name: _plain(value) if hasattr(value, '_asdict') else
             str(value) if isinstance(value, float) and not np.isfinite(value) else value
             for name, value in record._asdict().items()}
@@ -91,12 +94,13 @@ def encode(study: Study, chunk: Chunk, about: Manifest | None = None) -> bytes:
     """
     Return a chunk as a Parquet file; the same bytes for the same numbers.
 
-    ``about``: metadata of the file; not given: what the chunk says of its designs.
+    ``about``: metadata of the file; default: counts and failures of the chunk. Curves, of shape
+    (rows, samples), become lists of fixed size.
     """
     import pyarrow
     from pyarrow import parquet
 
-    units, arrays = units_of(study), []
+    units, arrays, fields = units_of(study), [], []
     for name, column in chunk.columns.items():
         if column.ndim == 2:
             flat = pyarrow.array(column.ravel())
@@ -104,43 +108,34 @@ def encode(study: Study, chunk: Chunk, about: Manifest | None = None) -> bytes:
         else:
             array = pyarrow.array(column.tolist() if column.dtype.kind == 'U' else column,
                                   pyarrow.string() if column.dtype.kind == 'U' else None)
-        metadata = {'unit': units[name]} if name in units else None
-        arrays.append((pyarrow.field(name, array.type, metadata=metadata), array))
+        arrays.append(array)
+        fields.append(pyarrow.field(name, array.type, metadata={'unit': units[name]}
+                                    if name in units else None))
     about = about or {'counts': chunk.counts, 'failures': chunk.failures}
-    schema = pyarrow.schema([field for field, _ in arrays],
-                            metadata={KEY: json.dumps(about, sort_keys=True).encode()})
-    table = pyarrow.Table.from_arrays([array for _, array in arrays], schema=schema)
+    schema = pyarrow.schema(fields, metadata={KEY: json.dumps(about, sort_keys=True).encode()})
+    table = pyarrow.Table.from_arrays(arrays, schema=schema)
     sink = pyarrow.BufferOutputStream()
     parquet.write_table(table, sink, compression='zstd')
     return bytes(sink.getvalue())
 
 
 class Folder:
-    """
-    The folder of a study.
-
-    Parameters
-    ----------
-    path : str or Path
-
-    """
+    """The folder of a study."""
 
     def __init__(self, path: str | Path):
         self.path = Path(path)
 
     def begin(self, study: Study, is_resumed: bool) -> None:
         """
-        Write the manifest, or check that the folder holds this study.
+        Write the manifest, or check that the folder holds this study; remove half-written files.
 
-        Raises
-        ------
-        StudyError
-            The folder holds something, and is not to be resumed; or another study.
-
+        StudyError if the folder holds something and is not to be resumed, or another study.
         """
-        there = self._there()
+        has_one = any((self.path / name).exists() for name in (MANIFEST, OLD_MANIFEST))
+        there = self.manifest() if has_one else None
         if there is None:
-            if self.path.exists() and (not self.path.is_dir() or any(self._visible())):
+            if self.path.exists() and (not self.path.is_dir() or any(
+                    not path.name.startswith('.') for path in self.path.iterdir())):
                 raise StudyError(f'{self.path}: exists already and is no study')
             try:
                 self.path.mkdir(parents=True, exist_ok=True)
@@ -161,9 +156,9 @@ class Folder:
     @contextmanager
     def locked(self) -> Iterator[None]:
         """
-        Hold the folder: StudyError if another command does, which would compute the same.
+        Hold the folder meanwhile: StudyError if another command does, to compute the same.
 
-        The lock is the kernel's, on the folder itself: it ends with its process, however.
+        The lock is the kernel's, on the folder itself: it ends with its process in any case.
         """
         if fcntl is None:                   # Windows
             yield
@@ -181,27 +176,19 @@ class Folder:
         finally:
             os.close(held)
 
-    def _there(self) -> Manifest | None:
-        """Return the manifest, or None if there is none."""
-        names = MANIFEST, OLD_MANIFEST
-        return self.manifest() if any((self.path / name).exists() for name in names) else None
-
-    def _visible(self) -> Iterator[Path]:
-        return (path for path in self.path.iterdir() if not path.name.startswith('.'))
-
     def manifest(self) -> Manifest:
-        """Return the manifest; StudyError if there is none that can be read."""
+        """Return the manifest, of early versions too; StudyError if none can be read."""
         name = OLD_MANIFEST if (self.path / OLD_MANIFEST).exists() else MANIFEST
         try:
-            found = (_about(self.path / name) if name == MANIFEST else
-                     json.loads((self.path / name).read_text(encoding='utf-8')))
+            manifest = (_about(self.path / name) if name == MANIFEST else
+                        json.loads((self.path / name).read_text(encoding='utf-8')))
         except OSError as error:
             raise StudyError(f'{self.path}: no study: {name}: {error.strerror or error}') from None
         except (KeyError, TypeError, ValueError):
             raise StudyError(f'{self.path}: {name} is damaged') from None
-        if not isinstance(found, dict) or 'fingerprint' not in found:
+        if not isinstance(manifest, dict) or 'fingerprint' not in manifest:
             raise StudyError(f'{self.path}: {name} is not one of a study')
-        return found
+        return manifest
 
     def _write(self, name: str, content: bytes) -> None:
         """Write a file that stands under its name only when it is whole and on the disk."""
@@ -223,21 +210,21 @@ class Folder:
         self._write(PART.format(number), content)
 
     def parts(self) -> dict[int, Path]:
-        """Return {chunk: file} of the parts there are, in order."""
-        found = {int(match[1]): path for path in self.path.glob('part-*.parquet')
+        """Return {number of a chunk: its file} of the parts there are, in order."""
+        parts = {int(match[1]): path for path in self.path.glob('part-*.parquet')
                  if (match := _PART.fullmatch(path.name))}
-        return dict(sorted(found.items()))
+        return dict(sorted(parts.items()))
 
     def info(self, path: Path) -> PartInfo:
         """Return what a part says about its chunk; StudyError if it cannot be read."""
         try:
-            found = _about(path)
+            about = _about(path)
         except (OSError, KeyError, TypeError, ValueError) as error:
             raise StudyError(f'{path}: no part of a study: {error}') from None
-        return PartInfo(found['counts'], [(row, text) for row, text in found['failures']])
+        return PartInfo(about['counts'], [(row, text) for row, text in about['failures']])
 
     def totals(self) -> tuple[dict[str, int], list[tuple[int, str]]]:
-        """Return {reason: designs} over all parts, and the first failures."""
+        """Return {reason: designs} over all parts, most frequent first, and the first failures."""
         counts: dict[str, int] = {}
         failures: list[tuple[int, str]] = []
         for path in self.parts().values():
@@ -267,4 +254,5 @@ def _difference(there: Manifest, study: Study) -> str:
 
 
 def _versions(versions: dict[str, str]) -> str:
+    """Return {package: version} as text."""
     return ', '.join(f'{name} {version}' for name, version in versions.items())

@@ -17,7 +17,8 @@ import numpy as np
 if TYPE_CHECKING:      # drawings alone need it
     from matplotlib.figure import Figure
 
-MOST_PAIRS, DOTS, BINS = 6, 4000, 60
+MOST_PAIRS = 6          # parameters in the figure of pairs
+DOTS, BINS = 4000, 60   # of scatter plots, of histograms
 FRONT, LISTED = 'Pareto front', 20      # heading, and how many designs of it are listed
 STYLE = """
 body { font: 15px/1.5 system-ui, sans-serif; max-width: 72em; margin: 2em auto; padding: 0 1em;
@@ -61,7 +62,7 @@ def page(results: Results) -> str:
 
 
 def about(results: Results) -> str:
-    """Return what a study is as one line."""
+    """Return how many designs a study has computed and kept, and how they were drawn, as text."""
     study = results.study
     missing = '' if results.is_whole else (f'; {study["rows"] - results.designs} are not computed '
                                            'yet: --resume')
@@ -100,14 +101,14 @@ def front_rows(results: Results) -> tuple[tuple[str, ...], list[tuple[str, ...]]
 
 
 def _listed(front: dict[str, Array], name: str) -> list[int]:
-    """Return rows of a front in the order of an objective, evenly spread ones of many."""
+    """Return the rows of a front that are listed, by an objective; of many, evenly spread ones."""
     rows = front['row'][np.argsort(front[name], kind='stable')]
     places = np.unique(np.linspace(0, len(rows) - 1, min(len(rows), LISTED)).round().astype(int))
     return [int(row) for row in rows[places]]
 
 
 def table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Return a table as HTML."""
+    """Return a table of texts as HTML."""
     def line(cells: Sequence[str], tag: str) -> str:
         return '<tr>' + ''.join(f'<{tag}>{escape(cell)}</{tag}>' for cell in cells) + '</tr>'
 
@@ -116,8 +117,6 @@ def table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 def figures(results: Results) -> Iterator[tuple[str, str, str]]:
     """Yield (heading, text, PNG as base64) of each figure."""
-    import matplotlib
-    matplotlib.use('Agg')
     outputs = [name for name, _ in results.objectives] or results.measures[:3]
     columns = results.sample([*results.varied, *results.measures])
     if len(results.objectives) > 1:
@@ -142,20 +141,20 @@ def front_words(results: Results) -> str:
 
 
 def _png(figure: Figure) -> str:
-    from matplotlib import pyplot
+    """Return a figure as PNG in base64, the same bytes every time."""
     file = io.BytesIO()
     figure.savefig(file, format='png', dpi=110, metadata={'Software': None})
-    pyplot.close(figure)
     return base64.b64encode(file.getvalue()).decode()
 
 
 def _labelled(results: Results, name: str) -> str:
+    """Return the name of a column with its unit."""
     unit = results.units.get(name)
     return f'{name} [{unit}]' if unit else name
 
 
 def _dots(columns: dict[str, Array], names: list[str]) -> list[Array]:
-    """Return finite values of some columns, at most :data:`DOTS` evenly spread ones."""
+    """Return columns at rows where all are finite, at most :data:`DOTS` evenly spread ones."""
     fine = np.all([np.isfinite(columns[name]) for name in names], axis=0)
     step = max(1, int(fine.sum()) // DOTS)
     return [columns[name][fine][::step] for name in names]
@@ -163,14 +162,14 @@ def _dots(columns: dict[str, Array], names: list[str]) -> list[Array]:
 
 def _front(results: Results, columns: dict[str, Array]) -> Figure:
     """Draw the front over the first objective, a panel for each other one."""
-    from matplotlib import pyplot
+    from matplotlib.figure import Figure
     one, *others = (name for name, _ in results.objectives)
-    figure, panels = pyplot.subplots(1, len(others), figsize=(7 * min(len(others), 2), 5),
-                                     squeeze=False, layout='constrained')
+    figure = Figure(figsize=(7 * min(len(others), 2), 5), layout='constrained')
+    panels, = figure.subplots(1, len(others), squeeze=False)
     front = results.front()
     order = np.argsort(front[one])
     listed = np.isin(front['row'], _listed(front, one))
-    for axes, other in zip(panels[0], others):
+    for axes, other in zip(panels, others):
         axes.plot(*_dots(columns, [one, other]), '.', markersize=3, color='0.7')
         # of more than two objectives each panel is a projection: a line would be a zigzag
         axes.plot(front[one][order], front[other][order], '.-' if len(others) == 1 else '.',
@@ -183,46 +182,46 @@ def _front(results: Results, columns: dict[str, Array]) -> Figure:
 
 
 def _histograms(results: Results, columns: dict[str, Array], names: list[str]) -> Figure:
-    from matplotlib import pyplot
-    figure, axes = pyplot.subplots(1, len(names), figsize=(4 * len(names), 3.2), squeeze=False,
-                                   layout='constrained')
-    for axis, name in zip(axes[0], names):
+    """Draw a histogram of each of some columns, with its percentiles."""
+    from matplotlib.figure import Figure
+    figure = Figure(figsize=(4 * len(names), 3.2), layout='constrained')
+    panels, = figure.subplots(1, len(names), squeeze=False)
+    for axes, name in zip(panels, names):
         values = columns[name][np.isfinite(columns[name])]
-        axis.hist(values, BINS, color='0.6')
+        axes.hist(values, BINS, color='0.6')
         for percentile in np.percentile(values, PERCENTILES) if values.size else ():
-            axis.axvline(percentile, color='C3', linewidth=1.0)
-        axis.set(xlabel=_labelled(results, name), yticks=[])
+            axes.axvline(percentile, color='C3', linewidth=1.0)
+        axes.set(xlabel=_labelled(results, name), yticks=[])
     return figure
 
 
 def _sensitivities(columns: dict[str, Array], inputs: list[str], outputs: list[str]) -> Figure:
-    from matplotlib import pyplot
-    found = rank_correlations(columns, inputs, outputs)
-    figure, axes = pyplot.subplots(1, len(outputs), squeeze=False, sharey=True,
-                                   layout='constrained',
-                                   figsize=(4 * len(outputs) + 1, 0.4 * len(inputs) + 1.2))
-    for axis, (name, by_input) in zip(axes[0], found.items()):
-        axis.barh(list(by_input), list(by_input.values()), color='C0')
-        axis.set(title=name, xlim=(-1.0, 1.0))
-        axis.title.set_fontsize(10)
-        axis.axvline(0.0, color='black', linewidth=0.8)
-        axis.grid(alpha=0.3)
-    axes[0][0].invert_yaxis()
+    """Draw rank correlations as bars, a panel for each output."""
+    from matplotlib.figure import Figure
+    figure = Figure(figsize=(4 * len(outputs) + 1, 0.4 * len(inputs) + 1.2), layout='constrained')
+    panels, = figure.subplots(1, len(outputs), squeeze=False, sharey=True)
+    for axes, (output, by_input) in zip(panels,
+                                        rank_correlations(columns, inputs, outputs).items()):
+        axes.barh(list(by_input), list(by_input.values()), color='C0')
+        axes.set_title(output, fontsize=10)
+        axes.set(xlim=(-1.0, 1.0))
+        axes.axvline(0.0, color='black', linewidth=0.8)
+        axes.grid(alpha=0.3)
+    panels[0].invert_yaxis()
     return figure
 
 
 def _pairs(columns: dict[str, Array], inputs: list[str], outputs: list[str]) -> Figure:
-    from matplotlib import pyplot
-    figure, axes = pyplot.subplots(len(outputs), len(inputs), squeeze=False, sharex='col',
-                                   sharey='row', layout='constrained',
-                                   figsize=(2.4 * len(inputs) + 1, 2.2 * len(outputs)))
-    for row, output in zip(axes, outputs):
-        for axis, name in zip(row, inputs):
-            x, y, colour = _dots(columns, [name, output, outputs[0]])
-            axis.scatter(x, y, c=colour, s=3, cmap='viridis', rasterized=True)
-            axis.tick_params(labelsize=7)
-    for axis, name in zip(axes[-1], inputs):
-        axis.set_xlabel(name, fontsize=8)
-    for row, output in zip(axes, outputs):
+    """Draw each output over each input; colours are values of the first output."""
+    from matplotlib.figure import Figure
+    figure = Figure(figsize=(2.4 * len(inputs) + 1, 2.2 * len(outputs)), layout='constrained')
+    grid = figure.subplots(len(outputs), len(inputs), squeeze=False, sharex='col', sharey='row')
+    for row, output in zip(grid, outputs):
         row[0].set_ylabel(output, fontsize=8)
+        for axes, name in zip(row, inputs):
+            x, y, colour = _dots(columns, [name, output, outputs[0]])
+            axes.scatter(x, y, c=colour, s=3, cmap='viridis', rasterized=True)
+            axes.tick_params(labelsize=7)
+    for axes, name in zip(grid[-1], inputs):
+        axes.set_xlabel(name, fontsize=8)
     return figure

@@ -9,6 +9,7 @@ up to :data:`SHOWN`, evenly spread rows of more; the best designs are found amon
 from __future__ import annotations
 
 from collections.abc import Iterator
+from math import nan
 from pathlib import Path
 from typing import NamedTuple
 
@@ -20,37 +21,28 @@ from fourbar_ros.scene.files import as_text
 from fourbar_ros.scene.parameters import find, ParameterValues
 import numpy as np
 
-SHOWN, BEST = 2**18, 5
+SHOWN = 2**18       # rows of percentiles and figures
+BEST = 5            # designs of an objective that are listed
 PERCENTILES = (5, 50, 95)
 
 
 class Summary(NamedTuple):
-    """A column: name, unit, least, percentiles 5, 50, 95, greatest, mean of the finite values."""
+    """A column of numbers; all but ``mean`` and ``finite`` count infinities, none counts NaN."""
 
     name: str
     unit: str
     least: float
-    percentiles: tuple[float, ...]
+    percentiles: tuple[float, ...]      # 5, 50, 95
     greatest: float
-    mean: float
-    finite: int
+    mean: float                         # of the finite values
+    finite: int                         # how many they are
 
 
 class Results:
     """
-    The results in the folder of a study.
+    The results in the folder of a study; StudyError if it holds none, or none yet.
 
-    Parameters
-    ----------
-    path : str or Path
-    feasible_only : bool
-        Leave out the rows that do not fulfil the constraints, if they were kept.
-
-    Raises
-    ------
-    StudyError
-        It holds no study, or nothing is computed yet.
-
+    ``feasible_only``: leave out the rows that do not fulfil the constraints, if they were kept.
     """
 
     def __init__(self, path: str | Path, feasible_only: bool = True):
@@ -66,11 +58,8 @@ class Results:
         self.varied = [one['name'] for one in self.study['vary']]
         self.measures = [one['name'] for one in self.study['measures'] if one['part'] != 'class']
         self.designs = sum(self.counts.values())
-        self.kept = self._kept()
-
-    def _kept(self) -> int:
         from pyarrow import parquet
-        return sum(int(parquet.read_metadata(path).num_rows) for path in self.parts.values())
+        self.kept = sum(int(parquet.read_metadata(path).num_rows) for path in self.parts.values())
 
     @property
     def is_whole(self) -> bool:
@@ -78,7 +67,7 @@ class Results:
         return bool(self.designs == self.study['rows'])
 
     def blocks(self, names: list[str]) -> Iterator[dict[str, Array]]:
-        """Yield columns of one part after the other, feasible rows only."""
+        """Yield {name: column} of one part after the other, so that memory is bounded."""
         from pyarrow import parquet
         feasible = ['feasible'] * (self.study['keeps_all'] and self._feasible_only)
         for path in self.parts.values():
@@ -92,12 +81,10 @@ class Results:
     def sample(self, names: list[str]) -> dict[str, Array]:
         """Return columns: every row, or evenly spread ones of more than :data:`SHOWN`."""
         step = -(-max(self.kept, 1) // SHOWN)
-        parts, begun = [], 0
-        for block in self.blocks(names):
-            size = len(block[names[0]])
-            first = -begun % step
-            parts.append({name: column[first::step] for name, column in block.items()})
-            begun += size
+        parts, before = [], 0               # rows of the parts before this one
+        for block in self.blocks(names):    # from the next multiple of step on
+            parts.append({name: column[-before % step::step] for name, column in block.items()})
+            before += len(block[names[0]])
         return {name: np.concatenate([part[name] for part in parts]) for name in names}
 
     def summaries(self) -> list[Summary]:
@@ -107,7 +94,7 @@ class Results:
                 for name, column in self.sample(names).items()]
 
     def best(self, by: str | None = None, count: int = BEST, worst: bool = False) -> list[int]:
-        """Return the rows that are best, or worst, in an objective (the first), in that order."""
+        """Return the rows that are best, or worst, in an objective (None: the first), in order."""
         name, sense = self._objective(by)
         sign = (1.0 if sense == 'minimize' else -1.0) * (-1.0 if worst else 1.0)
         rows, values = np.zeros(0, np.int64), np.zeros(0)
@@ -120,6 +107,7 @@ class Results:
         return [int(row) for row in rows]
 
     def _objective(self, by: str | None) -> tuple[str, str]:
+        """Return (measure, minimize or maximize) of an objective by its name; None: the first."""
         if not self.objectives:
             raise StudyError(f'{self.folder.path}: the study has no objectives: nothing is best')
         for name, sense in self.objectives:
@@ -129,11 +117,11 @@ class Results:
                          f'{", ".join(name for name, _ in self.objectives)}')
 
     def front(self) -> dict[str, Array]:
-        """Return ``row`` and the objectives of the designs that no other beats in all of them."""
+        """Return {``row`` and objectives: columns} of the Pareto front, see :func:`unbeaten`."""
         names = [name for name, _ in self.objectives]
         signs = np.array([1.0 if sense == 'minimize' else -1.0 for _, sense in self.objectives])
         rows: Array = np.zeros(0, np.int64)
-        points: Array = np.zeros((0, len(names)))
+        points: Array = np.zeros((0, len(names)))       # objectives with signs: small is good
         for block in self.blocks(['row', *names]):
             new = np.stack([block[name] for name in names], axis=1) * signs
             fine = np.isfinite(new).all(axis=1)
@@ -144,7 +132,7 @@ class Results:
         return {'row': rows, **dict(zip(names, (points * signs).T))}
 
     def design(self, row: int) -> ParameterValues:
-        """Return the columns of one row, as far as they are kept."""
+        """Return {column: value} of one row, {} if it was not kept."""
         from pyarrow import parquet
         import pyarrow.compute as pc
         path = self.parts.get(row // self.study['chunk'])
@@ -156,21 +144,17 @@ class Results:
 
     def scene_values(self, row: int) -> ParameterValues:
         """Return the parameters of the scene of one row, those that differ from the default."""
-        values = self._study.scene_values(row)
-        return {name: value for name, value in values.items() if value == value
+        manifest = self.study
+        vary = tuple([Variation(**{**one, 'values': tuple(one['values'])})
+                      for one in manifest['vary']])
+        study = Study(manifest['values'], vary, manifest['method'], manifest['rows'],
+                      manifest['seed'], manifest['acceleration'], (), (), (), (),
+                      manifest['keeps_all'], manifest['chunk'])
+        return {name: value for name, value in study.scene_values(row).items() if value == value
                 and value != getattr(find(name), 'default', None)}
 
-    @property
-    def _study(self) -> Study:
-        """Return what draws designs: the study without its measures."""
-        given = self.study
-        vary = tuple([Variation(**{**one, 'values': tuple(one['values'])})
-                      for one in given['vary']])
-        return Study(given['values'], vary, given['method'], given['rows'], given['seed'],
-                     given['acceleration'], (), (), (), (), given['keeps_all'], given['chunk'])
-
     def scene_text(self, row: int) -> str:
-        """Return the scene file of one row."""
+        """Return the scene file of one row; comments list its measures."""
         measured = {name: value for name, value in self.design(row).items()
                     if name in self.measures}
         if not 0 <= row < self.study['rows']:
@@ -182,30 +166,30 @@ class Results:
 
 
 def _summary(name: str, unit: str, column: Array) -> Summary:
-    column = np.asarray(column, dtype=float)
-    column = column[~np.isnan(column)]
-    finite = column[np.isfinite(column)]
-    if not column.size:
-        nothing = float('nan')
-        return Summary(name, unit, nothing, (nothing,) * len(PERCENTILES), nothing, nothing, 0)
-    # infinite values count, by their rank
-    ranks = np.sort(column)[[round(p / 100 * (column.size - 1)) for p in PERCENTILES]]
-    return Summary(name, unit, float(column.min()), tuple(ranks.tolist()), float(column.max()),
-                   float(finite.mean()) if finite.size else float('nan'), finite.size)
+    """Return the :class:`Summary` of a column; NaN of one without numbers."""
+    values = np.sort(np.asarray(column, dtype=float))
+    values = values[~np.isnan(values)]
+    if not values.size:
+        return Summary(name, unit, nan, (nan,) * len(PERCENTILES), nan, nan, 0)
+    # of the values themselves, by rank: between infinities there is nothing to interpolate
+    ranks = values[[round(p / 100 * (values.size - 1)) for p in PERCENTILES]]
+    finite = np.asarray(column, dtype=float)[np.isfinite(column)]
+    return Summary(name, unit, float(values[0]), tuple(ranks.tolist()), float(values[-1]),
+                   float(finite.mean()) if finite.size else nan, finite.size)
 
 
 def unbeaten(points: Array) -> Array:
     """
-    Return the indices of the points that no other is at least as good as in all, better in one.
+    Return the indices of the Pareto front of points, shape (points, objectives); small is good.
 
-    Small is good. Shape (points, objectives). Sorted by the first objective, so that a point can
-    be beaten only by one before it.
+    A point is beaten if another is as good in all objectives and better in one. In the order of
+    the first objective a point can be beaten only by one before it.
     """
     order = np.lexsort(points.T[::-1])
     if points.shape[1] <= 2:
         last = points[order, -1]
-        before = np.concatenate(([np.inf], np.minimum.accumulate(last)[:-1]))
-        return np.sort(order[last < before])
+        best_before = np.concatenate(([np.inf], np.minimum.accumulate(last)[:-1]))
+        return np.sort(order[last < best_before])
     front = np.zeros((0, points.shape[1]))
     kept = []
     for i in order:

@@ -84,39 +84,20 @@ class Curve(NamedTuple):
 
 @dataclass(frozen=True)
 class Study:
-    """
-    A checked study.
+    """A checked study."""
 
-    Parameters
-    ----------
-    values : dict
-        Every parameter of the scene, checked.
-    vary : tuple of Variation
-    method, rows, seed
-        The design of the study, see :mod:`fourbar_lab.studies.variation`.
-    acceleration : float
-        Acceleration of the input, beside the rate ``drive.speed``.
-    measures : tuple of Measure
-        All columns that are computed, those of constraints and objectives included.
-    keeps_all : bool
-        Keep rows that do not fulfil the constraints too.
-    chunk : int
-        Rows that are computed together.
-
-    """
-
-    values: ParameterValues
+    values: ParameterValues             # every parameter of the scene
     vary: tuple[Variation, ...]
-    method: str
-    rows: int
+    method: str                         # how designs are drawn, see variation.py
+    rows: int                           # how many designs
     seed: int
-    acceleration: float
-    measures: tuple[Measure, ...]
+    acceleration: float                 # of the input, whose rate is drive.speed
+    measures: tuple[Measure, ...]       # all columns, of constraints and objectives too
     bounds: tuple[Bound, ...]
     objectives: tuple[Objective, ...]
     curves: tuple[Curve, ...]
-    keeps_all: bool
-    chunk: int
+    keeps_all: bool                     # keep rows that do not fulfil the constraints too
+    chunk: int                          # rows that are computed together
 
     @property
     def chunks(self) -> int:

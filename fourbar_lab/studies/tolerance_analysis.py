@@ -57,26 +57,12 @@ class Tolerance(NamedTuple):
 
 
 class Toleranced(NamedTuple):
-    """
-    A measure in a box of tolerances.
+    """A measure in a box of tolerances."""
 
-    Parameters
-    ----------
-    sensitivity : Sensitivity
-        At the middle of the box.
-    first_order : float
-        Sum of |derivative| size.
-    corners : Bounds
-        Least and greatest value in corners of the box.
-    proven : Bounds
-        That hold for every mechanism of the box; infinite where nothing is proved.
-
-    """
-
-    sensitivity: Sensitivity
-    first_order: float
-    corners: Bounds
-    proven: Bounds
+    sensitivity: Sensitivity        # in the middle of the box
+    first_order: float              # sum of |derivative| size
+    corners: Bounds                 # least and greatest value in corners of the box
+    proven: Bounds                  # for every mechanism of the box; infinite if not proved
 
 
 def box_of(study: Study) -> tuple[Tolerance, ...]:
@@ -233,6 +219,7 @@ def make_of(scene: Scene, names: Sequence[str], acceleration: float) -> Make:
         linkage, needs_loads = scene.linkage, any(one.is_load for one in quantities)
 
         def evaluate(x: Dual) -> Sequence[Any]:
+            """Return the quantities at an input; ZeroDivisionError where a dyad may not close."""
             fields = formulas.motion(x, formulas.rate, acceleration)
             loads = (linkage.LOADS(*formulas.loads(fields)) if formulas.loads and needs_loads
                      else None)

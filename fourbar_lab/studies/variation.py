@@ -41,16 +41,16 @@ from fourbar_ros.scene.parameters import check_value, find
 import numpy as np
 
 METHODS = ('grid', 'sobol', 'latin_hypercube', 'random')
-WHOLE = 2**20
-# Bits of Sobol's numbers, and rows of a sequence: scipy cannot begin at a row of a longer one.
-BITS = 32
-LONGEST = 2**BITS
+WHOLE = 2**20           # rows of a Latin hypercube at most
+BITS = 32               # of Sobol's numbers
+LONGEST = 2**BITS       # rows of his sequence: scipy cannot begin at a row of a longer one
 RANGES, TOLERANCES = ('range', 'log_range'), ('uniform', 'normal')
 KINDS = (*RANGES, 'list', *TOLERANCES)
-LEVELS = 10
-# Parameters that change motion or loads, and those of them that are no numbers on a scale.
-ACTING, LISTED = ('linkage.', 'dyads.', 'cylinder.', 'bodies.', 'gravity.', 'external.', 'points.',
-                  'drive.speed'), ('linkage.mode',)
+LEVELS = 10             # of a range in a grid, if not given
+# Beginnings of the names of parameters that change motion or loads.
+ACTING = ('linkage.', 'dyads.', 'cylinder.', 'bodies.', 'gravity.', 'external.', 'points.',
+          'drive.speed')
+LISTED = ('linkage.mode',)      # those of them that are no numbers on a scale
 # The p next to 0 and 1 that designs give: a normal distribution reaches 8.2 deviations there.
 EDGE = 2.0**-53
 
@@ -60,56 +60,41 @@ Yaml = Union[None, bool, int, float, str, list['Yaml'], dict[str, 'Yaml']]
 
 class Variation(NamedTuple):
     """
-    How one parameter varies.
+    How one parameter of a scene varies: its values as a function of p in [0, 1].
 
-    Parameters
-    ----------
-    name : str
-        Name of the parameter, as in a scene.
-    unit : str
-    kind : str
-        One of :data:`KINDS`.
-    values : tuple
-        Low and high, centre and size, or the list.
-    levels : int
-        How many values a grid takes.
-
+    ``values`` are low and high, centre and size, or all of a list, by kind.
     """
 
     name: str
     unit: str
-    kind: str
+    kind: str                       # one of KINDS
     values: tuple[float, ...]
-    levels: int
+    levels: int                     # how many values a grid takes
 
     def at(self, p: Array) -> Array:
-        """Return the values at p in [0, 1]."""
+        """Return the values at p, of any shape: by the inverse of the distribution function."""
         if self.kind == 'list':
             place = np.minimum((p * len(self.values)).astype(int), len(self.values) - 1)
-            listed: Array = np.array(self.values)[place]
-            return listed
-        one, other = self.values
-        if self.kind == 'range':
-            return one + (other - one) * p
-        if self.kind == 'log_range':
-            found: Array = np.exp(np.log(one) + (np.log(other) - np.log(one)) * p)
-            return found
+            return np.asarray(np.array(self.values)[place])
+        if self.kind in RANGES:
+            low, high = self.values
+            if self.kind == 'range':
+                return low + (high - low) * p
+            return np.asarray(np.exp(np.log(low) + (np.log(high) - np.log(low)) * p))
+        centre, size = self.values
         if self.kind == 'uniform':
-            return one + other * (2.0 * p - 1.0)
+            return centre + size * (2.0 * p - 1.0)
         from scipy.special import ndtri
-        return np.asarray(one + other * ndtri(np.clip(p, EDGE, 1.0 - EDGE)))
+        return np.asarray(centre + size * ndtri(np.clip(p, EDGE, 1.0 - EDGE)))
 
     @property
     def bounds(self) -> list[float]:
-        """Return the values that are least and greatest, or all of a list."""
-        if self.kind == 'list':
-            return list(self.values)
-        found: list[float] = self.at(np.array((0.0, 1.0))).tolist()
-        return found
+        """Return the least and the greatest value, or all of a list."""
+        return list(self.values if self.kind == 'list' else map(float, self.at(np.arange(2.0))))
 
     @property
     def of_grid(self) -> Array:
-        """Return the p of the levels of a grid."""
+        """Return the p of the levels of a grid, shape (levels,)."""
         if self.kind == 'list':
             return (np.arange(self.levels) + 0.5) / self.levels
         return np.linspace(0.0, 1.0, self.levels)
@@ -117,13 +102,9 @@ class Variation(NamedTuple):
 
 def variation(name: str, given: Yaml, scene_value: Yaml) -> Variation:
     """
-    Return the :class:`Variation` of a parameter as a study gives it.
+    Return the :class:`Variation` of a parameter from {KIND: VALUES} in a study.
 
-    Raises
-    ------
-    InvalidParameter
-        Naming the entry of the study, what was given and what is allowed.
-
+    InvalidParameter names the entry of the study, what was given and what is allowed.
     """
     entry, parameter = f'vary.{name}', find(name)
     if parameter is None:
@@ -158,7 +139,7 @@ def variation(name: str, given: Yaml, scene_value: Yaml) -> Variation:
 
 
 def _values(entry: str, kind: str, given: Yaml, scene_value: Yaml) -> tuple[float, ...]:
-    """Return the values of a variation, checked."""
+    """Return the values of a variation, checked; a tolerance alone is around the scene's value."""
     if kind == 'list':
         numbers = _numbers(given)
         if not numbers or len(set(numbers)) < len(numbers):
@@ -171,18 +152,18 @@ def _values(entry: str, kind: str, given: Yaml, scene_value: Yaml) -> tuple[floa
                                if kind in RANGES else
                                'must be a size, or [centre, size], finite numbers; without a '
                                'centre the scene must give the parameter')
-    one, other = map(float, _numbers(given))
-    if kind in RANGES and not one < other:
+    first, second = map(float, _numbers(given))         # low and high, or centre and size
+    if kind in RANGES and not first < second:
         raise InvalidParameter(entry, given, 'low must be less than high')
-    if kind == 'log_range' and one <= 0.0:
+    if kind == 'log_range' and first <= 0.0:
         raise InvalidParameter(entry, given, 'must be positive: its logarithm is uniform')
-    if kind in TOLERANCES and other <= 0.0:
+    if kind in TOLERANCES and second <= 0.0:
         raise InvalidParameter(entry, given, 'the size must be positive')
-    return one, other
+    return first, second
 
 
 def _levels(entry: str, kind: str, given: Yaml, values: tuple[float, ...]) -> int:
-    """Return how many values a grid takes."""
+    """Return how many values a grid takes: those of a list, else ``given`` or :data:`LEVELS`."""
     if kind == 'list':
         if given is not None:
             raise InvalidParameter(f'{entry}.levels', given, 'not allowed with list: its length '
@@ -206,26 +187,16 @@ def _numbers(given: Yaml) -> tuple[float, ...]:
 def unit_points(method: str, rows: tuple[int, int], seed: int, levels: tuple[Array, ...],
                 count: int) -> Array:
     """
-    Return some rows of a design, shape (rows, parameters), in [0, 1].
+    Return rows (first, after last) of a design as points in [0, 1], shape (rows, parameters).
 
-    Parameters
-    ----------
-    method : str
-        One of :data:`METHODS`.
-    rows : (first, after last)
-    seed : int
-    levels : tuple of ndarray
-        Levels of each parameter on a grid.
-    count : int
-        Rows of the whole design.
-
+    ``levels``: of each parameter, its values of p on a grid; ``count``: rows of the whole design.
     """
     start, stop = rows
     if method == 'grid':
         return _grid(levels, np.arange(start, stop))
     if method == 'random':
+        # its counter can begin at any row: a row takes whole blocks, of four numbers each
         generator = np.random.Philox(key=seed)
-        # one block of four 64-bit numbers a row and four parameters
         blocks = -(-len(levels) // 4)
         generator.advance(start * blocks)
         points = np.random.Generator(generator).random((stop - start, 4 * blocks))
@@ -242,7 +213,11 @@ def unit_points(method: str, rows: tuple[int, int], seed: int, levels: tuple[Arr
 
 
 def _grid(levels: tuple[Array, ...], rows: Array) -> Array:
-    """Return the combinations of levels with these numbers."""
+    """
+    Return the combinations of levels with these numbers, shape (rows, parameters).
+
+    The digits of a number in a mixed base: with 2 and 3 levels, row 4 = 1 * 3 + 1 is (1, 1).
+    """
     columns = []
     for values in reversed(levels):
         rows, place = np.divmod(rows, values.size)
@@ -252,5 +227,6 @@ def _grid(levels: tuple[Array, ...], rows: Array) -> Array:
 
 @lru_cache(maxsize=1)
 def _latin_hypercube(parameters: int, count: int, seed: int) -> Array:
+    """Return the whole design: it cannot be drawn in parts; kept for the next chunk."""
     from scipy.stats.qmc import LatinHypercube
     return np.asarray(LatinHypercube(parameters, seed=np.random.default_rng(seed)).random(count))

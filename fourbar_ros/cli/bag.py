@@ -152,7 +152,7 @@ def _info(arguments: Namespace) -> int:
     from fourbar_ros.cli.bag_report import INFO_COLUMNS, info_row, json_of_info, print_info
     return _run(arguments, partial(info, check=arguments.check), 'reading', Report(
         json_of_info, partial(print_info, was_checked=arguments.check), INFO_COLUMNS, info_row,
-        lambda found: found.is_sound))
+        lambda info: info.is_sound))
 
 
 def _add_recover(actions: Verbs) -> None:
@@ -199,8 +199,8 @@ def _add_recompute(actions: Verbs) -> None:
                            help='accept differences that rounding explains (exit code 0)')
     add_node(recompute)
     recompute.add_argument('--with', dest='by', metavar='DIR',
-                           help='compute motion and loads with the C code of this folder, as '
-                                'fourbar generate wrote it')
+                           help='compute motion, loads and steps with the C code of this folder, '
+                                'as fourbar generate wrote it')
     recompute.set_defaults(run=_recompute)
 
 
@@ -217,14 +217,16 @@ def _recompute(arguments: Namespace) -> int:
     work = partial(compare, node=arguments.node)
     if arguments.by:
         from fourbar_ros.generated import Compiled
-        work = partial(work, by=Compiled(arguments.by).evaluate)
+        code = Compiled(arguments.by)
+        work = partial(work, by=code.evaluate, moved_by=code.mover)
 
-    def problems(found: Recomputed) -> list[str]:
-        return found.problems(tolerance, accept_rounding)
+    def problems(result: Recomputed) -> list[str]:
+        return result.problems(tolerance, accept_rounding)
     return _run(arguments, work, 'recomputing', Report(
-        lambda bag, found: json_of_recomputed(bag, found, tolerance, accept_rounding),
-        lambda found: print_recomputed(found, tolerance, problems(found)), RECOMPUTED_COLUMNS,
-        lambda found: recomputed_row(found, problems(found)), lambda found: not problems(found)))
+        lambda bag, result: json_of_recomputed(bag, result, tolerance, accept_rounding),
+        lambda result: print_recomputed(result, tolerance, problems(result)), RECOMPUTED_COLUMNS,
+        lambda result: recomputed_row(result, problems(result)),
+        lambda result: not problems(result)))
 
 
 def _add_export(actions: Verbs) -> None:

@@ -23,55 +23,55 @@ RECOMPUTED_COLUMNS = ('inputs>', 'outputs compared>', 'largest difference>', 've
 
 # --- info ----------------------------------------------------------------------------------------
 
-def _seconds(found: Info) -> float:
-    return 0.0 if found.start is None or found.end is None else (found.end - found.start) * 1e-9
+def _seconds(info: Info) -> float:
+    return 0.0 if info.start is None or info.end is None else (info.end - info.start) * 1e-9
 
 
-def info_row(found: Info) -> tuple[str, ...]:
+def info_row(info: Info) -> tuple[str, ...]:
     """Return an Info as a row of INFO_COLUMNS."""
-    return (found.state, f'{_seconds(found):.3f}', f'{found.size / 1e6:.3f}', str(found.parts),
-            str(sum(topic.messages for topic in found.topics)), str(found.missing),
-            found.damage or found.ended)
+    return (info.state, f'{_seconds(info):.3f}', f'{info.size / 1e6:.3f}', str(info.parts),
+            str(sum(topic.messages for topic in info.topics)), str(info.missing),
+            info.damage or info.ended)
 
 
-def print_info(found: Info, was_checked: bool) -> None:
+def print_info(info: Info, was_checked: bool) -> None:
     """Print the Info of one bag."""
     console = make_console()
-    console.print(_about(found, was_checked))
-    console.print(_topics(found))
-    if found.state == 'cut':
+    console.print(_about(info, was_checked))
+    console.print(_topics(info))
+    if info.state == 'cut':
         console.print('the bag was cut off by a crash or a full disk: fourbar bag recover makes '
                       'it whole')
-    elif found.damage:
+    elif info.damage:
         console.print('fourbar bag recover makes a whole bag of the undamaged messages')
 
 
-def _about(found: Info, was_checked: bool) -> PlainTable:
+def _about(info: Info, was_checked: bool) -> PlainTable:
     """Return the table of a bag's own properties: state, size, start, software, damage."""
-    table = PlainTable(str(found.file), ('', ''))
+    table = PlainTable(str(info.file), ('', ''))
     table.show_header = False
-    extent = 'read up to the damage' if found.damage else 'every message read'
-    table.add_row('state', found.state + (f', {extent}' if was_checked else ''))
-    table.add_row('size', f'{found.size / 1e6:.3f} MB'
-                  + (f' in {found.parts} parts' if found.parts > 1 else ''))
-    if found.start is not None:
-        start = datetime.fromtimestamp(found.start * 1e-9).astimezone()
+    extent = 'read up to the damage' if info.damage else 'every message read'
+    table.add_row('state', info.state + (f', {extent}' if was_checked else ''))
+    table.add_row('size', f'{info.size / 1e6:.3f} MB'
+                  + (f' in {info.parts} parts' if info.parts > 1 else ''))
+    if info.start is not None:
+        start = datetime.fromtimestamp(info.start * 1e-9).astimezone()
         table.add_row('start', start.isoformat(' ', 'milliseconds'))
-    table.add_row('duration', f'{_seconds(found):.3f} s')
-    for label, text in (('made by', software_of(found.about)), ('node', found.about.get('node')),
-                        ('ended', found.ended),
-                        ('dropped', found.dropped and f'{found.dropped} messages'),
-                        ('recovered without', found.lost), ('damage', found.damage)):
+    table.add_row('duration', f'{_seconds(info):.3f} s')
+    for label, text in (('made by', software_of(info.about)), ('node', info.about.get('node')),
+                        ('ended', info.ended),
+                        ('dropped', info.dropped and f'{info.dropped} messages'),
+                        ('recovered without', info.lost), ('damage', info.damage)):
         if text:
             table.add_row(label, text)
     return table
 
 
-def _topics(found: Info) -> PlainTable:
+def _topics(info: Info) -> PlainTable:
     """Return the table of the topics of a bag; empty cells where nothing is known."""
     table = PlainTable('', ('topic', 'type', 'messages>', 'Hz>', 'missing>'))
-    seconds = _seconds(found)
-    for topic in found.topics:
+    seconds = _seconds(info)
+    for topic in info.topics:
         rate = f'{(topic.messages - 1) / seconds:.2f}' if seconds and topic.messages > 1 else ''
         table.add_row(topic.topic, topic.type, str(topic.messages), rate,
                       '' if topic.missing is None else str(topic.missing))
@@ -80,36 +80,36 @@ def _topics(found: Info) -> PlainTable:
 
 # --- recompute -----------------------------------------------------------------------------------
 
-def recomputed_row(found: Recomputed, problems: Sequence[str]) -> tuple[str, ...]:
+def recomputed_row(result: Recomputed, problems: Sequence[str]) -> tuple[str, ...]:
     """Return a Recomputed as a row of RECOMPUTED_COLUMNS."""
-    verdict = '; '.join(problems) or ('good, cut' if found.cut else 'good')
-    return (str(found.inputs), str(found.compared), f'{found.largest:g}',
-            verdict + (', by rounding only' if found.is_rounding else ''))
+    verdict = '; '.join(problems) or ('good, cut' if result.cut else 'good')
+    return (str(result.inputs), str(result.compared), f'{result.largest:g}',
+            verdict + (', by rounding only' if result.is_rounding else ''))
 
 
-def print_recomputed(found: Recomputed, tolerance: float, problems: Sequence[str]) -> None:
+def print_recomputed(result: Recomputed, tolerance: float, problems: Sequence[str]) -> None:
     """Print the Recomputed of one bag."""
-    if found.differences:
-        make_console().print(_differences(found, tolerance))
-    print(f'{found.inputs} driven motions, {found.compared} outputs compared; largest difference '
-          f'{found.largest:g}' + ('; the bag is cut' if found.cut else ''))
-    print(f'driven motion: {found.driven}')
-    for count, text in ((found.silent, 'outputs report that the input had stopped'),
-                        (found.uncertain, 'outputs not compared: the bag does not show what they '
-                                          'depend on')):
+    if result.differences:
+        make_console().print(_differences(result, tolerance))
+    print(f'{result.inputs} driven motions, {result.compared} outputs compared; largest '
+          f'difference {result.largest:g}' + ('; the bag is cut' if result.cut else ''))
+    print(f'driven motion: {result.driven}')
+    for count, text in ((result.silent, 'outputs report that the input had stopped'),
+                        (result.uncertain, 'outputs not compared: the bag does not show what they '
+                                           'depend on')):
         if count:
             print(f'{count} {text}')
-    if found.largest:
-        print(found.verdict())
+    if result.largest:
+        print(result.verdict())
     for problem in problems:
         print(f'bad: {problem}')
 
 
-def _differences(found: Recomputed, tolerance: float) -> PlainTable:
+def _differences(result: Recomputed, tolerance: float) -> PlainTable:
     """Return a table of the fields beyond the tolerance; of other topics, one row for all."""
     table = PlainTable('', ('topic', 'field', 'messages>', 'largest difference>'))
-    for topic in dict.fromkeys(difference.topic for difference in found.differences):
-        of_topic = [difference for difference in found.differences if difference.topic == topic]
+    for topic in dict.fromkeys(difference.topic for difference in result.differences):
+        of_topic = [difference for difference in result.differences if difference.topic == topic]
         shown = [difference for difference in of_topic if difference.largest > tolerance]
         for difference in shown:
             table.add_row(topic, difference.field, str(difference.messages),
@@ -122,11 +122,11 @@ def _differences(found: Recomputed, tolerance: float) -> PlainTable:
 
 # --- diff ----------------------------------------------------------------------------------------
 
-def diff_table(found: Sequence[TopicDiff], tolerance: float) -> PlainTable:
+def diff_table(topics: Sequence[TopicDiff], tolerance: float) -> PlainTable:
     """Return the table of all topics, with the fields that differ by more than the tolerance."""
     table = PlainTable('', ('topic', 'in both>', 'only first>', 'only second>', 'field',
                             'largest difference>'))
-    for topic in found:
+    for topic in topics:
         worst = [difference for difference in topic.differences if difference.largest > tolerance]
         counts = [str(count) for count in (topic.messages, topic.only_first, topic.only_second)]
         table.add_row(topic.topic, *counts, worst[0].field if worst else '',
@@ -154,17 +154,17 @@ def json_of_info(bag: str | Path, info: Info) -> Json:
                         'missing': topic.missing} for topic in info.topics]}
 
 
-def json_of_recomputed(bag: str | Path, found: Recomputed, tolerance: float,
+def json_of_recomputed(bag: str | Path, result: Recomputed, tolerance: float,
                        accept_rounding: bool = False) -> Json:
     """Return the dict of a Recomputed."""
-    problems = found.problems(tolerance, accept_rounding)
+    problems = result.problems(tolerance, accept_rounding)
     return {'bag': str(bag), 'good': not problems, 'problems': problems,
-            'by_rounding': found.is_rounding, 'verdict': found.verdict(),
-            'largest': found.largest, 'tolerance': tolerance, 'cut': found.cut,
-            'inputs': found.inputs, 'compared': found.compared, 'unmatched': found.unmatched,
-            'missing': found.missing, 'doubled': found.doubled, 'silent': found.silent,
-            'uncertain': found.uncertain, 'driven': found.driven,
-            'differences': [difference._asdict() for difference in found.differences]}
+            'by_rounding': result.is_rounding, 'verdict': result.verdict(),
+            'largest': result.largest, 'tolerance': tolerance, 'cut': result.cut,
+            'inputs': result.inputs, 'compared': result.compared, 'unmatched': result.unmatched,
+            'missing': result.missing, 'doubled': result.doubled, 'silent': result.silent,
+            'uncertain': result.uncertain, 'driven': result.driven,
+            'differences': [difference._asdict() for difference in result.differences]}
 
 
 def json_of_diff(first: str | Path, second: str | Path, topics: Sequence[TopicDiff],

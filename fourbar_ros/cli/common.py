@@ -144,9 +144,9 @@ def warn(scene: Scene) -> None:
         print(f'fourbar: warning: {warning}', file=sys.stderr)
 
 
-def json_line(found: Json) -> str:
+def json_line(record: Json) -> str:
     """Return a dict as one line of JSON; infinities and NaN become text: "inf", "nan"."""
-    return json.dumps(_plain(found), allow_nan=False)
+    return json.dumps(_plain(record), allow_nan=False)
 
 
 def _plain(value: Any) -> Any:

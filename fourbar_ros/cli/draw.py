@@ -77,12 +77,12 @@ def _draw_pose(arguments: Namespace, linkage: Mechanism, speed: float, points: P
     """Draw one pose with its forces and polygons; its title names class, input and rates."""
     from fourbar_ros.report.drawing import make_figure, save
     from fourbar_ros.report.poses import step_at
-    from fourbar_ros.report.tables import class_name, mode_name, rate_unit
+    from fourbar_ros.report.tables import mode_name, rate_unit
     _, motion, loads = step_at(linkage, arguments.at, speed, arguments.acceleration)
     pose = (f'{linkage.input_coordinate.position} {arguments.at:.8g} '
             f'{"m" if linkage.is_driven_by_slide else "deg"}')
     unit = rate_unit(linkage)
-    title = ', '.join([class_name(linkage), pose, f'{speed:g} {unit}',
+    title = ', '.join([linkage.description, pose, f'{speed:g} {unit}',
                        *([f'{arguments.acceleration:g} {unit}^2']
                          if arguments.acceleration else []),
                        f'assembly mode {mode_name(linkage)}'])

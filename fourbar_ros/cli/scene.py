@@ -14,7 +14,14 @@ from xml.etree import ElementTree
 
 from fourbar_ros.cli.common import add_scene, Verbs, warn
 from fourbar_ros.scene.scene import Scene
-from fourbar_ros.scene.topics import FIND_EXTREMA, SERVICES
+from fourbar_ros.scene.topics import (
+    FIND_EXTREMA,
+    INPUTS,
+    OUTPUTS,
+    PICTURES,
+    SERVICES,
+    TORQUE,
+)
 
 if TYPE_CHECKING:
     from fourbar_ros.mechanisms.mechanism import Mechanism
@@ -57,7 +64,6 @@ def _policy(arguments: Namespace) -> None:
 
 def _check(arguments: Namespace) -> None:
     """Load a scene as a node would, with its pictures, and print what the node will do."""
-    from fourbar_ros.report.tables import class_name
     from fourbar_ros.report.terminal import make_console
     from fourbar_ros.scene.scene import load
     scene, console = load(arguments.scene), make_console()
@@ -65,7 +71,7 @@ def _check(arguments: Namespace) -> None:
     if scene.pictures:
         from fourbar_ros.description.formats import check_pictures
         check_pictures(scene)
-    console.print(f'{arguments.scene}: valid. {class_name(linkage)}, mode {linkage.mode}.')
+    console.print(f'{arguments.scene}: valid. {linkage.description}, mode {linkage.mode}.')
     console.print(_drive_in_words(scene))
     if drive.source == 'timer' and not linkage.turns_fully:
         console.print(_leaves_the_range(linkage, drive))
@@ -89,36 +95,27 @@ def _leaves_the_range(linkage: Mechanism, drive: DriveSettings) -> str:
 
 def _drive_in_words(scene: Scene) -> str:
     """Return a sentence on what moves the input: the timer, a topic, or a torque."""
-    from fourbar_ros.scene.topics import INPUTS
     drive, unit = scene.drive, scene.linkage.input_coordinate.unit
     if drive.source == 'timer':
         return (f'The timer drives the input at {drive.speed:g} {unit}/s from {drive.start:g} '
                 f'{unit}, with {drive.rate:g} samples per second.')
     if scene.dynamics:
-        return _torque_in_words(scene)
+        source = (f'{TORQUE.type} on {TORQUE.topic}' if drive.source == 'torque'
+                  else f'a motor ({scene.values["motor.kind"]})')
+        shaft = scene.dynamics.drive.shaft
+        coupled = f'through a shaft of {shaft.stiffness:g} N m/rad' if shaft else 'rigidly'
+        return (f'The motion follows from torque: {source}, coupled {coupled}, starts at '
+                f'{drive.start:g} {unit} with {drive.start_speed:g} {unit}/s; {drive.rate:g} '
+                'samples per second.')
     topic = INPUTS[drive.source]
     joint = f', joint {drive.joint}' if drive.joint else ''
     return (f'Each {topic.type} on {topic.topic}{joint} makes one step; missing rates are '
             f'estimated from {drive.window} samples.')
 
 
-def _torque_in_words(scene: Scene) -> str:
-    """Return a sentence on the source of the torque, how it is coupled, and the start."""
-    from fourbar_ros.scene.topics import TORQUE
-    drive, values, unit = scene.drive, scene.values, scene.linkage.input_coordinate.unit
-    source = (f'{TORQUE.type} on {TORQUE.topic}' if drive.source == 'torque'
-              else f'a motor ({values["motor.kind"]})')
-    shaft = scene.dynamics.drive.shaft if scene.dynamics else None
-    coupled = f'through a shaft of {shaft.stiffness:g} N m/rad' if shaft else 'rigidly'
-    return (f'The motion follows from torque: {source}, coupled {coupled}, starts at '
-            f'{drive.start:g} {unit} with {drive.start_speed:g} {unit}/s; {drive.rate:g} '
-            'samples per second.')
-
-
 def _outputs_table(scene: Scene) -> PlainTable:
     """Return the table of the outputs of a scene, and of those that it could name too."""
     from fourbar_ros.report.terminal import PlainTable
-    from fourbar_ros.scene.topics import OUTPUTS, PICTURES
     table = PlainTable('outputs', ('name', 'topic', 'type', ''))
     for topic in (*scene.topics.values(), *scene.pictures.values()):
         table.add_row(topic.name, topic.topic, topic.type, 'loads' if topic.needs_loads else '')

@@ -154,12 +154,18 @@ def full_name(topic: str, node: str = NODE) -> str:
 
 
 def plots_of(scene: Scene, node: str = NODE) -> list[Plot]:
-    """Return the plots of a scene whose node has this full name."""
-    found = [*_states(scene), *_links(scene), *_loads(scene), *_reactions(scene),
-             *_points(scene), *_output(scene)]
+    """Return the plots for the outputs of a scene, whose node has this full name."""
+    titled = [*_states(scene),
+              ('angular velocity of links [rad/s]', _members(scene, 'links', 'angular_velocity')),
+              ('angular acceleration of links [rad/s^2]',
+               _members(scene, 'links', 'angular_acceleration')),
+              *_loads(scene),
+              ('reactions, x [N]', _members(scene, 'reactions', 'wrench.force.x')),
+              ('reactions, y [N]', _members(scene, 'reactions', 'wrench.force.y')),
+              ('speed of points [m/s]', _members(scene, 'points', 'speed')), *_output(scene)]
     return [Plot(title, tuple(Curve(full_name(topic, node), field, _label(topic, field))
                               for topic, field in curves))
-            for title, curves in found if curves]
+            for title, curves in titled if curves]
 
 
 def _label(topic: str, field: str) -> str:
@@ -195,20 +201,6 @@ def _loads(scene: Scene) -> list[Titled]:
               ('shaking moment [N m]', 'shaking_moment')]
     return [('forces [N]', [(topic, name) for name in forces]),
             *((title, [(topic, name)]) for title, name in others if name in fields)]
-
-
-def _links(scene: Scene) -> list[Titled]:
-    return [(f'{what.replace("_", " ")} of links [{unit}]', _members(scene, 'links', what))
-            for what, unit in (('angular_velocity', 'rad/s'), ('angular_acceleration', 'rad/s^2'))]
-
-
-def _reactions(scene: Scene) -> list[Titled]:
-    return [(f'reactions, {axis} [N]', _members(scene, 'reactions', f'wrench.force.{axis}'))
-            for axis in 'xy']
-
-
-def _points(scene: Scene) -> list[Titled]:
-    return [('speed of points [m/s]', _members(scene, 'points', 'speed'))]
 
 
 def _members(scene: Scene, family: str, field: str) -> list[tuple[str, str]]:

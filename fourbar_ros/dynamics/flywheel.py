@@ -135,8 +135,7 @@ def _rates(gained: Array, total: Array, rate: float) -> Array:
     and the smallest w.
     """
     def rates_at(energy: float) -> Array:
-        rates: Array = np.sqrt(2.0 * np.maximum(energy + gained, 0.0) / total)
-        return rates
+        return np.asarray(np.sqrt(2.0 * np.maximum(energy + gained, 0.0) / total))
 
     low = -float(np.min(gained))
     high = low + float(np.max(total)) * rate**2 + float(np.ptp(gained))

@@ -98,14 +98,14 @@ def find_extrema_many(a1: ArrayLike, a2: ArrayLike, a3: ArrayLike, a4: ArrayLike
     parts = {name: [NOTHING] for name in RATES}
     for start in range(0, sign.size, CHUNK):
         chunk = slice(start, start + CHUNK)
-        given_there = lengths[:, chunk], mode[chunk], rate[chunk]
+        of_chunk = lengths[:, chunk], mode[chunk], rate[chunk]
         linkages = Linkages.of(lengths[:, chunk], sign[chunk])
-        flat = _at_change_points(np.nonzero(linkages.is_flat)[0].tolist(), *given_there)
+        flat = _at_change_points(np.nonzero(linkages.is_flat)[0].tolist(), *of_chunk)
         for order, (name, unit) in enumerate(zip(RATES, search(linkages))):
             scaled = (unit.row, unit.theta1, *at_rate(unit, rate[chunk][unit.row], order),
                       unit.side)
             part, in_doubt = _collected(scaled, flat[name])
-            _decide_ties(name, part, in_doubt, *given_there)
+            _decide_ties(name, part, in_doubt, *of_chunk)
             parts[name].append(part._replace(index=part.index + start))
         if progress is not None:
             progress(min(start + CHUNK, sign.size) / sign.size)
@@ -159,7 +159,7 @@ def _collected(found: Columns, others: list[Columns]) -> tuple[Extrema, Array]:
 
 def _best(index: Array, value: Array, is_maximum: Array) -> Array:
     """
-    Return, for each extremum, the largest (least) value of its linkage if it is a maximum.
+    Return, for each maximum, the largest value of its linkage; for each minimum the least.
 
     ``index`` is sorted. For a maximum 3, a minimum 1 and a maximum 2 of one linkage: 3, 1 and 3.
     """

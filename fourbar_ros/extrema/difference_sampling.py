@@ -27,6 +27,7 @@ class DifferenceSampler(Sampler):
     _x: Array                # samples of the path in rising order
 
     def of(self, linkage: Mechanism) -> DifferenceSampler:
+        """Return a sampler of the same quantities and steps for another linkage."""
         other = DifferenceSampler(linkage, self.quantities, self.rates, self.takes_columns)
         other._x = self._x
         return other
@@ -57,6 +58,7 @@ class DifferenceSampler(Sampler):
             raise not_real(quantity, repr(values[0])) from None
 
     def sample(self, x: Array) -> tuple[Array, Array]:
+        """Return values and slopes at the samples of a path, whose distances give the steps."""
         self._x = x[np.argsort(x)]
         return self.values(x), np.stack([self.slope(x, np.full(x.size, row))
                                          for row in range(len(self.quantities))])

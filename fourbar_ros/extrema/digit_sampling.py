@@ -35,6 +35,7 @@ class DigitSampler(Sampler):
     """The same in many digits, then rounded; NaN where a link is in line, of array functions."""
 
     def __init__(self, plain: Sampler) -> None:
+        """Take all from a sampler of floats, and make the formulas for many digits."""
         self.__dict__.update(plain.__dict__)
         self._known: dict[tuple[float, bool], list[Decimal | None]] = {}
         self._numbers = MANY_DIGITS if self.with_angles else WITHOUT_ANGLES

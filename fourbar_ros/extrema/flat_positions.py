@@ -37,23 +37,13 @@ class Fields(NamedTuple):
     """
     Series of the fields of a motion or of loads in t, in units of a scale.
 
-    Parameters
-    ----------
-    order : ndarray of int, shape (series,)
-        The lowest power of each.
-    c : ndarray, shape (TERMS, series, 1)
-    partner : list of int
-        Number of the series that with this one makes a length, or -1: it is a field by itself.
-        Such partners stand after all fields.
-    varies : ndarray of bool, shape (fields,)
-        Whether the field is more than a constant.
-
+    A field that is a length sqrt(x^2 + y^2) has two series; those of y stand after all fields.
     """
 
-    order: Array
-    c: Array
-    partner: list[int]
-    varies: Array
+    order: Array            # (series,), the lowest power of t of each
+    c: Array                # coefficients, (TERMS, series, 1)
+    partner: list[int]      # by series: number of the series of y, or -1
+    varies: Array           # (fields,), whether the field is more than a constant
 
     def at(self, t: Array) -> Array:
         """Return the fields at scaled distances t, shape (fields, t.size), by Horner's rule."""
@@ -72,17 +62,8 @@ class FlatSide:
     """
     Series of motion and loads on one side of a flat position, in the mode of a mechanism.
 
-    Parameters
-    ----------
-    mechanism : Mechanism
-        At an exact change point.
-    rates : tuple of 2 floats
-        Rate and acceleration of the input.
-    place : float
-        The flat position, in the input's unit.
-    side : int
-        +1: inputs above it, -1: below.
-
+    ``rates``: rate and acceleration of the input. ``place``: the flat position, in the input's
+    unit. ``side``: +1 for inputs above it, -1 below.
     """
 
     def __init__(self, mechanism: Mechanism, rates: tuple[float, float], place: float,

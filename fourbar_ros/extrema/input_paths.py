@@ -34,47 +34,26 @@ TOGGLE_POINTS, FLAT_POINTS = 14, 64
 
 
 class End(NamedTuple):
-    """
-    End of an input path: a toggle, a flat position or the end of a stroke.
+    """End of an input path: a toggle, a flat position or the end of a stroke."""
 
-    Parameters
-    ----------
-    x : float
-        Input, in the mechanism's unit.
-    is_flat : bool
-        It is the flat position of a change point.
-    is_regular : bool
-        It is the end of a stroke, where nothing is singular.
-
-    """
-
-    x: float
-    is_flat: bool
-    is_regular: bool = False
+    x: float                     # input, in the mechanism's unit
+    is_flat: bool                # the flat position of a change point
+    is_regular: bool = False     # the end of a stroke, where nothing is singular
 
 
 class InputPath(NamedTuple):
     """
-    A range of the input in which a mechanism moves smoothly in one assembly mode.
+    Samples of a range of the input in which a mechanism moves smoothly in one assembly mode.
 
-    Parameters
-    ----------
-    x : ndarray, shape (n,)
-        Inputs inside the range, in the order of motion; a full turn in [-pi, pi]: after pi comes
-        -pi.
-    low, high : End or None
-        Where it begins and ends; None for full turns: after the last point comes the first.
-    first, last : int
-        Indices of the points half a step of the path's parameter from ``low`` and ``high``;
-        between them steps are equal.
-
+    Between ``first`` and ``last`` steps of the path's parameter are equal; beyond, points are
+    added next to ``low`` and ``high``.
     """
 
-    x: Array
-    low: End | None
-    high: End | None
-    first: int
-    last: int
+    x: Array             # (n,), inputs in the order of motion; of a full turn in [-pi, pi]
+    low: End | None      # where it begins; None for full turns: after the last point is the first
+    high: End | None     # where it ends
+    first: int           # index of the point half a step from ``low``
+    last: int            # index of the point half a step from ``high``
 
     @property
     def is_closed(self) -> bool:

@@ -53,26 +53,16 @@ class Part(NamedTuple):
     """
     A part of the input range with exactly one extremum of a quantity.
 
-    Parameters
-    ----------
-    low, high : float
-        Inputs, in the mechanism's unit.
-    sense : int
-        +1 maximum, -1 minimum.
-    middle, radius, c, error
-        Of the piece: the quantity (of a root its square) as a Taylor model of
-        t = (x - middle) / radius.
-    is_square : bool
-
+    The quantity (of a root its square) is a Taylor model of t = (x - middle) / radius.
     """
 
-    low: float
+    low: float           # inputs, in the mechanism's unit
     high: float
-    sense: int
-    middle: float
+    sense: int           # +1 maximum, -1 minimum
+    middle: float        # of the piece in which the part lies
     radius: float
-    c: Array
-    error: float
+    c: Array             # coefficients of the Taylor model
+    error: float         # and its error
     is_square: bool
 
     @property
@@ -82,22 +72,11 @@ class Part(NamedTuple):
 
 
 class Parts(NamedTuple):
-    """
-    All extrema of a quantity on a path.
-
-    Parameters
-    ----------
-    parts : list of Part
-    why_not : str
-        Why they may not be all; empty if they are.
-    largest : float
-        Of the sizes of the values, of a root of its squares.
-
-    """
+    """All extrema of a quantity on a path."""
 
     parts: list[Part]
-    why_not: str
-    largest: float
+    why_not: str         # why they may not be all; empty if they are
+    largest: float       # size of the values, of a root of its squares
 
 
 class Enclosure(NamedTuple):
@@ -243,17 +222,14 @@ class _Search:
                              error=np.full(some.error.shape, np.inf))
         left.is_open[which[i], j], left.error[which[i], j] = stays, error
         # cuts do not help where it is rounding that leaves parts open
+        is_refused = np.array([row in self._evaluate.why_not for row in self._rows])
         is_hopeless = left.is_open & (
-            (left.error > 0.5 * some.error) | self._is_refused()[:, None]
+            (left.error > 0.5 * some.error) | is_refused[:, None]
             | (some.high - some.low < NARROWEST * np.maximum(np.abs(some.low), 1.0)))
         left = left.of(left.is_open.any(axis=0)).cut()
         self._pieces = _Pieces(*(np.concatenate(parts, axis=-1) for parts in zip(left, later)))
         self._leave(some._replace(is_open=is_hopeless),
                     'a kink, or nearly two extrema at one place')
-
-    def _is_refused(self) -> Array:
-        """Return which quantities are functions that do not work on enclosures."""
-        return np.array([row in self._evaluate.why_not for row in self._rows])
 
     def _leave(self, pieces: _Pieces, why_not: str) -> None:
         """Give up the quantities that are open on these pieces, and note why and at what input."""

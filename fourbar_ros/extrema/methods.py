@@ -51,17 +51,7 @@ def has_fast_rates(linkage: Mechanism, names: Sequence[str], acceleration: float
 
 
 class Methods:
-    """
-    The searches and proofs for some quantities of a mechanism in its mode.
-
-    Parameters
-    ----------
-    linkage : Mechanism
-    quantities : sequence of Quantity or Function
-    rates : tuple of 2 floats
-        Rate and acceleration of the input.
-
-    """
+    """The searches and proofs for some quantities of a mechanism at a rate and acceleration."""
 
     def __init__(self, linkage: Mechanism, quantities: Sequence[Asked],
                  rates: tuple[float, float]) -> None:

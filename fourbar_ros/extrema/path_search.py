@@ -60,36 +60,17 @@ _UP_TO = _weights(NEIGHBOURS, lambda j: comb(NEIGHBOURS - 1, j))
 
 
 class PathExtremum(NamedTuple):
-    """
-    One extremum of one quantity, found on a path of the input.
+    """One extremum of one quantity, found on a path of the input."""
 
-    Parameters
-    ----------
-    row : int
-        Which of the quantities of the sampler.
-    place : float
-        Input, in the mechanism's unit.
-    value : float
-    sense : int
-        +1 maximum, -1 minimum, 0 constant from here on.
-    side, condition, value_condition
-        As in :class:`~fourbar_ros.extrema.find.Extremum`.
-    is_flat : bool
-        At the flat position of a change point.
-    noise : float
-        Bound of the rounding error of the value, beside that of its last bits.
-
-    """
-
-    row: int
-    place: float
+    row: int                         # number of the quantity in the sampler
+    place: float                     # input, in the mechanism's unit
     value: float
-    sense: int
-    side: int = 0
-    is_flat: bool = False
-    condition: float = nan
+    sense: int                       # +1 maximum, -1 minimum, 0 constant from here on
+    side: int = 0                    # as in :class:`~fourbar_ros.extrema.find.Extremum`
+    is_flat: bool = False            # at the flat position of a change point
+    condition: float = nan           # as in Extremum, of the place
     value_condition: float = nan
-    noise: float = 0.0
+    noise: float = 0.0               # bound of the error of the value, beside its last bits
 
 
 def search_path(sampler: Sampler, path: InputPath,
@@ -171,7 +152,7 @@ class Roots(NamedTuple):
 
 
 def _roots(sampler: Sampler, samples: Samples, rows: Array) -> Roots:
-    """Return where the slopes of the quantities ``rows`` change sign between the samples."""
+    """Return where the slopes of the quantities ``rows`` change sign, hidden pairs too."""
     x, is_closed = samples.path.x, samples.path.is_closed
     f = _smooth_slopes(sampler, samples, rows)
     turn = rises(np.unwrap(x)[:, None], False)[:, 0]
@@ -271,8 +252,7 @@ def _drop(samples: Samples, roots: Roots, value: Array) -> Array:
     i = roots.before + np.array((-1, 0, 1, 2))[:, None]
     i = i % count if samples.path.is_closed else np.clip(i, 0, count - 1)
     away = np.abs(samples.values[roots.row, i] - value)
-    drop: Array = np.minimum(np.maximum(*away[:2]), np.maximum(*away[2:]))
-    return drop
+    return np.asarray(np.minimum(np.maximum(*away[:2]), np.maximum(*away[2:])))
 
 
 def _decided(sampler: Sampler, samples: Samples, roots: Roots, value: Array, noise: Array,

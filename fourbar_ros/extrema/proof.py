@@ -70,6 +70,7 @@ class Enclosures:
 
     def __init__(self, sampler: Sampler, paths: Sequence[InputPath], enclosed: Sequence[Parts],
                  is_angle: bool) -> None:
+        """Join the parts of all paths; ends are (side, input, width left out), in its unit."""
         self._linkage, self._unit, self._is_angle = sampler.linkage, sampler.unit, is_angle
         self._why_not = next((of_path.why_not for of_path in enclosed if of_path.why_not), '')
         self._parts = [part for of_path in enclosed for part in of_path.parts]
@@ -93,8 +94,10 @@ class Enclosures:
             return Verdict(True, f'{NOT_PROVED}: {len(inside) + left_out} found, '
                                  f'{len(left) + left_out} exist')
         coordinate, width = self._linkage.input_coordinate, PLACE
+        turns = (0,) if self._linkage.is_driven_by_slide else (-1, 0, 1)    # paths may go beyond
         for one in inside:
-            part, x = next(((part, x) for part in left for x in self._inputs(one)
+            inputs = [one.place + 2.0 * pi * turn for turn in turns]
+            part, x = next(((part, x) for part in left for x in inputs
                             if part.sense == one.sense and
                             part.low - PLACE <= x <= part.high + PLACE), (None, nan))
             around = _width(part, x) if part else inf
@@ -116,11 +119,6 @@ class Enclosures:
         """Return whether an extremum is so near to an end that nothing is enclosed there."""
         return any(0.0 < side * self._linkage.distance(self._unit * one.place, at) < width
                    for side, at, width in self._ends)
-
-    def _inputs(self, one: PathExtremum) -> list[float]:
-        """Return the input of an extremum in all turns in which a path may have it."""
-        turns = (0,) if self._linkage.is_driven_by_slide else (-1, 0, 1)
-        return [one.place + 2.0 * pi * turn for turn in turns]
 
     def _has_value(self, part: Part, x: float, one: PathExtremum) -> bool:
         """Return whether the enclosed quantity has, at x, the value that was found."""

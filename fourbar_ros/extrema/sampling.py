@@ -46,27 +46,13 @@ State = tuple[NamedFields, Union[NamedFields, NoLoads]]     # motion and loads o
 
 
 class Samples(NamedTuple):
-    """
-    Some quantities at the n samples of one path.
-
-    Parameters
-    ----------
-    path : InputPath
-    values, slopes : ndarray, shape (quantities, n)
-        The quantities, each in its unit, and their derivatives with respect to the input in its
-        unit.
-    state : (motion, loads)
-        From which they come: fields of shape (n,), or floats.
-    noise : ndarray, shape (quantities, n)
-        Bounds of the rounding errors of the values.
-
-    """
+    """Some quantities at the n samples of one path, arrays of shape (quantities, n)."""
 
     path: InputPath
-    values: Array
-    slopes: Array
-    state: State
-    noise: Array
+    values: Array       # each in its unit
+    slopes: Array       # their derivatives with respect to the input in its unit
+    state: State        # motion and loads from which they come: fields of shape (n,), or floats
+    noise: Array        # bounds of the rounding errors of the values
 
 
 def needs_angles(quantity: Asked) -> bool:
@@ -93,20 +79,9 @@ class Sampler:
     to the flat positions at the ends of the path that was given to :meth:`enter` motion and loads
     come from series, see :mod:`fourbar_ros.extrema.flat_positions`.
 
-    Parameters
-    ----------
-    linkage : Mechanism
-    quantities : sequence of Quantity or Function
-    rates : tuple of 2 floats
-        Rate and acceleration of the input.
-    takes_columns : bool
-        The formulas of this kind of mechanism take columns of lengths: many linkages at once.
-
-    Raises
-    ------
-    MissingBodies
-        A quantity needs loads, and the linkage has no masses.
-
+    ``rates``: rate and acceleration of the input. ``takes_columns``: the formulas of this kind of
+    mechanism take columns of lengths, many linkages at once. Raises MissingBodies if a quantity
+    needs loads and the linkage has no masses.
     """
 
     IS_COMPLEX: ClassVar[bool] = True   # the steps by which quantities are differentiated

@@ -8,43 +8,26 @@ What depends on parameters alone is computed once, by ``NAME_prepare``.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from importlib.resources import files
-from math import inf, isfinite
+from math import inf
 from textwrap import wrap
 
 from fourbar_ros import __version__
-from fourbar_ros.generated.model import JUDGED, Model, Named
+from fourbar_ros.generated.drive import DriveCode, tables
+from fourbar_ros.generated.model import Model, Named
+from fourbar_ros.generated.statements import JUDGED, literal, snippet, Statements
 from fourbar_ros.numerics.trace import Step
 
-_FORMS = {'add': '{} + {}', 'sub': '{} - {}', 'mul': '{} * {}', 'truediv': '{} / {}',
-          'neg': '-{}', 'gt': '{} > {}', 'lt': '{} < {}', 'pow': 'power({}, {})',
-          'hypot': 'hypot_of({}, {})'}
-_OF_LISTS = ('exact_sum', 'power_of_two')
-_SNIPPETS = {'pow': 'power', 'hypot': 'hypot', 'exact_sum': 'exact_sum',
-             'power_of_two': 'power_of_two'}
 FLAGS = '-std=c99 -O2'
 CALLS = {'motion': 'motion_at', 'loads': 'loads_at', 'step': 'step'}
 STATUS = ('ok', 'out_of_range', 'invalid_input', 'toggle', 'rates_unknown')    # as in messages
 
 
-def snippet(name: str) -> str:
-    """Return a C text of this package."""
-    return (files(__package__) / 'c' / name).read_text(encoding='utf-8')
-
-
-def literal(value: float) -> str:
-    """Return a number as C and C++ read it, to the last bit."""
-    if value != value:
-        return 'NAN'
-    text = repr(float(value)) if isfinite(value) else f'{"-" * (value < 0)}HUGE_VAL'
-    return f'({text})' if text.startswith('-') else text
-
-
 class Formulas:
     """The statements of a model: those of its parameters alone, and those of its inputs."""
 
-    def __init__(self, model: Model) -> None:
+    def __init__(self, model: Model, writer: Statements) -> None:
         trace = model.trace
+        self.writer = writer
         self._model, self._steps, self.varies = model, trace.steps, trace.varies
         self._values = trace.constants(model.data)
         first = trace.count
@@ -56,8 +39,6 @@ class Formulas:
                 self._tuned.add(place)
         self._data = {first + i: f'from->{one.field}' for i, one in data.items()}
         self.kept: dict[int, int] = {}       # places of what is prepared, and their numbers
-        self.used = set[str]()
-        self.most_terms = 0
 
     def line(self, with_loads: bool) -> list[str]:
         """Return the statements of motion, or of motion and loads."""
@@ -88,7 +69,7 @@ class Formulas:
         found = []
         for place in places:
             if place in pairs:
-                self.used.add('hypot')
+                self.writer.used.add('hypot')
                 x, y = (self._datum(first + i) for i in pairs[place])
                 found.append(f'const double d{place} = hypot_of({x}, {y});')
             elif place not in self._data:
@@ -108,25 +89,9 @@ class Formulas:
 
     def _statement(self, place: int, name_of: Callable[[int], str]) -> list[str]:
         step, is_line = self._steps[place], place in self.varies
-        names = [name_of(i) for i in step.arguments]
-        its_name, kind = f'{"v" if is_line else "d"}{place}', 'double'
-        if step.operation in _SNIPPETS:
-            self.used.add(_SNIPPETS[step.operation])
-        if step.operation in _OF_LISTS:
-            self.most_terms = max(self.most_terms, len(names))
-            return [f'double {its_name};',
-                    f'{{ const double terms[] = {{{", ".join(names)}}}; '
-                    f'{its_name} = {step.operation}({len(names)}, terms); }}']
-        if step.operation == 'where':
-            chosen = step.arguments[0]
-            is_double = chosen not in self.varies
-            text = f'{names[0]}{" > 0.0" * is_double} ? {names[1]} : {names[2]}'
-        else:
-            text = _FORMS.get(step.operation, step.operation + '({})'
-                              if len(names) == 1 else step.operation + '({}, {})').format(*names)
-        if step.operation in ('gt', 'lt'):
-            kind, text = ('int', text) if is_line else (kind, f'{text} ? 1.0 : 0.0')
-        return [f'const {kind} {its_name} = {text};']
+        return self.writer.define(
+            f'{"v" if is_line else "d"}{place}', step, [name_of(i) for i in step.arguments],
+            is_line, bool(step.arguments) and step.arguments[0] in self.varies)
 
     def _refusal(self, step: Step) -> str:
         """Return the statement that notes what floats refuse in Python, or nothing."""
@@ -143,19 +108,22 @@ class Code:
     """Header and source of a model."""
 
     def __init__(self, model: Model) -> None:
-        self.model, self.name, self.formulas = model, model.name, Formulas(model)
+        self.model, self.name, self.writer = model, model.name, Statements()
+        self.formulas = Formulas(model, self.writer)
         self.lines = {with_loads: self.formulas.line(with_loads)
                       for with_loads in ((False, True) if model.loads else (False,))}
         self.operations = {with_loads: sum(text.startswith('const') for text in lines)
                            for with_loads, lines in self.lines.items()}
         self._results = {with_loads: self._body(with_loads) for with_loads in self.lines}
         self.preparation = self.formulas.preparation()
+        self.drive = DriveCode(model, self.writer) if model.moves_by_torque else None
 
     @property
     def stack(self) -> int:
         """Return a bound of the bytes of stack of any call: each name in a place of its own."""
         results = len(self.model.motion) + len(self.model.loads)
-        return 16 * max(map(len, (*self.lines.values(), self.preparation))) + 8 * results + 1024
+        own = 16 * max(map(len, (*self.lines.values(), self.preparation))) + 8 * results + 1024
+        return max(own, self.drive.stack if self.drive else 0)
 
     # --- header ---------------------------------------------------------------------------------
 
@@ -179,7 +147,8 @@ class Code:
             *(text for record in records for text in self._struct(*record)),
             f'/* What follows from parameters alone; {name}_prepare makes it. */',
             f'typedef struct {{ double k[{kept}]; }} {name}_constants;', '',
-            *self._declarations(), '', '#ifdef __cplusplus', '}', '#endif', '#endif', ''])
+            *self._declarations(), '', *(self.drive.declarations() if self.drive else ()),
+            '#ifdef __cplusplus', '}', '#endif', '#endif', ''])
 
     def _about(self) -> list[str]:
         model, scene = self.model, self.model.scene
@@ -234,6 +203,9 @@ class Code:
                   for which, about in (('motion', 'The motion.'), ('loads', 'The loads.'),
                                        ('step', 'Both, at the cost of the loads.'))
                   if which == 'motion' or self.model.loads),
+                *([f'/* Take an assembly mode, as of a drive that has passed a toggle. */\n'
+                   f'void {name}_set_mode({name}_parameters *to, double mode);']
+                  if self.model.signs else []),
                 '/* Return how many results differ in any bit from those of Python: 0. */\n'
                 f'int {name}_self_check(void);']
 
@@ -266,13 +238,23 @@ class Code:
               ' ? 1 : -1];' for which, count in zip(('motion', 'loads'), counts) if count), '',
             f'void {name}_defaults({name}_parameters *to)\n{{', *defaults, '}', '',
             f'void {name}_prepare(const {name}_parameters *from, {name}_constants *made)\n{{',
-            *unused, *prepared, '}', '', *self._guards(), *self._functions(),
+            *unused, *prepared, '}', '', *self._set_mode(), *self._guards(), *self._functions(),
+            *(self.drive.source() if self.drive else ()),
             *self._self_check(), ''])
 
+    def _set_mode(self) -> list[str]:
+        fields = {one.place: one.field for one in self.model.tunable}
+        lines = [f'  to->{fields[place]} = mode == {literal(modes[1])} ? {literal(numbers[1])} : '
+                 f'{literal(numbers[0])};' for place, of in self.model.signs.items()
+                 for modes, numbers in [(list(of), list(of.values()))]]
+        return [f'void {self.name}_set_mode({self.name}_parameters *to, double mode)\n{{', *lines,
+                '}', ''] if lines else []
+
     def _runtime(self) -> list[str]:
-        used = sorted(self.formulas.used)
-        return [*([f'enum {{ MOST_TERMS = {self.formulas.most_terms} }};', '']
-                  if 'exact_sum' in used else []), *(snippet(f'{name}.c') for name in used)]
+        used = sorted(self.writer.used)
+        return [*([f'enum {{ MOST_TERMS = {self.writer.most_terms} }};', '']
+                  if 'exact_sum' in used else []), *(snippet(f'{name}.c') for name in used),
+                *tables(self.writer.called, self.name)]
 
     def _body(self, with_loads: bool) -> list[str]:
         model, of = self.model, self.formulas.of_line
@@ -375,7 +357,8 @@ class Code:
             f'  {name}_defaults(&parameters);', f'  {name}_prepare(&parameters, &constants);',
             f'  (void){name}_{CALLS[which]}(&constants, &input, &{", &".join(parts)});',
             *(f'  differ += differing(&{part}, {part}_of_python, '
-              f'{len(expected[part])});' for part in parts), '  return differ;', '}']
+              f'{len(expected[part])});' for part in parts),
+            *(self.drive.self_check() if self.drive else ()), '  return differ;', '}']
 
     @staticmethod
     def _list(values: Iterable[float]) -> str:

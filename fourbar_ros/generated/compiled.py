@@ -6,20 +6,24 @@ from __future__ import annotations
 from collections.abc import Sequence
 import ctypes
 import json
+from math import nan
 from pathlib import Path
 import shutil
 import subprocess
 from tempfile import TemporaryDirectory
 from typing import Any
 
+from fourbar_ros.dynamics.step.mover import DriveValues, Mover, OK, Place, SILENT
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.generated.c_code import FLAGS
 from fourbar_ros.generated.model import Model, NotGenerated
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.numerics.number_types import numbers_of
 from fourbar_ros.pipeline.status import Evaluated
-from fourbar_ros.scene.scene import from_values
+from fourbar_ros.scene.scene import from_values, Scene
+from fourbar_ros.scene.topics import TORQUE
 
+HIDDEN = 1 + 8 + 8          # mode, place and what is known: numbers beside the fields of a state
 COMPILERS = ('cc', 'gcc', 'clang')
 
 
@@ -110,6 +114,17 @@ class Compiled:
         values = list(self._loads) if with_loads else [float('nan')] * len(loads._fields)
         return (status, motion._make(self._motion[:len(motion._fields)]), loads._make(values))
 
+    def mover(self, scene: Scene, mode: int | None = None) -> Mover:
+        """
+        Return what moves a scene by torque, as its own mover does, in a mode beyond a toggle.
+
+        NotGenerated where the code is not of this scene.
+        """
+        own = self.model.scene
+        if (scene.dynamics, scene.linkage, scene.drive) != (own.dynamics, own.linkage, own.drive):
+            raise NotGenerated(f'{self.model.name}: generated of another scene')
+        return CompiledMover(scene, self.library, self.model.name, mode)
+
     def _take(self, mechanism: Mechanism, with_loads: bool) -> None:
         """Prepare for the numbers of a mechanism, if they are new."""
         model = self.model
@@ -117,8 +132,12 @@ class Compiled:
             raise NotGenerated(f'{model.name}: generated without {", ".join(self._lack[:3])}')
         if with_loads and not model.loads:
             raise NotGenerated(f'{model.name}: generated without loads')
-        data = numbers_of(mechanism.constants if model.mechanism.bodies
-                          else mechanism.constants._replace(bodies=None))
+        constants = mechanism.constants
+        if not model.mechanism.bodies:
+            constants = constants._replace(bodies=None)
+        if model.scene.elements:              # whose forces the node adds, and so does the code
+            constants = constants._replace(external=model.mechanism.constants.external)
+        data = numbers_of(constants)
         if data == self._data:
             return
         tuned = {one.place for one in model.tunable} | model.derived.keys()
@@ -133,3 +152,58 @@ class Compiled:
         self._parameters[:] = [values[one.place] for one in model.tunable] or [0.0]
         self._of['prepare'](self._parameters, self._constants)
         self._data = data
+
+
+class CompiledMover(Mover):
+    """
+    A mover whose steps and values are those of generated code.
+
+    Parameters
+    ----------
+    scene : Scene
+    library : ctypes.CDLL
+    name : str
+        Prefix of its functions.
+
+    """
+
+    def __init__(self, scene: Scene, library: ctypes.CDLL, name: str, mode: int | None) -> None:
+        assert scene.dynamics is not None
+        linkage = scene.linkage
+        if mode in linkage.modes_passed:
+            linkage = linkage.in_mode(mode)
+        super().__init__(scene.dynamics.system(linkage), scene.drive.tolerance,
+                         scene.drive.budget, scene.drive.source == TORQUE.name)
+        self._of = {what: getattr(library, f'{name}_{what}') for what in ('complete', 'advance')}
+        self._drive = (ctypes.c_double * (len(DriveValues._fields) + HIDDEN))()
+        self._latest: DriveValues | None = None
+
+    def next(self, values: DriveValues, step: float, command: float = 0.0,
+             is_silent: bool = False, mode: int | None = None) -> tuple[int, DriveValues]:
+        """Return (status, values) after a time [s]."""
+        if values is not self._latest:
+            self._set(values, self.place(self.state(values), mode).mode, command)
+        status = self._of['advance'](self._drive, ctypes.c_double(step), *self._torques(command))
+        return SILENT if status == OK and is_silent else status, self._taken()
+
+    def values(self, place: Place, step: float, command: float, evaluations: float) -> DriveValues:
+        """Return the values of a place in the input."""
+        position, rate, twist, speed, own = place.state
+        self._set(DriveValues(step, command, position, rate, nan, twist, nan, speed, nan, nan,
+                              own, own, evaluations), place.mode, command)
+        return self._taken()
+
+    def _set(self, values: DriveValues, mode: int, command: float) -> None:
+        size = len(values)
+        self._drive[:size] = list(values)
+        self._drive[size] = mode              # where it passes toggles
+        self._of['complete'](self._drive, *self._torques(command))
+
+    def _taken(self) -> DriveValues:
+        size = len(DriveValues._fields)
+        self.mode = int(self._drive[size]) if self.passes else self.mode
+        self._latest = DriveValues(*self._drive[:size])
+        return self._latest
+
+    def _torques(self, command: float) -> list[ctypes.c_double]:
+        return [ctypes.c_double(command)] * self._takes_commands

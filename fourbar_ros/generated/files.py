@@ -10,8 +10,9 @@ from typing import NamedTuple
 
 from fourbar_ros import __version__
 from fourbar_ros.errors import InvalidParameter, one_of
-from fourbar_ros.generated.c_code import Code, snippet
+from fourbar_ros.generated.c_code import Code
 from fourbar_ros.generated.model import Model, word
+from fourbar_ros.generated.statements import snippet
 from fourbar_ros.scene.scene import load, Scene
 
 FORMATS = ('c', 'fmu2', 'fmu3')

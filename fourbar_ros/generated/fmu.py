@@ -21,19 +21,21 @@ from xml.etree import ElementTree
 import zipfile
 
 from fourbar_ros import __version__
-from fourbar_ros.generated.c_code import Code, FLAGS, snippet, STATUS
+from fourbar_ros.generated.c_code import Code, FLAGS, STATUS
 from fourbar_ros.generated.compiled import build, NoCompiler
+from fourbar_ros.generated.drive import DriveCode, STATUS_OF_DRIVE
 from fourbar_ros.generated.model import Model, Named, NotGenerated
+from fourbar_ros.generated.statements import snippet
 
-# Exponents of kg, m, s, rad.
+# Exponents of kg, m, s, rad, A.
 BASES = {'rad': (0, 0, 0, 1), 'rad/s': (0, 0, -1, 1), 'rad/s^2': (0, 0, -2, 1),
          'm': (0, 1, 0, 0), 'm/s': (0, 1, -1, 0), 'm/s^2': (0, 1, -2, 0), '1/m': (0, -1, 0, 0),
          'kg': (1, 0, 0, 0), 'kg m^2': (1, 2, 0, 0), 'N': (1, 1, -2, 0), 'N m': (1, 2, -2, 0),
-         's': (0, 0, 1, 0)}
+         's': (0, 0, 1, 0), 'A': (0, 0, 0, 0, 1)}
 PLATFORMS = {'linux': ('linux64', '{}-linux', 'so'), 'darwin': ('darwin64', '{}-darwin', 'dylib'),
              'win32': ('win64', '{}-windows', 'dll')}
-STEP = '0.001'                   # [s] of the default experiment
 MADE = (1980, 1, 1, 0, 0, 0)     # of all files of the archive: the same scene, the same bytes
+DRIVE_TEXT = ', '.join(f'{i} {text.replace("_", " ")}' for i, text in enumerate(STATUS_OF_DRIVE))
 STATUS_TEXT = ', '.join(f'{i} {text.replace("_", " ")}' for i, text in enumerate(STATUS))
 
 
@@ -59,7 +61,7 @@ def write(model: Model, directory: Path, version: int) -> tuple[Path, list[str],
         model = replace(model, outputs=[one.name for one in (*model.motion, *model.loads)
                                         if texts.get(one.name, ('', ''))[0]])
     code = Code(model)
-    variables = _variables(model)
+    variables = _variables(model, code.drive)
     _check_names(model, variables)
     text = _source(code, version)
     guid = str(uuid.uuid5(uuid.NAMESPACE_URL, text + repr(variables)))
@@ -82,7 +84,7 @@ def write(model: Model, directory: Path, version: int) -> tuple[Path, list[str],
     return path, notes, max(code.operations.values())
 
 
-def _variables(model: Model) -> list[Variable]:
+def _variables(model: Model, drive: DriveCode | None) -> list[Variable]:
     topics = {f'external.{link}' for link in model.scene.wrenches.links}
     given = {one.name for one in model.inputs}
     start = model.sample()[0][0]      # a pose that exists
@@ -97,9 +99,21 @@ def _variables(model: Model) -> list[Variable]:
     found = [*of(tuple(inputs), 0, 'input'), *of(model.tunable, places[1], 'parameter'),
              *of(model.motion, places[2], 'output'),
              *of(model.loads, places[2] + len(model.motion), 'output')]
-    found = [one for one in found if one.causality != 'output' or one.name not in given]
     last = places[2] + len(model.motion) + len(model.loads)
-    return [*found, Variable('status', last, 'output', '', STATUS_TEXT, 0.0)]
+    status = Variable('status', last, 'output', '', STATUS_TEXT, 0.0)
+    if drive is None:
+        return [*(one for one in found if one.causality != 'output' or one.name not in given),
+                status]
+    signs = {f'sign_{i + 1}' for i in range(len(model.signs))} | {'sign'}
+    first = last + 2                      # behind the time
+    of_drive = [Variable(f'drive.{name}', first + i, 'output', unit, text, 0.0)
+                for i, (name, unit, text) in enumerate(drive.numbers) if name in drive.there]
+    last = first + len(drive.numbers)
+    torque = [Variable('torque', last + 1, 'input', drive.numbers[1][1],
+                       'of the source, during the next step', 0.0)] * drive.takes_torque
+    return [*torque, *(one for one in found
+                       if one.reference >= len(inputs) and one.name not in signs), status,
+            *of_drive, Variable('drive.status', last, 'output', '', DRIVE_TEXT, 0.0)]
 
 
 def _check_names(model: Model, variables: list[Variable]) -> None:
@@ -116,19 +130,41 @@ def _source(code: Code, version: int) -> str:
     model, name = code.model, code.name
     header = code.header().replace('extern "C" {', '').replace('#ifdef __cplusplus\n}\n#endif\n',
                                                                '')
-    loads = len(model.loads)
-    shared = snippet('fmu.c').replace(
-        'LOADS_FIELD', f'  {name}_loads loads;' if loads else '').replace(
-        'LOADS_NUMBER', '  if (reference < RESULTS)\n    return (char *)&state->loads + (reference'
-        ' - GIVEN - MOTIONS) * sizeof(double);' if loads else '').replace(
-        'STEP;', (f'{name}_step(&state->constants, &state->input, &state->motion, &state->loads);'
-                  if loads else
-                  f'{name}_motion_at(&state->constants, &state->input, &state->motion);')).replace(
-        'STARTS', f'state->input.{model.inputs[0].field} = {model.sample()[0][0]!r};').replace(
-        'enum { GIVEN', f'enum {{ INPUTS = {len(model.inputs)}, PARAMETERS = '
-        f'{len(model.tunable)}, LOADS = {loads} }};\nenum {{ GIVEN')
+    loads, drive = len(model.loads), code.drive
+    torque = ', state->torque' * bool(drive and drive.takes_torque)
+    call = (f'{name}_{"step" if loads else "motion_at"}(&state->constants, &state->input, '
+            f'&state->motion{", &state->loads" if loads else ""});')
+    meanings = {
+        'LOADS_FIELD\n': f'  {name}_loads loads;\n' if loads else '',
+        'LOADS_NUMBER\n': '  if (reference < RESULTS)\n    return (char *)&state->loads + '
+                          '(reference - GIVEN - MOTIONS) * sizeof(double);\n' if loads else '',
+        'DRIVE_FIELD\n': f'  {name}_drive drive;\n  double drive_status, torque, mode;\n  '
+                         'int has_moved;\n' if drive else '',
+        'DRIVE_NUMBERS': f', DRIVE = TIME + 1, DRIVE_STATUS = DRIVE + {len(drive.numbers)}, TORQUE'
+                         if drive else '',
+        'DRIVE_NUMBER\n': snippet('fmu_number.c') if drive else '',
+        '      INPUT_OF_DRIVE\n': _input_of_drive(code) if drive else '',
+        '    SET_TORQUE\n': snippet('fmu_torque.c') if torque else '',
+        '  ADVANCE\n': snippet('fmu_advance.c') if drive else '',
+        'STEP;': call,
+        'STARTS': f'{name}_start(&state->drive{torque});' if drive else
+                  f'state->input.{model.inputs[0].field} = {model.sample()[0][0]!r};',
+        ' GIVEN_TORQUE': torque,
+        'enum { GIVEN': f'enum {{ INPUTS = {len(model.inputs)}, PARAMETERS = '
+                        f'{len(model.tunable)}, LOADS = {loads} }};\nenum {{ GIVEN'}
+    shared = snippet('fmu.c') + snippet(f'fmu{version}.c')
+    for word, meaning in meanings.items():
+        shared = shared.replace(word, meaning)
     text = code.source().replace(f'#include "{name}.h"\n', header)
-    return text + (shared + snippet(f'fmu{version}.c')).replace('NAME', name)
+    return text + shared.replace('NAME', name)
+
+
+def _input_of_drive(code: Code) -> str:
+    """Return the statements that take the input of the formulas from the drive."""
+    fields, indent = [one.field for one in code.model.inputs], ' ' * 6
+    text = ''.join(f'{indent}state->input.{field} = state->drive.{of};\n' for field, of in zip(
+        fields, ('position', 'velocity', 'acceleration')))
+    return text + snippet('fmu_mode.c') * bool(code.model.signs)
 
 
 def _binary(name: str, source: str, version: int) -> dict[str, bytes]:
@@ -178,7 +214,7 @@ def _units(root: ElementTree.Element, variables: list[Variable]) -> None:
     units = _element(root, 'UnitDefinitions')
     for unit in sorted({one.unit for one in variables if one.unit} | {'s'}):
         own = _element(units, 'Unit', name=_unit(unit))
-        exponents = zip(('kg', 'm', 's', 'rad'), BASES[unit])
+        exponents = zip(('kg', 'm', 's', 'rad', 'A'), BASES[unit])
         _element(own, 'BaseUnit', **{name: value for name, value in exponents if value})
         if unit == 'rad':
             _element(own, 'DisplayUnit', name='deg', factor=repr(180.0 / pi))
@@ -195,25 +231,35 @@ def _real(one: Variable) -> dict[str, object]:
     return {'unit': _unit(one.unit), **start}
 
 
+def _step_of(model: Model) -> str:
+    """Return the step of the default experiment [s]: that of a node that moves by torque."""
+    return repr(1.0 / model.scene.drive.rate if model.moves_by_torque else 0.001)
+
+
+def _feeds_through(one: Variable) -> bool:
+    """Return whether outputs depend on it at once: on a torque only by steps."""
+    return one.causality == 'input' and one.name != 'torque'
+
+
 def _description_2(model: Model, variables: list[Variable], guid: str) -> ElementTree.Element:
     root = _head(model, '2.0', guid=guid)
     kind = _element(root, 'CoSimulation', modelIdentifier=model.name, canGetAndSetFMUstate='true',
                     canSerializeFMUstate='true', canHandleVariableCommunicationStepSize='true')
     _element(_element(kind, 'SourceFiles'), 'File', name=f'{model.name}.c')
     _units(root, variables)
-    _element(root, 'DefaultExperiment', startTime='0', stopTime='1', stepSize=STEP)
+    _element(root, 'DefaultExperiment', startTime='0', stopTime='1', stepSize=_step_of(model))
     listed = _element(root, 'ModelVariables')
     for one in variables:
         variable = _element(listed, 'ScalarVariable', **_attributes(one))
         _element(variable, 'Real', **_real(one))
     structure = _element(root, 'ModelStructure')
-    inputs = ' '.join(str(i + 1) for i, one in enumerate(variables) if one.causality == 'input')
+    inputs = ' '.join(str(i + 1) for i, one in enumerate(variables) if _feeds_through(one))
     known = ' '.join(str(i + 1) for i, one in enumerate(variables) if one.causality != 'output')
     for tag, on in (('Outputs', inputs), ('InitialUnknowns', known)):
         group = _element(structure, tag)
         for i, one in enumerate(variables):
             if one.causality == 'output':
-                _element(group, 'Unknown', index=i + 1, dependencies=on)
+                _element(group, 'Unknown', index=i + 1).set('dependencies', on)
     return root
 
 
@@ -222,18 +268,20 @@ def _description_3(model: Model, variables: list[Variable], token: str) -> Eleme
     _element(root, 'CoSimulation', modelIdentifier=model.name, canGetAndSetFMUState='true',
              canSerializeFMUState='true', canHandleVariableCommunicationStepSize='true')
     _units(root, variables)
-    _element(root, 'DefaultExperiment', startTime='0', stopTime='1', stepSize=STEP)
+    _element(root, 'DefaultExperiment', startTime='0', stopTime='1', stepSize=_step_of(model))
     listed = _element(root, 'ModelVariables')
-    _element(listed, 'Float64', name='time', valueReference=variables[-1].reference + 1,
+    status = next(one for one in variables if one.name == 'status')
+    _element(listed, 'Float64', name='time', valueReference=status.reference + 1,
              causality='independent', variability='continuous', unit='s')
     for one in variables:
         _element(listed, 'Float64', **_attributes(one), **_real(one))
     structure = _element(root, 'ModelStructure')
-    for tag, causes in (('Output', ('input',)), ('InitialUnknown', ('input', 'parameter'))):
-        on = ' '.join(str(one.reference) for one in variables if one.causality in causes)
+    for tag, is_on in (('Output', _feeds_through),
+                       ('InitialUnknown', lambda one: one.causality != 'output')):
+        on = ' '.join(str(one.reference) for one in variables if is_on(one))
         for one in variables:
             if one.causality == 'output':
-                _element(structure, tag, valueReference=one.reference, dependencies=on)
+                _element(structure, tag, valueReference=one.reference).set('dependencies', on)
     return root
 
 

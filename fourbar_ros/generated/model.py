@@ -10,7 +10,9 @@ from math import isfinite
 import re
 from typing import Any, NamedTuple
 
+from fourbar_ros.dynamics.model.element_forces import make_external
 from fourbar_ros.errors import FourBarError, InvalidParameter, one_of
+from fourbar_ros.generated.statements import JUDGED
 from fourbar_ros.mechanisms import quantities
 from fourbar_ros.mechanisms.evaluation import limits_at_zero
 from fourbar_ros.mechanisms.mechanism import Mechanism
@@ -24,7 +26,6 @@ UNITS_OF_BODIES = {'mass': 'kg', 'inertia': 'kg m^2', 'force_x': 'N', 'force_y':
                    'couple': 'N m'}
 UNITS_OF_POINTS = dict(zip(PointMotion._fields, ('m', 'm', 'm/s', 'm/s', 'm/s^2', 'm/s^2', 'm/s',
                                                  'm/s^2', 'm/s^2', '1/m')))
-JUDGED = ('sqrt', 'truediv')       # refuse an input by their last argument
 _WORDS = """
     alignas alignof and and_eq asm auto bitand bitor bool break case catch char class compl const
     constexpr continue decltype default delete do double else enum explicit export extern false
@@ -93,13 +94,30 @@ class Model:
 
     @cached_property
     def mechanism(self) -> Mechanism:
-        """Return the linkage; without masses where its loads are not those of constant data."""
-        return self.scene.known_linkage
+        """Return the linkage; without masses where its loads have limits besides springs."""
+        linkage = self.scene.linkage
+        return self.scene.known_linkage if linkage.is_flat_at_zero else linkage
+
+    @cached_property
+    def signs(self) -> dict[int, dict[int, float]]:
+        """Return {place among the data: {mode: number}}: what differs between modes passed."""
+        mechanism, modes = self.mechanism, tuple[int, ...]()
+        if self.moves_by_torque:
+            from fourbar_ros.dynamics.step.mover import modes_of
+            modes = modes_of(mechanism)
+        rows = {mode: numbers_of(mechanism.in_mode(mode).constants) for mode in modes}
+        return {place: dict(zip(rows, column)) for place, column in enumerate(zip(*rows.values()))
+                if len(set(column)) > 1}
 
     @cached_property
     def is_fixed(self) -> bool:
         """Return whether it has change points, whose limits belong to its own numbers."""
         return self.mechanism.is_flat_at_zero or bool(self.mechanism.flat_limits)
+
+    @property
+    def moves_by_torque(self) -> bool:
+        """Return whether its motion follows from torque."""
+        return self.scene.dynamics is not None
 
     # --- its trace ------------------------------------------------------------------------------
 
@@ -139,8 +157,15 @@ class Model:
         constants, places = data
         mechanism, points = self.mechanism, self.scene.points.values()
         motion_of = mechanism.motion_formula(n, constants)
-        loads_of = (mechanism.loads_formula(n, constants) if mechanism.bodies
-                    else lambda motion: ())
+        elements = self.scene.elements
+        external = make_external(n, mechanism, elements) if elements else None
+
+        def loads_of(motion: Any, position: Any) -> Any:
+            if not mechanism.bodies:
+                return ()
+            mine = constants if external is None else constants._replace(
+                external=external(motion, position, constants.external))
+            return mechanism.loads_formula(n, mine)(motion)
         made = [make_point(n, mechanism, point.link, *place)
                 for point, place in zip(points, places)]
 
@@ -148,7 +173,7 @@ class Model:
             motion = mechanism.MOTION._make(motion_of(*given))
             trace = given[0].trace
             object.__setattr__(self, 'end_of_motion', len(trace.steps))
-            loads = loads_of(motion)
+            loads = loads_of(motion, given[0])
             object.__setattr__(self, 'end_of_loads', trace.begin_apart())
             return tuple(motion), loads, tuple([point(motion) for point in made])
         return formula
@@ -171,15 +196,18 @@ class Model:
         """Return which data are parameters, zero or not: by their names, or as topics set them."""
         names = [name for name, _ in self.names]
         wanted = self.parameters or ()
+        topics = {f'external.{link}' for link in self.scene.wrenches.links}
         for name in wanted:
             if name not in names:
                 raise InvalidParameter('parameters', name, one_of(filter(None, names), name))
+            if self.moves_by_torque and name.rpartition('.')[0] not in topics:
+                raise NotGenerated(f'{self.name}: parameter {name} cannot be changed, as the '
+                                   'motion by torque has the numbers of the scene')
             if self.is_fixed:
                 raise NotGenerated(f'{self.name}: parameter {name} cannot be changed, as its '
                                    'limits at change points belong to the lengths of the scene')
-        topics = {f'external.{link}' for link in self.scene.wrenches.links}
-        return frozenset(names.index(name) for name in (
-            *wanted, *(name for name in names if name.rpartition('.')[0] in topics)))
+        return frozenset([*self.signs, *(names.index(name) for name in (
+            *wanted, *(name for name in names if name.rpartition('.')[0] in topics)))])
 
     @cached_property
     def names(self) -> list[tuple[str, str]]:
@@ -187,7 +215,10 @@ class Model:
         constants = self.constants
         found = [(name if isinstance(name, str) else '', 'm')
                  for name in self.mechanism.numbers_of_lengths]
-        found += [('', '')] * len(numbers_of(constants.sign))
+        signs = list(self.signs)
+        found += [((f'sign_{signs.index(place) + 1}' if len(signs) > 1 else 'sign')
+                   if place in signs else '', '')
+                  for place in range(len(found), len(found) + len(numbers_of(constants.sign)))]
         found += _of_links('bodies', constants.bodies)
         found += [('gravity.x', 'm/s^2'), ('gravity.y', 'm/s^2')]
         found += _of_links('external', constants.external)
@@ -206,6 +237,7 @@ class Model:
             Named(name, '', unit, '', self.data[i], i)
             for i, (name, unit) in enumerate(self.names)
             if name and (i in self._asked or self.parameters is None and not self.is_fixed
+                         and not self.moves_by_torque
                          and i in used and trace.steps[first + i].operation == 'datum')])
 
     @cached_property
@@ -250,8 +282,6 @@ class Model:
             if name not in (*known, *mechanism.LOADS._fields):
                 raise InvalidParameter('outputs', name,
                                        one_of((*known, *mechanism.LOADS._fields), name))
-        if any(step.operation == 'call' for step in self.trace.steps):
-            raise NotGenerated(f'{self.name}: its formulas look numbers up in tables')
         _ = self._asked
 
     @cached_property
@@ -348,7 +378,8 @@ class Model:
         mechanism, points = self.mechanism, self.scene.points
         low, high = mechanism.input_ranges[0]
         given = low + 0.6180339887 * (high - low), 1.5, -0.5
-        motion, loads = mechanism.motion_and_loads(*given)
+        loaded = self.scene.linkage_at(mechanism, *given[:2])
+        motion, loads = loaded.motion_and_loads(*given)
         found = {**motion._asdict(), **(loads._asdict() if loads else {})}
         for name, point in points.items():
             values = make_point(REAL, mechanism, *point)(motion)

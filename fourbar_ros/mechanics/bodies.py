@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""What is given for a link, in its own frame: origin at its first joint, x to its second joint."""
+"""Masses and loads of a link in its own frame: origin at its first joint, x to its second."""
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
@@ -79,58 +79,45 @@ NOT_APPLIED = Applied()
 
 def round_rod(length: float, density: float, radius: float) -> Body:
     """
-    Body of a uniform round rod between its two joints.
+    Return the body of a uniform round rod between its joints, the centre of gravity in the middle.
 
-    m = rho pi r^2 L, I = m (3 r^2 + L^2)/12 (solid cylinder about a transverse axis), centre of
-    gravity at half length: the links of the paper's Table 1.
-
-    Parameters
-    ----------
-    length, density, radius : float
-        Length [m], density [kg/m^3], radius [m], all positive.
-
+    m = rho pi r^2 L, I = m (3 r^2 + L^2)/12, a solid cylinder about a transverse axis, as the
+    links of the paper's Table 1. Length [m], density [kg/m^3] and radius [m] are positive.
     """
-    length, density, radius = (number(name, value, 'must be a positive number', above=0.0)
-                               for name, value in
-                               (('length', length), ('density', density), ('radius', radius)))
-    return Body(*rod_numbers(length, density, radius))
+    return Body(*rod_numbers(*_positive(length=length, density=density, radius=radius)))
 
 
 def flat_bar(length: float, density: float, width: float, thickness: float) -> Body:
     """
-    Body of a uniform bar of rectangular section between its two joints.
+    Return the body of a uniform flat bar between its joints, the centre of gravity in the middle.
 
-    m = rho w t L, I = m (w^2 + L^2)/12, centre of gravity at half length.
-
-    Parameters
-    ----------
-    length, density, width, thickness : float
-        Length [m], density [kg/m^3], width in the plane of the mechanism and thickness square to
-        it [m], all positive.
-
+    m = rho w t L, I = m (w^2 + L^2)/12. Length [m], density [kg/m^3], width in the plane of the
+    mechanism and thickness square to it [m] are positive.
     """
-    length, density, width, thickness = (
-        number(name, value, 'must be a positive number', above=0.0)
-        for name, value in (('length', length), ('density', density), ('width', width),
-                            ('thickness', thickness)))
-    return Body(*bar_numbers(length, density, width, thickness))
+    return Body(*bar_numbers(*_positive(length=length, density=density, width=width,
+                                        thickness=thickness)))
+
+
+def _positive(**values: float) -> list[float]:
+    return [number(name, value, 'must be a positive number', above=0.0)
+            for name, value in values.items()]
 
 
 def rod_numbers(length: Scalar, density: Scalar, radius: Scalar) -> tuple[Scalar, ...]:
-    """Return mass, cg_along, cg_across and inertia of a rod as :func:`round_rod`; unchecked."""
+    """Return mass, cg_along, cg_across, inertia of a :func:`round_rod` of any numbers."""
     mass = density * pi * radius**2 * length
     return mass, 0.5 * length, 0.0, mass * (3.0 * radius**2 + length**2) / 12.0
 
 
 def bar_numbers(length: Scalar, density: Scalar, width: Scalar,
                 thickness: Scalar) -> tuple[Scalar, ...]:
-    """Return mass, cg_along, cg_across and inertia of a bar as :func:`flat_bar`; unchecked."""
+    """Return mass, cg_along, cg_across, inertia of a :func:`flat_bar` of any numbers."""
     mass = density * width * thickness * length
     return mass, 0.5 * length, 0.0, mass * (width**2 + length**2) / 12.0
 
 
 def unchecked(kind: type[_Kind], *values: Scalar) -> _Kind:
-    """Return a :class:`Body` or :class:`Applied` of any numbers, as arrays, without checks."""
+    """Return a :class:`Body` or :class:`Applied` of any numbers, even arrays, without checks."""
     made = object.__new__(kind)
     for field, value in zip(fields(kind), values):
         object.__setattr__(made, field.name, value)

@@ -28,11 +28,7 @@ class AccelerationTerms(NamedTuple):
 
 
 class RollingContact(NamedTuple):
-    """
-    A disc that rolls on the ground.
-
-    Its centre, and its point in contact, whose velocity is zero.
-    """
+    """A disc that rolls on the ground: its centre, and its point in contact, which is at rest."""
 
     centre_velocity: Array         # [m/s]
     centre_acceleration: Array     # [m/s^2]
@@ -40,20 +36,7 @@ class RollingContact(NamedTuple):
 
 
 def turned(rate: ArrayLike, r: ArrayLike) -> Array:
-    """
-    Return rate x r, the vector r turned by a right angle and scaled.
-
-    Parameters
-    ----------
-    rate : float or array_like, shape (...)
-        Component along z.
-    r : array_like, shape (..., 2)
-
-    Returns
-    -------
-    ndarray, shape (..., 2)
-
-    """
+    """Return rate x r for rates about z of shape (...) and vectors of shape (..., 2)."""
     rate, r = np.asarray(rate), np.asarray(r)
     return np.stack(np.broadcast_arrays(-rate * r[..., 1], rate * r[..., 0]), axis=-1)
 
@@ -67,24 +50,10 @@ def scaled(factor: ArrayLike, r: ArrayLike) -> Array:
 def relative_velocity(v_a: ArrayLike, omega: ArrayLike, r: ArrayLike,
                       v_rel: ArrayLike = (0.0, 0.0)) -> Array:
     """
-    Return V_B = V_A + omega x r + V_rel (slides, before Eq. (9)).
+    Return V_B = V_A + omega x r + V_rel [m/s], shape (..., 2) (slides, before Eq. (9)).
 
-    Parameters
-    ----------
-    v_a : array_like, shape (..., 2)
-        Velocity of the origin A of the moving frame [m/s].
-    omega : float or array_like, shape (...)
-        Angular velocity of the frame [rad/s].
-    r : array_like, shape (..., 2)
-        From A to B [m].
-    v_rel : array_like, shape (..., 2)
-        Velocity of B as seen in the frame [m/s]; zero: B is fixed in it.
-
-    Returns
-    -------
-    ndarray, shape (..., 2)
-        [m/s]
-
+    A is the origin of the moving frame, r [m] leads from A to B, omega [rad/s] is the turning of
+    the frame, and V_rel the velocity of B as seen in it: zero if B is fixed in it.
     """
     velocity: Array = np.asarray(v_a) + turned(omega, r) + np.asarray(v_rel)
     return velocity
@@ -94,17 +63,11 @@ def acceleration_terms(a_a: ArrayLike, omega: ArrayLike, alpha: ArrayLike, r: Ar
                        v_rel: ArrayLike = (0.0, 0.0),
                        a_rel: ArrayLike = (0.0, 0.0)) -> AccelerationTerms:
     """
-    Return each term of Eq. (9): for polygons, and to see how large each one is.
+    Return each term of Eq. (9) [m/s^2]: for polygons, and to see how large each one is.
 
-    Parameters
-    ----------
-    a_a : array_like, shape (..., 2)
-        Acceleration of the origin A of the moving frame [m/s^2].
-    omega, alpha : float or array_like, shape (...)
-        Angular velocity [rad/s] and acceleration [rad/s^2] of the frame.
-    r, v_rel, a_rel : array_like, shape (..., 2)
-        From A to B [m]; velocity [m/s] and acceleration [m/s^2] of B as seen in the frame.
-
+    ``a_a`` is the acceleration of the origin A of the moving frame [m/s^2], omega [rad/s] and
+    alpha [rad/s^2] turn the frame, r [m] leads from A to B, and ``v_rel`` [m/s] and ``a_rel``
+    [m/s^2] are velocity and acceleration of B as seen in the frame. Vectors of shape (..., 2).
     """
     return AccelerationTerms(np.asarray(a_a), np.asarray(a_rel), turned(alpha, r),
                              scaled(-np.square(omega), r), coriolis_acceleration(omega, v_rel))
@@ -113,9 +76,9 @@ def acceleration_terms(a_a: ArrayLike, omega: ArrayLike, alpha: ArrayLike, r: Ar
 def relative_acceleration(a_a: ArrayLike, omega: ArrayLike, alpha: ArrayLike, r: ArrayLike,
                           v_rel: ArrayLike = (0.0, 0.0), a_rel: ArrayLike = (0.0, 0.0)) -> Array:
     """
-    Return A_B, Eqs.
+    Return A_B [m/s^2], the sum of the terms of :func:`acceleration_terms`: Eqs. (9) and (10).
 
-    (9) and (10), with (6) as the case of a B fixed in the frame; see acceleration_terms.
+    Without ``v_rel`` and ``a_rel`` B is fixed in the frame: Eq. (6).
     """
     terms = acceleration_terms(a_a, omega, alpha, r, v_rel, a_rel)
     of_frame = terms.tangential + terms.normal
@@ -130,7 +93,7 @@ def coriolis_acceleration(omega: ArrayLike, v_rel: ArrayLike) -> Array:
 
 def coincident_acceleration(a_p: ArrayLike, omega: ArrayLike, v_rel: ArrayLike,
                             a_rel: ArrayLike = (0.0, 0.0)) -> Array:
-    """Return A_B from that of the point P of the frame that B passes over, Eq. (11) [m/s^2]."""
+    """Return A_B = A_P + 2 omega x V_rel + A_rel [m/s^2], P of the frame under B, Eq. (11)."""
     acceleration: Array = np.asarray(a_p) + coriolis_acceleration(omega, v_rel) + np.asarray(a_rel)
     return acceleration
 
@@ -138,17 +101,10 @@ def coincident_acceleration(a_p: ArrayLike, omega: ArrayLike, v_rel: ArrayLike,
 def path_acceleration(tangent: ArrayLike, speed: ArrayLike, growth: ArrayLike,
                       curvature: ArrayLike) -> Array:
     """
-    Return the acceleration along a path, Eq. (2): growth along it, speed^2 curvature to its left.
+    Return the acceleration [m/s^2] of a point on a path with a unit ``tangent``, Eq. (2).
 
-    Parameters
-    ----------
-    tangent : array_like, shape (..., 2)
-        Unit vector along the path.
-    speed, growth : float or array_like, shape (...)
-        ds/dt [m/s] and d^2s/dt^2 [m/s^2].
-    curvature : float or array_like, shape (...)
-        1/radius [1/m], positive where the path turns left.
-
+    ``growth``, d^2s/dt^2 [m/s^2], along the path, and speed^2 times ``curvature`` to its left;
+    the curvature is 1/radius [1/m], positive where the path turns left.
     """
     return scaled(growth, tangent) + turned(np.square(speed) * curvature, tangent)
 
@@ -161,9 +117,7 @@ def apparent_angular_acceleration(alpha3: Value, alpha2: Value) -> Value:
 def rolling_contact(omega: ArrayLike, alpha: ArrayLike, radius: float, normal: ArrayLike,
                     ground_radius: float = inf) -> RollingContact:
     """
-    Return the :class:`RollingContact` of a disc that rolls without slip on fixed ground, Eqs.
-
-    (13)-(15).
+    Return the motion of a disc that rolls without slip on fixed ground, Eqs. (13) to (15).
 
     The contact point has no tangential acceleration: all of it is the rolling acceleration, along
     the normal and towards the centre of the disc for ground that is flat or convex.
@@ -182,9 +136,9 @@ def rolling_contact(omega: ArrayLike, alpha: ArrayLike, radius: float, normal: A
 
     """
     arm = scaled(radius, normal)
-    # the centre moves on a circle of ground_radius + radius
-    hollow = radius / (ground_radius + radius)
-    towards_ground = scaled(-np.square(omega) * hollow, arm)
-    centre = turned(alpha, arm) + towards_ground
-    return RollingContact(turned(omega, arm), centre,
-                          relative_acceleration(centre, omega, alpha, -arm))
+    velocity = turned(omega, arm)
+    # the centre moves on a circle of ground_radius + radius: v^2 / that, towards the ground
+    centripetal = scaled(-np.square(omega) * (radius / (ground_radius + radius)), arm)
+    acceleration = turned(alpha, arm) + centripetal
+    return RollingContact(velocity, acceleration,
+                          relative_acceleration(acceleration, omega, alpha, -arm))

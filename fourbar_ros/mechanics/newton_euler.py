@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Newton-Euler for one rigid link: what its joints must give, as a force and a moment about a joint.
+Newton-Euler for one rigid link: the force and the moment that its joints must transmit to it.
 
 Notation: r is the mass of a link times the vector from its first joint to its centre of gravity, I
 its moment of inertia about that joint, omega and alpha its turning, W the weight and the applied
@@ -26,35 +26,41 @@ Plain arithmetic, for whatever numbers motions are made of.
 """
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import NamedTuple, TypeVar
 
 from fourbar_ros.mechanics.bodies import Applied, applied_to, Bodies, Body, External, NOT_APPLIED
-from fourbar_ros.numerics.number_types import Scalar
+from fourbar_ros.numerics.number_types import NumberType, Scalar
 from fourbar_ros.numerics.vectors import Vector
 
 Gravity = tuple[Scalar, Scalar]
+_Loads = TypeVar('_Loads')
 
 
 class LinkTerms(NamedTuple):
-    """The constants of a link in the equations; lengths in a unit, origin at its first joint."""
+    """
+    The constants of a link in (N1) to (N5), about its first joint.
 
-    mass: Scalar             # [kg unit]
-    first_moment: Vector     # [kg unit^2] mass times centre of gravity, along the link
-    inertia: Scalar          # about the first joint
-    held: Vector             # [N] -W
-    # [N unit] -C = couple + by_cosine cos(angle) + by_sine sin(angle)
+    With lengths in a unit, kg unit for kg and N unit for N m, so that forces stay in N.
+    """
+
+    mass: Scalar             # times the unit
+    first_moment: Vector     # mass times centre of gravity, along the link and to its left
+    inertia: Scalar
+    held: Vector             # [N] -W, the force that holds the link at rest
+    # -C = couple + by_cosine cos(angle) + by_sine sin(angle), that turns with the link
     couple: Scalar
     by_cosine: Scalar
     by_sine: Scalar
 
     def moment(self, direction: Vector, inertial: Scalar) -> Scalar:
-        """Return a moment less C, as in (N2) and (N4)."""
+        """Return ``inertial`` - C, the moment about the first joint in (N2) and (N4)."""
         return (inertial + self.by_cosine * direction.x + self.by_sine * direction.y
                 + self.couple)
 
 
 class Turning(NamedTuple):
-    """How a link stands and turns: its direction as a unit vector, omega and alpha."""
+    """How a link turns: its direction as a unit vector, omega [rad/s] and alpha [rad/s^2]."""
 
     direction: Vector
     omega: Scalar
@@ -62,7 +68,7 @@ class Turning(NamedTuple):
 
 
 class Needs(NamedTuple):
-    """What the joints of a link must give: F of (N1), M of (N2)."""
+    """The sum of joint forces on a link, F of (N1), and of their moments, M of (N2)."""
 
     force: Vector
     moment: Scalar
@@ -70,9 +76,9 @@ class Needs(NamedTuple):
 
 class NeedsOfCarried(NamedTuple):
     """
-    What the joints of a link must give that a crank carries, in parts that do not cancel.
+    The same of a link that a crank carries, in parts that do not cancel.
 
-    F2 of (N3); M_A of (N4) without the term of a x r; a . r and a x r.
+    F2 of (N3), M_A of (N4) without its term of a x r, and the products a . r and a x r.
     """
 
     force: Vector
@@ -83,7 +89,19 @@ class NeedsOfCarried(NamedTuple):
 
 def about_first_joint(body: Body, unit: Scalar, gravity: Gravity,
                       applied: Applied = NOT_APPLIED) -> LinkTerms:
-    """Return the :class:`LinkTerms` of a link, with lengths in ``unit`` [m]."""
+    """
+    Return the constants of a link in the equations of motion about its first joint.
+
+    Parameters
+    ----------
+    body, applied : Body, Applied
+        In SI units; what is applied includes no weight.
+    unit : number
+        A power of two [m] in which lengths are about one, so that no square of a length overflows.
+    gravity : tuple of 2
+        Field of gravity (x, y) [m/s^2].
+
+    """
     mass, along, across = body.mass * unit, body.cg_along / unit, body.cg_across / unit
     inertia = body.inertia / unit + mass * (along * along + across * across)
     along, across = mass * along, mass * across
@@ -99,10 +117,10 @@ def about_first_joint(body: Body, unit: Scalar, gravity: Gravity,
 def crank_with_pin(bodies: Bodies, unit: Scalar, gravity: Gravity, external: External,
                    carried: LinkTerms, a1: Scalar) -> LinkTerms:
     """
-    Return the :class:`LinkTerms` of the crank; lengths, and ``a1`` of the crank, in ``unit`` [m].
+    Return the constants of a crank that carries a link; its length ``a1`` is in ``unit`` [m].
 
-    Its moments about O1 include what it carries at its pin A: the mass of the next link and the
-    force that holds that link at rest, in (N5) the terms m a^2 alpha1 and -a x W.
+    As if mass and weight of that link were at the pin A: the terms m a^2 alpha1 and -a x W of
+    (N5), which so do not cancel against others.
     """
     crank = about_first_joint(bodies.crank, unit, gravity, applied_to(external, 'crank'))
     return crank._replace(inertia=crank.inertia + carried.mass * a1 * a1,
@@ -111,7 +129,7 @@ def crank_with_pin(bodies: Bodies, unit: Scalar, gravity: Gravity, external: Ext
 
 
 def needs_of_pivoted(link: LinkTerms, turning: Turning) -> Needs:
-    """Return the needs of a link that turns about a fixed joint."""
+    """Return the force and the moment that a link needs to turn about a fixed joint."""
     direction, omega, alpha = turning
     r = link.first_moment.along(direction)
     return Needs(link.held + r.normal * alpha - r * (omega * omega),                    # (N1)
@@ -121,10 +139,10 @@ def needs_of_pivoted(link: LinkTerms, turning: Turning) -> Needs:
 def needs_of_crank_and_carried(crank: LinkTerms, of_crank: Turning, link: LinkTerms,
                                of_link: Turning, a1: Scalar) -> tuple[Needs, NeedsOfCarried]:
     """
-    Return the needs of a crank and of the link that it carries at its pin A.
+    Return the force and the moment that a crank needs, and the link that it carries at its pin A.
 
-    ``crank`` as of :func:`crank_with_pin`. The moment of the crank is that of both about O1, (N5),
-    less M_A and without the term of a x r.
+    ``crank``: of :func:`crank_with_pin`. Its moment is that of both about O1, (N5), less M_A and
+    without the term of a x r.
     """
     direction, omega, alpha = of_link
     r, a = link.first_moment.along(direction), of_crank.direction * a1
@@ -135,3 +153,25 @@ def needs_of_crank_and_carried(crank: LinkTerms, of_crank: Turning, link: LinkTe
         a.dot(r), a.cross(r))
     force, moment = needs_of_pivoted(crank, of_crank)
     return Needs(force, moment + carried.a_dot_r * alpha), carried                      # (N5)
+
+
+def joint_loads(n: NumberType, record: Callable[..., _Loads],
+                forces: tuple[Vector, Vector, Vector], f32: Vector, f43: Vector,
+                **others: Scalar) -> _Loads:
+    """
+    Return the loads of a chain of three moving links, of which F32 and F43 are known.
+
+    ``forces``: F1, F2, F3 that the joints of each link must give. F21 and F41 follow by
+    subtraction; the shaking force is summed over the links, not over the reactions: inner forces
+    much larger than the sum would spoil it. ``others``: the fields of the record beside forces.
+    """
+    hypot, (F1, F2, F3) = n.hypot, forces
+    f21 = f32 - F2
+    f41 = F1 - f21
+    shaking_force = -(F1 + F2 + F3)
+    return record(
+        f41_x=f41.x, f41_y=f41.y, f21_x=f21.x, f21_y=f21.y, f32_x=f32.x, f32_y=f32.y,
+        f43_x=f43.x, f43_y=f43.y, f41=hypot(f41.x, f41.y), f21=hypot(f21.x, f21.y),
+        f32=hypot(f32.x, f32.y), f43=hypot(f43.x, f43.y), shaking_force_x=shaking_force.x,
+        shaking_force_y=shaking_force.y, shaking_force=hypot(shaking_force.x, shaking_force.y),
+        **others)

@@ -17,12 +17,11 @@ STROKE = 'must be [shortest, longest] of the slide, two finite numbers'
 
 def checked(mechanism: Described) -> dict[str, Any]:
     """
-    Return what a mechanism was given, by name, as the numbers and records that it computes with.
+    Return {name of a field: its value, as the numbers and records that a mechanism computes with}.
 
-    Refuse what no mechanism can have: lengths that are not positive, or if signed not finite, and
-    so on.
+    Refuses what no mechanism can have, as lengths that are not positive: InvalidParameter.
     """
-    given: dict[str, Any] = _lengths(mechanism)
+    values: dict[str, Any] = _lengths(mechanism)
     if mechanism.input not in mechanism.INPUTS:
         raise InvalidParameter('input', mechanism.input,
                                f'must be one of {", ".join(mechanism.INPUTS)}')
@@ -32,25 +31,24 @@ def checked(mechanism: Described) -> dict[str, Any]:
                                if len(modes) > 1 else
                                f'must be {min(modes)}: driven at its {mechanism.input} it has '
                                'one assembly mode')
-    given.update(mode=int(mode), gravity=two_numbers('gravity', mechanism.gravity),
-                 external=records('external', mechanism.external, Applied, mechanism.EXTERNAL))
+    values.update(mode=int(mode), gravity=two_numbers('gravity', mechanism.gravity),
+                  external=records('external', mechanism.external, Applied, mechanism.EXTERNAL))
     if mechanism.bodies is not None:
-        given['bodies'] = records('bodies', mechanism.bodies, Body, mechanism.BODIES)
-    return given
+        values['bodies'] = records('bodies', mechanism.bodies, Body, mechanism.BODIES)
+    return values
 
 
 def _lengths(mechanism: Described) -> dict[str, float]:
-    """Return the lengths by name, the signed ones last."""
-    given = {name: number(name, getattr(mechanism, name), 'a length must be a positive number',
-                          above=0.0)
-             for name, _, is_signed in mechanism.LENGTHS if not is_signed}
-    given.update((name, number(name, getattr(mechanism, name)))
-                 for name, _, is_signed in mechanism.LENGTHS if is_signed)
-    for name, value in given.items():
-        if abs(value) >= LONGEST:
+    """Return {name: length [m]}, each checked; the signed ones, as an offset, may be negative."""
+    values = {}
+    for name, _, is_signed in mechanism.LENGTHS:
+        value = getattr(mechanism, name)
+        values[name] = number(name, value) if is_signed else number(
+            name, value, 'a length must be a positive number', above=0.0)
+        if abs(values[name]) >= LONGEST:
             raise InvalidParameter(name, value, f'must be shorter than {LONGEST:.3g} m: sums '
                                                 'of lengths overflow')
-    return given
+    return values
 
 
 def checked_stroke(mechanism: Described) -> tuple[float, float] | None:

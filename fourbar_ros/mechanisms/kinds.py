@@ -18,6 +18,6 @@ AT_MOVING_JOINTS: dict[str, type[Mechanism]] = {'four_bar': MovingJointFourBar}
 
 
 def kind_of(name: str, driven: str) -> type[Mechanism]:
-    """Return the kind of a name that has this input, or else the one driven at the ground."""
+    """Return the class of a kind ('four_bar', ...) for an input; A and B have their own."""
     other = AT_MOVING_JOINTS.get(name)
     return other if other and driven in other.INPUTS else KINDS[name]

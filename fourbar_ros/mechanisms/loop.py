@@ -67,20 +67,16 @@ from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 
 
 class _Shape(NamedTuple):
-    """
-    Constants of the equations, named as there.
-
-    Lengths in a power of two that makes the largest about one.
-    """
+    """Constants of (M1) to (M12), of lengths scaled by a power of two to about one."""
 
     s1: Scalar
     c1: Scalar
     s2: Scalar
     c2: Scalar
-    # r of y, y - x, b - x: (sin^2(x/2), cos^2(x/2)) of each; side
+    # factors of sin^2(x/2), cos^2(x/2) in r of y, of y - x and of b - x; side = 1
     if_adds: tuple[Scalar, ...]
-    if_not: tuple[Scalar, ...]        # p of the same; side
-    # m / (sin(x/2) cos(x/2)) of y, y - x and, negative, of b - x
+    if_not: tuple[Scalar, ...]        # the same in p; side = -1
+    # m / (sin(x/2) cos(x/2)) of y, y - x and, with the other sign, of b - x
     m_y: Scalar
     m_yx: Scalar
     m_bx: Scalar
@@ -131,7 +127,7 @@ class LoopMotion(NamedTuple):
 
 
 def _shape(n: NumberType, a1: Scalar, a2: Scalar, a3: Scalar, a4: Scalar) -> _Shape:
-    """Return the :class:`_Shape` of scaled lengths."""
+    """Return the constants of the equations, exact where lengths cancel, of scaled lengths."""
     fabs, where, exact_sum = n.fabs, n.where, n.exact_sum
 
     def squares(a: Scalar, b: Scalar, c: Scalar, d: Scalar) -> Scalar:
@@ -158,21 +154,18 @@ def _shape(n: NumberType, a1: Scalar, a2: Scalar, a3: Scalar, a4: Scalar) -> _Sh
 
 
 def make_pose(n: NumberType, shape: _Shape, sign: Scalar) -> Function:
-    """
-    Return the function sin^2(x/2), cos^2(x/2), sin(x/2) cos(x/2) -> :class:`Pose`.
-
-    ``sign`` is the sign of sin(mu).
-    """
+    """Return sin^2(x/2), cos^2(x/2), sin(x/2) cos(x/2) -> Pose; ``sign``: of sin(mu)."""
     sqrt, where, nothing = n.sqrt, n.where, n.infinitesimal * n.infinitesimal
     s1, c1, s2, c2, if_adds, if_not, m_y, m_yx, m_bx = shape[:9]
 
     def pose(ss: Scalar, cc: Scalar, sc: Scalar) -> Pose:
+        """Return where the rods are at a half-angle of the crank, by (M1) to (M3)."""
         u, w = s1 * ss + c1 * cc, c2 * ss + s2 * cc                                     # (M3)
         root = sign * sqrt(u * w)     # not real where the linkage cannot close
         # 1/(4 a2 a3) with the roundings of u and w; NaN where the root is not real
         per = 1.0 / (u + w + 0.0 * root)
         cos_mu, sin_mu = (u - w) * per, (root + root) * per
-        # What adds for one angle adds for all three.
+        # m and root have equal signs for all three angles, or for none: the sum does not cancel
         y_s, y_c, yx_s, yx_c, bx_s, bx_c, side = where(
             ((sc + nothing) * root).real > 0.0, if_adds, if_not)
         signed = side * root
@@ -192,11 +185,7 @@ def make_pose(n: NumberType, shape: _Shape, sign: Scalar) -> Function:
 
 def make_loop(n: NumberType, a1: Scalar, a2: Scalar, a3: Scalar, a4: Scalar,
               sign: Scalar) -> Function:
-    """
-    Return the function sin^2(x/2), cos^2(x/2), sin(x/2) cos(x/2) -> :class:`LoopMotion`.
-
-    ``sign`` is the sign of sin(mu).
-    """
+    """Return sin^2(x/2), cos^2(x/2), sin(x/2) cos(x/2) -> LoopMotion; ``sign``: of sin(mu)."""
     fabs, where = n.fabs, n.where
     unit = n.power_of_two(a1, a2, a3, a4)
     a1, a2, a3, a4 = a1 / unit, a2 / unit, a3 / unit, a4 / unit
@@ -208,6 +197,7 @@ def make_loop(n: NumberType, a1: Scalar, a2: Scalar, a3: Scalar, a4: Scalar,
     by_a1, by_a2, by_a4 = sign * a1 / a3, sign * a2 / a3, sign * a4 / a3
 
     def loop(ss: Scalar, cc: Scalar, sc: Scalar) -> LoopMotion:
+        """Return the rods and their derivatives at a half-angle of the crank, (M4) to (M13)."""
         cos_x, sin_x = cc - ss, sc + sc
         at = pose(ss, cc, sc)
         cos_b = cos_x * at.cos_bx - sin_x * at.sin_bx

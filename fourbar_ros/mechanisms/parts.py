@@ -1,10 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""
-What mechanisms are described with.
-
-Coordinates, lengths, links, and what a picture of them shows.
-"""
+"""What mechanisms are described with: coordinates, lengths, links, joints, pictures."""
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -38,11 +34,7 @@ class Coordinate(NamedTuple):
 
     @property
     def unit(self) -> str:
-        """
-        Return the unit of the position: m of what slides, whose rate is called ..._velocity.
-
-        Else rad.
-        """
+        """Return the unit of the position: m if the rate is called ..._velocity, else rad."""
         return 'm' if self.rate.endswith('_velocity') else 'rad'
 
 
@@ -74,11 +66,7 @@ class NoLoads:
 
 
 class Output(NamedTuple):
-    """
-    What a mechanism is used for.
-
-    A coordinate, and the field of the motion d output / d input.
-    """
+    """A coordinate that a mechanism is used for; ``ratio``: the field d output / d input."""
 
     coordinate: Coordinate
     ratio: str
@@ -92,11 +80,7 @@ SLOT = Coordinate('slot', 'slot_velocity', 'slot_acceleration')
 
 
 class Quantity(NamedTuple):
-    """
-    A number that a mechanism has for each input.
-
-    A field of its motion or, if ``is_load``, of its loads.
-    """
+    """A field of the motion or, if ``is_load``, of the loads, which can be asked for by name."""
 
     name: str
     unit: str
@@ -110,11 +94,7 @@ class Quantity(NamedTuple):
 
 
 class Length(NamedTuple):
-    """
-    A length that a mechanism is given by, positive unless ``signed``.
-
-    Zero if not given, then.
-    """
+    """A length that a mechanism is given by: positive, or ``signed`` and 0 if not given."""
 
     name: str
     text: str
@@ -151,8 +131,7 @@ class Joint(NamedTuple):
     """
     A joint as ``joint_states`` shows it.
 
-    Where it is, in words; its coordinate; what it is called there unless a scene says otherwise,
-    like its place if that is empty.
+    ``place``: 'A', 'guide'; ``name``: its default name in that message, its place if empty.
     """
 
     place: str
@@ -237,11 +216,7 @@ def reaction(joint: str, text: str, force: str, couple: str = '') -> Reaction:
 # --- what a picture shows ------------------------------------------------------------------------
 
 class Bar(NamedTuple):
-    """
-    A straight part of a link from ``start`` to ``end``, each of shape (2,) [m].
-
-    ``width`` 1: usual.
-    """
+    """A straight part of a link between two points, each of shape (2,) [m]; width 1: usual."""
 
     start: Array
     end: Array
@@ -249,11 +224,7 @@ class Bar(NamedTuple):
 
 
 class Block(NamedTuple):
-    """
-    A block at a place that slides in a direction (unit vector).
-
-    ``is_guided``: along the ground.
-    """
+    """A block at a place [m] that slides along a unit vector; ``is_guided``: on the ground."""
 
     place: Array
     direction: Array
@@ -295,7 +266,7 @@ ORIGIN = np.zeros(2)      # O1, and the pole of polygons
 
 
 class Arrow(NamedTuple):
-    """One side of a polygon, by ``vector``; parts add up to sums, which start at the pole."""
+    """One side of a velocity or acceleration polygon; a sum starts at the pole, parts chain up."""
 
     start: Array
     vector: Array
@@ -304,20 +275,27 @@ class Arrow(NamedTuple):
 
 
 def total(vector: Array, label: str) -> Arrow:
-    """Return the arrow of a sum, from the pole."""
+    """Return the arrow from the pole of a whole velocity or acceleration."""
     return Arrow(ORIGIN, vector, label, True)
 
 
 def without_repeats(arrows: Sequence[Arrow], least: float) -> list[Arrow]:
-    """Return arrows without the parts that are all of their sum, but for less than ``least``."""
+    """
+    Return the arrows without the parts that coincide with a sum, but for less than ``least``.
+
+    At zero alpha the normal part of an acceleration is all of it: one arrow with two labels.
+    """
     sums = [arrow for arrow in arrows if arrow.is_sum]
-    return [arrow for arrow in arrows if arrow.is_sum or not any(
-        np.allclose(arrow.vector, other.vector, 0.0, least)
-        and np.allclose(arrow.start, other.start) for other in sums)]
+
+    def repeats(part: Arrow) -> bool:
+        """Return whether a part lies on one of the sums."""
+        return any(np.allclose(part.vector, whole.vector, 0.0, least)
+                   and np.allclose(part.start, whole.start) for whole in sums)
+    return [arrow for arrow in arrows if arrow.is_sum or not repeats(arrow)]
 
 
 def chain(start: Array, *steps: tuple[Array, str]) -> list[Arrow]:
-    """Return the arrows of a chain of (vector, label): each starts where the one before ends."""
+    """Return arrows of (vector, label), each starting where the one before ends."""
     arrows = []
     for vector, label in steps:
         arrows.append(Arrow(start, vector, label, False))
@@ -327,10 +305,10 @@ def chain(start: Array, *steps: tuple[Array, str]) -> list[Arrow]:
 
 def around(start: Array, link: LinkMotion, arm: Array, name: str) -> list[Arrow]:
     """
-    Return the normal and the tangential acceleration of a point beside another of its link.
+    Return the arrows omega x (omega x arm) and alpha x arm, labelled A_name^n and A_name^t.
 
-    ``link``: a :class:`~fourbar_ros.mechanisms.points.LinkMotion`; ``arm``: from the other to the
-    point.
+    They are the acceleration of a point of a link relative to another one, ``arm`` [m] away;
+    ``start`` is the tip of that one's arrow [m/s^2].
     """
     terms = acceleration_terms(ORIGIN, link.omega, link.alpha, arm)
     return chain(start, (terms.normal, f'A_{{{name}}}^n'), (terms.tangential, f'A_{{{name}}}^t'))

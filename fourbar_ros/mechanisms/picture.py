@@ -65,8 +65,8 @@ def picture(mechanism: Mechanism, motion: NamedFields, points: Points | None = N
             ) -> list[Primitive]:
     """Return the primitives of a mechanism in a pose, with points that are fixed to its links."""
     diagram = mechanism.diagram(motion)
-    arms = [Arm(name, *(point_motion(mechanism, motion, link, *at).place
-                        for at in ((0.0,), (along,), (along, across))))
+    arms = [Arm(name, *(point_motion(mechanism, motion, link, *place).place
+                        for place in ((0.0, 0.0), (along, 0.0), (along, across))))
             for name, (link, along, across) in (points or {}).items()]
     return [*(Pivot(diagram.joints[name]) for name in diagram.ground), *diagram.bars, *arms,
             *diagram.blocks, *(Joint(*item) for item in diagram.joints.items())]
@@ -86,29 +86,19 @@ def of_kind(kind: type[Kind], parts: Iterable[Primitive]) -> list[Kind]:
 
 def outlines(sign: Block | Pivot, size: float) -> tuple[Array, Array | None]:
     """
-    Return the closed outline of a block or a pivot, and the line of the ground, None of a block.
+    Return the outline of a block or a pivot, shape (n, 2), and the line of its ground, (2, 2) [m].
 
-    Parameters
-    ----------
-    sign : Block or Pivot
-    size : float
-        An inch of the paper [m].
-
-    Returns
-    -------
-    ndarray of shape (n, 2), ndarray of shape (2, 2) or None
-
+    The ground is None of a block that slides on a moving link. ``size``: an inch of the paper [m].
     """
-    ground: Array | None = _GROUND
-    corners, (x, y) = _TRIANGLE, (1.0, 0.0)
+    corners, ground, (x, y) = _TRIANGLE, _GROUND, (1.0, 0.0)
     if isinstance(sign, Block):
-        corners, (x, y), ground = _BOX, sign.direction, _GUIDE if sign.is_guided else None
+        corners, ground, (x, y) = _BOX, _GUIDE if sign.is_guided else None, sign.direction
     axes = size * np.array([(x, y), (-y, x)])
     return sign.place + corners @ axes, None if ground is None else sign.place + ground @ axes
 
 
-# of an inch: (along, across) of corners, and of the ends of the ground
+# in inches: (along, across) of the corners, and of the ends of the line of the ground
 _TRIANGLE = np.array([(0.0, 0.0), (-0.12, -0.19), (0.12, -0.19)])
-_GROUND = np.array([(-0.19, -0.19), (0.19, -0.19)])
+_GROUND: Array | None = np.array([(-0.19, -0.19), (0.19, -0.19)])
 _BOX = np.array([(0.2, 0.11), (0.2, -0.11), (-0.2, -0.11), (-0.2, 0.11)])
 _GUIDE = np.array([(-0.7, -0.11), (0.7, -0.11)])

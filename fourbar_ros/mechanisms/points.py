@@ -1,13 +1,10 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Any point fixed to any link of any mechanism.
-
-Path, velocity, acceleration, and its polygon's image.
+Any point fixed to any link: path, velocity, acceleration, and its image in the polygons.
 
 A point is given as a centre of gravity is: along the link from its first joint, and across to its
-left.
-From the fields of a motion alone, so a point costs nothing until it is asked for.
+left. All follows from the fields of a motion, so a point costs nothing until it is asked for.
 """
 from __future__ import annotations
 
@@ -29,8 +26,8 @@ class LinkMotion(NamedTuple):
     """
     Motion of a link: of its first joint (O1, A; O4, or B of a slider) and its turning.
 
-    Of any numbers that the fields of the motion are. At unit rate and zero acceleration of the
-    input, its rates and accelerations are first and second derivatives with respect to the input.
+    At unit rate and zero acceleration of the input, its rates and accelerations are first and
+    second derivatives with respect to the input.
     """
 
     x: Scalar                 # [m] of the first joint
@@ -50,8 +47,8 @@ class LinkMotion(NamedTuple):
         return vector(self.cosine, self.sine)
 
 
-# The numbers of a LinkMotion, and the function that gives them for all links of a mechanism at a
-# value of its input, as derivatives with respect to that.
+# The numbers of a LinkMotion, as derivatives with respect to the input; and the function of the
+# input that returns those of all links of a mechanism.
 Curve = tuple[Scalar, Scalar, Scalar, Scalar, Scalar, Scalar, Scalar, Scalar, Scalar, Scalar]
 Coefficients = Callable[[Scalar], Sequence[Curve]]
 # The ground as a link.
@@ -59,11 +56,7 @@ FIXED = LinkMotion(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
 
 
 class MovingPoint(NamedTuple):
-    """
-    Place, velocity and acceleration of a point of a link.
-
-    Or place and derivatives with respect to the input, if the link's motion is one of these.
-    """
+    """Place, velocity and acceleration of a point; or its derivatives, if its link has those."""
 
     x: Scalar
     y: Scalar
@@ -89,8 +82,8 @@ class LinkFields(NamedTuple):
 
 def link_fields(mechanism: Mechanism, motion: NamedFields, link: str) -> LinkFields:
     """Return the :class:`LinkFields` of a link in one sample of a motion."""
-    x, y, v_x, v_y, a_x, a_y, cosine, sine, omega, alpha = link_motion(mechanism, motion, link)
-    return LinkFields(atan2(sine, cosine), omega, alpha, x, y, v_x, v_y, a_x, a_y)
+    own = link_motion(mechanism, motion, link)
+    return LinkFields(atan2(own.sine, own.cosine), own.omega, own.alpha, *own[:6])
 
 
 class PointMotion(NamedTuple):
@@ -131,34 +124,26 @@ class PointMotion(NamedTuple):
 def vector(x: Scalar | Array, y: Scalar | Array) -> Array:
     """Return components of one shape (...) as vectors of shape (..., 2)."""
     if isinstance(x, float) and isinstance(y, float):
-        return np.array((x, y))                          # a tenth of the time
+        return np.array((x, y))                          # takes a tenth of the time
     return np.stack(np.broadcast_arrays(x, y), axis=-1)
 
 
 def link_motion(mechanism: Mechanism, motion: NamedFields, link: str) -> LinkMotion:
     """
-    Return the :class:`LinkMotion` of a link.
+    Return the :class:`LinkMotion` of a link in a motion of its mechanism.
 
-    Parameters
-    ----------
-    mechanism : Mechanism
-    motion : Motion of that mechanism
-        One sample or arrays.
-    link : str
-        Name of one of its ``LINKS``: the coupler of an inverted slider is its block, the output of
-        a slider-crank its slider, of an inverted one its bar.
-
+    ``link``: name of one of its ``LINKS``. The 'coupler' of an inverted slider-crank is its block;
+    'output' is the slider of a slider-crank, the bar of an inverted one.
     """
     return mechanism.link_motion(motion, mechanism.link(link).name)
 
 
-def point_of(link: Curve, along: Scalar,
-             across: Scalar = 0.0) -> MovingPoint:
+def point_of(link: Curve, along: Scalar, across: Scalar = 0.0) -> MovingPoint:
     """
-    Return the :class:`MovingPoint` of a link, slides Eq. (6).
+    Return place, velocity and acceleration of a point of a link, slides Eq. (6).
 
-    Plain arithmetic, for whatever numbers the LinkMotion is made of; with derivatives by the input
-    in place of those by time it gives these of the point.
+    ``link``: a LinkMotion; if it has derivatives by the input in place of rates, so has the point.
+    ``along``, ``across`` [m]: from the first joint of the link along it, and to its left.
     """
     x0, y0, v_x, v_y, a_x, a_y, cosine, sine, omega, alpha = link
     x, y = along * cosine - across * sine, along * sine + across * cosine
@@ -175,42 +160,31 @@ def crank_motion(motion: NamedFields) -> LinkMotion:
 
 def instant_centre(link: LinkMotion, other: LinkMotion | None = None) -> Array:
     """
-    Return the instant centre of a link relative to another one, or to the ground.
+    Return the instant centre of a link relative to another one, or to the ground (None).
 
-    The point where both have one velocity (Aronhold and Kennedy): v + omega x (P - O) is the same
-    for both. At infinity, as NaN or inf, where both turn at one rate.
-
-    Parameters
-    ----------
-    link, other : LinkMotion
-        Two links, each of floats or arrays of shape (...). None: the ground.
-
-    Returns
-    -------
-    ndarray, shape (..., 2) [m]
-
+    The point where both have the same velocity (Aronhold and Kennedy), as an array of shape
+    (..., 2) [m] for links of shape (...); inf or NaN where both turn at the same rate.
     """
-    def at_origin(one: LinkMotion) -> tuple[Scalar, Scalar]:
-        return one.v_x + one.omega * one.y, one.v_y - one.omega * one.x
-
-    (v_x, v_y), omega = at_origin(link), link.omega
-    if other is not None:
-        u_x, u_y = at_origin(other)
-        v_x, v_y, omega = v_x - u_x, v_y - u_y, omega - other.omega
+    other = FIXED if other is None else other
+    omega = link.omega - other.omega
+    # velocity at O1 of the first link, as if O1 were fixed to it, seen from the second
+    v_x = (link.v_x + link.omega * link.y) - (other.v_x + other.omega * other.y)
+    v_y = (link.v_y - link.omega * link.x) - (other.v_y - other.omega * other.x)
     with np.errstate(divide='ignore', invalid='ignore'):
         return vector(np.divide(-v_y, omega), np.divide(v_x, omega))
 
 
 def make_point(n: NumberType, mechanism: Mechanism, link: str, along: float,
                across: float) -> Function:
-    """Return motion -> fields of :class:`PointMotion` for a point fixed to a link."""
+    """Return a function motion -> fields of :class:`PointMotion`, for a point fixed to a link."""
     hypot, where = n.hypot, n.where
 
     def point(motion: NamedFields) -> tuple[Scalar, ...]:
+        """Return place, velocity, acceleration, speed, both parts of that, and curvature."""
         x, y, v_x, v_y, a_x, a_y = point_of(link_motion(mechanism, motion, link), along, across)
         speed = hypot(v_x, v_y)
         square = speed * speed
-        moves = square > 0.0     # the square of less underflows
+        moves = square > 0.0     # below some 1e-162 m/s the square is zero
         per, per_square = where(moves, (speed, square), (nan, nan))
         tangential, normal = (a_x * v_x + a_y * v_y) / per, (a_y * v_x - a_x * v_y) / per
         return (x, y, v_x, v_y, a_x, a_y, speed, tangential, normal, normal / per_square)
@@ -248,7 +222,12 @@ def point_motion(mechanism: Mechanism, motion: NamedFields, link: str, along: fl
 
 
 def velocity_image(omega: Scalar) -> tuple[Scalar, Scalar]:
-    """Return (scale [1/s], turn [rad]) of the velocity image of a link: |omega|, +-90 deg."""
+    """
+    Return (scale [1/s], turn [rad]) of the velocity image of a link.
+
+    The link's figure, |omega| times as large and turned by 90 deg in the sense of omega, is the
+    figure of its points in the velocity polygon.
+    """
     return np.abs(omega), np.copysign(0.5 * np.pi, omega)
 
 

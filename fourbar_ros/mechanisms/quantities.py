@@ -4,21 +4,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from functools import cache, partial
+from functools import partial
 from typing import Any, NamedTuple, Union
 
 from fourbar_ros.errors import FourBarError, nearest
 from fourbar_ros.mechanisms.contract import CRANK
 from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import Coordinate, NamedFields, Quantity
+from fourbar_ros.mechanisms.parts import NamedFields, Quantity
 from fourbar_ros.mechanisms.points import link_motion, point_of
 from fourbar_ros.numerics.number_types import Scalar
 import numpy as np
 
 
 class UnknownQuantity(FourBarError, KeyError):
-    """A mechanism has no quantity of this name; the message names the nearest or lists all."""
+    """No such quantity of a mechanism; the message names the nearest, or lists all."""
 
     def __init__(self, name: str, known: Iterable[str]) -> None:
         self.name = name
@@ -30,37 +30,37 @@ class UnknownQuantity(FourBarError, KeyError):
 
 
 class Function(NamedTuple):
-    """A quantity: a function (Motion, Loads) -> value for floats and arrays."""
+    """A quantity that is a function ``of`` (motion, loads), of floats or arrays."""
 
     name: str
     unit: str
     text: str
     of: Callable[..., Any]
-    is_load: bool = False     # not known; without masses, loads raise MissingBodies when used
+    is_load: bool = False     # nobody can tell; of a mechanism without masses loads raise an error
 
 
 def point_speed(mechanism: Mechanism, link: str, along: float, across: float = 0.0,
                 name: str = 'point') -> Function:
-    """Return the speed [m/s] of a point fixed to a link, the quantity ``name.speed``."""
-    return Function(f'{name}.speed', 'm/s', f'speed of the point ({along:g}, {across:g}) m of the '
-                                            f'{link}',
-                    partial(_length, mechanism, link, along, across, 2))
+    """Return the quantity ``name.speed`` [m/s] of a point fixed to a link."""
+    return Function(f'{name}.speed', 'm/s',
+                    f'speed of the point ({along:g}, {across:g}) m of the {link}',
+                    partial(_size, mechanism, link, along, across, slice(2, 4)))
 
 
 def point_acceleration(mechanism: Mechanism, link: str, along: float, across: float = 0.0,
                        name: str = 'point') -> Function:
-    """Return the acceleration's magnitude [m/s^2] of a point, ``name.acceleration``."""
-    return Function(f'{name}.acceleration', 'm/s^2', f'acceleration of the point ({along:g}, '
-                                                     f'{across:g}) m of the {link}',
-                    partial(_length, mechanism, link, along, across, 4))
+    """Return the quantity ``name.acceleration``, its magnitude [m/s^2], of a point of a link."""
+    return Function(f'{name}.acceleration', 'm/s^2',
+                    f'acceleration of the point ({along:g}, {across:g}) m of the {link}',
+                    partial(_size, mechanism, link, along, across, slice(4, 6)))
 
 
-def _length(mechanism: Mechanism, link: str, along: float, across: float, first: int,
-            motion: NamedFields, loads: NamedFields) -> Scalar:
-    """Return the length of a vector of :func:`.point_of` whose x is number ``first``."""
-    x, y = point_of(link_motion(mechanism, motion, link), along, across)[first:first + 2]
-    found: Scalar = np.sqrt(x * x + y * y)
-    return found
+def _size(mechanism: Mechanism, link: str, along: float, across: float, fields: slice,
+          motion: NamedFields, loads: NamedFields) -> Scalar:
+    """Return the length of two ``fields`` (x, y) of the :class:`.MovingPoint` of a point."""
+    x, y = tuple(point_of(link_motion(mechanism, motion, link), along, across))[fields]
+    size: Scalar = np.sqrt(x * x + y * y)
+    return size
 
 
 Asked = Union[Quantity, Function]      # what may be asked for
@@ -87,8 +87,8 @@ QUANTITIES = {quantity.name: quantity for quantity in (
 )}
 QUANTITIES |= {quantity.name: quantity for kind in KINDS.values() for quantity in kind.QUANTITIES}
 
-# By name alone: they turn back at dead points and at the ends of the input, which are known in
-# closed form, so that a request for everything leaves them out.
+# Given only if asked for by name, not with "all": their extrema are at dead points and at the ends
+# of the input, which are known in closed form.
 POSITIONS = {quantity.name: quantity for quantity in (
     Quantity('theta4', 'rad', 'angle of the output link, continuous', False),
     Quantity('theta1', 'rad', 'angle of a crank that is not driven, continuous', False),
@@ -98,64 +98,54 @@ POSITIONS = {quantity.name: quantity for quantity in (
 
 
 def known(mechanism: Mechanism, driven: str = CRANK) -> dict[str, Quantity]:
-    """Return {name: Quantity} of a mechanism, or of a kind driven at its crank or slide."""
-    return _known(mechanism.MOTION._fields, mechanism.LOADS._fields, mechanism.INPUTS[driven],
-                  mechanism.QUANTITIES)
+    """
+    Return {name: Quantity} of the rates, accelerations and loads of a mechanism, or of a kind.
 
-
-@cache
-def _known(motion: Sequence[str], loads: Sequence[str], coordinate: Coordinate,
-           own: tuple[Quantity, ...]) -> dict[str, Quantity]:
-    """Return {name: Quantity} of these fields, without those that are given or zero."""
+    Without the rates of the input ``driven``, which are given, and the drive that it has not.
+    """
+    coordinate = mechanism.INPUTS[driven]
     absent = {coordinate.rate, coordinate.acceleration,
               'driving_force' if coordinate.unit == 'rad' else 'driving_torque'}
-    every = QUANTITIES | {quantity.name: quantity for quantity in own if not is_position(quantity)}
-    return {name: quantity for name, quantity in every.items()
-            if name not in absent and name in (loads if quantity.is_load else motion)}
+    motion, loads = set(mechanism.MOTION._fields), set(mechanism.LOADS._fields)
+    own = {quantity.name: quantity for quantity in mechanism.QUANTITIES}
+    return {name: quantity for name, quantity in (QUANTITIES | own).items()
+            if name not in absent and not is_position(quantity)
+            and name in (loads if quantity.is_load else motion)}
 
 
 def positions(mechanism: Mechanism, driven: str = CRANK) -> dict[str, Quantity]:
-    """Return {name: Quantity} of the positions of a mechanism, or a kind, that are not given."""
-    return _positions(mechanism.MOTION._fields, mechanism.INPUTS[driven], mechanism.QUANTITIES)
-
-
-@cache
-def _positions(motion: Sequence[str], coordinate: Coordinate,
-               own: tuple[Quantity, ...]) -> dict[str, Quantity]:
-    """Return {name: Quantity} of these fields of a motion, without the one that is given."""
-    every = POSITIONS | {quantity.name: quantity for quantity in own if is_position(quantity)}
-    return {name: quantity for name, quantity in every.items()
-            if name in motion and name != coordinate.position}
+    """Return {name: Quantity} of the positions of a mechanism, or a kind, beside the input."""
+    motion, own = mechanism.MOTION._fields, {each.name: each for each in mechanism.QUANTITIES}
+    return {name: quantity for name, quantity in (POSITIONS | own).items()
+            if is_position(quantity) and name in motion
+            and name != mechanism.INPUTS[driven].position}
 
 
 def is_published(quantity: Asked) -> bool:
-    """Return whether this is one of the quantities with a name."""
+    """Return whether this is a field of motion or loads, which messages and bags have too."""
     return isinstance(quantity, Quantity)
 
 
 def is_position(quantity: Asked) -> bool:
-    """Return whether this is one of the positions with a name."""
+    """Return whether this is a position among the fields of a motion."""
     return is_published(quantity) and not quantity.is_load and quantity.unit in ('rad', 'm')
 
 
 def select(names: Sequence[str], mechanism: Mechanism,
            others: Sequence[Asked] = ()) -> list[Asked]:
     """
-    Return the quantities of these names.
+    Return the quantities of these names; of no names all but positions.
 
-    Or all rates, accelerations and loads that a mechanism has data for.
-
-    ``others``: more quantities that have a name, as those of a scene's points; of no names these
-    are part too.
+    Loads are left out where the mechanism has no masses. ``others``: more that may be named, as
+    those of the points of a scene, and that are part of "all" too.
     """
     available = known(mechanism, mechanism.input) | {quantity.name: quantity
                                                      for quantity in others}
-    if names:
-        available |= positions(mechanism, mechanism.input)
+    if not names:
+        return [quantity for quantity in available.values()
+                if mechanism.bodies is not None or not quantity.is_load]
+    available |= positions(mechanism, mechanism.input)
     for name in names:
         if name not in available:
             raise UnknownQuantity(name, available)
-    if names:
-        return [available[name] for name in names]
-    return [quantity for quantity in available.values() if mechanism.bodies is not None
-            or not quantity.is_load]
+    return [available[name] for name in names]

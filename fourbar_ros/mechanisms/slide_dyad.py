@@ -3,11 +3,10 @@
 """
 What the mechanisms with a sliding joint share: how they close, and their loads by name.
 
-Three forms in which a dyad closes between two links that are joined to each other, for the kinds
-and for machines alike, stable in the last bits: a triangle of which one side slides, driven by
-that slide; a rod that a crank carries along a line; a bar through a block on a crank. The triangle
-is a slider-crank driven by its slider, and, for an observer on its bar, an inverted one driven by
-its cylinder.
+Three loops with one slide, for the kinds and for machines alike, stable in the last bits: a
+triangle driven by a side that slides; a rod that a crank moves along a line; a bar through a block
+on a crank. The triangle is a slider-crank driven by its slider, and, for an observer on its bar,
+an inverted one driven by its cylinder.
 """
 from __future__ import annotations
 
@@ -17,10 +16,9 @@ from typing import NamedTuple
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanisms.contract import CRANK, of_geometry, SLIDE
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import THETA1, TRAVEL
+from fourbar_ros.mechanisms.parts import Ranges, THETA1, TRAVEL
 from fourbar_ros.numerics.exact_sums import difference_of_squares
 from fourbar_ros.numerics.number_types import Function, nudge, NumberType, power_of_two, Scalar
-from fourbar_ros.numerics.vectors import Vector
 
 
 class SliderLoads(NamedTuple):
@@ -55,7 +53,7 @@ class SliderLoads(NamedTuple):
 
 
 class TriangleMotion(NamedTuple):
-    """What (T1) to (T8) give; derivatives with respect to s."""
+    """Directions x, b and theta2 by (T1) to (T3), their derivatives by s, and 1/root."""
 
     cos_x: Scalar
     sin_x: Scalar
@@ -73,7 +71,7 @@ class TriangleMotion(NamedTuple):
 
 
 class RodMotion(NamedTuple):
-    """What (R1) to (R9) give; derivatives with respect to x."""
+    """Directions b and theta2, the place s, by (R1) to (R9), derivatives by x, and 1/root."""
 
     cos_b: Scalar
     sin_b: Scalar
@@ -89,7 +87,7 @@ class RodMotion(NamedTuple):
 
 
 class BarMotion(NamedTuple):
-    """What (B1) to (B6) give; derivatives with respect to x."""
+    """Directions x, y, theta2 and the slide l by (B1) to (B6), derivatives by x, 1/l and 1/q."""
 
     cos_x: Scalar
     sin_x: Scalar
@@ -107,26 +105,6 @@ class BarMotion(NamedTuple):
     per_q: Scalar
 
 
-def slider_loads(n: NumberType, forces: tuple[Vector, Vector, Vector], f32: Vector, f43: Vector,
-                 **given: Scalar) -> SliderLoads:
-    """
-    Return the :class:`SliderLoads` by what the joints of all links must give, F1, F2 and F3.
-
-    And by the forces of link 3 on 2 and of link 4 on 3; ``given``: the fields that are not forces
-    at joints.
-    """
-    hypot, (F1, F2, F3) = n.hypot, forces
-    f21 = f32 - F2
-    f41 = F1 - f21
-    shaking_force = -(F1 + F2 + F3)
-    return SliderLoads(
-        f41_x=f41.x, f41_y=f41.y, f21_x=f21.x, f21_y=f21.y, f32_x=f32.x, f32_y=f32.y,
-        f43_x=f43.x, f43_y=f43.y, f41=hypot(f41.x, f41.y), f21=hypot(f21.x, f21.y),
-        f32=hypot(f32.x, f32.y), f43=hypot(f43.x, f43.y), shaking_force_x=shaking_force.x,
-        shaking_force_y=shaking_force.y, shaking_force=hypot(shaking_force.x, shaking_force.y),
-        **given)
-
-
 def make_triangle(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar) -> Function:
     """
     Return s -> :class:`TriangleMotion`: x and b of a1 e^{ix} + a2 e^{ib} = s + i e.
@@ -134,8 +112,9 @@ def make_triangle(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar
     With q = s^2 + e^2, f = a1^2 - a2^2, theta2 = b - x as the 4R's mu
     (:mod:`fourbar_ros.mechanisms.four_bar.motion`):
 
-        (T1)  root^2 = (2 a1 a2 sin theta2)^2 = u w,   u = K+ - s^2,   w = s^2 - K-,   K+- = (a1 +-
-        a2)^2 - e^2 (T2)  2 a1 e^{ix} = (q + f - i root)(s + i e) / q
+        (T1)  root^2 = (2 a1 a2 sin theta2)^2 = u w,   u = K+ - s^2,   w = s^2 - K-,
+              K+- = (a1 +- a2)^2 - e^2
+        (T2)  2 a1 e^{ix} = (q + f - i root)(s + i e) / q
         (T3)  2 a2 e^{ib} = (q - f + i root)(s + i e) / q
         (T4)  x' = cos b / (a1 sin theta2),   b' = -cos x / (a2 sin theta2)
         (T5)  theta2' = -s / (a1 a2 sin theta2)
@@ -162,20 +141,22 @@ def make_triangle(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar
     minus_1, minus_2 = 2.0 * a1 * (a1 - a2), 2.0 * a2 * (a2 - a1)     # q + f - w, q - f - w
 
     def triangle(s: Scalar) -> TriangleMotion:
+        """Return directions and derivatives at a slide s, by (T1) to (T8)."""
         s = s + beside_0
         ss = s * s
         q = ss + ee
         u, w = k_plus - ss, ss - k_minus                                                # (T1)
         # their sum is given: so the rounding of one is that of the other, as in the shape of a
         # triangle
-        small, plus, minus, side = where(u.real < w.real, (u, plus_1, plus_2, -1.0),
-                                         (w, minus_1, minus_2, 1.0))
+        small, sum_1, sum_2, side = where(u.real < w.real, (u, plus_1, plus_2, -1.0),
+                                          (w, minus_1, minus_2, 1.0))
         large, change = u_plus_w - small, side * small
         uw, u_minus_w = small * large, side * (large - small)
         root = sign * sqrt(uw)
         cos_2, sin_2 = -u_minus_w * per_a1_a2 + 0.0 * root, 2.0 * root * per_a1_a2
         per_q, per_root = 1.0 / q, 1.0 / root
-        more, less, turn = (plus + change) * per_q, (minus + change) * per_q, root * per_q
+        # (q + f)/q, (q - f)/q, root/q
+        more, less, turn = (sum_1 + change) * per_q, (sum_2 + change) * per_q, root * per_q
         # (T2)
         cos_x, sin_x = (s * more + e * turn) * half_per_a1, (e * more - s * turn) * half_per_a1
         # (T3)
@@ -190,27 +171,6 @@ def make_triangle(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar
         return TriangleMotion(cos_x, sin_x, cos_b, sin_b, cos_2, sin_2, d_x, d_b, d_2, dd_x, dd_b,
                               dd_2, per_root)
     return triangle
-
-
-class _Start(NamedTuple):
-    """What is expanded about one value of sin x, and that value: (R8) of the rod on a line."""
-
-    u: Scalar
-    w: Scalar
-    gap: Scalar
-    start: float
-
-
-def _starts(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar) -> tuple[_Start, _Start, _Start]:
-    """Return the :class:`_Start` of sin x = 0, 1 and -1."""
-    def squares(a: Scalar, b: Scalar, c: Scalar, d: Scalar) -> Scalar:
-        return difference_of_squares(a, b, c, d, n.exact_sum)
-
-    return (_Start(a2 - e, a2 + e, squares(a2, 0.0, a1, 0.0) - e * e, 0.0),
-            _Start(n.exact_sum((a2, -e, a1)), n.exact_sum((a2, e, -a1)), squares(a2, 0.0, e, -a1),
-                   1.0),
-            _Start(n.exact_sum((a2, -e, -a1)), n.exact_sum((a2, e, a1)), squares(a2, 0.0, e, a1),
-                   -1.0))
 
 
 def make_rod_on_line(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar,
@@ -247,27 +207,22 @@ def make_rod_on_line(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Sca
     because n is there rounded by up to eps a1, which is much beside a2, and all must be rounded by
     the same.
 
-    Parameters
-    ----------
-    n : NumberType
-    a1, a2, e : number
-        [m], within a few powers of two of one.
-    sign : number
-        Of cos b.
-    is_long : bool
-        Whether the crank is, so that (R9) may hold.
-
-    Returns
-    -------
-    callable
-        cos x, sin x -> :class:`RodMotion`.
-
+    Lengths within a few powers of two of one; ``sign``: of cos b; ``is_long``: whether the crank
+    is, so that (R9) may hold. Returns cos x, sin x -> :class:`RodMotion`.
     """
-    sqrt, fabs, where = n.sqrt, n.fabs, n.where
-    about_0, about_up, about_down = map(tuple, _starts(n, a1, a2, e))
+    sqrt, fabs, where, exact_sum = n.sqrt, n.fabs, n.where, n.exact_sum
+
+    def squares(a: Scalar, b: Scalar, c: Scalar, d: Scalar) -> Scalar:
+        return difference_of_squares(a, b, c, d, exact_sum)
+
+    # u, w and gap at sin x = 0, 1 and -1, and that sine
+    about_0 = a2 - e, a2 + e, squares(a2, 0.0, a1, 0.0) - e * e, 0.0
+    about_up = (exact_sum((a2, -e, a1)), exact_sum((a2, e, -a1)), squares(a2, 0.0, e, -a1), 1.0)
+    about_down = (exact_sum((a2, -e, -a1)), exact_sum((a2, e, a1)), squares(a2, 0.0, e, a1), -1.0)
     per_a2, a1_e, two_a1_e, level_square = 1.0 / a2, a1 * e, 2.0 * a1 * e, 0.25 * a2 * a2
 
     def rod_on_line(cos_x: Scalar, sin_x: Scalar) -> RodMotion:
+        """Return the rod at a direction of the crank, by (R1) to (R9)."""
         low, is_about_0 = cos_x * cos_x / (1.0 + fabs(sin_x)), fabs(sin_x).real < 0.5
         u, w, gap, start = where(is_about_0, about_0,
                                  where(sin_x.real > 0.0, about_up, about_down))
@@ -296,9 +251,7 @@ def make_rod_on_line(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Sca
 
 def make_block_on_bar(n: NumberType, a1: Scalar, a4: Scalar, h: Scalar, sign: Scalar) -> Function:
     """
-    Return sin^2(x/2), cos^2(x/2), sin(x/2) cos(x/2) -> :class:`BarMotion`.
-
-    Of a bar through a block on a crank.
+    Return sin^2(x/2), cos^2(x/2), sin(x/2) cos(x/2) -> motion of a bar through a block on a crank.
 
     The crank a1 at the angle x to the line to the pivot of the bar, a4 away; the block is pinned
     to its end A. l is how far A is along the bar from the foot of the pivot on the line of A, h
@@ -323,6 +276,7 @@ def make_block_on_bar(n: NumberType, a1: Scalar, a4: Scalar, h: Scalar, sign: Sc
     far = difference_of_squares(a1, a4, h, 0.0, n.exact_sum)
 
     def block_on_bar(ss: Scalar, cc: Scalar, sc: Scalar) -> BarMotion:
+        """Return block and bar at a half-angle of the crank, by (B1) to (B6)."""
         cos_x, sin_x = cc - ss, sc + sc
         l = sign * sqrt(near * cc + far * ss)  # (B1)  # noqa: E741, the slides' letter
         q = q_near * cc + q_far * ss
@@ -342,27 +296,13 @@ def make_block_on_bar(n: NumberType, a1: Scalar, a4: Scalar, h: Scalar, sign: Sc
     return block_on_bar
 
 
-def closes(p: float, r: float, e: float) -> bool:
-    """Return whether the triangle of :func:`make_triangle` closes for some s."""
-    return fsum((p, r, -abs(e))) > 0.0
-
-
-def margins(p: float, r: float, e: float) -> tuple[float, float]:
-    """Return r - p - |e| and p - r - |e| [m], which are zero at change points."""
-    return fsum((r, -p, -abs(e))), fsum((p, -r, -abs(e)))
-
-
 def reach(p: float, r: float, e: float) -> tuple[float, float]:
-    """
-    Return (inner, outer) distances squared, minus e^2.
-
-    (p - r)^2 - e^2 and (p + r)^2 - e^2 [m^2].
-    """
+    """Return (p - r)^2 - e^2 and (p + r)^2 - e^2 [m^2]: s^2 of rods p, r folded, stretched."""
     return difference_of_squares(p, -r, e, 0.0), difference_of_squares(p, r, e, 0.0)
 
 
-def slide_ranges(p: float, r: float, e: float) -> tuple[tuple[float, float], ...]:
-    """Return the ranges of s in which the triangle closes, in rising order [m]."""
+def slide_ranges(p: float, r: float, e: float) -> Ranges:
+    """Return the ranges of s [m] in which p e^{ix} + r e^{ib} = s + i e, from low to high."""
     unit = power_of_two(p, r, e)
     inner, outer = reach(p / unit, r / unit, e / unit)
     far = unit * sqrt(outer)
@@ -373,7 +313,7 @@ def slide_ranges(p: float, r: float, e: float) -> tuple[tuple[float, float], ...
 
 
 def singular_slides(p: float, r: float, e: float) -> list[complex]:
-    """Return the complex s where that triangle is flat, and those where it has no side q [m]."""
+    """Return the complex s [m] where the rods p, r are in line, or s^2 + e^2 = 0, as a list."""
     unit = power_of_two(p, r, e)
     roots = [complex(unit * sqrt(k)) if k >= 0.0 else complex(0.0, unit * sqrt(-k))
              for k in reach(p / unit, r / unit, e / unit)]
@@ -384,7 +324,7 @@ def singular_slides(p: float, r: float, e: float) -> list[complex]:
 # --- what both slider-cranks state alike ---------------------------------------------------------
 
 class OffsetSlide(Mechanism):
-    """Base of the kinds whose three lengths make the triangle of :mod:`.slide_dyad`."""
+    """Base of the kinds whose lengths p, r, e make a triangle p e^{ix} + r e^{ib} = s + i e."""
 
     INPUTS = {CRANK: THETA1, SLIDE: TRAVEL}
     LOADS = SliderLoads
@@ -392,14 +332,14 @@ class OffsetSlide(Mechanism):
 
     def __post_init__(self) -> None:
         self._check()
-        if not closes(*self.lengths):
-            one, other, _ = self.length_names
-            raise InvalidParameter('offset', self.lengths[2], 'the links cannot close: it must be '
-                                   f'shorter than {one} + {other} '
-                                   f'({self.lengths[0] + self.lengths[1]!r})')
+        (p, r, e), (p_name, r_name, _) = self.lengths, self.length_names
+        if fsum((p, r, -abs(e))) <= 0.0:
+            raise InvalidParameter('offset', e, 'the links cannot close: it must be shorter than '
+                                   f'{p_name} + {r_name} ({p + r!r})')
         self._check_stroke()
 
     @of_geometry
     def margins(self) -> tuple[float, ...]:
-        """Return r - p - |e| and p - r - |e| [m] of the lengths p, r and e."""
-        return margins(*self.lengths)
+        """Return r - p - |e| and p - r - |e| [m], which are zero at change points."""
+        p, r, e = self.lengths
+        return fsum((r, -p, -abs(e))), fsum((p, -r, -abs(e)))

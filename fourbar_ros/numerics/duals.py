@@ -26,17 +26,7 @@ Operand = Union['Dual', Scalar]
 
 
 class Dual:
-    """
-    A number and its derivatives.
-
-    Parameters
-    ----------
-    value
-        A number of the type that the duals are made of.
-    by : dict
-        {parameter: derivative}.
-
-    """
+    """A number of another type, and its derivatives ``by`` = {parameter: derivative}."""
 
     __slots__ = ('by', 'value')
 
@@ -45,11 +35,11 @@ class Dual:
 
     @property
     def whole(self) -> Any:
-        """Return the value that derivatives are computed with: over a box, if there is one."""
+        """Return the value that derivatives are computed with; a subclass may take a range."""
         return self.value
 
     def of(self, value: Any, by: Derivatives) -> Dual:
-        """Return another number of this type."""
+        """Return another dual of this class: subclasses carry more than a value."""
         return type(self)(value, by)
 
     @property
@@ -59,6 +49,7 @@ class Dual:
         return real
 
     def __add__(self, other: Operand) -> Dual:
+        """Return the sum; a number without derivatives adds none."""
         if not isinstance(other, Dual):
             return self.of(self.value + other, self.by)
         return self.of(self.value + other.value, _sum(self.by, other.by))
@@ -69,6 +60,7 @@ class Dual:
         return self.of(-self.value, {name: -part for name, part in self.by.items()})
 
     def __sub__(self, other: Operand) -> Dual:
+        """Return the difference."""
         if not isinstance(other, Dual):
             return self.of(self.value - other, self.by)
         by = dict(self.by)
@@ -80,6 +72,7 @@ class Dual:
         return self.of(other - self.value, {name: -part for name, part in self.by.items()})
 
     def __mul__(self, other: Operand) -> Dual:
+        """Return the product, by (D1); a number without derivatives scales."""
         if not isinstance(other, Dual):
             return self.of(self.value * other, _scaled(self.by, other))
         return self.of(self.value * other.value,                                        # (D1)
@@ -88,6 +81,7 @@ class Dual:
     __rmul__ = __mul__
 
     def __truediv__(self, other: Operand) -> Dual:
+        """Return the quotient, by (D1)."""
         if not isinstance(other, Dual):
             return self.of(self.value / other, {name: part / other
                                                 for name, part in self.by.items()})
@@ -116,7 +110,7 @@ class Dual:
         return _root(self, np.sqrt)
 
     def __array_ufunc__(self, function: Any, method: str, *given: Any, **more: Any) -> Any:
-        """Take part in operations that an array begins."""
+        """Return array + dual, np.sqrt(dual) and the like, which numpy asks for by this method."""
         operation = _OF_ARRAYS.get(function)
         if method != '__call__' or more or operation is None:
             return NotImplemented
@@ -139,6 +133,7 @@ def derivatives_of(number: Operand) -> Derivatives:
 
 
 def _sum(one: Derivatives, other: Derivatives) -> Derivatives:
+    """Return the sums by parameter; {a: 1, b: 2} and {b: 3} give {a: 1, b: 5}."""
     by = dict(one)
     for name, part in other.items():
         by[name] = by[name] + part if name in by else part
@@ -166,8 +161,9 @@ _OF_ARRAYS: dict[Any, Callable[..., Any]] = {
 
 
 def _where_of(choose: Function, dual: type[Dual]) -> Function:
-    """Return ``where`` of duals."""
+    """Return ``where`` of duals of a class, from that of their values, ``choose``."""
     def where(condition: bool | Array, one: Any, other: Any) -> Any:
+        """Return one of two duals, or of each pair in two tuples, with its derivatives."""
         if isinstance(one, tuple):
             return tuple([where(condition, a, b) for a, b in zip(one, other)])
         if not (isinstance(one, Dual) or isinstance(other, Dual)):
@@ -182,16 +178,15 @@ def _where_of(choose: Function, dual: type[Dual]) -> Function:
 def duals_of(numbers: NumberType, dual: type[Dual] = Dual) -> NumberType:
     """Return the type of duals whose values and derivatives are of a type of numbers."""
     def of_one(function: Function, derivative: Callable[[Scalar], Scalar]) -> Function:
+        """Return a function of one number for duals, by the chain rule."""
         def call(number: Operand) -> Operand:
             value = function(value_of(number))
             return (dual(value, _scaled(number.by, derivative(number.whole)))
                     if isinstance(number, Dual) else value)
         return call
 
-    def sqrt(number: Operand) -> Operand:
-        return _root(number, numbers.sqrt) if isinstance(number, Dual) else numbers.sqrt(number)
-
-    def atan2(y: Operand, x: Operand) -> Dual:                             # (D2)
+    def atan2(y: Operand, x: Operand) -> Dual:
+        """Return the angle of (x, y), by (D2)."""
         whole_y, whole_x = whole_of(y), whole_of(x)
         per = 1.0 / (whole_x * whole_x + whole_y * whole_y)
         return dual(numbers.atan2(value_of(y), value_of(x)),
@@ -199,29 +194,31 @@ def duals_of(numbers: NumberType, dual: type[Dual] = Dual) -> NumberType:
                          _scaled(derivatives_of(x), -(whole_y * per))))
 
     def hypot(x: Operand, y: Operand) -> Dual:
+        """Return sqrt(x^2 + y^2), by (D2)."""
         per = 1.0 / numbers.hypot(whole_of(x), whole_of(y))
         return dual(numbers.hypot(value_of(x), value_of(y)),
                     _sum(_scaled(derivatives_of(x), whole_of(x) * per),
                          _scaled(derivatives_of(y), whole_of(y) * per)))
 
     def fabs(number: Operand) -> Operand:
+        """Return |x|, its derivatives those of x or -x."""
+        size: Scalar = numbers.fabs(value_of(number))
         if not isinstance(number, Dual):
-            size: Scalar = numbers.fabs(number)
             return size
-        sign = numbers.where(number.real < 0.0, -1.0, 1.0)
-        return dual(numbers.fabs(number.value), _scaled(number.by, sign))
+        return dual(size, _scaled(number.by, numbers.where(number.real < 0.0, -1.0, 1.0)))
 
     def exact_sum(terms: Sequence[Operand]) -> Dual:
+        """Return the sum, its value rounded once."""
         by: Derivatives = {}
         for term in terms:
             by = _sum(by, derivatives_of(term))
         return dual(numbers.exact_sum([value_of(term) for term in terms]), by)
 
-    def power_of_two(*lengths: Operand) -> Scalar:      # nothing depends on a unit
-        power: Scalar = numbers.power_of_two(*map(value_of, lengths))
-        return power
-
     where = _where_of(numbers.where, dual)
     return NumberType(f'duals of {numbers.name}', of_one(numbers.sin, numbers.cos),
-                      of_one(numbers.cos, lambda value: -numbers.sin(value)), sqrt, atan2, hypot,
-                      fabs, where, exact_sum, power_of_two, numbers.infinitesimal)
+                      of_one(numbers.cos, lambda value: -numbers.sin(value)),
+                      lambda x: (_root(x, numbers.sqrt) if isinstance(x, Dual)
+                                 else numbers.sqrt(x)),
+                      atan2, hypot, fabs, where, exact_sum,
+                      lambda *lengths: numbers.power_of_two(*map(value_of, lengths)),    # a unit
+                      numbers.infinitesimal)

@@ -14,6 +14,7 @@ from math import frexp, fsum, ldexp
 
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.number_types import Function, Scalar
+import numpy as np
 
 
 def difference_of_squares(a: Scalar, b: Scalar, c: Scalar, d: Scalar,
@@ -30,19 +31,15 @@ def scaled(lengths: Sequence[float]) -> list[float]:
 
 
 def exact_sum_of_four(terms: Sequence[Array]) -> Array:
-    """
-    Return the sum of four arrays as math.fsum would.
-
-    Two exact pairs, their exact sum, the errors.
-    """
+    """Return the sum of four arrays, as exact as math.fsum: the roundings are added at the end."""
     a, b, c, d = terms
     (one, e1), (other, e2) = _two_sum(a, b), _two_sum(c, d)
     total, e3 = _two_sum(one, other)
-    found: Array = total + (e3 + (e1 + e2))
-    return found
+    return np.asarray(total + (e3 + (e1 + e2)))
 
 
 def _two_sum(a: Array, b: Array) -> tuple[Array, Array]:
+    """Return the rounded sum of two arrays and its rounding error, which is exact (Knuth)."""
     total = a + b
     part = total - a
     return total, (a - (total - part)) + (b - part)

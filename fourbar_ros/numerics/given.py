@@ -24,21 +24,9 @@ def number(name: str, value: Any, allowed: str = 'must be a finite number', leas
     Return a finite number as a float, so that no other precision is computed with.
 
     Integers, fractions, numpy's numbers and arrays without dimensions are numbers; truth values,
-    texts, times, complex numbers and None are not.
-
-    Parameters
-    ----------
-    name, value
-        Name and value of the parameter.
-    allowed : str
-        What is allowed, in words.
-    least, above : float
-        It must be at least, and more than that.
-
-    Raises
-    ------
-    InvalidParameter
-
+    texts, times, complex numbers and None are not. Otherwise raises InvalidParameter, which names
+    the parameter and says in words what is ``allowed``: at ``least`` so much, and more than
+    ``above``.
     """
     if type(value) is float and isfinite(value) and value >= least and value > above:
         return value                       # as most are; asking what else it may be takes longer
@@ -46,7 +34,8 @@ def number(name: str, value: Any, allowed: str = 'must be a finite number', leas
     if isinstance(value, np.ndarray) and value.shape == () and not is_masked(value):
         value = value.item()
     if not isinstance(value, Real) or isinstance(value, bool):
-        raise InvalidParameter(name, value, _of_a_type(value, allowed))
+        kind = 'None' if value is None else f'of type {type(value).__name__}'
+        raise InvalidParameter(name, value, f'{allowed}, not {kind}')
     try:
         result = float(value)
     except OverflowError:
@@ -56,20 +45,11 @@ def number(name: str, value: Any, allowed: str = 'must be a finite number', leas
     return result
 
 
-def _of_a_type(value: Any, allowed: str) -> str:
-    return f'{allowed}, not {"None" if value is None else "of type " + type(value).__name__}'
-
-
 def array(name: str, value: Any, with_complex: bool = False) -> Array:
     """
-    Return real numbers as an array of doubles; masked ones as NaN.
+    Return real numbers as an array of doubles, masked ones as NaN; else raise InvalidParameter.
 
     With ``with_complex``, complex ones (of a complex step) as an array of complex doubles.
-
-    Raises
-    ------
-    InvalidParameter
-
     """
     if isinstance(value, np.ma.MaskedArray):
         masked: Any = value
@@ -102,12 +82,9 @@ def _first_that_is_no_number(given: Array) -> str:
 
 def records(name: str, value: Any, kind: type, whole: Any) -> Any:
     """
-    Return several records of one kind as ``whole``, a NamedTuple of as many fields.
+    Return records of one kind, as bodies, as a ``whole``: a NamedTuple of as many fields.
 
-    Raises
-    ------
-    InvalidParameter
-
+    Raises InvalidParameter if their number or kind is another one.
     """
     given = tuple(value) if isinstance(value, Iterable) else ()
     if len(given) != len(whole._fields) or not all(isinstance(item, kind) for item in given):
@@ -148,6 +125,7 @@ class Quantity(NamedTuple):
 
     @property
     def _allowed(self) -> str:
+        """Return what is allowed, in words, for the message of an error."""
         if self.above == 0.0:
             return 'must be a positive number'
         if self.least > -inf:

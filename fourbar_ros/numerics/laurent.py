@@ -58,6 +58,7 @@ class Laurent:
     __slots__ = ('order', 'c', 'end')
 
     def __init__(self, c: list[Decimal], order: int = 0, end: float = math.inf):
+        """Keep 20 terms from the first that is not zero; drop zeros at the end."""
         first = next((i for i, v in enumerate(c) if v), len(c))
         c, self.order = c[first:first + TERMS + 1], order + first
         if len(c) > TERMS:
@@ -77,7 +78,7 @@ class Laurent:
         return not self.c and self.end == math.inf
 
     def _unit(self) -> list[Decimal]:
-        """Return as many coefficients from c[0] on as are known, at most :data:`TERMS`."""
+        """Return the known coefficients from c[0] on, zeros among them, at most 20."""
         if not self.c:
             raise ZeroDivisionError
         number = int(min(TERMS, self.end - self.order))
@@ -96,6 +97,7 @@ class Laurent:
         return self.order == 0 and len(self.c) == 1 and self.end == math.inf
 
     def __add__(self, other: Operand) -> Laurent:
+        """Return the sum, term by term, as far as both series are known."""
         other = series(other)
         if self._is_number() and other._is_number():
             return _number(_sum([self.c[0], other.c[0]]))
@@ -106,6 +108,7 @@ class Laurent:
                         for i in range(low, int(min(high, end)))], low, end)
 
     def __neg__(self) -> Laurent:
+        """Return minus the series."""
         if self._is_number():
             return _number(-self.c[0])
         return Laurent([-v for v in self.c], self.order, self.end)
@@ -117,6 +120,7 @@ class Laurent:
         return series(other) + -self
 
     def __mul__(self, other: Operand) -> Laurent:
+        """Return the product (Cauchy), as far as the known terms of both determine it."""
         other = series(other)
         if self._is_number() and other._is_number():
             return _number(self.c[0] * other.c[0])
@@ -158,11 +162,7 @@ class Laurent:
         return Laurent(inverse, -self.order, -self.order + self._end_of_unit())
 
     def sqrt(self) -> Laurent:
-        """
-        Return the root, positive for t > 0.
-
-        ValueError where it is not real or has half a power of t.
-        """
+        """Return the root, positive for t > 0; ValueError if not real or of an odd power of t."""
         if self._is_number() and self.c[0] > 0:
             return _number(self.c[0].sqrt())
         if not self.c:
@@ -179,7 +179,11 @@ class Laurent:
         return Laurent(root, order, order + self._end_of_unit())
 
     def _sine_and_cosine(self) -> tuple[Laurent, Laurent]:
-        """Return those of an angle; without a rounding where it is a multiple of pi/2 at t = 0."""
+        """
+        Return sine and cosine of an angle, exact where it is a multiple of pi/2 at t = 0.
+
+        Of the rest, coefficient by coefficient from s' = c phi' and c' = -s phi'.
+        """
         quarters = int((self.coefficient(0) / _QUARTER).to_integral_value())
         rest = self - Laurent([_QUARTER * quarters])
         if self._is_number():
@@ -188,7 +192,7 @@ class Laurent:
         slope = [rest.coefficient(i + 1) * (i + 1) for i in range(TERMS)]
         first, zero = rest.coefficient(0), Decimal(0)
         sine, cosine = [[value] for value in sine_and_cosine_of(first)]
-        for k in range(TERMS):      # s' = c phi', c' = -s phi'
+        for k in range(TERMS):
             growth = sum([slope[i] * cosine[k - i] for i in range(k + 1)], zero) / (k + 1)
             fall = sum([slope[i] * sine[k - i] for i in range(k + 1)], zero) / (k + 1)
             sine, cosine = [*sine, growth], [*cosine, -fall]
@@ -227,7 +231,7 @@ class Laurent:
                        self.end - 1)
 
     def integral(self) -> Laurent:
-        """Return that without a constant; the series has no term 1/t, which is not checked."""
+        """Return the integral without a constant, of a series without a term 1/t (not checked)."""
         return Laurent([v / (self.order + i + 1) if v else v for i, v in enumerate(self.c)],
                        self.order + 1, self.end + 1)
 
@@ -244,7 +248,7 @@ FIRST_TERMS = Laurent([Decimal(1)], 1, 6)      # T where only the first terms ar
 
 
 def sine_and_cosine_of(angle: Decimal) -> tuple[Decimal, Decimal]:
-    """Return sine and cosine of an angle below one by their series."""
+    """Return sine and cosine of an angle below one, to all digits, by Taylor's series."""
     sums, term, k = [Decimal(0), Decimal(1)], Decimal(1), 0
     while term:
         k += 1
@@ -294,7 +298,12 @@ def quarter_turns(number: int) -> Laurent:
 
 
 def _atan2(y: Operand, x: Operand) -> Laurent:
-    """Return the angle of two series: its derivative is (x y' - y x') / (x^2 + y^2)."""
+    """
+    Return the angle of the vector (x, y) of two series, as a series.
+
+    Its derivative (x y' - y x') / (x^2 + y^2) is integrated; the constant is that of a float, with
+    its error removed by an arcsine.
+    """
     y, x = series(y), series(x)
     rate = (x * y.derivative() - y * x.derivative()) / (x * x + y * y)
     low = min(s.order for s in (x, y) if s.c)

@@ -20,7 +20,7 @@ SAFETY = 64.0
 
 def newton_roots(function: Function, row: Array, xa: Array, xb: Array, fa: Array,
                  x: Array) -> Array:
-    """Return the roots of :func:`newton_roots_and_states` alone."""
+    """Return the root in each bracket: the first of :func:`newton_roots_and_states`."""
     return newton_roots_and_states(function, row, xa, xb, fa, x)[0]
 
 
@@ -53,7 +53,7 @@ def newton_roots_and_states(function: Function, row: Array, xa: Array, xb: Array
     x = np.where((fa != 0.0) & (x > xa) & (x < xb), x, 0.5 * (xa + xb))
     todo: Array = np.arange(x.size)
     positive: Array = fa >= 0.0
-    found, width, last = [], xb - xa, xb - xa
+    parts, width, last = [], xb - xa, xb - xa
     while True:
         f, step, *state = function(x, row)
         before = (f >= 0.0) == positive
@@ -67,20 +67,20 @@ def newton_roots_and_states(function: Function, row: Array, xa: Array, xb: Array
         done |= ~np.isfinite(f)              # overflow: no root to be found
         taken = x - better
         if done.all():
-            found.append([todo, better, taken, *state])
-            return _in_order(found)
+            parts.append([todo, better, taken, *state])
+            return _in_order(parts)
         last, x = np.abs(taken), better
         if done.any():
             # indices: a mask would be counted again for each array
             ready, going = np.nonzero(done)[0], np.nonzero(~done)[0]
-            found.append([v[ready] for v in (todo, better, taken, *state)])
+            parts.append([v[ready] for v in (todo, better, taken, *state)])
             todo, row, xa, xb, x, last, width, positive = (
                 v[going] for v in (todo, row, xa, xb, x, last, width, positive))
 
 
-def _in_order(found: list[list[Array]]) -> list[Array]:
-    """Return arrays given in parts, each part with the places of its elements first."""
-    place, *arrays = [np.concatenate(parts) for parts in zip(*found)]
+def _in_order(parts: list[list[Array]]) -> list[Array]:
+    """Join arrays given in parts, each with the numbers of its brackets first, in their order."""
+    place, *arrays = [np.concatenate(columns) for columns in zip(*parts)]
     order = np.empty_like(place)
     order[place] = np.arange(place.size)
     return [array[order] for array in arrays]

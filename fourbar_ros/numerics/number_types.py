@@ -87,7 +87,12 @@ class NumberType:
     call: Function = lambda function, x: function(x)
 
     def least(self, pairs: Sequence[tuple[Any, Any]]) -> tuple[Any, Any]:
-        """Return the pair whose first number is least; unlike in ``where`` others are wrong."""
+        """
+        Return the pair (size, value) whose size is least, element by element.
+
+        As among distances to several ends, of which the nearest counts. A type with bounds must
+        know which one is least; with ``where`` either of two forms would be right.
+        """
         least, *others = pairs
         for pair in others:
             least = self.where(pair[0].real < least[0].real, pair, least)
@@ -95,7 +100,11 @@ class NumberType:
 
 
 def nudge(n: NumberType, *margins: Scalar) -> Scalar:
-    """Return what to add to a number that must not be zero if a margin is: see INFINITESIMAL."""
+    """
+    Return 0, or :data:`INFINITESIMAL` if one of some margins is zero: to be added to a number.
+
+    At an exact change point, where a margin is zero, that number must not be zero.
+    """
     added = 0.0
     for margin in margins:
         added = n.where(n.fabs(margin).real > 0.0, added, n.infinitesimal)
@@ -108,7 +117,7 @@ def choose(condition: bool, one: _Choice, other: _Choice) -> _Choice:
 
 
 def power_of_two(*lengths: float) -> float:
-    """Return the power of two next above the largest of the sizes of the lengths."""
+    """Return the power of two next above the sizes of all lengths: 4.0 of (2.5, -1.0)."""
     return math.ldexp(1.0, math.frexp(max(map(abs, lengths)))[1])
 
 
@@ -121,6 +130,7 @@ def direction(angle: float) -> tuple[float, float]:
 
 
 def _choose_in_arrays(condition: bool | Array, one: Any, other: Any) -> Any:
+    """Return one or the other, element by element; of tuples, number by number."""
     if isinstance(condition, bool):
         return one if condition else other
     if isinstance(one, tuple):
@@ -129,7 +139,11 @@ def _choose_in_arrays(condition: bool | Array, one: Any, other: Any) -> Any:
 
 
 def hypot_of_arrays(x: Values, y: Values, out: Array | None = None) -> Array:
-    """Return sqrt(x^2 + y^2), as fast as that where no square can be too large or too small."""
+    """
+    Return sqrt(x^2 + y^2) of arrays, written to ``out`` if given.
+
+    By the formula, and by the slower np.hypot only where a square may overflow or underflow.
+    """
     length = np.asarray(np.sqrt(x * x + y * y, out=out))
     if length.size and length.min() > 1e-140 and length.max() < 1e150:
         return length
@@ -139,17 +153,15 @@ def hypot_of_arrays(x: Values, y: Values, out: Array | None = None) -> Array:
 
 
 def _size_of_complex(x: Array) -> Array:
-    """Return x or -x, whichever has a positive real part."""
-    found: Array = np.where(x.real < 0.0, -x, x) if np.iscomplexobj(x) else np.abs(x)
-    return found
+    """Return x or -x, whichever has a positive real part: |x| with its complex step."""
+    return np.asarray(np.where(x.real < 0.0, -x, x) if np.iscomplexobj(x) else np.abs(x))
 
 
 def _angle_of_complex(y: Array, x: Array) -> Array:
     """Return the angle of a complex pair: its imaginary part is the derivative along the step."""
     y, x = np.asarray(y), np.asarray(x)
     turn = 1j * (x.real * y.imag - y.real * x.imag) / (x.real**2 + y.real**2)
-    angle: Array = np.arctan2(y.real, x.real) + turn
-    return angle
+    return np.asarray(np.arctan2(y.real, x.real) + turn)
 
 
 REAL = NumberType('floats', math.sin, math.cos, math.sqrt, math.atan2, math.hypot, math.fabs,
@@ -169,8 +181,7 @@ def _exact_sum_of_columns(columns: Sequence[Array]) -> Array:
 
 def power_of_two_of_arrays(*lengths: Array) -> Array:
     """Return the same as :func:`power_of_two` for arrays of lengths, element by element."""
-    found: Array = np.ldexp(1.0, np.frexp(reduce(np.maximum, map(np.abs, lengths)))[1])
-    return found
+    return np.asarray(np.ldexp(1.0, np.frexp(reduce(np.maximum, map(np.abs, lengths)))[1]))
 
 
 _COLUMNS = {numbers: replace(numbers, name=f'columns of {numbers.name}',
@@ -184,7 +195,11 @@ def columns_of(numbers: NumberType) -> NumberType:
 
 
 def converted(record: Any, number: Callable[[float], Any]) -> Any:
-    """Return a nested record with ``number(value)`` in place of each float, unchecked."""
+    """
+    Return a nested record with ``number(value)`` in place of each float.
+
+    Dataclasses are copied without their checks, as other numbers than floats would not pass them.
+    """
     if isinstance(record, (float, int)):
         return number(record)
     if record is None:

@@ -40,33 +40,26 @@ _FUNCTIONS: dict[str, Function] = {
 
 def _carriers(trace: Trace, places: Sequence[int]) -> list[frozenset[int]]:
     """
-    Return for each result on which roots it depends, and if on the position.
+    Return, for each result, the places of the roots and of the position that it depends on.
 
-    They make it NaN out of range. Rate and acceleration do not: they may be multiplied by zero.
+    Out of range they are NaN, and so make the result NaN. Rate and acceleration do not count: a
+    result may multiply them by zero.
     """
-    found: list[frozenset[int]] = []
+    carried: list[frozenset[int]] = []
     for place, step in enumerate(trace.steps):
-        carried = frozenset[int]().union(*[found[i] for i in step.arguments])
+        of_arguments = frozenset[int]().union(*[carried[i] for i in step.arguments])
         is_carrier = place == 0 or step.operation == 'sqrt'
-        found.append(carried | {place} if is_carrier else carried)
-    return [found[place] for place in places]
+        carried.append(of_arguments | {place} if is_carrier else of_arguments)
+    return [carried[place] for place in places]
 
 
 class Program:
     """
-    The operations of a trace of three inputs that some results need.
+    The operations of a trace of three inputs that the results ``wanted`` need.
 
-    Parameters
-    ----------
-    trace : Trace
-    wanted : sequence of int
-        Which results.
-    single : tuple of 3 bool
-        Which inputs are one number, not arrays.
-    zeros : frozenset of int
-        Places of numbers that do not depend on the inputs and are zero: what only adds zero is
-        left out, unless a result would then no longer be NaN where it should.
-
+    ``single``: which inputs are one number, not arrays. ``zeros``: places of numbers that do not
+    depend on the inputs and are zero: what only adds zero is left out, unless a result would then
+    no longer be NaN where it should.
     """
 
     def __init__(self, trace: Trace, wanted: Sequence[int], single: Sequence[bool],
@@ -89,46 +82,42 @@ class Program:
 
     def _allocate(self, places: list[int]) -> list[tuple[Function, Function]]:
         """
-        Return (numpy's function, what takes its arguments from the values) of all steps.
+        Return, for each step, numpy's function and the getter of its arguments from the values.
 
-        Results own their places.
+        The values are those of all places, then the buffers. A result is written to its own place;
+        another step gets a buffer that no later step reads any more, or a new one.
         """
         size = len(self._steps)
-        last = {i: place for place in places for i in self._steps[place].arguments}
+        last_use = {i: place for place in places for i in self._steps[place].arguments}
         results: set[int] = set(self._places)
         free: list[int] = []
-        where: dict[int, int] = {}
-        found: list[tuple[Function, Function]] = []
+        buffer_of: dict[int, int] = {}
+        steps: list[tuple[Function, Function]] = []
         for place in places:
             name, arguments, _ = self._steps[place]
-            done = [where[i] for i in dict.fromkeys(arguments) if i in where and last[i] == place]
+            done = [buffer_of[i] for i in dict.fromkeys(arguments)
+                    if i in buffer_of and last_use[i] == place]
             done = [buffer for buffer in done if self._buffers[buffer] is float]
             if name not in NOT_IN_PLACE:
                 free += done
             if place not in results:
                 if free and name not in CONDITIONS:
-                    where[place] = free.pop()
+                    buffer_of[place] = free.pop()
                 else:
-                    where[place] = len(self._buffers)
+                    buffer_of[place] = len(self._buffers)
                     self._buffers.append(bool if name in CONDITIONS else float)
             if name in NOT_IN_PLACE:
                 free += done
-            taken = [size + where[i] if i in where else i for i in (*arguments, place)]
-            found.append((_FUNCTIONS[name], operator.itemgetter(*taken)))
-        return found
+            taken = [size + buffer_of[i] if i in buffer_of else i for i in (*arguments, place)]
+            steps.append((_FUNCTIONS[name], operator.itemgetter(*taken)))
+        return steps
 
     def run(self, inputs: Sequence[Any], constants: Sequence[Any], size: int) -> list[Array]:
         """
-        Return the results as arrays with own memory.
+        Return the results as arrays of shape (size,) with own memory, computed chunk by chunk.
 
-        Parameters
-        ----------
-        inputs : sequence of 3
-            Each of shape (size,) or a float.
-        constants : sequence
-            By place, as :meth:`.Trace.constants` returns them.
-        size : int
-
+        ``inputs``: three, each of shape (size,) or a float. ``constants``: by place, as
+        :meth:`.Trace.constants` returns them.
         """
         _keep_memory()
         values = [*inputs, *constants[3:]]
@@ -150,6 +139,7 @@ class Program:
         return rows
 
     def _replay(self, values: list[Any], rows: list[Array]) -> None:
+        """Do all steps on one chunk: ``values`` by place, then buffers; results go into rows."""
         own: dict[int, Array] = {}
         for place, row in zip(self._places, rows):
             if not self._steps[place].is_given and not self._is_single[place]:

@@ -15,21 +15,17 @@ from fourbar_ros.numerics.arrays import Array, Value, Values
 from fourbar_ros.numerics.number_types import Function
 import numpy as np
 
-# Parts of an interval at a closer look.
-PARTS = 8
-# Part of the sample by which the cubic is allowed to be wrong.
-CAUTION = 0.25
+PARTS = 8          # of an interval at a closer look
+CAUTION = 0.25     # part of the sample by which the cubic through samples may be wrong
 # A dip is looked into as long as its lowest sample is less than this part of how much the parabola
 # bends in a step.
 DEEP = 0.25
-# Halvings of a dip before it is taken for a touching point without a sign change.
-HALVINGS = 26
+HALVINGS = 26      # of a dip before it is taken for a touching point without a sign change
 
 
 def turn_after(x: Array, start: Array) -> Array:
     """Return the angle x as the one that comes after ``start``, less than half a turn away."""
-    found: Array = x + 2.0 * pi * (x < start - pi)
-    return found
+    return np.asarray(x + 2.0 * pi * (x < start - pi))
 
 
 def fold(x: Value) -> Value:
@@ -42,20 +38,8 @@ def fold(x: Value) -> Value:
 
 
 def turns_back(f: Array, rise: Array) -> Array:
-    """Return whether the Bernstein coefficient at a sample (nearly) has the other sign."""
-    found: Array = ((1.0 - CAUTION) * f + rise >= 0.0) != (f >= 0.0)
-    return found
-
-
-def intervals_with_roots(f: Array, rise: Array, is_closed: bool) -> tuple[Array, Array, Array]:
-    """
-    Return (i, column, is_plain) of the intervals between samples that have roots, ordered by i.
-
-    One that is not plain may have two more, see :func:`changes_and_doubts`.
-    """
-    changes, doubtful = changes_and_doubts(f, rise, is_closed)
-    i, column = np.nonzero(changes | doubtful)
-    return i, column, ~doubtful[i, column]
+    """Return where the Bernstein coefficient next to a sample has the other sign, or nearly so."""
+    return np.asarray(((1.0 - CAUTION) * f + rise >= 0.0) != (f >= 0.0))
 
 
 def changes_and_doubts(f: Array, rise: Array, is_closed: bool) -> tuple[Array, Array]:
@@ -93,17 +77,20 @@ def changes_and_doubts(f: Array, rise: Array, is_closed: bool) -> tuple[Array, A
 
 
 def rises(f: Array, is_closed: bool) -> Array:
-    """Return a third of the slopes of samples at equal steps, each from five of them."""
+    """
+    Return a third of what sampled functions, shape (n, m), rise in a step at each sample.
+
+    From five samples each. For f = 0, 3, 6, 9, ... all are 1.
+    """
     if is_closed:
         f = np.concatenate((f[-2:], f, f[:2]))
     else:
         f = np.concatenate((_beyond(f)[::-1], f, _beyond(f[::-1])))
-    slopes: Array = (8.0 * (f[3:-1] - f[1:-3]) - (f[4:] - f[:-4])) / 36.0
-    return slopes
+    return np.asarray((8.0 * (f[3:-1] - f[1:-3]) - (f[4:] - f[:-4])) / 36.0)
 
 
 def _beyond(f: Array) -> Array:
-    """Return the two samples before the first, by cubics."""
+    """Return the two samples before the first, extrapolated by cubics: the nearer one first."""
     one = 4.0 * (f[0] + f[2]) - 6.0 * f[1] - f[3]
     return np.stack((one, 4.0 * (one + f[1]) - 6.0 * f[0] - f[2]))
 
@@ -127,7 +114,7 @@ def look_closer(function: Function, row: Array, xa: Array, xb: Array) -> list[Ar
     f = function(x.ravel(), np.tile(row, len(x))).reshape(x.shape)
     changes, size = (f[1:] >= 0.0) != (f[:-1] >= 0.0), np.abs(f)
     part, which = np.nonzero(changes[1:-1])
-    found = [(which, *_ends(x, part + 1, which), *_ends(f, part + 1, which))]
+    brackets = [(which, *_ends(x, part + 1, which), *_ends(f, part + 1, which))]
     lowest, which = np.nonzero((size[1:-1] <= size[:-2]) & (size[1:-1] < size[2:]) & ~changes[1:]
                                & ~changes[:-1])
     three = np.arange(3)[:, None]
@@ -143,15 +130,15 @@ def look_closer(function: Function, row: Array, xa: Array, xb: Array) -> list[Ar
                 for old, new in ((x, halfway), (f, f_halfway)))
         changes = (f[1:] >= 0.0) != (f[:-1] >= 0.0)
         part, dip = np.nonzero(changes & (x[:-1] >= xa[which]) & (x[1:] <= xb[which]))
-        found.append((which[dip], *_ends(x, part, dip), *_ends(f, part, dip)))
+        brackets.append((which[dip], *_ends(x, part, dip), *_ends(f, part, dip)))
         dip = np.nonzero(~changes.any(axis=0))[0]
         lowest = np.argmin(np.abs(f[1:4, dip]), axis=0)
         which, x, f = which[dip], x[lowest + three, dip], f[lowest + three, dip]
-    return [np.concatenate(parts) for parts in zip(*found)]
+    return [np.concatenate(parts) for parts in zip(*brackets)]
 
 
 def _ends(samples: Array, part: Array, column: Array) -> tuple[Array, Array]:
-    """Return the samples at both ends of some parts."""
+    """Return the samples at both ends of some parts of some columns."""
     return samples[part, column], samples[part + 1, column]
 
 
@@ -167,19 +154,19 @@ def _may_touch(xs: Array, fs: Array) -> Array:
         slope_left, slope_right = (fs[1] - fs[0]) / left, (fs[2] - fs[1]) / right
         curvature = (slope_right - slope_left) / (left + right)
         slope = (slope_left * right + slope_right * left) / (left + right)
-        found: Array = ((slope * slope > 2.0 * abs(fs[1] * curvature))
-                        | (np.abs(fs[1]) < DEEP * np.abs(curvature) * np.minimum(left, right)**2))
-        return found
+        return np.asarray((slope * slope > 2.0 * abs(fs[1] * curvature))
+                          | (np.abs(fs[1])
+                             < DEEP * np.abs(curvature) * np.minimum(left, right)**2))
 
 
 def first_guesses(xa: Array, xb: Array, fa: Array, fb: Array, step_a: Values,
                   step_b: Values) -> Array:
     """
-    Return where roots are by the inverse of f, between xa and xb.
+    Return a first guess of the root in each bracket from xa to xb, with values fa and fb.
 
-    It is interpolated with values and slopes (Hermite): the mean of the points of Newton's method
-    from both ends, x - step, and of the secant. Without steps (NaN), or outside, it is the
-    secant's.
+    The inverse of f is interpolated with values and slopes (Hermite): a mean of the points of
+    Newton's method from both ends, x - step, and of the secant. Without steps (NaN), or where that
+    is outside, the secant's point.
     """
     part = fa / (fa - fb)
     rest = 1.0 - part
@@ -201,11 +188,13 @@ def find_brackets(function: Function, x: Function, f: Array, rise: Array,
         (i, row) -> where sample i of the row is [rad], and a third of what x rises in a step
         there.
     f, rise, is_closed
-        As in :func:`intervals_with_roots`; ``i`` counts the interval after the last sample as the
+        As in :func:`changes_and_doubts`; ``i`` counts the interval after the last sample as the
         last.
 
     """
-    i, row, is_plain = intervals_with_roots(f, rise, is_closed)
+    changes, doubtful = changes_and_doubts(f, rise, is_closed)
+    i, row = np.nonzero(changes | doubtful)
+    is_plain = ~doubtful[i, row]
     j = (i + 1) % len(f)
     (xa, turn_a), (xb, turn_b) = x(i, row), x(j, row)
     xb = turn_after(xb, xa)
@@ -216,10 +205,7 @@ def find_brackets(function: Function, x: Function, f: Array, rise: Array,
     brackets = i, row, xa, xb, fa, guess
     if is_plain.all():
         return brackets
-    which, *closer = look_closer(function, *(v[~is_plain] for v in (row, xa, xb)))
-    others = i[~is_plain][which], row[~is_plain][which], *_guessed(*closer)
-    return [np.concatenate((v[is_plain], w)) for v, w in zip(brackets, others)]
-
-
-def _guessed(xa: Array, xb: Array, fa: Array, fb: Array) -> tuple[Array, Array, Array, Array]:
-    return xa, xb, fa, first_guesses(xa, xb, fa, fb, nan, nan)
+    which, xa, xb, fa, fb = look_closer(function, *(v[~is_plain] for v in (row, xa, xb)))
+    closer = (i[~is_plain][which], row[~is_plain][which], xa, xb, fa,
+              first_guesses(xa, xb, fa, fb, nan, nan))
+    return [np.concatenate((v[is_plain], w)) for v, w in zip(brackets, closer)]

@@ -41,21 +41,11 @@ _numbers = itertools.count(1)
 def straight_line(make_formula: Callable[[NumberType], Function], count: int = 1,
                   name: str = 'formula') -> Function:
     """
-    Return a function of ``count`` floats that gives a tuple of floats.
+    Return a function of ``count`` floats that gives a tuple of floats, as a formula does.
 
-    Parameters
-    ----------
-    make_formula : callable
-        Number type -> formula, a function of ``count`` numbers that gives a sequence of numbers or
-        of such sequences.
-    count : int
-    name : str
-        What tracebacks call it.
-
-    Raises
-    ------
-    ValueError, ZeroDivisionError
-        By the function, as the formula with floats.
+    ``make_formula``: number type -> formula, a function of ``count`` numbers that gives a sequence
+    of numbers or of such sequences. ``name``: what tracebacks call the function, which raises
+    ValueError and ZeroDivisionError as the formula with floats does.
 
     Examples
     --------
@@ -74,21 +64,10 @@ def make_lines(make_formula: Callable[[NumberType, Any], Function], data: Any, c
     """
     Return numbers of data -> straight line, for all data of one structure.
 
-    Without zeros nothing is known of the data, and the line has the bits of the formula with
-    floats, the signs of zeros too.
-
-    Parameters
-    ----------
-    make_formula : callable
-        (Number type, data) -> formula, a function of ``count`` numbers as for
-        :func:`straight_line`.
-    data
-        Nested records of floats: any, as all data have the same record.
-    count : int
-    zeros : collection of int
-        Which numbers of the data are zero in all of them: what they add is left out.
-    name : str
-        What tracebacks call it.
+    ``make_formula``: (number type, data) -> formula, as for :func:`straight_line`; ``data``:
+    nested records of floats, any, as all data have the same record. ``zeros``: which numbers of
+    the data are zero in all of them: what they add is left out. Without zeros nothing is known of
+    the data, and the line has the bits of the formula with floats, the signs of zeros too.
 
     Examples
     --------
@@ -102,13 +81,14 @@ def make_lines(make_formula: Callable[[NumberType, Any], Function], data: Any, c
 
 def lines_of(trace: Trace, zeros: Collection[int], name: str
              ) -> Callable[[Sequence[float]], Function]:
-    """Return the same for a trace as :func:`make_lines` for its formula."""
+    """Return numbers of data -> straight line, as :func:`make_lines`, of a trace made already."""
     if zeros:
         trace = trace.simplified({**trace.literals(), **{trace.count + i: 0.0 for i in zeros}})
     return _lines(trace, name)
 
 
 def _lines(trace: Trace, name: str) -> Callable[[Sequence[float]], Function]:
+    """Return numbers of data -> compiled function of the inputs of a trace."""
     text, values = _Writer(trace).text()
     make = _compiled(text, name)
     return lambda data: make(*data, *values)
@@ -116,10 +96,10 @@ def _lines(trace: Trace, name: str) -> Callable[[Sequence[float]], Function]:
 
 class _Writer:
     """
-    Writes a Python function that makes the function for given data and constants.
+    Writes the text of ``make(data, constants, functions)``, which returns the function ``line``.
 
-    What depends on data alone is done there, not in the function of the inputs; its default
-    arguments are what it uses of that, as local names are the fastest.
+    ``make`` computes what depends on data alone, once; ``line`` takes the inputs, and gets the
+    results of ``make`` as default arguments, as local names are the fastest.
     """
 
     def __init__(self, trace: Trace) -> None:
@@ -128,7 +108,7 @@ class _Writer:
         self._functions: list[Function] = []
 
     def text(self) -> tuple[str, list[Any]]:
-        """Return the text of the function, and the values of its last arguments."""
+        """Return the text of ``make``, and the values of its arguments after the data."""
         trace = self._trace
         made, lines = self._statements()
         answer = self._tuple_of(trace.results)
@@ -148,7 +128,12 @@ class _Writer:
                                      *self._functions]
 
     def _statements(self) -> tuple[list[str], list[str]]:
-        """Return the statements of data alone and those of the line."""
+        """
+        Return the statements of ``make`` and those of ``line``.
+
+        A result that is used once stands inside the expression that uses it, unless it may refuse
+        its arguments: a traceback then shows it on a line of its own.
+        """
         trace, made, lines = self._trace, list[str](), list[str]()
         results = flat(trace.results)
         needed = trace.needed(results, with_refusals=True)
@@ -161,9 +146,10 @@ class _Writer:
         for place in needed:
             step = trace.steps[place]
             if step.is_given:
-                self._texts[place] = self._given(place), 0
+                self._texts[place] = self._name_of(place), 0
                 continue
-            name = step.operation if step.operation != 'call' else self._called(step.value)
+            name = (step.operation if step.operation != 'call'
+                    else self._name_of_function(step.value))
             parts = [self._texts[i] for i in step.arguments]
             form = _TEXTS.get(name) or f'{name}({", ".join(["{}"] * len(parts))})'
             whole, depth = form.format(*[part for part, _ in parts]), 1 + max(d for _, d in parts)
@@ -176,20 +162,22 @@ class _Writer:
                 self._texts[place] = f'v{place}', 0
         return made, lines
 
-    def _given(self, place: int) -> str:
-        """Return the name of an input, a datum or a constant."""
+    def _name_of(self, place: int) -> str:
+        """Return the name of an input (x0), a datum (d3) or a constant (c1)."""
         step, constants = self._trace.steps[place], self._constants
         if step.operation != 'constant':
             return f'{"x" if step.operation == "input" else "d"}{place}'
         value = float(step.value)
         return constants.setdefault(value.hex(), (f'c{len(constants)}', value))[0]
 
-    def _called(self, function: Function) -> str:
+    def _name_of_function(self, function: Function) -> str:
+        """Return the name (f0) of a function that is no formula, as a table of forces."""
         if function not in self._functions:
             self._functions.append(function)
         return f'f{self._functions.index(function)}'
 
     def _tuple_of(self, results: Places) -> str:
+        """Return the text of results, nested as the formula returns them: '(v5, (v7, x0, ), )'."""
         if isinstance(results, int):
             return self._texts[results][0]
         return f'({"".join([f"{self._tuple_of(part)}, " for part in results])})'
@@ -197,7 +185,11 @@ class _Writer:
 
 @lru_cache(maxsize=KEPT)
 def _compiled(text: str, name: str) -> Function:
-    """Return the function that a text defines: names of places and operations, nothing given."""
+    """
+    Return the function ``make`` of a text, which comes from :class:`_Writer` alone.
+
+    The last 64 texts are kept, compiled, and as files for tracebacks, which name the formula.
+    """
     file, names = f'<{name}, line {next(_numbers)}>', {'__builtins__': dict[str, Any]()}
     exec(compile(text, file, 'exec'), names)
     if len(_files) == KEPT:
@@ -205,5 +197,4 @@ def _compiled(text: str, name: str) -> Function:
     _files.append(file)
     linecache.cache[file] = len(text), None, text.splitlines(True), file     # for tracebacks
     make: Any = names['make']
-    found: Function = make
-    return found
+    return make  # type: ignore[no-any-return]  # of text

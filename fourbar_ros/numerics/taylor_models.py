@@ -40,16 +40,9 @@ BITS = 120                    # of sines and cosines of middles, in whole number
 
 class Model:
     """
-    A function over n pieces, (T1); a constant if it has one coefficient.
+    A function over n pieces, (T1); numpy functions like ``np.sqrt`` find its methods.
 
-    numpy functions like ``np.sqrt`` find its methods.
-
-    Parameters
-    ----------
-    c : ndarray, shape (ORDER + 1, n), or (1, 1) of a constant
-        Coefficients.
-    error : ndarray, shape (n,), or (1,)
-
+    ``c``: coefficients, shape (ORDER + 1, n), or (1, 1) of a constant; ``error``: (n,), or (1,).
     """
 
     def __init__(self, c: Array, error: Array) -> None:
@@ -57,20 +50,18 @@ class Model:
 
     @cached_property
     def tails(self) -> Array:
-        """Return the sums of the sizes of the coefficients from each one on."""
+        """Return, for each k, the bound |c_k| + |c_k+1| + ... of the part from t^k on."""
         return np.cumsum(np.abs(self.c[::-1]), axis=0)[::-1]
 
     @cached_property
     def weight(self) -> Array:
-        """Return the sum of (k + 1) |c_k|."""
-        found: Array = self.tails.sum(axis=0)
-        return found
+        """Return the sum of (k + 1) |c_k|: each coefficient k of a product sums k + 1 terms."""
+        return np.asarray(self.tails.sum(axis=0))
 
     @property
     def norm(self) -> Array:
         """Return a bound of the function on the disc |t| <= 1."""
-        found: Array = (self.tails[0] + self.error) * UP
-        return found
+        return np.asarray((self.tails[0] + self.error) * UP)
 
     @property
     def real(self) -> Middle:
@@ -88,6 +79,7 @@ class Model:
         return len(self.c) == 1 and not ((self.c != 1.0).any() or self.error.any())
 
     def __array_ufunc__(self, ufunc: Any, method: str, *values: Any, **_: Any) -> Any:
+        """Return np.sqrt(model) and the like, which numpy asks for by this method."""
         function = _OF_NUMPY.get(ufunc.__name__)
         return function(*map(model, values)) if function and method == '__call__' else (
             NotImplemented)
@@ -99,7 +91,7 @@ class Model:
         return bool((self - other)._alone() > 0.0)
 
     def _alone(self) -> float:
-        """Return the value of a constant: no others are compared but in their middles."""
+        """Return the value of a constant; functions are compared by their middles, not whole."""
         if self.c.size > 1:
             raise TypeError('functions are not compared')
         return float(self.c[0, 0])
@@ -108,6 +100,7 @@ class Model:
         return Model(-self.c, self.error)
 
     def __add__(self, other: Operand) -> Model:
+        """Return the sum; its error is that of both, and the rounding of the coefficients."""
         other = model(other)
         one, two = (self, other) if len(self.c) >= len(other.c) else (other, self)
         if two.is_zero:
@@ -128,6 +121,7 @@ class Model:
         return -self + other
 
     def __mul__(self, other: Operand) -> Model:
+        """Return the product; what it has beyond t^ORDER goes into the error, as does rounding."""
         other = model(other)
         if len(self.c) < len(other.c):
             return other * self
@@ -150,6 +144,7 @@ class Model:
         return self.inverse() * other
 
     def __pow__(self, exponent: int) -> Model:
+        """Return a whole power, by repeated multiplication."""
         if not isinstance(exponent, int):
             raise TypeError(f'{exponent!r} is no whole exponent')
         if exponent < 0:
@@ -160,7 +155,7 @@ class Model:
         return power
 
     def inverse(self) -> Model:
-        """Return 1 / itself, (T2)."""
+        """Return 1/g of a model g by Newton's method, with the error by (T2)."""
         q, count = 1.0 / self.c[:1], 1
         while count < len(self.c):
             count = min(2 * count, len(self.c))
@@ -175,7 +170,7 @@ class Model:
         return Root(self)
 
     def root(self) -> Model:
-        """Return its root, (T3)."""
+        """Return sqrt(g) as g w, w near 1/sqrt(g) by Newton's method, with the error by (T3)."""
         if self.is_zero:
             return self
         w, count = 1.0 / np.sqrt(self.c[:1]), 1
@@ -189,7 +184,7 @@ class Model:
         return found._with_rest(0.5 * found.norm, (ONE - found * inverse).norm)
 
     def _with_rest(self, size: Array, d: Array) -> Model:
-        """Return itself with size * d / (1 - d) more error."""
+        """Return itself with size d / (1 - d) more error, as (T2) and (T3) say; inf if d > 1/2."""
         rest = np.where(d < 0.5, size * d / (1.0 - d), np.inf)
         return Model(self.c, (self.error + rest) * UP**2 + TINY)
 
@@ -250,12 +245,10 @@ class Middle:
         self.at = at
 
     def __lt__(self, other: Operand) -> Array:
-        found: Array = self.at < _middle(other)
-        return found
+        return np.asarray(self.at < _middle(other))
 
     def __gt__(self, other: Operand) -> Array:
-        found: Array = self.at > _middle(other)
-        return found
+        return np.asarray(self.at > _middle(other))
 
 
 def _middle(value: Operand | Middle) -> Scalar | Array:
@@ -277,7 +270,11 @@ ZERO, ONE = constant(0.0), constant(1.0)
 
 
 def inputs(low: Array, high: Array) -> tuple[Model, Array]:
-    """Return x over the pieces [low, high], and the radii of their discs, REACH times wider."""
+    """
+    Return the model of x over n pieces [low, high], and the radii of their discs, (n,).
+
+    The discs are REACH times wider than the pieces: there errors of derivatives can be bounded.
+    """
     middle = 0.5 * (low + high)
     radius = (np.maximum(high - middle, middle - low) + 2.0**-49 * np.abs(middle)) * REACH * UP
     c = np.zeros((ORDER + 1, middle.size))
@@ -286,19 +283,19 @@ def inputs(low: Array, high: Array) -> tuple[Model, Array]:
 
 
 def _rounded(c: Array, error: Array, size: Array | None = None) -> Model:
-    """Return a model of new coefficients, of which UNIT * ``size`` may be rounding."""
-    found = Model(c, error)
-    found.error = (error + UNIT * (found.tails[0] if size is None else size)) * UP + TINY
-    return found
+    """Return a model of new coefficients, their rounding of UNIT * ``size`` added to its error."""
+    rounded = Model(c, error)
+    rounded.error = (error + UNIT * (rounded.tails[0] if size is None else size)) * UP + TINY
+    return rounded
 
 
 def _product(a: Array, b: Array, count: int) -> Array:
-    """Return the first coefficients of a product of series."""
-    found = np.zeros((count, max(a.shape[1], b.shape[1])))
+    """Return the first ``count`` coefficients of a product of series, shape (count, n)."""
+    product = np.zeros((count, max(a.shape[1], b.shape[1])))
     for k in range(min(count, len(a))):
         width = min(count - k, len(b))
-        found[k:k + width] += a[k] * b[:width]
-    return found
+        product[k:k + width] += a[k] * b[:width]
+    return product
 
 
 # Of cos(z), sin(z)/z and atan(z)/z in z^2; the last number bounds the next one.
@@ -311,13 +308,17 @@ for _k in range(1, 12):
 
 
 def _series(square: Model, coefficients: Sequence[float]) -> Model:
-    """Return an alternating series in ``square``, where its norm is below 1/2."""
+    """
+    Return a power series in ``square``, where the norm of that is below 1/2; else error inf.
+
+    Later coefficients are no larger than the last one, so twice its term bounds what is left out.
+    """
     *terms, last = coefficients
-    found, size = ZERO, square.norm
+    total, size = ZERO, square.norm
     for term in reversed(terms):
-        found = found * square + constant(term, 64 * UNIT * abs(term))
+        total = total * square + constant(term, 64 * UNIT * abs(term))
     rest = np.where(size < 0.5, 2.0 * abs(last) * size**len(terms), np.inf)
-    return found + Model(ZERO.c, rest * UP)
+    return total + Model(ZERO.c, rest * UP)
 
 
 def _cosine_and_sine(angles: Array) -> tuple[Model, Model]:
@@ -329,7 +330,12 @@ def _cosine_and_sine(angles: Array) -> tuple[Model, Model]:
 
 
 def _in_whole_numbers(angle: float) -> tuple[float, float]:
-    """Return cosine and sine of a float to 2^-53: Taylor's series in fixed point."""
+    """
+    Return cosine and sine of a float, each wrong by 2^-53 at most: a proof needs such a bound.
+
+    By Taylor's series in whole numbers of 120 binary places; libm promises nothing. NaN for an
+    angle beyond 32 rad, where too many places would cancel.
+    """
     if not abs(angle) < 32.0:
         return np.nan, np.nan
     over, under = angle.as_integer_ratio()
@@ -348,6 +354,7 @@ def _angle(y: Operand, x: Operand) -> Model:
 
 
 def _angle_of(y: Model, x: Model) -> Model:
+    """Return the angle in the middle plus arctan(v/u) of the vector turned back by that."""
     middle = np.atleast_1d(np.arctan2(y.c[0], x.c[0]))
     cosine, sine = _cosine_and_sine(middle)
     u, v = x * cosine + y * sine, y * cosine - x * sine
@@ -367,6 +374,7 @@ def _fabs(v: Operand) -> Model:
 
 
 def _where(condition: bool | Array, one: Any, other: Any) -> Any:
+    """Return one of two models, piece by piece; of tuples, model by model."""
     if isinstance(condition, (bool, np.bool_)):
         return one if condition else other
     if isinstance(one, tuple):
@@ -376,15 +384,13 @@ def _where(condition: bool | Array, one: Any, other: Any) -> Any:
         return one
     if not condition.any():
         return other
-    one, other = one + _FLAT(condition.size), other + _FLAT(condition.size)
+    zero = Model(np.zeros((ORDER + 1, condition.size)), np.zeros(condition.size))
+    one, other = one + zero, other + zero      # constants as functions over all pieces
     return Model(np.where(condition, one.c, other.c), np.where(condition, one.error, other.error))
 
 
-def _FLAT(size: int) -> Model:
-    return Model(np.zeros((ORDER + 1, size)), np.zeros(size))
-
-
 def _exact_sum(terms: Sequence[Operand]) -> Model:
+    """Return the sum of constants, as lengths are, rounded once."""
     models = [model(term) for term in terms]
     return constant(value := fsum(one.c[0, 0] for one in models),
                     sum(float(one.error[0]) for one in models) * UP + 2.0**-52 * abs(value))
@@ -400,6 +406,7 @@ class _Certain(NumberType):
     """Taylor models know nothing where they cannot tell which of several functions is least."""
 
     def least(self, pairs: Sequence[tuple[Any, Any]]) -> tuple[Any, Any]:
+        """Return the pair whose first is least; error inf where another may be as small."""
         size, value = super().least(pairs)
         chosen = np.argmin(np.stack(np.broadcast_arrays(*[one.c[0] for one, _ in pairs])), axis=0)
         unsure = np.zeros(chosen.size)

@@ -41,7 +41,8 @@ OPERATIONS: dict[str, Function] = {
     'hypot': math.hypot, 'where': choose, 'exact_sum': lambda *terms: math.fsum(terms),
     'power_of_two': power_of_two}
 COMMUTES = ('add', 'mul')
-REFUSING = ('sqrt', 'truediv', 'pow', 'exact_sum', 'power_of_two')    # some arguments, of floats
+# operations that raise for some floats: a root of a negative number, a division by zero
+REFUSING = ('sqrt', 'truediv', 'pow', 'exact_sum', 'power_of_two')
 
 # Places of results as a formula returned them: numbers, or sequences of such.
 Places = Union[int, Sequence['Places']]
@@ -52,21 +53,13 @@ class Step(NamedTuple):
     """
     One operation of a trace.
 
-    Parameters
-    ----------
-    operation : str
-        One of :data:`OPERATIONS`; 'call' of a function that is no formula; 'input', 'datum' or
-        'constant' of a number that is given; 'nothing' where a step was left out.
-    arguments : tuple of int
-        Places of the steps whose results it takes.
-    value : float or callable, optional
-        Of a constant its number, of a call its function.
-
+    It is one of :data:`OPERATIONS`; 'call' of a function that is no formula; 'input', 'datum' or
+    'constant' of a number that is given; 'nothing' where a step was left out.
     """
 
     operation: str
-    arguments: tuple[int, ...] = ()
-    value: Any = None
+    arguments: tuple[int, ...] = ()      # places of the steps whose results it takes
+    value: Any = None                    # of a constant its number, of a call its function
 
     @property
     def is_given(self) -> bool:
@@ -74,7 +67,7 @@ class Step(NamedTuple):
         return self.operation in ('input', 'datum', 'constant', 'nothing')
 
     def of(self, *values: float) -> Any:
-        """Return its result for floats."""
+        """Return the result of the operation for floats."""
         return (OPERATIONS.get(self.operation) or self.value)(*values)
 
 
@@ -103,7 +96,9 @@ Recordable = Union[Number, float]
 
 
 def _method(name: str, is_reflected: bool) -> Function:
+    """Return the method of Number that records an operator; reflected: 2.0 - x, of x."""
     def method(self: Number, *others: Recordable) -> Number:
+        """Record the operation and return its result, a Number."""
         if not all(isinstance(other, (Number, float, int)) for other in others):
             return NotImplemented       # type: ignore[no-any-return]  # a sign for Python
         return self.trace.add(name, *(others + (self,) if is_reflected else (self, *others)))
@@ -117,13 +112,15 @@ for _name in ('add', 'sub', 'mul', 'truediv', 'neg', 'pow', 'gt', 'lt'):
 
 
 def _function(name: str) -> Function:
+    """Return a function that is recorded if one of its arguments is, else computed at once."""
     def call(*values: Recordable) -> Recordable:
-        known = [value for value in values if isinstance(value, Number)]
-        return known[0].trace.add(name, *values) if known else OPERATIONS[name](*values)
+        recorded = [value for value in values if isinstance(value, Number)]
+        return recorded[0].trace.add(name, *values) if recorded else OPERATIONS[name](*values)
     return call
 
 
 def _choice(condition: Any, one: Any, other: Any) -> Any:
+    """Record ``where(condition, one, other)``, of tuples number by number; a bool decides."""
     if isinstance(condition, bool):
         return one if condition else other
     if isinstance(one, tuple):
@@ -145,6 +142,10 @@ class Trace:
     """
     What a formula does.
 
+    ``make_formula``: (number type, data) -> formula, a function of ``count`` numbers that gives a
+    sequence of numbers or of such sequences. ``data``: nested records of floats, any, as all data
+    of a structure have the same record.
+
     Attributes
     ----------
     steps : list of Step
@@ -156,33 +157,30 @@ class Trace:
     varies : set of int
         Places of all that depends on an input.
 
-    Parameters
-    ----------
-    make_formula : callable
-        (number type, data) -> formula, a function of ``count`` numbers that gives a sequence of
-        numbers or of such sequences.
-    count : int
-    data
-        Nested records of floats: any, as all data of a structure have the same record.
-
     """
 
     def __init__(self, make_formula: MakeFormula, count: int, data: Any = ()) -> None:
         self.steps: list[Step] = []
         self._places: dict[Hashable, int] = {}
         self.count, self.size = count, len(numbers_of(data))
-        given = iter([Number(self, self._append(Step('input' if i < count else 'datum')))
-                      for i in range(count + self.size)])
+        numbers = iter([Number(self, self._append(Step('input' if i < count else 'datum')))
+                        for i in range(count + self.size)])
         self.varies = set(range(count))
-        inputs = list(itertools.islice(given, count))
-        formula = make_formula(RECORDED, converted(data, lambda _: next(given)))
-        self.results: Places = self._of(formula(*inputs))
+        inputs = list(itertools.islice(numbers, count))
+        formula = make_formula(RECORDED, converted(data, lambda _: next(numbers)))
+        self.results: Places = self._places_of(formula(*inputs))
 
     def add(self, operation: str, *values: Recordable, value: Any = None) -> Number:
         """Write down an operation on numbers of this trace and floats; return its result."""
         return Number(self, self._add(operation, tuple([self._place(v) for v in values]), value))
 
     def _add(self, operation: str, places: tuple[int, ...], value: Any = None) -> int:
+        """
+        Append an operation on the results at some places, and return its place.
+
+        Minus signs move outwards, so that equal terms meet: x + (-y) becomes x - y, (-x) y becomes
+        -(x y). No bit changes.
+        """
         minus = [self.steps[place].arguments if self.steps[place].operation == 'neg' else ()
                  for place in places]         # of -x the place of x
         if operation == 'neg' and minus[0]:
@@ -204,6 +202,7 @@ class Trace:
                 else self._append(Step('constant', (), float(value))))
 
     def _append(self, step: Step) -> int:
+        """Return the place of a step: that of the same step before, else a new one at the end."""
         key = len(self.steps) if step.operation in ('input', 'datum') else _key(step)
         place = self._places.setdefault(key, len(self.steps))
         if place == len(self.steps):
@@ -212,13 +211,14 @@ class Trace:
                 self.varies.add(place)
         return place
 
-    def _of(self, results: Any) -> Places:
+    def _places_of(self, results: Any) -> Places:
+        """Return the places of results, nested as the formula returns them."""
         if isinstance(results, (tuple, list)):
-            return tuple([self._of(value) for value in results])
+            return tuple([self._places_of(value) for value in results])
         return self._place(results)
 
     def begin_apart(self) -> int:
-        """Return the number of steps; those that follow repeat none of them."""
+        """Return the number of steps so far; from here on none of them is used again."""
         self._places.clear()
         return len(self.steps)
 
@@ -230,19 +230,19 @@ class Trace:
         return len(self.varies) - self.count
 
     def part(self, number: int) -> Places:
-        """Return the places of one of several results: motion, loads."""
+        """Return the places of result ``number`` of a formula with several: motion, loads."""
         assert not isinstance(self.results, int), 'the formula returns one number'
         return self.results[number]
 
     @cached_property
     def used_constants(self) -> list[int]:
-        """Return the places of what is made of data alone and used together with inputs."""
+        """Return the places of what is made of data alone and used with inputs or as a result."""
         used = {i for place in self.varies for i in self.steps[place].arguments}
         return [i for i in sorted(used.union(flat(self.results)) - self.varies)
                 if self.steps[i].operation != 'constant']
 
     def constants(self, data: Sequence[float]) -> list[float | None]:
-        """Return by place what does not depend on the inputs, for some data; None elsewhere."""
+        """Return, by place, the values that depend on data alone, for some data; else None."""
         values: list[Any] = [None] * len(self.steps)
         values[self.count:self.count + self.size] = data
         for place in range(self.count + self.size, len(values)):
@@ -277,11 +277,11 @@ class Trace:
 
     def simplified(self, known: Mapping[int, float], end: int | None = None) -> Trace:
         """
-        Return the same trace, of the same places, with what some known numbers make needless.
+        Return the same trace, with the same places, without what some known numbers make needless.
 
-        Operations on known numbers become constants; products and sums of zero, factors of one
-        and choices that are made are passed by. An operation that refuses its arguments stays,
-        and so do all from place ``end`` on.
+        ``known``: {place: value}. Operations on known numbers become constants; products and sums
+        with zero, factors of one and choices with a known condition are replaced by an argument.
+        An operation that refuses its arguments stays, and so do all from place ``end`` on.
         """
         other = object.__new__(Trace)
         other.steps, other.count, other.size = list(self.steps), self.count, self.size
@@ -315,7 +315,7 @@ class Trace:
 
 
 def _key(step: Step) -> Hashable:
-    """Return what two steps of the same result have in common; 0.0 is not -0.0."""
+    """Return a key that is equal for two steps of the same result; 0.0 is not -0.0."""
     if step.operation == 'constant':
         return step.operation, float(step.value).hex()
     arguments = sorted(step.arguments) if step.operation in COMMUTES else step.arguments
@@ -323,7 +323,11 @@ def _key(step: Step) -> Hashable:
 
 
 def _passed(step: Step, values: Mapping[int, float]) -> int | None:
-    """Return the argument that is the result of an operation that does nothing, or None."""
+    """
+    Return the argument that is the result of an operation which does nothing, or None.
+
+    With the known ``values`` by place: x + 0 is x, 1 x is x, 0 x is that 0, x - 0 and x / 1 are x.
+    """
     operation, arguments = step.operation, step.arguments
     known = [values.get(i) for i in arguments]
     if operation == 'where' and known[0] is not None:

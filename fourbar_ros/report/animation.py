@@ -3,6 +3,7 @@
 """A mechanism moving through a cycle, as an animated GIF or an MP4."""
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -28,7 +29,7 @@ def animate(mechanism: Mechanism, rate: float, points: Points, path: str | Path)
     """
     Write a cycle of a mechanism as .gif or .mp4 and return the path.
 
-    Back and forth where the input has limits; over its first range if it has several.
+    The input turns once in the sense of ``rate``, or goes back and forth over its first range.
 
     Raises
     ------
@@ -55,6 +56,7 @@ def animate(mechanism: Mechanism, rate: float, points: Points, path: str | Path)
 
 
 def _writer(path: Path) -> AbstractMovieWriter:
+    """Return matplotlib's writer for the suffix of a path; raise CannotDraw for another one."""
     from matplotlib.animation import FFMpegWriter, PillowWriter
     if path.suffix == '.gif':
         return PillowWriter(fps=PER_SECOND)
@@ -66,23 +68,21 @@ def _writer(path: Path) -> AbstractMovieWriter:
 
 
 def _poses(mechanism: Mechanism, rate: float) -> list[NamedFields]:
-    """Return the motions of the frames, one record of floats each."""
+    """Return the motion of each frame; about FRAMES of them, so that a cycle closes."""
     inputs = cycles(mechanism, FRAMES)[0]
-    if mechanism.turns_fully:
+    if mechanism.turns_fully:           # the end of the turn is its beginning
         inputs = inputs[:-1] if rate >= 0.0 else inputs[:0:-1]
-    else:
+    else:                               # every second pose on the way up, the others down
         inputs = np.concatenate([inputs[::2], inputs[-2:0:-2]])
-    found = []
+    poses = []
     for position in inputs:
-        try:
-            found.append(mechanism.motion(float(position), rate))
-        except FourBarError:            # a singular pose has no rates
-            continue
-    return found
+        with suppress(FourBarError):    # a singular pose has no rates
+            poses.append(mechanism.motion(float(position), rate))
+    return poses
 
 
 class _Frame:
-    """Draws the frames; the axes keep one scale for all of them."""
+    """Draws any of the poses into the axes, all at one scale, with the paths of the points."""
 
     def __init__(self, axes: Axes, mechanism: Mechanism, points: Points, poses: list[NamedFields]):
         self.axes, self.mechanism, self.points, self.poses = axes, mechanism, points, poses
@@ -96,7 +96,7 @@ class _Frame:
         self.limits = (low - room, high + room)
 
     def draw(self, number: int) -> None:
-        """Draw one frame."""
+        """Draw the frame of one pose in place of the last one."""
         axes, motion = self.axes, self.poses[number]
         axes.clear()
         axes.set_axis_off()

@@ -1,9 +1,10 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-The collineation axis as a picture: poles and lines as far as they lie in a window, and its angle.
+The collineation axis of a linkage as a picture, clipped to a window, and its angle to the coupler.
 
-Only the functions that draw import matplotlib.
+It passes through the poles P13 and P24; where it is square to the coupler, the output is fastest
+or slowest. Only the functions that draw import matplotlib.
 """
 from __future__ import annotations
 
@@ -26,27 +27,17 @@ if TYPE_CHECKING:      # drawings alone need it
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-NEAR = 1.6       # sizes of the mechanism from its middle: farther poles are not in the picture
+NEAR = 1.6       # sizes of the mechanism from its middle: farther poles are left out
 POLES = {'p13': 'P_{13}', 'p24': 'P_{24}'}
-AXIS_ANGLE = 'axis_angle'       # it jumps by a half turn: no extrema are searched for
-AXIS, LINE = '#1f4e8c', '0.55'
+AXIS_ANGLE = 'axis_angle'       # it jumps by a half turn, so it has no extrema to search for
+AXIS, LINE = '#1f4e8c', '0.55'      # colours
 
 
 class AxisParts(NamedTuple):
-    """
-    What a window shows of the axis, in [m].
+    """The parts of the axis in a window [m]."""
 
-    Parameters
-    ----------
-    lines : dict
-        {name of the line: its two ends at the edges of the window, shape (2, 2)}.
-    poles : dict
-        {letter: place}.
-
-    """
-
-    lines: dict[str, Array]
-    poles: dict[str, Array]
+    lines: dict[str, Array]         # {name: two ends at the edges of the window, shape (2, 2)}
+    poles: dict[str, Array]         # {letter: place}
 
 
 def axis_parts(linkage: Mechanism, motion: NamedFields, low: Array, high: Array) -> AxisParts:
@@ -62,31 +53,40 @@ def axis_parts(linkage: Mechanism, motion: NamedFields, low: Array, high: Array)
 
 
 def _clipped(line: Array, low: Array, high: Array) -> Array | None:
-    """Return the ends, shape (2, 2), of a line (a, b, c) in a window, or None."""
+    """
+    Return the ends, shape (2, 2), of the line a x + b y + c = 0 in a window, or None.
+
+    The line is foot + s direction, with its foot nearest to the origin; each pair of edges bounds
+    s (Liang and Barsky). ``line``: (a, b, c); ``low``, ``high``: corners of the window.
+    """
     size = hypot(line[0], line[1])
-    if not size > 0.0:
+    if not size > 0.0:               # the line at infinity, or NaN
         return None
     foot, direction = -line[2] / size**2 * line[:2], np.array([-line[1], line[0]]) / size
     first, last = -inf, inf
-    for at, way, bottom, top in zip(foot, direction, low, high):
-        if way == 0.0 and not bottom <= at <= top:
+    for start, slope, bottom, top in zip(foot, direction, low, high):
+        if slope == 0.0 and not bottom <= start <= top:
             return None
-        if way != 0.0:
-            one, other = sorted(((bottom - at) / way, (top - at) / way))
-            first, last = max(first, one), min(last, other)
+        if slope != 0.0:
+            enters, leaves = sorted(((bottom - start) / slope, (top - start) / slope))
+            first, last = max(first, enters), min(last, leaves)
     return np.array([foot + first * direction, foot + last * direction]) if first < last else None
 
 
 def axis_angle(linkage: Mechanism) -> Function:
-    """Return the angle from coupler to axis in [0, 180) deg: smooth where it is square."""
+    """
+    Return the quantity 'angle from coupler to axis', in [0, 180) deg.
+
+    There it is smooth at 90 deg, the place that matters; it jumps where the axis is along the
+    coupler.
+    """
     def angle(motion: NamedFields, loads: NamedFields) -> Array:
-        found: Array = np.degrees(collineation_axis(linkage, motion).angle) % 180.0
-        return found
+        return np.asarray(np.degrees(collineation_axis(linkage, motion).angle) % 180.0)
     return Function(AXIS_ANGLE, 'deg', 'angle from the coupler to the collineation axis', angle)
 
 
 def with_gaps(angle: Array) -> Array:
-    """Return angles over the input with NaN where they jump by a half turn, for a curve."""
+    """Return angles [deg] over the input, NaN where they jump by 180: a curve has gaps there."""
     return np.where(np.abs(np.diff(angle, prepend=angle[0])) > 90.0, np.nan, angle)
 
 
@@ -95,11 +95,11 @@ def draw_axis(axes: Axes, linkage: Mechanism, motion: NamedFields, title: str = 
     places = np.array(list(linkage.diagram(motion).joints.values()))
     size, middle = max(np.ptp(places, axis=0)), 0.5 * (places.min(axis=0) + places.max(axis=0))
     reach = NEAR * np.array([size, size])
+    # twice: poles near enough make room on the sheet, whose window then clips the lines
     poles = axis_parts(linkage, motion, middle - reach, middle + reach).poles
     sheet = draw_plainly(axes, linkage, motion, {}, [], list(poles.values()))
     axes.set_title(title, loc='left', fontsize=12, fontweight='bold')
-    low, high = np.array([sheet.left, sheet.bottom]), sheet.high
-    lines, poles = axis_parts(linkage, motion, low, high)
+    lines, poles = axis_parts(linkage, motion, np.array([sheet.left, sheet.bottom]), sheet.high)
     for name, ends in lines.items():
         axes.plot(*ends.T, color=AXIS if name == 'axis' else LINE, zorder=1,
                   lw=1.8 if name == 'axis' else 0.8, ls='-' if name == 'axis' else (0, (5, 3)))
@@ -114,31 +114,26 @@ def draw_axis(axes: Axes, linkage: Mechanism, motion: NamedFields, title: str = 
 
 
 def largest_rate(linkage: Mechanism, rate: float) -> float:
-    """Return the input [rad] at which the output is fastest, of all its extrema in a range."""
+    """Return the input [rad] at which the output is fastest, among extrema inside a range."""
     name = linkage.outputs[0].coordinate.rate
-    found = [extremum for extremum in find_extrema(linkage, (name,), rate)
-             if extremum.place == INTERIOR]
-    if not found:
+    extrema = [extremum for extremum in find_extrema(linkage, (name,), rate)
+               if extremum.place == INTERIOR]
+    if not extrema:
         raise CannotDraw(f'{name} has no extremum inside a range: give --at')
-    return max(found, key=lambda extremum: abs(extremum.value)).theta1
+    return max(extrema, key=lambda extremum: abs(extremum.value)).theta1
 
 
 def make_axis_figure(linkage: Mechanism, rate: float, position: float | None = None) -> Figure:
     """
-    Return a matplotlib Figure: the axis in a pose, and rate and angle over the input.
+    Return a matplotlib Figure: the axis in a pose; the output's rate and the angle over the input.
 
-    Parameters
-    ----------
-    linkage : FourBar, SliderCrank or InvertedSlider
-    rate : float
-        Speed of the crank [rad/s].
-    position : float, optional
-        Angle of the crank [rad]; not given: where the output is fastest.
+    ``rate`` is that of the crank [rad/s], ``position`` its angle in the pose [rad]; if not given,
+    that where the output is fastest.
 
     Raises
     ------
     InvalidParameter
-        Another mechanism, or one that its slide drives.
+        The mechanism is no four-bar or slider-crank, or its slide drives it.
 
     """
     need_matplotlib('draw')

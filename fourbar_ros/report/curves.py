@@ -1,11 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""
-Quantities over the input of a mechanism, as a table or a figure.
-
-A table has a row for each input, its columns carry their units. Where the input is at a limit,
-rates and loads are unbounded and left out.
-"""
+"""Quantities over the input of a mechanism, as a table with a row for each input, or a figure."""
 from __future__ import annotations
 
 from collections.abc import Sequence
@@ -18,8 +13,7 @@ from fourbar_ros.mechanisms.quantities import known, positions, UnknownQuantity
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.optional import MissingPackage
 from fourbar_ros.report.cycles import cycles
-from fourbar_ros.report.drawing import need_matplotlib, STYLE
-from fourbar_ros.report.page import CannotWrite, write_page
+from fourbar_ros.report.drawing import CannotDraw, need_matplotlib, save, STYLE, write_page
 import numpy as np
 
 if TYPE_CHECKING:
@@ -30,25 +24,12 @@ TABLES, PICTURES = ('.csv', '.xlsx', '.parquet'), ('.png', '.svg', '.pdf', '.htm
 
 
 class Curves(NamedTuple):
-    """
-    Quantities over the input.
-
-    Attributes
-    ----------
-    title : str
-    names : tuple of str
-        Of the columns; the first is the input.
-    units : tuple of str
-        Of the columns; angles in degrees.
-    values : ndarray
-        Shape (columns, rows). Rows of NaN part the ranges of the input.
-
-    """
+    """Quantities over the input: columns, of which the first is the input."""
 
     title: str
     names: tuple[str, ...]
-    units: tuple[str, ...]
-    values: Array
+    units: tuple[str, ...]      # angles in degrees
+    values: Array               # (columns, rows); a row of NaN between two ranges of the input
 
 
 def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: float,
@@ -59,12 +40,11 @@ def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: flo
     Parameters
     ----------
     scene : Scene
-        Of its points are the quantities ``NAME.speed`` and ``NAME.acceleration``.
+        Its points have the quantities ``NAME.speed`` and ``NAME.acceleration``.
     linkage : Mechanism
         The scene's, in the assembly mode wanted.
     names : sequence of str
-        Fields of motion or loads, or quantities of points; none: all that have a name, loads
-        where there are masses.
+        Fields of motion or loads, or quantities of points; empty: all, loads only with masses.
     speed, acceleration : float
         Of the input [rad/s, rad/s^2] or [m/s, m/s^2].
     samples : int
@@ -99,22 +79,22 @@ def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: flo
         parts += [np.full((len(rows), 1), np.nan), np.array([
             np.broadcast_to(row, inputs.shape) for row in rows])]
     values = np.concatenate(parts[1:], axis=1)
-    names, found = (coordinate.position, *wanted), (coordinate.unit,
-                                                    *(units[name] for name in wanted))
-    for name, column in zip(names, values):
+    columns = coordinate.position, *wanted
+    for name, column in zip(columns, values):
         if not np.isfinite(column).any():
             raise InvalidParameter('speed', speed, f'too large: {name} overflows')
-    is_angle = np.array([unit == 'rad' for unit in found])
+    its_units = coordinate.unit, *(units[name] for name in wanted)
+    is_angle = np.array([unit == 'rad' for unit in its_units])
     values[is_angle] = np.degrees(values[is_angle])
     rate = f'{speed:g} {coordinate.unit}/s'
     if acceleration:
         rate += f', {acceleration:g} {coordinate.unit}/s^2'
-    return Curves(f'{linkage.description} at {rate}', tuple(names),
-                  tuple('deg' if unit == 'rad' else unit for unit in found), values)
+    return Curves(f'{linkage.description} at {rate}', columns,
+                  tuple('deg' if unit == 'rad' else unit for unit in its_units), values)
 
 
 def _units(linkage: Mechanism, scene: Scene) -> dict[str, str]:
-    """Return {name: unit} of all that can be asked for."""
+    """Return {name: unit} of all quantities that a user may name, components of forces too."""
     quantities = {**positions(linkage, linkage.input), **known(linkage, linkage.input)}
     units = {name: quantity.unit for name, quantity in quantities.items()}
     units.update((quantity.name, quantity.unit) for quantity in scene.point_quantities)
@@ -134,10 +114,10 @@ def write_table(curves: Curves, path: str | Path) -> Path:
 
     Raises
     ------
-    CannotWrite
+    CannotDraw
         The suffix is another one, or the file cannot be written.
     MissingPackage
-        Of this format.
+        openpyxl or pyarrow is not installed.
 
     """
     path = _checked(path, TABLES)
@@ -158,11 +138,12 @@ def write_table(curves: Curves, path: str | Path) -> Path:
     except ModuleNotFoundError as error:
         raise MissingPackage(f'a table as {path.suffix}', error) from None
     except OSError as error:
-        raise CannotWrite(f'{path}: {error.strerror or error}') from None
+        raise CannotDraw(f'{path}: {error.strerror or error}') from None
     return path
 
 
 def _write_sheet(path: Path, heads: list[str], rows: Array) -> None:
+    """Write an Excel file; NaN is an empty cell."""
     from openpyxl import Workbook
     book = Workbook(write_only=True)
     sheet = book.create_sheet('over the input')
@@ -173,11 +154,11 @@ def _write_sheet(path: Path, heads: list[str], rows: Array) -> None:
 
 
 def _checked(path: str | Path, suffixes: Sequence[str]) -> Path:
-    """Return a path whose suffix says its format."""
+    """Return a path; raise CannotDraw unless its suffix is one of these."""
     path = Path(path)
     if path.suffix not in suffixes:
-        raise CannotWrite(f'{path}: must end in {", ".join(suffixes[:-1])} or {suffixes[-1]}'
-                          + nearest(path.suffix, suffixes))
+        raise CannotDraw(f'{path}: must end in {", ".join(suffixes[:-1])} or {suffixes[-1]}'
+                         + nearest(path.suffix, suffixes))
     return path
 
 
@@ -185,7 +166,8 @@ def make_figure(curves: Curves, extrema: Sequence[tuple[str, float, float]] = ()
     """
     Return a figure with one pair of axes for each unit, over the same input.
 
-    ``extrema``: (name, input, value) of points to mark, in the units of the curves, in any turn.
+    ``extrema``: (name, input, value) of points to mark, in the units of the curves; angles of the
+    input are brought into the turn that the curves show.
     """
     need_matplotlib('plot')
     import matplotlib
@@ -214,7 +196,6 @@ def make_figure(curves: Curves, extrema: Sequence[tuple[str, float, float]] = ()
 
 def write_picture(curves: Curves, path: str | Path) -> Path:
     """Write the figure as .png, .svg or .pdf, or as a page, .html; return its path."""
-    from fourbar_ros.report.drawing import save
     path = _checked(path, PICTURES)
     figure = make_figure(curves)
     if path.suffix != '.html':

@@ -1,9 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-A mechanism over cycles of its input, for print and as moving pictures.
+Paths of points, their velocities and the forces on the ground over a cycle, as curves of vectors.
 
-Paths of points, velocities and forces as vectors. Only the functions that draw import matplotlib.
+Only the functions that draw import matplotlib.
 """
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from fourbar_ros.mechanisms.picture import Points
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.report.drawing import CannotDraw, need_matplotlib, STYLE
-from fourbar_ros.report.joint_labels import labels_of
+from fourbar_ros.report.labels import labels_of
 import numpy as np
 
 if TYPE_CHECKING:      # drawings alone need it
     from matplotlib.figure import Figure
 
 SAMPLES = 721
-WITHIN = 1e-9        # of a range that ends in toggles: rates are unbounded at its very ends
-OUTLIER = 30.0       # vectors so many times the median one are beyond the picture
+WITHIN = 1e-9        # share of a range left out at ends in toggles, where rates are unbounded
+OUTLIER = 30.0       # vectors longer than so many times the median one are not drawn
 
 
 def cycles(mechanism: Mechanism, count: int = SAMPLES, from_zero: bool = False) -> list[Array]:
@@ -33,27 +33,27 @@ def cycles(mechanism: Mechanism, count: int = SAMPLES, from_zero: bool = False) 
 
     ``from_zero``: a full turn begins at 0, where extrema are counted from, not at -pi.
     """
-    found = []
+    inputs = []
     for low, high in mechanism.input_ranges:
         margin = 0.0 if mechanism.turns_fully else WITHIN * (high - low)
-        found.append(np.linspace(low + margin, high - margin, count)
-                     - low * (from_zero and mechanism.turns_fully))
-    return found
+        inputs.append(np.linspace(low + margin, high - margin, count)
+                      - low * (from_zero and mechanism.turns_fully))
+    return inputs
 
 
 def usual_points(mechanism: Mechanism, points: Points) -> Points:
-    """Return the points of a scene, or the middle of the first link between moving joints."""
+    """Return the points of a scene, or if it has none, the middle of the coupler."""
     if points:
         return points
     for link in mechanism.LINKS:
-        if link.length and not link.first_joint.startswith('O'):
+        if link.length and not link.first_joint.startswith('O'):     # O1, O4 are on the ground
             lengths = dict(zip(mechanism.length_names, mechanism.lengths))
             return {'middle': (link.name, 0.5 * lengths[link.length], 0.0)}
     return {}
 
 
 def ground_forces(mechanism: Mechanism) -> dict[str, str]:
-    """Return {field of the loads: name} of the forces at the joints of the ground."""
+    """Return {field of the loads: symbol as text} of the forces at the joints of the ground."""
     low, high = mechanism.input_ranges[0]
     diagram = mechanism.diagram(mechanism.motion(0.5 * (low + high), 1.0))
     symbols = labels_of(diagram).forces
@@ -64,17 +64,11 @@ def ground_forces(mechanism: Mechanism) -> dict[str, str]:
 def make_cycle_figure(what: str, mechanism: Mechanism, rate: float, acceleration: float = 0.0,
                       points: Points = MappingProxyType({})) -> Figure:
     """
-    Return a matplotlib Figure of what happens over all ranges of the input.
+    Return a matplotlib Figure of curves over all ranges of the input.
 
-    Parameters
-    ----------
-    what : str
-        'paths' of the points [m], their 'hodographs' [m/s], or 'forces' on the ground [N].
-    mechanism : Mechanism
-    rate, acceleration : float
-        Those of the input [rad/s, rad/s^2] or [m/s, m/s^2].
-    points : mapping
-        {name: (link, along, across)}; empty: the middle of the coupler.
+    ``what``: 'paths' of the points [m], their 'hodographs', the curves of their velocity vectors
+    [m/s], or 'forces' on the ground [N]. ``rate``, ``acceleration`` of the input [rad or m, per s
+    and s^2]; ``points``: {name: (link, along, across)}.
 
     Raises
     ------
@@ -123,7 +117,7 @@ def _curves(what: str, mechanism: Mechanism, rates: tuple[float, float],
 
 
 def _bounded(vectors: Array) -> Array:
-    """Return vectors of shape (n, 2) with those beyond the picture as NaN."""
+    """Return vectors (n, 2) with outliers as NaN: near a toggle they would dwarf the rest."""
     size = np.hypot(*vectors.T)
     bound = OUTLIER * float(np.nanmedian(size)) or np.inf
     return np.where((size <= bound)[:, None], vectors, np.nan)

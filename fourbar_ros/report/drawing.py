@@ -3,11 +3,13 @@
 """
 A mechanism in a pose with its forces, and its velocity and acceleration polygons, to scale.
 
-What a teacher draws on the board. Only the functions that draw import matplotlib.
+Only the functions that draw import matplotlib.
 """
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from html import escape
+from io import StringIO
 from math import hypot
 from pathlib import Path
 from typing import NamedTuple, TYPE_CHECKING
@@ -16,19 +18,27 @@ from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Arrow, NamedFields, ORIGIN, without_repeats
 from fourbar_ros.mechanisms.picture import Points
-from fourbar_ros.report.joint_labels import labels_of
+from fourbar_ros.report.labels import labels_of, significant
 from fourbar_ros.report.mechanism_panel import draw_mechanism, renamed
 from fourbar_ros.report.sheet import Sheet
-from fourbar_ros.report.significant import significant
 
 if TYPE_CHECKING:      # drawings alone need it
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 STYLE = {'font.family': 'STIXGeneral', 'mathtext.fontset': 'stix', 'font.size': 11,
-         'svg.hashsalt': 'fourbar_ros',
-         'svg.fonttype': 'path'}
+         'svg.hashsalt': 'fourbar_ros', 'svg.fonttype': 'path'}
 LEAST = 0.004          # arrows shorter than this share of the longest are left out
+PAGE = """\
+<!DOCTYPE html>
+<html lang="en">
+<head><meta charset="utf-8"><title>{title}</title>
+<style>body {{ font-family: sans-serif; margin: 2em auto; max-width: 60em }} svg {{ width: 100% }}
+</style></head>
+<body><h1>{title}</h1>
+{body}
+</body></html>
+"""
 PART, SUM = '#a02c2c', '#1f4e8c'      # dark enough for print in grey
 
 
@@ -41,7 +51,7 @@ class Units(NamedTuple):
 
 
 class CannotDraw(FourBarError, ValueError):
-    """The picture cannot be made or written; the message says why."""
+    """A picture or a table cannot be made or written; the message says why."""
 
 
 def need_matplotlib(what: str) -> None:
@@ -55,15 +65,16 @@ def need_matplotlib(what: str) -> None:
 def draw_polygon(axes: Axes, arrows: Sequence[Arrow], title: str, unit: tuple[str, float],
                  names: Mapping[str, str] | None = None) -> None:
     """
-    Draw a polygon to scale.
+    Draw a velocity or acceleration polygon to scale, and every magnitude as text below it.
 
-    Sums from the pole, parts in a chain, every magnitude below it in a unit (text, size in SI).
+    Absolute vectors (sums) start at the pole o, relative ones form chains between their ends.
+    ``unit``: (text, size in SI); ``names``: other letters for joints.
     """
     text, size = unit
     arrows = [arrow._replace(start=arrow.start / size, vector=arrow.vector / size,
                              label=renamed(arrow.label, names or {}))
               for arrow in arrows]
-    # joints at one place have one letter
+    # joints at one place have one letter: of equal labels the first is drawn
     arrows = list({(arrow.label, arrow.is_sum): arrow for arrow in reversed(arrows)}.values())
     arrows.reverse()
     longest = max(hypot(*arrow.vector) for arrow in arrows)
@@ -121,20 +132,35 @@ def make_figure(mechanism: Mechanism, motion: NamedFields, loads: NamedFields | 
 
 def save(figure: Figure, path: str | Path) -> Path:
     """
-    Write a figure as .svg, .pdf, .png, ... and return the path.
+    Write a figure as .svg, .pdf, .png (also without a suffix), ... and return the path.
 
-    One figure gives the same bytes each time.
+    One figure gives the same bytes each time, so an SVG has no date.
     """
     import matplotlib
     path = Path(path)
     if not path.suffix:
         path = path.with_name(path.name + '.png')
+    options = {'metadata': {'Date': None}} if path.suffix == '.svg' else {}
     try:
         with matplotlib.rc_context(STYLE):
-            figure.savefig(path, dpi=200, **({'metadata': {'Date': None}} if path.suffix == '.svg'
-                                             else {}))
+            figure.savefig(path, dpi=200, **options)
     except OSError as error:
         raise CannotDraw(f'{path}: {error.strerror}') from None
     except ValueError as error:
         raise CannotDraw(f'{path}: {error}') from None
+    return path
+
+
+def write_page(path: Path, title: str, figures: Mapping[str, Figure]) -> Path:
+    """Write figures, {heading: figure}, as SVG in a page; return its path or raise CannotDraw."""
+    parts = []
+    for heading, figure in figures.items():
+        text = StringIO()
+        figure.savefig(text, format='svg')
+        svg = text.getvalue().partition('<!DOCTYPE')[2].partition('>')[2]
+        parts += [f'<h2>{escape(heading)}</h2>' if heading else '', svg]
+    try:
+        path.write_text(PAGE.format(title=escape(title), body='\n'.join(parts)), encoding='utf-8')
+    except OSError as error:
+        raise CannotDraw(f'{path}: {error.strerror or error}') from None
     return path

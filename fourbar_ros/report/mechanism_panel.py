@@ -22,29 +22,23 @@ from fourbar_ros.mechanisms.picture import (
 )
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.report.joint_labels import labels_of
+from fourbar_ros.report.labels import labels_of, load_lines, motion_lines, symbol_of
 from fourbar_ros.report.sheet import Sheet
-from fourbar_ros.report.significant import load_lines, motion_lines, symbol_of
 import numpy as np
 
 if TYPE_CHECKING:      # drawings alone need it
     from matplotlib.axes import Axes
 
-LEAST_FORCE = 0.1      # forces shorter than this share of the longest have no arrow
+LEAST_FORCE = 0.1      # forces smaller than this share of the largest have no arrow
 ARROW = 0.4            # length of the longest force over the size of the mechanism
-# dark enough for print in grey
-BODY, FORCE, POINT, ANGLE = '0.35', '#1e6b37', '#7a4b00', '0.45'
+BODY, FORCE, POINT, ANGLE = '0.35', '#1e6b37', '#7a4b00', '0.45'     # dark enough to print in grey
 
 
 def renamed(label: str, names: Mapping[str, str]) -> str:
-    """
-    Return a label with other letters for its points.
-
-    ``names``: {our letter: the other}.
-    """
+    """Return a label with other letters for points: 'v_{B/A}' by {'A': 'P'} is 'v_{B/P}'."""
     def replace(match: re.Match[str]) -> str:
-        return '_' + '{' + '/'.join(names.get(part, part)
-                                    for part in match[1].strip('{}').split('/')) + '}'
+        letters = [names.get(letter, letter) for letter in match[1].strip('{}').split('/')]
+        return f'_{{{"/".join(letters)}}}'
     if label in names:
         return names[label]
     return re.sub(r'_(\{[^}]*\}|\w)', replace, label) if names else label
@@ -55,20 +49,10 @@ def draw_mechanism(axes: Axes, mechanism: Mechanism, motion: NamedFields,
                    names: Mapping[str, str] | None = None, unit: tuple[str, float] = ('m', 1.0),
                    title: str = 'mechanism') -> None:
     """
-    Draw links and joints, centres of gravity, points.
+    Draw links, joints, centres of gravity, angles, points; with loads also forces and the drive.
 
-    With loads also the force on a link at every joint, and the drive.
-
-    Parameters
-    ----------
-    axes : matplotlib axes
-    points : dict, optional
-        {name: (link, along, across)}, drawn with what holds them.
-    names : dict, optional
-        Other letters for joints.
-    unit : (str, float)
-        Unit of the scale of lengths, and its size [m].
-
+    ``points``: {name: (link, along, across)}; ``names``: other letters for joints; ``unit`` of the
+    scale of lengths: (text, size in [m]).
     """
     names, points = names or {}, points or {}
     diagram = mechanism.diagram(motion)
@@ -116,9 +100,9 @@ def draw_mechanism(axes: Axes, mechanism: Mechanism, motion: NamedFields,
 def draw_plainly(axes: Axes, mechanism: Mechanism, motion: NamedFields, points: Points,
                  paths: Sequence[Array], others: Sequence[Array] = ()) -> Sheet:
     """
-    Draw links, joints, points, and paths of shape (n, 2) [m]; neither angles nor forces.
+    Draw links, joints, points and paths of shape (n, 2) [m], without angles and forces.
 
-    Returns the sheet, which has room for other places too.
+    Returns the sheet, which also has room for ``others``: places that the caller draws at.
     """
     diagram, parts = mechanism.diagram(motion), picture(mechanism, motion, points)
     arms, places = of_kind(Arm, parts), np.array(list(diagram.joints.values()))
@@ -155,7 +139,7 @@ def _centres(mechanism: Mechanism, motion: NamedFields) -> dict[str, Array]:
 
 def _extensions(mechanism: Mechanism, motion: NamedFields, points: Points,
                 centres: Collection[str], drawn_whole: Collection[str]) -> Iterator[Bar]:
-    """Return lines of links that extend beyond their joints, to points and CGs."""
+    """Yield the lines of links beyond their joints, as far as their points and CGs lie along."""
     reach = {link.name: [0.0] for link in mechanism.LINKS}
     for link, along, _ in points.values():
         reach[link].append(along)
@@ -202,6 +186,7 @@ def _draw(sheet: Sheet, part: Primitive) -> None:
 
 
 def _label_points(sheet: Sheet, arms: Iterable[Arm]) -> None:
+    """Write the names of points, upright, beside the ends of their arms."""
     for arm in arms:
         name = arm.name.replace('_', r'\_')
         sheet.label(rf'\mathrm{{{name}}}', sheet.around(arm.end), POINT)
@@ -221,8 +206,8 @@ def _draw_centre(sheet: Sheet, at: Array) -> None:
 
 def _draw_angles(sheet: Sheet, motion: NamedFields, diagram: Diagram
                  ) -> list[tuple[str, list[Array]]]:
-    """Draw the arcs of the absolute angles from x; return [(label, places for it)]."""
-    found, radius = [], 0.3 * sheet.inch
+    """Draw the arcs of the absolute angles from x; return [(label, places where it may go)]."""
+    labels, radius = [], 0.3 * sheet.inch
     for name, joint in diagram.angles.items():
         at, angle = diagram.joints[joint], remainder(getattr(motion, name), 2.0 * pi)
         arc = at + radius * _directions(np.linspace(0.0, angle, 40))
@@ -233,10 +218,10 @@ def _draw_angles(sheet: Sheet, motion: NamedFields, diagram: Diagram
         for point in arc[::4]:
             sheet.occupy(point, point)
         directions = list(_directions(angle * np.array([0.5, 0.35, 0.65, 0.8, 0.2])))
-        places = [at + out * radius * direction for out in (1.5, 1.8, 2.1)
+        places = [at + distance * radius * direction for distance in (1.5, 1.8, 2.1)
                   for direction in directions] + sheet.around(at, directions[0])
-        found.append((symbol_of(name), places))
-    return found
+        labels.append((symbol_of(name), places))
+    return labels
 
 
 def _draw_torque(sheet: Sheet, torque: float, mechanism: Mechanism, motion: NamedFields,
@@ -257,5 +242,5 @@ def _draw_torque(sheet: Sheet, torque: float, mechanism: Mechanism, motion: Name
 
 
 def _directions(angles: Array) -> Array:
-    """Return unit vectors of shape (n, 2)."""
+    """Return unit vectors, shape (n, 2), at angles [rad] from x."""
     return np.stack([np.cos(angles), np.sin(angles)], axis=-1)

@@ -1,23 +1,24 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Mobility at a glance: a four-bar as a point of an octahedron.
+The mobility of a four-bar in one picture: it is a point in an octahedron.
 
-Four lengths over their sum that can close fill the octahedron |A1| + |C1| + |D1| <= B2 = a1 + a2 +
-a3 + a4 of the slides' factors: its faces are links of length zero and stretched loops, where one
-of the other factors vanishes. The planes A1 = 0, C1 = 0, D1 = 0 are the change points, and the
-eight octants between them the eight classes.
+All four-bars that can be closed fill |A1| + |C1| + |D1| <= B2 = a1 + a2 + a3 + a4, where A1, C1,
+D1 are factors of its input-output equation (sums of lengths with signs). On a face of the
+octahedron a link has length zero or the loop is stretched. On the planes A1 = 0, C1 = 0, D1 = 0
+lie the change points; the eight octants between them are the eight Grashof classes.
 """
 from __future__ import annotations
 
+from itertools import combinations
 from typing import NamedTuple
 
 from fourbar_ros.mechanisms.half_angle import bilinear_factors, Factors
 from fourbar_ros.mechanisms.mechanism import Mechanism
 
 AXES = {'A1': 'a1 + a4 = a2 + a3', 'C1': 'a1 + a3 = a2 + a4', 'D1': 'a1 + a2 = a3 + a4'}
-SIZE, HALF, MIDDLE = (340.0, 290.0), 100.0, (160.0, 122.0)      # [px] of the picture
-# of a unit, in pixels: seen from A1, C1, D1 < 0, where the crank-rockers are
+SIZE, HALF, MIDDLE = (340.0, 290.0), 100.0, (160.0, 122.0)      # [px] picture, half axis, centre
+# direction of each axis on the screen, seen from A1, C1, D1 < 0, where the crank-rockers are
 SEEN = {'A1': (-0.92, -0.22), 'C1': (0.52, -0.36), 'D1': (0.0, 1.0)}
 STYLE = """
 .fb-octahedron text{font:italic 13px 'STIX Two Text',Georgia,serif;fill:currentColor}
@@ -33,27 +34,18 @@ class Mobility(NamedTuple):
     """
     A linkage in the octahedron.
 
-    Parameters
-    ----------
-    factors : Factors
-        The eight sums [m].
-    place : dict
-        {'A1', 'C1', 'D1': the factor over the sum of the lengths}.
-    nearest : str
-        Which of them is least: the change point is ``AXES[nearest]``, at the distance
-        ``abs(place[nearest])``.
-
+    Its nearest change point is ``AXES[nearest]``, at the distance ``abs(place[nearest])``.
     """
 
-    factors: Factors
-    place: dict[str, float]
-    nearest: str
+    factors: Factors                # the eight sums [m]
+    place: dict[str, float]         # {'A1', 'C1', 'D1': the factor over the sum of the lengths}
+    nearest: str                    # which of them is smallest
 
 
 def mobility(linkage: Mechanism) -> Mobility | None:
-    """Return the :class:`Mobility` of a four-bar; None: of another mechanism."""
+    """Return the :class:`Mobility` of a four-bar, None of any other mechanism."""
     signs = linkage.MARGIN_SIGNS
-    if len(signs) != len(AXES) or not all(map(all, signs)):
+    if len(signs) != len(AXES) or not all(map(all, signs)):      # a four-bar has three full rows
         return None
     a1, a2, a3, a4 = linkage.lengths
     factors = bilinear_factors(a1, a2, a3, a4)
@@ -62,54 +54,54 @@ def mobility(linkage: Mechanism) -> Mobility | None:
 
 
 def mobility_rows(linkage: Mechanism) -> list[tuple[str, str]]:
-    """Return rows (name, text): the signs of the eight factors, a bar for each of the axes."""
-    found = mobility(linkage)
-    if not found:
+    """
+    Return rows (name, text) of a table: the signs of the eight factors, and a bar for each axis.
+
+    A bar as '---o---|-------  -0.5' shows where the linkage (o) is from the change point (|).
+    """
+    point = mobility(linkage)
+    if not point:
         return []
-    signs = '  '.join(f'{name} {_sign(value)}' for name, value in found.factors._asdict().items())
-    rows = [('factors', signs)]
-    for name, value in found.place.items():
+    signs = [f'{name} {"0" if value == 0.0 else "+" if value > 0.0 else "-"}'
+             for name, value in point.factors._asdict().items()]
+    rows = [('factors', '  '.join(signs))]
+    for name, value in point.place.items():
         bar = ['-'] * WIDTH
         bar[WIDTH // 2] = '|'
         bar[round((0.5 + 0.5 * value) * (WIDTH - 1))] = 'o'
         rows.append((name, f'{"".join(bar)}  {value:+.6f}'
-                     + (f'  nearest change point: {AXES[name]}' if name == found.nearest else '')))
+                     + (f'  nearest change point: {AXES[name]}' if name == point.nearest else '')))
     return rows
-
-
-def _sign(value: float) -> str:
-    return '0' if value == 0.0 else '+' if value > 0.0 else '-'
 
 
 def octahedron_svg(linkage: Mechanism) -> str:
     """
     Return the octahedron as SVG: the linkage, its octant, its way to the nearest change point.
 
-    Empty for another mechanism.
+    Empty for a mechanism that is no four-bar.
     """
-    found = mobility(linkage)
-    if not found:
+    point = mobility(linkage)
+    if not point:
         return ''
     corners = {(name, side): _pixel({name: side}) for name in AXES for side in (1.0, -1.0)}
     parts = []
-    for i, (one, side) in enumerate(corners):
-        for other, its in list(corners)[i + 1:]:
-            if one != other:
-                kind = 'hidden' if side + its > 0.0 else ''
-                parts.append(_line(kind, corners[one, side], corners[other, its]))
-    own = [corners[name, 1.0 if value >= 0.0 else -1.0] for name, value in found.place.items()]
-    parts.append(f'<polygon class="own" points="{" ".join(f"{x:.1f},{y:.1f}" for x, y in own)}"/>')
-    at = _pixel(found.place)
-    foot = _pixel({**found.place, found.nearest: 0.0})
-    parts.append(_line('way', at, foot))
+    for (name, side), (other_name, other_side) in combinations(corners, 2):
+        if name != other_name:           # opposite corners share no edge
+            kind = 'hidden' if side + other_side > 0.0 else ''
+            parts.append(_line(kind, corners[name, side], corners[other_name, other_side]))
+    octant = [corners[name, 1.0 if value >= 0.0 else -1.0] for name, value in point.place.items()]
+    points = ' '.join(f'{x:.1f},{y:.1f}' for x, y in octant)
+    parts.append(f'<polygon class="own" points="{points}"/>')
+    at = _pixel(point.place)
+    parts.append(_line('way', at, _pixel({**point.place, point.nearest: 0.0})))
     parts.append(f'<circle class="at" cx="{at[0]:.1f}" cy="{at[1]:.1f}" r="4.5"/>')
     for name in AXES:
         for side, sign in ((-1.14, '-'), (1.14, '+')):
             x, y = _pixel({name: side})
             parts.append(f'<text x="{x:.1f}" y="{y + 4.0:.1f}" text-anchor="middle">{sign}{name}'
                          '</text>')
-    for row, text in enumerate((linkage.classification, f'{abs(found.place[found.nearest]):.4f} '
-                                f'of the perimeter from {AXES[found.nearest]}')):
+    for row, text in enumerate((linkage.classification, f'{abs(point.place[point.nearest]):.4f} '
+                                f'of the perimeter from {AXES[point.nearest]}')):
         parts.append(f'<text x="6" y="{SIZE[1] - 24.0 + 18.0 * row:.0f}">{text}</text>')
     return (f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {SIZE[0]:g} {SIZE[1]:g}" '
             f'width="{SIZE[0]:g}" height="{SIZE[1]:g}" class="fb-octahedron">'
@@ -117,7 +109,7 @@ def octahedron_svg(linkage: Mechanism) -> str:
 
 
 def _pixel(place: dict[str, float]) -> tuple[float, float]:
-    """Return the pixel of a place of the octahedron."""
+    """Return the pixel (x, y) of a place {axis: coordinate, -1 to 1} in the octahedron."""
     x, y = (sum(value * SEEN[name][i] for name, value in place.items()) for i in (0, 1))
     return MIDDLE[0] + HALF * x, MIDDLE[1] + HALF * y
 

@@ -35,11 +35,7 @@ class NoPose(FourBarError, ValueError):
 
 
 class Pose(NamedTuple):
-    """
-    Motion and loads (None without masses) at one input.
-
-    ``status`` of :mod:`fourbar_ros.pipeline.status`.
-    """
+    """Motion and loads (None without masses) at one input; status as in pipeline.status."""
 
     status: int
     motion: NamedFields
@@ -47,7 +43,7 @@ class Pose(NamedTuple):
 
 
 def position_of(linkage: Mechanism, at: float) -> float:
-    """Return the input [rad] or [m] of one asked for in degrees or m."""
+    """Return the input [rad or m] for a ``--at`` in degrees or m."""
     require_units(linkage, at)
     return at if linkage.is_driven_by_slide else radians(at)
 
@@ -65,9 +61,7 @@ def require_units(linkage: Mechanism, at: float | None = None, speed: float | No
 
 def evaluate_at(linkage: Mechanism, at: float, speed: float, acceleration: float) -> Pose:
     """
-    Return the :class:`Pose` at an input, its rate and acceleration.
-
-    Input in [degrees] or [m], rate in [rad/s] or [m/s], ...
+    Return the pose at an input [degrees or m], its speed and acceleration [rad or m, /s, /s^2].
 
     Raises
     ------
@@ -88,7 +82,7 @@ def evaluate_at(linkage: Mechanism, at: float, speed: float, acceleration: float
 
 
 def step_at(linkage: Mechanism, at: float, speed: float, acceleration: float) -> Pose:
-    """Return the :class:`Pose` as :func:`evaluate_at`; NoPose also at a toggle."""
+    """Return the pose as :func:`evaluate_at`; raise NoPose at a toggle too: loads are infinite."""
     pose = evaluate_at(linkage, at, speed, acceleration)
     if pose.status == TOGGLE:
         raise no_pose(linkage, at, 'is a toggle position: rates and loads are unbounded')
@@ -147,7 +141,7 @@ def motion_table(linkage: Mechanism, pose: Pose) -> PlainTable:
 
 
 def loads_table(linkage: Mechanism, loads: NamedFields) -> PlainTable:
-    """Return the table of all forces with their components, and of torques."""
+    """Return the table of all forces with their components, then of torques and the rest."""
     table = PlainTable('loads', ('', 'x>', 'y>', 'magnitude>', 'unit', 'of'))
     values = loads._asdict()
     forces = (*linkage.REACTIONS, *FORCES)
@@ -156,7 +150,7 @@ def loads_table(linkage: Mechanism, loads: NamedFields) -> PlainTable:
         table.add_row(force.symbol, *(number(values[field])
                                       for field in (force.x, force.y, force.magnitude)), 'N',
                       force.text)
-    torque = re.sub('[_{}]', '', linkage.TORQUE)
+    torque = re.sub('[_{}]', '', linkage.TORQUE)             # mathtext: T_{41} becomes T41
     for name, (text, unit) in MOMENTS.items():
         if name in values:
             table.add_row(text.replace('T41', torque), '', '', number(values[name]), unit)
@@ -171,9 +165,9 @@ def points_table(linkage: Mechanism, motion: NamedFields, points: Points) -> Pla
     """Return the table of the points of a scene: place, velocity, acceleration."""
     table = PlainTable('points', ('', '', 'x>', 'y>', 'magnitude>', 'unit'))
     for name, point in points.items():
-        found = point_motion(linkage, motion, *point)
-        for label, what, (x, y), unit in ((name, 'place', found.place, 'm'),
-                                          ('', 'velocity', found.velocity, 'm/s'),
-                                          ('', 'acceleration', found.acceleration, 'm/s^2')):
+        state = point_motion(linkage, motion, *point)
+        for label, what, (x, y), unit in ((name, 'place', state.place, 'm'),
+                                          ('', 'velocity', state.velocity, 'm/s'),
+                                          ('', 'acceleration', state.acceleration, 'm/s^2')):
             table.add_row(label, what, number(x), number(y), number(hypot(x, y)), unit)
     return table

@@ -17,7 +17,6 @@ from fourbar_ros.pipeline.status import STATUS_NAMES
 from fourbar_ros.report.mobility import AXES, mobility
 from fourbar_ros.report.poses import Pose
 from fourbar_ros.report.tables import (
-    class_name,
     counted,
     input_of,
     known_output_ranges,
@@ -34,13 +33,13 @@ def record_of(linkage: Mechanism, extrema: Sequence[Extremum], points: Points,
     """
     Return the properties of a linkage, its extrema and, with a pose, its state there.
 
-    Angles in [rad], all else in SI units too; a value that is not known is NaN, no masses None.
+    All in SI units; an unknown value is NaN; ``bodies`` is None without masses.
     """
-    driven, seen = linkage.input_coordinate, mobility(linkage)
-    found: Record = {
+    its_mobility = mobility(linkage)
+    record: Record = {
         'lengths': dict(zip(linkage.length_names, linkage.lengths)),
-        'class': class_name(linkage), 'mode': linkage.mode, 'mode_name': mode_name(linkage),
-        'input': _with_ranges(driven, linkage.input_ranges)
+        'class': linkage.description, 'mode': linkage.mode, 'mode_name': mode_name(linkage),
+        'input': _with_ranges(linkage.input_coordinate, linkage.input_ranges)
         | {'turns_fully': linkage.turns_fully},
         'outputs': [_with_ranges(coordinate, ranges) | {'of_both_modes': of_both}
                     for coordinate, ranges, of_both in known_output_ranges(linkage)],
@@ -51,15 +50,16 @@ def record_of(linkage: Mechanism, extrema: Sequence[Extremum], points: Points,
                         'worst': band.worst.value, 'worst_at': input_of(linkage, band.worst)}
             for band in transmission_bands(linkage)},
         'change_point_margin': linkage.change_point_margin,
-        'mobility': seen and {'factors': seen.factors._asdict(), 'place': seen.place,
-                              'nearest_change_point': AXES[seen.nearest]},
+        'mobility': its_mobility and {
+            'factors': its_mobility.factors._asdict(), 'place': its_mobility.place,
+            'nearest_change_point': AXES[its_mobility.nearest]},
         'bodies': linkage.bodies and {name: asdict(body)
                                       for name, body in linkage.bodies._asdict().items()},
         'extrema': [extremum._asdict() | {'theta1': counted(linkage, extremum.theta1)}
                     for extremum in extrema]}
     if pose:
-        found['pose'] = _pose(linkage, pose, points)
-    return found
+        record['pose'] = _pose(linkage, pose, points)
+    return record
 
 
 def _with_ranges(coordinate: Coordinate, ranges: Sequence[tuple[float, float]]) -> Record:
@@ -68,22 +68,25 @@ def _with_ranges(coordinate: Coordinate, ranges: Sequence[tuple[float, float]]) 
 
 
 def _dead_point(linkage: Mechanism, point: Any) -> Record:
+    """Return {coordinate: value} of a dead point, and whether the links are stretched there."""
     coordinates = linkage.input_coordinate, *(output.coordinate for output in linkage.outputs)
     values = counted(linkage, point[0]), *point[1:]
-    places: Record = {its.position: value for its, value in zip(coordinates, values)}
+    record: Record = {coordinate.position: value
+                      for coordinate, value in zip(coordinates, values)}
     if hasattr(point, 'stretched'):
-        places['stretched'] = bool(point.stretched)
-    return places
+        record['stretched'] = bool(point.stretched)
+    return record
 
 
 def _pose(linkage: Mechanism, pose: Pose, points: Points) -> Record:
+    """Return the record of one pose: status, motion of the joints, loads, motion of points."""
     motion = pose.motion._asdict()
     joints = {field: motion.get(field, nan) for coordinate in linkage.PARTS
               for field in (coordinate.position, coordinate.rate, coordinate.acceleration)}
-    there = {name: point_motion(linkage, pose.motion, *point) for name, point in points.items()}
+    motions = {name: point_motion(linkage, pose.motion, *point) for name, point in points.items()}
     return {'status': STATUS_NAMES[pose.status],
             'motion': joints | {'transmission_angle': motion['transmission_angle']},
             'loads': pose.loads and pose.loads._asdict(),
-            'points': {name: {'place': list(found.place), 'velocity': list(found.velocity),
-                              'acceleration': list(found.acceleration)}
-                       for name, found in there.items()}}
+            'points': {name: {'place': list(its.place), 'velocity': list(its.velocity),
+                              'acceleration': list(its.acceleration)}
+                       for name, its in motions.items()}}

@@ -14,29 +14,33 @@ import numpy as np
 if TYPE_CHECKING:      # drawings alone need it
     from matplotlib.axes import Axes
 
-FONT = 12           # size of labels [points]
-PAD = (0.03, 0.07)    # inches around its letters
-FREE = 0.05         # inches between a label and lines, where there is room
-SCALE = 0.2         # inches at the lower edge that scale bars take
-HEAD = 6.5          # heads of arrows of 0.5 in an inch (matplotlib: of the font's 11 points)
+FONT = 12           # [points] size of labels
+PAD = (0.03, 0.07)  # [inches] around the letters of a label
+FREE = 0.05         # [inches] between a label and lines, where there is room
+SCALE = 0.2         # [inches] at the lower edge that scale bars take
+HEAD = 6.5          # arrows shorter than 1 / 6.5 inch, 11 points, have a smaller head
 
 
 @cache
 def _size_of(text: str) -> Array:
-    """Return width and height of a label [inches]."""
+    """Return (width, height) of a label in mathtext [inches]."""
     from matplotlib.textpath import TextPath
-    found: Array = TextPath((0.0, 0.0), f'${text}$', size=FONT).get_extents().size / 72.0 + PAD
-    return found
+    extents = TextPath((0.0, 0.0), f'${text}$', size=FONT).get_extents()
+    return np.asarray(extents.size / 72.0 + PAD)         # 72 points an inch
 
 
 def nice(value: float) -> float:
-    """Return the largest of 1, 2, 5 times a power of ten that is not above a positive value."""
+    """Return the largest 1, 2 or 5 times a power of ten up to a positive value: 0.37 gives 0.2."""
     power = 10.0**floor(log10(value))
     return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= value * (1.0 + 1e-12))
 
 
 class Sheet:
-    """Axes with equal scales, filled by the drawing; labels keep off its lines."""
+    """
+    Axes with equal scales that show all ``points``; labels keep off lines and other labels.
+
+    ``inch`` is an inch of paper in units of the drawing, ``high`` the upper right corner.
+    """
 
     def __init__(self, axes: Axes, points: Sequence[Array], title: str) -> None:
         every = np.asarray(points)
@@ -44,11 +48,10 @@ class Sheet:
         box = axes.get_position()
         width, height = (box.width * axes.figure.get_figwidth(),
                          box.height * axes.figure.get_figheight())
-        # inches of paper around the drawing: labels, and below it the scale
+        # 0.9 by 1.15 inches of paper are left around the drawing for labels, and below for scales
         self.inch = max((high - low) / (width - 0.9, height - 1.15)) or 1.0
         middle = 0.5 * (low + high) - (0.0, 0.12 * self.inch)
         half = 0.5 * self.inch * np.array([width, height])
-        self.middle, self.half = middle, half
         self.axes, self.left, self.bottom = axes, middle[0] - half[0], middle[1] - half[1]
         axes.set(xlim=(self.left, middle[0] + half[0]), ylim=(self.bottom, middle[1] + half[1]),
                  aspect='equal')
@@ -57,7 +60,7 @@ class Sheet:
         self.width = 2.0 * half[0]
         self.low = np.array([self.left, self.bottom + SCALE * self.inch])
         self.high = middle + half
-        self.taken: list[Array] = []
+        self.taken: list[Array] = []                      # points on lines
         self.labels: list[tuple[Array, Array]] = []       # (place, half of width and height)
 
     def occupy(self, start: Array, end: Array) -> None:
@@ -65,13 +68,11 @@ class Sheet:
         self.taken.extend(start + t * (end - start) for t in np.linspace(0.0, 1.0, 25))
 
     def arrow(self, start: Array, vector: Array, color: str, width: float) -> None:
-        """Draw an arrow."""
-        # of a short arrow, half of it
+        """Draw an arrow; its head takes at most half of its length."""
         head = min(0.5, 0.5 * HEAD * hypot(*vector) / self.inch)
         self.axes.annotate('', start + vector, start, zorder=9, arrowprops={
-            'arrowstyle': f'-|>,head_width={0.44 * head:.3f},head_length={head:.3f}', 'shrinkA': 0,
-            'shrinkB': 0,
-            'lw': width, 'color': color})
+            'arrowstyle': f'-|>,head_width={0.44 * head:.3f},head_length={head:.3f}',
+            'shrinkA': 0, 'shrinkB': 0, 'lw': width, 'color': color})
 
     def label(self, text: str, places: Sequence[Array], color: str) -> None:
         """Write a label at the first of several places that is free, or else the freest."""
@@ -82,7 +83,11 @@ class Sheet:
                        fontsize=FONT)
 
     def _room(self, at: Array, half: Array) -> tuple[float, float]:
-        """Return how free a place is for a label: of labels and edges first, then of lines."""
+        """
+        Return how free a place is for a label, to compare: the more the better.
+
+        First the overlap with labels and edges (negative, 0: none), then the distance to lines.
+        """
         gaps = [(np.abs(at - other) - half - its).max() for other, its in self.labels]
         edges = np.minimum(at - half - self.low, self.high - at - half).min()
         beyond = np.maximum(np.abs(np.array(self.taken) - at) - half, 0.0)
@@ -90,35 +95,34 @@ class Sheet:
         return min(0.0, edges, *gaps), min(FREE * self.inch, lines)
 
     def around(self, at: Array, towards: Sequence[float] | Array = (0.0, 1.0)) -> list[Array]:
-        """Return places for the label of a point, the first in this direction."""
+        """Return places for the label of a point, on circles about it, first in this direction."""
         first = np.arctan2(towards[1], towards[0])
         turns = [first + side * step * np.pi / 12.0 for step in range(13) for side in (1.0, -1.0)]
         return [at + distance * self.inch * np.array([np.cos(turn), np.sin(turn)])
                 for distance in (0.2, 0.27, 0.35, 0.45) for turn in turns]
 
     def beside(self, start: Array, vector: Array) -> list[Array]:
-        """Return places for the label of an arrow."""
+        """Return places for the label of an arrow, on both sides along it, the middle first."""
         normal = np.array([-vector[1], vector[0]]) / hypot(*vector) * self.inch
         return [start + share * vector + distance * normal
                 for share in (0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8)
                 for distance in (0.18, -0.18, 0.26, -0.26, 0.36, -0.36)]
 
     def scale(self, unit: str, factor: float = 1.0, place: float = 0.0) -> None:
-        """Draw a bar of a round number of units, each ``factor`` long, at ``place`` in width."""
+        """
+        Draw a scale bar: a round number of units, of which each is ``factor`` long.
+
+        It stands at the lower edge, at the share ``place`` of the width from the left.
+        """
         length = nice(1.3 * self.inch / factor)
         start, y = self.left + 0.1 * self.inch + place * self.width, self.bottom + 0.05 * self.inch
         self.axes.plot([start, start + length * factor], [y, y], color='k', lw=1.2, marker='|',
                        ms=7, clip_on=False)
         self.axes.annotate(f'{length:g} {unit}', (start + length * factor, y), (6, 0),
-                           textcoords='offset points',
-                           va='center', fontsize=10)
+                           textcoords='offset points', va='center', fontsize=10)
 
     def write(self, lines: Sequence[str], wide: Sequence[str] = ()) -> None:
-        """
-        Write lines below the drawing.
-
-        First those over the whole width, then the others in two columns.
-        """
+        """Write lines of text below the drawing: ``wide`` ones first, others in two columns."""
         half = (len(lines) + 1) // 2
         rows = [(0, row, text) for row, text in enumerate(wide)]
         rows += [(column, len(wide) + row, text)
@@ -126,5 +130,5 @@ class Sheet:
                  for row, text in enumerate(part)]
         for column, row, text in rows:
             self.axes.annotate(text, (0.02 + 0.49 * column, 0.0), (0, -14 - 16 * row),
-                               xycoords='axes fraction',
-                               textcoords='offset points', va='center', fontsize=11)
+                               xycoords='axes fraction', textcoords='offset points',
+                               va='center', fontsize=11)

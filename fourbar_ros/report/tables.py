@@ -16,14 +16,11 @@ from fourbar_ros.report.poses import in_degrees, number, shown
 from fourbar_ros.report.terminal import PlainTable
 import numpy as np
 
-SAMPLES, END, FULL_TURN = 721, 1e-14, tau * (1.0 - 1e-9)
+SAMPLES = 721
+END = 1e-14                         # step inside from an end of the input, in its unit
+FULL_TURN = tau * (1.0 - 1e-9)      # [rad] ranges from this width on are called full turns
 ANGLE = 'transmission_angle'
 SIDES = {0: '', 1: 'from above', -1: 'from below'}      # how an end of the range is approached
-
-
-def class_name(linkage: Mechanism) -> str:
-    """Return the class of a linkage as text; of sliders also the kind and what is driven."""
-    return linkage.description
 
 
 def mode_name(linkage: Mechanism) -> str:
@@ -37,6 +34,7 @@ def rate_unit(linkage: Mechanism) -> str:
 
 
 def _ranges(coordinate: Coordinate, ranges: Sequence[tuple[float, float]]) -> str:
+    """Return ranges [rad or m] as text: 'theta1: 30.0000 to 60.0000 deg'."""
     name, unit = coordinate.position, 'm' if coordinate.unit == 'm' else 'deg'
     if unit == 'deg' and any(high - low >= FULL_TURN for low, high in ranges):
         return f'{name}: full turns'
@@ -47,33 +45,34 @@ def _ranges(coordinate: Coordinate, ranges: Sequence[tuple[float, float]]) -> st
 def output_ranges(linkage: Mechanism, coordinate: Coordinate | None = None
                   ) -> list[tuple[float, float]]:
     """
-    Return the ranges of an output coordinate in the mode of a linkage.
+    Return the range [rad or m] of an output in the mode of a linkage, for each range of its input.
 
-    One for each range of the input.
-
-    The output turns back at dead points only, so these and the ends of the input are where it is
-    extreme.
-    ``coordinate``: not given, that of the first output.
+    It is extreme at dead points, where it turns back, and at ends of the input; samples between
+    them tell whole turns. ``coordinate``: by default that of the first output.
     """
     coordinate = coordinate or linkage.outputs[0].coordinate
-    found = []
+    ranges = []
     for low, high in linkage.input_ranges:
-        turns = [point[0] + turn for point in linkage.dead_points for turn in (-tau, 0.0, tau)]
-        given = np.sort([*np.linspace(low, high, SAMPLES), *(x for x in turns if low < x < high)])
-        # of a range that ends in a toggle, the end itself may be NaN
-        given[0] += END * linkage.input_unit
-        given[-1] -= END * linkage.input_unit
-        places, = linkage.motion(given, fields=(coordinate.position,))
+        dead = [point[0] + turn for point in linkage.dead_points for turn in (-tau, 0.0, tau)]
+        inputs = np.sort([*np.linspace(low, high, SAMPLES), *(x for x in dead if low < x < high)])
+        # at an end in a toggle the motion itself may be NaN
+        inputs[0] += END * linkage.input_unit
+        inputs[-1] -= END * linkage.input_unit
+        positions, = linkage.motion(inputs, fields=(coordinate.position,))
         if coordinate.unit == 'rad':
-            places = np.unwrap(places)
-            places = places - tau * round(0.5 * (places.min() + places.max()) / tau)
-        found.append((places.min(), places.max()))
-    return sorted(found)
+            positions = np.unwrap(positions)
+            positions = positions - tau * round(0.5 * (positions.min() + positions.max()) / tau)
+        ranges.append((positions.min(), positions.max()))
+    return sorted(ranges)
 
 
 def known_output_ranges(linkage: Mechanism
                         ) -> list[tuple[Coordinate, Sequence[tuple[float, float]], bool]]:
-    """Return (output, its ranges, whether they are those of both modes, which meet)."""
+    """
+    Return (output, its ranges, whether these are of both modes) for each output.
+
+    At a change point the modes meet, and the linkage can go from one into the other.
+    """
     if linkage.change_point_margin > 0.0:
         return [(coordinate, output_ranges(linkage, coordinate), False)
                 for coordinate, _ in linkage.outputs]
@@ -92,49 +91,45 @@ def what_it_is(linkage: Mechanism, title: object) -> PlainTable:
 
 
 def facts(linkage: Mechanism) -> list[tuple[str, str]]:
-    """Return a linkage's own properties as a list of (name, text)."""
-    rows = [('lengths', '  '.join(f'{name} {length:g}'
-                                  for name, length in zip(linkage.length_names, linkage.lengths))
-             + '  m'),
-            ('class', class_name(linkage)),
-            ('assembly mode', mode_name(linkage)),
-            ('input', _ranges(linkage.input_coordinate, linkage.input_ranges))]
+    """Return rows (name, text) of a linkage's own properties: lengths, class, limits, masses."""
+    driven = linkage.input_coordinate
+    lengths = [f'{name} {length:g}' for name, length in zip(linkage.length_names, linkage.lengths)]
+    rows = [('lengths', '  '.join([*lengths, 'm'])),
+            ('class', linkage.description), ('assembly mode', mode_name(linkage)),
+            ('input', _ranges(driven, linkage.input_ranges))]
     rows += [('output', _ranges(coordinate, ranges)
               + (', in both modes: they meet' if of_both else ', in this mode'))
              for coordinate, ranges, of_both in known_output_ranges(linkage)]
-    rows += [('dead point' + (f', {"stretched" if point.stretched else "folded"}'
-                              if hasattr(point, 'stretched') else ''),
-              ', '.join(f'{coordinate.position} {shown(coordinate, value)}'
-                        for coordinate, value in zip(
-                            (linkage.input_coordinate,
-                             *(output.coordinate for output in linkage.outputs)),
-                            (counted(linkage, point[0]), *point[1:]))))
-             for point in linkage.dead_points]
-    rows += [*_toggles(linkage), *transmission_angles(linkage)]
-    rows.append(('change-point margin', f'{linkage.change_point_margin:.6g} of the perimeter'))
+    coordinates = driven, *(output.coordinate for output in linkage.outputs)
+    for point in linkage.dead_points:
+        values = counted(linkage, point[0]), *point[1:]
+        texts = [f'{coordinate.position} {shown(coordinate, value)}'
+                 for coordinate, value in zip(coordinates, values)]
+        kind = ''
+        if hasattr(point, 'stretched'):
+            kind = ', stretched' if point.stretched else ', folded'
+        rows.append((f'dead point{kind}', ', '.join(texts)))
+    toggles = [shown(driven, end) for end in toggles_of(linkage)]
+    rows += [('toggle', f'{driven.position} {", ".join(toggles)}' if toggles
+              else 'none within the range of the input'),
+             *transmission_angles(linkage),
+             ('change-point margin', f'{linkage.change_point_margin:.6g} of the perimeter')]
     if linkage.bodies:
-        rows += [(f'{name}', f'{body.mass:.6g} kg, {body.inertia:.6g} kg m^2, CG at '
-                             f'({body.cg_along:g}, {body.cg_across:g}) m')
+        rows += [(name, f'{body.mass:.6g} kg, {body.inertia:.6g} kg m^2, CG at '
+                        f'({body.cg_along:g}, {body.cg_across:g}) m')
                  for name, body in linkage.bodies._asdict().items()]
     return rows
 
 
 def toggles_of(linkage: Mechanism) -> list[float]:
-    """Return where the links of a dyad come in line: at ends of the input [rad] or [m]."""
+    """Return the ends of the input [rad or m] at which the links of a dyad come in line."""
     ends = {end for bounds in linkage.closing_ranges for end in bounds}
     return [] if linkage.turns_fully else [end for bounds in linkage.input_ranges
                                            for end in bounds if end in ends]
 
 
-def _toggles(linkage: Mechanism) -> list[tuple[str, str]]:
-    """Return the row of the toggles."""
-    found = [shown(linkage.input_coordinate, end) for end in toggles_of(linkage)]
-    return [('toggle', f'{linkage.input_coordinate.position} {", ".join(found)}' if found
-             else 'none within the range of the input')]
-
-
 class Band(NamedTuple):
-    """The band of a transmission angle over the input: least, most, and the worst of them."""
+    """Extrema of a transmission angle over the input; worst: the one farther from 90 degrees."""
 
     name: str
     least: Extremum
@@ -143,14 +138,14 @@ class Band(NamedTuple):
 
 
 def transmission_bands(linkage: Mechanism) -> list[Band]:
-    """Return the band of each transmission angle."""
+    """Return the band of the transmission angle; of a machine, one for each of its dyads."""
     names = [name for name in positions(linkage, linkage.input) if name.startswith(ANGLE)]
-    own = [name for name in names if name != ANGLE] or names     # of a machine, each dyad's own
-    found = find_extrema(linkage, own, conditions=False)
+    own = [name for name in names if name != ANGLE] or names
+    every = find_extrema(linkage, own, conditions=False)
     bands = []
     for name in own:
-        places = [extremum for extremum in found if extremum.quantity == name]
-        least, most = (pick(places, key=lambda extremum: extremum.value) for pick in (min, max))
+        extrema = [extremum for extremum in every if extremum.quantity == name]
+        least, most = (pick(extrema, key=lambda extremum: extremum.value) for pick in (min, max))
         worst = max((least, most), key=lambda extremum: abs(extremum.value - 0.5 * pi))
         bands.append(Band(name, least, most, worst))
     return bands
@@ -162,7 +157,7 @@ def input_of(linkage: Mechanism, extremum: Extremum) -> float:
 
 
 def counted(linkage: Mechanism, theta1: float) -> float:
-    """Return an input as it is counted: a crank's angle from 0 to 2 pi, or within its range."""
+    """Return an input as users count it: in its range, of a full turn from 0 to 2 pi."""
     if linkage.is_driven_by_slide:
         return theta1
     if linkage.turns_fully:
@@ -172,7 +167,7 @@ def counted(linkage: Mechanism, theta1: float) -> float:
 
 
 def transmission_angles(linkage: Mechanism) -> list[tuple[str, str]]:
-    """Return rows of the band of each transmission angle over the input: ends, and worst."""
+    """Return a row (name, text) for each transmission angle: least to most, and where worst."""
     rows = []
     for name, least, most, worst in transmission_bands(linkage):
         band = (in_degrees(least.value) if least.kind == CONSTANT else
@@ -187,7 +182,7 @@ def transmission_angles(linkage: Mechanism) -> list[tuple[str, str]]:
 
 
 def extrema_table(linkage: Mechanism, extrema: Sequence[Extremum], title: str) -> PlainTable:
-    """Return the table of a list of Extremum."""
+    """Return the table of extrema: value, place in rad and degrees (and slide), a block each."""
     slides = any(extremum.slide == extremum.slide for extremum in extrema)
     driven = linkage.input_coordinate.position
     driven = driven if driven.startswith('theta') else 'theta1'

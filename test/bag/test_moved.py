@@ -4,14 +4,14 @@
 from types import SimpleNamespace
 
 from fourbar_ros.bag.comparison.inputs import DriveStates
-from fourbar_ros.dynamics.step.mover import DriveValues, NAME, name_of
+from fourbar_ros.dynamics.step.mover import NAME, name_of
 from fourbar_ros.scene.scene import from_values
 import numpy as np
 import pytest
+from support.drive_states import columns_of, STEP
 from support.samples import some
 from support.scenes import PAPER, RODS
 
-STEP = 5_000_000           # [ns]
 ROCKER = {**PAPER, **RODS, 'linkage.a1': 1.2, 'linkage.a2': 0.4, 'drive.source': 'motor',
           'motor.stall_torque': 20.0, 'motor.free_speed': 30.0, 'shaft.stiffness': 400.0,
           'shaft.damping': 2.0, 'motor.rotor_inertia': 0.1,
@@ -29,16 +29,6 @@ def swing():
         rows.append((status, mover.mode, values))
     assert np.count_nonzero(np.diff([mode for _, mode, _ in rows])) >= 3
     return rows
-
-
-def columns_of(rows, first=0):
-    """Return what a bag gives of rows, of which ``first`` is the number of the first."""
-    values = np.array([values for *_, values in rows])
-    records = {'status': np.array([status for status, *_ in rows]),
-               'mode': np.array([mode for _, mode, _ in rows]),
-               **dict(zip(DriveValues._fields, values.T))}
-    places = np.arange(first, first + len(rows))
-    return SimpleNamespace(places=places, headed=STEP * (1 + places), records=records)
 
 
 def moved(*columns, values=ROCKER):

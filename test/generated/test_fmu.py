@@ -11,6 +11,7 @@ import zipfile
 from fourbar_ros import load_scene
 from fourbar_ros.generated import compiled, generate
 from fourbar_ros.pipeline.status import evaluate
+from fourbar_ros.pipeline.stepper import InModes
 from fourbar_ros.scene.scene import from_values
 import numpy as np
 import pytest
@@ -78,6 +79,37 @@ def test_a_master_gets_the_bits_of_the_node(paper):
         expected = {**motion._asdict(), **loads._asdict()}
         assert paper.get('status', *names) == [0.0, *map(expected.get, names)]
     paper('Terminate')
+
+
+@needs_compiler
+def test_a_unit_moves_by_torque_as_the_node_does(tmp_path):
+    scene = load_scene('sundials')
+    unit = Unit(generate(scene, tmp_path, 'fmu2', name='sundials').files[0], tmp_path / 'unit')
+    mover, stepper, step = scene.mover, InModes(scene), 1.0 / scene.drive.rate
+    names = [name for name, cause in unit.causality.items() if cause == 'output']
+    assert {'torque'} == {name for name, cause in unit.causality.items() if cause == 'input'}
+    fields = [*scene.linkage.MOTION._fields, *scene.linkage.LOADS._fields]
+    unit('EnterInitializationMode')
+    unit('ExitInitializationMode')
+    values, status, saved = mover.start(), 0, c_void_p()
+    for i in range(60):
+        _, row = stepper.step(mover.mode, values.position, values.velocity, values.acceleration,
+                              True, True)
+        expected = {**dict(zip(fields, row)), 'status': 0.0, 'drive.status': float(status),
+                    **{f'drive.{name}': value for name, value in values._asdict().items()}}
+        assert unit.get(*names) == [expected[name] for name in names]
+        unit.set(torque=0.1 * i)
+        if i == 30:
+            unit('GetFMUstate', byref(saved))
+        unit('DoStep', c_double(i * step), c_double(step), 1)
+        status, values = mover.next(values, step, 0.1 * i)
+    end = unit.get(*names)
+    unit('SetFMUstate', saved)
+    for i in range(30, 60):
+        unit.set(torque=0.1 * i)
+        unit('DoStep', c_double(i * step), c_double(step), 1)
+    assert unit.get(*names) == end
+    unit('FreeFMUstate', byref(saved))
 
 
 @needs_compiler

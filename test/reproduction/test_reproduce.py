@@ -37,7 +37,7 @@ from fourbar_lab.reproduction.verdicts import (
 )
 from fourbar_ros import __version__
 from fourbar_ros.mechanisms.points import point_motion
-from fourbar_ros.report.significant import significant
+from fourbar_ros.report.labels import significant
 import numpy as np
 import pytest
 from support import ROOT, slider_reference

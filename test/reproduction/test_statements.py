@@ -67,7 +67,7 @@ def test_thelargest_alpha4_and_the_peak_of_the_family_are_where_they_are_said_to
 
 def test_a_counterweight_on_the_crank_cancels_the_force_in_one_pose_alone():
     weighted = statements.counterweighted(published.THIN)
-    at, x = statements.largest_alpha4(published.THIN), np.linspace(-3.0, 3.0, 601)
+    at, x = statements.largest(published.THIN, 'alpha4'), np.linspace(-3.0, 3.0, 601)
     forces = weighted.loads(x, 1.0).shaking_force
     assert weighted.loads(at, 1.0).shaking_force <= 64.0 * EPS * forces.max()
     assert weighted.bodies.crank.mass > published.THIN.bodies.crank.mass

@@ -108,18 +108,21 @@ def random_inputs(mechanism, seed, count, share_unknown=0.02):
     return found
 
 
-def of_python(mechanism, points, inputs):
+def of_python(mechanism, points, inputs, loaded=None):
     """
     Return (statuses, values) of the node for inputs, one by one.
 
     And a mask of those of arrays there: compared by rounding, not bits. Left out are samples of
     unknown rates at a flat position at 0: C has limits there, the node numbers of size 1e76.
+    ``loaded``: (position, rate) -> linkage with the forces of springs there.
     """
     with_loads = mechanism.bodies is not None
     parts = [make_point(REAL, mechanism, *point) for point in points.values()]
     statuses, rows = [], []
     for given in inputs.tolist():
-        status, motion, loads = evaluate(mechanism, *given, with_loads)
+        is_number = loaded and math.isfinite(sum(given[:2]))
+        now = loaded(*given[:2]) if is_number else mechanism
+        status, motion, loads = evaluate(now or mechanism, *given, with_loads and now is not None)
         values = [*motion]
         for part in parts:
             values += part(motion)

@@ -7,8 +7,9 @@ Each is recomputed in the order of the bag, with the code of the node, and compa
 """
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from math import inf, isfinite, isnan, nan
+from typing import Union
 
 from fourbar_ros.bag.comparison.difference import distance_of_two
 from fourbar_ros.bag.comparison.window import in_order
@@ -169,11 +170,20 @@ def inputs_of(columns: Columns, scene: Scene) -> tuple[Array, Array, Array]:
                                             axis=1)
 
 
-def drive_states_of(origin: Origin, about: Mapping[str, str]) -> DriveStates | None:
+def mover_of(scene: Scene, mode: int | None = None) -> Mover:
+    """Return what moves a scene by torque, in a mode beyond a toggle if one is given."""
+    return scene.mover if mode is None else scene.mover_in(mode)
+
+
+MoverOf = Callable[[Scene, Union[int, None]], Mover]      # as mover_of()
+
+
+def drive_states_of(origin: Origin, about: Mapping[str, str],
+                    moved_by: MoverOf = mover_of) -> DriveStates | None:
     """Return the DriveStates of a bag; None if it has no drive, or no order to step in."""
     if origin.scene.dynamics is None or not origin.in_order:
         return None
-    return DriveStates(origin.scene, about.get(KEY, 'unknown'))
+    return DriveStates(origin.scene, about.get(KEY, 'unknown'), moved_by)
 
 
 class DriveStates:
@@ -191,6 +201,8 @@ class DriveStates:
     scene : Scene
     integrator : str
         What the bag says of it.
+    moved_by : callable, optional
+        (scene, mode or None) -> mover.
 
     Attributes
     ----------
@@ -204,8 +216,8 @@ class DriveStates:
 
     """
 
-    def __init__(self, scene: Scene, integrator: str) -> None:
-        self.integrator = integrator
+    def __init__(self, scene: Scene, integrator: str, moved_by: MoverOf = mover_of) -> None:
+        self.integrator, self._moved_by = integrator, moved_by
         drive = scene.dynamics and scene.dynamics.drive
         self._steps = integrator == name_of(scene.linkage, drive.source if drive else None)
         self.largest: dict[str, float] = {}
@@ -218,7 +230,7 @@ class DriveStates:
 
     def change(self, scene: Scene) -> None:
         """Take another scene; the state stays."""
-        self._scene, self._mover = scene, scene.mover
+        self._scene, self._mover = scene, self._moved_by(scene, None)
         self._movers: dict[int, Mover] = {}
 
     def commands(self, blocks: Sequence[Columns]) -> None:
@@ -247,7 +259,7 @@ class DriveStates:
     def _in_mode(self, mode: int) -> Mover:
         """Return what gives accelerations and torques in a mode; of an unknown one the scene's."""
         if mode not in self._movers:
-            self._movers[mode] = self._scene.mover_in(mode)
+            self._movers[mode] = self._moved_by(self._scene, mode)
         return self._movers[mode]
 
     def _one(self, place: int, stamp: int, status: int, mode: int, values: DriveValues) -> None:

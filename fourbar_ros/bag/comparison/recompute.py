@@ -19,6 +19,8 @@ from fourbar_ros.bag.comparison.inputs import (
     drive_states_of,
     DrivenMotions,
     inputs_of,
+    mover_of,
+    MoverOf,
     UNSETTLED,
     WrenchHistory,
 )
@@ -47,7 +49,7 @@ def recompute(path: str | Path) -> list[Difference]:
 
 
 def compare(path: str | Path, progress: Progress | None = None, node: str | None = None,
-            by: Evaluate = evaluate) -> Recomputed:
+            by: Evaluate = evaluate, moved_by: MoverOf = mover_of) -> Recomputed:
     """
     Return the :class:`Recomputed` of a bag.
 
@@ -65,11 +67,13 @@ def compare(path: str | Path, progress: Progress | None = None, node: str | None
         Which node, if a bag of rosbag2 has several.
     by : callable, optional
         What computes motion and loads in place of Python, as ``evaluate`` of generated code.
+    moved_by : callable, optional
+        What moves a drive, as ``mover`` of generated code.
 
     """
     bag = Bag(path)
     origin = origin_of(bag, node)
-    work = Comparison(origin, bag.about(), by)
+    work = Comparison(origin, bag.about(), by, moved_by)
     waiting: list[Columns] | None = None      # a change of the scene may be near its end
     for block in bag.blocks(topics=list(origin.topics.values()), apart=origin.topics.get('scene'),
                             progress=progress):
@@ -97,12 +101,13 @@ class Comparison:
     origin : Origin
     about : dict
         custom_data of the bag.
-    by : callable
-        What computes motion and loads.
+    by, moved_by : callable
+        What computes motion and loads; what moves a drive.
 
     """
 
-    def __init__(self, origin: Origin, about: Mapping[str, str], by: Evaluate) -> None:
+    def __init__(self, origin: Origin, about: Mapping[str, str], by: Evaluate,
+                 moved_by: MoverOf) -> None:
         self._by = by
         self._topics, self._in_order = origin.topics, origin.in_order
         self._name_of = {topic: name for name, topic in origin.topics.items()}
@@ -111,7 +116,7 @@ class Comparison:
         self._differences = Differences()
         self._driven = DrivenMotions(origin.scene, about.get(rate_estimator.KEY)
                                      == str(rate_estimator.VERSION))
-        self._drive_states = drive_states_of(origin, about)
+        self._drive_states = drive_states_of(origin, about, moved_by)
         self._wrenches = WrenchHistory(origin.topics, origin.scene.wrenches.links)
         self._modes = Modes()
         self._window: Window | None = None

@@ -102,25 +102,14 @@ class Regime(NamedTuple):
     """
     A law and where it ends.
 
-    Parameters
-    ----------
-    name : str
-    piece : Piece
-        The law where it is linear.
-    margins : callable, optional
-        (speed w, own state z, dw/dt) -> numbers; the regime ends where one falls below zero.
-    edge : tuple, optional
-        (z_0, z_w) with z = z_0 + z_w w while the source slides along its limit, (M2).
-    tangent : callable, optional
-        w -> Piece with the torque of a smooth law at w and its derivative, of any number type; in
-        place of ``piece``.
-
+    ``tangent``, of any number type, takes the place of ``piece`` for a smooth law: w -> Piece with
+    the torque at w and its derivative.
     """
 
     name: str
-    piece: Piece
-    margins: Margins | None = None
-    edge: tuple[float, float] | None = None
+    piece: Piece                       # the law where it is linear
+    margins: Margins | None = None     # (w, z, dw/dt) -> numbers; it ends where one is negative
+    edge: tuple[float, float] | None = None      # (z_0, z_w), z = z_0 + z_w w if it slides, (M2)
     tangent: Tangent | None = None
 
     def piece_at(self, speed: float) -> Piece:
@@ -226,21 +215,7 @@ class MotorLine(Law):
 
 @dataclass(frozen=True)
 class DCMotor(Law):
-    """
-    Permanent-magnet DC motor with a gear, (D4).
-
-    Parameters
-    ----------
-    voltage : float
-        [V]
-    resistance, inductance : float
-        [ohm], [H]; their ratio is the electrical time constant. An inductance of zero: none.
-    constant : float
-        Torque constant [N m/A], and speed constant [V s/rad].
-    gear : float
-        N.
-
-    """
+    """Permanent-magnet DC motor with a gear of ratio N, (D4); fields state units and meanings."""
 
     own: ClassVar[str] = 'current'
     voltage: float = quantity(unit='V', text='voltage of the armature')
@@ -271,15 +246,7 @@ class SpeedController(Law):
     """
     PI controller of the speed with a limited torque and conditional integration, (D5).
 
-    Parameters
-    ----------
-    speed : float
-        Set point [rad/s].
-    proportional, integral : float
-        [N m s/rad], [N m/rad].
-    limit : float
-        Largest torque [N m].
-
+    Fields state units and meanings.
     """
 
     own: ClassVar[str] = 'speed_error_integral'

@@ -16,6 +16,7 @@ from fourbar_ros.mechanics.bodies import Applied, applied_to, unchecked
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import GROUND, NamedFields
 from fourbar_ros.mechanisms.points import FIXED, LinkMotion, point_of
+from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.number_types import ARRAY, NumberType, REAL, Scalar
 import numpy as np
 from numpy.typing import ArrayLike
@@ -90,6 +91,26 @@ def _links_of(elements: Sequence[Element], linkage: Mechanism) -> set[str]:
     return named
 
 
+def make_external(n: NumberType, linkage: Mechanism, elements: Sequence[Element]
+                  ) -> Callable[[NamedFields, Scalar | Array, Any], Any]:
+    """Return (motion, input, external forces) -> these with those of the elements, unchecked."""
+    links = tuple(link.name for link in linkage.LINKS)
+    named, forces = _links_of(elements, linkage), _make_all(n, linkage, elements)
+
+    def external(motion: NamedFields, position: Scalar | Array, constant: Any) -> Any:
+        """Return a record with the external force on each link, of the number type ``n``."""
+        motions = {link: linkage.link_motion(motion, link) for link in named}
+        motions[GROUND] = FIXED
+        acting, sums = forces(motions, position), []
+        for link in links:
+            applied = applied_to(constant, link)
+            on_link = [force for force in acting if force.link == link]
+            sums.append(unchecked(Applied, *_sum_of(applied, motions[link], on_link))
+                        if link in named else applied)
+        return _on_links(links)(*sums)
+    return external
+
+
 def make_loaded(linkage: Mechanism, elements: Sequence[Element]) -> Loaded:
     """
     Return the function (position, rate) -> linkage with the elements' forces of this moment.
@@ -98,10 +119,7 @@ def make_loaded(linkage: Mechanism, elements: Sequence[Element]) -> Loaded:
     ``loads`` of that linkage include springs, dampers and forces over a position. It returns None
     where a force is not finite.
     """
-    links = tuple(link.name for link in linkage.LINKS)
-    constant = [applied_to(linkage.external, link) for link in links]
-    named, forces = _links_of(elements, linkage), _make_all(REAL, linkage, elements)
-    on_links = _on_links(links)
+    external = make_external(REAL, linkage, elements)
 
     def loaded(position: float, rate: float) -> Mechanism | None:
         """Return the linkage with the forces at this input and rate; accelerations have no say."""
@@ -109,18 +127,13 @@ def make_loaded(linkage: Mechanism, elements: Sequence[Element]) -> Loaded:
             motion = linkage.motion(position, rate, 0.0)
         except FourBarError:
             return linkage                               # it has no loads here either
-        motions = {link: linkage.link_motion(motion, link) for link in named}
-        motions[GROUND] = FIXED
         try:
-            acting = forces(motions, position)
-            if not all(isfinite(number) for force in acting for number in force[1:]):
-                return None
-            return linkage.with_external(on_links(
-                *(Applied(*_sum_of(applied, motions[link], [force for force in acting
-                                                            if force.link == link]))
-                  if link in named else applied for link, applied in zip(links, constant))))
-        except (ArithmeticError, InvalidParameter):      # ends of a spring meet, a sum overflows
+            forces = external(motion, position, linkage.external)
+        except (ArithmeticError, InvalidParameter):      # ends of a spring meet, no finite value
             return None
+        is_finite = all(isfinite(number) for force in forces
+                        for number in (force.force_x, force.force_y, force.couple))
+        return linkage.with_external(forces) if is_finite else None
     return loaded
 
 
@@ -141,16 +154,8 @@ def loads_with(linkage: Mechanism, elements: Sequence[Element], position: ArrayL
     positions, rates, accelerations = (np.ravel(value) for value in given)
     with np.errstate(all='ignore'):
         motion = linkage.motion(positions, rates, accelerations)
-        links = tuple(link.name for link in linkage.LINKS)
-        motions = {link: linkage.link_motion(motion, link)
-                   for link in _links_of(elements, linkage)}
-        motions[GROUND] = FIXED
-        acting = _make_all(ARRAY, linkage, elements)(motions, positions)
-        external = {link: applied_to(linkage.external, link) for link in links}
-        for link in {force.link for force in acting} - {GROUND}:
-            on_link = [force for force in acting if force.link == link]
-            external[link] = unchecked(Applied, *_sum_of(external[link], motions[link], on_link))
-        loads = linkage.with_external(_on_links(links)(**external)).make_loads(ARRAY)(motion)
+        external = make_external(ARRAY, linkage, elements)(motion, positions, linkage.external)
+        loads = linkage.with_external(external).make_loads(ARRAY)(motion)
     rows = [np.broadcast_to(row, positions.shape).reshape(shape) for row in loads]
     record: NamedFields = linkage.LOADS(*(rows if shape else [float(row) for row in rows]))
     return record
@@ -165,8 +170,10 @@ def _on_links(links: tuple[str, ...]) -> Any:
 def _sum_of(constant: Applied, link: LinkMotion, acting: Sequence[Acting]) -> tuple[Scalar, ...]:
     """Return the fields of one external force that does the same as a constant one and others."""
     at = point_of(link, constant.along, constant.across)
-    couple = constant.couple + sum(force.couple + (force.x - at.x) * force.force_y
-                                   - (force.y - at.y) * force.force_x for force in acting)
-    return (constant.force_x + sum(force.force_x for force in acting),
-            constant.force_y + sum(force.force_y for force in acting), constant.along,
-            constant.across, couple)
+    couple, force_x, force_y = 0.0, 0.0, 0.0
+    for force in acting:                  # one by one: sum() rounds otherwise from Python 3.12 on
+        couple = couple + (force.couple + (force.x - at.x) * force.force_y
+                           - (force.y - at.y) * force.force_x)
+        force_x, force_y = force_x + force.force_x, force_y + force.force_y
+    return (constant.force_x + force_x, constant.force_y + force_y, constant.along,
+            constant.across, constant.couple + couple)

@@ -102,6 +102,27 @@ class TorsionSpring:
         return self.first, self.second
 
 
+@dataclass(frozen=True)
+class TableForce:
+    """
+    The function s -> F(s) of a table, times a factor, of floats and arrays.
+
+    ``middle``: the place is an angle that counts within half a turn of it.
+    """
+
+    table: ForceTable
+    factor: float
+    middle: float | None
+
+    def __call__(self, place: Any) -> Any:
+        """Return the force [N] or couple [N m] at a place, a float or an array."""
+        middle = self.middle
+        if middle is not None:
+            place = (middle + remainder(place - middle, tau) if isinstance(place, float)
+                     else place - tau * np.round((place - middle) / tau))
+        return self.factor * self.table(place)
+
+
 INPUT = 'input'        # as the place of a force: that of the mechanism, an angle or a slide
 
 
@@ -198,7 +219,7 @@ class PositionForce:
         return max(1, round(table.span / tau))
 
     def is_over_angle(self, mechanism: Mechanism) -> bool:
-        """Return whether its place is an angle."""
+        """Return whether the place s is an angle: a driven crank's or a link's; else a length."""
         return (not mechanism.is_driven_by_slide if self.over == INPUT
                 else isinstance(self.over, LinkAngle))
 
@@ -212,6 +233,7 @@ class PositionForce:
         value, factor = self.value, self.factor
         if not isinstance(value, ForceTable):
             def force(place: float | Array) -> Any:
+                """Return F(s) of a user's function; a value that is no number is an error."""
                 if isinstance(place, float):
                     return factor * number('value', value(place),
                                            f'at {place!r} must be a finite number')
@@ -219,12 +241,8 @@ class PositionForce:
             return force
         is_angle = self.is_over_angle(mechanism)
         _require_fitting(value, is_angle, mechanism.turns_fully and self.over == INPUT)
-        if value.is_periodic or not is_angle:
-            return lambda place: factor * value(place)
-        middle = value.middle      # a table over an angle holds within half a turn of its middle
-        return lambda place: factor * value(
-            middle + remainder(place - middle, tau) if isinstance(place, float)
-            else place - tau * np.round((place - middle) / tau))
+        return TableForce(value, factor,
+                          value.middle if is_angle and not value.is_periodic else None)
 
 
 def _require_fitting(table: ForceTable, is_angle: bool, counts_turns: bool) -> None:

@@ -78,17 +78,9 @@ class InBothModes:
     A formula of the coordinate q, evaluated in the assembly mode that holds at each q.
 
     A linkage that goes smoothly through the flat position of a change point is in its other mode
-    beyond it. Elsewhere there is one mode, and ``is_alternate`` is None.
-
-    Parameters
-    ----------
-    make_formula : callable
-        (mechanism in a mode, number type) -> function of q that returns several numbers.
-    modes : sequence
-        The mechanism, and where its mode alternates, the same in the other mode.
-    is_alternate : callable, optional
-        q -> whether the other mode holds there.
-
+    beyond it; ``is_alternate``, q -> bool, says where. Elsewhere there is one mode, and it is
+    None. ``make_formula``: (mechanism in a mode, number type) -> function of q that returns
+    several numbers.
     """
 
     def __init__(self, make_formula: MakeFormula, modes: Sequence[DrivenLinks],
@@ -212,7 +204,7 @@ class Equation:
     @cached_property
     def of_one_with_ratio(self) -> Function:
         """
-        Return the function of one q -> (J, J'/2, Q, D, C, r, r'), r = dq_input/dq.
+        Return the function of a float q -> (J, J'/2, Q, D, C, r, r'), r = d(input)/dq, r' = dr/dq.
 
         A drive acts on the input: its torque counts r times in another coordinate.
         """

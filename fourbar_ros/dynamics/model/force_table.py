@@ -62,6 +62,7 @@ class ForceTable:
     is_linear: bool = False
 
     def __post_init__(self) -> None:
+        """Convert both columns to floats, and refuse a table that is no function."""
         for name in ('places', 'values'):
             given = np.ravel(np.asarray(getattr(self, name), dtype=object)).tolist()
             object.__setattr__(self, name, tuple([
@@ -110,8 +111,7 @@ class ForceTable:
             i = np.clip(np.searchsorted(places, place, side='right') - 1, 0, places.size - 2)
             a, b, c, d = self._coefficients[:, i]
             t = place - places[i]
-            force: Array = ((a * t + b) * t + c) * t + d
-            return force
+            return np.asarray(((a * t + b) * t + c) * t + d)
         if self.is_periodic:
             place = first + (place - first) % self.span
         else:
@@ -120,6 +120,11 @@ class ForceTable:
         a, b, c, d = self._rows[piece]
         t = place - self.places[piece]
         return ((a * t + b) * t + c) * t + d
+
+    @property
+    def pieces(self) -> list[tuple[float, ...]]:
+        """Return the coefficients of the pieces, highest power first, each with its start."""
+        return [(*row, start) for row, start in zip(self._rows, self.places)]
 
     @cached_property
     def _rows(self) -> list[list[float]]:

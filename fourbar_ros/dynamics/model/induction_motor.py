@@ -27,20 +27,9 @@ from fourbar_ros.numerics.number_types import Scalar
 @dataclass(frozen=True)
 class InductionMotor(Law):
     """
-    Induction motor with a gear, by Kloss' formula (K1).
+    Induction motor with a gear, by Kloss' formula (K1); fields state units and meanings.
 
-    Parameters
-    ----------
-    breakdown_torque : float
-        Largest torque of the motor [N m].
-    breakdown_slip : float
-        Slip at which it gives that torque.
-    frequency : float
-        Of the supply [Hz].
-    pole_pairs : int
-    gear : float
-        N; negative: the shaft behind it turns the other way.
-
+    A negative gear: the shaft behind it turns the other way.
     """
 
     breakdown_torque: float = quantity(unit='N m or N', above=0.0,

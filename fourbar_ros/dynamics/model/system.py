@@ -85,7 +85,7 @@ class System:
                       *(() if self.is_conservative else (0.0,)))
         self._regime_at = (drive.source.make_regime_at()
                            if drive and isinstance(drive.source, Law) else None)
-        # place of the source's speed in a state: the rate of the input, or behind a shaft dp/dt
+        # index of the source's speed in a state: of the input's rate, or of dp/dt behind a shaft
         self._speed = 3 if shaft else 1
         self.course = Course(make_equation, mechanism, motion[0], self)
         self.derivative = self.course.first.derivative

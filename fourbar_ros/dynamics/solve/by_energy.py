@@ -194,8 +194,7 @@ class Panel(NamedTuple):
     @property
     def weights(self) -> Array:
         """Return the weights of the integral over the panel (Clenshaw and Curtis)."""
-        weights: Array = self.integral[-1]
-        return weights
+        return np.asarray(self.integral[-1])
 
 
 @lru_cache(maxsize=4)
@@ -233,15 +232,13 @@ class Panels(NamedTuple):
     @staticmethod
     def places(first: Array, length: Array, power: Array) -> Array:
         """Return the inputs at the points."""
-        places: Array = first[:, None] + length[:, None] * FINE.points**power[:, None]
-        return places
+        return np.asarray(first[:, None] + length[:, None] * FINE.points**power[:, None])
 
     @property
     def growth(self) -> Array:
         """Return dq/dx at the points."""
         power = self.power[:, None]
-        growth: Array = power * self.length[:, None] * FINE.points**(power - 1.0)
-        return growth
+        return np.asarray(power * self.length[:, None] * FINE.points**(power - 1.0))
 
     def pick(self, places: NDArray[np.generic]) -> Panels:
         """Return some of these panels, by index or mask."""

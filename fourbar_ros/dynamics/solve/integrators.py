@@ -95,29 +95,15 @@ class Result(NamedTuple):
 
 @dataclass
 class Allowance:
-    """
-    What the runs of a simulation may cost together.
+    """What the runs of a simulation may cost together, and what they have cost."""
 
-    Parameters
-    ----------
-    until : float
-        End of a run [s].
-    evaluations, seconds : float
-        Most evaluations of the equation of motion, and most time [s].
-    progress : callable, optional
-        Called with how much of a run is done, 0 to 1.
-    may_stop : bool
-        Whether a run may end long before, so that its length tells nothing of what it takes.
-
-    """
-
-    until: float
-    evaluations: float = inf
-    seconds: float = inf
-    progress: Callable[[float], None] | None = None
-    may_stop: bool = False
-    used: int = 0
-    reason: str = ''
+    until: float                   # end of a run [s]
+    evaluations: float = inf       # most evaluations of the equation of motion
+    seconds: float = inf           # most time [s]
+    progress: Callable[[float], None] | None = None     # called with the share of a run, 0 to 1
+    may_stop: bool = False         # a run may end long before: its length does not tell its cost
+    used: int = 0                  # evaluations so far
+    reason: str = ''               # why a run was given up
     _before: int = 0
     _window: tuple[int, float] = (0, 0.0)
     _began: float = field(default_factory=clock.monotonic)
@@ -173,21 +159,10 @@ def integrate(system: System, method: str, tolerance: float, asked: Array, allow
     """
     Integrate a system from time 0, part by part, to the end or to where the run stops.
 
-    Parameters
-    ----------
-    system : System
-    method : str
-        'auto': DOP853 first.
-    tolerance : float
-        Relative and absolute, of every state.
-    asked : ndarray
-        Times that must be among those of the result, beside those of the steps.
-    allowance : Allowance
-    stop_when : callable, optional
-        The run ends where it crosses zero after the start; of the time and the state of the input.
-    is_finer : bool
-        With other restarts between those at jumps of the torque, so that two runs differ.
-
+    ``tolerance``: relative and absolute, of every state. ``asked``: times that must be among those
+    of the result. ``stop_when``: (time, state of the input) -> number at whose zeros after the
+    start the run ends. ``is_finer``: with restarts between those at jumps of the torque, so that
+    two runs differ.
     """
     allowance.begin()
     plan = _Plan(system, method, tolerance, asked, allowance, stop_when, is_finer)
@@ -258,13 +233,15 @@ class _Plan:
         end = last if compiled or not stops.size else float(stops[0])
         before, is_judged = self._allowance.used, self._method == 'auto'
         part = (_run_compiled if compiled else _run_by_steps)(Task(
-            phase, system.make_derivative(phase, regime), events,
-            system.kinks(phase, regime) if regime else None,
-            system.on_edge(phase, state, regime), first, end, now, self._tolerance, stops,
-            asked[(asked > first) & (asked < end)], self._allowance, system.is_conservative,
-            is_judged and now == 'DOP853' and regime not in self._paces,
-            self._paces.get(regime, inf) if is_judged and now == 'LSODA' else inf, self._step,
-            'dop853' if self._is_finer or stops.size <= MOST_STOPS else 'dopri5'))
+            phase=phase, derivative=system.make_derivative(phase, regime), events=events,
+            kinks=system.kinks(phase, regime) if regime else None,
+            start=system.on_edge(phase, state, regime), first=first, last=end, method=now,
+            tolerance=self._tolerance, stops=stops, asked=asked[(asked > first) & (asked < end)],
+            allowance=self._allowance, is_projected=system.is_conservative,
+            judges=is_judged and now == 'DOP853' and regime not in self._paces,
+            pace=self._paces.get(regime, inf) if is_judged and now == 'LSODA' else inf,
+            step=self._step,
+            compiled='dop853' if self._is_finer or stops.size <= MOST_STOPS else 'dopri5'))
         if stop:
             self._stop_value = (stop.function(float(part.time[-1]), part.states[:, -1])
                                 or self._stop_value)
@@ -280,7 +257,7 @@ class _Plan:
         if stop_when is None:
             return None
 
-        def stop(time: float, state: Any) -> float:
+        def stop(time: float, state: Any) -> float:      # state: in the coordinate of the phase
             return number('stop_when', stop_when(time, phase.states_of_input(np.asarray(state))))
         if first == 0.0:
             self._stop_value = stop(first, state) or nan      # nothing stops at the start
@@ -391,17 +368,13 @@ def _ends_at(task: Task, times: Sequence[float], state: Array) -> str:
     return COMPLETE
 
 
-def _make_begin(solver: Any, task: Task, keep: Callable[[float, Array], int]
-                ) -> Callable[[float, Sequence[float] | Array, float], None]:
-    """Return the function (time, state, first step) that restarts the compiled integrator."""
-    def begin(time: float, state: Sequence[float] | Array, step: float) -> None:
-        """Start at a state; ``keep`` is called with (time, state) after each step."""
-        solver.set_integrator(task.compiled, rtol=task.tolerance, atol=task.tolerance,
-                              nsteps=MOST_STEPS, first_step=step,
-                              max_step=task.last - task.first)      # scipy 1.17.0: else 1 s
-        solver.set_solout(keep)
-        solver.set_initial_value(state, time)
-    return begin
+
+def _targets(task: Task) -> list[tuple[float, float]]:
+    """Return (time, next stop) of all times to go to, in order: stops and times asked for."""
+    stops = np.unique(np.concatenate([task.stops, [task.last]]))
+    next_stops = stops[np.searchsorted(stops, task.asked)] if task.asked.size else task.asked
+    return sorted({*zip(stops.tolist(), stops.tolist()),
+                   *zip(task.asked.tolist(), next_stops.tolist())})
 
 
 def _run_compiled(task: Task) -> Part:
@@ -415,8 +388,7 @@ def _run_compiled(task: Task) -> Part:
         from scipy.integrate import ode
     except ModuleNotFoundError as error:
         raise MissingPackage('simulation', error) from error
-    times: list[float] = []
-    states: list[Array] = []
+    times, states = list[float](), list[Array]()
     end, counted = COMPLETE, _Counted(task, task.last)
 
     def keep(time: float, state: Array) -> int:
@@ -428,15 +400,19 @@ def _run_compiled(task: Task) -> Part:
             end = _ends_at(task, times, state)
         return 0 if end == COMPLETE else -1
 
-    solver = ode(counted)
-    begin = _make_begin(solver, task, keep)
+    def begin(time: float, state: Sequence[float] | Array, step: float) -> None:
+        """Restart at a state; ``keep`` is called with (time, state) after each step."""
+        solver.set_integrator(task.compiled, rtol=task.tolerance, atol=task.tolerance,
+                              nsteps=MOST_STEPS, first_step=step,
+                              max_step=task.last - task.first)      # scipy 1.17.0: else 1 s
+        solver.set_solout(keep)
+        solver.set_initial_value(state, time)
+
+    solver: Any = ode(counted)
     begin(task.first, task.start, task.step)
-    stops = np.unique(np.concatenate([task.stops, [task.last]]))
-    next_stops = stops[np.searchsorted(stops, task.asked)] if task.asked.size else task.asked
     with warnings.catch_warnings():
         warnings.simplefilter('ignore', UserWarning)      # of what the end of the part says
-        for time, stop in sorted({*zip(stops.tolist(), stops.tolist()),
-                                  *zip(task.asked.tolist(), next_stops.tolist())}):
+        for time, stop in _targets(task):
             counted.stop_at(stop)
             if times and time <= times[-1] * (1.0 + SHORTEST):      # one time, differently rounded
                 begin(time, solver.y, task.step)

@@ -55,17 +55,8 @@ class Phase:
     """
     Motion of a system in one coordinate, from one assembly mode on.
 
-    Parameters
-    ----------
-    course : Course
-        What it is a part of.
-    equation : Equation
-        In this coordinate.
-    start : float
-        A value of the coordinate at which the mechanism is in the mode of the equation.
-    other : Mechanism, or one of its ``driven_otherwise()``, optional
-        The coordinate that takes over; None: nothing does.
-
+    ``start``: a value of the coordinate at which the mechanism is in the mode of the equation;
+    ``other``: the coordinate that takes over near a toggle, None where none does.
     """
 
     def __init__(self, course: Course, equation: Equation, start: float,
@@ -84,14 +75,23 @@ class Phase:
         assert self._other is not None, 'no coordinate takes over'
         return self._other
 
+    def make_other(self, coordinate: DrivenLinks, n: NumberType) -> Function:
+        """Return the formula of the coordinate that takes over, with its two derivatives."""
+        return make_reading(self._next_coordinate)(coordinate, n)
+
     @cached_property
     def _reading(self) -> InBothModes:
-        return self.equation.in_both_modes(make_reading(self._next_coordinate))
+        return self.equation.in_both_modes(self.make_other)
+
+    @property
+    def unit_of_ratio(self) -> float:
+        """Return the unit of this coordinate in units of the one that takes over."""
+        return self.equation.coordinate.input_unit / self._next_coordinate.input_unit
 
     @cached_property
     def pose(self) -> InBothModes:
         """Return the function p -> places and directions of all links, by which modes are told."""
-        return self.equation.in_both_modes(_make_directions)
+        return self.equation.in_both_modes(make_pose)
 
     def prepare(self) -> None:
         """Make the functions of this phase now: the first use takes as long as 100 steps."""
@@ -105,8 +105,7 @@ class Phase:
         An event of an integrator; both coordinates count in units of the linkage's size.
         """
         ratio = abs(self._reading(float(state[0]))[1])
-        unit = self.equation.coordinate.input_unit / self._next_coordinate.input_unit
-        return float(min(ratio * unit, 1e3) - LONGEST)
+        return float(min(ratio * self.unit_of_ratio, 1e3) - LONGEST)
 
     def to_flat(self, time: float, state: State) -> float:
         """Return a number that changes its sign at the flat positions of a change point."""
@@ -183,7 +182,7 @@ class Phase:
         distances = []
         for mode in mechanism.modes_passed:
             with np.errstate(all='ignore'):
-                pose = _make_directions(mechanism.in_mode(mode), ARRAY)(inputs)
+                pose = make_pose(mechanism.in_mode(mode), ARRAY)(inputs)
             distances.append(np.nan_to_num(sum((a - b)**2 for a, b in zip(own, pose)), nan=np.inf))
         modes: NDArray[np.int64] = np.array(mechanism.modes_passed)[np.argmin(distances, axis=0)]
         return modes
@@ -194,8 +193,8 @@ def _of_system(system: System, key: tuple[bool, int, float]) -> Phase:
     return system.course.of(*key)
 
 
-def _make_directions(coordinate: DrivenLinks, n: NumberType
-                     ) -> Callable[[Scalar], list[Scalar]]:
+def make_pose(coordinate: DrivenLinks, n: NumberType
+              ) -> Callable[[Scalar], list[Scalar]]:
     """Return the formula p -> (x, y, cosine, sine) of all links one after the other: the pose."""
     coefficients = coordinate.make_coefficients(n)
     return lambda position: [value for curve in coefficients(position)
@@ -206,16 +205,8 @@ class Course:
     """
     All phases of the motions of a system: each coordinate in each mode, made when first needed.
 
-    Parameters
-    ----------
-    make_equation : callable
-        (mechanism in a mode, start, coordinate or None for the input) -> Equation.
-    mechanism : Mechanism
-        In its mode at the start.
-    start : float
-        The input there.
-    system : System
-
+    ``make_equation``: (mechanism in a mode, start, coordinate or None for the input) -> Equation;
+    ``mechanism``: in its mode at the input ``start``.
     """
 
     def __init__(self, make_equation: MakeEquation, mechanism: Mechanism, start: float,
@@ -224,11 +215,11 @@ class Course:
         self.system, self._start = system, start
         others = () if mechanism.turns_fully else mechanism.driven_otherwise()
         self._others = {other.mode: other for other in others}
-        self._middle = 0.0
+        self.middle = 0.0
         if others and not mechanism.is_driven_by_slide:
             middles = [0.5 * (low + high) for low, high in mechanism.input_ranges]
             middle = min(middles, key=lambda value: abs(remainder(start - value, tau)))
-            self._middle = start - remainder(start - middle, tau)
+            self.middle = start - remainder(start - middle, tau)
         self._phases: dict[tuple[bool, int, int], Phase] = {}
         self._poses: dict[tuple[bool, int], Function] = {}
         self.first = self.of(True, mechanism.mode, start)
@@ -248,8 +239,8 @@ class Course:
         if self._mechanism.is_driven_by_slide:
             return value
         if isinstance(value, float):
-            return self._middle + remainder(value - self._middle, tau)
-        return value - tau * np.round((value - self._middle) / tau)
+            return self.middle + remainder(value - self.middle, tau)
+        return value - tau * np.round((value - self.middle) / tau)
 
     def _in_modes(self, is_input: bool) -> Mapping[int, DrivenLinks]:
         """Return {mode: mechanism driven by the input, or by the other coordinate}."""
@@ -304,7 +295,7 @@ class Course:
         """Return the function of a float -> pose, of a coordinate in a mode; made once."""
         if (is_input, mode) not in self._poses:
             coordinate = self._in_modes(is_input)[mode]
-            self._poses[is_input, mode] = straight_line(partial(_make_directions, coordinate))
+            self._poses[is_input, mode] = straight_line(partial(make_pose, coordinate))
         return self._poses[is_input, mode]
 
     def _distance(self, pose: Sequence[float], is_input: bool, mode: int,

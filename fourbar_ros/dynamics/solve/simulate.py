@@ -121,14 +121,12 @@ class Run:
     @property
     def position(self) -> Array:
         """Return the input over time [rad] or [m]."""
-        position: Array = self.states[0]
-        return position
+        return np.asarray(self.states[0])
 
     @property
     def rate(self) -> Array:
         """Return the rate of the input over time [rad/s] or [m/s]."""
-        rate: Array = self.states[1]
-        return rate
+        return np.asarray(self.states[1])
 
     @property
     def torque(self) -> Array:
@@ -368,8 +366,7 @@ def _asked(wanted: Array | None) -> Array:
 
 def _some(times: Array) -> Array:
     """Return some of the times of a run, its last among them."""
-    some: Array = times[np.unique(np.linspace(0, times.size - 1, COMPARED).astype(int))]
-    return some
+    return np.asarray(times[np.unique(np.linspace(0, times.size - 1, COMPARED).astype(int))])
 
 
 def _difference(rough: Result, fine: Result) -> float:

@@ -110,23 +110,10 @@ class Mover:
     does not (:meth:`tells_all` is false); the mover then keeps the rest for the values that it
     gave last.
 
-    Parameters
-    ----------
-    system : System
-    tolerance : float
-        Allowed error of one step: in the coordinate and the twist, and in speeds times its length.
-    budget : int
-        Most evaluations of the equation of motion in one step.
-    takes_commands : bool
-        The torque comes from a topic.
-
-    Attributes
-    ----------
-    mode : int
-        Assembly mode of the values that it gave last; 0: a message cannot tell it.
-    passes : bool
-        Whether it goes through toggles.
-
+    ``tolerance``: allowed error of one step, in the coordinate and the twist, and in speeds times
+    its length. ``budget``: most evaluations of the equation of motion in one step.
+    ``takes_commands``: the torque comes from a topic. ``mode``: assembly mode of the values that
+    it gave last; 0: a message cannot tell it. ``passes``: whether it goes through toggles.
     """
 
     def __init__(self, system: System, tolerance: float, budget: int,

@@ -44,22 +44,10 @@ class PhaseSteps:
     """
     Steps of a system in one coordinate.
 
-    Parameters
-    ----------
-    system : System
-    tolerance : float
-        Allowed error of one step: in the coordinate and the twist, and in speeds times its length.
-    budget : int
-        Most evaluations of the equation of motion in one step.
-    phase : Phase, optional
-        Its coordinate and assembly mode; a part of a step then ends where another one takes over.
-        Not given: the input in the mode of the system, up to its limits.
-
-    Attributes
-    ----------
-    evaluations : int
-        Of the equation of motion; to be set to zero where a step begins.
-
+    ``tolerance``, ``budget``: as of :class:`~fourbar_ros.dynamics.step.mover.Mover`. ``phase``:
+    its coordinate and assembly mode; a part of a step then ends where another one takes over.
+    None: the input in the mode of the system, up to its limits. ``evaluations``: of the equation
+    of motion; to be set to zero where a step begins.
     """
 
     def __init__(self, system: System, tolerance: float, budget: int,
@@ -146,13 +134,15 @@ class PhaseSteps:
         """Return the speed of the motor behind the gear [rad/s], [m/s]."""
         if self._is_input or self._motor == 3:
             return state[self._motor]
-        return self._terms_at(state[0])[5] * state[1]
+        *_, ratio, _ = self._terms_at(state[0])
+        return ratio * state[1]
 
     def _slope(self, terms: Terms, state: State, change: State) -> float:
         """Return the acceleration of the input, (T3)."""
         if self._is_input:
             return change[1]
-        return terms[5] * change[1] + terms[6] * state[1] * state[1]
+        *_, ratio, ratio_slope = terms
+        return ratio * change[1] + ratio_slope * state[1] * state[1]
 
     def _terms_at(self, position: float) -> Terms:
         """Return the terms at a position; the last ones are kept, as values ask for them again."""
@@ -216,7 +206,7 @@ class PhaseSteps:
             return False
 
     def _linear(self, state: State, piece: Piece) -> tuple[Terms, State, float]:
-        """Return the terms, dx/dt and the derivative of du/dt by p, a difference."""
+        """Return the terms, dx/dt and, as a difference, the derivative of du/dt by p."""
         self.evaluations += 2
         position, derivative = state[0], self._equations.derivative
         terms = self._terms_at(position)

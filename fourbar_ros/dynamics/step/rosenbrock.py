@@ -14,7 +14,7 @@ from typing import Any
 from fourbar_ros.dynamics.model.drives import Piece, Tangent
 from fourbar_ros.dynamics.model.equation import Equation
 from fourbar_ros.dynamics.step.step_equations import Elastic, plus, Rigid, State, Terms
-from fourbar_ros.numerics.number_types import Function
+from fourbar_ros.numerics.number_types import Function, NumberType
 from fourbar_ros.numerics.straight_line import straight_line
 
 GAMMA = 0.25
@@ -38,28 +38,20 @@ GIVEN = 5 + 1 + 7 + 1 + len(Piece._fields)
 
 class Rosenbrock:
     """
-    One step of given length.
+    One step of given length, of an equation of motion with the equations of shaft and source.
 
-    Parameters
-    ----------
-    equation : Equation
-    equations : Elastic or Rigid
-    has_own : bool
-        The source has a state of its own.
-    tangent : callable, optional
-        Of a source whose law is not linear: the law next to a speed.
-
+    ``has_own``: the source has a state of its own; ``tangent``: of a source whose law is not
+    linear, the law next to a speed.
     """
 
     def __init__(self, equation: Equation, equations: Elastic | Rigid, has_own: bool,
                  tangent: Tangent | None = None) -> None:
         self._equations, self._has_own, self._is_input = equations, has_own, equation.is_input
-        self._tangent = tangent
+        self._tangent, self._equation = tangent, equation
         self._formula = self._make(equation.of_one_with_ratio)
         # in both modes of a change point there is no one formula
         self._line = (self._formula if equation.changes_mode else
-                      straight_line(lambda n: self._make(
-                          equation.make_with_ratio(equation.coordinate, n)), GIVEN))
+                      straight_line(self.make, GIVEN))
 
     def __call__(self, state: State, h: float, terms: Terms, by_position: float,
                  piece: Piece) -> Stepped:
@@ -77,6 +69,10 @@ class Rosenbrock:
             stepped = self._formula(*state, h, *terms, by_position, *piece)
         return stepped
 
+    def make(self, n: NumberType) -> Function:
+        """Return the formula of a step for a number type, in the mode of the equation."""
+        return self._make(self._equation.make_with_ratio(self._equation.coordinate, n))
+
     def _make(self, terms_at: Function) -> Function:
         """Return the formula of numbers, GIVEN of them, for a function position -> Terms."""
         derivative, linear = self._equations.derivative, self._equations.linear
@@ -84,7 +80,7 @@ class Rosenbrock:
         is_input, tangent = self._is_input, self._tangent
 
         def formula(p: Any, u: Any, s: Any, v: Any, z: Any, h: Any, *given: Any) -> Any:
-            """Return state and error after a step, of the numbers that ``__call__`` is given."""
+            """Return the nine numbers of ``__call__``; t_w: torque by speed, d_z: as in (M1)."""
             terms: Any = (*given[:5], 1.0, 0.0) if is_input else given[:7]
             by_position, t, t_w, t_z, d, d_w, d_z = given[7:]
             s, v = (s, v) if has_shaft else (0.0, 0.0)
@@ -95,8 +91,8 @@ class Rosenbrock:
 
             def add_stage(place: Any, weights: Any) -> None:
                 """Solve for the next u_i: f at a place, plus earlier stages times weights / h."""
-                there = terms_at(place[0])
-                speed = place[3] if has_shaft else there[5] * place[1]
+                *_, ratio, _ = there = terms_at(place[0])
+                speed = place[3] if has_shaft else ratio * place[1]
                 right = derivative(there, place, tangent(speed) if tangent else piece)
                 stages.append(solve(_sum(right, [weight / h for weight in weights], stages)))
 

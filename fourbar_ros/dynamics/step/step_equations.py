@@ -40,7 +40,8 @@ class Rigid:
     @staticmethod
     def on_input(terms: Terms, state: State, piece: Piece) -> float:
         """Return the torque on the input."""
-        return piece.torque_at(terms[5] * state[1], state[4])
+        *_, ratio, _ = terms
+        return piece.torque_at(ratio * state[1], state[4])
 
     @staticmethod
     def derivative(terms: Terms, state: State, piece: Piece) -> State:
@@ -91,7 +92,8 @@ class Elastic:
     def on_input(self, terms: Terms, state: State, piece: Piece) -> float:
         """Return the torque on the input."""
         k, c, _ = self._given
-        return k * state[2] + c * (state[3] - terms[5] * state[1])
+        *_, ratio, _ = terms
+        return k * state[2] + c * (state[3] - ratio * state[1])
 
     def derivative(self, terms: Terms, state: State, piece: Piece) -> State:
         """Return dx/dt by (N1), for the terms of (E1) at p and a piece of the source's law."""

@@ -31,17 +31,8 @@ def count_extrema(lengths: Sequence[float]) -> list[int | None]:
     """
     Return the numbers of extrema of theta4' and theta4'' in one mode, without ends of the range.
 
-    Parameters
-    ----------
-    lengths : sequence of 4 floats
-        a1, a2, a3, a4.
-
-    Returns
-    -------
-    list of 2 (int or None)
-        The counts for theta4' and theta4''. None where the count proves nothing: the quantity is
-        constant in a range, or its derivative may touch zero without a change of sign.
-
+    ``lengths``: a1, a2, a3, a4. A count is None where it proves nothing: the quantity is constant
+    in a range, or its derivative may touch zero without a change of sign.
     """
     ratios = [float(length).as_integer_ratio() for length in lengths]
     unit = max(denominator for _, denominator in ratios)
@@ -62,7 +53,7 @@ def count_extrema(lengths: Sequence[float]) -> list[int | None]:
 
 
 def rate_polynomials(a1: int, a2: int, a3: int, a4: int) -> tuple[Polynomial, ...]:
-    """Return 2 R, 2 M, 4 q^2 P6 and 4 q^3 P11 of a linkage with lengths of integers."""
+    """Return the polynomials 2 R, 2 M, 4 q^2 P6, 4 q^3 P11 in q for lengths that are integers."""
     e, f = (a1 - a4) * (a1 + a4), (a2 - a3) * (a2 + a3)
     q, q_plus_f = Polynomial([0, 1]), Polynomial([f, 1])
     S = Polynomial([(a1 + a4)**2, -1]) * Polynomial([-(a1 - a4)**2, 1])
@@ -76,19 +67,12 @@ def rate_polynomials(a1: int, a2: int, a3: int, a4: int) -> tuple[Polynomial, ..
 
 
 class Polynomial:
-    """
-    A polynomial with integer coefficients of any size.
-
-    Parameters
-    ----------
-    c : sequence of int
-        Coefficients, the lowest power first; zeros at the end are dropped.
-
-    """
+    """A polynomial with integer coefficients c of any size, the lowest power first."""
 
     __slots__ = ('c',)
 
     def __init__(self, c: Sequence[int]):
+        """Drop zeros at the end, so that the degree is right."""
         size = len(c)
         while size and c[size - 1] == 0:
             size -= 1
@@ -109,6 +93,7 @@ class Polynomial:
         return self + -1 * other
 
     def __mul__(self, other: Polynomial) -> Polynomial:
+        """Return the product, coefficient by coefficient."""
         c = [0] * (len(self.c) + len(other.c))
         for i, a in enumerate(self.c):
             for j, b in enumerate(other.c):
@@ -140,9 +125,9 @@ class Polynomial:
 
 def count_roots(P: Polynomial, low: int, high: int) -> int | None:
     """
-    Return the number of roots of P between low and high, both excluded, and without that at 0.
+    Return the number of roots of P between low and high, without both ends and 0.
 
-    None if one of them is not simple, or P is zero.
+    None if one of them is not simple, or P is zero. (x - 1)(x - 2)(x - 5) has 2 between 0 and 3.
     """
     for end in (0, low, high):
         while P.c and P(end) == 0:
@@ -156,15 +141,24 @@ def count_roots(P: Polynomial, low: int, high: int) -> int | None:
 
 
 def _changes(chain: list[Polynomial], low: int, high: int) -> int:
-    """Return the number of distinct roots of the first of a Sturm chain between low and high."""
+    """
+    Return the number of distinct roots between low and high of the first of a Sturm chain.
+
+    Sturm: the chain changes its sign from member to member so many times less at ``high``.
+    """
     def sign_changes(x: int) -> int:
+        """Return how often neighbours in the chain, without zeros, differ in sign at x."""
         signs = [value > 0 for value in (P(x) for P in chain) if value]
         return sum(one is not other for one, other in zip(signs, signs[1:]))
     return sign_changes(low) - sign_changes(high)
 
 
 def sturm_chain(P: Polynomial) -> list[Polynomial]:
-    """Return the Sturm chain of P, not zero, each member over the content of its coefficients."""
+    """
+    Return the Sturm chain of P, not zero: P, P', then minus the remainder of each two before.
+
+    Common factors are divided out, or integers would grow to thousands of digits.
+    """
     chain = [_primitive(P), _primitive(P.derivative)]
     while len(chain[-1].c) > 1:
         remainder = _negative_remainder(chain[-2], chain[-1])
@@ -175,7 +169,7 @@ def sturm_chain(P: Polynomial) -> list[Polynomial]:
 
 
 def _negative_remainder(P: Polynomial, D: Polynomial) -> Polynomial:
-    """Return -(P mod D) times a positive integer."""
+    """Return -(P mod D) times a positive integer, by which it stays a polynomial of integers."""
     size, sign = abs(D.c[-1]), 1 if D.c[-1] > 0 else -1
     while len(P.c) >= len(D.c):
         shift = [0] * (len(P.c) - len(D.c))

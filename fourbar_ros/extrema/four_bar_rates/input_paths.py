@@ -37,43 +37,24 @@ import numpy as np
 # At a change point itself the period of u is infinite. There the branches are smooth in x, so the
 # points of a linkage that clears the flat position by this much (of 4 a1 a4) serve.
 CLEARANCE = 2.0**-6
-# Samples for each unit of u; counts.
-POINTS_PER_FEATURE = 4
+POINTS_PER_FEATURE = 4      # samples for each unit of :attr:`HalfTurn.period`
 
 
 class HalfTurn(NamedTuple):
-    """
-    theta1/2 as a function of u, over the range of theta1 in [0, pi].
+    """theta1/2 as a function of u over theta1 in [0, pi], of one linkage or of many."""
 
-    Parameters
-    ----------
-    period : float or ndarray
-        K: the length of the range in units in which quantities have features no narrower than
-        about one.
-    unit : float or ndarray
-        Such a unit, in u.
-    up, down : float or ndarray
-        Factors of numerator and denominator of the tangent.
-    steps : list
-        Those of :func:`.landen_steps`.
-    crosses : tuple of 2 bools
-        Whether theta1 reaches pi, and whether it reaches 0.
-
-    """
-
-    period: Array
-    unit: Array
-    up: Array
-    down: Array
-    steps: list[tuple[Array, Array]]
-    crosses: tuple[bool, bool]
+    period: Array        # K: length of the range in units of about the narrowest feature
+    unit: Array          # such a unit, in u
+    up: Array            # factor of the numerator of tan(theta1/2)
+    down: Array          # factor of its denominator
+    steps: list[tuple[Array, Array]]      # those of :func:`.landen_steps`
+    crosses: tuple[bool, bool]            # whether theta1 reaches pi, and whether it reaches 0
 
     def __call__(self, sine: Array, cosine: Array) -> tuple[Array, Array]:
         """
-        Return numerator and denominator of the tangent of theta1/2.
+        Return numerator and denominator of tan(theta1/2) at the sine and cosine of pi t/2.
 
-        They are taken at the sine and cosine of pi t/2, t from 0 at the lower end of theta1 in
-        [0, pi] to 1 at the upper end, uniform in u.
+        t is uniform in u: 0 at the lower end of theta1 in [0, pi], 1 at the upper end.
         """
         up, down, (out, inside) = self.up, self.down, self.crosses
         if not out:
@@ -83,7 +64,7 @@ class HalfTurn(NamedTuple):
         return up * sn if inside else up, down * cn
 
     def part(self, which: slice) -> HalfTurn:
-        """Return that of some of many linkages."""
+        """Return the half turns of some of many linkages."""
         period, unit, up, down, steps, crosses = self
         return HalfTurn(period[which], unit[which], up[which], down[which],
                         [(k[which], k1[which]) for k, k1 in steps], crosses)
@@ -91,15 +72,10 @@ class HalfTurn(NamedTuple):
 
 def half_turn(s1: Values, s2: Values, k: Values, crosses_out: bool, crosses_in: bool) -> HalfTurn:
     """
-    Return the :class:`HalfTurn` of one or many linkages.
+    Return the :class:`HalfTurn` of one or many linkages with s1, s2, not zero, and k = 4 a1 a4.
 
-    Parameters
-    ----------
-    s1, s2, k : float or ndarray
-        Not zero; k = 4 a1 a4.
-    crosses_out, crosses_in : bool
-        Whether s1 > 0, so that theta1 reaches pi, and s2 > 0, so that it reaches 0.
-
+    ``crosses_out``: s1 > 0, so that theta1 reaches pi; ``crosses_in``: s2 > 0, so that it reaches
+    0.
     """
     s1, s2 = np.asarray(s1), np.asarray(s2)
     s1b, s2b = s1 + k, s2 + k
@@ -117,9 +93,10 @@ def half_turn(s1: Values, s2: Values, k: Values, crosses_out: bool, crosses_in: 
 
 def phases(count: int, low_is_toggle: bool, high_is_toggle: bool) -> tuple[Array, Array, float]:
     """
-    Return the arguments of a :class:`HalfTurn` for equal steps of u, and the step of t.
+    Return (sines, cosines) of pi t/2 at ``count`` equal steps of t in [0, 1], and the step.
 
-    They include a toggle, and leave half a step where the motion goes on symmetrically.
+    An end that is a toggle is a sample; at an end where the motion goes on symmetrically, through
+    theta1 = 0 or pi, samples begin half a step inside.
     """
     first, last = 0.5 * (not low_is_toggle), 0.5 * (not high_is_toggle)
     step = 1.0 / (count - 1 + first + last)
@@ -129,9 +106,10 @@ def phases(count: int, low_is_toggle: bool, high_is_toggle: bool) -> tuple[Array
 
 def input_paths(linkage: FourBar, points: int) -> list[InputPath]:
     """
-    Return the paths that make up the motion of a linkage in its mode.
+    Return the paths that make up the motion of a linkage in its mode, sampled uniformly in u.
 
-    ``points`` is the least number of points of a full turn, without those added at the ends.
+    ``points`` is the least number of points of a full turn, without those added at the ends. They
+    are computed for 0 < theta1 < pi and mirrored.
     """
     a1, a2, a3, a4 = scaled(linkage.lengths)
     k = 4.0 * a1 * a4
@@ -188,7 +166,11 @@ def landen_steps(m1: Array) -> list[tuple[Array, Array]]:
 
 def jacobi(sine: Array, cosine: Array,
            steps: Sequence[tuple[Array, Array]]) -> tuple[Array, Array, Array]:
-    """Return sn, cn, dn of u at the phase pi u/(2 K), given by its sine and cosine."""
+    """
+    Return Jacobi's sn, cn, dn of u from sine and cosine of the phase pi u/(2 K).
+
+    ``steps``: of :func:`landen_steps`; each turns the functions of one modulus into the next ones.
+    """
     sn, cn, dn = sine, cosine, sine * sine + cosine * cosine
     for k, k1 in steps:
         square = sn * sn

@@ -28,10 +28,9 @@ NAMES = 'sc', 'cc', 'g', 'gu', 'k', 'ku', 'X', 'Y'
 
 class Path:
     """
-    Samples of linkages ``row`` along one path each.
+    Samples of linkages ``row``, along one path of each.
 
     ``samples``: :data:`NAMES`, each of shape (samples, linkages); Y only where the path has ends.
-
     ``step``: of u between samples, with the sign of X: shape (linkages,).
     """
 
@@ -46,7 +45,7 @@ class Path:
         return self._column.size
 
     def _at(self, i: Array, column: Array, *names: str) -> list[Array]:
-        """Return theta1 at samples, and what has these names there."""
+        """Return theta1 and the values of some :data:`NAMES` at samples i of linkages column."""
         place = i * self.row.size + column
         sc, cc, *others = (self._samples[name].take(place) for name in ('sc', 'cc', *names))
         return [2.0 * np.arctan2(sc, cc), *others]
@@ -59,8 +58,13 @@ class Path:
                           'g', 'Y')]
 
     def brackets_of_k(self, k_at: Callable[[Array, Array], Array]) -> tuple[Array, ...]:
-        """Return (interval, row, xa, xb, fa, guess) of all roots of k."""
+        """
+        Return brackets (interval, row, xa, xb, fa, guess) of all roots of k on the path.
+
+        ``k_at``: (theta1, row) -> k, to look closely where a pair of roots may hide.
+        """
         def at(i: Array, column: Array) -> tuple[Array, Array]:
+            """Return theta1 at a sample, and a third of what it rises in a step."""
             x, X = self._at(i, column, 'X')
             return x, self.third[column] * X
         i, column, *bracket = find_brackets(lambda x, column: k_at(x, self.row[column]), at,
@@ -75,7 +79,12 @@ class Path:
         return x, g, g * X / gu
 
     def brackets_of_g(self, i: Array, root: Array, *g_there: Array) -> tuple[Array, ...]:
-        """Return (row, xa, xb, fa, guess) of sign changes of g between samples, roots of k."""
+        """
+        Return brackets (row, xa, xb, fa, guess) of all roots of g on the path.
+
+        Between two roots of g lies one of k: so samples and the roots of k (in intervals i, with g
+        and its Newton step ``g_there``) split the path into parts with one root of g at most.
+        """
         column, number = self._column, len(self._samples['g'])
         positive = self._samples['g'] >= 0.0
         if self.is_closed:
@@ -108,9 +117,10 @@ class Path:
 def paths_of(constants: Array, chosen: Array, is_unequal: Array,
              samples: int) -> Iterator[Path]:
     """
-    Yield the :class:`Path` of each group of one kind of input range and one number of samples.
+    Yield a :class:`Path` for each group of linkages that are sampled alike.
 
-    Linkages with unequal links are in groups of their own: see :func:`.make_sines`.
+    They have the same kind of input range (does theta1 reach pi, 0?) and number of samples. Very
+    unequal links are in groups of their own: :func:`.make_sines` does without the loop for them.
     """
     crosses_out, crosses_in = constants[:2] > 0.0
     for out, inside, unequal in product((False, True), repeat=3):
@@ -137,11 +147,10 @@ def paths_of(constants: Array, chosen: Array, is_unequal: Array,
 def _samples(constants: Array, number: int, out: bool, inside: bool,
              by_loop: bool) -> tuple[Array, Array]:
     """
-    Return samples of both halves of the range, and their step.
+    Return samples of both halves of the range, (8, 2, number, linkages), and their step.
 
-    As :class:`Path` takes them, of shape (8, 2, number, linkages); 7 where the range has no ends.
-
-    The half of theta1 < 0 comes first, except where the range is around pi.
+    As :class:`Path` takes them; 7 values where the range has no ends. The half of theta1 < 0 comes
+    first, except where the range is around pi.
     """
     of_u, cosines, step = phases(number, not inside, not out)
     sides = (1, -1) if out and not inside else (-1, 1)
@@ -164,12 +173,16 @@ def _samples(constants: Array, number: int, out: bool, inside: bool,
 
 
 def stacked(tuples: Iterable[Sequence[Array]]) -> list[Array]:
-    """Return the arrays of several tuples, each with those of the same place after each other."""
+    """Return the columns of several tuples, each joined: ((a, b), (c, d)) gives [ac, bd]."""
     return [np.concatenate(arrays) for arrays in zip(*tuples)]
 
 
 def _grouped(key: Array, x: Array) -> Array:
-    """Return an order in which equal keys, which are few, come after each other, sorted by x."""
+    """
+    Return an order in which equal keys stand together, sorted by x.
+
+    Most keys occur once and need no sorting: they come first, which is faster.
+    """
     is_one = np.bincount(key)[key] == 1
     others = np.nonzero(~is_one)[0]
     return np.concatenate((np.nonzero(is_one)[0],

@@ -34,29 +34,14 @@ _MANY = replace(ARRAY, name='arrays of linkages', exact_sum=exact_sum_of_four,
 
 
 class RateExtrema(NamedTuple):
-    """
-    Extrema of theta4' or of theta4'' of some linkages; arrays of shape (extrema,).
+    """Extrema of theta4' or of theta4'' of some linkages; arrays of shape (extrema,)."""
 
-    Parameters
-    ----------
-    row : ndarray of int
-        Of which linkage.
-    theta1, value : ndarray
-        [rad], which may be a turn away from [0, 2 pi), and the derivative there; +-inf at toggles.
-    is_maximum : ndarray of bool
-    side : ndarray of int
-        At a toggle +1 where a range begins, -1 where it ends; else 0.
-    spacing : ndarray
-        Width of the interval that was searched [rad]; NaN at toggles.
-
-    """
-
-    row: Array
-    theta1: Array
-    value: Array
+    row: Array            # number of the linkage
+    theta1: Array         # [rad], may be a turn away from [0, 2 pi)
+    value: Array          # of theta4' or theta4''; +-inf at toggles
     is_maximum: Array
-    side: Array
-    spacing: Array
+    side: Array           # at a toggle +1 where a range begins, -1 where it ends; else 0
+    spacing: Array        # width of the interval that was searched [rad]; NaN at toggles
 
 
 NOTHING = RateExtrema(np.zeros(0, int), np.zeros(0), np.zeros(0), np.zeros(0, bool),
@@ -66,10 +51,11 @@ Both = tuple[RateExtrema, RateExtrema]      # of theta4' and of theta4''
 
 def at_rate(found: RateExtrema, rate: Values, order: int) -> tuple[Array, Array]:
     """
-    Return values of omega4 (order 0) or alpha4 (1), and whether each is a maximum.
+    Return values of omega4 (order 0) or alpha4 (1) at an input rate, and which are maxima.
 
-    ``found``: at 1 rad/s; ``rate``: a number, or that of each [rad/s]. A square that underflows
-    leaves kinds and infinities as they are.
+    ``found``: at 1 rad/s; ``rate``: a number, or one for each extremum [rad/s]. A negative rate
+    turns maxima of omega4 into minima, not those of alpha4. A square that underflows leaves kinds
+    and infinities as they are.
     """
     is_upward = (rate > 0.0) | (order == 1)
     with np.errstate(over='ignore', under='ignore', invalid='ignore'):
@@ -79,34 +65,18 @@ def at_rate(found: RateExtrema, rate: Values, order: int) -> tuple[Array, Array]
 
 
 class Linkages(NamedTuple):
-    """
-    What the search takes of n linkages.
+    """The data of n linkages that the search needs."""
 
-    Parameters
-    ----------
-    lengths : ndarray, shape (4, n)
-        Over a power of two, so that the largest is about one.
-    sign : ndarray
-        Of sin(mu).
-    constants : ndarray
-        Those of :func:`.sine_constants`.
-    limits : ndarray, shape (2, n)
-        theta1 of the toggles near 0 and near pi [rad]; NaN where there is none.
-    closes, is_flat : ndarray of bool
-        Whether it can be assembled; whether it is at an exact change point, and left out.
-
-    """
-
-    lengths: Array
-    sign: Array
-    constants: Array
-    limits: Array
-    closes: Array
-    is_flat: Array
+    lengths: Array        # (4, n), over a power of two, so that the largest is about one
+    sign: Array           # of sin(mu): the assembly mode
+    constants: Array      # those of :func:`.sine_constants`
+    limits: Array         # (2, n): theta1 of the toggles near 0 and near pi [rad], or NaN
+    closes: Array         # whether it can be assembled
+    is_flat: Array        # whether it is at an exact change point, and left out
 
     @classmethod
     def of(cls, lengths: Array, sign: Array) -> Linkages:
-        """Return the linkages of lengths, shape (4, n), and the signs of sin(mu)."""
+        """Return the data of linkages from lengths [m], shape (4, n), and signs of sin(mu)."""
         with np.errstate(all='ignore'):
             scaled = np.ldexp(lengths, -np.frexp(lengths.max(axis=0))[1])
             a1, a2, a3, a4 = scaled
@@ -129,11 +99,7 @@ def rate_extrema(linkage: FourBar, samples: int = SAMPLES) -> Both:
 
 
 def _limits(f: Factors, s1: Array, s2: Array) -> Array:
-    """
-    Return theta1 of the toggles of each linkage, shape (2, n): near 0 and near pi.
-
-    NaN where there is none.
-    """
+    """Return theta1 of the toggles of each linkage near 0 and near pi, (2, n), NaN for none."""
     inner, outer = f.A2 * f.B1, -f.C2 * f.D2     # s2b, s1b of input_paths, without their sums
     return np.array((2.0 * np.arctan2(np.sqrt(-s2), np.sqrt(inner)),
                      2.0 * np.arctan2(np.sqrt(outer), np.sqrt(-s1))))
@@ -142,10 +108,10 @@ def _limits(f: Factors, s1: Array, s2: Array) -> Array:
 def search(given: Linkages, samples: int = SAMPLES, unequal: float = UNEQUAL,
            motion: Function | None = None) -> Both:
     """
-    Return the extrema of linkages, but of those at change points, toggles among them.
+    Return the extrema of theta4' and theta4'' of linkages, toggles among them.
 
-    ``samples``: at least so many for a full turn; ``unequal``: as :data:`UNEQUAL`; ``motion``: the
-    formula of the linkage, if there is one alone.
+    Linkages at change points are left out. ``samples``: at least so many for a full turn;
+    ``unequal``: as :data:`UNEQUAL`; ``motion``: the formula of the linkage, if there is one alone.
     """
     is_unequal = given.lengths.max(axis=0) >= unequal * given.lengths.min(axis=0)
     paths = list(paths_of(given.constants, given.closes & ~given.is_flat, is_unequal, samples))
@@ -153,7 +119,8 @@ def search(given: Linkages, samples: int = SAMPLES, unequal: float = UNEQUAL,
         return NOTHING, NOTHING
     sines, upward = _Sines(given.constants), given.sign > 0.0
 
-    def found(value: Array, x: Array, brackets: list[Array]) -> RateExtrema:
+    def extrema(value: Array, x: Array, brackets: list[Array]) -> RateExtrema:
+        """Return roots x as extrema: maxima where g or k falls and X > 0, or rises and X < 0."""
         row, xa, xb, fa, _ = brackets
         return RateExtrema(row, x, value, (fa >= 0.0) == upward[row], np.zeros(x.size, int),
                            xb - xa)
@@ -166,7 +133,7 @@ def search(given: Linkages, samples: int = SAMPLES, unequal: float = UNEQUAL,
         # g/X^3 at the root; its slope is k/X^5
         value = (g - 0.5 * step * k / square) / (X * square)
         _improve(given, is_unequal, motion, (brackets[0], x.copy()), value)
-        second = found(value, x, brackets)
+        second = extrema(value, x, brackets)
         ends = np.cumsum([path.number for path in paths])
         g -= gu / X * step
         parts = (np.split(v, ends[:-1]) for v in (cells, x, g, g * X / gu))
@@ -175,11 +142,11 @@ def search(given: Linkages, samples: int = SAMPLES, unequal: float = UNEQUAL,
         square = X * X
         value = (Y - 0.5 * step * g / square) / X
         _improve(given, is_unequal, motion, (brackets[0], x), value, k / (X * square * square))
-    return _with_toggles(given, paths, (found(value, x, brackets), second))
+    return _with_toggles(given, paths, (extrema(value, x, brackets), second))
 
 
 def _with_toggles(given: Linkages, paths: list[Path], extrema: Both) -> Both:
-    """Return extrema with the infinite ends of all paths."""
+    """Return extrema and, added to them, the toggles at the ends of paths: infinite values."""
     ends = [path.ends() for path in paths if not path.is_closed]
     if not ends:
         return extrema
@@ -191,6 +158,7 @@ def _with_toggles(given: Linkages, paths: list[Path], extrema: Both) -> Both:
     upward = (given.sign > 0.0)[row]
 
     def joined(inside: RateExtrema, is_up: Array) -> RateExtrema:
+        """Return extrema with all toggles, where the value is +inf if ``is_up``, else -inf."""
         added = row, x, np.where(is_up, np.inf, -np.inf), is_up, side, np.full(x.size, np.nan)
         return RateExtrema(*map(np.concatenate, zip(inside, added)))
     return joined(extrema[0], (Y > 0.0) == upward), joined(extrema[1], (g > 0.0) == upward)
@@ -199,10 +167,11 @@ def _with_toggles(given: Linkages, paths: list[Path], extrema: Both) -> Both:
 def _improve(given: Linkages, unequal: Array, of_one: Function | None,
              where: tuple[Array, Array], value: Array, third: Array | None = None) -> None:
     """
-    Where links are unequal, put more accurate values of an extremum in place of others.
+    Replace, in place, values of extrema of linkages with very unequal links by accurate ones.
 
-    They are extrema of the second derivative of theta4 or, with the ``third`` one, of the first,
-    whose place is corrected too.
+    ``where``: (linkage, theta1) of the extrema of theta4''. With the ``third`` derivative they are
+    those of theta4', and theta1 is corrected too, by a Newton step. The usual formulas lose digits
+    where a link is ten times as long as another.
     """
     rows, x = where
     i = np.nonzero(unequal[rows])[0]
@@ -219,7 +188,11 @@ def _improve(given: Linkages, unequal: Array, of_one: Function | None,
 
 
 class _Sines:
-    """The functions of :func:`.make_sines` for some of many linkages, theta1 by theta1."""
+    """
+    The functions g and k of :func:`.make_sines` at (theta1, linkage), as root finders call them.
+
+    Constants of the last rows are kept: Newton's method asks for the same ones again.
+    """
 
     def __init__(self, constants: Array) -> None:
         self._constants = constants
@@ -227,7 +200,8 @@ class _Sines:
         self._at: Sines
 
     def _of(self, x: Array, row: Array) -> tuple[Array, ...]:
-        if row is not self._row:
+        """Return g, g_u, k, k_u, X, Y at theta1 = x of the linkages ``row``."""
+        if row is not self._row:       # Newton's method asks for the same linkages again
             self._row, self._at = row, make_sines(
                 ARRAY, tuple(self._constants.take(row, axis=1)))
         x = 0.5 * x

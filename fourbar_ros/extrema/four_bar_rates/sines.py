@@ -27,15 +27,13 @@ Sines = Callable[..., tuple[Any, ...]]
 
 def make_sines(n: NumberType, constants: Sequence[Scalar] | Array, by_loop: bool = False) -> Sines:
     """
-    Return the function (ss, cc, sc) -> g, g_u, k, k_u, X, Y.
+    Return the function (ss, cc, sc) -> (g, g_u, k, k_u, X, Y), of s, c = sin, cos(theta1/2).
 
-    At the squares and the product of s, c = sin, cos(theta1/2).
-
-    ``constants`` are those of :func:`sine_constants`; the pose is found as in
-    :func:`~fourbar_ros.mechanisms.four_bar.motion.make_motion`. u is in units of 1/(a2 a3): X =
-    sin(y-b). A fourth argument tells whether sc has the sign of X, where that is known beforehand.
-    ``by_loop``: Y and the cosine that belongs to it follow from the others by the loop. This is
-    faster, but loses digits where lengths are unequal.
+    Roots of g and k are the extrema, see above. ``constants`` are those of :func:`sine_constants`;
+    the pose is found as in :func:`~fourbar_ros.mechanisms.four_bar.motion.make_motion`. u is in
+    units of 1/(a2 a3): X = sin(y-b). A fourth argument tells whether sc has the sign of X, where
+    that is known beforehand. ``by_loop``: Y and the cosine that belongs to it follow from the
+    others by the loop, which is faster, but loses digits where lengths are unequal.
     """
     sqrt, fabs, where = n.sqrt, n.fabs, n.where
     s1, s2, k, yA, yB, yC, yD, yM, bA, bB, bC, bD, bM, r13, r42, half, sign = constants
@@ -47,6 +45,7 @@ def make_sines(n: NumberType, constants: Sequence[Scalar] | Array, by_loop: bool
         excess = 0.25 * half * (yM * (1.0 / r13 - r13) + bM * (1.0 / r42 - r42))
 
     def sines(ss: Scalar, cc: Scalar, sc: Scalar, adds: bool | None = None) -> tuple[Scalar, ...]:
+        """Return g, g_u, k, k_u, X, Y; names like XB are X - B, cX the cosine of that angle."""
         u, w = s1 + k * cc, s2 + k * ss
         root = sign * sqrt(fabs(u * w))       # at a toggle u or w may round to less than zero
         y_s, y_c, b_s, b_c, side = where(sc * root > 0.0 if adds is None else adds, adding, other)

@@ -12,13 +12,14 @@ typedef struct {
   NAME_parameters parameters;
   NAME_motion motion;
 LOADS_FIELD
+DRIVE_FIELD
   NAME_constants constants;
   double status, time;
   int constants_are_old, results_are_old;
 } State;
 
 enum { GIVEN = INPUTS + PARAMETERS, RESULTS = GIVEN + MOTIONS + LOADS, STATUS = RESULTS,
-       TIME = RESULTS + 1, NUMBERS };
+       TIME = RESULTS + 1DRIVE_NUMBERS, NUMBERS };
 
 static void reset(State *state)
 {
@@ -37,6 +38,7 @@ static void *number(State *state, unsigned reference)
   if (reference < GIVEN + MOTIONS)
     return (char *)&state->motion + (reference - GIVEN) * sizeof(double);
 LOADS_NUMBER
+DRIVE_NUMBER
   return reference == STATUS ? &state->status : &state->time;
 }
 
@@ -46,6 +48,7 @@ static int get_numbers(State *state, const unsigned *references, size_t count, d
   for (i = 0; i < count; ++i) {
     if (references[i] >= NUMBERS) return 3;
     if (references[i] >= GIVEN && references[i] <= STATUS && state->results_are_old) {
+      INPUT_OF_DRIVE
       if (state->constants_are_old) NAME_prepare(&state->parameters, &state->constants);
       state->status = (double)STEP;
       state->constants_are_old = state->results_are_old = 0;
@@ -60,6 +63,7 @@ static int set_numbers(State *state, const unsigned *references, size_t count,
 {
   size_t i;
   for (i = 0; i < count; ++i) {
+    SET_TORQUE
     if (references[i] >= GIVEN) return 3;
     memcpy(number(state, references[i]), from + i, sizeof *from);
     if (references[i] >= INPUTS) state->constants_are_old = 1;

@@ -1,19 +1,10 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-The planar 4R linkage: lengths, assembly mode, masses.
+The planar 4R linkage: what it is, how far it moves, how it is drawn.
 
-What it is, how far it moves, how it moves.
-
-How far the cranks of a planar 4R linkage turn, and where its output turns back.
-
-The 4R linkage with its output link as the one that is driven.
-
-Mirrored at the middle of its ground, x -> a4 - x, the linkage a1, a2, a3, a4 is the linkage a3,
-a2, a1, a4 whose crank stands at p = pi - theta4 and whose output link at pi - theta1; its coupler,
-from B to A, is at -beta.
-
-The picture of a 4R linkage and its velocity and acceleration polygons.
+Its formulas are in :mod:`.motion` and :mod:`.loads`. :class:`SeenFromOutput` is the linkage driven
+at its output link.
 """
 from __future__ import annotations
 
@@ -126,11 +117,7 @@ class FourBarLinks(Mechanism):
 
     @of_geometry
     def classification(self) -> str:
-        """
-        Return the Grashof type by name.
-
-        'change point' where the sums of two links are equal.
-        """
+        """Return the Grashof type by name; 'change point' if two sums of two links are equal."""
         if 0.0 in self.margins:
             return 'change point'
         return _CLASSES[tuple(1 if margin > 0.0 else -1 for margin in self.margins)]
@@ -143,7 +130,7 @@ class FourBarLinks(Mechanism):
                 Connection(GROUND, 'output', (self.a4, 0.0)))
 
     def link_motion(self, motion: Any, link: str) -> LinkMotion:
-        """Return the LinkMotion of a link by name."""
+        """Return the motion of a link by name, its first joint O1, A or O4."""
         if link == 'output':
             return LinkMotion(self.a4, 0.0, 0.0, 0.0, 0.0, 0.0, motion.cos_y, motion.sin_y,
                               motion.omega4, motion.alpha4)
@@ -154,7 +141,7 @@ class FourBarLinks(Mechanism):
                           motion.omega_beta, motion.alpha_beta)
 
     def diagram(self, motion: Any) -> Diagram:
-        """Return the :class:`Diagram` of one pose."""
+        """Return the picture of one pose: three bars, four joints."""
         joints = {'O_1': ORIGIN, 'A': point_motion(self, motion, 'crank', self.a1).place,
                   'B': point_motion(self, motion, 'output', self.a3).place,
                   'O_4': point_motion(self, motion, 'output', 0.0).place}
@@ -234,33 +221,25 @@ class FourBar(FourBarLinks):
     @of_geometry
     def closing_ranges(self) -> Ranges:
         """
-        Return the ranges of theta1 in which the linkage can be assembled [rad].
+        Return the ranges (low, high) of theta1 in which the linkage can be assembled [rad].
 
-        Tuple of (low, high): one range (-pi, pi) when the crank turns fully, one through 0 or one
-        through pi (high > pi), or two. At an end that is no full turn, coupler and output link are
-        in line (toggle).
+        One range (-pi, pi) when the crank turns fully, one through 0 or one through pi (high >
+        pi), or two. At an end that is no full turn, coupler and output link are in line (toggle).
         """
         return ranges_of(*self.lengths)
 
     @property
     def singular_inputs(self) -> list[complex]:
         """
-        Return the complex theta1 of singular poses.
+        Return the complex theta1 at which coupler and output link are in line, or A meets O4.
 
-        Coupler and output link in line, or q = 0.
-
-        A list of toggles (real), flat positions of change points (real) and others, as
-        :attr:`.SliderCrank.singular_inputs`; accurate to about 1e-8 next to change points.
+        Accurate to about 1e-8 next to change points.
         """
         return singular_angles(*self.lengths)
 
     @of_geometry
     def output_ranges(self) -> Ranges:
-        """
-        Return the ranges of theta4 over all poses of both modes, as :attr:`input_ranges`.
-
-        At an end that is no full turn, crank and coupler are in line: a dead point of the output.
-        """
+        """Return the ranges of theta4 [rad] over both modes; they end at dead points."""
         # seen from O4, of pi - theta4
         return turned_ranges([(-high, -low) for low, high in ranges_of(self.a3, self.a2, self.a1,
                                                                        self.a4)])
@@ -275,19 +254,20 @@ class FourBar(FourBarLinks):
         """
         Return where theta4 turns back in this mode: its rate is zero at any speed of the crank.
 
-        Tuple of up to two :class:`DeadPoint`, in the order of theta1. Between theirs lie the
-        theta4 of a crank-rocker.
+        Up to two, in the order of theta1: where crank and coupler are in line, so that |O1 B| is
+        |a1 + a2| (stretched) or |a1 - a2| (folded), in the triangle of that side, a3 and a4.
         """
-        points = []
-        for stretched, r in ((True, (self.a1, self.a2)), (False, (self.a1, -self.a2))):
-            inner, outer = squares_of_half(*r, self.a3, self.a4)
-            # |A B| and r count negative together where B lies behind O1
-            if inner * outer > 0.0:
+        points, (a1, a2, a3, a4) = [], self.lengths
+        for stretched, coupler in ((True, a2), (False, -a2)):
+            # 4 (a1 + coupler) a4 times sin^2, cos^2 of half the angle at O1
+            sine = fsum((a3, -a1, -coupler, a4)) * fsum((a3, a1, coupler, -a4))
+            cosine = fsum((a1, coupler, a4, -a3)) * fsum((a1, coupler, a4, a3))
+            if sine * cosine > 0.0:         # both are negative where B lies behind O1
                 side = self.sign if stretched else -self.sign
-                theta1 = side * 2.0 * atan2(sqrt(abs(inner)), sqrt(abs(outer)))
-                side = side if sum(r) > 0.0 else -side
-                theta4 = side * 2.0 * atan2(sqrt(difference_of_squares(self.a3, self.a4, *r)),
-                                            sqrt(difference_of_squares(*r, self.a4, -self.a3)))
+                theta1 = side * 2.0 * atan2(sqrt(abs(sine)), sqrt(abs(cosine)))
+                side = side if a1 + coupler > 0.0 else -side
+                theta4 = side * 2.0 * atan2(sqrt(difference_of_squares(a3, a4, a1, coupler)),
+                                            sqrt(difference_of_squares(a1, coupler, a4, -a3)))
                 points.append(DeadPoint(theta1, theta4, stretched))
         return tuple(sorted(points))
 
@@ -316,7 +296,7 @@ class FourBar(FourBarLinks):
 
     def term_sizes(self, motion: NamedFields, rate: Scalar, acceleration: Scalar
                    ) -> dict[str, Scalar]:
-        """Return {unit: size} of the terms of rates and accelerations, for noise bounds."""
+        """Return {unit: size of the terms}, see :meth:`.Described.term_sizes`, in closed form."""
         gain = min(1.0, self.a1 / min(self.a2, self.a3))
         return {'rad/s': gain * abs(rate), 'rad/s^2': gain * (abs(acceleration) + rate**2)}
 
@@ -336,17 +316,12 @@ class DeadPoint(NamedTuple):
     stretched: bool
 
 
-def squares_of_half(one: float, other: float, a3: float, a4: float) -> tuple[float, float]:
-    """Return 4 r a4 (sin^2, cos^2) of half the angle at O1 of r = one + other, a3, a4."""
-    return (fsum((a3, -one, -other, a4)) * fsum((a3, one, other, -a4)),
-            fsum((one, other, a4, -a3)) * fsum((one, other, a4, a3)))
-
-
 def singular_angles(a1: float, a2: float, a3: float, a4: float) -> list[complex]:
     """
-    Return the complex angles between a1 and a4 of singular poses.
+    Return the complex angles x between a1 and a4 at which a2 and a3 are in line, or A meets O4.
 
-    See :attr:`FourBar.singular_inputs`.
+    With s1, s2 of (M3) in :mod:`fourbar_ros.mechanisms.loop`, the first from cos^2(x/2) = -s1 /
+    (4 a1 a4), the next from sin^2(x/2) = -s2 / (4 a1 a4), the last from q = 0.
     """
     a1, a2, a3, a4 = scaled((a1, a2, a3, a4))
     root = 2.0 * sqrt(a1 * a4)
@@ -360,11 +335,7 @@ def singular_angles(a1: float, a2: float, a3: float, a4: float) -> list[complex]
 
 
 def ranges_of(a1: float, a2: float, a3: float, a4: float) -> Ranges:
-    """
-    Return the ranges of the angle at which a1 leaves the ground link.
-
-    See FourBar.closing_ranges.
-    """
+    """Return the ranges [rad] of the angle between a1 and a4; see FourBar.closing_ranges."""
     a1, a2, a3, a4 = scaled((a1, a2, a3, a4))
     s1 = difference_of_squares(a2, a3, a1, a4)
     s2 = difference_of_squares(a1, -a4, a2, -a3)
@@ -377,20 +348,19 @@ def ranges_of(a1: float, a2: float, a3: float, a4: float) -> Ranges:
 
 
 def turned_ranges(ranges: Iterable[tuple[float, float]]) -> Ranges:
-    """Return ranges of an angle half a turn on, each in the turn that contracts have."""
-    turned = []
-    for low, high in ranges:
-        low, high = pi + low, pi + high
-        turn = 2.0 * pi if low >= pi else 0.0
-        turned.append((low - turn, high - turn))
+    """Return ranges of an angle moved by half a turn, each so that it begins in [-pi, pi)."""
+    turned = [(pi + low - turn, pi + high - turn) for low, high in ranges
+              for turn in (2.0 * pi if pi + low >= pi else 0.0,)]
     return ((-pi, pi),) if turned == [(0.0, 2.0 * pi)] else tuple(sorted(turned))
 
 
 class SeenFromOutput:
     """
-    A 4R linkage whose coordinate is p = pi - theta4.
+    A 4R linkage driven at its output link, by the coordinate p = pi - theta4.
 
-    What is asked of it and not defined here is that of the mirrored linkage.
+    Mirrored at the middle of its ground, x -> a4 - x, the linkage a1, a2, a3, a4 is the linkage
+    a3, a2, a1, a4 whose crank stands at p and whose output link at pi - theta1; its coupler, from
+    B to A, is at -beta. All that is not defined here is that of the mirrored linkage.
 
     Parameters
     ----------
@@ -405,8 +375,9 @@ class SeenFromOutput:
         self.mirrored, self._crank = mirrored, crank
 
     def __getattr__(self, name: str) -> Any:
-        if name == 'mirrored':
-            raise AttributeError(name)      # while it is being copied
+        """Return an attribute of the mirrored linkage."""
+        if name == 'mirrored':              # not set yet while this is copied
+            raise AttributeError(name)
         return getattr(self.mirrored, name)
 
     def in_mode(self, mode: int) -> SeenFromOutput:
@@ -418,6 +389,7 @@ class SeenFromOutput:
         mirrored, crank, ground = self.mirrored.make_coefficients(numbers), self._crank, self.a4
 
         def coefficients(position: Scalar) -> list[Curve]:
+            """Return the curves of crank, coupler and output, mirrored back."""
             (*_, cos_p, sin_p, _, _), (*_, cos_b, sin_b, d_b, dd_b), (
                 *_, cos_x, sin_x, d_x, dd_x) = mirrored(position)
             first = LinkMotion(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -cos_x, sin_x, -d_x, -dd_x)

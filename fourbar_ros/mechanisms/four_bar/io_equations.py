@@ -74,38 +74,29 @@ class IOEquation(NamedTuple):
                 + self.mixed * vi * vj + self.constant)
 
     def velocity(self, vi: Values, vj: Values, dvi: Values, dvj: Values) -> Values:
-        """
-        Return half the time derivative of :meth:`position`, Eqs.
-
-        (22)-(27) as an equation [m^2/s]. In the paper's chain that of 1 and 4 is Eq. (7).
-        """
+        """Return half the time derivative of :meth:`position` [m^2/s]: Eqs. (22)-(27) with = 0."""
         by_i, by_j = self._slopes(vi, vj)
         return by_i * dvi + by_j * dvj
 
     def acceleration(self, vi: Values, vj: Values, dvi: Values, dvj: Values, ddvi: Values,
                      ddvj: Values) -> Values:
-        """
-        Return the time derivative of :meth:`velocity`: Eqs. (28)-(33) with "= 0" [m^2/s^2].
-
-        In the paper's chain that of 1 and 4 is Eq. (8).
-        """
+        """Return the time derivative of :meth:`velocity` [m^2/s^2]: Eqs. (28)-(33) with = 0."""
         by_i, by_j = self._slopes(vi, vj)
         return (by_i * ddvi + by_j * ddvj + (self.both * vj**2 + self.first) * dvi**2
                 + (self.both * vi**2 + self.second) * dvj**2
                 + (4.0 * self.both * vi * vj + self.mixed) * dvi * dvj)
 
     def _slopes(self, vi: Values, vj: Values) -> tuple[Values, Values]:
+        """Return half the derivatives of :meth:`position` with respect to vi and vj."""
         return ((self.both * vj**2 + self.first) * vi + 0.5 * self.mixed * vj,
                 (self.both * vi**2 + self.second) * vj + 0.5 * self.mixed * vi)
 
     def denavit_hartenberg(self) -> IOEquation:
         """
-        Return the same equation in the paper's chain, Eqs.
+        Return the same equation in the paper's chain, Eqs. (1)-(6): v1 is -1/v1, v4 is -v4 there.
 
-        (1)-(6): v1 becomes -1/v1, v4 becomes -v4.
-
-        There all angles are relative and add up to zero: theta1_DH = theta1 + pi, theta4_DH =
-        -theta4.
+        Its angles are all relative and add up to zero: theta1_DH = theta1 + pi, theta4_DH =
+        -theta4. Of joints 1 and 4 velocity and acceleration are its Eqs. (7) and (8).
         """
         both, first, second, mixed, constant = self[2:7]
         if self.i == 1:
@@ -119,27 +110,17 @@ class IOEquation(NamedTuple):
     # --- in angles: no angle is special ----------------------------------------------------------
 
     def residual(self, ti: ArrayLike, tj: ArrayLike) -> Array:
-        """
-        Return :meth:`position` times cos^2(theta_i/2) cos^2(theta_j/2).
-
-        Finite for all angles [m^2].
-
-        Angles [rad], float or array_like, are broadcast.
-        """
+        """Return :meth:`position` times cos^2(ti/2) cos^2(tj/2) [m^2], finite for all angles."""
         return self._form(_powers(ti)[0], _powers(tj)[0])
 
     def ratio(self, ti: ArrayLike, tj: ArrayLike) -> Array:
-        """
-        Return d theta_j / d theta_i at a pose, Eqs.
-
-        (22)-(27); infinite where theta_j stalls at a limit.
-        """
+        """Return d tj / d ti at a pose, by Eqs. (22)-(27); infinite where ti stalls at a limit."""
         (i0, i1, _), (j0, j1, _) = _powers(ti), _powers(tj)
         with np.errstate(divide='ignore', invalid='ignore'):
             return -self._form(i1, j0) / self._form(i0, j1)
 
     def second_ratio(self, ti: ArrayLike, tj: ArrayLike) -> Array:
-        """Return d^2 theta_j / d theta_i^2 at a pose, from Eqs. (28)-(33) and (36)."""
+        """Return d^2 tj / d ti^2 at a pose, from Eqs. (28)-(33) and (36)."""
         (i0, i1, i2), (j0, j1, j2) = _powers(ti), _powers(tj)
         with np.errstate(divide='ignore', invalid='ignore'):
             by_j = self._form(i0, j1)
@@ -149,25 +130,13 @@ class IOEquation(NamedTuple):
 
     def solve(self, ti: ArrayLike) -> tuple[Array, Array]:
         """
-        Return both theta_j that belong to theta_i, or NaN where the linkage cannot close.
+        Return both theta_j in [-pi, pi] that belong to theta_i [rad], NaN where no linkage closes.
 
-        The equation is a quadratic in the half-angle of theta_j; its root is kept as a pair
-        (numerator, denominator) in the form without cancellation, its discriminant is the product
-        that the equation with the opposite joint of the loop provides.
-
-        Parameters
-        ----------
-        ti : float or array_like
-            theta_i [rad].
-
-        Returns
-        -------
-        two ndarrays of the shape of ti
-            theta_j in [-pi, pi] for a positive and for a negative angle of the joint opposite to
-            i.
-            That is theta3 for i = 1, so that the first is mode 1 (crossed), the second mode 2
-            (open).
-
+        The first is for a positive angle of the joint opposite to i in the loop, the second for a
+        negative one: for i = 1 that is theta3, so the first is mode 1 (crossed), the second mode 2
+        (open). The equation is a quadratic in tan(theta_j/2); its root is kept as a pair
+        (numerator, denominator) in the form without cancellation, and its discriminant is the
+        product that the equation with the opposite joint provides.
         """
         (square, rest, product), _, _ = _powers(ti)
         opposite = io_equation(self.lengths, self.i, _OPPOSITE[self.i])
@@ -181,7 +150,7 @@ class IOEquation(NamedTuple):
         return _double_angle(p, r, m, root), _double_angle(p, r, m, -root)
 
     def _form(self, one: Sequence[Array], other: Sequence[Array]) -> Array:
-        """Return the bilinear form of (sin^2, cos^2, sin cos) of two half-angles."""
+        """Return the equation's bilinear form for (sin^2, cos^2, sin cos) of both half-angles."""
         return ((self.both * one[0] + self.second * one[1]) * other[0]
                 + (self.first * one[0] + self.constant * one[1]) * other[1]
                 + self.mixed * one[2] * other[2])
@@ -260,7 +229,7 @@ def from_half_angle(v: Values, dv: Values = 0.0,
 
 
 def _powers(theta: ArrayLike) -> tuple[tuple[Array, Array, Array], ...]:
-    """Return (sin^2, cos^2, sin cos) of the half-angle and two derivatives by theta."""
+    """Return (sin^2, cos^2, sin cos) of theta/2, and their two derivatives by theta."""
     half = 0.5 * array('theta', theta)
     sine, cosine = np.sin(half), np.cos(half)
     square, rest, product = sine * sine, cosine * cosine, sine * cosine
@@ -269,7 +238,7 @@ def _powers(theta: ArrayLike) -> tuple[tuple[Array, Array, Array], ...]:
 
 
 def _double_angle(p: Array, r: Array, m: Array, root: Array) -> Array:
-    """Return the angle whose half has the tangent (m + root)/p = r/(m - root)."""
+    """Return the angle whose half has the tangent (m + root)/p = r/(m - root), by the sum."""
     adds = m * root > 0.0
     numerator, denominator = np.where(adds, m + root, r), np.where(adds, p, m - root)
     angle: Array = np.arctan2(2.0 * numerator * denominator,

@@ -43,20 +43,26 @@ crank, or on the second of two links from the first.
 """
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.mechanics.bodies import Bodies, External
 from fourbar_ros.mechanics.newton_euler import (
     about_first_joint,
     crank_with_pin,
     Gravity,
+    joint_loads,
+    Needs,
     needs_of_crank_and_carried,
     needs_of_pivoted,
+    NeedsOfCarried,
     Turning,
 )
 from fourbar_ros.mechanisms.contract import CRANK, JOINT_A
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 from fourbar_ros.numerics.vectors import Vector
+
+if TYPE_CHECKING:
+    from fourbar_ros.mechanisms.four_bar.moving_joint import MovingJointMotion
 
 
 class Loads(NamedTuple):
@@ -92,18 +98,18 @@ def make_loads(n: NumberType, a1: Scalar, a2: Scalar, a3: Scalar, a4: Scalar, bo
     """
     Return the function Motion -> :class:`Loads` for a fixed linkage.
 
-    ``driven``: the crank, or the joint A or B, of motions with ``crank_ratio``.
-
-    ``gravity``: (x, y) of the field [m/s^2]. Lengths are scaled by a power of two into masses and
-    inertias, so that no square of a length can overflow.
+    ``driven``: the crank, or the joint A or B, then of a :class:`.MovingJointMotion`; ``gravity``:
+    (x, y) of the field [m/s^2]. Lengths [m] are scaled by a power of two, so that no square of one
+    overflows.
     """
-    hypot, unit = n.hypot, n.power_of_two(a1, a2, a3, a4)
+    unit = n.power_of_two(a1, a2, a3, a4)
     a1, a2, a3, a4 = a1 / unit, a2 / unit, a3 / unit, a4 / unit
     coupler_terms = about_first_joint(bodies.coupler, unit, gravity, external.coupler)
     output_terms = about_first_joint(bodies.output, unit, gravity, external.output)
     crank_terms = crank_with_pin(bodies, unit, gravity, external, coupler_terms, a1)
 
     def loads(m: Any) -> Loads:
+        """Return the loads of a motion, by (L1) to (L8)."""
         e_x, e_b = Vector(m.cos_x, m.sin_x), Vector(m.cos_b, m.sin_b)
         e_y = Vector(m.cos_y, m.sin_y)
         crank, coupler = needs_of_crank_and_carried(
@@ -121,36 +127,30 @@ def make_loads(n: NumberType, a1: Scalar, a2: Scalar, a3: Scalar, a4: Scalar, bo
             T = (crank.moment * m.crank_ratio + coupler.moment * m.coupler_ratio        # (L8)
                  - coupler.a_cross_r * (m.crank_ratio * m.omega_beta * m.omega2)
                  + output.moment * m.velocity_ratio)
-            F32 = _force_at_b(m, driven, (a1, a3, a4), (crank, coupler, output))
-        F21 = F32 - coupler.force                                                       # (L2)
-        F43 = output.force + F32                                                        # (L3)
-        F41 = crank.force - F21                                                         # (L4)
-        shaking_force = -(crank.force + coupler.force + output.force)                   # (L6)
+            F32 = _force_at_b(m, driven == JOINT_A, (a1, a3, a4), crank, coupler, output)
         shaking_moment = (coupler.a_cross_r * (m.omega2 * (m.omega1 + m.omega_beta))    # (L7)
                           - (crank.moment + coupler.moment + output.moment
                              + a4 * output.force.y))
-        return Loads(
-            f41_x=F41.x, f41_y=F41.y, f21_x=F21.x, f21_y=F21.y, f32_x=F32.x, f32_y=F32.y,
-            f43_x=F43.x, f43_y=F43.y, f41=hypot(F41.x, F41.y), f21=hypot(F21.x, F21.y),
-            f32=hypot(F32.x, F32.y), f43=hypot(F43.x, F43.y), driving_torque=unit * T,
-            shaking_force_x=shaking_force.x, shaking_force_y=shaking_force.y,
-            shaking_force=hypot(shaking_force.x, shaking_force.y),
-            shaking_moment=unit * shaking_moment)
+        return joint_loads(                                         # (L2), (L4), (L6); (L3)
+            n, Loads, (crank.force, coupler.force, output.force), F32, output.force + F32,
+            driving_torque=unit * T, shaking_moment=unit * shaking_moment)
     return loads
 
 
-def _force_at_b(m: Any, driven: str, lengths: tuple[Scalar, ...],
-                needs: tuple[Any, ...]) -> Vector:
-    """Return F32 of a drive at joint A or B; ``lengths``: a1, a3, a4."""
-    (a1, a3, a4), (crank, coupler, output) = lengths, needs
-    along = Vector(1.0, 0.0)
-    every = (crank.moment + coupler.moment + output.moment
-             - coupler.a_cross_r * (m.omega2 * (m.omega1 + m.omega_beta)))
-    if driven == JOINT_A:                                                                # (L9)
+def _force_at_b(m: MovingJointMotion, is_driven_at_a: bool, lengths: tuple[Scalar, Scalar, Scalar],
+                crank: Needs, coupler: NeedsOfCarried, output: Needs) -> Vector:
+    """
+    Return F32, the force of the output link on the coupler, of a drive at joint A or else at B.
+
+    From the moments in which the drive's torque does not appear. ``lengths``: a1, a3, a4.
+    """
+    a1, a3, a4 = lengths
+    x = Vector(1.0, 0.0)
+    all_moments = (crank.moment + coupler.moment + output.moment
+                   - coupler.a_cross_r * (m.omega2 * (m.omega1 + m.omega_beta)))
+    if is_driven_at_a:
         e_y = Vector(m.cos_y, m.sin_y)
-        at_a: Vector = (e_y * every + along * (a4 / a3 * output.moment)) * (1.0 / (a4 * m.sin_y))
-        return at_a
+        return (e_y * all_moments + x * (a4 / a3 * output.moment)) * (1.0 / (a4 * m.sin_y))  # (L9)
     M1 = crank.moment - coupler.a_cross_r * (m.omega_beta * m.omega_beta)
-    e_x = Vector(m.cos_x, m.sin_x)                                                      # (L10)
-    at_b: Vector = (e_x * (every / a4) - along * (M1 / a1)) * (1.0 / m.sin_x)
-    return at_b
+    e_x = Vector(m.cos_x, m.sin_x)
+    return (e_x * (all_moments / a4) - x * (M1 / a1)) * (1.0 / m.sin_x)                 # (L10)

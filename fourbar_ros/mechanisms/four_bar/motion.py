@@ -17,9 +17,7 @@ from fourbar_ros.numerics.number_types import Function, nudge, NumberType, Scala
 
 class Motion(NamedTuple):
     """
-    Pose, rates and accelerations for one input.
-
-    Each field a float, or an array of the input's shape.
+    Pose, rates and accelerations; each field a float, or an array of the input's shape.
 
     Angles in [rad], rates in [rad/s], accelerations in [rad/s^2]; angles other than theta1 lie in
     [-pi, pi]. theta2 and theta3 are relative (coupler to crank, output link to coupler): theta1 +
@@ -71,6 +69,7 @@ def make_motion(n: NumberType, a1: Scalar, a2: Scalar, a3: Scalar, a4: Scalar,
     loop = make_loop(n, a1, a2, a3, a4, sign)
 
     def motion(theta1: Scalar, omega1: Scalar, alpha1: Scalar) -> Motion:
+        """Return the motion for an input by the loop's derivatives."""
         half = 0.5 * theta1
         sh, ch = sin(half) + beside_0, cos(half)
         at = loop(sh * sh, ch * ch, sh * ch)

@@ -80,11 +80,7 @@ class MovingJointMotion(NamedTuple):
 
 def make_motion_at(n: NumberType, lengths: tuple[Scalar, ...], sign: Scalar,
                    joint: str) -> Function:
-    """
-    Return the function (theta, omega, alpha) of joint A or B -> :class:`MovingJointMotion`.
-
-    ``sign`` is the sign of sin(theta4) for A, of sin(theta1) for B.
-    """
+    """Return (theta, omega, alpha) of a joint -> motion; sign: of sin(theta4) (A), theta1 (B)."""
     sin, cos, atan2 = n.sin, n.cos, n.atan2
     first, second, third, held = seen_lengths(lengths, joint)
     # infinitesimal where the links lie flat at theta = 0, X = -pi, for the pose just beside it
@@ -92,11 +88,13 @@ def make_motion_at(n: NumberType, lengths: tuple[Scalar, ...], sign: Scalar,
     loop = make_loop(n, first, second, third, held, sign)
 
     def motion(theta: Scalar, omega: Scalar, alpha: Scalar) -> MovingJointMotion:
+        """Return the motion by (J1) or (J2); x, b, y: (slope, bend) of theta1, beta, theta4."""
         sh, ch = sin(0.5 * theta) + beside_0, cos(0.5 * theta)
         at = loop(ch * ch, sh * sh, -sh * ch)               # of X = theta - pi
         square, facing = omega * omega, atan2(at.sin_mu, at.cos_mu)
 
-        def along(slope: Scalar, bend: Scalar) -> tuple[Scalar, Scalar]:
+        def rates(slope: Scalar, bend: Scalar) -> tuple[Scalar, Scalar]:
+            """Return rate and acceleration of an angle by its derivatives by theta."""
             return slope * omega, slope * alpha + bend * square
         if joint == JOINT_A:                                                            # (J1)
             cos_x, sin_x, cos_y, sin_y = -at.cos_y, at.sin_y, -at.cos_mu, at.sin_mu
@@ -105,30 +103,30 @@ def make_motion_at(n: NumberType, lengths: tuple[Scalar, ...], sign: Scalar,
             cos_3, sin_3 = at.cos_bx, at.sin_bx
             x, b, y = (-at.d_y, -at.dd_y), (1.0 - at.d_y, -at.dd_y), (-at.d_mu, -at.dd_mu)
             two = theta, omega, alpha
-            three = (atan2(sin_3, cos_3), *along(at.d_bx, at.dd_b))
+            three = (atan2(sin_3, cos_3), *rates(at.d_bx, at.dd_b))
         else:                                                                           # (J2)
             cos_x, sin_x, cos_b, sin_b = at.cos_mu, at.sin_mu, at.cos_b, -at.sin_b
             cos_y, sin_y = at.cos_bx, -at.sin_bx                    # of X - B
             cos_2, sin_2, cos_3, sin_3 = at.cos_y, -at.sin_y, -at.cos_x, -at.sin_x
             x, b, y = (at.d_mu, at.dd_mu), (-at.d_b, -at.dd_b), (-at.d_bx, -at.dd_b)
-            two = (atan2(sin_2, cos_2), *along(-at.d_y, -at.dd_y))
+            two = (atan2(sin_2, cos_2), *rates(-at.d_y, -at.dd_y))
             three = theta, omega, alpha
         (omega1, alpha1), (omega4, alpha4), (omega_beta, alpha_beta) = (
-            along(*slopes) for slopes in (x, y, b))
+            rates(*derivatives) for derivatives in (x, y, b))
         return MovingJointMotion(
-            atan2(sin_x, cos_x), omega1, alpha1, two[0], two[1], two[2], three[0], three[1],
-            three[2], atan2(sin_y, cos_y), omega4, alpha4, atan2(sin_b, cos_b), omega_beta,
-            alpha_beta,
+            atan2(sin_x, cos_x), omega1, alpha1, *two, *three, atan2(sin_y, cos_y), omega4, alpha4,
+            atan2(sin_b, cos_b), omega_beta, alpha_beta,
             transmission_angle=sign * facing, velocity_ratio=y[0], coupler_ratio=b[0],
             crank_ratio=x[0], condition=at.condition, cos_x=cos_x, sin_x=sin_x, cos_b=cos_b,
             sin_b=sin_b, cos_y=cos_y, sin_y=sin_y, cos_mu=-cos_3, sin_mu=-sin_3)
     return motion
 
 
-def seen_lengths(lengths: tuple[Scalar, ...], joint: str) -> tuple[Scalar, ...]:
-    """Return the lengths from the driven one on, the link that is held last."""
-    first = 1 if joint == JOINT_A else 2
-    return (*lengths[first:], *lengths[:first])
+def seen_lengths(lengths: tuple[Scalar, ...],
+                 joint: str) -> tuple[Scalar, Scalar, Scalar, Scalar]:
+    """Return the lengths as seen from the link before a driven joint: that one is the ground."""
+    a1, a2, a3, a4 = lengths
+    return (a2, a3, a4, a1) if joint == JOINT_A else (a3, a4, a1, a2)
 
 
 @dataclass(frozen=True)
@@ -190,18 +188,13 @@ class MovingJointFourBar(FourBarLinks):
     @of_geometry
     def closing_ranges(self) -> Ranges:
         """Return the ranges of theta2 or theta3 in which the linkage can be assembled [rad]."""
-        return turned_ranges(ranges_of(*self._seen))
+        return turned_ranges(ranges_of(*seen_lengths(self.lengths, self.input)))
 
     @property
     def singular_inputs(self) -> list[complex]:
-        """Return the complex inputs of singular poses, see FourBar.singular_inputs."""
+        """Return the complex inputs at which output and ground (A), or crank and ground, align."""
         return [complex(x.real + (pi if x.real <= 0.0 else -pi), x.imag)
-                for x in singular_angles(*self._seen)]
-
-    @property
-    def _seen(self) -> tuple[float, float, float, float]:
-        a1, a2, a3, a4 = seen_lengths(self.lengths, self.input)
-        return a1, a2, a3, a4
+                for x in singular_angles(*seen_lengths(self.lengths, self.input))]
 
     @property
     def turns_fully(self) -> bool:
@@ -216,11 +209,11 @@ class MovingJointFourBar(FourBarLinks):
 
     def read_coordinate(self, numbers: NumberType, curves: Any) -> tuple[Any, Any, Any]:
         """Return theta2 or theta3 and its two derivatives from coefficients of the links."""
-        first = 0 if self.input == JOINT_A else 1
-        (*_, c, s, d, dd), (*_, cosine, sine, turn, bend) = curves[first:first + 2]
-        side = 1.0 if self.input == JOINT_A else -1.0       # theta3 counts from B A
-        return (numbers.atan2(side * (sine * c - cosine * s), side * (cosine * c + sine * s)),
-                turn - d, bend - dd)
+        # angle of the second link to the first; theta3 counts from B A, half a turn on
+        first, side = (0, 1.0) if self.input == JOINT_A else (1, -1.0)
+        (*_, c1, s1, d1, dd1), (*_, c2, s2, d2, dd2) = curves[first:first + 2]
+        return (numbers.atan2(side * (s2 * c1 - c2 * s1), side * (c2 * c1 + s2 * s1)),
+                d2 - d1, dd2 - dd1)
 
     def motion_formula(self, numbers: NumberType, constants: Constants) -> Function:
         """Return (position, rate, acceleration) -> fields of MOTION for a number type."""

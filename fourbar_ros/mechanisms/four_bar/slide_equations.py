@@ -54,11 +54,7 @@ class SlideEquation(NamedTuple):
     matrix: Array
 
     def position(self, vi: Values, vj: Values) -> Array:
-        """
-        Return the left side in v = tan(theta/2) and d, as Eqs. (16)-(21) have it; zero for a pose.
-
-        It is :meth:`residual` times 1 + v^2 of each angle.
-        """
+        """Return :meth:`residual` times 1 + v^2 of each v = tan(theta/2), as in Eqs. (16)-(21)."""
         return self._form(_textbook(vi, self.is_slide[0]), _textbook(vj, self.is_slide[1]))
 
     def residual(self, ti: Values, tj: Values) -> Array:
@@ -66,7 +62,7 @@ class SlideEquation(NamedTuple):
         return self._form(_basis(ti, self.is_slide[0])[0], _basis(tj, self.is_slide[1])[0])
 
     def ratio(self, ti: Values, tj: Values) -> Array:
-        """Return d tj / d ti at a pose; infinite where tj stalls at a limit."""
+        """Return d tj / d ti at a pose; infinite where ti stalls at a limit."""
         (u, du, _), (w, dw, _) = (_basis(t, its) for t, its in zip((ti, tj), self.is_slide))
         with np.errstate(divide='ignore', invalid='ignore'):
             found: Array = -self._form(du, w) / self._form(u, dw)
@@ -84,9 +80,9 @@ class SlideEquation(NamedTuple):
 
     def solve(self, ti: Values) -> tuple[Array, Array]:
         """
-        Return both values of joint j that belong to ti, or NaN where the loop cannot close.
+        Return both values of joint j, [rad] in [-pi, pi] or [m], at ti; NaN where no loop closes.
 
-        Angles are in [-pi, pi]. Where the equation is linear in a slide, both are its one value.
+        Where the equation is linear in a slide, both are its one value.
         """
         c0, c1, c2 = np.tensordot(self.matrix.T, _basis(ti, self.is_slide[0])[0], 1)
         with np.errstate(divide='ignore', invalid='ignore'):
@@ -151,7 +147,7 @@ def equation_of_slides(lengths: Sequence[float | None], slides: Mapping[int, flo
 
 
 def _slider_crank(a1: float, a2: float, a4: float, y: float, pair: tuple[int, int]) -> Array:
-    """Return M of RRRP."""
+    """Return M of (S2) between two joints of RRRP; y: direction of the slide at joint 4 [rad]."""
     c, s = cos(y), sin(y)
     squares = a1 * a1 + a4 * a4 - a2 * a2
     across = a4 * s                                 # O4, square to the slide
@@ -173,7 +169,7 @@ def _slider_crank(a1: float, a2: float, a4: float, y: float, pair: tuple[int, in
 
 
 def _trammel(a2: float, a4: float, x: float, y: float, pair: tuple[int, int]) -> Array:
-    """Return M of PRRP."""
+    """Return M of (S2) between two joints of PRRP; x, y: directions of both slides [rad]."""
     turn, at_1, at_4 = sin(y - x), a4 * sin(x), a4 * sin(y)
     return np.array({
         # |c e^{ix} - a4 - d e^{iy}|^2 = a2^2: Eq. (16) in a1 = c and a3 = d
@@ -189,7 +185,7 @@ def _trammel(a2: float, a4: float, x: float, y: float, pair: tuple[int, int]) ->
 
 
 def _basis(value: Values, is_slide: bool) -> tuple[Array, Array, Array]:
-    """Return (1, cos, sin) or (1, d, d^2), and two derivatives, each of shape (3, ...)."""
+    """Return (1, cos, sin) or, of a slide, (1, d, d^2), two derivatives; shapes (3, ...)."""
     t = array('joint', value)
     one, zero = np.ones_like(t), np.zeros_like(t)
     if is_slide:
@@ -200,7 +196,7 @@ def _basis(value: Values, is_slide: bool) -> tuple[Array, Array, Array]:
 
 
 def _textbook(value: Values, is_slide: bool) -> Array:
-    """Return the basis times 1 + v^2 of an angle's v."""
+    """Return (1, cos, sin) times 1 + v^2 by v = tan(theta/2), or of a slide (1, d, d^2)."""
     v = array('v', value)
     if is_slide:
         return _basis(v, True)[0]

@@ -3,9 +3,7 @@
 """
 The inverted slider-crank RPR with offset: rocking block, oscillating cylinder.
 
-What it is, how far it moves, how it moves.
-
-Picture and velocity and acceleration polygons of an inverted slider-crank.
+What it is, how far it moves, how it is drawn; its formulas are in :mod:`.motion`, :mod:`.loads`.
 """
 from __future__ import annotations
 
@@ -68,17 +66,7 @@ class InvertedDeadPoint(NamedTuple):
     theta4: float     # [rad]
 
 
-BEYOND = 0.14      # length of the bar beyond its block, over the size of the mechanism
-
-
-def _tube(mechanism: InvertedSlider) -> float:
-    """
-    Return the length of the tube of a cylinder.
-
-    Its rod is in at the shortest, or half the longest.
-    """
-    low, high = sorted(map(abs, mechanism.input_ranges[-1]))
-    return float(max(0.9 * low, 0.45 * high))
+BEYOND = 0.14      # length of the bar drawn beyond its block, over the size of the mechanism
 
 
 @dataclass(frozen=True)
@@ -165,9 +153,7 @@ class InvertedSlider(OffsetSlide):
     @of_geometry
     def closing_ranges(self) -> Ranges:
         """
-        Return the ranges of the input in which the links close, from low to high.
-
-        theta1 [rad] or slide [m].
+        Return the ranges of theta1 [rad] or slide [m] in which the links close, from low to high.
 
         For a crank that turns fully (-pi, pi), else one range through pi. At an end that is no
         full turn A is at the foot of O4 (crank input), or crank and ground in line (slide input):
@@ -184,12 +170,9 @@ class InvertedSlider(OffsetSlide):
     @property
     def singular_inputs(self) -> list[complex]:
         """
-        Return the complex inputs where the dyad is singular.
+        Return the complex inputs where the dyad is in line or A meets O4.
 
-        As :attr:`.SliderCrank.singular_inputs`.
-
-        For a driven crank where A is at the foot of O4, l = 0, and where it is as far as that from
-        O4, q = 0.
+        For a driven crank l = 0 and q = 0 of (B1), both linear in tan^2(theta1/2).
         """
         if self.input == SLIDE:
             return singular_slides(self.a4, self.a1, self.offset)
@@ -203,11 +186,7 @@ class InvertedSlider(OffsetSlide):
 
     @property
     def dead_points(self) -> tuple[InvertedDeadPoint, ...]:
-        """
-        Return where the bar of a driven crank turns back in this mode.
-
-        Up to two InvertedDeadPoint.
-        """
+        """Return up to two poses where the bar of a driven crank turns back in this mode."""
         points, (a1, a4, h) = [], scaled(self.lengths)
         for side in (1.0, -1.0):                       # A = +-i a1 e^{iy}
             rise = h - side * a1        # a4 sin y
@@ -238,7 +217,7 @@ class InvertedSlider(OffsetSlide):
                 Connection(GROUND, 'output', (self.a4, 0.0)))
 
     def link_motion(self, motion: NamedFields, link: str) -> LinkMotion:
-        """Return the LinkMotion of a link by name."""
+        """Return the motion of a link by name; block and bar turn together."""
         if link == 'output':
             return LinkMotion(self.a4, 0.0, 0.0, 0.0, 0.0, 0.0, motion.cos_y, motion.sin_y,
                               motion.omega4, motion.alpha4)
@@ -263,7 +242,7 @@ class InvertedSlider(OffsetSlide):
                 - turn * turn * along)
 
     def transmission_sine(self, motion: NamedFields) -> Scalar:
-        """Return a number that is zero where the dyad is in line, at most one."""
+        """Return slide / |A O4|, or for a driven slide a4 sin theta1 / |A O4|."""
         size = max(map(abs, self.lengths))
         slide, aside = motion.slide / size, self.offset / size
         opposite = slide if self.input == CRANK else self.a4 / size * motion.sin_x
@@ -279,19 +258,17 @@ class InvertedSlider(OffsetSlide):
                 (-np.sin(motion.theta4), np.cos(motion.theta4), 0.0), (self.a4, 0.0, 1.0))
 
     def diagram(self, motion: NamedFields) -> Diagram:
-        """
-        Return the :class:`Diagram` of one pose.
-
-        A bar with its block, or a cylinder with its rod.
-        """
+        """Return the picture of one pose: a bar with its block, or a cylinder with its rod."""
         a = point_motion(self, motion, 'crank', self.a1).place
         o4 = point_motion(self, motion, 'output', 0.0).place
         bar = link_motion(self, motion, 'output').direction
         foot, sense = a - motion.slide * bar, np.sign(motion.slide) * bar
         bars, blocks = [Bar(ORIGIN, a), Bar(o4, foot)], []
         if self.is_driven_by_slide:        # a cylinder: the tube from O4, the rod out of it to A
-            tube = foot + min(_tube(self), 0.98 * abs(motion.slide)) * sense
-            bars += [Bar(foot, a, 0.7), Bar(foot, tube, 2.4)]
+            low, high = sorted(map(abs, self.input_ranges[-1]))
+            tube = max(0.9 * low, 0.45 * high)      # as long as it can be with the rod in
+            end = foot + min(tube, 0.98 * abs(motion.slide)) * sense
+            bars += [Bar(foot, a, 0.7), Bar(foot, end, 2.4)]
         else:
             size = max(np.ptp(np.array([ORIGIN, a, o4]), axis=0))
             bars.append(Bar(foot, a + BEYOND * size * sense))

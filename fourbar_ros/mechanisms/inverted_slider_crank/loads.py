@@ -23,12 +23,13 @@ from fourbar_ros.mechanics.newton_euler import (
     about_first_joint,
     crank_with_pin,
     Gravity,
+    joint_loads,
     needs_of_crank_and_carried,
     needs_of_pivoted,
     Turning,
 )
 from fourbar_ros.mechanisms.inverted_slider_crank.motion import InvertedSliderMotion
-from fourbar_ros.mechanisms.slide_dyad import slider_loads, SliderLoads
+from fourbar_ros.mechanisms.slide_dyad import SliderLoads
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 from fourbar_ros.numerics.vectors import Vector
 
@@ -38,8 +39,9 @@ def make_loads(n: NumberType, a1: Scalar, a4: Scalar, h: Scalar, is_crank_driven
     """
     Return the function InvertedSliderMotion -> :class:`.SliderLoads`.
 
-    The force between block and bar from the moments of both about O4 and, for a driven slide, of
-    the crank; the drive from virtual power.
+    The force between block and bar follows from the moments of both about O4 and, for a driven
+    slide, of the crank; the drive from virtual power. Lengths [m] are scaled by a power of two, so
+    that no square overflows.
     """
     unit = n.power_of_two(a1, a4, h)
     a1, a4, h, per_unit = a1 / unit, a4 / unit, h / unit, 1.0 / unit
@@ -48,6 +50,7 @@ def make_loads(n: NumberType, a1: Scalar, a4: Scalar, h: Scalar, is_crank_driven
     crank_terms = crank_with_pin(bodies, unit, gravity, external, block_terms, a1)
 
     def loads(m: InvertedSliderMotion) -> SliderLoads:
+        """Return the loads of a motion, by (L1) to (L5)."""
         e_x, e_y = Vector(m.cos_x, m.sin_x), Vector(m.cos_y, m.sin_y)
         of_bar = Turning(e_y, m.omega4, m.alpha4)
         crank, block = needs_of_crank_and_carried(
@@ -68,8 +71,8 @@ def make_loads(n: NumberType, a1: Scalar, a4: Scalar, h: Scalar, is_crank_driven
         F32 = e_y * driving_force + e_y.normal * N                                      # (L3)
         shaking_moment = (block.a_cross_r * (m.omega2 * (m.omega1 + m.omega4))          # (L5)
                           - (crank.moment + block.moment + bar.moment + a4 * bar.force.y))
-        return slider_loads(
-            n, forces=(crank.force, block.force, bar.force), f32=F32, f43=bar.force + F32,
+        return joint_loads(
+            n, SliderLoads, (crank.force, block.force, bar.force), F32, bar.force + F32,
             guide_force=N, guide_couple=unit * M2, driving_torque=driving_torque,
             driving_force=driving_force, shaking_moment=unit * shaking_moment)
     return loads

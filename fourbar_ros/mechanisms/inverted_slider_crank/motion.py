@@ -32,9 +32,7 @@ from fourbar_ros.numerics.number_types import Function, nudge, NumberType, Scala
 
 class InvertedSliderMotion(NamedTuple):
     """
-    Pose, rates and accelerations for one input.
-
-    Each field a float, or an array of the input's shape.
+    Pose, rates and accelerations; each field a float, or an array of the input's shape.
 
     Angles [rad], in [-pi, pi] but for a theta1 that is the input; theta2 = theta4 - theta1 is
     relative (block to crank). Block and bar turn together.
@@ -76,6 +74,7 @@ def make_crank_motion(n: NumberType, a1: Scalar, a4: Scalar, h: Scalar, sign: Sc
     block_on_bar = make_block_on_bar(n, a1, a4, h, sign)
 
     def motion(theta1: Scalar, omega1: Scalar, alpha1: Scalar) -> InvertedSliderMotion:
+        """Return the motion for a crank angle."""
         half = 0.5 * theta1
         sh, ch = sin(half) + beside_0, cos(half)
         at = block_on_bar(sh * sh, ch * ch, sh * ch)
@@ -105,6 +104,7 @@ def make_slide_motion(n: NumberType, a1: Scalar, a4: Scalar, h: Scalar, sign: Sc
 
     def motion(slide: Scalar, slide_velocity: Scalar,
                slide_acceleration: Scalar) -> InvertedSliderMotion:
+        """Return the motion for a slide."""
         seen = triangle(slide * per_unit)
         v, a = slide_velocity * per_unit, slide_acceleration * per_unit
         square = v * v

@@ -24,6 +24,7 @@ from fourbar_ros.mechanics.newton_euler import (
     about_first_joint,
     crank_with_pin,
     Gravity,
+    joint_loads,
     needs_of_crank_and_carried,
     Turning,
 )
@@ -66,8 +67,12 @@ class ScotchYokeLoads(NamedTuple):
 
 def make_loads(n: NumberType, a1: Scalar, e: Scalar, is_crank_driven: bool, bodies: Bodies,
                gravity: Gravity, external: External) -> Function:
-    """Return the function ScotchYokeMotion -> :class:`ScotchYokeLoads`."""
-    hypot, unit = n.hypot, n.power_of_two(a1, e)
+    """
+    Return the function ScotchYokeMotion -> :class:`ScotchYokeLoads`.
+
+    Lengths [m] are scaled by a power of two, so that no square overflows.
+    """
+    unit = n.power_of_two(a1, e)
     a1, e, per_unit = a1 / unit, e / unit, 1.0 / unit
     block_terms = about_first_joint(bodies.coupler, unit, gravity, external.coupler)
     yoke = about_first_joint(bodies.output, unit, gravity, external.output)
@@ -76,6 +81,7 @@ def make_loads(n: NumberType, a1: Scalar, e: Scalar, is_crank_driven: bool, bodi
     at_rest = yoke.by_cosine + yoke.couple              # the moment that the yoke needs
 
     def loads(m: ScotchYokeMotion) -> ScotchYokeLoads:
+        """Return the loads of a motion, by (L1) to (L3)."""
         crank, block = needs_of_crank_and_carried(
             crank_terms, Turning(Vector(m.cos_x, m.sin_x), m.omega1, m.alpha1),
             block_terms, upright, a1)
@@ -90,17 +96,12 @@ def make_loads(n: NumberType, a1: Scalar, e: Scalar, is_crank_driven: bool, bodi
         else:
             driving_torque, driving_force, N = 0.0, drive, -crank.moment / (a1 * m.sin_x)
         F32 = Vector(N, 0.0 * N)                        # NaN too where nothing is known
-        F21, F43 = F32 - block.force, Vector(driving_force, F3.y + F32.y)
-        F41 = crank.force - F21
+        F43 = Vector(driving_force, F3.y + F32.y)
         guide_couple = M3 - m.slot * per_unit * N + M2                                  # (L3)
-        shaking_force = -(crank.force + block.force + F3)
         shaking_moment = -unit * (crank.moment + M2 + M3 + m.slide * per_unit * F3.y - e * F3.x)
-        return ScotchYokeLoads(
-            f41_x=F41.x, f41_y=F41.y, f21_x=F21.x, f21_y=F21.y, f32_x=F32.x, f32_y=F32.y,
-            f43_x=F43.x, f43_y=F43.y, f41=hypot(F41.x, F41.y), f21=hypot(F21.x, F21.y),
-            f32=hypot(F32.x, F32.y), f43=hypot(F43.x, F43.y), guide_force=F43.y,
+        return joint_loads(
+            n, ScotchYokeLoads, (crank.force, block.force, F3), F32, F43, guide_force=F43.y,
             guide_couple=unit * guide_couple, slot_couple=unit * M2,                    # (L2)
             driving_torque=driving_torque, driving_force=driving_force,
-            shaking_force_x=shaking_force.x, shaking_force_y=shaking_force.y,
-            shaking_force=hypot(shaking_force.x, shaking_force.y), shaking_moment=shaking_moment)
+            shaking_moment=shaking_moment)
     return loads

@@ -32,9 +32,7 @@ from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 
 class ScotchYokeMotion(NamedTuple):
     """
-    Pose, rates and accelerations for one input.
-
-    Each field a float, or an array of the input's shape.
+    Pose, rates and accelerations; each field a float, or an array of the input's shape.
 
     Angles [rad], in [-pi, pi] but for a theta1 that is the input; theta2 is relative (block to
     crank):
@@ -68,6 +66,7 @@ def make_crank_motion(n: NumberType, a1: Scalar, e: Scalar, sign: Scalar) -> Fun
     sin, cos, atan2, fabs = n.sin, n.cos, n.atan2, n.fabs
 
     def motion(theta1: Scalar, omega1: Scalar, alpha1: Scalar) -> ScotchYokeMotion:
+        """Return the motion for a crank angle."""
         cos_x, sin_x = cos(theta1), sin(theta1)
         slide, rise, square = a1 * cos_x, a1 * sin_x, omega1 * omega1                   # (M1)
         return ScotchYokeMotion(
@@ -90,6 +89,7 @@ def make_slide_motion(n: NumberType, a1: Scalar, e: Scalar, sign: Scalar) -> Fun
 
     def motion(slide: Scalar, slide_velocity: Scalar,
                slide_acceleration: Scalar) -> ScotchYokeMotion:
+        """Return the motion for a slide."""
         s, v, a = slide * per_unit, slide_velocity * per_unit, slide_acceleration * per_unit
         square = v * v
         root = sign * sqrt((a1 - s) * (a1 + s))                                         # (M5)

@@ -1,10 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""
-The Scotch yoke: what it is, how far it moves, what it is made of.
-
-The picture of a Scotch yoke and its velocity and acceleration polygons.
-"""
+"""The Scotch yoke: what it is, how far it moves, how it is drawn."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -153,11 +149,7 @@ class ScotchYoke(Mechanism):
 
     @property
     def closing_ranges(self) -> tuple[tuple[float, float], ...]:
-        """
-        Return the range of the input.
-
-        A full turn, or -a1 to a1, where the crank lies along the guide.
-        """
+        """Return the range of the input: a full turn, or -a1 to a1 [m], the crank along x."""
         return ((-pi, pi),) if self.input == CRANK else ((-self.a1, self.a1),)
 
     @property
@@ -191,7 +183,7 @@ class ScotchYoke(Mechanism):
                 Connection(GROUND, 'output', (0.0, self.offset), axis=(1.0, 0.0)))
 
     def link_motion(self, motion: NamedFields, link: str) -> LinkMotion:
-        """Return the LinkMotion of a link by name."""
+        """Return the motion of a link by name; block and yoke do not turn."""
         if link == 'output':
             return LinkMotion(motion.slide, self.offset, motion.slide_velocity, 0.0,
                               motion.slide_acceleration, 0.0,
@@ -207,17 +199,12 @@ class ScotchYoke(Mechanism):
         return found
 
     def diagram(self, motion: NamedFields) -> Diagram:
-        """
-        Return the :class:`Diagram` of one pose.
-
-        The slot reaches over the whole travel of the block.
-        """
+        """Return the picture of one pose; the slot reaches over the whole travel of the block."""
         a, b = (point_motion(self, motion, link, along).place
                 for link, along in (('crank', self.a1), ('output', 0.0)))
-        low, high = (b + (end - self.offset) * Y
-                     for end in (-1.1 * self.a1, 1.1 * self.a1))
-        ends = min((low, b, high), key=lambda at: at[1]), max((low, b, high), key=lambda at: at[1])
-        return Diagram({'O_1': ORIGIN, 'A': a, 'B': b}, ('O_1',), (Bar(*ends), Bar(ORIGIN, a)),
+        travel = [b + (end - self.offset) * Y for end in (-1.1 * self.a1, 1.1 * self.a1)]
+        low, _, high = sorted((b, *travel), key=lambda place: float(place[1]))
+        return Diagram({'O_1': ORIGIN, 'A': a, 'B': b}, ('O_1',), (Bar(low, high), Bar(ORIGIN, a)),
                        (Block(b, X, is_guided=True), Block(a, Y)),
                        {'f41': 'O_1', 'f21': 'A', 'f32': 'A', 'f43': 'B'}, {'theta1': 'O_1'})
 
@@ -229,11 +216,7 @@ class ScotchYoke(Mechanism):
                 *chain(v_b, (motion.slot_velocity * Y, 'V_{rel}'))]
 
     def acceleration_polygon(self, motion: NamedFields) -> list[Arrow]:
-        """
-        Return the arrows of A_A = A_B + A_rel.
-
-        The slot does not turn, so there is no Coriolis term [m/s^2].
-        """
+        """Return the arrows of A_A = A_B + A_rel [m/s^2]; the slot does not turn: no Coriolis."""
         crank = link_motion(self, motion, 'crank')
         a_a = point_motion(self, motion, 'crank', self.a1).acceleration
         a_b = motion.slide_acceleration * X

@@ -24,10 +24,11 @@ from fourbar_ros.mechanics.newton_euler import (
     about_first_joint,
     crank_with_pin,
     Gravity,
+    joint_loads,
     needs_of_crank_and_carried,
     Turning,
 )
-from fourbar_ros.mechanisms.slide_dyad import slider_loads, SliderLoads
+from fourbar_ros.mechanisms.slide_dyad import SliderLoads
 from fourbar_ros.mechanisms.slider_crank.motion import SliderCrankMotion
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 from fourbar_ros.numerics.vectors import Vector
@@ -38,9 +39,9 @@ def make_loads(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, is_crank_driven
     """
     Return the function SliderCrankMotion -> :class:`.SliderLoads`.
 
-    The force at B from the moment of the coupler and, for a driven crank, the slider's own
-    equation along the guide, for a driven slider the moment of the crank; the drive from virtual
-    power.
+    The force at B follows from the moment of the coupler and, for a driven crank, the force of
+    the slider along the guide, for a driven slider the moment of the crank; the drive from virtual
+    power. Lengths [m] are scaled by a power of two, so that no square overflows.
     """
     unit = n.power_of_two(a1, a2, e)
     a1, a2, e, per_unit = a1 / unit, a2 / unit, e / unit, 1.0 / unit
@@ -50,6 +51,7 @@ def make_loads(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, is_crank_driven
     at_rest = slider.by_cosine + slider.couple          # the moment that the slider needs
 
     def loads(m: SliderCrankMotion) -> SliderLoads:
+        """Return the loads of a motion, by (L1) to (L5)."""
         e_x, e_b = Vector(m.cos_x, m.sin_x), Vector(m.cos_b, m.sin_b)
         crank, coupler = needs_of_crank_and_carried(
             crank_terms, Turning(e_x, m.omega1, m.alpha1),
@@ -73,8 +75,8 @@ def make_loads(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, is_crank_driven
         shaking_moment = (coupler.a_cross_r * (m.omega2 * (m.omega1 + m.omega_beta))    # (L5)
                           - (crank.moment + coupler.moment + M3 + (m.slide * per_unit) * F3.y
                              - e * F3.x))
-        return slider_loads(
-            n, forces=(crank.force, coupler.force, F3), f32=F32, f43=F43, guide_force=F43.y,
+        return joint_loads(
+            n, SliderLoads, (crank.force, coupler.force, F3), F32, F43, guide_force=F43.y,
             guide_couple=unit * M3, driving_torque=driving_torque, driving_force=driving_force,
             shaking_moment=unit * shaking_moment)
     return loads

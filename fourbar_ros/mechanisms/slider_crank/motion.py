@@ -24,9 +24,7 @@ from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 
 class SliderCrankMotion(NamedTuple):
     """
-    Pose, rates and accelerations for one input.
-
-    Each field a float, or an array of the input's shape.
+    Pose, rates and accelerations; each field a float, or an array of the input's shape.
 
     Angles [rad], in [-pi, pi] but for a theta1 that is the input; theta2 is relative (coupler to
     crank), theta3 = -beta (slider to coupler): theta1 + theta2 + theta3 = 0.
@@ -64,17 +62,14 @@ class SliderCrankMotion(NamedTuple):
 
 def make_crank_motion(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar,
                       is_long: bool) -> Function:
-    """
-    Return the function (theta1, omega1, alpha1) -> :class:`SliderCrankMotion`.
-
-    ``is_long``: as for :func:`fourbar_ros.mechanisms.slide_dyad.make_rod_on_line`.
-    """
+    """Return (theta1, omega1, alpha1) -> motion; ``is_long``: a1 > 2 a2, see make_rod_on_line."""
     sin, cos, atan2, fabs = n.sin, n.cos, n.atan2, n.fabs
     unit = n.power_of_two(a1, a2, e)
     a1, a2, e = a1 / unit, a2 / unit, e / unit
     rod_on_line = make_rod_on_line(n, a1, a2, e, sign, is_long)
 
     def motion(theta1: Scalar, omega1: Scalar, alpha1: Scalar) -> SliderCrankMotion:
+        """Return the motion for a crank angle."""
         cos_x, sin_x = cos(theta1), sin(theta1)
         at = rod_on_line(cos_x, sin_x)
         square = omega1 * omega1
@@ -106,6 +101,7 @@ def make_slider_motion(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: S
 
     def motion(slide: Scalar, slide_velocity: Scalar,
                slide_acceleration: Scalar) -> SliderCrankMotion:
+        """Return the motion for a slide."""
         at = triangle(slide * per_unit)
         v, a = slide_velocity * per_unit, slide_acceleration * per_unit
         square = v * v

@@ -3,9 +3,7 @@
 """
 The slider-crank RRRP with offset, driven by its crank or by its slider.
 
-What it is, how far it moves, how it moves.
-
-The picture of a slider-crank and its velocity and acceleration polygons.
+What it is, how far it moves, how it is drawn; its formulas are in :mod:`.motion`, :mod:`.loads`.
 """
 from __future__ import annotations
 
@@ -58,11 +56,7 @@ import numpy as np
 
 
 class SliderDeadPoint(NamedTuple):
-    """
-    Crank and coupler in line, one behind the other (stretched) or folded.
-
-    The slider turns back.
-    """
+    """Crank and coupler in line, stretched or folded: the slider turns back."""
 
     theta1: float     # [rad]
     slide: float      # [m]
@@ -147,9 +141,7 @@ class SliderCrank(OffsetSlide):
     @of_geometry
     def closing_ranges(self) -> Ranges:
         """
-        Return the ranges of the input in which the links close, from low to high.
-
-        theta1 [rad] or slide [m].
+        Return the ranges of theta1 [rad] or slide [m] in which the links close, from low to high.
 
         For a crank that turns fully (-pi, pi). At an end that is no full turn the coupler is
         square to the guide (crank input), or in line with the crank (slider input): a toggle.
@@ -167,13 +159,10 @@ class SliderCrank(OffsetSlide):
     @property
     def singular_inputs(self) -> list[complex]:
         """
-        Return the complex inputs where crank and dyad are singular.
+        Return the complex inputs where the coupler is square to the guide or in line with a1.
 
-        Real part and size of the imaginary one.
-
-        A list of toggles (real), flat positions of change points (real) and others: where sin x =
-        (e +- a2)/a1, or, for a driven slide, of
-        :func:`~fourbar_ros.mechanisms.slide_dyad.singular_slides`.
+        The former of a driven crank: sin theta1 = (e +- a2)/a1, also beyond +-1, where theta1 is
+        +-pi/2 + i arcosh; the latter of a driven slide.
         """
         a1, a2, e = self.lengths
         if self.input == SLIDE:
@@ -192,11 +181,7 @@ class SliderCrank(OffsetSlide):
 
     @property
     def dead_points(self) -> tuple[SliderDeadPoint, ...]:
-        """
-        Return where the slider of a driven crank turns back in this mode.
-
-        Up to two SliderDeadPoint.
-        """
+        """Return up to two poses where the slider of a driven crank turns back in this mode."""
         points, unit = [], power_of_two(*self.lengths)
         a1, a2, e = (length / unit for length in self.lengths)
         for stretched, r, k in zip((True, False), (a1 + a2, a1 - a2), reach(a1, a2, e)[::-1]):
@@ -239,7 +224,7 @@ class SliderCrank(OffsetSlide):
                 Connection(GROUND, 'output', (0.0, self.offset), axis=(1.0, 0.0)))
 
     def link_motion(self, motion: NamedFields, link: str) -> LinkMotion:
-        """Return the LinkMotion of a link by name."""
+        """Return the motion of a link by name, its first joint O1, A or B."""
         if link == 'output':
             return LinkMotion(motion.slide, self.offset, motion.slide_velocity, 0.0,
                               motion.slide_acceleration, 0.0,
@@ -251,7 +236,7 @@ class SliderCrank(OffsetSlide):
                           motion.omega_beta, motion.alpha_beta)
 
     def transmission_sine(self, motion: NamedFields) -> Scalar:
-        """Return a number that is zero where the dyad is in line, at most one."""
+        """Return cos beta, or for a driven slide sin theta2: zero where the dyad is in line."""
         found: Scalar = motion.cos_b if self.input == CRANK else motion.sin_2
         return found
 
@@ -264,7 +249,7 @@ class SliderCrank(OffsetSlide):
                 (motion.slide, self.offset, 1.0), (0.0, 1.0, 0.0))
 
     def diagram(self, motion: NamedFields) -> Diagram:
-        """Return the :class:`Diagram` of one pose."""
+        """Return the picture of one pose: two bars and the slider on its guide."""
         a, b = (point_motion(self, motion, link, along).place
                 for link, along in (('crank', self.a1), ('output', 0.0)))
         return Diagram({'O_1': ORIGIN, 'A': a, 'B': b}, ('O_1',), (Bar(ORIGIN, a), Bar(a, b)),

@@ -18,7 +18,6 @@ from fourbar_ros.bag.comparison.recompute import recompute
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.quantities import select
 from fourbar_ros.pipeline.status import STATUS_NAMES
-from fourbar_ros.report.page import write_page
 from fourbar_ros.report.tables import mode_name, rate_unit, what_it_is
 from fourbar_ros.report.terminal import make_console, PlainTable
 from fourbar_ros.ros.clients.client import Client, NODE, opened
@@ -241,7 +240,7 @@ def write_page_of(scene: Scene, extrema: Sequence[Message], bag: Path) -> Path:
                'Over the input, with all extrema': curves.make_figure(over_input, marks)}
     if recorded:
         figures['Recorded'] = plot.make_figure(bag, recorded)
-    return write_page(bag / 'page.html', bag.name, figures)
+    return drawing.write_page(bag / 'page.html', bag.name, figures)
 
 
 def run(path: str | Path, seconds: float, directory: str | Path, console: Console) -> bool:

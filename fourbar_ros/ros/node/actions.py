@@ -29,7 +29,7 @@ class ExtremaServer(ActionServer):
 
     def notify_execute(self, goal_handle: ServerGoalHandle,
                        execute_callback: Callable[[ServerGoalHandle], Message] | None) -> None:
-        """Queue an accepted goal for the worker, where rclpy would run it in the executor."""
+        """Queue a goal for the worker: rclpy would run an accepted one in its executor."""
         def run() -> None:
             try:         # rclpy's coroutine of a goal; ours never waits, so one send completes it
                 self._execute_goal(execute_callback or self._answer, goal_handle).send(None)

@@ -72,20 +72,20 @@ class Base(Node):
         return super().create_service(srv_type, srv_name, guarded, **options)
 
 
-def _as_declared(given: Parameter) -> Parameter:
+def _as_declared(parameter: Parameter) -> Parameter:
     """
     Return a parameter in the type that the table declares, if its value can be converted.
 
     A client sends 3 as an integer, and an empty list as one of bytes; rclpy refuses both for a
     parameter of doubles.
     """
-    declared, types = find(given.name), Parameter.Type
+    declared, types = find(parameter.name), Parameter.Type
     kind = declared.type if declared else ''
-    is_empty = given.type_.name.endswith('_ARRAY') and not len(given.value)
-    if kind == 'double' and given.type_ == types.INTEGER:
-        return Parameter(given.name, types.DOUBLE, float(given.value))
-    if kind == 'doubles' and (is_empty or given.type_ == types.INTEGER_ARRAY):
-        return Parameter(given.name, types.DOUBLE_ARRAY, list(map(float, given.value)))
+    is_empty = parameter.type_.name.endswith('_ARRAY') and not len(parameter.value)
+    if kind == 'double' and parameter.type_ == types.INTEGER:
+        return Parameter(parameter.name, types.DOUBLE, float(parameter.value))
+    if kind == 'doubles' and (is_empty or parameter.type_ == types.INTEGER_ARRAY):
+        return Parameter(parameter.name, types.DOUBLE_ARRAY, list(map(float, parameter.value)))
     if kind == 'strings' and is_empty:
-        return Parameter(given.name, types.STRING_ARRAY, [])
-    return given
+        return Parameter(parameter.name, types.STRING_ARRAY, [])
+    return parameter

@@ -170,14 +170,13 @@ class TimerDrive(Drive):
         return new
 
 
-class SimulatedTimerDrive(Drive):
-    """Constant speed on simulated time: a ROS timer; the angle follows from the clock."""
+class SimulatedDrive(Drive):
+    """Base of drives on simulated time: a ROS timer at ``drive.rate``, which follows /clock."""
 
-    COUNTED = ('clock_steps',)
+    _last = 0                  # [ns] simulated time of the last tick; 0 before the first
 
     def start(self) -> None:
         """Start the timer."""
-        self._angle, self._began, self._last = self.settings.start, None, 0
         self._timer = self._node.create_timer(1.0 / self.settings.rate, self._tick)
 
     def stop(self) -> None:
@@ -185,26 +184,57 @@ class SimulatedTimerDrive(Drive):
         self._node.destroy_timer(self._timer)
 
     def apply(self, settings: DriveSettings) -> None:
+        """Take over settings, and their rate."""
+        rate_changed = settings.rate != self.settings.rate
+        super().apply(settings)
+        if rate_changed:
+            self._node.destroy_timer(self._timer)
+            self._timer = self._node.create_timer(1.0 / settings.rate, self._tick)
+
+    def _tick(self) -> None:
+        """Make the step of now; begin anew if simulated time went back."""
+        now = self._node.get_clock().now().nanoseconds
+        if now == 0:
+            return                                       # no /clock yet
+        before, self._last = self._last, now
+        if now < before:
+            self.counts['clock_steps'] += 1
+            self._node.get_logger().warning('simulated time went back: starting again')
+            self._begin_again()
+        self._sample_at(now, (now - before) * 1e-9 if before else 0.0)
+
+    @abstractmethod
+    def _begin_again(self) -> None:
+        """Set the motion back to the start of the scene."""
+
+    @abstractmethod
+    def _sample_at(self, now: int, passed: float) -> None:
+        """Step to a simulated time [ns], so many seconds after the last step."""
+
+
+class SimulatedTimerDrive(SimulatedDrive):
+    """Constant speed on simulated time: the angle follows from the clock."""
+
+    COUNTED = ('clock_steps',)
+    _began: int | None = None           # [ns] when ``_angle`` was reached
+
+    def start(self) -> None:
+        """Start the timer."""
+        self._begin_again()
+        super().start()
+
+    def apply(self, settings: DriveSettings) -> None:
         """Take over speed and rate, continuing from the current angle."""
         if self._began is not None:
             self._angle += self.settings.speed * (self._last - self._began) * 1e-9
             self._began = self._last
-        rate_changed = settings.rate != self.settings.rate
         super().apply(settings)
-        if rate_changed:
-            self.stop()
-            self._timer = self._node.create_timer(1.0 / settings.rate, self._tick)
 
-    def _tick(self) -> None:
-        now = self._node.get_clock().now().nanoseconds
-        if now == 0:
-            return                                       # no /clock yet
-        if self._began is None or now < self._last:
-            if self._began is not None:                  # the simulation starts again
-                self.counts['clock_steps'] += 1
-                self._node.get_logger().warning('simulated time went back: starting again')
-                self._angle = self.settings.start
+    def _begin_again(self) -> None:
+        self._angle, self._began = self.settings.start, None
+
+    def _sample_at(self, now: int, passed: float) -> None:
+        if self._began is None:
             self._began = now
-        self._last = now
         angle = self._angle + self.settings.speed * (now - self._began) * 1e-9
         self._stream.step(sec_nanosec(now), angle, self.settings.speed, 0.0)

@@ -53,13 +53,13 @@ def maker(scene: Scene) -> Callable[[Stamp, Sequence[float]], MarkerArray | None
         motion = mechanism.MOTION(*values[:count])
         if isnan(motion.transmission_angle):
             return None
-        made = pose(scene, motion)
+        markers = pose(scene, motion)
         if mechanism.bodies is not None:
             loads = mechanism.LOADS(*values[count:loads_end])
-            made += arrows(scene, loads, mechanism.diagram(motion), scales)
-        for each in made:
+            markers += arrows(scene, loads, mechanism.diagram(motion), scales)
+        for each in markers:
             each.header.stamp.sec, each.header.stamp.nanosec = stamp
-        return MarkerArray(markers=made)
+        return MarkerArray(markers=markers)
     return make
 
 
@@ -67,18 +67,21 @@ def pose(scene: Scene, motion: NamedFields) -> list[Marker]:
     """Return the markers of links, joints, blocks and points."""
     frame, width = scene.frame_id, WIDTH * size_of(scene.linkage)
     parts = picture(scene.linkage, motion, scene.points)
-    made = [lines(frame, 'links', i, [bar[:2]], width * bar.width, LINK)
-            for i, bar in enumerate(of_kind(Bar, parts))]
-    made.append(spheres(frame, 'joints', 0, [joint.place for joint in of_kind(Joint, parts)],
-                        1.8 * width, JOINT))
-    made += [box(frame, 'blocks', i, block.place, atan2(*block.direction[::-1]),
-                 (5.0 * width, 3.0 * width, 2.0 * width), BLOCK)
-             for i, block in enumerate(of_kind(Block, parts))]
+    markers = [lines(frame, 'links', i, [bar[:2]], width * bar.width, LINK)
+               for i, bar in enumerate(of_kind(Bar, parts))]
+    markers.append(spheres(frame, 'joints', 0, [joint.place for joint in of_kind(Joint, parts)],
+                           1.8 * width, JOINT))
+    for i, block in enumerate(of_kind(Block, parts)):
+        box = marker(frame, 'blocks', i, Marker.CUBE, BLOCK,
+                     (5.0 * width, 3.0 * width, 2.0 * width))
+        box.pose.position, half = point(*block.place), 0.5 * atan2(*block.direction[::-1])
+        box.pose.orientation.z, box.pose.orientation.w = sin(half), cos(half)
+        markers.append(box)
     if arms := of_kind(Arm, parts):
-        made += [lines(frame, 'arms', 0, [(arm.start, arm.end) for arm in arms], 0.5 * width,
-                       LINK, 0.6),
-                 spheres(frame, 'points', 0, [arm.end for arm in arms], 2.0 * width, POINT)]
-    return made
+        markers += [lines(frame, 'arms', 0, [(arm.start, arm.end) for arm in arms], 0.5 * width,
+                          LINK, 0.6),
+                    spheres(frame, 'points', 0, [arm.end for arm in arms], 2.0 * width, POINT)]
+    return markers
 
 
 class Scales:
@@ -114,72 +117,42 @@ def arrows(scene: Scene, loads: NamedFields, diagram: Diagram, scales: Scales) -
         return []
     per_force = scales.force(max(force.size for force in forces))
     per_moment = scales.moment(max(abs(value) for _, value in moments))
-    made = [arrow(frame, force.name, 0, force.place, force.place + per_force * force.vector,
-                  width, FORCE) for force in forces]
-    return made + [arrow(frame, name, 0, ORIGIN, (0.0, 0.0, per_moment * value), width, MOMENT)
-                   for name, value in moments]
+    scale = width, 2.0 * width, 3.0 * width          # of the shaft, of the head, its length
+    markers = [marker(frame, force.name, 0, Marker.ARROW, FORCE, scale,
+                      [force.place, force.place + per_force * force.vector]) for force in forces]
+    return markers + [marker(frame, name, 0, Marker.ARROW, MOMENT, scale,
+                             [ORIGIN, (0.0, 0.0, per_moment * value)]) for name, value in moments]
 
 
 def marker(frame: str, group: str, number: int, kind: int, colour: Colour, scale: Iterable[float],
-           opacity: float = 1.0) -> Marker:
-    """Return a marker; RViz replaces an older one of the same group (namespace) and number."""
-    made = Marker(ns=group, id=number, type=kind, action=Marker.ADD,
-                  color=ColorRGBA(r=colour[0], g=colour[1], b=colour[2], a=opacity))
-    made.header.frame_id = frame
-    made.scale.x, made.scale.y, made.scale.z = map(float, scale)
-    made.pose.orientation.w = 1.0
-    return made
+           places: Iterable[Place] = (), opacity: float = 1.0) -> Marker:
+    """
+    Return a marker of a kind (``Marker.LINE_LIST``, say) through places, ``scale`` in [m].
+
+    RViz replaces an older one of the same group (its namespace) and number.
+    """
+    result = Marker(ns=group, id=number, type=kind, action=Marker.ADD,
+                    color=ColorRGBA(r=colour[0], g=colour[1], b=colour[2], a=opacity))
+    result.header.frame_id = frame
+    result.scale.x, result.scale.y, result.scale.z = map(float, scale)
+    result.pose.orientation.w = 1.0
+    result.points = [point(*place) for place in places]
+    return result
 
 
 def lines(frame: str, group: str, number: int, pairs: Iterable[Iterable[Place]], width: float,
           colour: Colour, opacity: float = 1.0) -> Marker:
     """Return a marker of separate lines from place to place; ``width`` in [m]."""
-    made = marker(frame, group, number, Marker.LINE_LIST, colour, (width, 0.0, 0.0), opacity)
-    made.points = [point(*place) for pair in pairs for place in pair]
-    return made
-
-
-def strip(frame: str, group: str, number: int, places: Iterable[Place], width: float,
-          colour: Colour) -> Marker:
-    """Return a marker of one line through places."""
-    made = marker(frame, group, number, Marker.LINE_STRIP, colour, (width, 0.0, 0.0))
-    made.points = [point(*place) for place in places]
-    return made
+    return marker(frame, group, number, Marker.LINE_LIST, colour, (width, 0.0, 0.0),
+                  [place for pair in pairs for place in pair], opacity)
 
 
 def spheres(frame: str, group: str, number: int, places: Iterable[Place], size: float,
             colour: Colour) -> Marker:
-    """Return a marker of spheres."""
-    made = marker(frame, group, number, Marker.SPHERE_LIST, colour, (size, size, size))
-    made.points = [point(*place) for place in places]
-    return made
-
-
-def box(frame: str, group: str, number: int, place: Place, angle: float, scale: Iterable[float],
-        colour: Colour) -> Marker:
-    """Return a marker of a box of ``scale`` [m] at a place, turned by an angle [rad] about z."""
-    made = marker(frame, group, number, Marker.CUBE, colour, scale)
-    made.pose.position = point(*place)
-    made.pose.orientation.z, made.pose.orientation.w = sin(0.5 * angle), cos(0.5 * angle)
-    return made
-
-
-def arrow(frame: str, group: str, number: int, start: Place, end: Place, width: float,
-          colour: Colour) -> Marker:
-    """Return a marker of an arrow between two places of space."""
-    made = marker(frame, group, number, Marker.ARROW, colour, (width, 2.0 * width, 3.0 * width))
-    made.points = [point(*start), point(*end)]
-    return made
-
-
-def label(frame: str, group: str, number: int, place: Place, text: str, height: float,
-          colour: Colour) -> Marker:
-    """Return a marker of a text that faces the viewer."""
-    made = marker(frame, group, number, Marker.TEXT_VIEW_FACING, colour, (0.0, 0.0, height))
-    made.pose.position, made.text = point(*place), text
-    return made
+    """Return a marker of spheres; ``size``: their diameter [m]."""
+    return marker(frame, group, number, Marker.SPHERE_LIST, colour, (size, size, size), places)
 
 
 def point(x: float, y: float, z: float = 0.0) -> Point:
-    """Return a Point."""
+    """Return a Point message of numpy's or Python's floats."""
     return Point(x=float(x), y=float(y), z=float(z))

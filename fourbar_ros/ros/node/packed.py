@@ -67,17 +67,18 @@ def _packer(serialise: Pack, has_status: bool, used: Collection[int], count: int
     """
     probes = [_Contents((0x1B2D3F41, 0x25374959), 0xA7, 0x5C, [k + 0.1 for k in range(count)]),
               _Contents((0x6E5D4C3B, 0x2A190817), 0x39, 0xE2, [-k - 0.7 for k in range(count)])]
-    made = [serialise(*probe) for probe in probes]
-    stamps = list(_offsets(made, [_STAMP.pack(*probe.stamp) for probe in probes]))
-    statuses = list(_offsets(made, [_STATUS.pack(probe.status, probe.mode) for probe in probes]))
-    numbers = sorted((at, place) for place in used
-                     for at in _offsets(made, [_NUMBER.pack(probe.values[place])
-                                               for probe in probes]))
+    messages = [serialise(*probe) for probe in probes]
+    stamps = list(_offsets(messages, [_STAMP.pack(*probe.stamp) for probe in probes]))
+    statuses = list(_offsets(messages,
+                             [_STATUS.pack(probe.status, probe.mode) for probe in probes]))
+    numbers = sorted((offset, place) for place in used
+                     for offset in _offsets(messages, [_NUMBER.pack(probe.values[place])
+                                                       for probe in probes]))
     if (len(stamps) != 1 or len(statuses) != has_status
             or {place for _, place in numbers} != set(used)):
         return None
 
-    buffer, at_stamp = bytearray(made[0]), stamps[0]
+    buffer, at_stamp = bytearray(messages[0]), stamps[0]
     at_status = statuses[0] if has_status else None
     put_stamp, put_status, runs = _STAMP.pack_into, _STATUS.pack_into, list(_runs(numbers))
 
@@ -91,17 +92,17 @@ def _packer(serialise: Pack, has_status: bool, used: Collection[int], count: int
     return pack
 
 
-def _offsets(made: Sequence[bytes], parts: Sequence[bytes]) -> Iterator[int]:
+def _offsets(messages: Sequence[bytes], parts: Sequence[bytes]) -> Iterator[int]:
     """
     Yield the offsets at which message 0 has part 0 and message 1 has part 1.
 
     A constant that looks like part 0 is the same in both messages, so it does not count.
     """
-    at = made[0].find(parts[0])
+    at = messages[0].find(parts[0])
     while at >= 0:
-        if made[1].startswith(parts[1], at):
+        if messages[1].startswith(parts[1], at):
             yield at
-        at = made[0].find(parts[0], at + 1)
+        at = messages[0].find(parts[0], at + 1)
 
 
 def _runs(numbers: Sequence[tuple[int, int]]

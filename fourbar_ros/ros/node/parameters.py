@@ -28,7 +28,7 @@ from rcl_interfaces.msg import (
     ParameterType,
     SetParametersResult,
 )
-from rclpy.parameter import Parameter as Given
+from rclpy.parameter import Parameter as RosParameter
 
 # Parameters that rclpy itself owns.
 SWITCHES = ('use_sim_time', 'start_type_description_service')
@@ -88,7 +88,7 @@ def watch(node: Base, current: Callable[[], Scene], apply: Callable[[Scene], Non
     A refused change says why and changes nothing, even if only ``apply`` finds out, or if an error
     is ours. ``current()`` returns the scene in force.
     """
-    def change(given: Sequence[Given]) -> None:
+    def change(given: Sequence[RosParameter]) -> None:
         changes = {}
         for parameter in given:
             name, value = parameter.name, parameter.value
@@ -102,7 +102,7 @@ def watch(node: Base, current: Callable[[], Scene], apply: Callable[[Scene], Non
                 raise InvalidParameter('outputs', changes['outputs'], 'not while recording')
             apply(scene)
 
-    def answer(given: Sequence[Given]) -> SetParametersResult:
+    def answer(given: Sequence[RosParameter]) -> SetParametersResult:
         before = current()
         try:
             change(given)

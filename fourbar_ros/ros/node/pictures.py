@@ -10,14 +10,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
-from fourbar_ros.ros.messages import Message, resolve, Stamp
+from fourbar_ros.ros.messages import Message, Stamp
 from fourbar_ros.ros.node import qos
 from fourbar_ros.ros.node.recording import Recording
 from fourbar_ros.scene.scene import Scene
-from fourbar_ros.scene.topics import QUEUE_DEPTH, Topic
 from rclpy.node import Node
 from rclpy.publisher import Publisher
-from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.serialization import serialize_message
 
 Make = Callable[[Stamp, Sequence[float]], Message]      # None where the pose is not known
@@ -48,7 +46,7 @@ class Pictures:
         """Take over a scene with its pictures from :func:`drawn_of`; send the latched ones."""
         for name, topic in scene.pictures.items():
             if name not in self._publishers:             # and kept: see Outputs
-                self._publishers[name] = self._publisher(topic)
+                self._publishers[name] = qos.publisher(self._node, topic)
         rate = scene.values['pictures.rate']
         self._period, self._last = 1e9 / rate if rate else 0.0, None
         self._makers, self._latched = drawn
@@ -83,11 +81,6 @@ class Pictures:
             message = make(stamp, values)
             if message is not None and (self._recording.active or self._is_subscribed(name)):
                 self._send(name, serialize_message(message))
-
-    def _publisher(self, topic: Topic) -> Publisher:
-        profile = (QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-                   if topic.latched else QUEUE_DEPTH)
-        return qos.create(self._node, 'publisher', resolve(topic.type), topic.topic, profile)
 
     def _is_subscribed(self, name: str) -> bool:
         return bool(self._publishers[name].get_subscription_count() > 0)

@@ -3,32 +3,39 @@
 """Quality of service that a user overrides at start: qos_overrides.TOPIC.publisher.depth etc."""
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.ros.messages import resolve
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import (
     ANSWERS,
     applied_topic,
     DRIVEN,
+    INPUT_DEPTH,
     INPUTS,
     OUTPUTS,
     PICTURES,
+    QUEUE_DEPTH,
     SCENE,
+    Topic,
     topics_of,
     TRAJECTORIES,
     wrench_topic,
 )
 from rclpy.node import Node
+from rclpy.publisher import Publisher
 from rclpy.qos import (
     DurabilityPolicy,
     HistoryPolicy,
     LivelinessPolicy,
     QoSPolicyKind,
+    QoSProfile,
     ReliabilityPolicy,
 )
 from rclpy.qos_overriding_options import QoSOverridingOptions
+from rclpy.subscription import Subscription
 
 PREFIX = 'qos_overrides.'
 _WORDS = {'reliability': ReliabilityPolicy, 'durability': DurabilityPolicy,
@@ -38,24 +45,38 @@ _NUMBERS = {'depth': 'messages', 'deadline': 'ns', 'lifespan': 'ns',
 POLICIES = (*_WORDS, *_NUMBERS)
 
 
-def create(node: Node, entity: str, message_type: type[Any], topic: str, *given: Any,
-           **options: Any) -> Any:
+def publisher(node: Node, topic: Topic, **options: Any) -> Publisher:
+    """Return a publisher on a topic with its QoS, latched or not, and the user's overrides."""
+    profile = (QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL) if topic.latched
+               else QoSProfile(depth=QUEUE_DEPTH))
+    return node.create_publisher(resolve(topic.type), topic.topic, profile, **options,
+                                 qos_overriding_options=_overrides(node, 'publisher', topic))
+
+
+def subscription(node: Node, topic: Topic, take: Callable[..., None], is_reliable: bool = False,
+                 **options: Any) -> Subscription:
     """
-    Return a new 'publisher' or 'subscription' (``entity``) of a node with its QoS overrides.
+    Return a subscription on a topic with the user's overrides; ``take`` gets serialised messages.
 
-    Other arguments are those of rclpy's ``create_publisher`` or ``create_subscription``.
+    By default it is best effort, which matches publishers of any reliability.
     """
-    name = f'{PREFIX}{node.resolve_topic_name(topic)}.{entity}.'
-    overridden = [QoSPolicyKind[policy.upper()] for policy in POLICIES
-                  if node.has_parameter(name + policy)]
-    make = getattr(node, f'create_{entity}')
-    return make(message_type, topic, *given, **options,
-                qos_overriding_options=QoSOverridingOptions(overridden))
+    reliability = ReliabilityPolicy.RELIABLE if is_reliable else ReliabilityPolicy.BEST_EFFORT
+    return node.create_subscription(
+        resolve(topic.type), topic.topic, take,
+        QoSProfile(depth=INPUT_DEPTH, reliability=reliability), raw=True, **options,
+        qos_overriding_options=_overrides(node, 'subscription', topic))
 
 
-def has_override(node: Node, entity: str, topic: str, policy: str) -> bool:
-    """Return whether a policy of a topic is overridden."""
-    return bool(node.has_parameter(f'{PREFIX}{node.resolve_topic_name(topic)}.{entity}.{policy}'))
+def _overrides(node: Node, entity: str, topic: Topic) -> QoSOverridingOptions:
+    """Return the policies that rclpy is to read from parameters: those that are given."""
+    return QoSOverridingOptions([QoSPolicyKind[policy.upper()] for policy in POLICIES
+                                 if has_override(node, entity, topic, policy)])
+
+
+def has_override(node: Node, entity: str, topic: Topic, policy: str) -> bool:
+    """Return whether a user overrides a policy of a 'publisher' or 'subscription'."""
+    name = node.resolve_topic_name(topic.topic)
+    return bool(node.has_parameter(f'{PREFIX}{name}.{entity}.{policy}'))
 
 
 def check(node: Node, scene: Scene) -> None:

@@ -23,7 +23,6 @@ from fourbar_ros.ros.node.recording import Recording
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import applied_topic, SCENE
 from geometry_msgs.msg import WrenchStamped
-from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.serialization import serialize_message
 from std_msgs.msg import String
 
@@ -43,9 +42,7 @@ class Stream:
         self._lock = threading.Lock()        # held in a step, and while anything changes
         self.steps, self.bad_steps, self.status = 0, 0, OK
         self.outputs, self.pictures = Outputs(node, recording), Pictures(node, recording)
-        self._scene_publisher = qos.create(
-            node, 'publisher', String, SCENE.topic,
-            QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL))
+        self._scene_publisher = qos.publisher(node, SCENE)
         self._stepper = InModes(scene)
         self._applied = {link: Applied(node, link) for link in scene.wrenches.links}
         self.apply(scene)
@@ -203,9 +200,7 @@ class Applied:
     def __init__(self, node: Base, link: str) -> None:
         topic = applied_topic(link)
         self.name, self.data = topic.name, b''
-        latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-        self._publish = node.circles.sender(
-            qos.create(node, 'publisher', WrenchStamped, topic.topic, latched), topic)
+        self._publish = node.circles.sender(qos.publisher(node, topic), topic)
 
     def send(self, stamp: Time, wrench: Wrench, frame_id: str, recording: Recording) -> None:
         """Publish and record a wrench; keep its bytes in ``data`` for the next bag."""

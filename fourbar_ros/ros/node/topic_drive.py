@@ -18,9 +18,8 @@ from fourbar_ros.ros.node.sequence import Info, SequenceNumbers, WithInfo
 from fourbar_ros.ros.node.steady import clock_of
 from fourbar_ros.scene.message_fields import is_time
 from fourbar_ros.scene.scene import DriveSettings
-from fourbar_ros.scene.topics import INPUT_DEPTH, INPUTS
+from fourbar_ros.scene.topics import INPUTS
 from rclpy.event_handler import SubscriptionEventCallbacks
-from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 
 SILENT = 2.0           # [s] without a first message after which the diagnostics warn
@@ -47,11 +46,9 @@ class TopicDrive(Drive):
         self._of_others: list[bytes] = []    # first messages, while the driven joint never came
         self.estimator = estimator_of(self._stream.scene)
         self.apply(self.settings)
-        profile = QoSProfile(depth=INPUT_DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT)
         self._sequence = SequenceNumbers(lambda: self._subscription.get_publisher_count())
-        self._subscription = qos.create(
-            self._node, 'subscription', resolve(self._topic.type), self._topic.topic,
-            WithInfo(self._receive), profile, raw=True, event_callbacks=self._events())
+        self._subscription = qos.subscription(self._node, self._topic, WithInfo(self._receive),
+                                              event_callbacks=self._events())
         self._repeats = Repeats(self._node, self._subscription.topic_name,
                                 self._stream.outputs.topics)
         self._timer = self._node.steady_timers.add(SLEEP, self._watch)
@@ -59,7 +56,7 @@ class TopicDrive(Drive):
     def _events(self) -> SubscriptionEventCallbacks:
         """Return callbacks for new publishers and, if a user asks for a deadline, missed ones."""
         events = SubscriptionEventCallbacks(matched=lambda _: self._sequence.forget())
-        if qos.has_override(self._node, 'subscription', self._topic.topic, 'deadline'):
+        if qos.has_override(self._node, 'subscription', self._topic, 'deadline'):
             events.deadline = self._deadline_missed      # not every middleware knows this event
         return events
 

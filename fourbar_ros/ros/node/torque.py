@@ -18,12 +18,11 @@ from fourbar_ros.dynamics.step.mover import (
 from fourbar_ros.ros.messages import resolve, sec_nanosec, Stamp
 from fourbar_ros.ros.node import qos
 from fourbar_ros.ros.node.base import Base
-from fourbar_ros.ros.node.drives import CATCH_UP, Drive, Reported, TimerDrive
+from fourbar_ros.ros.node.drives import CATCH_UP, Drive, Reported, SimulatedDrive, TimerDrive
 from fourbar_ros.ros.node.steady import clock_of
 from fourbar_ros.ros.node.stream import Stream
 from fourbar_ros.scene.scene import DriveSettings, Scene
-from fourbar_ros.scene.topics import INPUT_DEPTH, TORQUE
-from rclpy.qos import QoSProfile, ReliabilityPolicy
+from fourbar_ros.scene.topics import TORQUE
 from rclpy.serialization import deserialize_message
 
 COUNTED = ('late', 'missed', 'clock_steps', 'torques', 'malformed', 'not_finite', 'limited',
@@ -44,9 +43,7 @@ class Command:
         self._node, self._stream, self._counts = node, stream, counts
         self._type, self._now = resolve(TORQUE.type), clock_of(node)
         self._forget()
-        profile = QoSProfile(depth=INPUT_DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT)
-        self._subscription = qos.create(node, 'subscription', self._type, TORQUE.topic,
-                                        self._receive, profile, raw=True)
+        self._subscription = qos.subscription(node, TORQUE, self._receive)
 
     def destroy(self) -> None:
         """Unsubscribe."""
@@ -203,42 +200,26 @@ class TorqueDrive(Moving, TimerDrive):
         """Go on from the state of now."""
 
 
-class SimulatedTorqueDrive(Moving):
-    """Torque on simulated time: a ROS timer; each sample moves the state by what has passed."""
+class SimulatedTorqueDrive(Moving, SimulatedDrive):
+    """Torque on simulated time: each sample moves the state by the time that has passed."""
 
     def start(self) -> None:
         """Subscribe, start the timer."""
         self._prepare()
-        self._last = 0
-        self._timer = self._node.create_timer(1.0 / self.settings.rate, self._tick)
+        super().start()
 
     def stop(self) -> None:
         """Stop it."""
-        self._node.destroy_timer(self._timer)
+        super().stop()
         if self._command:
             self._command.destroy()
 
-    def apply(self, settings: DriveSettings) -> None:
-        """Take over a scene, and its rate."""
-        rate_changed = settings.rate != self.settings.rate
-        super().apply(settings)
-        if rate_changed:
-            self._node.destroy_timer(self._timer)
-            self._timer = self._node.create_timer(1.0 / settings.rate, self._tick)
+    def _begin_again(self) -> None:
+        self._values = None
 
-    def _tick(self) -> None:
-        """Move the state by the simulated time since the last tick."""
-        now = self._node.get_clock().now().nanoseconds
-        if now == 0:
-            return                                       # no /clock yet
-        step = (now - self._last) * 1e-9
-        if self._last and now < self._last:
-            self.counts['clock_steps'] += 1
-            self._node.get_logger().warning('simulated time went back: starting again')
-            self._values = None
-        elif self._last and step > CATCH_UP:             # the motion stands still meanwhile
+    def _sample_at(self, now: int, passed: float) -> None:
+        if passed > CATCH_UP:                            # the motion stands still meanwhile
             self.counts['missed'] += 1
-            step = 1.0 / self.settings.rate
-        is_new, self._last = now != self._last, now
-        if is_new:
-            self._stream.step_by(sec_nanosec(now), lambda: self._move(step))
+            passed = 1.0 / self.settings.rate
+        if passed or self._values is None:               # the first step ends at the start
+            self._stream.step_by(sec_nanosec(now), lambda: self._move(passed))

@@ -39,8 +39,9 @@ def paths(scene: Scene) -> Iterator[Marker]:
         for number, (low, high) in enumerate(mechanism.input_ranges):
             motion = mechanism.motion(np.linspace(low, high, SAMPLES))
             places = point_motion(mechanism, motion, *point).place
-            yield shapes.strip(scene.frame_id, f'path of {name}', number,
-                               places[~np.isnan(places).any(axis=1)], width, shapes.POINT)
+            yield shapes.marker(scene.frame_id, f'path of {name}', number, Marker.LINE_STRIP,
+                                shapes.POINT, (width, 0.0, 0.0),
+                                places[~np.isnan(places).any(axis=1)])
 
 
 def limits(scene: Scene) -> Iterator[Marker]:
@@ -96,7 +97,9 @@ def column(frame: str, labels: list[tuple[Array, str]], right: float,
         y, start = top - row * SPACING * height, right + SPACING * height
         middle = start + 0.5 * LETTER * height * len(text)       # RViz centres a text
         yield shapes.spheres(frame, 'extrema', 3 * row, [at], 2.0 * width, shapes.EXTREMUM)
-        yield shapes.label(frame, 'extrema', 3 * row + 1, (middle, y, 3.0 * width), text, height,
-                           shapes.EXTREMUM)
+        label = shapes.marker(frame, 'extrema', 3 * row + 1, Marker.TEXT_VIEW_FACING,
+                              shapes.EXTREMUM, (0.0, 0.0, height))
+        label.pose.position, label.text = shapes.point(middle, y, 3.0 * width), text
+        yield label
         yield shapes.lines(frame, 'extrema', 3 * row + 2, [(at, (start, y))], 0.2 * width,
                            shapes.EXTREMUM, 0.5)

@@ -25,13 +25,12 @@ from typing import Any, NamedTuple, Union
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.pipeline.joints import Scale
-from fourbar_ros.ros.messages import resolve
 from fourbar_ros.ros.node import qos
 from fourbar_ros.ros.node.base import Base
 from fourbar_ros.ros.node.sequence import Info, SequenceNumbers, WithInfo
 from fourbar_ros.ros.node.worker import Abandoned, Worker
 from fourbar_ros.scene.scene import Scene
-from fourbar_ros.scene.topics import ANSWERS, INPUT_DEPTH, QUEUE_DEPTH, TRAJECTORIES
+from fourbar_ros.scene.topics import ANSWERS, INPUT_DEPTH, TRAJECTORIES
 from fourbar_ros.transmission import (
     CannotFollow,
     Trajectory,
@@ -72,11 +71,8 @@ class Trajectories:
         self._worker = Worker('trajectories', node.get_logger().error)
         self._last: dict[str, Counted] = {}              # last message of 'input' and 'output'
         self.apply(scene)
-        self._senders = {
-            name: node.circles.sender(
-                qos.create(node, 'publisher', resolve(topic.type), topic.topic, QUEUE_DEPTH),
-                topic)
-            for name, topic in TRAJECTORIES.items() if name not in ANSWERS}
+        self._senders = {name: node.circles.sender(qos.publisher(node, topic), topic)
+                         for name, topic in TRAJECTORIES.items() if name not in ANSWERS}
         self._sequences = [self._listen(name) for name in ANSWERS]
 
     def _listen(self, name: str) -> SequenceNumbers:
@@ -89,9 +85,8 @@ class Trajectories:
             sequence.take(info['publication_sequence_number'])
             if not self._node.circles.is_own(full, data):
                 self._take(name, data)
-        subscription = qos.create(
-            self._node, 'subscription', resolve(topic.type), topic.topic, WithInfo(take),
-            INPUT_DEPTH, raw=True,
+        subscription = qos.subscription(
+            self._node, topic, WithInfo(take), is_reliable=True,
             event_callbacks=SubscriptionEventCallbacks(matched=lambda _: sequence.forget()))
         return sequence
 
@@ -279,20 +274,26 @@ def read(data: bytes) -> Points:
 
 
 def write(header: Header, joint: str, times: Array, columns: dict[str, Array]) -> bytes:
-    """Return a serialised JointTrajectory of one joint; ``columns``: {field: (n,)}."""
-    head = serialize_message(JointTrajectory(header=header, joint_names=[joint]))
-    at, _ = _begin(head)
-    lengths, made = [int(name in columns) for name in FIELDS], []
-    for part in (slice(0, 1), slice(1, None)):
-        block = np.zeros(len(times[part]), _point(lengths, (at - HEADER) % 8))
-        block['sec'], block['nanosec'] = np.divmod(times[part], 10**9)
+    """
+    Return a serialised JointTrajectory of one joint; ``columns``: {field: (n,)}.
+
+    ROS serialises one without points; the number of points and the points follow here, in two
+    blocks as in :func:`_blocks`.
+    """
+    empty = serialize_message(JointTrajectory(header=header, joint_names=[joint]))
+    begin, _ = _begin(empty)
+    lengths = [int(name in columns) for name in FIELDS]
+    parts = [empty[:begin - 4], pack('<I', len(times))]
+    for rows in (slice(0, 1), slice(1, None)):
+        block = np.zeros(len(times[rows]), _point(lengths, (begin - HEADER) % 8))
+        block['sec'], block['nanosec'] = np.divmod(times[rows], 10**9)
         for name, length in zip(FIELDS, lengths):
             block[f'{name} length'] = length
             if length:
-                block[name][:, 0] = columns[name][part]
-        made.append(block.tobytes())
-        at += len(made[-1])
-    return b''.join([head[:_begin(head)[0] - 4], pack('<I', len(times)), *made])
+                block[name][:, 0] = columns[name][rows]
+        parts.append(block.tobytes())
+        begin += len(parts[-1])
+    return b''.join(parts)
 
 
 def _begin(data: bytes) -> tuple[int, int]:
@@ -313,7 +314,7 @@ def _begin(data: bytes) -> tuple[int, int]:
 
 
 def _after_text(data: bytes, at: int) -> int:
-    """Return the offset behind a string at (the next multiple of 4 from) an offset."""
+    """Return the offset behind a CDR string: padding to 4, its length in 4 bytes, its bytes."""
     at += -at % 4
     return int(at + 4 + unpack_from('<I', data, at)[0])
 
@@ -432,7 +433,7 @@ def _may_be_wrapped(positions: Array) -> bool:
 
 
 @np.errstate(over='ignore', invalid='ignore')
-def _steps(given: Samples, delay: float = 0.0) -> tuple[Array, Array, Array]:
+def _steps(samples: Samples, delay: float = 0.0) -> tuple[Array, Array, Array]:
     """
     Return arrays (n - 1,) of the steps between samples: turns lacking, is a wrap, way [rad].
 
@@ -440,13 +441,13 @@ def _steps(given: Samples, delay: float = 0.0) -> tuple[Array, Array, Array]:
     their signs differ. A step of -6.1 rad on a way of 0.2 lacks one turn. ``delay`` [s]: the
     times of the samples may differ so much from the true ones.
     """
-    rates = given.rates
+    rates = samples.rates
     speed = 0.5 * rates[1:] + 0.5 * rates[:-1]
-    way = np.diff(given.times) * speed
+    way = np.diff(samples.times) * speed
     sense = np.where(np.sign(rates[1:]) == np.sign(rates[:-1]), np.sign(speed), 0.0)
     sense[~np.isfinite(way)] = 0.0
     way[sense == 0.0] = 0.0
-    step = np.diff(given.positions)
+    step = np.diff(samples.positions)
     turns = np.round((way - step) / tau)
     turns[turns * sense <= 0.0] = 0.0            # a wrap takes turns off in the sense of motion
     whole = step + tau * turns
@@ -456,10 +457,10 @@ def _steps(given: Samples, delay: float = 0.0) -> tuple[Array, Array, Array]:
     return turns, is_wrap, way
 
 
-def _why_not(given: Samples, i: int, way: float) -> str:
+def _why_not(samples: Samples, i: int, way: float) -> str:
     """Return the message that the step from sample i to i + 1 contradicts its speeds."""
-    (start, end), (speed, next_speed) = (values[i:i + 2] for values in given[1:])
+    (start, end), (speed, next_speed) = (values[i:i + 2] for values in samples[1:])
     return (f'sample {i + 1}: from {start:.8g} to {end:.8g} rad in '
-            f'{given.times[i + 1] - given.times[i]:.8g} s, at {speed:.8g} and '
+            f'{samples.times[i + 1] - samples.times[i]:.8g} s, at {speed:.8g} and '
             f'{next_speed:.8g} rad/s, which is about {way:.3g} rad: count turns in the positions, '
             'or send points closer together')

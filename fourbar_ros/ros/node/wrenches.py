@@ -12,9 +12,8 @@ from fourbar_ros.ros.node.recording import Recording
 from fourbar_ros.ros.node.steady import clock_of
 from fourbar_ros.ros.node.stream import Stream
 from fourbar_ros.scene.scene import Scene
-from fourbar_ros.scene.topics import INPUT_DEPTH, wrench_topic
+from fourbar_ros.scene.topics import wrench_topic
 from geometry_msgs.msg import WrenchStamped
-from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 
 PERIOD = 0.1           # [s] how often silence is looked for
@@ -35,10 +34,8 @@ class WrenchInputs:
         self.counts = dict.fromkeys(self.COUNTED, 0)
         self._received: dict[str, float] = {}   # {link: [s]}, without those that are silent
         self._last: dict[str, Wrench] = {}      # the last wrench of each link
-        profile = QoSProfile(depth=INPUT_DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT)
         for link in stream.scene.wrenches.links:
-            qos.create(node, 'subscription', WrenchStamped, wrench_topic(link).topic,
-                       partial(self._take, link), profile, raw=True)
+            qos.subscription(node, wrench_topic(link), partial(self._take, link))
         self._now = clock_of(node)
         if node.get_parameter('use_sim_time').value:     # silence by that clock, however fast
             node.create_timer(PERIOD, self._watch)

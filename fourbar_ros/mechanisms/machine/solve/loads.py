@@ -18,8 +18,8 @@ Where the ground is a link of a dyad and the frame moves, the ground needs what 
 
     (L3)  f, m of the ground = shaking force and moment
 
-A dyad adds its forces to the *needs* of the links on which it hangs: the force f = (f_x, f_y)
-and the moment m about its first joint that the joints of a link must add up to. The force D of a
+A dyad adds its forces to the *needs* of the links on which it hangs: the force f and the moment
+m about its first joint that the joints of a link must add up to. The force D of a
 cylinder's drive acts along its rod, on the rod and back on the tube. Slides are free of friction:
 a normal force along n and a couple. Notation as in
 :mod:`fourbar_ros.mechanisms.machine.solve.dyads`.
@@ -49,10 +49,11 @@ PRP, with N1 n1, C1 and N2 n2, C2 of the lines on the blocks, f = f1 + f2:
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from functools import partial
 from typing import Any, NamedTuple
 
 from fourbar_ros.mechanics.bodies import Applied, applied_to, Body
-from fourbar_ros.mechanics.newton_euler import about_first_joint
+from fourbar_ros.mechanics.newton_euler import about_first_joint, Needs
 from fourbar_ros.mechanisms.machine.describe.description import (
     CYLINDER,
     Numbers,
@@ -71,26 +72,26 @@ from fourbar_ros.mechanisms.machine.describe.layout import (
     Stage,
     travel,
 )
-from fourbar_ros.mechanisms.machine.solve.pairs import Place, slides_of
+from fourbar_ros.mechanisms.machine.solve.pairs import slides_of
 from fourbar_ros.mechanisms.points import Curve, FIXED
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 from fourbar_ros.numerics.vectors import Vector
 
 
 def make_needs(body: Body, gravity: tuple[Scalar, Scalar], applied: Applied) -> Function:
-    """Return the function (curve, rate^2, rate, acceleration) -> needs of a link, (L1)."""
+    """Return (curve of a link, rate^2, rate, acceleration of the input) -> its needs, by (L1)."""
     link = about_first_joint(body, 1.0, gravity, applied)
 
     def needs(curve: Sequence[Scalar], square: Scalar, rate: Scalar,
               acceleration: Scalar) -> Needs:
+        """Return the force and the moment about its first joint that a link must get."""
         _, _, dx, dy, ddx, ddy, cosine, sine, turn, bend = curve
         a = Vector(dx * acceleration + ddx * square, dy * acceleration + ddy * square)
         alpha, omega = turn * acceleration + bend * square, turn * rate
         direction = Vector(cosine, sine)
         r = link.first_moment.along(direction)
         force = a * link.mass + link.held + r.normal * alpha - r * (omega * omega)      # (L1)
-        moment = link.moment(direction, link.inertia * alpha + r.x * a.y - r.y * a.x)
-        return force.x, force.y, moment
+        return Needs(force, link.moment(direction, link.inertia * alpha + r.x * a.y - r.y * a.x))
     return needs
 
 
@@ -104,6 +105,7 @@ def make_loads(n: NumberType, layout: Layout, numbers: Sequence[Numbers], bodies
     is_crank, ground = layout.driver == 'crank', layout.ground
 
     def loads(motion: tuple[Scalar, ...]) -> tuple[Scalar, ...]:
+        """Return the loads of a motion: needs of all links, the drive, then dyad by dyad."""
         curves, slides, sines, rate, acceleration = read(motion)
         square = rate * rate
         needs = [needs_of_link(curve, square, rate, acceleration)
@@ -111,7 +113,7 @@ def make_loads(n: NumberType, layout: Layout, numbers: Sequence[Numbers], bodies
         drive, shaking = drive_and_shaking(curves, needs)
         if ground:
             curves[ground - 1] = FIXED
-            needs[ground - 1] = shaking[0], shaking[1], shaking[3]                      # (L3)
+            needs[ground - 1] = Needs(Vector(*shaking[:2]), shaking[3])                 # (L3)
         forces = solve(curves, slides, sines, needs, drive)
         return (*base(needs[0], drive), *forces,
                 *((drive, 0.0) if is_crank else (0.0, drive)), *shaking)
@@ -119,7 +121,7 @@ def make_loads(n: NumberType, layout: Layout, numbers: Sequence[Numbers], bodies
 
 
 def make_reader(layout: Layout) -> Function:
-    """Return motion -> (curves of the moving links, slides, sines of dyads, rate, its change)."""
+    """Return motion -> (curves of moving links, slides and sines of dyads, rate, acceleration)."""
     fields = motion_fields(layout)
     place = fields.index('rate')
     first, width = place + 2, len(COEFFICIENTS)
@@ -129,6 +131,7 @@ def make_reader(layout: Layout) -> Function:
               for stage in layout.stages]
 
     def read(motion: Sequence[Scalar]) -> Any:
+        """Return these parts of the fields of :func:`.motion_fields`."""
         return ([motion[i:i + width] for i in starts],
                 [[motion[i] for i in places] for places in slides], motion[last:],
                 motion[place], motion[place + 1])
@@ -141,61 +144,69 @@ def make_drive_and_shaking(n: NumberType) -> Function:
 
     def balance(curves: Sequence[Curve],
                 needs: Sequence[Needs]) -> tuple[Scalar, tuple[Scalar, ...]]:
+        """Return the drive by virtual power, and what all links together do to the ground."""
         drive = shake_x = shake_y = moment = 0.0
-        for (f_x, f_y, m), (x, y, dx, dy, _, _, _, _, turn, _) in zip(needs, curves):
-            drive = drive + (f_x * dx + f_y * dy + m * turn)                            # (L2)
-            shake_x, shake_y = shake_x - f_x, shake_y - f_y
-            moment = moment - (m + x * f_y - y * f_x)
+        for (force, m), (x, y, dx, dy, _, _, _, _, turn, _) in zip(needs, curves):
+            drive = drive + (force.x * dx + force.y * dy + m * turn)                    # (L2)
+            shake_x, shake_y = shake_x - force.x, shake_y - force.y
+            moment = moment - (m + x * force.y - y * force.x)
         return drive, (shake_x, shake_y, hypot(shake_x, shake_y), moment)
     return balance
 
 
 def make_base(n: NumberType, layout: Layout) -> Function:
     """Return (needs of the driven link, drive) -> fields of its joint with the frame."""
-    hypot = n.hypot
-    if layout.driver == 'slide':
-        return lambda needs, drive: (drive, needs[1], hypot(drive, needs[1]), needs[1], needs[2])
-    return lambda needs, drive: (needs[0], needs[1], hypot(needs[0], needs[1]))
+    hypot, is_slide = n.hypot, layout.driver == 'slide'
+
+    def base(needs: Needs, drive: Scalar) -> tuple[Scalar, ...]:
+        """Return x, y and size of the force, and normal force and couple of a slide."""
+        x, y = (drive if is_slide else needs.force.x), needs.force.y
+        return (x, y, hypot(x, y), *((y, needs.moment) if is_slide else ()))
+    return base
 
 
 def make_backward(n: NumberType, layout: Layout, numbers: Sequence[Numbers]) -> Function:
     """Return (curves, slides, sines, needs, drive) -> fields of all joints of the dyads."""
     work = [(i, stage.first - 1, stage.second - 1, stage.number - 1,
-             SOLVERS[stage.kind](*given.sizes), make_fields(n, stage), make_arms(stage, given))
-            for i, (stage, given) in enumerate(zip(layout.stages, numbers))][::-1]
+             partial(SOLVERS[stage.kind], own.sizes), make_fields(n, stage),
+             make_arms(stage, own))
+            for i, (stage, own) in enumerate(zip(layout.stages, numbers))][::-1]
     with_cylinder = layout.driver == CYLINDER
 
     def backward(curves: Sequence[Curve], slides: Sequence[Sequence[Scalar]],
                  sines: Sequence[Scalar], needs: list[Needs], drive: Scalar) -> list[Scalar]:
+        """Return the fields; each dyad adds its forces to the needs of the links it hangs on."""
+        directions = [Vector(*curve[6:8]) for curve in curves]
         found: list[tuple[Scalar, ...]] = [()] * len(work)
-        for number, i, j, k, solve, fields, arms in work:
-            one, two = curves[k], curves[k + 1]
-            forces = solve(one[6:8], two[6:8], slides[number], sines[number], needs[k],
-                           needs[k + 1])
+        for number, on_first, on_second, own, solve, fields, arms in work:
+            forces = solve(directions[own], directions[own + 1], slides[number], sines[number],
+                           needs[own], needs[own + 1])
             if with_cylinder and number == 0:
-                forces = driven_along(forces, drive, one[6], one[7])
+                forces = with_drive_along(forces, directions[own] * drive)
             found[number] = fields(forces)
-            for parent, at, arm in zip((i, j), (0, 3), arms(slides[number])):
-                if parent >= 0:
-                    f_x, f_y, couple = forces[at:at + 3]
-                    (along, across), (c, s) = arm, curves[parent][6:8]
-                    x, y = along * c - across * s, along * s + across * c
-                    old = needs[parent]
-                    needs[parent] = (old[0] + f_x, old[1] + f_y,
-                                     old[2] + couple + x * f_y - y * f_x)
+            first_arm, second_arm = arms(slides[number])
+            for parent, force, couple, arm in (
+                    (on_first, forces.first, forces.first_couple, first_arm),
+                    (on_second, forces.second, forces.second_couple, second_arm)):
+                if parent >= 0:                 # not the frame
+                    r, old = Vector(*arm).along(directions[parent]), needs[parent]
+                    needs[parent] = Needs(old.force + force, old.moment + couple + r.x * force.y
+                                          - r.y * force.x)
         return [field for fields in found for field in fields]
     return backward
 
 
 def make_arms(stage: Stage, own: Numbers) -> Function:
     """
-    Return slides -> where on the links on which a dyad hangs the first joints of its links are.
+    Return slides -> the places of the first joints of a dyad's links on those it hangs on.
 
-    From their first joints, along and across: not as differences of places, which may be far.
+    (along, across) of each, from the first joint of that link: the arms of its forces. Differences
+    of places on the ground would lose digits far from O1.
     """
     sliding = {link: (k, *slide) for k, (link, slide) in enumerate(slides_of(stage, own))}
 
     def arm_of(link: int, parent: int, at: Sequence[Scalar]) -> Function:
+        """Return slides -> arm on a parent: constant, or moved along the slide of the link."""
         k, carrier, start, (c, s) = sliding.get(link, (0, -1, at, (0.0, 0.0)))
         if carrier != parent:
             return lambda _slides: at
@@ -206,111 +217,110 @@ def make_arms(stage: Stage, own: Numbers) -> Function:
     return lambda slides: (first(slides), second(slides))
 
 
-# The nine forces and couples of a dyad, and what its slides transmit.
-Forces = tuple[Any, ...]
+class DyadForces(NamedTuple):
+    """
+    Forces [N] and couples [N m] at the joints of a dyad; couples about first joints of links.
+
+    Parameters
+    ----------
+    first, second : Vector
+        Of the links on which the dyad hangs, on its own links.
+    inner : Vector
+        Of its second link on its first.
+    normals : tuple
+        Normal forces of the joints that slide, in their order.
+
+    """
+
+    first: Vector
+    first_couple: Scalar
+    second: Vector
+    second_couple: Scalar
+    inner: Vector
+    inner_couple: Scalar
+    normals: tuple[Scalar, ...]
 
 
-def driven_along(forces: Forces, drive: Scalar, x: Scalar, y: Scalar) -> Forces:
-    """Return the forces in a cylinder: with that of its drive along (x, y) on the rod."""
-    p_x, p_y, _, q_x, q_y, _, f_x, f_y, *others = forces
-    d_x, d_y = drive * x, drive * y
-    return (p_x - d_x, p_y - d_y, 0.0, q_x + d_x, q_y + d_y, 0.0, f_x + d_x, f_y + d_y, *others)
+def with_drive_along(forces: DyadForces, push: Vector) -> DyadForces:
+    """Return the forces in a cylinder whose drive pushes the rod, and the tube back."""
+    return forces._replace(first=forces.first - push, first_couple=0.0,
+                           second=forces.second + push, second_couple=0.0,
+                           inner=forces.inner + push)
 
 
-def make_fields(n: NumberType, stage: Stage) -> Callable[[Forces], tuple[Scalar, ...]]:
-    """Return the function forces in a dyad -> fields of its joints."""
-    hypot = n.hypot
-    slides = list(SLIDES[stage.kind])
-    starts = {'first': 0, 'second': 3, 'inner': 6}
-    places = [(starts[place], slides.index(place) if place in slides else -1)
-              for place in PLACES]
+def make_fields(n: NumberType, stage: Stage) -> Callable[[DyadForces], tuple[Scalar, ...]]:
+    """Return the function forces in a dyad -> fields of its joints, see :func:`.load_fields`."""
+    hypot, slides = n.hypot, list(SLIDES[stage.kind])
 
-    def fields(forces: Forces) -> tuple[Scalar, ...]:
+    def fields(forces: DyadForces) -> tuple[Scalar, ...]:
+        """Return x, y and size at each joint, and normal force and couple of one that slides."""
         found: list[Scalar] = []
-        for at, normal in places:
-            x, y, couple = forces[at:at + 3]
-            found += (x, y, hypot(x, y))
-            if normal >= 0:
-                found += (forces[9][normal], couple)
+        for place in PLACES:
+            force: Vector = getattr(forces, place)
+            found += (force.x, force.y, hypot(force.x, force.y))
+            if place in slides:
+                found += (forces.normals[slides.index(place)],
+                          getattr(forces, f'{place}_couple'))
         return tuple(found)
     return fields
 
 
-Needs = tuple[Scalar, Scalar, Scalar]
+# (sizes of the dyad, directions of both links, slides, sine, needs of both) -> forces.
+SolvesDyad = Callable[[Sequence[Scalar], Vector, Vector, Sequence[Scalar], Scalar, Needs, Needs],
+                      DyadForces]
 
 
-# Forces (x, y) and couple at the first joint and at the second, of what the dyad hangs on, on its
-# links; at the inner joint, of the second link on the first; normal forces of the joints that
-# slide, in their order. Couples are about the first joints of the links.
-# (directions (cosine, sine) of both links, slides, sine, needs of both) -> forces.
-SolvesDyad = Callable[[Place, Place, Sequence[Scalar], Scalar, Needs, Needs], Forces]
+def rrr_forces(sizes: Sequence[Scalar], e1: Vector, e2: Vector, _slides: Sequence[Scalar],
+               sine: Scalar, needs1: Needs, needs2: Needs) -> DyadForces:
+    """Return the forces in the dyad RRR, two rods, from the moments of both about P and Q."""
+    (f1, m1), (f2, m2), (r1, r2) = needs1, needs2, sizes
+    b, a = m1 / (r1 * sine), m2 / (r2 * sine)                                           # (F1)
+    F = e1 * a + e2 * b
+    return DyadForces(f1 - F, 0.0, f2 + F, 0.0, F, 0.0, ())
 
 
-def make_rrr_loads(r1: Scalar, r2: Scalar) -> SolvesDyad:
-    """Return the forces in the dyad RRR."""
-    def loads(first: Place, second: Place, _slides: Sequence[Scalar], sine: Scalar, needs1: Needs,
-              needs2: Needs) -> Forces:
-        (f1x, f1y, m1), (f2x, f2y, m2) = needs1, needs2
-        b, a = m1 / (r1 * sine), m2 / (r2 * sine)                                       # (F1)
-        fx, fy = a * first[0] + b * second[0], a * first[1] + b * second[1]
-        return f1x - fx, f1y - fy, 0.0, f2x + fx, f2y + fy, 0.0, fx, fy, 0.0, ()
-    return loads
+def rrp_forces(sizes: Sequence[Scalar], e1: Vector, t: Vector, _slides: Sequence[Scalar],
+               sine: Scalar, needs1: Needs, needs2: Needs) -> DyadForces:
+    """Return the forces in the dyad RRP, a rod and a block that slides along t."""
+    (f1, m1), (f2, m2), r1, n = needs1, needs2, sizes[0], t.normal
+    h, g = r1 * t.cross(e1), r1 * sine
+    a = f2.dot(t)                                                                       # (F2)
+    b = (h * a - m1) / g
+    normal = t.cross(f2) - b
+    F = -(t * a) - n * b
+    return DyadForces(f1 - F, 0.0, n * normal, m2, F, 0.0, (normal,))
 
 
-def make_rrp_loads(r1: Scalar, *_: Scalar) -> SolvesDyad:
-    """Return the forces in the dyad RRP."""
-    def loads(first: Place, second: Place, _slides: Sequence[Scalar], sine: Scalar, needs1: Needs,
-              needs2: Needs) -> Forces:
-        (f1x, f1y, m1), (f2x, f2y, m2) = needs1, needs2
-        tx, ty = second
-        h, g = r1 * (first[1] * tx - first[0] * ty), r1 * sine
-        a = f2x * tx + f2y * ty                                                         # (F2)
-        b = (h * a - m1) / g
-        normal = f2y * tx - f2x * ty - b
-        fx, fy = b * ty - a * tx, -a * ty - b * tx
-        return (f1x - fx, f1y - fy, 0.0, -normal * ty, normal * tx, m2, fx, fy, 0.0, (normal,))
-    return loads
+def rpr_forces(_sizes: Sequence[Scalar], t: Vector, _t: Vector, slides: Sequence[Scalar],
+               _sine: Scalar, needs1: Needs, needs2: Needs) -> DyadForces:
+    """Return the forces in the dyad RPR, a block on a bar along t, from both moments about Q."""
+    (f1, m1), (f2, m2) = needs1, needs2
+    normal = -(m1 + m2) / slides[0]                                                     # (F3)
+    F = t.normal * normal
+    return DyadForces(f1 - F, 0.0, f2 + F, 0.0, F, m1, (normal,))
 
 
-def make_rpr_loads(*_: Scalar) -> SolvesDyad:
-    """Return the forces in the dyad RPR."""
-    def loads(first: Place, _second: Place, slides: Sequence[Scalar], _sine: Scalar, needs1: Needs,
-              needs2: Needs) -> Forces:
-        (f1x, f1y, m1), (f2x, f2y, m2) = needs1, needs2
-        normal = -(m1 + m2) / slides[0]                                                 # (F3)
-        fx, fy = -normal * first[1], normal * first[0]
-        return f1x - fx, f1y - fy, 0.0, f2x + fx, f2y + fy, 0.0, fx, fy, m1, (normal,)
-    return loads
+def rpp_forces(sizes: Sequence[Scalar], c: Vector, t: Vector, slides: Sequence[Scalar],
+               _sine: Scalar, needs1: Needs, needs2: Needs) -> DyadForces:
+    """Return the forces in the dyad RPP, a block in a slot along c and its yoke along t."""
+    (f1, m1), (f2, m2), (_, _, cos_g, sin_g) = needs1, needs2, sizes
+    slot = f2.dot(t) / sin_g                                                            # (F4)
+    guide = t.cross(f2) + slot * cos_g
+    F = c.normal * slot
+    return DyadForces(f1 - F, 0.0, t.normal * guide, m2 + m1 + slides[0] * slot, F, m1,
+                      (slot, guide))
 
 
-def make_rpp_loads(_cos_t: Scalar, _sin_t: Scalar, cos_g: Scalar, sin_g: Scalar) -> SolvesDyad:
-    """Return the forces in the dyad RPP."""
-    def loads(first: Place, second: Place, slides: Sequence[Scalar], _sine: Scalar, needs1: Needs,
-              needs2: Needs) -> Forces:
-        (f1x, f1y, m1), (f2x, f2y, m2) = needs1, needs2
-        tx, ty = second
-        slot = (f2x * tx + f2y * ty) / sin_g                                            # (F4)
-        guide = f2y * tx - f2x * ty + slot * cos_g
-        fx, fy = -slot * first[1], slot * first[0]
-        return (f1x - fx, f1y - fy, 0.0, -guide * ty, guide * tx, m2 + m1 + slides[0] * slot,
-                fx, fy, m1, (slot, guide))
-    return loads
+def prp_forces(_sizes: Sequence[Scalar], t1: Vector, t2: Vector, _slides: Sequence[Scalar],
+               sine: Scalar, needs1: Needs, needs2: Needs) -> DyadForces:
+    """Return the forces in the dyad PRP, two blocks pinned together on lines along t1 and t2."""
+    (f1, m1), (f2, m2) = needs1, needs2
+    f = (f1 + f2) / sine
+    normal1, normal2 = f.dot(t2), -f.dot(t1)                                            # (F5)
+    on_first = t1.normal * normal1
+    return DyadForces(on_first, m1, t2.normal * normal2, m2, f1 - on_first, 0.0,
+                      (normal1, normal2))
 
 
-def make_prp_loads(*_: Scalar) -> SolvesDyad:
-    """Return the forces in the dyad PRP."""
-    def loads(first: Place, second: Place, _slides: Sequence[Scalar], sine: Scalar, needs1: Needs,
-              needs2: Needs) -> Forces:
-        (f1x, f1y, m1), (f2x, f2y, m2) = needs1, needs2
-        (x1, y1), (x2, y2) = first, second
-        fx, fy = (f1x + f2x) / sine, (f1y + f2y) / sine
-        normal1, normal2 = fx * x2 + fy * y2, -(fx * x1 + fy * y1)                      # (F5)
-        g1x, g1y = -normal1 * y1, normal1 * x1
-        return (g1x, g1y, m1, -normal2 * y2, normal2 * x2, m2, f1x - g1x, f1y - g1y, 0.0,
-                (normal1, normal2))
-    return loads
-
-
-SOLVERS: dict[str, Callable[..., SolvesDyad]] = {
-    RRR: make_rrr_loads, RRP: make_rrp_loads, RPR: make_rpr_loads, RPP: make_rpp_loads,
-    PRP: make_prp_loads}
+SOLVERS: dict[str, SolvesDyad] = {
+    RRR: rrr_forces, RRP: rrp_forces, RPR: rpr_forces, RPP: rpp_forces, PRP: prp_forces}

@@ -1,0 +1,107 @@
+/* The speed controller (D5) of fourbar_ros.dynamics.model.drives: its regimes and where they end.
+   Between its limits, beyond one without and with integration, and sliding along it. */
+enum { INNER = 1, HELD, BACK, ALONG };
+
+/* The torque that it would give without limits. */
+static double wanted_torque(double speed, double own)
+{
+  return KP * WANTED + -KP * speed + KI * own;
+}
+
+static Regime beyond(int kind, double side)
+{
+  Regime found = {{0.0, 0.0, 0.0, 0.0, 0.0, 0.0}, {0.0, 0.0}, 0, 0, 0.0};
+  const int integrates = (kind == INNER || kind == BACK) && KI > 0.0;
+  found.kind = kind;
+  found.side = side;
+  found.piece[0] = kind == INNER ? KP * WANTED : side * TORQUE_LIMIT;
+  if (kind == INNER) {
+    found.piece[1] = -KP;
+    found.piece[2] = KI;
+  }
+  if (integrates) {
+    found.piece[3] = WANTED;
+    found.piece[4] = -1.0;
+  }
+  if (kind == ALONG) {
+    found.slides = 1;
+    found.edge[0] = (side * TORQUE_LIMIT - KP * WANTED) / KI;
+    found.edge[1] = KP / KI;
+  }
+  return found;
+}
+
+/* Which regime holds; a slope that is NaN: by speed and state alone. `near`: error of the speed,
+   within which a limit counts as reached. */
+static Regime regime_at(double speed, double own, double slope, double near, double command)
+{
+  const double torque = wanted_torque(speed, own), side = torque > 0.0 ? 1.0 : -1.0;
+  const double over = side * torque - TORQUE_LIMIT, outward = side * slope;
+  const double size = fabs(WANTED) + fabs(speed);
+  const double by_error = KP * near, most = NEAR * TORQUE_LIMIT;
+  const double at_limit = (most < by_error ? most : by_error) + NEAREST * TORQUE_LIMIT
+                          + EIGHT_EPS * KP * size;
+  double error = side * (WANTED - speed);
+  int outside;
+  (void)command;
+  if (fabs(error) <= NEAREST * size && !(slope != slope)) error = -outward;
+  outside = error > 0.0 ? HELD : BACK;
+  if (fabs(over) <= at_limit && !(slope != slope)) {
+    const double grows = KI * error, falls = KP * outward;
+    if (grows - falls <= NEAREST * (fabs(grows) + fabs(falls))) return beyond(INNER, side);
+    if ((falls >= 0.0 || grows <= falls) && KI > 0.0) return beyond(ALONG, side);
+    return beyond(outside, side);
+  }
+  return beyond(over <= 0.0 ? INNER : outside, side);
+}
+
+/* Numbers of which one falls below zero where the regime ends. */
+static void margins_of(const Regime *regime, double speed, double own, double slope, double *to)
+{
+  const double torque = wanted_torque(speed, own), side = regime->side;
+  const double unit = (KI > KP ? KI : KP) / TORQUE_LIMIT;
+  if (regime->kind == INNER) {
+    to[0] = 1.0 - torque / TORQUE_LIMIT;
+    to[1] = 1.0 + torque / TORQUE_LIMIT;
+  } else if (regime->kind == ALONG) {
+    const double falls = side * KP * slope;
+    to[0] = (side * KI * (WANTED - speed) - falls) / TORQUE_LIMIT;
+    to[1] = KP > 0.0 ? falls / TORQUE_LIMIT : 0.0;
+  } else {
+    to[0] = side * torque / TORQUE_LIMIT - 1.0;
+    to[1] = side * unit * (regime->kind == HELD ? WANTED - speed : speed - WANTED);
+  }
+}
+
+static int ends_before(const Regime *regime, double part, const double *speeds,
+                       const double *owns, const double *least, double h)
+{
+  const double gain = speeds[1], bend = speeds[2];
+  const double there = speeds[0] + part * (gain + part * bend);
+  const double own = regime->slides ? regime->edge[0] + regime->edge[1] * there
+                                    : owns[0] + part * (owns[1] - owns[0]);
+  double found[2];
+  margins_of(regime, there, own, (gain + 2.0 * part * bend) / h, found);
+  return found[0] < least[0] - NEAREST || found[1] < least[1] - NEAREST;
+}
+
+/* The part of a step after which another regime begins; 1: none does. The speed is taken as
+   quadratic, `slope` its derivative at the start, the state as linear. */
+static double to_kink(const Regime *regime, double speed, double own, double slope,
+                      double speed_after, double own_after, double h)
+{
+  const double gain = h * slope;
+  const double speeds[] = {speed, gain, speed_after - speed - gain}, owns[] = {own, own_after};
+  double least[2], low = 0.0, high = 1.0;
+  int i;
+  margins_of(regime, speed, own, gain / h, least);
+  for (i = 0; i < 2; ++i) if (!(least[i] < 0.0)) least[i] = 0.0;
+  if (!ends_before(regime, 1.0, speeds, owns, least, h)) return 1.0;
+  for (i = 0; i < BISECTIONS; ++i) {
+    const double part = 0.5 * (low + high);
+    if (ends_before(regime, part, speeds, owns, least, h)) high = part;
+    else low = part;
+  }
+  if (!(high < 1.0 - SHORTEST)) return 1.0;
+  return SHORTEST > high ? SHORTEST : high;
+}

@@ -1,0 +1,229 @@
+/* A step of given length as the node makes it (fourbar_ros/dynamics/step), operation by operation.
+   The state is (p, u, s, v, z): coordinate and its rate, twist of the shaft, speed of the motor
+   behind the gear, state of the source. A phase is a coordinate and an assembly mode: the input,
+   or next to a toggle the coordinate that goes on there. */
+typedef struct {
+  int phase, evaluations;
+  double state[5], torque;
+  double known[8];             /* the last position, and there J, J'/2, Q, D, of couples, r, r' */
+} Moving;
+
+/* The terms of the equation of motion, which the step before may have asked for. */
+static int terms_at(Moving *it, double position)
+{
+  int refused;
+  if (position == it->known[0] && it->known[1] > 0.0) return 0;
+  refused = terms_of(it->phase, &position, it->known + 1);
+  it->known[0] = refused ? NAN : position;
+  return refused ? LIMIT : 0;
+}
+
+/* The speed of the motor behind the gear. */
+static int speed_of(Moving *it, const double *state, double *to)
+{
+  const int is_own = HAS_SHAFT || IS_INPUT[it->phase];
+  const int refused = is_own ? 0 : terms_at(it, state[0]);
+  *to = is_own ? state[HAS_SHAFT ? 3 : 1] : it->known[6] * state[1];
+  return refused;
+}
+
+/* The acceleration of the input, (T3). */
+static double slope_of(const Moving *it, const double *terms, const double *state,
+                       const double *change)
+{
+  return IS_INPUT[it->phase] ? change[1]
+         : terms[5] * change[1] + terms[6] * state[1] * state[1];
+}
+
+/* The derivative of the speed of the motor. */
+static double gain_of(const Moving *it, const double *terms, const double *state,
+                      const double *change)
+{
+  return HAS_SHAFT ? change[3] : slope_of(it, terms, state, change);
+}
+
+/* (terms, state, piece) as formulas of the step take them. */
+static void pack(const double *terms, const double *state, const double *piece, double *to)
+{
+  memcpy(to, terms, 7 * sizeof *to);
+  memcpy(to + 7, state, 5 * sizeof *to);
+  memcpy(to + 12, piece, 6 * sizeof *to);
+}
+
+static int change_of(const double *terms, const double *state, const Regime *regime, double *to)
+{
+  double given[18];
+  pack(terms, state, regime->piece, given);
+  return derivative(given, to);
+}
+
+/* A state with that of a source that slides along its limit on the limit. */
+static int to_edge(Moving *it, double *state, const Regime *regime)
+{
+  double speed;
+  int refused;
+  if (!regime->slides) return 0;
+  refused = speed_of(it, state, &speed);
+  state[4] = regime->edge[0] + regime->edge[1] * speed;
+  return refused;
+}
+
+/* The regime that begins at the state, which it moves to the edge of one that slides. */
+static int begin(Moving *it, double near, Regime *regime)
+{
+  double speed, change[5];
+  const double own = it->state[4];
+  int refused = speed_of(it, it->state, &speed);
+  if (refused) return refused;
+  *regime = regime_at(speed, own, NAN, 0.0, it->torque);
+  if (regime->kind != 0) {
+    refused = terms_at(it, it->state[0]);
+    if (!refused) refused = change_of(it->known + 1, it->state, regime, change);
+    if (refused) return refused;
+    *regime = regime_at(speed, own, gain_of(it, it->known + 1, it->state, change), near,
+                        it->torque);
+  }
+  return to_edge(it, it->state, regime);
+}
+
+/* Terms, dx/dt and, as a difference, the acceleration by the coordinate. */
+static int linear(Moving *it, const Regime *regime, double *terms, double *change,
+                  double *by_position)
+{
+  const double position = it->state[0];
+  double aside = position + DIFFERENCE[it->phase], terms_aside[7], other[5];
+  int refused;
+  it->evaluations += 2;
+  refused = terms_at(it, position);
+  memcpy(terms, it->known + 1, 7 * sizeof *terms);
+  if (!refused) refused = change_of(terms, it->state, regime, change);
+  if (refused) return refused;
+  if (terms_of(it->phase, &aside, terms_aside)) {                   /* next to the upper limit */
+    aside = position - DIFFERENCE[it->phase];
+    if (terms_of(it->phase, &aside, terms_aside)) return LIMIT;
+  }
+  refused = change_of(terms_aside, it->state, regime, other);
+  if (aside - position == 0.0) refused |= DIVISION;
+  *by_position = (other[1] - change[1]) / (aside - position);
+  return refused;
+}
+
+/* Whether a state is where the coordinate of the phase can tell it. */
+static int is_here(const Moving *it, const double *state)
+{
+  double excess;
+  return !excess_of(it->phase, state[0], &excess) && excess <= DEEPEST;
+}
+
+static double larger(double a, double b)
+{
+  return b > a ? b : a;
+}
+
+/* The state after a time h, and the factor by which the next may be longer. */
+static int attempt(Moving *it, double h, const Regime *regime, const double *terms,
+                   double by_position, double *next, double *scale)
+{
+  double given[20], found[9], error, longer;
+  int refused;
+  memcpy(given, it->state, 5 * sizeof *given);
+  given[5] = h;
+  memcpy(given + 6, terms, 7 * sizeof *given);
+  given[13] = by_position;
+  memcpy(given + 14, regime->piece, 6 * sizeof *given);
+  it->evaluations += STAGES;
+  *scale = SMALLEST;
+  refused = rosenbrock(it->phase, given, found);
+  if (PASSES && (refused & LIMIT) != 0) {
+    memcpy(next, it->state, 5 * sizeof *next);                      /* a shorter step is inside */
+    return 0;
+  }
+  if (refused) return refused;
+  memcpy(next, found, 5 * sizeof *next);
+  error = larger(larger(larger(fabs(found[5]), fabs(found[7])), h * fabs(found[6])),
+                 h * fabs(found[8])) / TOLERANCE[it->phase];
+  if (!is_finite(error)) return 0;
+  if (PASSES && error <= 1.0 && !is_here(it, next)) {
+    *scale = SHORTER;
+    return 0;
+  }
+  longer = SAFETY * power(larger(error, 1e-10), -0.25);
+  longer = larger(SMALLEST, longer);
+  *scale = longer < LARGEST ? longer : LARGEST;
+  return to_edge(it, next, regime);
+}
+
+/* The state after all that is left, at one go: the budget allows no more. */
+static int rest(Moving *it, double *left, const Regime *regime, const double *terms,
+                const double *change, double by_position)
+{
+  double given[25], next[5], scale;
+  int refused, i;
+  if (it->evaluations + STAGES <= BUDGET) {
+    refused = attempt(it, *left, regime, terms, by_position, next, &scale);
+    if (refused) return refused;
+    if (scale > SMALLEST && (!PASSES || is_here(it, next))) {
+      memcpy(it->state, next, sizeof next);
+      *left = 0.0;
+      return 0;
+    }
+  }
+  pack(terms, it->state, regime->piece, given);
+  given[18] = by_position;
+  given[19] = 1.0 / *left;
+  memcpy(given + 20, change, 5 * sizeof *given);
+  refused = implicit_euler(given, next);
+  for (i = 0; i < 5; ++i) next[i] = it->state[i] + next[i];
+  refused |= to_edge(it, next, regime);
+  if (refused || (PASSES && !is_here(it, next))) return refused;
+  memcpy(it->state, next, sizeof next);
+  *left = 0.0;
+  return 0;
+}
+
+/* Move on in one coordinate, until no time is left or another one takes over; not good: the error
+   is above the tolerance, and if time is left, this coordinate cannot finish the step. */
+static int part_of_step(Moving *it, double *left, int *is_good)
+{
+  const double near = TOLERANCE[it->phase] / *left, closest = PASSES ? CLOSEST * *left : 0.0;
+  double h = *left;
+  *is_good = 1;
+  while (*left > 0.0) {                 /* as often as the budget allows */
+    Regime regime;
+    double terms[7], change[5], next[5], by_position, scale, excess = 0.0;
+    int refused = begin(it, near, &regime);
+    if (!refused) refused = linear(it, &regime, terms, change, &by_position);
+    if (refused) return refused;
+    for (;;) {
+      h = *left < h ? *left : h;
+      if (it->evaluations + STAGES + (*left > h ? 2 + STAGES : 0) > BUDGET) {
+        *is_good = 0;
+        return rest(it, left, &regime, terms, change, by_position);
+      }
+      refused = attempt(it, h, &regime, terms, by_position, next, &scale);
+      if (refused) return refused;
+      if (scale >= 1.0) {
+        double part = 1.0, speed = 0.0, after = 0.0;
+        if (regime.kind != 0) {
+          refused = speed_of(it, it->state, &speed);
+          if (!refused) refused = speed_of(it, next, &after);
+          if (refused) return refused;
+          part = to_kink(&regime, speed, it->state[4], gain_of(it, terms, it->state, change),
+                         after, next[4], h);
+        }
+        if (part >= 1.0 || h <= closest) break;
+        scale = larger(part, closest / h);
+      }
+      h *= scale;
+    }
+    memcpy(it->state, next, sizeof next);
+    *left -= h;
+    h *= scale;
+    if (PASSES && *left > 0.0) {
+      refused = excess_of(it->phase, it->state[0], &excess);
+      if (refused || excess > 0.0) return refused;
+    }
+  }
+  return 0;
+}
+

@@ -1,0 +1,130 @@
+/* Steps through toggles: fourbar_ros.dynamics.step.mover. Near one another coordinate than the
+   input tells where it is; phases 0 and 1 are the input in its two modes. */
+typedef struct {
+  Moving it;
+  double mode, rising, turns;       /* rising: the mode in which the input grows with p */
+} Place;
+
+static void place_at(Place *at, double mode)
+{
+  at->it.phase = mode == MODES[1] ? 1 : mode == MODES[0] ? 0 : OWN_PHASE;
+  at->mode = at->rising = MODES[at->it.phase];
+  at->turns = 0.0;
+}
+
+static double partner(double mode)
+{
+  return MODES[mode == MODES[0]];
+}
+
+/* The input and its derivatives by the coordinate. */
+static int input_of(const Place *at, double *to)
+{
+  const double position = at->it.state[0];
+  int refused;
+  if (IS_INPUT[at->it.phase]) {
+    to[0] = position;
+    to[1] = 1.0;
+    return 0;
+  }
+  refused = input_from(at->it.phase, &position, to);
+  to[0] = continuous(to[0]);
+  return refused;
+}
+
+static int state_of_input(const Place *at, double *to)
+{
+  double found[3];
+  const int refused = input_of(at, found);
+  memcpy(to, at->it.state, sizeof at->it.state);
+  if (!IS_INPUT[at->it.phase]) {
+    to[0] = found[0] + at->turns;
+    to[1] = found[1] * at->it.state[1];
+  }
+  return refused;
+}
+
+/* Whether input, rate and mode tell a place. */
+static int tells_all(const Place *at)
+{
+  double excess;
+  return IS_INPUT[at->it.phase] && !excess_of(at->it.phase, at->it.state[0], &excess)
+         && excess <= 0.0;
+}
+
+static int to_input(Place *at)
+{
+  double found[3], state[5];
+  const int refused = input_of(at, found) | state_of_input(at, state);
+  const double mode = found[1] > 0.0 ? at->rising : partner(at->rising);
+  memcpy(at->it.state, state, sizeof state);
+  place_at(at, mode);
+  at->it.known[0] = NAN;
+  return refused ? LIMIT : 0;
+}
+
+/* Of the two phases of another coordinate that whose pose is the nearest. */
+static int nearest_phase(const double *pose, double position)
+{
+  double least = HUGE_VAL, other[POSE];
+  int i, phase, found = 2;
+  for (phase = 2; phase < PHASES; ++phase) {
+    double far = 0.0;
+    if (pose_of(phase, &position, other)) continue;
+    for (i = 0; i < POSE; ++i) far += power(pose[i] - other[i], 2.0);
+    if (far < least) {
+      least = far;
+      found = phase;
+    }
+  }
+  return found;
+}
+
+/* Go on in the coordinate that takes over. */
+static int to_other(Place *at)
+{
+  const double q = at->it.state[0];
+  double read[3], pose[POSE];
+  if (!IS_INPUT[at->it.phase]) return to_input(at);
+  at->turns = TURN * rint((q - continuous(q)) / TURN);
+  if (reading(at->it.phase, &q, read) | pose_of(at->it.phase, &q, pose)) return LIMIT;
+  at->it.phase = nearest_phase(pose, read[0]);
+  at->it.state[0] = read[0];
+  at->it.state[1] = read[1] * at->it.state[1];
+  at->it.known[0] = NAN;
+  if (input_of(at, read)) return LIMIT;
+  at->rising = read[1] > 0.0 ? at->mode : partner(at->mode);
+  return 0;
+}
+
+static int move(Place *at, double left, int *is_good)
+{
+  int refused = tells_all(at) || !IS_INPUT[at->it.phase] ? 0 : to_other(at), spent = 0;
+  *is_good = 1;
+  while (!refused) {                    /* as often as the budget allows */
+    Place in_input;
+    int is_part_good;
+    refused = part_of_step(&at->it, &left, &is_part_good);
+    if (refused) break;
+    spent = at->it.evaluations;
+    if (!(left > 0.0)) {
+      *is_good = *is_good && is_part_good;
+      if (IS_INPUT[at->it.phase]) return 0;
+      in_input = *at;
+      refused = to_input(&in_input);
+      if (refused) break;
+      if (tells_all(&in_input)) *at = in_input;
+      else at->mode = in_input.mode;
+      return 0;
+    }
+    if (!*is_good && !is_part_good) {
+      refused = LIMIT;
+      break;
+    }
+    *is_good = *is_good && is_part_good;
+    refused = to_other(at);
+  }
+  at->it.evaluations = spent;
+  return refused;
+}
+

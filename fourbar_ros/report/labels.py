@@ -1,0 +1,150 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Letters of joints, symbols of forces and rates, and numbers, for pictures; in mathtext."""
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from itertools import count
+from math import degrees, hypot, pi, remainder
+import re
+from string import ascii_uppercase
+from typing import NamedTuple
+
+from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.parts import Diagram, NamedFields
+from fourbar_ros.numerics.arrays import Array
+import numpy as np
+
+LETTER = re.compile(r'[A-Z](_\w)?')
+SYMBOLS = {'theta': r'\theta_', 'omega': r'\omega_', 'alpha': r'\alpha_'}
+SAME = 1e-9      # joints nearer to each other than this share of the picture are at one place
+
+
+class Labels(NamedTuple):
+    """Names of joints and forces in a picture; textbook names need no ``words``, ``letters``."""
+
+    joints: Mapping[str, Array]         # {letter as mathtext: place}
+    forces: Mapping[str, str]           # {field of the loads: symbol as mathtext}
+    words: Mapping[str, str]            # {field of the loads: words behind its symbol in a text}
+    letters: Mapping[str, str]          # {joint: letter}
+
+
+def labels_of(diagram: Diagram) -> Labels:
+    """
+    Return the labels of a diagram.
+
+    Joints named A, B, O_1, ... keep their names, with forces F_41 etc. Others, as those of a
+    machine, get one letter for each place; several joints there make forces F_A1, F_A2.
+    """
+    if all(map(LETTER.fullmatch, diagram.joints)):
+        return Labels(diagram.joints, {name: f'F_{{{name[1:]}}}' for name in diagram.forces},
+                      {}, {})
+    size = max(np.ptp(np.array(list(diagram.joints.values())), axis=0))
+    groups: list[list[str]] = []             # joints at one place
+    for name, place in diagram.joints.items():
+        for names in groups:
+            other = diagram.joints[names[0]]
+            if hypot(place[0] - other[0], place[1] - other[1]) <= SAME * size:
+                names.append(name)
+                break
+        else:
+            groups.append([name])
+    free_letters = _letters()
+    joints: dict[str, Array] = {}
+    symbols: dict[str, str] = {}             # of the force at each joint
+    letters: dict[str, str] = {}
+    for names in groups:
+        place = diagram.joints[names[0]]
+        letter = 'O_1' if not joints and not place.any() else next(free_letters)
+        joints[letter] = place
+        letters.update(dict.fromkeys(names, letter))
+        for number, name in enumerate(names, 1):
+            mark = number if len(names) > 1 else ''
+            symbols[name] = f'F_{{{letter.replace("_", "")}{mark}}}'
+    forces = {force: symbols[joint] for force, joint in diagram.forces.items()}
+    return Labels(joints, forces, {force: force.replace('_', ' ') for force in forces}, letters)
+
+
+def _letters() -> Iterator[str]:
+    """Yield A, B, ..., A_1, B_1, ... without O, for pivots on the ground, and F, for forces."""
+    for round_ in count():
+        for letter in ascii_uppercase.replace('O', '').replace('F', ''):
+            yield f'{letter}_{round_}' if round_ else letter
+
+
+# --- numbers -------------------------------------------------------------------------------------
+
+def significant(value: float) -> str:
+    """Return a value as text with four digits: '12350', '0.001234', '1.234e-05'."""
+    rounded = float(f'{value:.4g}') + 0.0
+    return f'{rounded:.10g}' if 1e-3 <= abs(rounded) < 1e7 or rounded == 0.0 else f'{rounded:.4g}'
+
+
+def symbol_of(name: str) -> str:
+    r"""
+    Return the symbol of a position or a rate as mathtext.
+
+    It is \theta_1 for theta1, \omega_\beta for omega_beta, s for slide, and with words
+    \theta_{\mathrm{crank}} for theta_crank, s_{\mathrm{rod}} for slide_rod.
+    """
+    for word, symbol in SYMBOLS.items():
+        if name.startswith(word):
+            index = name.removeprefix(word).removeprefix('_')
+            if index.isdigit():
+                return symbol + index
+            return symbol + (r'\beta' if index == 'beta' else f'{{{_upright(index)}}}')
+    if name.startswith('slide_'):
+        return f's_{{{_upright(name.removeprefix("slide_"))}}}'
+    return {'beta': r'\beta', 'slide': 's'}.get(name) or _upright(name)
+
+
+def _upright(name: str) -> str:
+    words = name.replace('_', r'\ ')
+    return rf'\mathrm{{{words}}}'
+
+
+def motion_lines(mechanism: Mechanism, motion: NamedFields, unit: tuple[str, float]) -> list[str]:
+    """
+    Return a line for each absolute angle and slide: position, rate, acceleration.
+
+    ``unit`` of lengths: (text, size in [m]).
+    """
+    lines, (text, size) = [], unit
+    for coordinate in mechanism.DRAWN:
+        position, rate, acceleration = (getattr(motion, name) for name in coordinate)
+        if coordinate.unit == 'rad':
+            symbol, omega, alpha = map(symbol_of, coordinate)
+            lines.append(rf'${symbol}$ = {degrees(remainder(position, 2.0 * pi)):.2f}°,  '
+                         rf'${omega}$ = {significant(rate)} rad/s,  '
+                         rf'${alpha}$ = {significant(acceleration)} rad/s$^2$')
+        else:
+            symbol = symbol_of(coordinate.position)
+            name = f'{coordinate.position} ' if symbol == 's' else ''
+            slide, rate, acceleration = (significant(value / size)
+                                         for value in (position, rate, acceleration))
+            lines.append(rf'{name}${symbol}$ = {slide} {text},  $\dot {symbol}$ = {rate} '
+                         rf'{text}/s,  '
+                         rf'$\ddot {symbol}$ = {acceleration} {text}/s$^2$')
+    return lines
+
+
+def load_lines(loads: NamedFields, labels: Labels, drawn: Collection[str],
+               torque: str) -> list[str]:
+    """
+    Return lines of text: a force at each joint, the drive, guide and shaking loads.
+
+    ``drawn``: the forces that have an arrow; ``torque``: symbol of the driving torque.
+    """
+    lines = [' '.join(filter(None, (f'${symbol}$', labels.words.get(name),
+                                    f'= {significant(getattr(loads, name))} N',
+                                    '' if name in drawn or labels.words else '(not drawn)')))
+             for name, symbol in labels.forces.items()]
+    values = {name: significant(value) for name, value in loads._asdict().items()}
+    lines.append(f'drive $P$ = {values["driving_force"]} N'
+                 if getattr(loads, 'driving_force', 0.0) else
+                 f'drive ${torque}$ = {values["driving_torque"]} N m')
+    if 'guide_force' in values:
+        lines += [f'guide force {values["guide_force"]} N',
+                  f'guide couple {values["guide_couple"]} N m']
+    return lines + [f'shaking force {values["shaking_force"]} N',
+                    f'shaking moment {values["shaking_moment"]} N m']
