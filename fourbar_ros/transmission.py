@@ -297,16 +297,11 @@ HALVINGS = 64          # of an interval, down to neighbouring floats
 
 
 class End(NamedTuple):
-    """
-    An end of a branch: the input there, the output, and why it ends.
-
-    ``why``: 'the output turns back' (a toggle of the mechanism driven by its output), or 'the
-    range of the input ends'.
-    """
+    """An end of a branch: the input there, the output, and why it ends."""
 
     input: float
     output: float
-    why: str
+    why: str        # 'the output turns back' (a toggle of it), or 'the range of the input ends'
 
     def of(self, is_output: bool) -> float:
         """Return the position of the output, or else of the input, at this end."""
@@ -314,21 +309,11 @@ class End(NamedTuple):
 
 
 class Branch(NamedTuple):
-    """
-    A branch, as samples from which roots start.
+    """A branch, as samples from which roots start."""
 
-    Parameters
-    ----------
-    inputs, outputs : numpy.ndarray
-        Rising inputs, and the continuous output at each [rad or m].
-    ends : tuple of 2 End, optional
-        None: the input turns on and on, and the output with it.
-
-    """
-
-    inputs: Array
-    outputs: Array
-    ends: tuple[End, End] | None
+    inputs: Array       # rising [rad or m]
+    outputs: Array      # the continuous output at each
+    ends: tuple[End, End] | None    # None: the input turns on and on, and the output with it
 
     @property
     def sense(self) -> float:

@@ -71,76 +71,38 @@ class Contract(ABC):
     Everything outside of a mechanism's own folder asks these names, of an instance: a kind has
     them as attributes of its class, a mechanism put together at run time as attributes of its own.
     How many links, joints, loads and outputs there are is known nowhere else.
-
-    Attributes
-    ----------
-    TITLE : str
-        What the kind is called in texts.
-    TEXT : str
-        What it is, for the manual.
-    LENGTHS : tuple of Length
-        In the order of :attr:`lengths`.
-    LINKS : tuple of Link
-        The moving links, in the order of the fields of ``BODIES``.
-    JOINTS : tuple of Joint
-        As ``joint_states`` shows them, from O1 on.
-    REACTIONS : tuple of Reaction
-        What is transmitted at each joint.
-    PARTS : mapping
-        {Coordinate: what moves, as text}: the table of a pose.
-    DRAWN : tuple of Coordinate
-        Those that are written below a picture.
-    INPUTS : mapping
-        {name of the input: its Coordinate}.
-    OUTPUTS : mapping
-        {name of the input: tuple of :class:`Output`, the one that is published as ``output``
-        first}.
-    MOTION, LOADS : NamedTuple types
-        Types of the results. A motion has ``transmission_angle`` and ``condition``, loads have
-        ``shaking_force_x``, ``_y``, ``shaking_force``, ``shaking_moment``.
-    BODIES, EXTERNAL : NamedTuple types
-        Types of ``bodies`` and ``external``: a field for each link, and for each link that can be
-        loaded.
-    MARGIN_SIGNS : tuple of tuple
-        How the size of each length enters each of :attr:`margins`: 1, -1 or, not at all, 0.
-    MODES : mapping
-        {assembly mode: its name as text}; see :attr:`modes`.
-    QUANTITIES : tuple of Quantity
-        Fields of motion and loads that can be asked for by name, and that no other kind has.
-    SLIDE_DIRECTION : tuple of 2 str, optional
-        Fields of the motion: cosine and sine of the direction of a driven slide; None: it is x.
-    LEAVES_OUT_ZEROS : bool
-        Whether a single step leaves out products with masses and lengths of zero. A zero in its
-        results may then have the other sign.
-    TORQUE : str
-        Symbol of the driving torque: of which link on which.
-    mode, input, bodies, gravity, external, stroke
-        What one is made with, beside its lengths; see the kinds.
-
     """
 
-    TITLE: str
-    TEXT: str
-    LENGTHS: tuple[Length, ...]
-    LINKS: tuple[Link, ...]
-    JOINTS: tuple[Joint, ...]
-    REACTIONS: tuple[Reaction, ...]
-    PARTS: Mapping[Coordinate, str]
-    DRAWN: tuple[Coordinate, ...]
-    INPUTS: Mapping[str, Coordinate]
-    OUTPUTS: Mapping[str, tuple[Output, ...]]
+    TITLE: str                      # what the kind is called in texts
+    TEXT: str                       # what it is, for the manual
+    LENGTHS: tuple[Length, ...]     # in the order of ``lengths``
+    LINKS: tuple[Link, ...]         # the moving links, in the order of the fields of BODIES
+    JOINTS: tuple[Joint, ...]       # as ``joint_states`` shows them, from O1 on
+    REACTIONS: tuple[Reaction, ...]     # what is transmitted at each joint
+    PARTS: Mapping[Coordinate, str]     # what moves, as text: the table of a pose
+    DRAWN: tuple[Coordinate, ...]       # those of them that are written below a picture
+    INPUTS: Mapping[str, Coordinate]    # {name of the input: what is given}
+    OUTPUTS: Mapping[str, tuple[Output, ...]]   # {name of the input: the published one first}
+    # Types of the results, NamedTuples. A motion has ``transmission_angle`` and ``condition``,
+    # loads have ``shaking_force_x``, ``_y``, ``shaking_force`` and ``shaking_moment``.
     MOTION: Any
     LOADS: Any
+    # Types of ``bodies`` and ``external``, NamedTuples: a field for each link, and for each link
+    # that can be loaded.
     BODIES: Any
     EXTERNAL: Any
-    QUANTITIES: tuple[Quantity, ...] = ()
+    QUANTITIES: tuple[Quantity, ...] = ()       # what can be asked for and no other kind has
+    # How the size of each length enters each of ``margins``: 1, -1 or, not at all, 0.
     MARGIN_SIGNS: tuple[tuple[int, ...], ...]
-    MODES: Mapping[int, str] = {CROSSED: '1', OPEN: '2'}
+    MODES: Mapping[int, str] = {CROSSED: '1', OPEN: '2'}    # {assembly mode: its name}, see modes
+    # Fields of the motion: cosine and sine of the direction of a driven slide; None: it is x.
     SLIDE_DIRECTION: tuple[str, str] | None = None
+    # Whether a single step leaves out products with masses and lengths of zero. A zero in its
+    # results may then have the other sign.
     LEAVES_OUT_ZEROS: bool = False
-    TORQUE: str = 'T_{41}'
+    TORQUE: str = 'T_{41}'          # symbol of the driving torque: of which link on which
 
-    # --- what one is made with ------------------------------------------------------------------
+    # --- what one is made with, beside its lengths -----------------------------------------------
 
     __dataclass_fields__: ClassVar[dict[str, Any]]
     mode: int
@@ -191,7 +153,11 @@ class Contract(ABC):
 
     @abstractmethod
     def transmission_sine(self, motion: NamedFields) -> Scalar:
-        """Return a number of at most one in size that is zero where the dyad is in line."""
+        """
+        Return a number of at most one in size that is zero where the dyad is in line.
+
+        Errors of rates and loads grow as one over it: the search for extrema bounds noise by it.
+        """
 
     # --- its pictures ----------------------------------------------------------------------------
 

@@ -46,22 +46,11 @@ MOST_STRUCTURES = 256      # whose traces and lines are kept
 
 @dataclass(frozen=True)
 class Formula:
-    """
-    Motion, or motion and loads, of a mechanism; equal for all mechanisms of a structure.
+    """The formula of motion, or of motion and loads, of all mechanisms of a structure."""
 
-    Parameters
-    ----------
-    structure : tuple
-        All in which formulas differ beside numbers: the key of the caches below.
-    with_loads : bool
-    mechanism : Mechanism
-        Any of the structure; it makes the formulas.
-
-    """
-
-    structure: tuple[object, ...]
+    structure: tuple[object, ...]       # all in which formulas differ beside numbers
     with_loads: bool
-    mechanism: Formulas = field(compare=False, repr=False)
+    mechanism: Formulas = field(compare=False, repr=False)      # any of the structure
 
     def make(self, numbers: NumberType, data: Constants) -> Function:
         """Return (position, rate, acceleration) -> motion, or (motion, loads)."""

@@ -102,29 +102,13 @@ class Length(NamedTuple):
 
 
 class Link(NamedTuple):
-    """
-    A moving link.
+    """A moving link."""
 
-    Parameters
-    ----------
-    name : str
-        In scenes: ``bodies.NAME``.
-    text : str
-        What it is in this mechanism: coupler, block, slider.
-    first_joint : str
-        The joint from which points and centres of gravity are measured, in words: 'O1'.
-    length : str
-        Name of its length, if it has two joints that turn; else empty.
-    turns : bool
-        Whether it needs a moment of inertia.
-
-    """
-
-    name: str
-    text: str
-    first_joint: str
-    length: str = ''
-    turns: bool = True
+    name: str               # in scenes: ``bodies.NAME``
+    text: str               # what it is in this mechanism: coupler, block, slider
+    first_joint: str        # from which points and centres of gravity are measured: 'O1'
+    length: str = ''        # name of its length, if it has two joints that turn
+    turns: bool = True      # whether it needs a moment of inertia
 
 
 class Joint(NamedTuple):
@@ -182,25 +166,15 @@ class Reaction(NamedTuple):
     """
     What one body does to another at a joint: force along the ground axes, and couple.
 
-    Parameters
-    ----------
-    joint : str
-        Name of the joint: letters, digits and _. A topic is named after it.
-    text : str
-        Which body acts on which: 'ground on crank'.
-    magnitude, x, y : str
-        Fields of the loads [N].
-    couple : str
-        Field of the loads [N m]; empty of a pin, which transmits none.
-
+    ``magnitude``, ``x``, ``y`` and ``couple`` are names of fields of the loads.
     """
 
-    joint: str
-    text: str
-    magnitude: str
+    joint: str          # its name: letters, digits and _. A topic is named after it
+    text: str           # which body acts on which: 'ground on crank'
+    magnitude: str      # [N]
     x: str
     y: str
-    couple: str = ''
+    couple: str = ''    # [N m]; empty of a pin, which transmits none
 
     @property
     def symbol(self) -> str:
@@ -232,34 +206,15 @@ class Block(NamedTuple):
 
 
 class Diagram(NamedTuple):
-    """
-    A mechanism in one pose, as a textbook draws it.
+    """A mechanism in one pose, as a textbook draws it."""
 
-    Parameters
-    ----------
-    joints : mapping
-        {name: place of shape (2,) [m]}, in order along the chain.
-    ground : tuple of str
-        Those of them that the ground holds.
-    bars, blocks : tuple
-        Each a :class:`Bar`, each a :class:`Block`.
-    forces : mapping
-        {field of the loads: joint at which the arrow starts}.
-    angles : mapping
-        {field of the motion: joint about which its arc is drawn, from x}.
-    drawn_whole : tuple of str
-        Links whose bars reach as far as the link does: they are not drawn longer for points on
-        them.
-
-    """
-
-    joints: Mapping[str, Array]
-    ground: tuple[str, ...]
+    joints: Mapping[str, Array]     # {name: place of shape (2,) [m]}, in order along the chain
+    ground: tuple[str, ...]         # those joints that the ground holds
     bars: tuple[Bar, ...]
     blocks: tuple[Block, ...]
-    forces: Mapping[str, str]
-    angles: Mapping[str, str]
-    drawn_whole: tuple[str, ...] = ()
+    forces: Mapping[str, str]       # {field of the loads: joint at which the arrow starts}
+    angles: Mapping[str, str]       # {field of the motion: joint about which its arc is drawn}
+    drawn_whole: tuple[str, ...] = ()       # links not to be drawn longer for points on them
 
 
 ORIGIN = np.zeros(2)      # O1, and the pole of polygons

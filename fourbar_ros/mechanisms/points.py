@@ -194,14 +194,10 @@ def make_point(n: NumberType, mechanism: Mechanism, link: str, along: float,
 def point_motion(mechanism: Mechanism, motion: NamedFields, link: str, along: float,
                  across: float = 0.0) -> PointMotion:
     """
-    Return the :class:`PointMotion` of a point fixed to a link.
+    Return place, velocity, acceleration and path curvature of a point fixed to a link.
 
-    Parameters
-    ----------
-    mechanism, motion, link
-        As for :func:`link_motion`.
-    along, across : float
-        From the first joint of the link along it and to its left [m].
+    ``motion`` is one of this mechanism, of one sample or of arrays; ``along`` and ``across`` [m]
+    lead from the first joint of the link along it and to its left.
 
     Examples
     --------

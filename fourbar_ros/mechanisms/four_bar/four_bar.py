@@ -290,7 +290,7 @@ class FourBar(FourBarLinks):
         return tuple(SeenFromOutput(mirrored.in_mode(mode), self.a1) for mode in self.MODES)
 
     def transmission_sine(self, motion: NamedFields) -> Scalar:
-        """Return a number that is zero where the dyad is in line, at most one: sin(mu)."""
+        """Return sin(mu), zero at toggles: errors of rates and loads grow as 1/sin(mu)."""
         found: Scalar = motion.sin_mu
         return found
 
@@ -360,15 +360,8 @@ class SeenFromOutput:
 
     Mirrored at the middle of its ground, x -> a4 - x, the linkage a1, a2, a3, a4 is the linkage
     a3, a2, a1, a4 whose crank stands at p and whose output link at pi - theta1; its coupler, from
-    B to A, is at -beta. All that is not defined here is that of the mirrored linkage.
-
-    Parameters
-    ----------
-    mirrored : FourBar
-        The linkage a3, a2, a1, a4 in one of its assembly modes.
-    crank : float
-        a1 [m].
-
+    B to A, is at -beta. All that is not defined here is that of the mirrored linkage, a FourBar in
+    one of its assembly modes; ``crank``: a1 [m].
     """
 
     def __init__(self, mirrored: Any, crank: float) -> None:

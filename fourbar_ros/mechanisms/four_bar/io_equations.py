@@ -74,13 +74,21 @@ class IOEquation(NamedTuple):
                 + self.mixed * vi * vj + self.constant)
 
     def velocity(self, vi: Values, vj: Values, dvi: Values, dvj: Values) -> Values:
-        """Return half the time derivative of :meth:`position` [m^2/s]: Eqs. (22)-(27) with = 0."""
+        """
+        Return half the time derivative of :meth:`position` [m^2/s]: Eqs. (22)-(27) with = 0.
+
+        In the paper's chain that of joints 1 and 4 is Eq. (7).
+        """
         by_i, by_j = self._slopes(vi, vj)
         return by_i * dvi + by_j * dvj
 
     def acceleration(self, vi: Values, vj: Values, dvi: Values, dvj: Values, ddvi: Values,
                      ddvj: Values) -> Values:
-        """Return the time derivative of :meth:`velocity` [m^2/s^2]: Eqs. (28)-(33) with = 0."""
+        """
+        Return the time derivative of :meth:`velocity` [m^2/s^2]: Eqs. (28)-(33) with = 0.
+
+        In the paper's chain that of joints 1 and 4 is Eq. (8).
+        """
         by_i, by_j = self._slopes(vi, vj)
         return (by_i * ddvi + by_j * ddvj + (self.both * vj**2 + self.first) * dvi**2
                 + (self.both * vi**2 + self.second) * dvj**2
@@ -96,7 +104,7 @@ class IOEquation(NamedTuple):
         Return the same equation in the paper's chain, Eqs. (1)-(6): v1 is -1/v1, v4 is -v4 there.
 
         Its angles are all relative and add up to zero: theta1_DH = theta1 + pi, theta4_DH =
-        -theta4. Of joints 1 and 4 velocity and acceleration are its Eqs. (7) and (8).
+        -theta4.
         """
         both, first, second, mixed, constant = self[2:7]
         if self.i == 1:

@@ -35,23 +35,12 @@ import numpy as np
 
 
 class SlideEquation(NamedTuple):
-    """
-    One equation between the variables of joints i and j: angles [rad], slides [m].
-
-    Parameters
-    ----------
-    i, j : int
-    is_slide : tuple of 2 bool
-        Whether they are those of slides.
-    matrix : ndarray, shape (3, 3)
-        M of (S2) [m^2], [m] where a slide's variable drops out.
-
-    """
+    """One equation between the variables of joints i and j: angles [rad], slides [m]."""
 
     i: int
     j: int
-    is_slide: tuple[bool, bool]
-    matrix: Array
+    is_slide: tuple[bool, bool]     # whether i, j slide
+    matrix: Array       # (3, 3), M of (S2) [m^2], [m] where a slide's variable drops out
 
     def position(self, vi: Values, vj: Values) -> Array:
         """Return :meth:`residual` times 1 + v^2 of each v = tan(theta/2), as in Eqs. (16)-(21)."""
@@ -69,13 +58,12 @@ class SlideEquation(NamedTuple):
         return found
 
     def second_ratio(self, ti: Values, tj: Values) -> Array:
-        """Return d^2 tj / d ti^2 at a pose."""
+        """Return d^2 tj / d ti^2 at a pose: the second derivative of u^T M w = 0 by ti."""
         (u, du, ddu), (w, dw, ddw) = (_basis(t, its) for t, its in zip((ti, tj), self.is_slide))
+        ratio = self.ratio(ti, tj)
         with np.errstate(divide='ignore', invalid='ignore'):
-            ratio = -self._form(du, w) / self._form(u, dw)
-            found: Array = -(self._form(ddu, w) + ratio * (2.0 * self._form(du, dw)
-                                                           + ratio * self._form(u, ddw))
-                             ) / self._form(u, dw)
+            bend = ratio * (2.0 * self._form(du, dw) + ratio * self._form(u, ddw))
+            found: Array = -(self._form(ddu, w) + bend) / self._form(u, dw)
         return found
 
     def solve(self, ti: Values) -> tuple[Array, Array]:

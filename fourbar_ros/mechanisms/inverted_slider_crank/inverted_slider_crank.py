@@ -242,7 +242,7 @@ class InvertedSlider(OffsetSlide):
                 - turn * turn * along)
 
     def transmission_sine(self, motion: NamedFields) -> Scalar:
-        """Return slide / |A O4|, or for a driven slide a4 sin theta1 / |A O4|."""
+        """Return slide / |A O4|, or of a driven slide a4 sin(theta1) / |A O4|: zero at toggles."""
         size = max(map(abs, self.lengths))
         slide, aside = motion.slide / size, self.offset / size
         opposite = slide if self.input == CRANK else self.a4 / size * motion.sin_x

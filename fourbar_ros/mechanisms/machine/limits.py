@@ -254,6 +254,7 @@ class WithLimits(Mechanism):
         place, turns = position, [0.0]
         if not self.is_driven_by_slide:
             place, turns = remainder(position, 2.0 * pi), [-2.0 * pi, 0.0, 2.0 * pi]
+        # within a range all dyads close, so that one of them is at a toggle
         if self.is_in_stroke(position) and any(
                 low <= place + turn <= high for low, high in self.closing_ranges
                 for turn in turns):
@@ -290,6 +291,7 @@ class SeenFromLink:
 
     def __init__(self, layout: Layout, numbers: Sequence[Numbers], signs: Sequence[float],
                  number: int, mode: int) -> None:
+        """Keep the structure, and which link of the dyad drives."""
         self._layout, self._numbers, self._signs = layout, numbers, signs
         self._number, self.mode = number, mode
         stage = layout.stages[number]

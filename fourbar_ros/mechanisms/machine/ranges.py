@@ -80,41 +80,23 @@ Near = Callable[[], list[complex]]
 
 
 class Closings(NamedTuple):
-    """
-    The ranges in which dyads close.
+    """The ranges in which dyads close."""
 
-    ``limits`` has (low, high) of each, None of a full turn; ``near``: functions that return
-    complex inputs next to the ranges at which some dyad is in line; ``stopped``: the first dyad
-    that closes nowhere, or ''; ``flats``: {input: numbers of the pairs that lie flat there}, where
-    the motion goes on; ``poles``: as ``near``, of inputs at which the ends of a dyad meet.
-    """
-
-    limits: tuple[Bound, ...]
-    near: tuple[Near, ...]
-    stopped: str = ''
+    limits: tuple[Bound, ...]       # (low, high) of each range, None of a full turn
+    near: tuple[Near, ...]          # searches for complex inputs at which a dyad is in line
+    stopped: str = ''               # the first dyad that closes nowhere
+    # {input: numbers of the pairs that lie flat there}, where the motion goes on
     flats: dict[float, frozenset[int]] = {}
-    poles: tuple[Near, ...] = ()
+    poles: tuple[Near, ...] = ()    # searches for complex inputs at which the ends of a dyad meet
 
 
 def find_ranges(layout: Layout, numbers: Sequence[Numbers], signs: Sequence[float],
                 bounds: tuple[float, float], unit: float) -> Closings:
     """
-    Return where all dyads of a layout close.
+    Return where all dyads of a layout close; InvalidParameter if floats cannot tell.
 
-    Parameters
-    ----------
-    layout, numbers, signs
-        As for :func:`.motion.make_motion`.
-    bounds : tuple of 2 floats
-        For a driven slide: where to search [m].
-    unit : float
-        In which inputs are about one [rad or m].
-
-    Raises
-    ------
-    InvalidParameter
-        The closing of a dyad changes so much that its ranges cannot be told.
-
+    ``layout``, ``numbers``, ``signs``: as for :func:`.motion.make_motion`; ``bounds``: where to
+    search the input of a driven slide [m]; ``unit``: in which inputs are about one [rad or m].
     """
     search = _Search(layout, numbers, signs, unit)
     if layout.driver == 'crank':

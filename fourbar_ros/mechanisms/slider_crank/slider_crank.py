@@ -234,7 +234,7 @@ class SliderCrank(OffsetSlide):
                           motion.omega_beta, motion.alpha_beta)
 
     def transmission_sine(self, motion: NamedFields) -> Scalar:
-        """Return cos beta, or for a driven slide sin theta2: zero where the dyad is in line."""
+        """Return cos(beta), or of a driven slide sin(theta2): zero at toggles."""
         found: Scalar = motion.cos_b if self.input == CRANK else motion.sin_2
         return found
 

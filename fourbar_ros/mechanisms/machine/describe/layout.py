@@ -35,46 +35,22 @@ BASE = 'base'
 
 
 class Pair(NamedTuple):
-    """
-    That the two links on which a dyad hangs are joined to each other, see :mod:`.pairs`.
+    """That the two links on which a dyad hangs are joined to each other, see :mod:`.pairs`."""
 
-    Parameters
-    ----------
-    frame : int
-        The one of them from which the motion of the dyad is seen.
-    slides : bool
-        Whether a slide joins them; else a pin.
-
-    """
-
-    frame: int
-    slides: bool
+    frame: int          # number of the one of them from which the motion of the dyad is seen
+    slides: bool        # whether a slide joins them, else a pin
 
 
 class Stage(NamedTuple):
-    """
-    One dyad in the structure of a machine.
-
-    Parameters
-    ----------
-    name, kind : str
-    first, second : int
-        Numbers of the links on which it hangs; 0: the frame, 1: the driven link.
-    links : tuple of 2 str
-        Names of its own; the first is number ``number``, the second the next.
-    number : int
-    pair : Pair, optional
-        Of a dyad between links that are joined to each other.
-
-    """
+    """One dyad in the structure of a machine; of links 0 is the frame, 1 the driven one."""
 
     name: str
     kind: str
-    first: int
-    second: int
-    links: tuple[str, str]
-    number: int
-    pair: Pair | None = None
+    first: int                  # number of the link of its point ``first``
+    second: int                 # ... ``second``
+    links: tuple[str, str]      # names of its own links
+    number: int                 # of the first of them; the second is the next
+    pair: Pair | None = None    # of a dyad between links that are joined to each other
 
     @property
     def turns_first(self) -> bool:
@@ -105,25 +81,14 @@ class Layout(NamedTuple):
     """
     The structure of a machine.
 
-    Parameters
-    ----------
-    driver : str
-        'crank', 'slide' or 'cylinder'.
-    links : tuple of str
-        Names of all links: first the frame from which all is solved, which is the ground, or the
-        link at the base of a cylinder between two moving links; then the driven one.
-    stages : tuple of Stage
-        In order; with a cylinder its own first.
-    output : str
-        Name of the link that the machine is used for: by default the last, or, with no dyad but
-        the cylinder's own, the crank.
-
+    The first of its ``links`` is the frame from which all is solved: the ground, or the link at
+    the base of a cylinder between two moving links. The second is the driven one.
     """
 
-    driver: str
-    links: tuple[str, ...]
-    stages: tuple[Stage, ...]
-    output: str
+    driver: str                     # 'crank', 'slide' or 'cylinder'
+    links: tuple[str, ...]          # names of all links
+    stages: tuple[Stage, ...]       # in order; with a cylinder its own first
+    output: str                     # name of the link that the machine is used for
 
     @property
     def moving(self) -> tuple[str, ...]:

@@ -123,7 +123,7 @@ def _joints(layout: Layout) -> list[Joint]:
 
 
 def output_of(layout: Layout) -> Output:
-    """Return the output: the angle of its link, or how far that slides."""
+    """Return the output of a machine: the angle of its output link, or the slide of that."""
     link = layout.output
     if link in layout.turning():
         return Output(coordinate(link), f'ratio_{link}')

@@ -75,25 +75,12 @@ MovesDyad = Callable[[Node, Node, Any, Curve, Curve], DyadMotion]
 
 
 class Driven(NamedTuple):
-    """
-    The driven link of a machine.
-
-    Parameters
-    ----------
-    curve : Curve
-    errors : tuple of 2
-        Of its place and of its angle, for relative errors of the lengths.
-    way : tuple of 3, optional
-        Of a slider: its slide and its derivatives.
-    of_cylinder : tuple, optional
-        Length of a cylinder, :data:`Direction` of its rod, sine and cosine of its transmission
-        angle.
-
-    """
+    """The driven link of a machine."""
 
     curve: Curve
-    errors: tuple[Scalar, Scalar]
-    way: tuple[Scalar, Scalar, Scalar] | None = None
+    errors: tuple[Scalar, Scalar]       # of place and angle, for relative errors of the lengths
+    way: tuple[Scalar, Scalar, Scalar] | None = None    # of a slider: slide and its derivatives
+    # length of a cylinder, direction of its rod, sine and cosine of its transmission angle
     of_cylinder: tuple[Any, ...] | None = None
 
 

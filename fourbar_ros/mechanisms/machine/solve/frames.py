@@ -59,7 +59,11 @@ Seen = tuple[int, int]        # a link and the frame in which it is seen
 
 
 def composed(frame: Curve, own: Curve) -> Curve:
-    """Return the curve of a link on the ground from its own, seen in a frame, and the frame's."""
+    """
+    Return the curve of a link from its ``own`` as seen in a frame and that of the frame, (K1).
+
+    Place, direction and derivatives add up as of a body on a carrier that moves and turns.
+    """
     x, y, dx, dy, ddx, ddy, c, s, d_angle, dd_angle = own
     x0, y0, dx0, dy0, ddx0, ddy0, cosine, sine, turn, bend = frame
     ddx, ddy = (ddx - 2.0 * turn * dy - bend * y - turn * turn * x,

@@ -84,7 +84,7 @@ def make_needs(body: Body, gravity: tuple[Scalar, Scalar], applied: Applied) -> 
 
     def needs(curve: Sequence[Scalar], square: Scalar, rate: Scalar,
               acceleration: Scalar) -> Needs:
-        """Return the force and the moment about its first joint that a link must get."""
+        """Return force [N] and moment about its first joint [N m] that joints must give a link."""
         _, _, dx, dy, ddx, ddy, cosine, sine, turn, bend = curve
         a = Vector(dx * acceleration + ddx * square, dy * acceleration + ddy * square)
         alpha, omega = turn * acceleration + bend * square, turn * rate
@@ -223,27 +223,15 @@ def make_arms(stage: Stage, own: Numbers) -> Function:
 
 
 class DyadForces(NamedTuple):
-    """
-    Forces [N] and couples [N m] at the joints of a dyad; couples about first joints of links.
+    """Forces [N] at the joints of a dyad, and couples [N m] about first joints of its links."""
 
-    Parameters
-    ----------
-    first, second : Vector
-        Of the links on which the dyad hangs, on its own links.
-    inner : Vector
-        Of its second link on its first.
-    normals : tuple
-        Normal forces of the joints that slide, in their order.
-
-    """
-
-    first: Vector
+    first: Vector               # of the link of its point ``first`` on its first link
     first_couple: Scalar
-    second: Vector
+    second: Vector              # of the link of its point ``second`` on its second link
     second_couple: Scalar
-    inner: Vector
+    inner: Vector               # of its second link on its first
     inner_couple: Scalar
-    normals: tuple[Scalar, ...]
+    normals: tuple[Scalar, ...]     # normal forces of the joints that slide, in their order
 
 
 def with_drive_along(forces: DyadForces, push: Vector) -> DyadForces:

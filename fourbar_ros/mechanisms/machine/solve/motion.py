@@ -67,7 +67,12 @@ def make_slider() -> Driver:
 
 
 def make_cylinder(n: NumberType, sign: Scalar, own: Numbers) -> Driver:
-    """Return the function length of the cylinder -> the crank that it turns."""
+    """
+    Return a function of a cylinder's length [m]: the crank that it turns, and the cylinder.
+
+    ``sign``: of the sine of the angle from O1-base to O1-pin; ``own``: pin on the crank, base on
+    the frame, their distances from O1 for ``shape``.
+    """
     (along, across), (base_x, base_y), (rho, b) = own.p, own.q, own.shape
     unit, fabs, sqrt = n.power_of_two(rho, b), n.fabs, n.sqrt
     per, per_rho, per_b = 1.0 / unit, 1.0 / rho, 1.0 / b
@@ -179,12 +184,7 @@ def make_motion(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
     """
     Return the function (position, rate, acceleration) -> fields of :func:`.layout.motion_fields`.
 
-    Parameters
-    ----------
-    n, layout
-    numbers, signs : sequence
-        For each stage its numbers (:func:`.pairs.shaped`), and its assembly mode as +-1.
-
+    ``numbers``, ``signs``: of each stage (:func:`.pairs.shaped`), and its assembly mode as +-1.
     """
     walk = make_walk(n, layout, numbers, signs)
     atan2, transmission_angles = n.atan2, make_transmission_angles(n)

@@ -425,6 +425,7 @@ class Closure:
     """
 
     def __init__(self, stage: Stage, own: Numbers) -> None:
+        """Compute the factors once: ``own`` are the numbers of the dyad, with ``shape``."""
         assert stage.pair is not None
         self.slides, self.is_sine = stage.pair.slides, stage.kind == RRP
         # sigma where the slide is zero, or the direction of the other link where the angle is
