@@ -190,7 +190,11 @@ def _row(study: Study, values: ParameterValues) -> tuple[str, dict[str, Any]]:
 
 
 def _of_scene(study: Study, design: Design) -> tuple[str, dict[str, Any]]:
-    """Return as :func:`_row`; the first failed constraint ends the work if its row is not kept."""
+    """
+    Return why a design is left out, or FEASIBLE, and {column: its result}.
+
+    A failed constraint ends the work, unless rows that fail are kept.
+    """
     results: dict[str, Any] = {}
     reason = FEASIBLE
     for bound in _cheap_first(study):

@@ -68,7 +68,8 @@ def search_turns(evaluate: Evaluate, mechanisms: int, count: int, is_angle: Arra
     """
     Return the extrema of q quantities of n mechanisms whose cranks turn fully.
 
-    ``count``: samples of a turn; ``is_angle``, shape (q,): which quantities may jump by 2 pi.
+    Samples of a turn, ``count`` of them, give slopes; sign changes of these bracket extrema, which
+    are then refined. ``is_angle``, shape (q,): which quantities may jump by 2 pi.
     """
     spacing = 2.0 * pi / count
     samples = evaluate(np.broadcast_to(inputs(count), (mechanisms, count)))
@@ -77,6 +78,7 @@ def search_turns(evaluate: Evaluate, mechanisms: int, count: int, is_angle: Arra
     with np.errstate(invalid='ignore'):
         low, high = periodic.min(axis=0), periodic.max(axis=0)
     size = np.maximum(-low, high)
+    # three kinds of functions are taken out before the search: infinite, constant, not resolved
     is_doubtful = ~np.isfinite(size)
     low[is_doubtful] = high[is_doubtful] = periodic[:, is_doubtful] = 0.0
     is_constant = (high - low <= CONSTANT * size) & (turns == 0.0)

@@ -206,13 +206,13 @@ class Layout:
 
     def _length(self) -> int:
         """Read the length of a string or sequence; it becomes part of the layout."""
-        self._at += -(self._at - HEADER) % 4
+        self._at += -(self._at - HEADER) % 4          # aligned to its 4 bytes
         end = self._at + 4
         if end > self.size:
             raise IndexError
-        length = int.from_bytes(self._data[self._at:end], 'little' if self._order == '<'
-                                else 'big')
-        self._shared.append((self._at, end, self._data[self._at:end]))
+        data = self._data[self._at:end]
+        length = int.from_bytes(data, 'little' if self._order == '<' else 'big')
+        self._shared.append((self._at, end, data))
         self._at = end
         if length > self.size:
             raise IndexError

@@ -90,7 +90,8 @@ def recover(path: str | Path, out: str | Path | None = None, progress: Progress 
         folder, file = rosbag2.create(folder, out.name)
         with open(source, 'rb') as old, file:
             scan = Scan(old)
-            copy = _Copy(scan, file, progress)
+            copy = _Copy(scan, file)
+            copy.run(progress)
             if not copy.has_begun:
                 raise BagError(f'{path}: nothing to recover: it ends before its first record')
             copy.finish(folder, source)
@@ -179,32 +180,36 @@ class _Copy:
     record at all.
     """
 
-    def __init__(self, scan: Scan, file: BinaryIO, progress: Progress | None) -> None:
+    def __init__(self, scan: Scan, file: BinaryIO) -> None:
+        self._scan, self._file = scan, file
         self.missing: dict[str, int] = {}
-        self._scan, self._metadata = scan, ''
         self.has_begun = False
-        for offset, opcode, body in scan:
+        self._metadata = ''             # rosbag2's metadata of the old file, as YAML
+
+    def run(self, progress: Progress | None) -> None:
+        """Copy all records that are sound; the scan notes the others as damage."""
+        for offset, opcode, body in self._scan:
             try:
                 if not self.has_begun:
-                    self._begin(file, opcode, body)
+                    self._begin(opcode, body)
                 if opcode is not None:
-                    self._record(offset, opcode, body)
+                    self._copy_record(offset, opcode, body)
             except Damaged as error:
-                scan.spoil(offset, str(error))
+                self._scan.spoil(offset, str(error))
             if progress:
-                progress(scan.end)
+                progress(self._scan.end)
 
-    def _begin(self, file: BinaryIO, opcode: int | None, body: bytes) -> None:
+    def _begin(self, opcode: int | None, body: bytes) -> None:
         """Start the new file by the old header, and with the definitions at the old end."""
         header = parse(Opcode.HEADER, body) if opcode == Opcode.HEADER else None
         by = f'recovered by {OURS}{__version__}, mcap {mcap_version}'
-        self.container = Container(file, header.profile if header else PROFILE,
+        self.container = Container(self._file, header.profile if header else PROFILE,
                                    f'{header.library}; {by}' if header else by)
         self.has_begun, ending = True, self._scan.ending
         for record in (*ending.of(Schema), *ending.of(Channel)) if ending else ():
             self.container.copy(record)                # the chunk that has it may be damaged
 
-    def _record(self, offset: int, opcode: int, body: bytes) -> None:
+    def _copy_record(self, offset: int, opcode: int, body: bytes) -> None:
         """
         Copy a record, or raise Damaged if it cannot be read or is not copied.
 

@@ -69,6 +69,7 @@ class FreeMotion:
 
     def __init__(self, system: System, most: int = MOST_SAMPLES,
                  start: tuple[float, float] | None = None) -> None:
+        """Find the energy and, if the motion swings, its turning points."""
         if not system.is_conservative:
             raise InvalidParameter('system', None, 'must be without drive, dampers and couples')
         self._equation, mechanism = system.equation, system.mechanism
@@ -130,7 +131,7 @@ class FreeMotion:
 
     @cached_property
     def _phase(self) -> float:
-        """Return u at the start."""
+        """Return u at the start; near a turning point from the rate, which tells it better."""
         if not self.swings:
             return float(self._direction * self._start)
         sine = min(max((self._start - self._middle) / self._half, -1.0), 1.0)
@@ -145,7 +146,7 @@ class FreeMotion:
         return self._middle + self._half * np.sin(u) if self.swings else self._direction * u
 
     def _slope(self, u: Array) -> Array:
-        """Return dt/du [s], (F1) or (F2)."""
+        """Return dt/du [s] at the phases u, by (F1) or (F2): the samples of the Fourier series."""
         q = self._input(u)
         inertia, spare = self._equation.terms(q).inertia, self.energy - self._equation.potential(q)
         scale = (self._half * np.cos(u))**2 if self.swings else 1.0

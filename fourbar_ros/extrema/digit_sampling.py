@@ -58,7 +58,7 @@ class DigitSampler(Sampler):
         return [_value_of(quantity, state) for quantity in self.quantities]
 
     def _decimals(self, x: float, is_beside: bool = False) -> list[Decimal | None]:
-        """Return the quantities at x, or a :data:`STEP` beside it."""
+        """Return the quantities at x, or at x + 1e-30 for slopes; computed once."""
         if (x, is_beside) not in self._known:
             with many_digits():
                 at = Decimal(x) + STEP if is_beside else Decimal(x)
@@ -66,7 +66,7 @@ class DigitSampler(Sampler):
         return self._known[x, is_beside]
 
     def values_at(self, x: Array, row: Array) -> Array:
-        """Return quantity ``row[i]`` at x[i]."""
+        """Return quantity ``row[i]`` at x[i] as floats, NaN where it cannot be computed."""
         return np.array([np.nan if value is None else float(value) for value in (
             self._decimals(v)[i] for v, i in zip(x.tolist(), row.tolist()))])
 

@@ -68,6 +68,7 @@ class FlatSide:
 
     def __init__(self, mechanism: Mechanism, rates: tuple[float, float], place: float,
                  side: int) -> None:
+        """Scale the distance by the nearest other singularity, within which series converge."""
         self._mechanism, self._rates, self.place, self.side = mechanism, rates, place, side
         self._is_angle = not mechanism.is_driven_by_slide
         others = (self._turned(z / mechanism.input_unit - place)
@@ -85,7 +86,7 @@ class FlatSide:
 
     @cached_property
     def motion(self) -> Fields:
-        """Return the series of the motion."""
+        """Return the fields of the motion as series of floats, computed with 80 digits."""
         with many_digits():
             return _fields(self._motion)
 

@@ -69,7 +69,7 @@ class InputPath(NamedTuple):
         return np.arange(self.x.size)[::side]
 
     def is_next_to_toggle(self, before: Array) -> Array:
-        """Return which intervals, by the point before them, are among those added at a toggle."""
+        """Return whether each interval, by the index of its first sample, is next to a toggle."""
         near = np.zeros(before.size, bool)
         for side, end in self.ends():
             if not end.is_flat and not end.is_regular:

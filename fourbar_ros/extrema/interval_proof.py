@@ -97,6 +97,7 @@ class Evaluator:
     """
 
     def __init__(self, sampler: Sampler) -> None:
+        """Make the formulas of the mechanism for Taylor models."""
         linkage = sampler.linkage
         constants = converted(linkage.constants, constant)
         self._motion = linkage.motion_formula(TAYLOR_MODELS, constants)
@@ -172,6 +173,7 @@ class _Search:
     """Branch and bound for some quantities of a sampler on one path."""
 
     def __init__(self, sampler: Sampler, rows: Sequence[int], path: InputPath) -> None:
+        """Begin with the pieces between samples, all quantities open on each."""
         self._evaluate, self._rows = Evaluator(sampler), list(rows)
         self._name, self._unit = sampler.linkage.input_coordinate.position, sampler.unit
         self._found: list[list[Part]] = [[] for _ in rows]

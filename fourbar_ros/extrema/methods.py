@@ -55,6 +55,7 @@ class Methods:
 
     def __init__(self, linkage: Mechanism, quantities: Sequence[Asked],
                  rates: tuple[float, float]) -> None:
+        """Sort the quantities: rates of a four-bar have a search and a proof of their own."""
         self._linkage, self._quantities, self._rates = linkage, quantities, rates
         self._is_four_bar = isinstance(linkage, FourBar)
         self._paths: dict[int, list[InputPath]] = {}

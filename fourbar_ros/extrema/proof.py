@@ -150,7 +150,7 @@ def _width(part: Part, x: float) -> float:
 
 
 def _value_and_slope(part: Part, x: float) -> tuple[float, float]:
-    """Return the quantity (of a root its square) and its derivative by t, both to their errors."""
+    """Return the enclosed quantity (of a root its square) at x, and its derivative by t."""
     t, c = (x - part.middle) / part.radius, part.c
     return float(polyval(t, c)), float(polyval(t, c[1:] * np.arange(1, len(c))))
 

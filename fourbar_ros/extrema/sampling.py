@@ -91,6 +91,7 @@ class Sampler:
 
     def __init__(self, linkage: Mechanism, quantities: Sequence[Asked], rates: tuple[float, float],
                  takes_columns: bool = False) -> None:
+        """Make the formulas of motion and loads for real and for complex arrays."""
         self.linkage, self.quantities, self.rates = linkage, quantities, rates
         self.takes_columns = takes_columns
         self.with_angles = with_angles = any(map(needs_angles, quantities))
@@ -202,7 +203,7 @@ class Sampler:
         return self._named(state)
 
     def _named(self, state: Sequence[Iterable[Array]]) -> State:
-        """Return (motion, loads) of their fields."""
+        """Return motion and loads as the records of the mechanism, from rows of their fields."""
         return (self.linkage.MOTION(*state[0]), self.linkage.LOADS(*state[1]) if len(state) > 1
                 else NoLoads())
 
@@ -246,12 +247,12 @@ class Sampler:
         return rows
 
     def sample(self, x: Array) -> tuple[Array, Array]:
-        """Return values and derivatives at the samples of a path."""
+        """Return values and derivatives at x, (quantities, n): exact, by a complex step."""
         values = self.values(x + 1j * STEP)
         return values.real, values.imag / STEP
 
     def at(self, x: Array, row: Array) -> tuple[Array, Array]:
-        """Return value and derivative of quantity ``row[i]`` at x[i], or at x[:, i]."""
+        """Return value and derivative of quantity ``row[i]`` at x[i], or x[:, i], both exact."""
         values = self.values(x + 1j * STEP)[row, ..., np.arange(row.size)]
         return values.real, values.imag / STEP
 

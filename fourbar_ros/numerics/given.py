@@ -73,7 +73,7 @@ def array(name: str, value: Any, with_complex: bool = False) -> Array:
 
 
 def _first_that_is_no_number(given: Array) -> str:
-    """Return the type of an object in an array, as text: of the first that is no number, or ''."""
+    """Return 'of type ...' of the first object that is no number, for an error; '' for none."""
     for item in given.flat:
         if not isinstance(item, Real) or isinstance(item, bool):
             return 'None' if item is None else f'of type {type(item).__name__}'

@@ -38,7 +38,7 @@ def many_digits() -> Iterator[None]:
 
 
 def _sum(terms: list[Decimal]) -> Decimal:
-    """Return a sum, zero if nothing but rounding is left."""
+    """Return a sum, exactly zero if less than 1e-50 of its terms is left: that is rounding."""
     total = sum(terms, Decimal(0))
     return total if abs(total) > NOTHING * sum(map(abs, terms), Decimal(0)) else Decimal(0)
 
@@ -260,7 +260,7 @@ def sine_and_cosine_of(angle: Decimal) -> tuple[Decimal, Decimal]:
 
 
 def _turned(sine: Laurent, cosine: Laurent, quarters: int) -> tuple[Laurent, Laurent]:
-    """Return sine and cosine of an angle and some quarter turns."""
+    """Return sine and cosine of an angle turned by some quarter turns: swaps and signs."""
     for _ in range(quarters % 4):
         sine, cosine = cosine, -sine
     return sine, cosine

@@ -158,7 +158,7 @@ def _size_of_complex(x: Array) -> Array:
 
 
 def _angle_of_complex(y: Array, x: Array) -> Array:
-    """Return the angle of a complex pair: its imaginary part is the derivative along the step."""
+    """Return the angle of (x, y) with complex steps: atan2 of real parts, plus its step."""
     y, x = np.asarray(y), np.asarray(x)
     turn = 1j * (x.real * y.imag - y.real * x.imag) / (x.real**2 + y.real**2)
     return np.asarray(np.arctan2(y.real, x.real) + turn)

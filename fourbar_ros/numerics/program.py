@@ -64,6 +64,7 @@ class Program:
 
     def __init__(self, trace: Trace, wanted: Sequence[int], single: Sequence[bool],
                  zeros: frozenset[int]) -> None:
+        """Leave out what zeros make needless, and give each other step a buffer."""
         simple = trace.simplified(dict.fromkeys(zeros, 0.0))
         full, less = ([flat(one.results)[i] for i in wanted] for one in (trace, simple))
         if _carriers(simple, less) != _carriers(trace, full):

@@ -197,7 +197,7 @@ class Model:
         return self._turned()[0]
 
     def _turned(self) -> tuple[Model, Model]:
-        """Return cosine and sine: those of the middle, turned by the series of the rest."""
+        """Return cosine and sine: of the middle, to 2^-53, turned by the series of the rest."""
         rest = self - Model(self.c[:1], np.zeros(1))
         cosine, sine = _cosine_and_sine(self.c[0])
         cos, sin = _series(rest * rest, _COSINE), rest * _series(rest * rest, _SINE)

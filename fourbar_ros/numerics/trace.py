@@ -160,6 +160,7 @@ class Trace:
     """
 
     def __init__(self, make_formula: MakeFormula, count: int, data: Any = ()) -> None:
+        """Run the formula once on numbers that record what is done to them."""
         self.steps: list[Step] = []
         self._places: dict[Hashable, int] = {}
         self.count, self.size = count, len(numbers_of(data))
@@ -349,6 +350,6 @@ def _renamed(places: Places, same: Sequence[int]) -> Places:
 
 
 def flat(places: Places) -> list[int]:
-    """Return the places of nested results in order."""
+    """Return the places of nested results in order: ((3, 5), 8) gives [3, 5, 8]."""
     return [places] if isinstance(places, int) else [place for part in places
                                                      for place in flat(part)]

@@ -51,6 +51,6 @@ class Vector:
         return self.x * other.y - self.y * other.x
 
     def along(self, direction: Vector) -> Vector:
-        """Return a vector that is given along a unit vector and to its left, on the ground."""
+        """Return on the ground axes a vector given along a unit vector (x) and to its left (y)."""
         return Vector(self.x * direction.x - self.y * direction.y,
                       self.x * direction.y + self.y * direction.x)

@@ -29,6 +29,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Sequence
 from math import hypot, inf, isfinite, isinf, isnan, nan, remainder, sqrt, tau, ulp
+from typing import NamedTuple
 
 from fourbar_ros.scene.scene import Scene
 
@@ -94,6 +95,15 @@ class Estimate:
         return (y - predicted) / sqrt(variance)
 
 
+class _Sample(NamedTuple):
+    """An input: stamp [ns], position, velocity, and the change of position without whole turns."""
+
+    time: int
+    position: float
+    velocity: float
+    step: float = 0.0
+
+
 KEY, VERSION = 'estimator', 2      # bags keep which version their rates were estimated by
 
 
@@ -124,8 +134,7 @@ class RateEstimator:
     def __init__(self, window: int = 5, gap: float = 1.0, jump: float = 1.0,
                  period: float = tau, length: float = 1.0) -> None:
         self._gap, self._jump, self._period, self._length = gap / NANOSECOND, jump, period, length
-        # (time [ns], position, step to it, velocity)
-        self._samples: deque[tuple[int, float, float, float]] = deque(maxlen=window)
+        self._samples: deque[_Sample] = deque(maxlen=window)
         self.restarts = self.late = 0
         # of the distances from the predictions, and of accelerations
         self._scatter, self._size = _MeanSquare(), _MeanSquare()
@@ -136,7 +145,7 @@ class RateEstimator:
         """Forget all samples."""
         self._samples.clear()
         # a sample older than the newest one, if it came last
-        self._late_sample: tuple[int, float, float] | None = None
+        self._late_sample: _Sample | None = None
         self._fit: Estimate | None = None
         self._estimate = nan, nan               # velocity and acceleration at the newest sample
 
@@ -173,49 +182,49 @@ class RateEstimator:
         """
         if not isfinite(position) or isinf(velocity):
             return velocity, nan                 # nothing to remember
-        sample = time, position, velocity
-        if self._samples and time <= (newest := self._samples[-1][0]):
+        sample = _Sample(time, position, velocity)
+        if self._samples and time <= (newest := self._samples[-1].time):
             if time == newest:
                 return velocity if isfinite(velocity) else self._estimate[0], self._estimate[1]
             if newest - time < self._gap and not self._is_set_back(sample):
                 return velocity, nan
         self._late_sample = None
-        self._append(*sample)
+        self._append(sample)
         self._estimate = self._fitted(velocity)
         return self._estimate
 
-    def _is_set_back(self, sample: tuple[int, float, float]) -> bool:
+    def _is_set_back(self, sample: _Sample) -> bool:
         """
-        Return whether the clock was set back: two late samples in a row, in order.
+        Return whether a sample older than the newest one shows that the clock was set back.
 
-        A single late one has only been overtaken on its way. The estimate then starts afresh from
-        the first of the two.
+        It does if it is the second late sample in a row, and later than the first; then the
+        estimate starts afresh from the first. A single late one was overtaken on its way.
         """
         before, self._late_sample = self._late_sample, sample
-        if before is None or sample[0] <= before[0]:
+        if before is None or sample.time <= before.time:
             self.late += 1
             return False
         self._restart()
-        self._append(*before)
+        self._append(before)
         return True
 
     def _restart(self) -> None:
         self.reset()
         self.restarts += 1
 
-    def _append(self, time: int, position: float, velocity: float) -> None:
+    def _append(self, sample: _Sample) -> None:
         """Keep a sample; after a gap or a jump it is the first one again."""
         step = 0.0
         if self._samples:
-            last_time, last_position, *_ = self._samples[-1]
-            step = position - last_position
+            last = self._samples[-1]
+            step = sample.position - last.position
             if isfinite(step):                           # two of 1e308 can overflow
                 step = remainder(step, self._period)
-            if not 0 < time - last_time <= self._gap or abs(step) > self._jump:
+            if not 0 < sample.time - last.time <= self._gap or abs(step) > self._jump:
                 self._restart()
             else:
-                self._note_scatter((time - last_time) * NANOSECOND, step, velocity)
-        self._samples.append((time, position, step, velocity))
+                self._note_scatter((sample.time - last.time) * NANOSECOND, step, sample.velocity)
+        self._samples.append(sample._replace(step=step))
 
     def _note_scatter(self, t: float, step: float, velocity: float) -> None:
         """Note how far a sample, ``t`` [s] and ``step`` after the last one, is from the fit."""
@@ -223,26 +232,26 @@ class RateEstimator:
         if from_rates is not self._from_rates:
             self._from_rates, self._scatter = from_rates, _MeanSquare()
         elif self._fit and (from_rates or self._fit.degree == 2):
-            y = velocity - self._samples[-1][3] if from_rates else step
+            y = velocity - self._samples[-1].velocity if from_rates else step
             self._scatter.add(self._fit.surprise(t, y))
 
     def _fitted(self, velocity: float) -> tuple[float, float]:
         """Fit the samples; return velocity and acceleration at the newest one, NaN if unknown."""
-        now, position, *_ = self._samples[-1]
+        newest = self._samples[-1]
         from_rates = isfinite(velocity)
         if from_rates:
-            points = [((t - now) * NANOSECOND, v - velocity)
-                      for t, _, _, v in self._samples if isfinite(v)]
+            points = [((sample.time - newest.time) * NANOSECOND, sample.velocity - velocity)
+                      for sample in self._samples if isfinite(sample.velocity)]
         else:
             points, x = [], 0.0
-            for t, _, step, _ in reversed(self._samples):
-                points.append(((t - now) * NANOSECOND, x))
-                x -= step
+            for sample in reversed(self._samples):
+                points.append(((sample.time - newest.time) * NANOSECOND, x))
+                x -= sample.step
         degree = min(1 if from_rates else 2, len(points) - 1)
         self._fit = fit = Estimate(points, degree) if degree else None
         if not fit:
             return velocity, nan
-        last_digit = ulp(velocity if from_rates else position)
+        last_digit = ulp(velocity if from_rates else newest.position)
         self._resolution = ROUNDED * hypot(last_digit, fit.slope * NANOSECOND)
         acceleration = fit.slope if from_rates else fit.curvature
         velocity = velocity if from_rates else fit.slope

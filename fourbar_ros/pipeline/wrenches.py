@@ -61,7 +61,11 @@ def in_silence(scene: Scene, link: str, last: Wrench | None) -> Wrench:
 
 
 def external(scene: Scene, acting: Mapping[str, Wrench]) -> External | None:
-    """Return the External of a scene with the acting wrenches; None if one is unknown."""
+    """
+    Return the forces on all links: the scene's, with the acting wrenches, {link: Wrench}, instead.
+
+    They act at the points that the scene gives. None if a wrench is unknown.
+    """
     if not all(wrench.is_known for wrench in acting.values()):
         return None
     applied = scene.linkage.external._asdict()

@@ -174,9 +174,9 @@ def _named_with_unit(name: str, value: Any) -> str:
     For linkage.a1_mm: 50 that is linkage.a1 [m], 50 mm = 0.05. Empty for other names.
     """
     group, _, last = name.rpartition('.')
-    base, _, unit = last.rpartition('_')
+    base, _, suffix = last.rpartition('_')
     units = {unit.lower().replace('/', '_'): unit for its in UNITS.values() for unit in its}
-    for word in (last, unit):
+    for word in (last, suffix):
         parameter = PARAMETERS.get('drive.speed' if name == f'drive.{word}' and word == last
                                    else f'{group}.{base}')
         if parameter and word.lower() in units:

@@ -21,7 +21,7 @@ def warnings_of(scene: Scene) -> list[str]:
 
 
 def _long(scene: Scene) -> Iterator[str]:
-    """Yield one line for all lengths beyond LONGEST."""
+    """Yield one line for all lengths beyond LONGEST: millimetres were meant."""
     family = 'dyads' if scene.values['linkage.kind'] == MACHINE else 'linkage'
     long = [(f'{family}.{name}', value)
             for name, value in zip(scene.linkage.length_names, scene.linkage.lengths)

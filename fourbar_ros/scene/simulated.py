@@ -138,7 +138,7 @@ def simulate_scene(scene: Scene, until: float, tolerance: float = 1e-8, method: 
                                    f'this scene has {source}')
         dynamics = dynamics._replace(drive=replace(dynamics.drive, source=ConstantTorque(torque)))
     until = number('until', until, 'must be a positive number', above=0.0)
-    count = int(until * scene.drive.rate * (1.0 + 1e-12))
+    count = int(until * scene.drive.rate * (1.0 + 1e-12))     # 0.29 s * 100 Hz = 28.99... is 29
     if count < 1:
         raise InvalidParameter('until', until, 'is less than one sample: drive.rate is '
                                f'{scene.drive.rate:g} Hz')

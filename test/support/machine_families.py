@@ -217,7 +217,6 @@ def standing_on(machine, link):
 
 FAMILIES = {
     'between moving links': between_moving_links,
-    'between moving links, near a toggle': lambda seed: between_moving_links(seed, True),
     'plain': lambda seed: from_random(seed),
     'near a toggle': lambda seed: from_random(seed, True),
     'at a change point': lambda seed: at_change_points(np.random.default_rng(seed)),

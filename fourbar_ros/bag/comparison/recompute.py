@@ -94,6 +94,7 @@ class Comparison:
         self._by = by
         self._topics, self._in_order = origin.topics, origin.in_order
         self._name_of = {topic: name for name, topic in origin.topics.items()}
+        # the input behind the driven motions, as far as it is in the bag
         self._source = next((name for name in (*INPUTS, DRIVE_STATE.name)
                              if name in origin.topics), None)
         self._differences = Differences()
@@ -178,7 +179,7 @@ class Comparison:
             self._drive_states.compare(by_name.get(DRIVE_STATE.name, ()))
 
     def _take_motions(self, blocks: Sequence[Columns], certain_until: float) -> None:
-        """Check driven motions, and add to the window what outputs must show of them."""
+        """Compare driven motions with the input, and add the values expected of their outputs."""
         self._differences.compare_texts(DRIVEN.name, blocks)
         places, stamps, motions, times = joined_by_place(
             [(part.places, part.headed, np.stack(driven_of(part.tree), axis=1), part.times)
@@ -279,7 +280,12 @@ class Comparison:
     # --- the result -----------------------------------------------------------------------------
 
     def finished(self, cut: bool) -> Recomputed:
-        """Return the result after the last block; ``cut``: the recording broke off."""
+        """
+        Return the result after the last block; ``cut``: the recording broke off.
+
+        Outputs whose motion has not come until now have none. Differences of driven motions and
+        of states of the drive join those of the outputs.
+        """
         early, self._early = self._early, []
         for part in early:
             self._compare_output(part, inf, is_second_try=True)

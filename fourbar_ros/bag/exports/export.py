@@ -39,16 +39,12 @@ def export(path: str | Path, out: str | Path, format_: str | None = None,
 
     Parameters
     ----------
-    path : str or Path
-        Bag.
     out : str or Path
         Folder for the tables (csv, parquet), the .npz file, or a .csv or .parquet file for the
         table of one topic; must not exist.
     format_ : str, optional
         'csv', 'npz' (keys ``TOPIC/COLUMN``) or 'parquet' (needs pyarrow); default: by the ending
         of ``out``, csv for a folder.
-    topics : list of str, optional
-        Only these.
 
     Returns
     -------

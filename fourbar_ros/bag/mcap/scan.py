@@ -108,8 +108,7 @@ class Scan:
             self._chunked |= opcode == Opcode.CHUNK
             if self._is_sound(offset, opcode, body):
                 yield offset, opcode, body
-        # without the mark for the end of the data, which is damage
-        self.complete = True
+        self.complete = True        # though the mark of the end of the data, DATA_END, was damaged
 
     def only(self, offsets: Iterable[int]) -> Iterator[Found]:
         """Yield the records at these offsets, taken from the index, and skip all others."""

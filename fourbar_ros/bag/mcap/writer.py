@@ -65,7 +65,7 @@ class Container:
 
     def __init__(self, file: BinaryIO, profile: str, library: str) -> None:
         self._file = file
-        self.size = 0                                  # [bytes] what is in the file for good
+        self.size = 0                                  # [bytes] of whole records in the file
         self._crc = 0
         self._summary = Summary()
         self.schemas, self.channels = self._summary.schemas, self._summary.channels

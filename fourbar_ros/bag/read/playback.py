@@ -97,18 +97,14 @@ def play(path: str | Path | Bag, topics: Sequence[str] | None = None, rate: floa
 
     Parameters
     ----------
-    path : str, Path or Bag
-        Bag; finished, cut, or still being written.
     topics : list of str, optional
         Only these.
     rate : float
         Times as fast; ``inf`` does not wait at all.
     start : float
-        Leave out the first seconds of the bag.
-    loop : bool
-        Begin again at the end.
-    follow : bool
-        At the end of a bag that is being written, wait for more.
+        Leave out so many seconds at the beginning of the bag.
+    loop, follow : bool
+        Begin again at the end; at the end of a bag that is being written, wait for more.
     tick : callable, optional
         Called with the time of the bag [ns] at least every ``period`` seconds, and before each
         message. Playing ends when it returns False.

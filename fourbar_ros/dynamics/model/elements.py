@@ -204,7 +204,7 @@ class PositionForce:
 
     @property
     def links(self) -> tuple[str, ...]:
-        """Return the names of all links that it needs to know, that on which it acts first."""
+        """Return the names of all links that it depends on; first the one on which it acts."""
         of_place = (() if isinstance(self.over, str) else
                     (self.over.link, self.over.relative_to) if isinstance(self.over, LinkAngle)
                     else (self.over.point.link, self.over.origin.link))

@@ -85,6 +85,7 @@ class InBothModes:
 
     def __init__(self, make_formula: MakeFormula, modes: Sequence[DrivenLinks],
                  is_alternate: Function | None) -> None:
+        """Write the formula as a function of floats in each mode, and keep it for arrays."""
         self._lines = [straight_line(partial(make_formula, mode)) for mode in modes]
         self._formulas = [make_formula(mode, ARRAY) for mode in modes]
         self._is_alternate, self._mechanism = is_alternate, modes[0]
@@ -160,6 +161,7 @@ class Equation:
     def __init__(self, mechanism: Mechanism, elements: Sequence[Element] = (),
                  extra_inertia: float = 0.0, start: float | None = None,
                  coordinate: DrivenLinks | None = None) -> None:
+        """Collect what adds to (E1): bodies, springs, forces by the numbers of their links."""
         self.mechanism, self.elements = mechanism, tuple(elements)
         self.coordinate: DrivenLinks = mechanism if coordinate is None else coordinate
         self.extra_inertia = extra_inertia

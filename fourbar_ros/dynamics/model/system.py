@@ -59,6 +59,7 @@ class System:
     def __init__(self, mechanism: Mechanism, position: float, rate: float = 0.0,
                  elements: Sequence[Element] = (), drive: Drive | None = None,
                  stops_at_change_points: bool = False) -> None:
+        """Set up names and start of the state; integrators use the mechanism without stroke."""
         if not isinstance(drive, (Drive, type(None))):
             raise InvalidParameter('drive', drive,
                                    'must be a Drive, as Drive(ConstantTorque(5.0))')

@@ -153,7 +153,7 @@ class _Motion:
                       self._torque + couples + np.zeros(places.shape))
 
     def _next_cycle(self, panels: Panels) -> Panels:
-        """Return the same panels a turn on, where J and Q are known but on one from rest."""
+        """Return the panels a turn on; J and Q repeat, only one from rest is evaluated again."""
         moved = panels._replace(first=panels.first + np.sign(panels.length) * self._cycle)
         if moved.power[0] == 1.0:
             return moved

@@ -202,6 +202,7 @@ class _Plan:
 
     def __init__(self, system: System, method: str, tolerance: float, asked: Array,
                  allowance: Allowance, stop_when: Stop | None, is_finer: bool) -> None:
+        """Find the times of restarts: where the torque jumps or bends."""
         self._system, self._method, self._tolerance = system, method, tolerance
         self._asked, self._allowance, self._is_finer = asked, allowance, is_finer
         self._stop_when, self._stop_value = stop_when, nan      # its last value that was not zero
@@ -313,6 +314,7 @@ class _Counted:
     """The derivative of a task as integrators take it: counts calls, gives NaN for errors."""
 
     def __init__(self, task: Task, stop: float) -> None:
+        """Use the derivative of a task up to the time ``stop`` [s]."""
         self._derivative, self._allowance = task.derivative, task.allowance
         self._refused = [nan] * len(task.start)
         self.stop_at(stop)
@@ -456,6 +458,7 @@ class _Steps:
     """Runs a task by a solver of scipy, of the class ``kind``, and locates events in steps."""
 
     def __init__(self, task: Task, kind: Any) -> None:
+        """Start the solver, and take the values of events and margins at the start."""
         self._task = task
         counted = _Counted(task, task.last)
         options = {'first_step': min(task.step, task.last - task.first)} if task.step else {}
@@ -522,7 +525,7 @@ class _Steps:
         return COMPLETE
 
     def _keep(self) -> str:
-        """Keep the last step and what was asked for within it; return how the part ends there."""
+        """Keep the last step, and times asked for in it; return how the part ends, '' if not."""
         task, solver = self._task, self._solver
         first, last = float(solver.t_old), float(solver.t)
         asked = task.asked[(task.asked > first) & (task.asked < last)]

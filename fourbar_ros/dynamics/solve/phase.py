@@ -61,6 +61,7 @@ class Phase:
 
     def __init__(self, course: Course, equation: Equation, start: float,
                  other: DrivenLinks | None = None) -> None:
+        """Make the derivative of the state in this coordinate."""
         self.course, self.equation, self._other = course, equation, other
         self.is_input = equation.coordinate is equation.mechanism
         self._key = self.is_input, equation.coordinate.mode, start
@@ -108,7 +109,7 @@ class Phase:
         return float(min(ratio * self.unit_of_ratio, 1e3) - LONGEST)
 
     def to_flat(self, time: float, state: State) -> float:
-        """Return a number that changes its sign at the flat positions of a change point."""
+        """Return a product that changes its sign at each flat position, to stop a run there."""
         coordinate, product = self.equation.coordinate, 1.0
         for place in flat_positions(coordinate):
             way = float(state[0]) - place
@@ -211,6 +212,7 @@ class Course:
 
     def __init__(self, make_equation: MakeEquation, mechanism: Mechanism, start: float,
                  system: System) -> None:
+        """Make the phase of the start; middle: of the range of a crank between toggles [rad]."""
         self._make_equation, self._mechanism = make_equation, mechanism
         self.system, self._start = system, start
         others = () if mechanism.turns_fully else mechanism.driven_otherwise()

@@ -118,6 +118,7 @@ class Mover:
 
     def __init__(self, system: System, tolerance: float, budget: int,
                  takes_commands: bool = False) -> None:
+        """Steps in each coordinate, and the last values with their place, are kept."""
         self._system, self._given = system, (system, tolerance, budget)
         self._takes_commands = takes_commands
         self._modes = modes_of(system.mechanism)

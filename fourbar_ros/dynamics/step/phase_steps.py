@@ -52,6 +52,7 @@ class PhaseSteps:
 
     def __init__(self, system: System, tolerance: float, budget: int,
                  phase: Phase | None = None) -> None:
+        """Make the terms, the law of the source and the Rosenbrock step of one coordinate."""
         self._system, self._phase, self.evaluations = system, phase, 0
         self._budget = budget - RESERVE if phase else budget
         equation = phase.equation if phase else system.equation
@@ -168,7 +169,7 @@ class PhaseSteps:
         return regime, self._on_edge(state, regime)
 
     def _on_edge(self, state: State, regime: Regime) -> State:
-        """Return a state with that of a source that slides along its limit on the limit."""
+        """Return a state; of a source that slides along its torque limit the own state by (M2)."""
         if regime.edge is None:
             return state
         return (*state[:4], regime.own(self._speed(state), state[4]))

@@ -46,6 +46,7 @@ class Rosenbrock:
 
     def __init__(self, equation: Equation, equations: Elastic | Rigid, has_own: bool,
                  tangent: Tangent | None = None) -> None:
+        """Write the step as one function of floats where there is one formula."""
         self._equations, self._has_own, self._is_input = equations, has_own, equation.is_input
         self._tangent, self._equation = tangent, equation
         self._formula = self._make(equation.of_one_with_ratio)
@@ -74,7 +75,7 @@ class Rosenbrock:
         return self._make(self._equation.make_with_ratio(self._equation.coordinate, n))
 
     def _make(self, terms_at: Function) -> Function:
-        """Return the formula of numbers, GIVEN of them, for a function position -> Terms."""
+        """Return the formula of one step, of GIVEN numbers; ``terms_at``: position -> Terms."""
         derivative, linear = self._equations.derivative, self._equations.linear
         has_shaft, has_own = isinstance(self._equations, Elastic), self._has_own
         is_input, tangent = self._is_input, self._tangent
@@ -106,7 +107,7 @@ class Rosenbrock:
 
 
 def _sum(x: Any, weights: Any, stages: Any) -> Any:
-    """Return x + sum of weights times stages."""
+    """Return the state x + weights[0] stages[0] + weights[1] stages[1] + ..."""
     for weight, u in zip(weights, stages):
         x = plus(x, weight, u)
     return x

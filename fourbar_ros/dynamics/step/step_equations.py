@@ -27,7 +27,7 @@ Solver = Callable[[float], Callable[[State], State]]      # g -> (b -> y)
 
 
 def plus(x: State, weight: float, u: State) -> State:
-    """Return x + weight u."""
+    """Return x + weight u for states, which are tuples of five numbers."""
     x0, x1, x2, x3, x4 = x
     u0, u1, u2, u3, u4 = u
     return (x0 + weight * u0, x1 + weight * u1, x2 + weight * u2, x3 + weight * u3,
@@ -67,7 +67,7 @@ class Rigid:
         own_by_rate, own_by_position = r * own_by_speed, r_slope * state[1] * own_by_speed
 
         def solver(g: float) -> Callable[[State], State]:
-            """Eliminate for one g = 1 / (gamma h): what does not depend on the right side."""
+            """Prepare the elimination for g = 1 / (gamma h): p and z by u, one equation for u."""
             own = 1.0 / (g - own_by_own)
             in_all = by_position + by_own * own * own_by_position
             whole = 1.0 / (g - by_rate - in_all / g - by_own * own_by_rate * own)
@@ -117,7 +117,11 @@ class Elastic:
         w_slope = r_slope * state[1]                     # dw/dp
 
         def solver(g: float) -> Callable[[State], State]:
-            """Eliminate for one g = 1 / (gamma h): what does not depend on the right side."""
+            """
+            Prepare the elimination for g = 1 / (gamma h), which serves all stages of a step.
+
+            p, s and z follow from u and v; m11 to m22 is the system of two left for these.
+            """
             own, coupling = 1.0 / (g - own_by_own), c + k / g
             in_all = by_position - r * k / (g * inertia) * w_slope
             motor_by_place = coupling / (g * rotor) * w_slope
@@ -128,7 +132,7 @@ class Elastic:
             whole = 1.0 / (m11 * m22 - m12 * m21)
 
             def solve(right: State) -> State:
-                """Return y = (p, u, s, v, z) for a right side b."""
+                """Return y = (p, u, s, v, z): u and v by Cramer's rule, then the others."""
                 p, u, s, v, z = right
                 pull = k * s / g
                 r1 = u + in_all * p / g + r * pull / inertia

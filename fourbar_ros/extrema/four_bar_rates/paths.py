@@ -35,6 +35,7 @@ class Path:
     """
 
     def __init__(self, row: Array, samples: Array, step: Array, is_closed: bool) -> None:
+        """``third``: of the step, as root brackets take slopes."""
         self.row, self.third, self.is_closed = row, step / 3.0, is_closed
         self._samples = dict(zip(NAMES, samples))
         self._column = row[:0]      # of each root of k
@@ -74,7 +75,7 @@ class Path:
         return i, self.row[column], *bracket
 
     def _g(self, i: Array, column: Array) -> tuple[Array, Array, Array]:
-        """Return theta1, g and the step of Newton's method at samples."""
+        """Return theta1, g and Newton's step to its root at samples i of linkages ``column``."""
         x, g, gu, X = self._at(i, column, 'g', 'gu', 'X')
         return x, g, g * X / gu
 
@@ -149,8 +150,9 @@ def _samples(constants: Array, number: int, out: bool, inside: bool,
     """
     Return samples of both halves of the range, (8, 2, number, linkages), and their step.
 
-    As :class:`Path` takes them; 7 values where the range has no ends. The half of theta1 < 0 comes
-    first, except where the range is around pi.
+    As :class:`Path` takes them; 7 values where the range has no ends. ``out``, ``inside``: whether
+    theta1 reaches pi, and 0. Samples are computed for 0 < theta1 < pi and mirrored; the half of
+    theta1 < 0 comes first, except where the range is around pi.
     """
     of_u, cosines, step = phases(number, not inside, not out)
     sides = (1, -1) if out and not inside else (-1, 1)
@@ -164,8 +166,8 @@ def _samples(constants: Array, number: int, out: bool, inside: bool,
         up, down = half.part(part)(of_u[:, None], cosines[:, None])
         scale = 1.0 / (up * up + down * down)
         ss, cc, sc = up * up * scale, down * down * scale, signs * (up * down * scale)
-        found = make_sines(ARRAY, tuple(c), by_loop)(ss, cc, sc, signs * c[-1] > 0.0)
-        for whole, values in zip(samples[..., part], (sc, cc, *found)):
+        sines = make_sines(ARRAY, tuple(c), by_loop)(ss, cc, sc, signs * c[-1] > 0.0)
+        for whole, values in zip(samples[..., part], (sc, cc, *sines)):
             # theta1 < 0 mirrors the other half; what has no axis for them is the same in both
             for i, side in enumerate(sides):
                 whole[i, ::side] = values[i] if values.ndim == 3 else values

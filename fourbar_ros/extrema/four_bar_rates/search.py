@@ -91,7 +91,7 @@ class Linkages(NamedTuple):
 
 
 def rate_extrema(linkage: FourBar, samples: int = SAMPLES) -> Both:
-    """Return the extrema of one linkage in its mode, not at a change point, values by motion()."""
+    """Return the extrema of one linkage, not at a change point; ends and values as its motion."""
     given = Linkages.of(np.array(linkage.lengths)[:, None], np.array([linkage.sign]))
     ends = np.array(linkage.input_ranges[-1])[:, None]
     return search(given._replace(limits=np.where(np.isnan(given.limits), np.nan, ends)), samples,
@@ -195,6 +195,7 @@ class _Sines:
     """
 
     def __init__(self, constants: Array) -> None:
+        """Keep the constants of all linkages, (constants, n)."""
         self._constants = constants
         self._row: Array | None = None
         self._at: Sines

@@ -75,9 +75,9 @@ class IOEquation(NamedTuple):
 
     def velocity(self, vi: Values, vj: Values, dvi: Values, dvj: Values) -> Values:
         """
-        Return half the time derivative of :meth:`position`: Eqs. (22)-(27) with "= 0" [m^2/s].
+        Return half the time derivative of :meth:`position` [m^2/s]: Eqs. (22)-(27) with = 0.
 
-        In the paper's chain that of 1 and 4 is Eq. (7).
+        In the paper's chain that of joints 1 and 4 is Eq. (7).
         """
         by_i, by_j = self._slopes(vi, vj)
         return by_i * dvi + by_j * dvj
@@ -85,9 +85,9 @@ class IOEquation(NamedTuple):
     def acceleration(self, vi: Values, vj: Values, dvi: Values, dvj: Values, ddvi: Values,
                      ddvj: Values) -> Values:
         """
-        Return the time derivative of :meth:`velocity`: Eqs. (28)-(33) with "= 0" [m^2/s^2].
+        Return the time derivative of :meth:`velocity` [m^2/s^2]: Eqs. (28)-(33) with = 0.
 
-        In the paper's chain that of 1 and 4 is Eq. (8).
+        In the paper's chain that of joints 1 and 4 is Eq. (8).
         """
         by_i, by_j = self._slopes(vi, vj)
         return (by_i * ddvi + by_j * ddvj + (self.both * vj**2 + self.first) * dvi**2

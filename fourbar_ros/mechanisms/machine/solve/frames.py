@@ -75,18 +75,22 @@ def composed(frame: Curve, own: Curve) -> Curve:
             cosine * c - sine * s, sine * c + cosine * s, turn + d_angle, bend + dd_angle)
 
 
-def seen_from(curves: Sequence[Curve], ground: int) -> list[Curve]:
+def seen_from(curves: Sequence[Curve], ground: int, still: Sequence[int]) -> list[Curve]:
     """
     Return curves as seen from link number ``ground``; the frame stands in its place.
 
-    By (K1), with the motion of the frame inverse to that of the link.
+    By (K1), with the motion of the frame inverse to that of the link. Links of the numbers
+    ``still`` do not turn, exactly.
     """
     x, y, dx, dy, ddx, ddy, c, s, turn, bend = curves[ground]
     x, y, dx, dy, ddx, ddy, c, s, turn, bend = composed(
         (*ORIGIN, c, -s, -turn, -bend), (x, y, dx, dy, ddx, ddy, 1.0, 0.0, 0.0, 0.0))
     frame = (-x, -y, -dx, -dy, -ddx, -ddy, c, s, turn, bend)
-    return [frame if number == ground else composed(frame, curve)
-            for number, curve in enumerate(curves)]
+    found = [frame if number == ground else composed(frame, curve)
+             for number, curve in enumerate(curves)]
+    for number in still:
+        found[number] = (*found[number][:8], 0.0, 0.0)
+    return found
 
 
 class Poses:

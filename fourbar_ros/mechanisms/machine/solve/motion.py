@@ -192,6 +192,8 @@ def make_motion(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
     output, ground = layout.moving.index(layout.output) + 1, layout.ground
     error_of_output = int(layout.output in layout.turning())
     errors_on_ground = make_errors_on_ground(n, ground)
+    still = [number for number, link in enumerate(layout.moving, 1)
+             if link not in layout.turning()]
     starts_at_slide = layout.driver == 'slide'
     with_cylinder = layout.driver == CYLINDER
 
@@ -200,7 +202,7 @@ def make_motion(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
         curves, slides, transmissions, errors, pins = walk(position)
         condition = errors[output][error_of_output]
         if ground:
-            curves = seen_from(curves, ground)
+            curves = seen_from(curves, ground, still)
             condition = errors_on_ground(errors, curves, output)[error_of_output]
         square = rate * rate
         fields: list[Scalar] = []
