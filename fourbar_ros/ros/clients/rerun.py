@@ -137,13 +137,13 @@ class _Live(Client):
                  node_name: str, pace: Pace) -> None:
         super().__init__(replayer.node)
         self._replayer, self._pace = replayer, pace
-        self._in_order = origin.in_order
+        self._in_order = origin.in_order     # whether each output stands behind its motion
         self._topics = {topic: Meeting(replayer.bag.decoder(topic)) for topic in outputs}
         self._first, self._last = b'', b''          # stamps of motions; empty before the first
         self._unanswered = b''      # the first motion, until it is answered
         self._last_arrival = time.monotonic()
         self._given_up = 0          # motions whose answers are not waited for any more
-        self._silent = False        # nothing has come since it was waited for in vain
+        self._silent = False        # whether the last wait for answers was in vain
         self._input_name = name_on(node_name, INPUTS['motion'])
         self._input = self.publisher('motion', node_name)
         self._subscriptions = [self._listen(topic, type_name, origin.node, node_name)
@@ -301,10 +301,11 @@ class Meeting:
 
     def __init__(self, decoder: Decoder) -> None:
         self._decoder = decoder
-        self._expected: dict[bytes, bytes] = {}          # by stamp, as the answers
+        # messages without their partner yet, {stamp: message}, oldest first
+        self._expected: dict[bytes, bytes] = {}          # recorded
         self._answers: dict[bytes, bytes] = {}
-        self._pairs: list[tuple[bytes, bytes]] = []
-        self.messages = self.missing = 0
+        self._pairs: list[tuple[bytes, bytes]] = []      # (recorded, answer), not yet compared
+        self.messages = self.missing = 0                 # see Answer
         self.largest, self.field = 0.0, ''
 
     def expect(self, stamp: bytes, data: bytes) -> None:
