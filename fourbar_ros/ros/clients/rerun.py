@@ -95,9 +95,9 @@ class _Changes:
 
     def __init__(self, live: _Live, bag: Bag, scene: Scene, topic: str | None, pace: Pace) -> None:
         self._live, self._bag, self._topic, self._pace = live, bag, topic, pace
-        self._values, self._origin = scene.values, next(bag.raw()).time
+        self._values = scene.values          # parameters of the recorded scene in force
+        self._origin = next(bag.raw()).time              # [ns] of the first message
         self.notes: list[str] = []
-        self._first = True
 
     def before(self, start: float) -> None:
         """Take over the changes of the first ``start`` seconds of the bag, which are skipped."""
@@ -327,7 +327,12 @@ class Meeting:
 
     def _meet(self, stamp: bytes, data: bytes, own: dict[bytes, bytes], others: dict[bytes, bytes],
               is_answer: bool) -> None:
-        """Pair a message with the waiting ``other`` of its stamp, or let it wait among ``own``."""
+        """
+        Pair a message with the one of its stamp among ``others``, or let it wait among ``own``.
+
+        ``own``: messages of its side, recorded or live, without a partner yet; ``others``: those
+        of the other side.
+        """
         other = others.pop(stamp, None)
         if other is None:
             own[stamp] = data

@@ -64,6 +64,7 @@ class SteadyTimers:
                 failed(error)
 
         def wake() -> None:
+            """Sleep, and give the executor the task, until :meth:`stop`: the thread's loop."""
             woken = time.monotonic()
             while not self._ended.is_set():
                 time.sleep(PERIOD)

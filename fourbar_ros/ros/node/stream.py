@@ -169,7 +169,11 @@ class Stream:
         return status
 
     def _note(self, status: int | None, position: float) -> None:
-        """Count a bad step; log a status that differs from that of the last step."""
+        """
+        Count a bad step; log a status (None: not computed) that differs from that of the last one.
+
+        ``position`` of the input [rad or m] is for the text.
+        """
         if status is None:
             return
         self.bad_steps += status != OK

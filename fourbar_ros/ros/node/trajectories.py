@@ -133,7 +133,12 @@ class Trajectories:
         self._worker.do(lambda: self._answer(name, data, now))
 
     def _answer(self, name: str, data: bytes, arrival: int) -> None:
-        """Convert a message that came at a time [ns] and send the answer, or refuse it."""
+        """
+        Convert a trajectory from the topic ``name`` and send the answer, or refuse it.
+
+        One of the output joint becomes one of the driven joint, or the reverse, as ANSWERS says
+        of the topic. ``arrival``: when it came [ns].
+        """
         self._begun += 1
         answer_topic, method = ANSWERS[name]
         conversion, (given, asked) = self._conversion, SIDES[method]
