@@ -81,7 +81,7 @@ class Driver(Client):
         return middle + sine, frequency * cosine, -frequency * frequency * sine
 
     def drive(self, seconds: float) -> None:
-        """Send one input, ``seconds`` after the start."""
+        """Send the input of a time [s] after the start, unless the timer drives the node."""
         if not self.input:
             return
         drive = self.scene.drive
