@@ -178,7 +178,12 @@ def _first_scene(study: Study, drawn: dict[str, Array]) -> Scene | None:
 
 
 def _row(study: Study, values: ParameterValues) -> tuple[str, dict[str, Any]]:
-    """Return why a design is left out, or FEASIBLE, and {column: its result}."""
+    """
+    Return why one design is left out, or FEASIBLE, and {column: its result}.
+
+    ``values``: of the parameters that vary. Of an error in the computation, :data:`FAILED` and
+    {FAILED: its text}.
+    """
     try:
         scene = from_values({**study.values, **values})
     except InvalidParameter:
