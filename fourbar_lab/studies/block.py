@@ -329,8 +329,9 @@ class Designs:
         """
         linkage, sizes = self.scene.linkage, np.abs(np.concatenate(self.lengths, axis=1))
         signs = np.array(linkage.MARGIN_SIGNS, float).reshape(-1, sizes.shape[1])
-        own = np.abs(np.array(linkage.lengths))
-        if not np.allclose(signs @ own, linkage.margins, 0.0, NEARLY * own.sum()):
+        # whether the signs give the margins of the scene itself
+        lengths = np.abs(np.array(linkage.lengths))
+        if not np.allclose(signs @ lengths, linkage.margins, 0.0, NEARLY * lengths.sum()):
             return None
         return np.asarray((signs @ sizes.T) / sizes.sum(axis=1))
 

@@ -132,7 +132,7 @@ def _columns(study: Study, size: int, found: dict[str, Array]) -> dict[str, Arra
 
 def _together(study: Study, drawn: dict[str, Array]) -> tuple[dict[str, Array], list[str]]:
     """
-    Return {measure: array} of designs computed together, and why each is left out.
+    Return {measure: array} of designs computed together, and why each is left out, or FEASIBLE.
 
     The reason is :data:`UNKNOWN` of those that this cannot compute: drives at rest, driven slides,
     machines (which are put together at run time), and whatever :class:`Block` is not sure of.
