@@ -39,7 +39,7 @@ _Loads = TypeVar('_Loads')
 
 class LinkTerms(NamedTuple):
     """
-    The constants of a link in (N1) to (N5), about its first joint.
+    The constants of a link in these equations, about its first joint.
 
     With lengths in a unit, kg unit for kg and N unit for N m, so that forces stay in N.
     """

@@ -67,7 +67,7 @@ from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 
 
 class _Shape(NamedTuple):
-    """Constants of (M1) to (M12), of lengths scaled by a power of two to about one."""
+    """Constants of the equations, of lengths scaled by a power of two to about one."""
 
     s1: Scalar
     c1: Scalar
@@ -190,7 +190,7 @@ def make_pose(n: NumberType, shape: _Shape, sign: Scalar) -> Function:
 def make_loop(n: NumberType, a1: Scalar, a2: Scalar, a3: Scalar, a4: Scalar,
               sign: Scalar) -> Function:
     """
-    Return the motion of a loop of crank a1, coupler a2, output a3, ground a4, by (M1) to (M13).
+    Return the motion of a loop of crank a1, coupler a2, output a3 and ground a4.
 
     A function of sin^2, cos^2 and sin cos of half the crank's angle x, which keep their digits
     near x = 0 and pi where cos x loses them. ``sign``: of sin(mu), the assembly mode.

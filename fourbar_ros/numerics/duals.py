@@ -179,7 +179,7 @@ def duals_of(numbers: NumberType, dual: type[Dual] = Dual) -> NumberType:
     """Return the type of duals whose values and derivatives are of a type of numbers."""
     def of_one(function: Function, derivative: Callable[[Scalar], Scalar]) -> Function:
         """Return a function of one number for duals, by the chain rule."""
-        def call(number: Operand) -> Operand:
+        def call(number: Operand) -> Operand:      # (f(u))' = f'(u) u'
             value = function(value_of(number))
             return (dual(value, _scaled(number.by, derivative(number.whole)))
                     if isinstance(number, Dual) else value)

@@ -81,7 +81,7 @@ def make_lines(make_formula: Callable[[NumberType, Any], Function], data: Any, c
 
 def lines_of(trace: Trace, zeros: Collection[int], name: str
              ) -> Callable[[Sequence[float]], Function]:
-    """Return numbers of data -> straight line, as :func:`make_lines`, of a trace made already."""
+    """Return data -> Python function of floats, as :func:`make_lines`, of a trace made already."""
     if zeros:
         trace = trace.simplified({**trace.literals(), **{trace.count + i: 0.0 for i in zeros}})
     return _lines(trace, name)

@@ -235,10 +235,11 @@ class DCMotor(Law):
         """Return the law (D4); the state is the current, which follows at once if L = 0."""
         constant = self.gear * self.constant
         if self.inductance:
-            return always(Piece(0.0, 0.0, constant, self.voltage / self.inductance,
-                                -constant / self.inductance, -self.resistance / self.inductance))
+            return always(Piece(0.0, by_state=constant, change=self.voltage / self.inductance,
+                                change_by_speed=-constant / self.inductance,
+                                change_by_state=-self.resistance / self.inductance))
         return always(Piece(constant * self.voltage / self.resistance,
-                            -constant * constant / self.resistance))
+                            by_speed=-constant * constant / self.resistance))
 
 
 @dataclass(frozen=True)
@@ -368,7 +369,7 @@ class TorqueTable:
 
     @cached_property
     def breaks(self) -> tuple[float, ...]:
-        """Return the times at which integration restarts [s]: of a long linear table not all."""
+        """Return the times at which integration restarts [s]; of a long table at bends."""
         times, torques = np.array(self.times), np.array(self.torques)
         if not self.linear or times.size <= FEW:
             return tuple(self.times)

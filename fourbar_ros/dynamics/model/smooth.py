@@ -22,6 +22,7 @@ def flat_positions(mechanism: DrivenLinks) -> tuple[float, ...]:
     """
     Return the inputs inside the range where an exact change point lies flat, in order.
 
+    There all links lie in line, both assembly modes meet, and a motion goes on in the other one.
     Angles [rad] in [0, 2 pi), slides [m]. Without an exact change point there are none.
     """
     if mechanism.change_point_margin != 0.0:

@@ -150,8 +150,9 @@ def _samples(constants: Array, number: int, out: bool, inside: bool,
     """
     Return samples of both halves of the range, (8, 2, number, linkages), and their step.
 
-    As :class:`Path` takes them; 7 values where the range has no ends. The half of theta1 < 0 comes
-    first, except where the range is around pi.
+    As :class:`Path` takes them; 7 values where the range has no ends. ``out``, ``inside``: whether
+    theta1 reaches pi, and 0. Samples are computed for 0 < theta1 < pi and mirrored; the half of
+    theta1 < 0 comes first, except where the range is around pi.
     """
     of_u, cosines, step = phases(number, not inside, not out)
     sides = (1, -1) if out and not inside else (-1, 1)
@@ -165,8 +166,8 @@ def _samples(constants: Array, number: int, out: bool, inside: bool,
         up, down = half.part(part)(of_u[:, None], cosines[:, None])
         scale = 1.0 / (up * up + down * down)
         ss, cc, sc = up * up * scale, down * down * scale, signs * (up * down * scale)
-        found = make_sines(ARRAY, tuple(c), by_loop)(ss, cc, sc, signs * c[-1] > 0.0)
-        for whole, values in zip(samples[..., part], (sc, cc, *found)):
+        sines = make_sines(ARRAY, tuple(c), by_loop)(ss, cc, sc, signs * c[-1] > 0.0)
+        for whole, values in zip(samples[..., part], (sc, cc, *sines)):
             # theta1 < 0 mirrors the other half; what has no axis for them is the same in both
             for i, side in enumerate(sides):
                 whole[i, ::side] = values[i] if values.ndim == 3 else values

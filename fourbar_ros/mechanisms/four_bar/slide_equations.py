@@ -135,7 +135,7 @@ def equation_of_slides(lengths: Sequence[float | None], slides: Mapping[int, flo
 
 
 def _slider_crank(a1: float, a2: float, a4: float, y: float, pair: tuple[int, int]) -> Array:
-    """Return M of (S2) between two joints of RRRP; y: direction of the slide at joint 4 [rad]."""
+    """Return M between two joints of RRRP; y: direction of the slide at joint 4 [rad]."""
     c, s = cos(y), sin(y)
     squares = a1 * a1 + a4 * a4 - a2 * a2
     across = a4 * s                                 # O4, square to the slide
@@ -157,7 +157,7 @@ def _slider_crank(a1: float, a2: float, a4: float, y: float, pair: tuple[int, in
 
 
 def _trammel(a2: float, a4: float, x: float, y: float, pair: tuple[int, int]) -> Array:
-    """Return M of (S2) between two joints of PRRP; x, y: directions of both slides [rad]."""
+    """Return M between two joints of PRRP; x, y: directions of both slides [rad]."""
     turn, at_1, at_4 = sin(y - x), a4 * sin(x), a4 * sin(y)
     return np.array({
         # |c e^{ix} - a4 - d e^{iy}|^2 = a2^2: Eq. (16) in a1 = c and a3 = d

@@ -272,7 +272,7 @@ class WithLimits(Mechanism):
 
 
 def can_drive(dyad: Dyad, driven: str) -> bool:
-    """Return whether a dyad is one between the driven crank and the ground, away from O1."""
+    """Return whether a dyad is RRR between crank and ground, so that it can turn the crank."""
     ends = {dyad.first.link: dyad.first, dyad.second.link: dyad.second}
     return (dyad.kind == RRR and set(ends) == {driven, GROUND}
             and any(ends[driven][1:]) and any(ends[GROUND][1:]))

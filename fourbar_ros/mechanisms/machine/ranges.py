@@ -173,7 +173,8 @@ def flat_place(layout: Layout, numbers: Sequence[Numbers], signs: Sequence[float
     """
     Return the input near x at which dyad ``number`` lies flat, in many digits by Newton's method.
 
-    A root of :func:`.make_places` of a pair; of other dyads the minimum of their closing.
+    A root of :func:`.make_places` of a pair; of other dyads the minimum of their closing, a double
+    root, of which floats know half the digits only.
     """
     with many_digits():
         count, is_pair = number + 1, layout.stages[number].pair is not None

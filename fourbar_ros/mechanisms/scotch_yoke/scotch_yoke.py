@@ -194,7 +194,7 @@ class ScotchYoke(Mechanism):
         return LinkMotion(*point_of(crank, self.a1), 0.0, 1.0, 0.0, 0.0)
 
     def transmission_sine(self, motion: NamedFields) -> Scalar:
-        """Return a number that is zero where the yoke cannot turn the crank, at most one."""
+        """Return 1, or of a driven slide sin(theta1): zero where that cannot turn the crank."""
         found: Scalar = 1.0 + 0.0 * motion.sin_x if self.input == CRANK else motion.sin_x
         return found
 

@@ -103,6 +103,7 @@ class Poses:
     """
 
     def __init__(self, base_of: Callable[[int, int], int], driven: Driven) -> None:
+        """Start with what the driven link, number 1, is known by: its curve, slide, cylinder."""
         self._base_of = base_of         # (link, frame) -> the link between them
         self.known: dict[Seen, Curve] = {(1, 0): driven.curve}
         self.relations: dict[Seen, Direction] = {}

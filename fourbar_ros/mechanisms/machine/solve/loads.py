@@ -211,7 +211,7 @@ def make_arms(stage: Stage, own: Numbers) -> Function:
     sliding = {link: (k, *slide) for k, (link, slide) in enumerate(slides_of(stage, own))}
 
     def arm_of(link: int, parent: int, at: Sequence[Scalar]) -> Function:
-        """Return slides -> arm on a parent: constant, or moved along the slide of the link."""
+        """Return slides -> arm on a parent: ``at`` a fixed point, or moving with the slide."""
         k, carrier, start, (c, s) = sliding.get(link, (0, -1, at, (0.0, 0.0)))
         if carrier != parent:
             return lambda _slides: at

@@ -106,7 +106,7 @@ class Joints:
         self.slides = {(1, 0): (FIRST_JOINT, (1.0, 0.0))} if driver == 'slide' else {}
 
     def add(self, stage: Stage, own: Numbers) -> None:
-        """Take the joints of a dyad."""
+        """Add where the pins and slides of a dyad are on the links that they join."""
         for link, (carrier, place) in anchors_of(stage, own).items():
             self.pins[link, carrier] = FIRST_JOINT, place
         if stage.kind == RRR:
@@ -435,6 +435,7 @@ class Closure:
         rods = [*own.sizes[:{RRR: 2, RRP: 1, RPR: 0}[stage.kind]],
                 *(() if self.slides else own.shape[:1 if self.is_sine else 2])]
         self._rods = min(rods, default=1.0), max(rods, default=1.0)
+        # |D|^2, scaled, in both directions of an angle, or (at sigma = 0, per sigma^2)
         self._square: tuple[Scalar, Scalar] = (
             (other * other, 1.0) if self.slides else
             ((one - other)**2 / (one + other)**2, 1.0))
@@ -519,7 +520,13 @@ class Closure:
 
 
 def _factors(stage: Stage, own: Numbers) -> list[Factor]:
-    """Return the factors of the discriminant of a pair, from exact sums of scaled lengths."""
+    """
+    Return the one or two factors of a pair's discriminant, positive where it closes.
+
+    Of RRR they are (r1 + r2)^2 - d^2 and d^2 - (r1 - r2)^2, with d from P to Q: ``first`` and
+    ``second`` less or more one another where the angle is 0 or pi. Sums of lengths are exact, so
+    that a factor is 0.0 just at a change point.
+    """
     assert stage.pair is not None
     unit = power_of_two(*own.sizes[:1 + (stage.kind == RRR)],
                         *own.shape[stage.pair.slides:2])
