@@ -148,7 +148,12 @@ class Container:
 
     def add_messages(self, time: int, messages: Iterable[tuple[int, int, bytes]],
                      published: int | None = None) -> None:
-        """Take messages, (channel, sequence number, bytes), of one log time [ns]."""
+        """
+        Take messages, (channel, sequence number, bytes), of one log time [ns].
+
+        They are written by :meth:`flush`, called here once CHUNK_SIZE bytes wait. ``published``
+        [ns] is when they were sent, by default the log time.
+        """
         index, parts, last, length = self._index, self._parts, self.last, self._length
         published = time if published is None else published
         for channel, sequence, data in messages:
