@@ -286,7 +286,8 @@ def tree_of(mechanism: Mechanism) -> Tree:
         at_origin = [joint for joint, connection in enumerate(connections)
                      if connection.child == link.name and connection.on_child == (0.0, 0.0)]
         if not at_origin:
-            raise NoDescription(f'no joint at the first joint of the link {link.name}')
+            raise NoDescription(f'the link {link.name} has no joint at its origin, as in machines '
+                                'that are solved from a moving link; a tree of links needs one')
         chosen[link.name] = min(at_origin, key=preference)
     ordered: dict[str, int] = {}
     while len(ordered) < len(chosen):
