@@ -97,6 +97,7 @@ class Transmission:
     """
 
     def __init__(self, mechanism: Mechanism, start: float):
+        """Find the branch about ``start``; errors are those of :func:`branch_of`."""
         self.mechanism, self.branch = mechanism, branch_of(mechanism, start)
         self._input, self._output = mechanism.input_coordinate, mechanism.outputs[0].coordinate
 
@@ -133,7 +134,7 @@ class Transmission:
 
     def to_output(self, driven: Trajectory) -> Trajectory:
         """
-        Return the trajectory of the output of a driven one; effort from (T3).
+        Return the trajectory of the output for that of the drive; effort from (T3).
 
         Raises
         ------
@@ -199,10 +200,11 @@ class Transmission:
     def _require_finite(self, result: Trajectory, coordinate: Coordinate, asked: Trajectory,
                         at_toggle: Array, outputs: Array) -> Trajectory:
         """
-        Return a result of ``coordinate``, or raise CannotFollow if a sample is not finite.
+        Return a result, or raise CannotFollow for its first sample that is not finite.
 
-        ``asked``: the trajectory it follows from. ``at_toggle``, ``outputs``: for each sample,
-        whether the output is at a toggle, and its position.
+        ``coordinate``: the input or the output, of which the result is. ``asked``: the trajectory
+        it follows from. ``at_toggle``, ``outputs``: for each sample, whether the output is at a
+        toggle, and its position.
         """
         numbers = {name: values for name, values in zip(result._fields, result)
                    if values is not None}
@@ -219,7 +221,11 @@ class Transmission:
                            f'{sample}')
 
     def _why_not(self, sample: int, coordinate: Coordinate, position: float, where: str) -> str:
-        """Return the message that a sample lies 'beyond' or 'at' (``where``) an end."""
+        """
+        Return the message that a sample lies 'beyond' or 'at' (``where``) an end of the branch.
+
+        ``position`` is that of ``coordinate``, input or output; the nearest end is named.
+        """
         assert self.branch.ends
         of_output = coordinate == self._output
         other = self._input if of_output else self._output
@@ -238,15 +244,16 @@ class Transmission:
         Newton's method from the samples of the branch, all targets at once, halving where a step
         leaves the bracket, until no input moves by more than two of its last bits.
         """
-        branch, turns = self.branch, np.zeros(len(targets))
+        branch, turns = self.branch, np.zeros(len(targets))      # whole turns of the input
         sense = branch.sense
         if branch.ends is None:                  # solve in the one turn that has samples
             first = sense * branch.outputs[0]
             turns = np.floor((sense * targets - first) / tau)
             targets = targets - sense * tau * turns
         rising = sense * branch.outputs
-        place = np.clip(np.searchsorted(rising, sense * targets) - 1, 0, len(rising) - 2)
-        low, high = branch.inputs[place], branch.inputs[place + 1]
+        # the samples before and after a target bracket its input
+        before = np.clip(np.searchsorted(rising, sense * targets) - 1, 0, len(rising) - 2)
+        low, high = branch.inputs[before], branch.inputs[before + 1]
         x = np.interp(sense * targets, rising, branch.inputs)
         for _ in range(STEPS):
             error = sense * (self._with_turns(x, output_of(self.mechanism, x)) - targets)
@@ -360,7 +367,7 @@ def branch_of(mechanism: Mechanism, start: float) -> Branch:
     low = max([low, *(x for x in turning_points if x < start)])
     high = min([high, *(x for x in turning_points if x > start)])
     inputs = np.linspace(low, high, SAMPLES)
-    outputs = _continuous(mechanism, inputs, start)
+    outputs = _continuous(mechanism, inputs, start)     # NaN where rounding leaves the range
     closes = ~np.isnan(outputs)
     inputs, outputs = inputs[closes], outputs[closes]
     first, last = (End(float(inputs[i]), float(outputs[i]),

@@ -69,7 +69,7 @@ def _lightest(places: Places, equations: Array,
         prices = solution.eqlin.marginals
         slope, spot = places.lowest(-equations.T @ prices)
         masses, total = scale * solution.x, scale * float(solution.fun)
-        if 1.0 + slope >= -ENOUGH:
+        if 1.0 + slope >= -ENOUGH:      # a kilogram at the best spot saves no more than it adds
             break
         spots = [*spots, spot]
     # scaled by 1 / -slope the prices are feasible for every spot, so they bound the mass: duality

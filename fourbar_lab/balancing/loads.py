@@ -72,6 +72,7 @@ class Loads:
     """
 
     def __init__(self, mechanism: Mechanism, rate: float):
+        """Refuse what no mass can balance; collect the numbers of all links."""
         if mechanism.bodies is None:
             raise BalanceError('nothing to balance: the scene gives no masses')
         if not rate or not isfinite(rate):
@@ -82,10 +83,10 @@ class Loads:
             raise BalanceError('loads grow without bound at the toggle positions where the input '
                                'ends: give a slide a stroke (linkage.range) that keeps away')
         self.mechanism, self.rate = mechanism, rate
-        self.links: tuple[str, ...] = mechanism.BODIES._fields
-        # a link of a machine may have none
+        self.links: tuple[str, ...] = mechanism.BODIES._fields      # in the order of p
+        # a link of a machine may have no body
         self.given = np.concatenate([numbers_of(body or Body(0.0)) for body in mechanism.bodies])
-        self._still = without_weight(mechanism)
+        self._weightless = without_weight(mechanism)
 
     @cached_property
     def groups(self) -> dict[str, tuple[str, ...]]:
@@ -116,20 +117,20 @@ class Loads:
         unit = power_of_two(*self.mechanism.lengths)        # u
         probes = (Body(1.0), Body(1.0, unit), Body(1.0, 0.0, unit), Body(0.0, 0.0, 0.0, 1.0))
         columns: dict[str, list[Array]] = {name: [] for name in fields}
-        for place in range(len(self.links)):
-            loads = [self._of_bodies(x, place, probe, fields) for probe in probes]
+        for number in range(len(self.links)):
+            loads = [self._of_bodies(x, number, probe, fields) for probe in probes]
             for name in fields:
                 mass, along, across, inertia = (one[name] for one in loads)
-                rest = mass / unit + unit * inertia
+                rest = mass / unit + unit * inertia         # (A_m + u^2 A_J) / u
                 columns[name] += [mass, along / unit - rest, across / unit - rest, inertia]
         return {name: np.stack(values, axis=1) for name, values in columns.items()}
 
-    def _of_bodies(self, x: Array, place: int, probe: Body,
+    def _of_bodies(self, x: Array, number: int, probe: Body,
                    fields: tuple[str, ...]) -> dict[str, Array]:
-        """Return {field: loads, shape of x}; link number ``place`` is a probe, others massless."""
+        """Return {field: loads, shape of x}; link ``number`` is a probe, others massless."""
         bodies = [Body(0.0)] * len(self.links)
-        bodies[place] = probe
-        mechanism = replace(self._still, bodies=self.mechanism.BODIES(*bodies))
+        bodies[number] = probe
+        mechanism = replace(self._weightless, bodies=self.mechanism.BODIES(*bodies))
         values = mechanism.step(x, self.rate, fields=fields)
         return {name: np.broadcast_to(value, x.shape) for name, value in zip(fields, values)}
 
@@ -137,7 +138,8 @@ class Loads:
         """
         Return inputs and weights of a mean over the input, ``points`` in each of its ranges.
 
-        The weights add up to one; 1024 points are enough, and more eigenvalues take seconds.
+        The weights add up to one. A range that is no full turn gets 1024 points at most (Gauss):
+        they are enough, and are eigenvalues, which take seconds if there are more.
         """
         if self.mechanism.turns_fully:
             return full_turn(points)
@@ -149,15 +151,17 @@ class Loads:
 
     def root(self, names: Iterable[str]) -> Array:
         """
-        Return R, shape (n, n), such that |R p| is the root mean square over the input of a load.
+        Return R such that |R p| is the root mean square over the input of the loads by name.
 
-        A norm of p makes it a problem of least distance. Of several loads, each counts relative to
-        its unbalanced value, and |R p|^2 is the sum of their squares.
+        R is square, shape (4 links, 4 links): a norm of p makes it a problem of least distance. Of
+        several loads, each counts relative to its unbalanced value, and |R p|^2 is the sum of
+        their squares. Inputs are doubled until the size of R settles.
         """
         names, points, before = tuple(names), POINTS, np.inf
         while True:
             x, weights = self.nodes(points)
             blocks = [self._block(name, x, weights, len(names) > 1) for name in names]
+            # B = Q R with |Q v| = |v|: R has the norms of B in few rows
             root = np.asarray(np.linalg.qr(np.concatenate(blocks), mode='r'))
             size = float(np.linalg.norm(root))
             if abs(size - before) <= AGREE * size or points >= MOST_POINTS:
@@ -165,7 +169,12 @@ class Loads:
             points, before = 2 * points, size
 
     def _block(self, name: str, x: Array, weights: Array, is_relative: bool) -> Array:
-        """Return B, shape (components inputs, 4 links), such that |B p| is the load's RMS."""
+        """
+        Return B, shape (components * inputs, 4 links), such that |B p| is the RMS of a load.
+
+        ``weights`` are those of the mean over inputs x; if ``is_relative``, the RMS is over the
+        unbalanced one.
+        """
         matrices = self.matrices(x, self.group(name)).values()
         block: Array = np.concatenate([np.sqrt(weights)[:, None] * matrix for matrix in matrices])
         size = float(np.linalg.norm(block @ self.given))
@@ -176,6 +185,11 @@ class Loads:
         return float(np.linalg.norm(self.root((name,)) @ numbers))
 
     def balanced(self, numbers: Array) -> Mechanism:
-        """Return the mechanism with (m, m x, m y, J) of all links; weight, outer forces stay."""
+        """
+        Return the mechanism whose links have the masses that ``numbers`` tell.
+
+        ``numbers``: (m, m x, m y, J) of link after link, shape (4 links,), as :attr:`given`.
+        Weight and outer forces, which balancing leaves out, act on it as before.
+        """
         bodies = [body_of(part) for part in numbers.reshape(-1, NUMBERS)]
         return replace(self.mechanism, bodies=self.mechanism.BODIES(*bodies))

@@ -55,9 +55,9 @@ def peak(loads: Loads, name: str, numbers: Array) -> tuple[float, Array]:
 
     ``numbers``: (m, m x, m y, J) of all links.
     """
-    still = without_weight(loads.balanced(numbers))
+    weightless = without_weight(loads.balanced(numbers))
     field, = {component.removesuffix('_x').removesuffix('_y') for component in loads.group(name)}
-    extrema = find_extrema(still, (field,), loads.rate, conditions=False)
+    extrema = find_extrema(weightless, (field,), loads.rate, conditions=False)
     return (max((abs(one.value) for one in extrema), default=0.0),
             np.array([one.input for one in extrema]))
 
@@ -72,7 +72,12 @@ class _PeakAtInputs:
         self.given = places.loads.given
 
     def largest(self, numbers: Array) -> tuple[float, Array]:
-        """Return the largest magnitude, and a row u . A for each local maximum over the inputs."""
+        """
+        Return the largest magnitude of the load, and rows, shape (maxima, 4 links).
+
+        There is a row u . A of (B1) for each local maximum over the inputs, u the direction of the
+        load there: row . p is its magnitude.
+        """
         load = self.matrices @ numbers                       # (components, inputs)
         size = np.linalg.norm(load, axis=0)
         is_maximum = (size >= np.roll(size, 1)) & (size >= np.roll(size, -1)) & (size > 0.0)
@@ -84,7 +89,8 @@ class _PeakAtInputs:
         """
         Return masses [kg], their spots, and a lower bound of the peak.
 
-        Each round adds the rows that the last design violates and the spot that helps most.
+        ``spots`` are where to begin. Each round adds the rows u . A that the last design violates
+        and the spot that helps most, until peak and bound agree.
         """
         masses: Array = np.zeros(len(spots))
         rows = self.largest(self.given)[1]

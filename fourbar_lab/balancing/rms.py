@@ -84,6 +84,7 @@ class Places:
     """
 
     def __init__(self, loads: Loads, radii: dict[str, float]):
+        """Check the radii; ``loads`` are what counterweights at these places change."""
         for link, radius in radii.items():
             if link not in loads.links:
                 raise InvalidParameter('link', link, f'must be one of {", ".join(loads.links)}')
@@ -164,7 +165,7 @@ def least_rms(places: Places, names: Iterable[str], mass: float,
 
 
 def front(places: Places, names: Iterable[str], masses: Iterable[float]) -> list[Balance]:
-    """Return the best for each added mass [kg], as :func:`least_rms`."""
+    """Return :func:`least_rms` of each added mass [kg]; each starts from the one before."""
     root = places.loads.root(names)
     balances: list[Balance] = []
     for mass in masses:
@@ -187,7 +188,8 @@ def nearest_to_zero(places: Places, root: Array, mass: float,
 
     The design is a weighted mean of corners, each with all of the mass [kg] at one spot or none of
     it; a weight is the share of the mass there. Each round adds the corner that is lowest along
-    the gradient x, until none is lower than the design itself.
+    x = root p of the design, the direction in which |root p| grows, until none is lower than the
+    design itself.
     """
     unbalanced = root @ places.loads.given
     scale = float(np.linalg.norm(unbalanced))
@@ -233,9 +235,10 @@ def _nearest(corners: list[_Corner], weights: Array) -> tuple[list[_Corner], Arr
         target = _affine(np.array([one.point for one in corners]))
         if (target > 0.0).all():
             return corners, target
-        falling = target <= 0.0
+        falling = target <= 0.0             # they vanish on the way from weights to target
         room = weights[falling] - target[falling]
         safe = np.where(room > 0.0, room, 1.0)
+        # the part of the way after which the first one does
         part = float(np.min(np.where(room > 0.0, weights[falling] / safe, 0.0)))
         weights = weights + min(part, 1.0) * (target - weights)
         stay = weights > LIGHT

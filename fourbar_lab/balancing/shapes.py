@@ -138,6 +138,7 @@ class _Problem:
     """
 
     def __init__(self, places: Places, names: tuple[str, ...], shape: str, sigma: float) -> None:
+        """Take the loads to reduce by name; ``shape``, ``sigma`` as in :func:`best_plates`."""
         self.root = places.loads.root(names)
         self._places, self._make, self._sigma = places, SHAPES[shape], sigma
         self._scale = float(np.linalg.norm(self.root @ places.loads.given)) or 1.0

@@ -100,7 +100,7 @@ def _drawn(study: Study, workers: int | None) -> tuple[dict[str, Summary], float
 
 def _bounds_row(one: Toleranced, drawn: dict[str, Summary]) -> tuple[str, ...]:
     """Return a row: a measure in the middle, (least, greatest) by each way, drawn percentiles."""
-    measure, value, _ = one.sensitivity
+    measure, value = one.sensitivity.measure, one.sensitivity.value
     summary = drawn[measure.name]
     assert not isinstance(value, str)           # tolerances() leaves the class out
     numbers = (value, value - one.first_order, value + one.first_order, *one.corners, *one.proven,
@@ -110,7 +110,7 @@ def _bounds_row(one: Toleranced, drawn: dict[str, Summary]) -> tuple[str, ...]:
 
 def _derivative_rows(one: Toleranced, box: Sequence[Tolerance]) -> list[tuple[str, ...]]:
     """Return the rows of a measure's derivatives, first the tolerance that contributes most."""
-    measure, _, by = one.sensitivity
+    measure, by = one.sensitivity.measure, one.sensitivity.by
     if not any(isfinite(value) for value in by.values()):
         return []
     ordered = sorted(box, key=lambda part: -abs(by[part.name]) * part.size)

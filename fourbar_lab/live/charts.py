@@ -35,7 +35,12 @@ def height(count: int) -> int:
 
 def over_input(shown: Shown, names: Sequence[str], extrema: Sequence[Extremum],
                is_dark: bool) -> Options:
-    """Return the options of one panel for each quantity, over one input axis, extrema marked."""
+    """
+    Return the options of a panel for each quantity by name, over the input, extrema marked.
+
+    All ranges of the input share one axis, with gaps between; a band marks where a transmission
+    angle is good.
+    """
     inputs: list[float | None] = []
     for cycle in shown.cycles:              # a gap separates the ranges of the input
         inputs += [*map(shown.shown_input, cycle.inputs.tolist()), None]

@@ -132,7 +132,7 @@ class Shown:
         return [(x, with_gaps(y)) for x, y in curves] if name == AXIS_ANGLE else curves
 
     def extrema(self, names: Sequence[str]) -> list[Extremum]:
-        """Return the extrema of these quantities; positions have none but at known places."""
+        """Return the extrema of quantities by name, over the input; none of the axis' angle."""
         wanted = [self.quantities[name] for name in names if name != AXIS_ANGLE]
         return find_extrema(self.linkage, [quantity.name if is_published(quantity) else quantity
                                            for quantity in wanted],
@@ -175,9 +175,14 @@ class Shown:
                 for name, point in self.points.items()}
 
     def samples(self, most: int) -> list[tuple[float, Pose]]:
-        """Return (input, pose) at about ``most`` equal steps over the cycles, without toggles."""
+        """
+        Return (input, pose) at evenly spread samples of the cycles, about ``most`` altogether.
+
+        Samples in a toggle, where rates and loads are infinite, are left out.
+        """
         samples = []
         for cycle in self.cycles:
+            # each range has as many samples: they share ``most``
             step = max(1, ceil(len(cycle.inputs) * len(self.cycles) / most))
             for i in range(0, len(cycle.inputs), step):
                 motion = _sample(cycle.motion, i)

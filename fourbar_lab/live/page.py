@@ -66,22 +66,24 @@ class Page:
     def __init__(self, title: str, values: ParameterValues, query: dict[str, str],
                  playback: Callable[[Shown], Playback] | None = None):
         """Take the state from the query; of a bad one, say so and show the scene as it is."""
-        link, self.problem = Link(title, values, values, None, 0.0), ''
+        link = Link(title, values, values, at=None, acceleration=0.0)
+        self.problem = ''                       # why something was not done, for the alarm
         try:
             link = read(query, title, values)
             self.shown = shown_of(link.values, link.acceleration)
         except FourBarError as error:
             link, self.problem = link._replace(values=link.first, acceleration=0.0), str(error)
             self.shown = shown_of(link.values)
-        self.title, self.first, self.values, at, self.acceleration = link
+        self.title, self.acceleration = link.title, link.acceleration
+        self.first, self.values = link.first, link.values       # of the scene, and as changed here
         self.playback = (playback(self.shown) if playback
                          else CyclePlayback(self.shown, self.shown.scene.drive.start))
-        if at is not None:
-            self.playback.go(at)
-        self.names = self.shown.usual_quantities
-        self.layers = Layers()
-        self.handle: Handle | None = None
-        self.pose: Pose | None = None
+        if link.at is not None:
+            self.playback.go(link.at)
+        self.names = self.shown.usual_quantities        # whose curves are drawn
+        self.layers = Layers()                          # what is drawn beside the links
+        self.handle: Handle | None = None               # the joint that is dragged
+        self.pose: Pose | None = None                   # what is drawn now; None: nothing
         self.refusal = self.no_pose = ''         # why there is no mechanism, why it has no pose
         self.last, self.frames = time.monotonic(), 0        # of the playback: time, number of it
         self.is_behind = False                              # the browser, with its frames
@@ -317,7 +319,12 @@ class Page:
                 self.switch_dark()
 
     def _refill(self) -> None:
-        """Fill the views again, where there is something to show."""
+        """
+        Draw the open view anew, after another choice of what it shows or how.
+
+        The other views are out of date too, and filled when they are opened. While no mechanism
+        can be shown, they stay empty.
+        """
         if not self.refusal:
             self.views.expire()
             self.show_view()
@@ -338,10 +345,12 @@ class Views:
     """
 
     def __init__(self, page: Page):
+        """Begin with no view filled."""
         self.page, self.elements = page, page.elements
         self.extrema: list[Extremum] | None = None      # of the mechanism that is shown
-        self.polar_bound = 1.0
+        self.polar_bound = 1.0              # [N] at the edge of the polar diagram
         self._fresh: set[str] = set()       # names of views that show the present mechanism
+        # {name of a view: what fills it}
         self._fill: dict[str, Callable[[], None]] = {
             CURVES: self._fill_curves, FORCES: self._fill_forces,
             POLYGONS: self._fill_polygons, EXTREMA: self._fill_extrema, FACTS: self._fill_facts}

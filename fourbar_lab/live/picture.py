@@ -244,6 +244,7 @@ class Handle:
     """The joint nearest to a pixel, to be dragged; ``joint`` is '' if none is near enough."""
 
     def __init__(self, shown: Shown, pose: Pose, view: View, pixel: tuple[float, float]):
+        """Choose among the joints that move, those within :data:`NEAR` of the pixel."""
         self.shown, self.view = shown, view
         diagram = shown.linkage.diagram(pose.motion)
         distances = {name: float(np.hypot(*np.subtract(view.at(place), pixel)))

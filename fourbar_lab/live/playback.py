@@ -259,11 +259,12 @@ class NodePlayback(CyclePlayback):
     can_drag = False
 
     def __init__(self, shown: Shown, latest: Callable[[], tuple[float, float, float] | None]):
+        """Stand at the scene's start; ``latest`` returns the newest state heard, or None."""
         super().__init__(shown, shown.scene.drive.start)
         self.pace = None
         self.latest = latest
         self._last: tuple[float, float, float] | None = None
-        self._heard = monotonic()
+        self._heard = monotonic()            # when the last motion came [s]
         self._state = super().state()        # until the first motion comes
 
     def go(self, at: float) -> None:

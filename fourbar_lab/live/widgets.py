@@ -51,6 +51,7 @@ class Elements:
     """What a page consists of. What its user does calls methods of the page, which changes it."""
 
     def __init__(self, page: Page):
+        """Build all elements of the page, from top to bottom; the page fills them."""
         self.page = page
         ui.add_head_html(HEAD)
         ui.page_title(f'{page.title} - fourbar live')

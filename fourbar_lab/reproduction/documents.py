@@ -88,8 +88,9 @@ def _verdict(row: Entry, ours: float) -> str:
     """
     Return the verdict on a number.
 
-    DIFFERS also if published.yaml gives a reason that does not explain the difference, or one
-    although there is none.
+    The keys of the row are published.yaml's: ``drawn`` and ``rounded`` are relative differences
+    that are allowed, others name a reason. DIFFERS also if it gives a reason that does not explain
+    the difference, or one although there is none.
     """
     for key, verdict in (('missing', verdicts.MISSING), ('assumed', verdicts.ASSUMED),
                          ('defined', verdicts.DEFINED)):

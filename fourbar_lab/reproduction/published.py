@@ -28,7 +28,7 @@ from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.number_types import Scalar
 import numpy as np
 
-INCH, FOOT = 0.0254, 0.3048
+INCH, FOOT = 0.0254, 0.3048          # [m]
 RPM = pi / 30.0
 
 EXAMPLE_7_2 = SliderCrank(2.5 * INCH, 6.0 * INCH)
@@ -52,32 +52,35 @@ THIN = FourBar(*PAPER_LENGTHS, bodies=THIN_RODS)
 
 def example_7_2() -> dict[str, float]:
     """Return speeds and accelerations of B, C and the coupler of a slider-crank [ft, rad, s]."""
-    m, a2 = EXAMPLE_7_2.motion(*GIVEN_7_2), EXAMPLE_7_2.a2
-    b = point_motion(EXAMPLE_7_2, m, 'coupler', 0.0)
-    return {'angle': degrees(m.theta1), 'omega2': -m.omega1, 'v_b': float(b.speed) / FOOT,
-            'a_b': hypot(*b.acceleration) / FOOT, 'v_c': m.slide_velocity / FOOT,
-            'omega3': m.omega_beta, 'normal': m.omega_beta**2 * a2 / FOOT,
-            'alpha3': m.alpha_beta, 'tangential': m.alpha_beta * a2 / FOOT,
-            'a_c': -m.slide_acceleration / FOOT,
-            'delta': degrees(acceleration_image(m.omega_beta, m.alpha_beta)[1])}
+    motion, a2 = EXAMPLE_7_2.motion(*GIVEN_7_2), EXAMPLE_7_2.a2
+    joint_b = point_motion(EXAMPLE_7_2, motion, 'coupler', 0.0)
+    return {'angle': degrees(motion.theta1), 'omega2': -motion.omega1,
+            'v_b': float(joint_b.speed) / FOOT,
+            'a_b': hypot(*joint_b.acceleration) / FOOT, 'v_c': motion.slide_velocity / FOOT,
+            'omega3': motion.omega_beta, 'normal': motion.omega_beta**2 * a2 / FOOT,
+            'alpha3': motion.alpha_beta, 'tangential': motion.alpha_beta * a2 / FOOT,
+            'a_c': -motion.slide_acceleration / FOOT,
+            'delta': degrees(acceleration_image(motion.omega_beta, motion.alpha_beta)[1])}
 
 
 def example_7_3() -> dict[str, float]:
     """Return places [in] and accelerations of a 4R's points, rates of its links [ft, rad, s]."""
-    m = EXAMPLE_7_3.motion(*GIVEN_7_3)
-    points = {f'a_{name.lower()}': hypot(*point_motion(EXAMPLE_7_3, m, *point).acceleration) / FOOT
+    motion = EXAMPLE_7_3.motion(*GIVEN_7_3)
+    points = {f'a_{name.lower()}':
+              hypot(*point_motion(EXAMPLE_7_3, motion, *point).acceleration) / FOOT
               for name, point in POINTS_7_3.items()}
     places = {f'{name.lower()}_{field}': sign * value / INCH
               for name, (_, along, across) in POINTS_7_3.items()
               for field, sign, value in (('along', 1.0, along), ('across', -1.0, across))}
     return places | {
-            'angle': degrees(m.theta1), 'ground': EXAMPLE_7_3.a4 / INCH, 'omega2': m.omega1,
-            'a_b': m.omega1**2 * EXAMPLE_7_3.a1 / FOOT, 'omega3': m.omega_beta, 'omega4': m.omega4,
-            'normal_cb': m.omega_beta**2 * EXAMPLE_7_3.a2 / FOOT,
-            'normal_cd': m.omega4**2 * EXAMPLE_7_3.a3 / FOOT,
-            'tangential_cb': abs(m.alpha_beta) * EXAMPLE_7_3.a2 / FOOT,
-            'tangential_cd': abs(m.alpha4) * EXAMPLE_7_3.a3 / FOOT,
-            'alpha3': m.alpha_beta, 'alpha4': -m.alpha4, **points}
+            'angle': degrees(motion.theta1), 'ground': EXAMPLE_7_3.a4 / INCH,
+            'omega2': motion.omega1, 'omega3': motion.omega_beta, 'omega4': motion.omega4,
+            'a_b': motion.omega1**2 * EXAMPLE_7_3.a1 / FOOT,
+            'normal_cb': motion.omega_beta**2 * EXAMPLE_7_3.a2 / FOOT,
+            'normal_cd': motion.omega4**2 * EXAMPLE_7_3.a3 / FOOT,
+            'tangential_cb': abs(motion.alpha_beta) * EXAMPLE_7_3.a2 / FOOT,
+            'tangential_cd': abs(motion.alpha4) * EXAMPLE_7_3.a3 / FOOT,
+            'alpha3': motion.alpha_beta, 'alpha4': -motion.alpha4, **points}
 
 
 def example_7_4() -> dict[str, float]:
@@ -96,30 +99,32 @@ def example_7_4() -> dict[str, float]:
 
 def example_7_5() -> dict[str, float]:
     """Return the motion of an inverted slider-crank; Q is the point of the bar under A [ft]."""
-    m, a1 = EXAMPLE_7_5.motion(*GIVEN_7_5), EXAMPLE_7_5.a1
-    return {'angle': degrees(m.theta1), 'offset': EXAMPLE_7_5.offset / INCH,
-            'qd': m.slide / INCH, 'omega4': m.omega4, 'alpha4': m.alpha4,
-            'v_a': -m.omega1 * a1 / FOOT, 'v_q': m.omega4 * m.slide / FOOT,
-            'v_rel': -m.slide_velocity / FOOT, 'a_a': m.omega1**2 * a1 / FOOT,
-            'normal': m.omega4**2 * m.slide / FOOT,
-            'coriolis': -2.0 * m.omega4 * m.slide_velocity / FOOT,
-            'tangential': m.alpha4 * m.slide / FOOT}
+    motion, a1 = EXAMPLE_7_5.motion(*GIVEN_7_5), EXAMPLE_7_5.a1
+    return {'angle': degrees(motion.theta1), 'offset': EXAMPLE_7_5.offset / INCH,
+            'qd': motion.slide / INCH, 'omega4': motion.omega4, 'alpha4': motion.alpha4,
+            'v_a': -motion.omega1 * a1 / FOOT, 'v_q': motion.omega4 * motion.slide / FOOT,
+            'v_rel': -motion.slide_velocity / FOOT, 'a_a': motion.omega1**2 * a1 / FOOT,
+            'normal': motion.omega4**2 * motion.slide / FOOT,
+            'coriolis': -2.0 * motion.omega4 * motion.slide_velocity / FOOT,
+            'tangential': motion.alpha4 * motion.slide / FOOT}
 
 
 def example_7_6() -> dict[str, float]:
     """Return angles, rates and half-angles v = tan(theta / 2) of links 2 and 4 in both modes."""
     values: dict[str, float] = {}
     for name, mode in (('', OPEN), ('other_', CROSSED)):
-        m = EXAMPLE_7_6.in_mode(mode).motion(*GIVEN_7_6)
-        for n, (theta, omega, alpha) in ((2, m[3:6]), (4, m[9:12])):
-            values |= {f'{name}theta{n}': degrees(theta), f'{name}omega{n}': omega,
-                       f'{name}alpha{n}': alpha}
-            values |= {f'{name}{order}v{n}': float(part) for order, part in
+        motion = EXAMPLE_7_6.in_mode(mode).motion(*GIVEN_7_6)
+        for number, theta, omega, alpha in (
+                (2, motion.theta2, motion.omega2, motion.alpha2),
+                (4, motion.theta4, motion.omega4, motion.alpha4)):
+            values |= {f'{name}theta{number}': degrees(theta), f'{name}omega{number}': omega,
+                       f'{name}alpha{number}': alpha}
+            values |= {f'{name}{order}v{number}': float(part) for order, part in
                        zip(('', 'd', 'dd'), to_half_angle(theta, omega, alpha))}
-        values |= {f'{name}theta2_positive': degrees(m.theta2) % 360.0,
-                   f'{name}beta': degrees(m.beta),
-                   f'{name}interior': degrees(m.theta2) % 360.0 - 180.0,
-                   f'{name}omega_beta': m.omega_beta, f'{name}alpha_beta': m.alpha_beta}
+        values |= {f'{name}theta2_positive': degrees(motion.theta2) % 360.0,
+                   f'{name}beta': degrees(motion.beta),
+                   f'{name}interior': degrees(motion.theta2) % 360.0 - 180.0,
+                   f'{name}omega_beta': motion.omega_beta, f'{name}alpha_beta': motion.alpha_beta}
     return values
 
 
@@ -255,7 +260,7 @@ def eq_9() -> dict[str, float]:
 
 def vectors() -> dict[str, float]:
     """
-    Return the symbols of the slides' vector equations, in SI units.
+    Return the symbols of the slides' vector equations (1)-(3) and (6)-(11), in SI units.
 
     The two sides of an equation reach their points over different links.
     """
@@ -263,41 +268,61 @@ def vectors() -> dict[str, float]:
 
 
 def _vectors_7_3() -> dict[str, float]:
-    """Return those of (1)-(3), C on its circle about D, and of (6), B and C, in Example 7.3."""
-    m, linkage = EXAMPLE_7_3.motion(*GIVEN_7_3), EXAMPLE_7_3
-    b, c = (point_motion(linkage, m, 'crank', linkage.a1),
-            point_motion(linkage, m, 'output', linkage.a3))
-    c_by_coupler = point_motion(linkage, m, 'coupler', linkage.a2)
-    return {'omega': m.omega_beta, 'alpha': m.alpha_beta, 'omega4': m.omega4,
-            'radius': linkage.a3, 'speed': m.omega4 * linkage.a3, 'growth': m.alpha4 * linkage.a3,
-            **_components(p=c.acceleration, q=b.acceleration, r=c.place - b.place,
-                          v_c=c_by_coupler.velocity, a_c=c_by_coupler.acceleration,
-                          tangent=np.array([-m.sin_y, m.cos_y]))}
+    """
+    Return the symbols of (1)-(3), C on its circle about D, and (6), B and C, in Example 7.3.
+
+    p, q, r: accelerations of C and B and the vector from B to C; ``v_c``, ``a_c``: of C as a point
+    of the coupler.
+    """
+    motion, linkage = EXAMPLE_7_3.motion(*GIVEN_7_3), EXAMPLE_7_3
+    joint_b, joint_c = (point_motion(linkage, motion, 'crank', linkage.a1),
+                        point_motion(linkage, motion, 'output', linkage.a3))
+    c_by_coupler = point_motion(linkage, motion, 'coupler', linkage.a2)
+    return {'omega': motion.omega_beta, 'alpha': motion.alpha_beta, 'omega4': motion.omega4,
+            'radius': linkage.a3, 'speed': motion.omega4 * linkage.a3,
+            'growth': motion.alpha4 * linkage.a3,
+            **_components(p=joint_c.acceleration, q=joint_b.acceleration,
+                          r=joint_c.place - joint_b.place, v_c=c_by_coupler.velocity,
+                          a_c=c_by_coupler.acceleration,
+                          tangent=np.array([-motion.sin_y, motion.cos_y]))}
 
 
 def _vectors_7_2() -> dict[str, float]:
-    """Return those of (7), (8) and the acceleration image in Example 7.2; crank 2, coupler 3."""
-    m, linkage = EXAMPLE_7_2.motion(*GIVEN_7_2), EXAMPLE_7_2
-    b, c = (point_motion(linkage, m, 'coupler', along) for along in (0.0, linkage.a2))
-    image = (complex(m.slide_acceleration - b.acceleration[0], -b.acceleration[1])
-             / complex(*(c.place - b.place)))
-    return {'r2': linkage.a1, 'r3': linkage.a2, 's2': m.sin_x, 'c2': m.cos_x, 's3': m.sin_b,
-            'c3': m.cos_b, 'w2': m.omega1, 'al2': m.alpha1, 'w3': m.omega_beta,
-            'al3': m.alpha_beta, 'v4': m.slide_velocity, 'acc4': m.slide_acceleration,
+    """
+    Return the symbols of (7), (8) and the acceleration image in Example 7.2; crank 2, coupler 3.
+
+    ``image``: size of the acceleration of C about B over their distance; ``delta``: its turn from
+    the coupler [deg].
+    """
+    motion, linkage = EXAMPLE_7_2.motion(*GIVEN_7_2), EXAMPLE_7_2
+    joint_b, joint_c = (point_motion(linkage, motion, 'coupler', along)
+                        for along in (0.0, linkage.a2))
+    image = (complex(motion.slide_acceleration - joint_b.acceleration[0], -joint_b.acceleration[1])
+             / complex(*(joint_c.place - joint_b.place)))
+    return {'r2': linkage.a1, 'r3': linkage.a2, 's2': motion.sin_x, 'c2': motion.cos_x,
+            's3': motion.sin_b, 'c3': motion.cos_b, 'w2': motion.omega1, 'al2': motion.alpha1,
+            'w3': motion.omega_beta, 'al3': motion.alpha_beta, 'v4': motion.slide_velocity,
+            'acc4': motion.slide_acceleration,
             'image': abs(image), 'delta': degrees(phase(image)) % 360.0}
 
 
 def _vectors_7_5() -> dict[str, float]:
-    """Return those of (9)-(11), A and the point Q of the bar under it, in Example 7.5."""
-    m, linkage = EXAMPLE_7_5.motion(*GIVEN_7_5), EXAMPLE_7_5
-    a, q = (point_motion(linkage, m, 'crank', linkage.a1),
-            point_motion(linkage, m, 'output', m.slide))
-    bar = link_motion(linkage, m, 'output')
-    return {'bar_omega': m.omega4, 'bar_alpha': m.alpha4, 'crank_omega': m.omega1,
-            'coriolis': 2.0 * abs(m.omega4 * m.slide_velocity),
-            **_components(crank=a.place, a=a.acceleration, bar=q.acceleration,
-                          arm=a.place - (linkage.a4, 0.0), v=m.slide_velocity * bar.direction,
-                          rel=m.slide_acceleration * bar.direction)}
+    """
+    Return the symbols of (9)-(11), A and the point Q of the bar under it, in Example 7.5.
+
+    ``a``, ``bar``: accelerations of A and Q; ``v``, ``rel``: velocity and acceleration of A along
+    the bar.
+    """
+    motion, linkage = EXAMPLE_7_5.motion(*GIVEN_7_5), EXAMPLE_7_5
+    joint_a, bar_point = (point_motion(linkage, motion, 'crank', linkage.a1),
+                          point_motion(linkage, motion, 'output', motion.slide))
+    bar = link_motion(linkage, motion, 'output')
+    return {'bar_omega': motion.omega4, 'bar_alpha': motion.alpha4, 'crank_omega': motion.omega1,
+            'coriolis': 2.0 * abs(motion.omega4 * motion.slide_velocity),
+            **_components(crank=joint_a.place, a=joint_a.acceleration, bar=bar_point.acceleration,
+                          arm=joint_a.place - (linkage.a4, 0.0),
+                          v=motion.slide_velocity * bar.direction,
+                          rel=motion.slide_acceleration * bar.direction)}
 
 
 def _components(**vectors: Array) -> dict[str, float]:
@@ -313,11 +338,12 @@ def symbols() -> dict[str, float]:
     a1..a4, A..D, A1..D2; v1..v4, dv, ddv are their derivatives; w1..w4 and al1..al4 those of
     theta.
     """
-    m = EXAMPLE_7_6.motion(*GIVEN_7_6)
+    motion = EXAMPLE_7_6.motion(*GIVEN_7_6)
     a1, a2, a3, a4 = EXAMPLE_7_6.lengths
     values = {'a1': a1, 'a2': a2, 'a3': a3, 'a4': a4} | bilinear_factors(a1, a2, a3, a4)._asdict()
-    for n, angle in enumerate((m[0:3], m[3:6], m[6:9], m[9:12]), 1):
-        values |= _half_angle(n, *angle)
+    for number in (1, 2, 3, 4):
+        values |= _half_angle(number, *(getattr(motion, f'{symbol}{number}')
+                                        for symbol in ('theta', 'omega', 'alpha')))
     return values | {letter: values[f'{letter}1'] * values[f'{letter}2'] for letter in 'ABCD'}
 
 
@@ -333,14 +359,18 @@ def paper_symbols() -> dict[str, float]:
                'B2': a1 - a2 - a3 - a4,
                'C1': a1 - a2 - a3 + a4, 'C2': a1 + a2 - a3 + a4, 'D1': a1 + a2 + a3 + a4,
                'D2': a1 - a2 + a3 + a4}
-    m = EXAMPLE_7_6.motion(*GIVEN_7_6)
-    values |= (_half_angle(1, m.theta1 + pi, m.omega1, m.alpha1)
-               | _half_angle(4, -m.theta4, -m.omega4, -m.alpha4))
+    motion = EXAMPLE_7_6.motion(*GIVEN_7_6)
+    values |= (_half_angle(1, motion.theta1 + pi, motion.omega1, motion.alpha1)
+               | _half_angle(4, -motion.theta4, -motion.omega4, -motion.alpha4))
     return values | {letter: values[f'{letter}1'] * values[f'{letter}2'] for letter in 'ABCD'}
 
 
-def _half_angle(n: int, theta: float, omega: float, alpha: float) -> dict[str, float]:
-    """Return v = tan(theta / 2) with its derivatives, omega and alpha of angle n, as symbols."""
-    names = f'v{n}', f'dv{n}', f'ddv{n}'
+def _half_angle(number: int, theta: float, omega: float, alpha: float) -> dict[str, float]:
+    """
+    Return the symbols of angle ``number``: v = tan(theta / 2) and its rates, omega and alpha.
+
+    Names are v1, dv1, ddv1, w1 and al1 for angle 1.
+    """
+    names = f'v{number}', f'dv{number}', f'ddv{number}'
     return {**dict(zip(names, map(float, to_half_angle(theta, omega, alpha)))),
-            f'w{n}': omega, f'al{n}': alpha}
+            f'w{number}': omega, f'al{number}': alpha}

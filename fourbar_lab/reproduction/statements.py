@@ -38,12 +38,13 @@ def contact() -> dict[str, float]:
     ``c`` is its centre, ``rolling`` its contact, ``p2`` the same acceleration from the cycloid
     r (phi - sin phi, 1 - cos phi), phi clockwise, at phi = 0, and ``p1`` that of the ground.
     """
-    m = published.EXAMPLE_7_6.motion(*published.GIVEN_7_6)
-    radius, w, al = DISC.values()
-    disc = rolling_contact(w, al, radius, (0.0, 1.0))
+    motion = published.EXAMPLE_7_6.motion(*published.GIVEN_7_6)
+    radius, rate, acceleration = DISC['radius'], DISC['w'], DISC['al']
+    disc = rolling_contact(rate, acceleration, radius, (0.0, 1.0))
     (c_x, c_y), (rolling_x, rolling_y) = disc.centre_acceleration, disc.contact_acceleration
-    return {**DISC, 'al2': m.alpha1, 'al3': m.alpha_beta, 'apparent': m.alpha2, 'p1_y': 0.0,
-            'p2_x': 0.0, 'p2_y': radius * w**2, 'c_x': float(c_x), 'c_y': float(c_y),
+    return {**DISC, 'al2': motion.alpha1, 'al3': motion.alpha_beta, 'apparent': motion.alpha2,
+            'p1_y': 0.0, 'p2_x': 0.0, 'p2_y': radius * rate**2,
+            'c_x': float(c_x), 'c_y': float(c_y),
             'rolling_x': float(rolling_x), 'rolling_y': float(rolling_y)}
 
 
@@ -161,8 +162,15 @@ def small_share(e: float) -> FourBar:
 
 
 def last_question() -> dict[str, float]:
-    """Return what answers the paper's claim that extreme alpha4 implies extreme shaking."""
-    e = 1e-6
+    """
+    Return what answers the paper's claim that extreme alpha4 implies extreme shaking.
+
+    ``share`` over sqrt(e), with its limit (Q3), and ``weighted``: shaking force at the largest
+    alpha4 over its peak, which may be next to nothing. ``point_...``: about this point the peak of
+    the shaking moment is least, ``bound`` a proof of it; ``at_...``: the moment at the largest
+    alpha4 and omega4 over that peak.
+    """
+    e = 1e-6                # ground of small_share: the share is near its limit
     thin, speed = published.THIN, published.PAPER_SPEED
     point, peak, bound = least_moment(thin, speed)
     at_alpha4, at_omega4 = (

@@ -70,6 +70,7 @@ class Block:
     """
 
     def __init__(self, study: Study, scene: Scene, drawn: dict[str, Array]):
+        """Begin with nothing found: ``is_done`` is where parameters have allowed values."""
         self.study, self.scene, self.drawn = study, scene, drawn
         self.size = len(next(iter(drawn.values())))
         self.found: dict[str, Array] = {}
@@ -131,7 +132,12 @@ class Block:
         self.is_done[rows] = False
 
     def _compute_rates(self, rows: Array) -> None:
-        """Compute extrema of rates alone, of four-bars that need not turn fully."""
+        """
+        Compute extrema of the output's rates alone, for some designs by index.
+
+        Four-bars that need not turn fully, at constant speed; not done are those at rest and those
+        that cannot be assembled.
+        """
         values = {name: np.broadcast_to(np.asarray(self.drawn.get(name, self.study.values[name])),
                                         self.size)[rows]
                   for name in ('linkage.a1', 'linkage.a2', 'linkage.a3', 'linkage.a4',
@@ -149,7 +155,12 @@ class Block:
                 self.is_done[rows[extent.extrema == 0]] = False     # they cannot be assembled
 
     def _compute(self, rows: Array, count: int, needed: list[str]) -> Array:
-        """Compute some designs with ``count`` samples of a turn; return which are done, a mask."""
+        """
+        Compute some designs, by index, with ``count`` samples of a turn; return which are done.
+
+        ``needed``: names of the quantities to search, of which all measures follow. The result is
+        a mask, shape of ``rows``: False where samples or search leave a doubt.
+        """
         drawn = {name: column[rows] for name, column in self.drawn.items()}
         fields = self._measures.quantities
         designs = Designs(self.scene, self.study.values, drawn,
@@ -192,7 +203,11 @@ class Block:
         return search_turns(evaluate, designs.size, count, is_angle)
 
     def _measure(self, measure: Measure, turns: Turns, needed: list[str]) -> tuple[Array, Array]:
-        """Return the values of a measure, and which are right, each of shape (n,)."""
+        """
+        Return the values of a measure, and which of them are right, each of shape (n,).
+
+        ``turns``: of the quantities by name in ``needed``, in this order.
+        """
         all_right = np.ones(turns.is_doubtful.size, bool)
         if measure.part == INPUT_RANGE:
             return np.full(all_right.size, tau), all_right
@@ -249,6 +264,7 @@ class Designs:
 
     def __init__(self, scene: Scene, values: ParameterValues, drawn: dict[str, Array],
                  with_angles: bool = True):
+        """Make columns of all that varies; formulas are made when they are first asked for."""
         self.scene = scene
         self._with_angles = with_angles
         self._complex = COMPLEX_WITH_ANGLES if with_angles else COMPLEX
@@ -261,6 +277,7 @@ class Designs:
             lengths=lengths, sign=np.where(np.equal(self.values['linkage.mode'], OPEN), 1.0, -1.0))
         self.lengths = self._constants.lengths
         self.many = with_lengths(scene.linkage, lengths)
+        # formulas of motion and loads for each type of the inputs
         self._made: dict[NumberType, tuple[Function, Function | None]] = {}
 
     def are_allowed(self) -> Array:
@@ -312,8 +329,9 @@ class Designs:
         """
         linkage, sizes = self.scene.linkage, np.abs(np.concatenate(self.lengths, axis=1))
         signs = np.array(linkage.MARGIN_SIGNS, float).reshape(-1, sizes.shape[1])
-        own = np.abs(np.array(linkage.lengths))
-        if not np.allclose(signs @ own, linkage.margins, 0.0, NEARLY * own.sum()):
+        # whether the signs give the margins of the scene itself
+        lengths = np.abs(np.array(linkage.lengths))
+        if not np.allclose(signs @ lengths, linkage.margins, 0.0, NEARLY * lengths.sum()):
             return None
         return np.asarray((signs @ sizes.T) / sizes.sum(axis=1))
 

@@ -139,17 +139,17 @@ class Box:
         return Bounds(-self._largest(row, -1), -self._least_maximum(row, places, -1))
 
     def _least_maximum(self, row: int, places: Sequence[float], sign: int) -> float:
-        """Return a lower bound of the largest sign Q, (B2)."""
+        """Return a lower bound, (B2), of the largest ``sign`` Q: the best of those at places."""
         known = [self._enclosed(x, x, row) for x in places]
         return max((nextafter(float((sign * one.middle - one.by_box).lower()), -inf)
                     for one in known if one is not None), default=-inf)
 
     def _largest(self, row: int, sign: int) -> float:
         """
-        Return an upper bound of the largest sign Q, (B1).
+        Return an upper bound of the largest ``sign`` Q, (B1); ``sign``: 1, or -1 for the least Q.
 
-        It is that of the piece with the largest one, which is halved until it is good enough, or
-        too small for hope.
+        Each piece of the input has a bound, and the largest of these holds for all. The piece that
+        has it is halved until the input adds little to it beside the box, or halvings run out.
         """
         heap = [self._piece(low, high, row, sign) for low, high in self._pieces]
         heapq.heapify(heap)
@@ -267,6 +267,7 @@ def _lipschitz(hypot: Function, centred: type[Centred]) -> Function:
     taken as [-1, 1] |(x_p, y_p)|.
     """
     def call(x: Scalar, y: Scalar) -> Centred:
+        """Return sqrt(x^2 + y^2); only where a derivative is infinite, by the bound above."""
         size: Centred = hypot(x, y)
         if all(part.is_finite() for part in size.by.values()):
             return size

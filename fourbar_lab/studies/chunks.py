@@ -132,7 +132,7 @@ def _columns(study: Study, size: int, found: dict[str, Array]) -> dict[str, Arra
 
 def _together(study: Study, drawn: dict[str, Array]) -> tuple[dict[str, Array], list[str]]:
     """
-    Return {measure: array} of designs computed together, and why each is left out.
+    Return {measure: array} of designs computed together, and why each is left out, or FEASIBLE.
 
     The reason is :data:`UNKNOWN` of those that this cannot compute: drives at rest, driven slides,
     machines (which are put together at run time), and whatever :class:`Block` is not sure of.
@@ -178,7 +178,12 @@ def _first_scene(study: Study, drawn: dict[str, Array]) -> Scene | None:
 
 
 def _row(study: Study, values: ParameterValues) -> tuple[str, dict[str, Any]]:
-    """Return why a design is left out, or FEASIBLE, and {column: its result}."""
+    """
+    Return why one design is left out, or FEASIBLE, and {column: its result}.
+
+    ``values``: of the parameters that vary. Of an error in the computation, :data:`FAILED` and
+    {FAILED: its text}.
+    """
     try:
         scene = from_values({**study.values, **values})
     except InvalidParameter:

@@ -80,6 +80,7 @@ class Derivatives:
     """
 
     def __init__(self, scene: Scene, names: Sequence[str] = (), acceleration: float = 0.0) -> None:
+        """Make the formulas of the scene for parameters that are dual numbers."""
         known = usable(scene)
         for name in names:
             if name not in known:
@@ -88,8 +89,9 @@ class Derivatives:
         self.scene, self.names, self.acceleration = scene, tuple(names) or known, acceleration
         values = {**scene.values, **{name: Dual(scene.values[name], {name: 1.0})
                                      for name in self.names}}
+        self._sharp = SHARP * scene.linkage.input_unit          # [rad or m]
+        # for inputs that are real, and for those with a complex step
         self._real = formulas_of(scene, duals_of(ARRAY), values)
-        self._sharp = SHARP * scene.linkage.input_unit
         self._complex = formulas_of(scene, duals_of(COMPLEX_WITH_ANGLES), values)
         self.quantities = self._real.quantities
 
@@ -126,9 +128,9 @@ class Derivatives:
         NaN where the quantity has a kink or a jump; the place of what is constant is NaN.
         """
         quantity = self._complex.quantities[name]
-        there = Dual(np.array([x + 1j * STEP]), {INPUT: 1.0})
+        stepped = Dual(np.array([x + 1j * STEP]), {INPUT: 1.0})
         with np.errstate(all='ignore'):
-            by = derivatives_of(quantity.of(*self._state(self._complex, there,
+            by = derivatives_of(quantity.of(*self._state(self._complex, stepped,
                                                          quantity.is_load)))
             # real parts are Q_p and Q_x, imaginary parts STEP times Q_xp and Q_xx
             parts = {one: np.ravel(by.get(one, 0.0) + 0j)[0] for one in (*self.names, INPUT)}
@@ -171,9 +173,11 @@ class _MeasureDerivatives:
     """
 
     def __init__(self, derivatives: Derivatives, design: Design) -> None:
+        """Take the derivatives of quantities, and a design whose extrema were searched."""
         self._derivatives, self._design = derivatives, design
         self._names, self._source = derivatives.names, Measures(derivatives.scene).source
         self._unknown = np.full(len(derivatives.names), nan)
+        # (quantity, input) of an extremum -> derivatives of its value and of its place
         self._moves: dict[tuple[str, float], tuple[Array, Array]] = {}
         linkage = design.linkage                # a full turn or a stroke depends on no parameter
         self._input_is_fixed = bool(linkage.turns_fully

@@ -38,10 +38,10 @@ class Design:
 
     def __init__(self, scene: Scene, acceleration: float = 0.0):
         self.scene, self.linkage = scene, scene.linkage
-        self.rates = scene.drive.speed, acceleration
+        self.rates = scene.drive.speed, acceleration        # of the input
         self._measures = Measures(scene)
         self.output = self._measures.output
-        self._extrema: dict[str, list[Extremum]] = {}
+        self._extrema: dict[str, list[Extremum]] = {}       # of each quantity searched so far
 
     def search(self, measures: Sequence[Measure]) -> None:
         """Find the extrema that some measures need, all in one search."""
@@ -58,7 +58,11 @@ class Design:
                 self._extrema[extremum.quantity].append(extremum)
 
     def of(self, measure: Measure) -> float | str:
-        """Return a measure; :meth:`search` has found its extrema."""
+        """
+        Return the value of a measure, NaN where the design has none; a class is text.
+
+        :meth:`search` must have found its extrema.
+        """
         linkage = self.linkage
         if measure.part == CLASS:
             return linkage.classification
@@ -91,7 +95,11 @@ class Design:
                         for low, high in ranges) / sum(high - low for low, high in ranges))
 
     def _mean_square(self, quantity: Searched, low: float, high: float) -> float:
-        """Return the mean of the square in a range, by twice as many points until two agree."""
+        """
+        Return the mean of the square of a quantity in a range of the input.
+
+        Points are doubled until two means agree; at the most points, the last one is returned.
+        """
         is_turn = self.linkage.turns_fully
         points, before = POINTS, nan
         while points <= (MOST_OF_TURN if is_turn else MOST_OF_RANGE):
@@ -104,7 +112,12 @@ class Design:
         return before
 
     def curve(self, curve: Curve) -> tuple[Array, Array]:
-        """Return x and y [m], shape (samples,), of a point at equal steps of the last range."""
+        """
+        Return the path of a point, x and y [m], each of shape (samples,), at equal input steps.
+
+        Over a full turn from 0, or one range: a path is one curve, and the links cannot pass from
+        range to range. The last range is taken, that of the largest inputs.
+        """
         low, high = self.linkage.input_ranges[-1]
         share = np.arange(curve.samples) / curve.samples
         # not at the ends of a range, where toggles may be

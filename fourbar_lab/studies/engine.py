@@ -61,9 +61,9 @@ def run(study: Study, folder: Folder, executor: Executor,
     done is kept.
     """
     with folder.locked():
-        there = folder.parts().keys()
-        todo = (number for number in range(study.chunks) if number not in there)
-        done = sum(_size(study, number) for number in there if number < study.chunks)
+        kept = folder.parts().keys()            # numbers of chunks
+        todo = (number for number in range(study.chunks) if number not in kept)
+        done = sum(_size(study, number) for number in kept if number < study.chunks)
         progress, begun = Progress(done, study.rows, 0, 0.0), time.monotonic()
         report(progress)
         for part in _parts(study, executor, todo):
@@ -235,6 +235,7 @@ class Cluster:
     """
 
     def __init__(self, address: str):
+        """Connect to the scheduler, within :data:`PATIENCE`, and count its threads."""
         import distributed
         self._address = address
         for name in QUIET:      # a scheduler that dies is one line of ours, not forty of theirs

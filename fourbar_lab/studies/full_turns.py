@@ -190,9 +190,10 @@ def _refined(evaluate: Evaluate, roots: _Roots, spacing: float,
     Return places and values of roots, (roots,), and which mechanisms have one that strays, (n,).
 
     ``is_positive``, shape (q, n): of these quantities, roots of the slope of half the square are
-    sought. The first step is that of the bend of the samples, the others are the secant's. A step
-    errs by its product with the one before, over the spacing; the first one by its square, as the
-    bend does by the step.
+    sought. The first step divides the slope by the bend of the samples, the others by that of a
+    secant through the last two places. The error after a step is about its product with the step
+    before (the first step: its square) over the spacing: where that is small, a root is found. One
+    that moves by more than the spacing, or is not found in :data:`STEPS`, strays.
     """
     x, strays = roots.x.copy(), np.zeros(is_positive.shape[1], bool)
     values, left = np.empty(x.shape), np.arange(x.size)         # left: roots that still move

@@ -93,7 +93,12 @@ class Extent(NamedTuple):
     extrema: Values
 
     def of(self, part: str) -> Values:
-        """Return a part (not rms), or the measure of the mechanism that this quantity tells."""
+        """
+        Return a part of the quantity by name, but for rms, or a measure of the mechanism.
+
+        The measure is one that this extent tells: swing, stroke and time ratio if it is that of
+        the output, the least transmission angle if it is that of the transmission angle.
+        """
         with np.errstate(invalid='ignore', divide='ignore'):   # inf - inf where loads are infinite
             span = self.max - self.min
             forward = np.mod(self.max_at - self.min_at, tau)        # from least to greatest output
@@ -108,15 +113,16 @@ class Extent(NamedTuple):
 
 
 class Measures:
-    """The measures that a scene has."""
+    """The measures that a scene has: which there are by name, and what each follows from."""
 
     def __init__(self, scene: Scene):
+        """Collect the quantities of a scene by name, and the units that measures get from it."""
         linkage = scene.linkage
         self.quantities: dict[str, Searched] = {
             **known(linkage, linkage.input), **positions(linkage, linkage.input),
             **{quantity.name: quantity for quantity in scene.point_quantities}}
-        self.output = str(linkage.outputs[0].coordinate.position)
-        self._why_no_loads = scene.why_no_loads
+        self.output = str(linkage.outputs[0].coordinate.position)       # its name: theta4
+        self._why_no_loads = scene.why_no_loads         # '' if there are loads
         self._input_unit = linkage.input_coordinate.unit
         self._output_unit = linkage.outputs[0].coordinate.unit
         self._kind = linkage.TITLE

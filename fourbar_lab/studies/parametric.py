@@ -118,9 +118,9 @@ def point_quantities_of(scene: Scene, values: ParameterValues, parametric: Mecha
 class Formulas(NamedTuple):
     """Motion, loads and quantities of a scene whose parameters are numbers of one type."""
 
-    motion: Function
-    loads: Function | None
-    rate: Scalar
+    motion: Function                # (input, rate, acceleration) -> fields of MOTION
+    loads: Function | None          # motion -> fields of LOADS; None without masses
+    rate: Scalar                    # drive.speed
     quantities: dict[str, Searched]
 
 

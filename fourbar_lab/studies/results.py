@@ -46,19 +46,22 @@ class Results:
     """
 
     def __init__(self, path: str | Path, feasible_only: bool = True):
+        """Read the manifest and the counts of all parts, but no results yet."""
         self.folder, self._feasible_only = Folder(path), feasible_only
         manifest = self.folder.manifest()
         self.study, self.units = manifest['study'], manifest['units']
-        self.parts = self.folder.parts()
+        self.parts = self.folder.parts()                # {number of a chunk: its file}
         if not self.parts:
             raise StudyError(f'{path}: nothing is computed yet')
         self.counts, self.failures = self.folder.totals()
+        # (measure, minimize or maximize); then names of columns
         self.objectives = [(one['measure']['name'], one['sense'])
                            for one in self.study['objectives']]
         self.varied = [one['name'] for one in self.study['vary']]
         self.measures = [one['name'] for one in self.study['measures'] if one['part'] != 'class']
-        self.designs = sum(self.counts.values())
+        self.designs = sum(self.counts.values())        # that were computed
         from pyarrow import parquet
+        # of them, how many are rows of the parts
         self.kept = sum(int(parquet.read_metadata(path).num_rows) for path in self.parts.values())
 
     @property
@@ -147,9 +150,11 @@ class Results:
         manifest = self.study
         vary = tuple([Variation(**{**one, 'values': tuple(one['values'])})
                       for one in manifest['vary']])
+        # a scene depends on what is drawn, not on what is computed of it
         study = Study(manifest['values'], vary, manifest['method'], manifest['rows'],
-                      manifest['seed'], manifest['acceleration'], (), (), (), (),
-                      manifest['keeps_all'], manifest['chunk'])
+                      manifest['seed'], manifest['acceleration'], measures=(), bounds=(),
+                      objectives=(), curves=(), keeps_all=manifest['keeps_all'],
+                      chunk=manifest['chunk'])
         return {name: value for name, value in study.scene_values(row).items() if value == value
                 and value != getattr(find(name), 'default', None)}
 
@@ -186,7 +191,7 @@ def unbeaten(points: Array) -> Array:
     the first objective a point can be beaten only by one before it.
     """
     order = np.lexsort(points.T[::-1])
-    if points.shape[1] <= 2:
+    if points.shape[1] <= 2:        # better in the second than all before, or beaten
         last = points[order, -1]
         best_before = np.concatenate(([np.inf], np.minimum.accumulate(last)[:-1]))
         return np.sort(order[last < best_before])

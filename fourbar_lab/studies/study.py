@@ -179,12 +179,13 @@ def from_document(document: Yaml, folder: Path = Path()) -> Study:
         raise InvalidParameter('quantities', None, 'must be given (or constraints, objectives or '
                                                    'curves): what is to be computed?')
     rows = _rows(document.get('rows'), method, vary)
-    study = Study(dict(scene.values), vary, method, rows,
-                  integer_of('seed', document.get('seed', 0), 0, 2**63 - 1),
-                  number_of('acceleration', document.get('acceleration', 0.0)), columns, bounds,
-                  objectives, curves,
-                  choice_of('keep', document.get('keep', KEEP[0]), KEEP) == 'all',
-                  integer_of('chunk', document.get('chunk', CHUNK), 1, LARGEST_CHUNK))
+    study = Study(
+        values=dict(scene.values), vary=vary, method=method, rows=rows,
+        seed=integer_of('seed', document.get('seed', 0), 0, 2**63 - 1),
+        acceleration=number_of('acceleration', document.get('acceleration', 0.0)),
+        measures=columns, bounds=bounds, objectives=objectives, curves=curves,
+        keeps_all=choice_of('keep', document.get('keep', KEEP[0]), KEEP) == 'all',
+        chunk=integer_of('chunk', document.get('chunk', CHUNK), 1, LARGEST_CHUNK))
     _require_a_design(study)
     return study
 

@@ -101,7 +101,12 @@ def tolerances(study: Study, prove: bool = True) -> list[Toleranced]:
 
 def _corners(study: Study, box: Sequence[Tolerance],
              sensitivities: Sequence[Sensitivity]) -> dict[str, Bounds]:
-    """Return {measure: its least and greatest value in corners of the box}."""
+    """
+    Return {measure: its least and greatest value in corners of the box}.
+
+    Of many parameters (see :data:`ALL_CORNERS`) two corners for each measure: where every
+    parameter moves as its derivative rises, and the opposite one.
+    """
     if len(box) <= ALL_CORNERS:
         signs = set(product((-1.0, 1.0), repeat=len(box)))
     else:
@@ -130,6 +135,7 @@ class _Proofs:
 
     def __init__(self, scene: Scene, acceleration: float, box: Sequence[Tolerance],
                  measures: Sequence[Measure]) -> None:
+        """Find the quantities that the measures need, and their extrema in the middle."""
         self._design, self._measures = Design(scene, acceleration), Measures(scene)
         # a machine has one transmission angle for each dyad
         self._angles = tuple([name for name in self._measures.quantities
@@ -139,6 +145,7 @@ class _Proofs:
         self._design.search([measures[0]._replace(quantity=name, part='max')
                              for name in self._rows])
         pieces = self._pieces()
+        # None if the range of the input depends on the parameters: then nothing is proved
         self._box = Box(enclosing(
             make_of(scene, self._rows, acceleration), scene.values,
             {one.name: one.size for one in box},

@@ -69,9 +69,11 @@ class Layout:
     """
 
     def __init__(self, definition: Definition, data: bytes) -> None:
-        self._data, self._at, self._definition = data, HEADER, definition
+        """Walk through one serialised message by its definition and note where each field is."""
+        self._data, self._definition = data, definition
         self.type, self.size = definition.name, len(data)
-        self._steps = self._depth = 0
+        # of the walk: current byte, fields so far, structs around the current field
+        self._at, self._steps, self._depth = HEADER, 0, 0
         if self.size < HEADER or data[0] != 0 or data[1] > 1:
             raise BagError(f'{definition.name}: not a CDR message')
         self._order = '<' if data[1] else '>'
@@ -174,7 +176,11 @@ class Layout:
         return tree
 
     def _field(self, field: Field, path: Steps) -> Tree:
-        """Read one field at the current byte: a leaf, a struct, or a list of them."""
+        """
+        Read one field at the current byte; return what stands for it in the tree (see Tree).
+
+        BagError for more fields than the message has room for: a schema can ask for millions.
+        """
         self._steps += 1
         if self._steps > 4 * self.size + FIELDS:
             raise BagError(f'{self.type}: more fields than a message of {self.size} bytes can '
@@ -205,7 +211,11 @@ class Layout:
         return len(self.leaves) - 1
 
     def _length(self) -> int:
-        """Read the length of a string or sequence; it becomes part of the layout."""
+        """
+        Read the length of a string or sequence at the current byte.
+
+        It becomes part of the layout: messages with another length have another layout.
+        """
         self._at += -(self._at - HEADER) % 4          # aligned to its 4 bytes
         end = self._at + 4
         if end > self.size:
@@ -232,13 +242,19 @@ class Layout:
         return self._text(path, '')
 
     def _strings(self, path: Steps, count: int) -> str:
-        """Read a sequence of strings, as joint names; their bytes become part of the layout."""
+        """
+        Read a sequence of strings, such as joint names; return the name of its texts.
+
+        Their bytes become part of the layout: a message with other names has another layout. So
+        the texts are decoded once, not for each message.
+        """
         texts = []
         for _ in range(count):
             length = self._length()
             begin, self._at = self._at, self._at + length
             texts.append(self._data[begin:begin + max(length - 1, 0)].decode(errors='replace'))
-            # not the padding before the length: it holds old memory
+            # the entry that _length() has just made, extended by the text; without the padding
+            # before the length, which holds old memory
             self._shared[-1] = begin - 4, self._at, self._data[begin - 4:self._at]
         if self._at > self.size:
             raise IndexError
@@ -256,7 +272,7 @@ class Decoder:
 
     def __init__(self, type_name: str, schema_text: str) -> None:
         self.definition = Definition(type_name, schema_text)
-        self._layouts: dict[int, list[Layout]] = {}
+        self._layouts: dict[int, list[Layout]] = {}        # by size of the message [bytes]
 
     def layout(self, data: bytes) -> Layout:
         """Return the Layout of a message, a known one where it matches."""
@@ -317,6 +333,7 @@ class Definition:
     """The fields of a message type and of all types within it, from the text of a schema."""
 
     def __init__(self, name: str, text: str) -> None:
+        """Split the text of a schema into {package/Name: fields}."""
         self.name = name
         # behind lines of = come the types within it, each with a line MSG: package/Name
         parts = re.split(r'^=+[ \t]*\n', text.replace('\r', ''), flags=re.M)

@@ -187,7 +187,7 @@ class _Copy:
         self._metadata = ''             # rosbag2's metadata of the old file, as YAML
 
     def run(self, progress: Progress | None) -> None:
-        """Copy all records that are sound; the scan notes the others as damage."""
+        """Copy all sound records; the scan notes the others, with offset and reason."""
         for offset, opcode, body in self._scan:
             try:
                 if not self.has_begun:
@@ -241,7 +241,12 @@ class _Copy:
             raise Damaged('an attachment; these are not copied')
 
     def finish(self, folder: Path, source: Path) -> None:
-        """Write the metadata, completed by what was lost, and the end of the file."""
+        """
+        Write rosbag2's metadata and the end of the file.
+
+        The metadata are those of the old file and tell what was lost. If they do not say why
+        recording ended, metadata.yaml beside ``source`` may. ``folder`` is the new bag.
+        """
         self.container.flush()
         try:
             old = loaded(self._metadata)

@@ -168,7 +168,11 @@ def joined(first: Mapping[str, str], last: Mapping[str, str]) -> dict[str, str]:
 
 
 def merged(parts: Sequence[YamlMap]) -> YamlMap:
-    """Return the metadata of a split bag from those of its parts, in order."""
+    """
+    Return the metadata of a split bag from those of its parts, in order.
+
+    Counts of messages are summed by topic and type; the times [ns] span all parts with a message.
+    """
     if len(parts) == 1:
         return parts[0]
     files = [file for part in parts for file in part['files']]

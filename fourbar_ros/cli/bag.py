@@ -82,6 +82,7 @@ class Report(Generic[Result]):
 
 
 def _add_bags(parser: ArgumentParser) -> None:
+    """Add the arguments BAG ..., one or several, and ``--jobs``."""
     parser.add_argument('bags', metavar='BAG', nargs='+',
                         help='folder of a bag, .mcap file, or folder of bags')
     parser.add_argument('--jobs', type=int, default=0, metavar='N',
@@ -137,6 +138,7 @@ def _print_table(bags: Sequence[Path], results: Sequence[Result | Exception],
 # --- the actions ---------------------------------------------------------------------------------
 
 def _add_info(actions: Verbs) -> None:
+    """Add ``fourbar bag info`` with its arguments."""
     info = actions.add_parser('info', help='show what a bag contains and whether it is sound',
                               description='Show what a bag contains and whether it is sound.')
     _add_bags(info)
@@ -148,6 +150,7 @@ def _add_info(actions: Verbs) -> None:
 
 
 def _info(arguments: Namespace) -> int:
+    """Print what bags contain; return BAD if one is not sound."""
     from fourbar_ros.bag.read.info import info
     from fourbar_ros.cli.bag_report import INFO_COLUMNS, info_row, json_of_info, print_info
     return _run(arguments, partial(info, check=arguments.check), 'reading', Report(
@@ -156,6 +159,7 @@ def _info(arguments: Namespace) -> int:
 
 
 def _add_recover(actions: Verbs) -> None:
+    """Add ``fourbar bag recover`` with its arguments."""
     recover = actions.add_parser('recover', help='make a whole bag of a cut or damaged one',
                                  description='Make a whole bag of a cut or damaged one. Every '
                                              'intact record is copied, verified by its checksum; '
@@ -183,6 +187,7 @@ def _recover(arguments: Namespace) -> int:
 
 
 def _add_recompute(actions: Verbs) -> None:
+    """Add ``fourbar bag recompute`` with its arguments."""
     recompute = actions.add_parser(
         'recompute', help='recompute every recorded output and compare',
         description='Recompute every recorded output from the driven motion and the scene, both '
@@ -230,6 +235,7 @@ def _recompute(arguments: Namespace) -> int:
 
 
 def _add_export(actions: Verbs) -> None:
+    """Add ``fourbar bag export`` with its arguments."""
     export = actions.add_parser('export', help='write the numbers in a bag as tables',
                                 description='Write the numbers in a bag as tables: CSV, NumPy '
                                             '(.npz) or Parquet.')
@@ -245,6 +251,7 @@ def _add_export(actions: Verbs) -> None:
 
 
 def _export(arguments: Namespace) -> None:
+    """Write the topics of a bag as tables; print the number of rows in each."""
     from fourbar_ros.bag.exports.export import export
     with reading(arguments.bag, 'exporting') as step:
         written = export(arguments.bag, arguments.out, arguments.format, arguments.topics, step)
@@ -253,6 +260,7 @@ def _export(arguments: Namespace) -> None:
 
 
 def _add_plot(actions: Verbs) -> None:
+    """Add ``fourbar bag plot`` with its arguments."""
     plot = actions.add_parser('plot', help='plot fields over time or over another field',
                               description='Plot fields over time, or over the field --x; fields '
                                           'of the same unit share an axis. Requires matplotlib.')
@@ -268,6 +276,7 @@ def _add_plot(actions: Verbs) -> None:
 
 
 def _plot(arguments: Namespace) -> None:
+    """Plot fields of a bag into a picture; print its path."""
     from fourbar_ros.bag.exports.plot import plot
     with reading(arguments.bag, 'reading') as step:
         plot(arguments.bag, arguments.fields, arguments.out, step, arguments.x)
@@ -275,6 +284,7 @@ def _plot(arguments: Namespace) -> None:
 
 
 def _add_diff(actions: Verbs) -> None:
+    """Add ``fourbar bag diff`` with its arguments."""
     diff = actions.add_parser('diff', help='compare two bags message by message',
                               description='Compare two bags: messages with the same stamp, field '
                                           'by field.')
@@ -302,6 +312,7 @@ def _diff(arguments: Namespace) -> int:
 
 
 def _add_scene(actions: Verbs) -> None:
+    """Add ``fourbar bag scene`` with its arguments."""
     scene = actions.add_parser(
         'scene', help='print the scene of a bag as a parameter file',
         description='Print the scene of a bag as a parameter file, for a node that the bag is to '
@@ -314,5 +325,6 @@ def _add_scene(actions: Verbs) -> None:
 
 
 def _scene(arguments: Namespace) -> None:
+    """Print the scene of a bag as a parameter file."""
     from fourbar_ros.bag.read.info import parameter_file
     print(parameter_file(arguments.bag, arguments.drive, arguments.node), end='')

@@ -88,7 +88,7 @@ def recomputed_row(result: Recomputed, problems: Sequence[str]) -> tuple[str, ..
 
 
 def print_recomputed(result: Recomputed, tolerance: float, problems: Sequence[str]) -> None:
-    """Print the Recomputed of one bag."""
+    """Print how the outputs of one bag compare: differing fields, counts, and each problem."""
     if result.differences:
         make_console().print(_differences(result, tolerance))
     print(f'{result.inputs} driven motions, {result.compared} outputs compared; largest '

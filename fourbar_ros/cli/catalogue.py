@@ -16,13 +16,14 @@ examples:
 
 
 def add(verbs: Verbs) -> None:
-    """Add the verb."""
+    """Add ``fourbar list`` with its arguments."""
     every = add_verb(verbs, 'list', 'the scenes that come with the package',
                      'List the scenes that every verb takes by name, and the studies.', EPILOG)
     every.set_defaults(run=_list)
 
 
 def _list(arguments: Namespace) -> None:
+    """Print tables of the shipped scenes and studies: name, first sentence of the file."""
     from fourbar_ros.report.terminal import make_console, PlainTable
     from fourbar_ros.scene.files import folder
     console = make_console()

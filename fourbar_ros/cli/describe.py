@@ -23,7 +23,7 @@ docs/robots.md has the rest.
 
 
 def add(verbs: Verbs) -> None:
-    """Add the verb."""
+    """Add ``fourbar describe`` with its arguments."""
     verb = add_verb(verbs, 'describe', 'write a scene as URDF, SDF or MJCF',
                     'Write a scene as a robot description: URDF (ROS, RViz, MoveIt, Foxglove), '
                     'SDF (Gazebo) or MJCF\n(MuJoCo), with masses, joint names and senses of the '
@@ -37,6 +37,7 @@ def add(verbs: Verbs) -> None:
 
 
 def _describe(arguments: Namespace) -> None:
+    """Write or print a scene in the format of ``--as``, else in that of the file's suffix."""
     from fourbar_ros.description.formats import describe
     from fourbar_ros.scene.scene import load
     suffix = arguments.out.suffix if arguments.out else ''

@@ -25,7 +25,7 @@ examples:
 
 
 def add(verbs: Verbs) -> None:
-    """Add the verb."""
+    """Add ``fourbar draw`` with its arguments."""
     draw = add_verb(verbs, 'draw', 'draw a scene in one pose: linkage with forces, velocity and '
                                    'acceleration polygons',
                     'Draw the linkage with its joint forces and its velocity and acceleration '

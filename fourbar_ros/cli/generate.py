@@ -21,7 +21,7 @@ The results have the bits of the node, with the same libm. docs/generated.md has
 
 
 def add(verbs: Verbs) -> None:
-    """Add the verb."""
+    """Add ``fourbar generate`` with its arguments."""
     verb = add_verb(verbs, 'generate', 'write a scene as C code or an FMU',
                     'Write the formulas of a scene, for its input, as C99 with a C++ wrapper, or '
                     'as an FMU for co-simulation.', EPILOG)
@@ -40,6 +40,7 @@ def add(verbs: Verbs) -> None:
 
 
 def _generate(arguments: Namespace) -> None:
+    """Write the code of a scene; print its files and cost, and notes on stderr."""
     from fourbar_ros.generated import generate
     written = generate(arguments.scene, arguments.out, arguments.format, arguments.outputs,
                        arguments.parameters)

@@ -21,7 +21,7 @@ machine itself with robot_description, tf, markers or traces.
 
 
 def add(verbs: Verbs) -> None:
-    """Add the verb."""
+    """Add ``fourbar layout`` with its arguments."""
     verb = add_verb(verbs, 'layout', 'write a layout for RViz, Foxglove, Lichtblick or '
                                      'PlotJuggler',
                     'Write a layout that shows the outputs of a scene, live or from its bag.',
@@ -37,6 +37,7 @@ def add(verbs: Verbs) -> None:
 
 
 def _layout(arguments: Namespace) -> None:
+    """Write or print the layout of a scene for one tool."""
     from fourbar_ros.description import layouts
     from fourbar_ros.errors import InvalidParameter
     from fourbar_ros.scene.scene import load

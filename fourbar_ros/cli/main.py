@@ -99,7 +99,11 @@ def _of_other_packages() -> Iterator[Any]:
 
 
 def main(args: Sequence[str] | None = None) -> int:
-    """Run one verb and return the exit code; an error is one line on stderr."""
+    """
+    Run one verb and return its exit code: 1 for an error, in one line on stderr, 130 for Ctrl-C.
+
+    A fault of ours is not caught: Python prints its traceback.
+    """
     command = parser()
     if '_ARGCOMPLETE' in os.environ:        # a shell asks for words
         with contextlib.suppress(ModuleNotFoundError):

@@ -47,7 +47,7 @@ class Section(NamedTuple):
 
 
 def add(verbs: Verbs) -> None:
-    """Add the verb, with an option for each length of any kind of mechanism."""
+    """Add ``fourbar new``, with an option for each length of any kind of mechanism."""
     new = add_verb(verbs, 'new', 'write a scene from a few numbers', DESCRIPTION, EPILOG)
     new.add_argument('file', metavar='FILE', help='scene to write, e.g. my.yaml')
     new.add_argument('--kind', choices=KINDS, default='four_bar', metavar='KIND',

@@ -44,7 +44,7 @@ is missing
 
 
 def add(verbs: Verbs) -> None:
-    """Add the verb."""
+    """Add ``fourbar replay`` with its arguments."""
     replay = add_verb(verbs, 'replay', 'publish a recorded run again, or drive a live node with '
                                        'it', DESCRIPTION, EPILOG)
     replay.add_argument('bag', metavar='BAG', help=BAG_HELP)

@@ -33,7 +33,7 @@ LONG = 20                      # numbers above which a table is shown by its end
 
 
 def add(verbs: Verbs) -> None:
-    """Add the verb to the parser."""
+    """Add ``fourbar scene check`` and ``fourbar scene policy`` with their arguments."""
     verb = verbs.add_parser('scene', help='check a scene file; explain what its node does and '
                                           'costs',
                             description='Check a scene file without starting anything.')

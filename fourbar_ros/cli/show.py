@@ -38,7 +38,7 @@ examples:
 
 
 def add(verbs: Verbs) -> None:
-    """Add the verb."""
+    """Add ``fourbar show`` with its arguments."""
     show = add_verb(verbs, 'show', 'class, modes, limits, extrema and loads of a scene, as tables',
                     'Show Grashof class, input range, transmission angle, all extrema of motion '
                     'and (with masses) of\nloads over the input at constant speed, and optionally '

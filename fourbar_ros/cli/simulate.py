@@ -37,7 +37,7 @@ up as it needs more evaluations or time than allowed; the summary says which.
 
 
 def add(verbs: Verbs) -> None:
-    """Add the verb."""
+    """Add ``fourbar simulate`` with its arguments."""
     simulate = add_verb(verbs, 'simulate', 'run a scene whose motion follows from torque; extrema '
                                            'of speed and loads over the run',
                         'Integrate the motion that follows from the torque of a motor, weight and '
@@ -109,7 +109,8 @@ def _progress() -> Iterator[Callable[[float], None]]:
     with Progress(TextColumn('{task.description}'), BarColumn(), TaskProgressColumn(),
                   TimeRemainingColumn(), console=console, transient=True,
                   disable=not console.is_terminal) as progress:
-        task, run, before = progress.add_task('integrating, run 1', total=1.0), 1, 0.0
+        task = progress.add_task('integrating, run 1', total=1.0)
+        run, before = 1, 0.0         # number of the run, and the share that the bar shows
 
         def show(share: float) -> None:
             nonlocal run, before

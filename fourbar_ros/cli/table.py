@@ -26,7 +26,7 @@ examples:
 
 
 def add(verbs: Verbs) -> None:
-    """Add the verbs."""
+    """Add ``fourbar table`` and ``fourbar plot`` with their arguments."""
     table = add_verb(verbs, 'table', 'quantities over the input as CSV, Excel or Parquet',
                      'Write quantities over all of the input, a row for each sample. Angles are '
                      'in degrees,\nall else is in SI.', TABLE)
@@ -41,6 +41,7 @@ def add(verbs: Verbs) -> None:
 
 
 def _add_arguments(verb: ArgumentParser, out: str, default: str) -> None:
+    """Add what both verbs take; ``out``: help of ``--out``, ``default``: of no QUANTITY."""
     add_scene(verb)
     verb.add_argument('names', nargs='*', metavar='QUANTITY',
                       help=f'e.g. omega4, f41, shaking_force, middle.speed of a point; {default}')

@@ -47,7 +47,12 @@ def mjcf(model: Model) -> str:
 
 
 def _body(parent: Element, link: ModelLink, place: int, size: float) -> Element:
-    """Add a link with joint, mass and shapes to the body that carries it; return its element."""
+    """
+    Add a link with joint, mass and shapes to the body that carries it; return its element.
+
+    ``place`` in the order of links gives its colour; ``size`` of the mechanism [m] the least
+    inertia. Only the driven joint has limits: the loops limit the others.
+    """
     x, y, angle = link.joint.at_zero
     body = add(parent, 'body', name=link.frame, pos=(x, y, 0.0), euler=(0.0, 0.0, angle))
     joint = add(body, 'joint', name=link.joint.name, type='slide' if link.joint.slides else

@@ -129,7 +129,7 @@ def _integral(values: Array) -> Array:
 
 def _rates(gained: Array, total: Array, rate: float) -> Array:
     """
-    Return the rates w from (W1), with E0 found by bisection.
+    Return the rates w = sqrt(2 (E0 + gained) / total), (W1), with E0 found by bisection.
 
     ``gained``: the integral of the forces; ``total``: J + I; ``rate``: mean wanted of the largest
     and the smallest w.

@@ -239,6 +239,7 @@ def _kernels(singular: Array, points: int) -> Kernels:
     """
     Return the kernels of singular points, before them that of ``points`` equal steps of a turn.
 
+    A kernel is a term of t(phi) that crowds samples around the real part of such a point.
     A point at a distance w from the real inputs gets kernels of the widths w, 4 w, ... below 1.
     """
     centres, widths = [0.0], [40.0]               # as good as infinitely wide: equal steps
@@ -259,7 +260,8 @@ def _spread(kernels: Kernels, bounds: tuple[float, float],
     """
     Return phi at equal steps of t between two bounds, and how many points were added at each end.
 
-    t(phi) rises: it is inverted by bisection, then by Newton's method.
+    t counts samples, phi [rad] stands for the input, see the top of this file. t(phi) rises: it is
+    inverted by bisection, then by Newton's method.
     """
     begin, end = (kernels.samples(np.array([phi]))[0][0] for phi in bounds)
     count = int(np.ceil(end - begin))

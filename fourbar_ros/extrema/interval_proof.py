@@ -176,6 +176,7 @@ class _Search:
         """Begin with the pieces between samples, all quantities open on each."""
         self._evaluate, self._rows = Evaluator(sampler), list(rows)
         self._name, self._unit = sampler.linkage.input_coordinate.position, sampler.unit
+        # of each quantity: its extrema, its largest size, why it is given up ('': it is not)
         self._found: list[list[Part]] = [[] for _ in rows]
         self._largest, self._why_not = np.zeros(len(rows)), [''] * len(rows)
         low, high = _ends(path)
@@ -183,7 +184,12 @@ class _Search:
                                np.full((len(rows), low.size), np.inf))
 
     def run(self, check: Callable[[float], None], seconds: float) -> list[Parts]:
-        """Return the extrema of each quantity: evaluate and cut until all pieces are decided."""
+        """
+        Return the extrema of each quantity: evaluate and cut until all pieces are decided.
+
+        ``check`` is told which part of the path is decided, 0 to 1. After ``seconds`` of
+        computing, pieces that are left are given up with the reason.
+        """
         total, begin, count = self._width(), thread_time(), 0
         while self._pieces.low.size:
             check(1.0 - self._width() / total)

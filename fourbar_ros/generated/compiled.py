@@ -65,6 +65,7 @@ class Compiled:
     """
 
     def __init__(self, directory: str | Path) -> None:
+        """Read the scene from NAME.json, compile NAME.c, make arrays that C reads and fills."""
         self._directory = directory
         found = sorted(Path(directory).glob('*.json'))
         if len(found) != 1:
@@ -81,6 +82,7 @@ class Compiled:
             build([found[0].with_suffix('.c')], library)
             self.library = ctypes.CDLL(str(library))
         name, model = given['name'], self.model
+        # name of a C function -> the function
         self._of = {part: getattr(self.library, f'{name}_{part}')
                     for part in ('prepare', 'motion_at', *(('step',) if model.loads else ()))}
         double = ctypes.c_double
@@ -88,7 +90,8 @@ class Compiled:
         self._loads = (double * max(1, len(model.loads)))()
         self._parameters = (double * max(1, len(model.tunable)))()
         self._constants = (double * len(model.data + model.trace.steps))()
-        self._data: list[float] = []
+        self._data: list[float] = []             # of the mechanism that C is prepared for
+        # results of the mechanism that the code was generated without
         self._lack = sorted({*model.mechanism.MOTION._fields} - {one.name for one in model.motion}
                             | ({*model.mechanism.LOADS._fields} if model.loads else set())
                             - {one.name for one in model.loads})
@@ -168,6 +171,7 @@ class CompiledMover(Mover):
     """
 
     def __init__(self, scene: Scene, library: ctypes.CDLL, name: str, mode: int | None) -> None:
+        """Set up a mover of the scene in an assembly mode; C keeps a drive in ``_drive``."""
         assert scene.dynamics is not None
         linkage = scene.linkage
         if mode in linkage.modes_passed:

@@ -56,6 +56,7 @@ class DriveCode:
     """
 
     def __init__(self, model: Model, writer: Statements) -> None:
+        """Write the formulas that a step calls, as C functions, into ``writer``."""
         scene = model.scene
         assert scene.dynamics is not None
         self._model, self._scene, self._writer = model, scene, writer
@@ -69,6 +70,7 @@ class DriveCode:
         self._functions = self._formulas()
 
     def _check(self) -> None:
+        """Refuse a scene for whose steps there is no C text."""
         name = self._model.name
         if any(phase.equation.changes_mode for phase in self._phases):
             raise NotGenerated(f'{name}: motion by torque through a change point')
@@ -94,6 +96,12 @@ class DriveCode:
     # --- its formulas ---------------------------------------------------------------------------
 
     def _formulas(self) -> list[str]:
+        """
+        Return the C functions of one step: equations of shaft and source, terms, Rosenbrock step.
+
+        Each is a Python formula, recorded as a trace. Motion through toggles needs the readings
+        of the other coordinate too, motion with limits the sine that is zero at a toggle.
+        """
         writer, drive = self._writer, self._drive
         equations: Elastic | Rigid = (Elastic(drive.shaft, drive.rotor) if drive.shaft
                                       else Rigid())
@@ -246,6 +254,7 @@ class DriveCode:
                 f'    differ += differing(&drive, drive_of_python, {len(values)});', '  }']
 
     def _constants(self) -> list[str]:
+        """Return the C constants of the step: phases, budget, tolerances [rad] or [m], factors."""
         units = [phase.equation.coordinate.input_unit for phase in self._phases]
         settings = self._scene.drive
         flags = {'STAGES': EVALUATIONS, 'PHASES': len(units), 'PASSES': int(bool(self.modes)),
@@ -264,6 +273,7 @@ class DriveCode:
                     'SMALLEST', 'LARGEST', 'SAFETY', 'CLOSEST', 'DEEPEST', 'SHORTER')}), '']
 
     def _of_toggles(self) -> list[str]:
+        """Return the C text for steps through toggles: modes, ratios of units, whole turns."""
         mechanism, course = self._system.mechanism, self._system.course
         links = len(self._pose)
         middle = literal(course.middle)
@@ -285,6 +295,11 @@ class DriveCode:
         return tuple(flat(trace.results))
 
     def _law(self) -> list[str]:
+        """
+        Return the C text of the source: ``law`` sets the piece (M1) that holds at a speed.
+
+        A controller has a text of its own, as its law changes at the limits of the torque.
+        """
         source, regime = self._source, self._regime
         if regime.margins:
             assert isinstance(source, SpeedController)

@@ -85,11 +85,18 @@ def write(model: Model, directory: Path, version: int) -> tuple[Path, list[str],
 
 
 def _variables(model: Model, drive: DriveCode | None) -> list[Variable]:
+    """
+    Return the variables of the FMU, in the order of the description.
+
+    Value references: inputs from 0, then parameters, motion, loads, status and time. With a drive
+    its values follow, and no motion is prescribed: a torque, if commanded, is the input.
+    """
     topics = {f'external.{link}' for link in model.scene.wrenches.links}
     given = {one.name for one in model.inputs}
     start = model.sample()[0][0]      # a pose that exists
 
     def of(named: tuple[Named, ...], first: int, causality: str) -> Iterator[Variable]:
+        """Yield variables with references from ``first``; external forces are inputs."""
         for i, one in enumerate(named):
             is_topic = one.name.rpartition('.')[0] in topics
             yield Variable(one.name, first + i, 'input' if is_topic else causality, one.unit,
@@ -211,6 +218,7 @@ def _head(model: Model, version: str, **attributes: str) -> ElementTree.Element:
 
 
 def _units(root: ElementTree.Element, variables: list[Variable]) -> None:
+    """Add the definitions of all units in use, by exponents of kg, m, s, rad and A."""
     units = _element(root, 'UnitDefinitions')
     for unit in sorted({one.unit for one in variables if one.unit} | {'s'}):
         own = _element(units, 'Unit', name=_unit(unit))
@@ -242,6 +250,7 @@ def _feeds_through(one: Variable) -> bool:
 
 
 def _description_2(model: Model, variables: list[Variable], guid: str) -> ElementTree.Element:
+    """Return modelDescription.xml of FMI 2.0: dependencies name variables by order, from 1."""
     root = _head(model, '2.0', guid=guid)
     kind = _element(root, 'CoSimulation', modelIdentifier=model.name, canGetAndSetFMUstate='true',
                     canSerializeFMUstate='true', canHandleVariableCommunicationStepSize='true')
@@ -264,6 +273,7 @@ def _description_2(model: Model, variables: list[Variable], guid: str) -> Elemen
 
 
 def _description_3(model: Model, variables: list[Variable], token: str) -> ElementTree.Element:
+    """Return modelDescription.xml of FMI 3.0: dependencies name variables by value references."""
     root = _head(model, '3.0', instantiationToken=token)
     _element(root, 'CoSimulation', modelIdentifier=model.name, canGetAndSetFMUState='true',
              canSerializeFMUState='true', canHandleVariableCommunicationStepSize='true')
@@ -286,6 +296,7 @@ def _description_3(model: Model, variables: list[Variable], token: str) -> Eleme
 
 
 def _build_description(model: Model) -> ElementTree.Element:
+    """Return buildDescription.xml of FMI 3.0: which C file is compiled, and how."""
     root = _element(None, 'fmiBuildDescription', fmiVersion='3.0')
     own = _element(root, 'BuildConfiguration', modelIdentifier=model.name)
     files = _element(own, 'SourceFileSet', language='C99', compiler='gcc',

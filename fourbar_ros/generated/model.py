@@ -154,6 +154,11 @@ class Model:
         return len(numbers_of(self.constants))
 
     def _formula(self, n: NumberType, data: Any) -> Function:
+        """
+        Return the formula (three inputs) -> (motion, loads, points) that the trace records.
+
+        ``data``: constants of the mechanism and places of the points, of the number type ``n``.
+        """
         constants, places = data
         mechanism, points = self.mechanism, self.scene.points.values()
         motion_of = mechanism.motion_formula(n, constants)
@@ -161,6 +166,7 @@ class Model:
         external = make_external(n, mechanism, elements) if elements else None
 
         def loads_of(motion: Any, position: Any) -> Any:
+            """Return the loads with the forces of all elements; without bodies there are none."""
             if not mechanism.bodies:
                 return ()
             mine = constants if external is None else constants._replace(
@@ -170,6 +176,7 @@ class Model:
                 for point, place in zip(points, places)]
 
         def formula(*given: Any) -> Any:
+            """Return all results, and note where in the trace motion and loads end."""
             motion = mechanism.MOTION._make(motion_of(*given))
             trace = given[0].trace
             object.__setattr__(self, 'end_of_motion', len(trace.steps))
@@ -262,6 +269,11 @@ class Model:
 
     def _wanted(self, names: Sequence[str], places: Sequence[int], are_loads: bool
                 ) -> tuple[Named, ...]:
+        """
+        Return the results that the user asked for, as C fields; ``places``: theirs in the trace.
+
+        The input with its rates is always among those of the motion.
+        """
         texts = self.texts
         given = dict.fromkeys(self.mechanism.input_coordinate)
         return self._with_fields([

@@ -176,10 +176,16 @@ def _where_of(choose: Function, dual: type[Dual]) -> Function:
 
 
 def duals_of(numbers: NumberType, dual: type[Dual] = Dual) -> NumberType:
-    """Return the type of duals whose values and derivatives are of a type of numbers."""
+    """
+    Return the type of duals whose values and derivatives are of a type of numbers.
+
+    Its functions (sin, atan2 ...) take duals of the class ``dual`` and plain ``numbers`` alike: of
+    a dual they return value and derivatives, by the chain rule.
+    """
     def of_one(function: Function, derivative: Callable[[Scalar], Scalar]) -> Function:
-        """Return a function of one number for duals, by the chain rule."""
-        def call(number: Operand) -> Operand:      # (f(u))' = f'(u) u'
+        """Return f for duals, of f and f' for numbers, as sin and cos: (f(u))' = f'(u) u'."""
+        def call(number: Operand) -> Operand:
+            """Return f(u); of a plain number, a plain number."""
             value = function(value_of(number))
             return (dual(value, _scaled(number.by, derivative(number.whole)))
                     if isinstance(number, Dual) else value)
@@ -201,14 +207,14 @@ def duals_of(numbers: NumberType, dual: type[Dual] = Dual) -> NumberType:
                          _scaled(derivatives_of(y), whole_of(y) * per)))
 
     def fabs(number: Operand) -> Operand:
-        """Return |x|, its derivatives those of x or -x."""
+        """Return |x|, its derivatives those of x or -x; of a plain number, a plain number."""
         size: Scalar = numbers.fabs(value_of(number))
         if not isinstance(number, Dual):
             return size
         return dual(size, _scaled(number.by, numbers.where(number.real < 0.0, -1.0, 1.0)))
 
     def exact_sum(terms: Sequence[Operand]) -> Dual:
-        """Return the sum, its value rounded once."""
+        """Return the sum of duals and numbers, its value rounded once, not after each term."""
         by: Derivatives = {}
         for term in terms:
             by = _sum(by, derivatives_of(term))

@@ -120,7 +120,12 @@ class Laurent:
         return series(other) + -self
 
     def __mul__(self, other: Operand) -> Laurent:
-        """Return the product (Cauchy), as far as the known terms of both determine it."""
+        """
+        Return the product (Cauchy), as far as the known terms of both determine it.
+
+        The term of t^k sums all c[i] d[j] with i + j = k; (1 + 2 t) (3 + t) = 3 + 7 t + 2 t^2.
+        An unknown term of one meets the first term of the other: there the product ends.
+        """
         other = series(other)
         if self._is_number() and other._is_number():
             return _number(self.c[0] * other.c[0])

@@ -41,13 +41,14 @@ class Joints:
     """
 
     def __init__(self, layout: FieldMap, shown: JointStates) -> None:
+        """Look up once where among the values of a sample each joint has its own."""
         place, joints = layout.place, layout.joints
         self._scales = [Scale(*pair) for pair in zip(shown.ratios, shown.offsets)]
         self._positions = [place[joint.position] for joint, _ in joints]
         self._rates = [place[joint.rate] for joint, _ in joints]
         self._efforts = [None if effort is None else place.get(effort) for _, effort in joints]
         self._holds = shown.when_unknown == 'hold'
-        self._last = (nan,) * len(joints)
+        self._last = (nan,) * len(joints)       # positions [rad, m] of the last known pose
 
     def of(self, values: Sequence[float]) -> tuple[float, ...]:
         """

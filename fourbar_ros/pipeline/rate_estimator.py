@@ -51,6 +51,7 @@ class Estimate:
     """
 
     def __init__(self, points: Sequence[tuple[float, float]], degree: int) -> None:
+        """Fit the points; t [s] is 0 for the newest sample and negative before."""
         # y(t) = start + slope p1(t) + bend p2(t), with p1 and p2 orthogonal on the points
         n = len(points)
         mean = sum(t for t, _ in points) / n
@@ -133,10 +134,11 @@ class RateEstimator:
 
     def __init__(self, window: int = 5, gap: float = 1.0, jump: float = 1.0,
                  period: float = tau, length: float = 1.0) -> None:
+        """Begin without a sample; the gap and all stamps are kept in ns."""
         self._gap, self._jump, self._period, self._length = gap / NANOSECOND, jump, period, length
         self._samples: deque[_Sample] = deque(maxlen=window)
         self.restarts = self.late = 0
-        # of the distances from the predictions, and of accelerations
+        # mean squares of the distances from the predictions, and of the accelerations
         self._scatter, self._size = _MeanSquare(), _MeanSquare()
         self._from_rates = False                 # whether the acceleration comes from velocities
         self.reset()
@@ -213,7 +215,11 @@ class RateEstimator:
         self.restarts += 1
 
     def _append(self, sample: _Sample) -> None:
-        """Keep a sample; after a gap or a jump it is the first one again."""
+        """
+        Keep a sample with its step from the last one [rad, m], whole turns taken off.
+
+        After a gap or a jump it is the first one again; else its distance from the fit is noted.
+        """
         step = 0.0
         if self._samples:
             last = self._samples[-1]

@@ -48,8 +48,10 @@ class Stepper:
 
     def __init__(self, scene: Scene, wrenches: Mapping[str, Wrench] | None = None,
                  by: Evaluate = evaluate) -> None:
+        """Prepare all that depends on the scene alone; no step has been made."""
         self._scene, self._evaluate = scene, by
         self.linkage, self._policy = scene.linkage, scene.drive.out_of_range
+        # outputs: (name, function of the solved values, its values where nothing is known)
         self._parts: list[tuple[str, Callable[[NamedFields], Iterable[float]],
                                 tuple[float, ...]]] = [
             (f'points/{name}', make_point(REAL, scene.linkage, *point), _NO_POINT)

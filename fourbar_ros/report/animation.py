@@ -86,17 +86,18 @@ class _Frame:
 
     def __init__(self, axes: Axes, mechanism: Mechanism, points: Points, poses: list[NamedFields]):
         self.axes, self.mechanism, self.points, self.poses = axes, mechanism, points, poses
+        # {point: its places in all poses, shape (n, 2) [m]}
         self.paths = {name: np.array([point_motion(mechanism, motion, *point).place
                                       for motion in poses]) for name, point in points.items()}
         ends = [place for motion in poses
                 for place in mechanism.diagram(motion).joints.values()]
         ends = np.concatenate([np.array(ends), *self.paths.values()])
         low, high = ends.min(axis=0), ends.max(axis=0)
-        room = 0.08 * float(max(high - low))
-        self.limits = (low - room, high + room)
+        room = 0.08 * float(max(high - low))             # for the signs of joints at the edge
+        self.limits = (low - room, high + room)          # corners that hold all poses [m]
 
     def draw(self, number: int) -> None:
-        """Draw the frame of one pose in place of the last one."""
+        """Draw pose ``number`` in place of the last one: paths of points, links, joints, arms."""
         axes, motion = self.axes, self.poses[number]
         axes.clear()
         axes.set_axis_off()

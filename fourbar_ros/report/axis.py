@@ -91,7 +91,11 @@ def with_gaps(angle: Array) -> Array:
 
 
 def draw_axis(axes: Axes, linkage: Mechanism, motion: NamedFields, title: str = '') -> None:
-    """Draw a linkage with its poles, its axis and the four lines through them."""
+    """
+    Draw a linkage in a pose with its collineation axis, in blue, and the lines that make it.
+
+    The axis passes through the poles P13 and P24, each where two of the four other lines cross.
+    """
     places = np.array(list(linkage.diagram(motion).joints.values()))
     size, middle = max(np.ptp(places, axis=0)), 0.5 * (places.min(axis=0) + places.max(axis=0))
     reach = NEAR * np.array([size, size])

@@ -145,7 +145,7 @@ def loads_table(linkage: Mechanism, loads: NamedFields) -> PlainTable:
     table = PlainTable('loads', ('', 'x>', 'y>', 'magnitude>', 'unit', 'of'))
     values = loads._asdict()
     forces = (*linkage.REACTIONS, *FORCES)
-    done = {force.magnitude for force in forces}
+    in_forces = {force.magnitude for force in forces}
     for force in forces:
         table.add_row(force.symbol, *(number(values[field])
                                       for field in (force.x, force.y, force.magnitude)), 'N',
@@ -154,10 +154,10 @@ def loads_table(linkage: Mechanism, loads: NamedFields) -> PlainTable:
     for name, (text, unit) in MOMENTS.items():
         if name in values:
             table.add_row(text.replace('T41', torque), '', '', number(values[name]), unit)
-    its = known(linkage, linkage.input)
-    for name, value in values.items():               # what only one kind of mechanism has
-        if name in its and name not in done and name not in MOMENTS:
-            table.add_row(name.replace('_', ' '), '', '', number(value), its[name].unit)
+    quantities = known(linkage, linkage.input)
+    for name, value in values.items():               # loads that only one kind of mechanism has
+        if name in quantities and name not in in_forces and name not in MOMENTS:
+            table.add_row(name.replace('_', ' '), '', '', number(value), quantities[name].unit)
     return table
 
 

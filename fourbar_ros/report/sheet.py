@@ -43,11 +43,12 @@ class Sheet:
     """
 
     def __init__(self, axes: Axes, points: Sequence[Array], title: str) -> None:
+        """Scale the axes so that all points fit in them with room for labels around."""
         every = np.asarray(points)
         low, high = every.min(axis=0), every.max(axis=0)
         box = axes.get_position()
         width, height = (box.width * axes.figure.get_figwidth(),
-                         box.height * axes.figure.get_figheight())
+                         box.height * axes.figure.get_figheight())       # [inches]
         # 0.9 by 1.15 inches of paper are left around the drawing for labels, and below for scales
         self.inch = max((high - low) / (width - 0.9, height - 1.15)) or 1.0
         middle = 0.5 * (low + high) - (0.0, 0.12 * self.inch)
@@ -58,7 +59,7 @@ class Sheet:
         axes.axis('off')
         axes.set_title(title, loc='left', fontsize=12, fontweight='bold')
         self.width = 2.0 * half[0]
-        self.low = np.array([self.left, self.bottom + SCALE * self.inch])
+        self.low = np.array([self.left, self.bottom + SCALE * self.inch])    # corner for labels
         self.high = middle + half
         self.taken: list[Array] = []                      # points on lines
         self.labels: list[tuple[Array, Array]] = []       # (place, half of width and height)

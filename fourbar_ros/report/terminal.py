@@ -39,7 +39,7 @@ class PlainTable:
         self.heads = [column.rstrip('>') for column in columns]
         self.is_right = [column.endswith('>') for column in columns]
         self.show_header = True
-        self._rows: list[tuple[list[str], bool]] = []
+        self._rows: list[tuple[list[str], bool]] = []    # (cells, whether a section ends there)
 
     def add_row(self, *cells: str) -> None:
         """Add a row; missing cells are empty."""
@@ -55,6 +55,7 @@ class PlainTable:
 
     def __rich_console__(self, console: Console,
                          options: ConsoleOptions) -> Iterator[Text | Segment]:
+        """Yield title and rows, side by side or stacked, as wide as the console: rich calls it."""
         if self.title:
             yield from (Text(line, style='bold') for line in wrap(self.title, options.max_width,
                                                                   **WHOLE_WORDS))

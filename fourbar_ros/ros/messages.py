@@ -77,6 +77,7 @@ def filler(output: str, message: Message, layout: FieldMap
     has_status = hasattr(message, 'status')
 
     def fill(stamp: Stamp, status: int, mode: int, values: Sequence[float]) -> None:
+        """Fill the message; an effort of a passive joint, without a source, is PASSIVE_EFFORT."""
         message.header.stamp.sec, message.header.stamp.nanosec = stamp
         if has_status:
             message.status, message.mode = status, mode

@@ -102,8 +102,9 @@ def _messages(simulated: SimulatedScene, topics: list[Topic],
     is the stamp of time zero.
     """
     scene, steppers = simulated.scene, InModes(simulated.scene)
-    own = mode_number(scene.linkage.mode)
-    modes = [mode if mode < 256 else own for mode in simulated.run.modes.tolist()]    # a byte
+    mode_of_scene = mode_number(scene.linkage.mode)
+    modes = [mode if mode < 256 else mode_of_scene       # in a message it is a byte
+             for mode in simulated.run.modes.tolist()]
     makers = {topic.name: _maker(topic, scene) for topic in topics
               if topic not in (SCENE, TORQUE)}
     first = [(SCENE.name, serialize_message(resolve(SCENE.type)(data=scene.as_json)))]

@@ -91,7 +91,11 @@ def _source(values: ParameterValues) -> Law:
 
 
 def _shaft(values: ParameterValues) -> Shaft | None:
-    """Return the elastic shaft between drive and input; None for a rigid one."""
+    """
+    Return the elastic shaft between drive and input; None without ``shaft.stiffness``: rigid.
+
+    InvalidParameter for damping of a rigid shaft, or an elastic one on a motor without inertia.
+    """
     if isnan(values['shaft.stiffness']):
         if values['shaft.damping']:
             raise InvalidParameter('shaft.damping', values['shaft.damping'],

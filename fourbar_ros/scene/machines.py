@@ -92,7 +92,12 @@ def bodies_of(machine: Machine, given: dict[str, Body] | None) -> Any:
 
 def _numbers(dyad: Dyad, values: ParameterValues,
              along: Callable[[Scalar], tuple[Scalar, Scalar]], is_cylinder: bool) -> Numbers:
-    """Return the numbers of a dyad, or of the cylinder: a dyad of rod and tube."""
+    """
+    Return the numbers of a dyad, or of the cylinder: a dyad of rod and tube.
+
+    They are the points (along, across) [m] of the links where it hangs and its dimensions;
+    ``along`` returns (cos, sin) of an angle.
+    """
     prefix, places = (('cylinder.', ('pin', 'base')) if is_cylinder else
                       (f'dyads.{dyad.name}.', ('first', 'second')))
     p, q = [(values[f'{prefix}{place}.along'], values[f'{prefix}{place}.across'])

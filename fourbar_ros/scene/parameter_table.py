@@ -141,7 +141,7 @@ _WITH_SLIDES = ' or '.join(name for name, kind in KINDS.items() if len(kind.INPU
 # --- bodies and forces of links ------------------------------------------------------------------
 
 def _body(link: str, first_joint: str) -> tuple[Parameter, ...]:
-    """Return the parameters of the body of a link."""
+    """Return mass, inertia and centre of gravity of a link as parameters ``bodies.LINK.*``."""
     name = f'bodies.{link}.'
     return (
         Parameter(name + 'mass', 'double', nan, 'kg', f'mass of the {link}', low=0.0),
@@ -368,7 +368,11 @@ def _having(dimension: str) -> str:
 
 
 def _place(name: str, which: str) -> tuple[Parameter, ...]:
-    """Return the parameters of a point of another link where a dyad hangs."""
+    """
+    Return the parameters of the point where the first or second link of a dyad is hinged.
+
+    ``name`` is their common prefix, such as ``dyads.NAME.first``; ``which``: first or second.
+    """
     return (
         Parameter(f'{name}.link', 'string', REQUIRED, '',
                   f'link on which dyad NAME hangs with its {which} link: ground, the driven link '
@@ -382,7 +386,7 @@ def _place(name: str, which: str) -> tuple[Parameter, ...]:
 
 
 def _end(which: str) -> tuple[Parameter, ...]:
-    """Return the parameters of the first or second end of a spring."""
+    """Return the parameters of an end of a spring; ``which``: first or second."""
     name = f'springs.NAME.{which}'
     return (
         Parameter(f'{name}.link', 'string', GROUND, '',

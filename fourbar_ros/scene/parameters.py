@@ -138,7 +138,13 @@ def _is_known(name: str, is_machine: bool) -> bool:
 
 
 def _why_unknown(name: str, is_machine: bool, value: Any) -> str:
-    """Return why a scene cannot have a parameter, with what was probably meant."""
+    """
+    Return why a scene cannot have a parameter, with the name that was probably meant.
+
+    Tried in this order: a unit in the name, a group in place of a parameter, a bad name of a link
+    or point, dyads of a linkage without any, a misspelt name in a known group, any known name.
+    ``is_machine``: the scene is of the kind that has dyads.
+    """
     parts = name.split('.')
     if with_unit := _named_with_unit(name, value):
         return with_unit

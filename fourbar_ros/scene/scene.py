@@ -383,7 +383,7 @@ def load(path: str | Path) -> Scene:
 # --- checks of the scene as a whole --------------------------------------------------------------
 
 def _check_together(scene: Scene) -> None:
-    """Refuse parameters that are allowed one by one but do not go together."""
+    """Raise InvalidParameter for values allowed one by one that do not go together."""
     def refuse(name: str, why: str) -> NoReturn:
         value = scene.values[name]
         raise InvalidParameter(name, value if value == value else None, why)    # NaN: not given

@@ -12,7 +12,8 @@ out as zero.
 """
 
 from fourbar_ros import Applied, Bodies, Body, External, FourBar, FourBarError
-from fourbar_ros.bag.comparison import recompute
+from fourbar_ros.bag import recompute
+from fourbar_ros.bag.read.origin import origin_of
 import mpmath as mp
 import numpy as np
 import pytest
@@ -183,10 +184,10 @@ def test_a_bag_recorded_with_other_sums_of_the_loads_recomputes_to_their_roundin
     Forces and moments differ by rounding.
     """
     bag = str(DATA / 'paper')
-    scene, _ = recompute.scene_of(bag)
+    scene = origin_of(bag).scene
     loads = scene.linkage.loads(np.linspace(0.0, 2.0 * np.pi, 721), 25.0)
     force = max(np.abs(loads.f41).max(), np.abs(loads.f43).max())
-    for topic, field, messages, largest, *_ in recompute.recompute(bag):
+    for topic, field, messages, largest, *_ in recompute(bag):
         is_load = topic.endswith(('/loads', '/shaking_wrench')) or field == 'effort'
         assert messages > 200 and largest <= (4.0 * EPS * force if is_load
                                               else 0.0), (topic, field)

@@ -85,7 +85,7 @@ class _TopicComparison:
         self._pending: tuple[list[_KeyedRecords], list[_KeyedRecords]] = ([], [])
 
     def run(self, first: Bag, second: Bag, progress: Progress | None) -> TopicDiff:
-        """Read both bags, always the one that is behind, so that few messages wait."""
+        """Read both bags, next always the one with the smaller key, so that few messages wait."""
         blocks = [_keyed_blocks(first, self.topic, progress),
                   _keyed_blocks(second, self.topic, None)]
         newest: dict[int, float] = {0: -inf, 1: -inf}      # key read from each bag; inf at its end
@@ -124,7 +124,11 @@ class _TopicComparison:
             pending[:] = [part for part in pending if part.keys.max() >= until]
 
     def _compare(self, a: Array, b: Array) -> None:
-        """Note the differences of matched messages, field by field."""
+        """
+        Note the largest differences of matched messages, row i of ``a`` with row i of ``b``.
+
+        A field that one bag alone has differs by inf; text of parameters, parameter by parameter.
+        """
         self.messages += len(a)
         fields_a, fields_b = a.dtype.names or (), b.dtype.names or ()
         for field in dict.fromkeys((*fields_a, *fields_b)):

@@ -179,7 +179,11 @@ class Condition:
         return np.array([self._of_one(motion) for motion in motions.T.tolist()]).T
 
     def _of_one(self, motion: list[float]) -> Array:
-        """Return the conditions, shape (values,), for one driven motion."""
+        """
+        Return sum |p dv/dp| + |v| of each value v, shape (values,), for one driven motion.
+
+        The motion, (position, velocity, acceleration), is changed like the numbers of the scene.
+        """
         values = self._values(self._stepper, motion)
         changed = [self._values(stepper, motion) for stepper in self._perturbed]
         # an angle is known up to rounding of its part of one turn, not of all turns
@@ -288,7 +292,12 @@ class Differences:
 
     def _note_units(self, output: str, differing: Mapping[str, tuple[Array, Array]],
                     window: Window, motions: Array) -> None:
-        """Note differences, {field: (expected, recorded)}, in eps times condition."""
+        """
+        Note differences, {field: (expected, recorded)}, in eps times condition.
+
+        ``motions``: the column of the window for each message. Conditions are dear: only messages
+        that :func:`needs_condition` picks get one.
+        """
         rows = np.zeros(len(motions), bool)
         for pair in differing.values():
             rows |= needs_condition(*pair)

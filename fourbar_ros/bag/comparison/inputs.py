@@ -51,12 +51,13 @@ class DrivenMotions:
     """
 
     def __init__(self, scene: Scene, has_our_estimator: bool) -> None:
+        """Begin before the first message, with no difference."""
         self._has_our_estimator = has_our_estimator
         self.largest = dict.fromkeys((*FIELDS, 'header.stamp'), 0.0)
         self.compared = self.unknown = self.without = 0
         self._inputs: list[_InputMessage] = []       # which no driven motion has followed yet
         self._drive: DriveSettings | None = None
-        self._newest_stamp = 0
+        self._newest_stamp = 0                       # [ns] at which rates were estimated
         self.change(scene)
 
     def change(self, scene: Scene) -> None:
@@ -111,7 +112,7 @@ class DrivenMotions:
         return text + (f'; {self.without} without an input' if self.without else '')
 
     def _compare_one(self, stamp: int, driven: Sequence[float], source: _InputMessage) -> None:
-        """Compare a driven motion with that of its input, missing rates estimated."""
+        """Compare a driven motion with that in its input; NaN rates there are estimated."""
         self.compared += 1
         if source.stamp and source.stamp != stamp:
             self.largest['header.stamp'] = inf
@@ -221,6 +222,7 @@ class DriveStates:
     """
 
     def __init__(self, scene: Scene, integrator: str, moved_by: MoverOf = mover_of) -> None:
+        """Begin before the first message, with no state to step from."""
         self.integrator, self._moved_by = integrator, moved_by
         drive = scene.dynamics and scene.dynamics.drive
         self._has_our_integrator = integrator == name_of(scene.linkage,
@@ -342,6 +344,7 @@ class WrenchHistory:
     """
 
     def __init__(self, topics: Collection[str], links: Sequence[str]) -> None:
+        """Choose the topic of each link: that of wrenches in effect, else of received ones."""
         self.in_effect: dict[str, Wrench] = {}
         self._waiting: list[tuple[int, str, Wrench]] = []        # (place, link, wrench)
         self._change_times = np.zeros(0)         # log times [ns] of wrenches unlike the one before
@@ -379,7 +382,12 @@ class WrenchHistory:
         self._waiting.sort(key=lambda event: event[0])
 
     def apply(self, stepper: InModes, until: float = inf) -> None:
-        """Let the wrenches that stand before a place in the bag act on the links of a stepper."""
+        """
+        Hand the queued wrenches that the bag has before the place ``until`` to a stepper.
+
+        A place is the number of a message in the bag. Called with that of each motion, so that the
+        stepper computes it under the loads that the node had then.
+        """
         while self._waiting and self._waiting[0][0] < until:
             _, link, wrench = self._waiting.pop(0)
             stepper.act(link, wrench)

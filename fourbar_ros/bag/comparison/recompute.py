@@ -91,7 +91,9 @@ class Comparison:
 
     def __init__(self, origin: Origin, about: Mapping[str, str], by: Evaluate,
                  moved_by: MoverOf) -> None:
+        """Begin before the first block, with the scene at the start of the bag."""
         self._by = by
+        # {short name: topic}; whether messages stand in the order in which the node had them
         self._topics, self._in_order = origin.topics, origin.in_order
         self._name_of = {topic: name for name, topic in origin.topics.items()}
         # the input behind the driven motions, as far as it is in the bag
@@ -106,6 +108,8 @@ class Comparison:
         self._window: Window | None = None
         self._early: list[Columns] = []          # outputs of motions that may still come
         self._tallies: dict[str, Tally] = {}
+        # counts of motions and, of outputs not compared: without a motion, told by a timeout,
+        # near a change of scene or wrench
         self._inputs = self._unmatched = self._silent = self._uncertain = 0
         self._certain_from = -inf        # log time [ns] from which the bag tells the scene
         # Values held at the start of a later part of a split bag may be of the part before.
@@ -251,7 +255,13 @@ class Comparison:
 
     def _without_motion(self, name: str, columns: Columns, certain_until: float,
                         is_second_try: bool) -> None:
-        """Count outputs whose motion is not in the window, by the likely reason."""
+        """
+        Count outputs whose motion is not in the window, by the likely reason.
+
+        Silent: the node told a timeout, without a motion. Uncertain: the bag does not tell
+        the scene at their log time. Unmatched: neither. In a bag without order they are tried
+        once more with the next block.
+        """
         if not self._in_order and not is_second_try:
             self._early.append(columns)                  # it may come in the next block
             return

@@ -212,6 +212,7 @@ class Parquet(Table):
     """One file a table; bytes as binary."""
 
     def __init__(self, folder: Path, name: str, columns: Rows) -> None:
+        """Open a file for rows with the names and types of ``columns``; needs pyarrow."""
         try:
             import pyarrow
             import pyarrow.parquet
@@ -250,6 +251,7 @@ class Npz(Table):
         self._ends: dict[str, int] = {}          # bytes so far in columns of bytes
 
     def add(self, columns: Rows) -> None:
+        """Append rows to the files of their columns; kind 'O' are bytes."""
         for column, values in columns.items():
             if values.dtype.kind == 'O':
                 ends = self._ends.get(column, 0) + np.cumsum([len(value) for value in values])
@@ -267,6 +269,7 @@ class Npz(Table):
 
     @staticmethod
     def finish(folder: Path, tables: Iterable[Any]) -> Path:
+        """Move the columns of all tables into one .npz, as TABLE/COLUMN; return its path."""
         part = folder / 'all.npz'
         with zipfile.ZipFile(part, 'w', zipfile.ZIP_STORED, allowZip64=True) as archive:
             for written in tables:
@@ -294,16 +297,20 @@ class _Array:
             self._parts.append((len(values), values.dtype))
 
     def move_to(self, entry: IO[bytes]) -> None:
-        """Write it as .npy, all texts as wide as the widest, and remove its file."""
+        """
+        Write the array as .npy to an open entry of an archive and remove its own file.
+
+        All texts get as wide as the widest, since an array has one type.
+        """
         dtype = max((dtype for _, dtype in self._parts), key=lambda dtype: dtype.itemsize)
         npy: Any = np.lib.format                    # numpy gives it no types
         npy.write_array_header_1_0(entry, {
             'descr': npy.dtype_to_descr(dtype), 'fortran_order': False,
             'shape': (sum(rows for rows, _ in self._parts),)})
         with open(self._path, 'rb') as file:
-            for rows, own in self._parts:
+            for rows, written in self._parts:
                 for begin in range(0, rows, ROWS):
-                    part = file.read(min(ROWS, rows - begin) * own.itemsize)
-                    entry.write(part if own == dtype
-                                else np.frombuffer(part, own).astype(dtype).tobytes())
+                    part = file.read(min(ROWS, rows - begin) * written.itemsize)
+                    entry.write(part if written == dtype
+                                else np.frombuffer(part, written).astype(dtype).tobytes())
         self._path.unlink()

@@ -74,7 +74,11 @@ def in_short(damage: Sequence[str], most: int = 10) -> str:
 
 
 def parse(opcode: int, body: bytes) -> Any:
-    """Return the mcap library's record of a body; Damaged if it cannot be read."""
+    """
+    Return the body of a record as the mcap library's type for its opcode.
+
+    Raises Damaged if it cannot be read, for metadata also if their checksum is wrong.
+    """
     try:
         record = TYPES[opcode].read(ReadDataStream(BytesIO(body)))
     except Exception as error:      # the library raises whatever the bytes lead it to

@@ -34,7 +34,7 @@ from mcap.opcode import Opcode
 from mcap.records import Chunk, MetadataIndex, Statistics
 
 # kinds of records that can be in a chunk as well
-_LOOSE = frozenset({Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE})
+_IN_CHUNKS_TOO = frozenset({Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE})
 # [bytes] read at once in the search for the next record, at first and at most
 _FIRST_WINDOW, _WINDOW = 1 << 12, 1 << 22
 
@@ -66,6 +66,7 @@ class Scan:
 
     def __init__(self, file: BinaryIO, wait: Callable[[], bool] | None = None,
                  damage: list[str] | None = None) -> None:
+        """Read the index at the end of the file, if there is one; parameters as of the class."""
         self._file, self._wait = file, wait
         self.end, self.complete, self.lost = 0, False, 0
         self.damage = [] if damage is None else damage
@@ -73,11 +74,13 @@ class Scan:
         self.ending = ending(file)
         if self.ending and self.ending.damage:
             self.damage.append(self.ending.damage)
-        # where the data section ends; 0: not known
-        self._limit = self.ending.start if self.ending else 0
-        self._chunked = bool(self.ending and self._limit and self.ending.is_chunked)
+        # [byte] where the data section ends and the index begins; 0: not known
+        self._data_end = self.ending.start if self.ending else 0
+        # whether all messages are in chunks, as far as known
+        self._chunked = bool(self.ending and self._data_end and self.ending.is_chunked)
         # offsets of the chunks by (first and last log time, size, checksum)
         self._chunks: dict[tuple[int, int, int, int], int] = {}
+        # newest log time so far [ns]; whether the header names our recorder
         self._last_time, self._is_ours = 0, False
 
     def __iter__(self) -> Iterator[Found]:
@@ -87,11 +90,11 @@ class Scan:
         self._file.seek(0)
         magic = self._file.read(len(MAGIC))
         if magic != MAGIC:
-            if not self._limit and not self._record_at(len(MAGIC)):
+            if not self._data_end and not self._record_at(len(MAGIC)):
                 raise BagError(f'{self._file.name}: not an MCAP file')
             self.damage.append('at byte 0: the first bytes of the file are wrong')
         self.end, crc = len(MAGIC), zlib.crc32(magic)
-        while self._limit == 0 or self.end < self._limit:
+        while self._data_end == 0 or self.end < self._data_end:
             offset, found = self.end, self._record_at(self.end, wait=True)
             if found is None:
                 self.end = self._next_record(offset)
@@ -217,8 +220,8 @@ class Scan:
 
     def _can_be_at(self, offset: int, opcode: int, end: int) -> bool:
         """Return whether a record of this kind can stand from an offset to another."""
-        if self._limit and (end > self._limit or (opcode == Opcode.DATA_END)
-                            != (end == self._limit)):
+        if self._data_end and (end > self._data_end or (opcode == Opcode.DATA_END)
+                            != (end == self._data_end)):
             return False
         if (opcode == Opcode.HEADER) != (offset == len(MAGIC)):
             return False
@@ -226,8 +229,13 @@ class Scan:
         return opcode in SHAPES or opcode == IS_MESSAGE and not self._chunked
 
     def _next_record(self, offset: int) -> int:
-        """Return where the first whole record after a damaged one is, else the offset itself."""
-        size = self._limit or os.fstat(self._file.fileno()).st_size
+        """
+        Return the offset of the first whole record after a damaged one.
+
+        It is looked for where the lengths in the damaged record lead, then byte by byte. If there
+        is none: the end of the data section or, where that is not known, ``offset`` itself.
+        """
+        size = self._data_end or os.fstat(self._file.fileno()).st_size
         begin = offset + HEAD.size
         if begin > size or self._record_at(offset):         # its writer has just completed it
             return offset
@@ -240,17 +248,20 @@ class Scan:
         for end in sorted(ends):
             if offset < end <= size and (end == size or self._record_at(end)):
                 return int(end)
-        loose = not self._chunked and opcode != Opcode.CHUNK
-        return self._search(offset + 1, size, loose) or self._limit or offset
+        # In the remains of a chunk the search would take the messages of the chunk for records.
+        outside_chunks = not self._chunked and opcode != Opcode.CHUNK
+        return self._search(offset + 1, size, outside_chunks) or self._data_end or offset
 
-    def _search(self, begin: int, size: int, loose: bool) -> int:
+    def _search(self, begin: int, size: int, outside_chunks: bool) -> int:
         """
         Return the offset of the next whole record from ``begin`` to ``size``, 0 for none.
 
-        It tries every byte that can be the kind of a record shorter than 1 TiB; ``loose``: also
-        the kinds that are in chunks.
+        It tries every byte that can be the kind of a record shorter than 1 TiB.
+        ``outside_chunks``: also schemas, channels and messages, which may stand alone there.
         """
-        kinds = bytes(kind for kind in (*SHAPES, IS_MESSAGE) if loose or kind not in _LOOSE)
+        kinds = bytes(kind for kind in (*SHAPES, IS_MESSAGE)
+                      if outside_chunks or kind not in _IN_CHUNKS_TOO)
+        # a kind and its length, 8 bytes of which the three highest are 0
         pattern = re.compile(b'[' + re.escape(kinds) + rb'](?=.{5}\0{3})', re.DOTALL)
         window = _FIRST_WINDOW
         while begin < size:

@@ -64,20 +64,21 @@ class Container:
     """
 
     def __init__(self, file: BinaryIO, profile: str, library: str) -> None:
+        """Write the magic and the header, which names the profile and the writing library."""
         self._file = file
         self.size = 0                                  # [bytes] of whole records in the file
-        self._crc = 0
+        self._crc = 0                                  # checksum of these bytes
         self._summary = Summary()
         self.schemas, self.channels = self._summary.schemas, self._summary.channels
         self.counts = self._summary.counts             # messages in the file, by channel
         self._compressor = zstandard.ZstdCompressor(level=LEVEL)
-        # oldest and newest sequence number, by channel
+        # {channel: sequence number of its first message, of its last message}
         self.first: dict[int, int] = {}
         self.last: dict[int, int] = {}
         # {encoded schema or channel that later chunks must hold: copies in the file so far}
         self._pending: dict[bytes, int] = {}
         self._unchecked: set[bytes] = set()    # encoded definitions that no checksum covered
-        self._length = 0                               # [bytes] what waits for the next chunk
+        self._length = 0                               # [bytes] that wait for the next chunk
         self._clear()
         self._append(MAGIC + encoded(Header(profile, library)))
 
@@ -147,7 +148,12 @@ class Container:
 
     def add_messages(self, time: int, messages: Iterable[tuple[int, int, bytes]],
                      published: int | None = None) -> None:
-        """Take messages, (channel, sequence number, bytes), of one log time [ns]."""
+        """
+        Take messages, (channel, sequence number, bytes), of one log time [ns].
+
+        They are written by :meth:`flush`, called here once CHUNK_SIZE bytes wait. ``published``
+        [ns] is when they were sent, by default the log time.
+        """
         index, parts, last, length = self._index, self._parts, self.last, self._length
         published = time if published is None else published
         for channel, sequence, data in messages:
@@ -178,18 +184,19 @@ class Container:
         finally:
             self._clear()
 
-    def copy_chunk(self, body: bytes, admit: Callable[[Chunk, list[int]], None]
+    def copy_chunk(self, body: bytes, check: Callable[[Chunk, list[int]], None]
                    ) -> list[Definition]:
         """
-        Write a chunk of another file with a new index.
+        Write a chunk of another file, given as the body of its record, with a new message index.
 
-        ``admit(chunk, log times)`` may raise Damaged to refuse it; then nothing is written.
-        Returns the schemas and channels in it that replaced damaged ones.
+        ``check(chunk, log times [ns])`` may raise Damaged to refuse it; then nothing is written.
+        The content is copied as it is, or packed anew behind the schemas and channels that this
+        file still has to hold. Returns the schemas and channels in it that replaced damaged ones.
         """
         chunk = parse(Opcode.CHUNK, body)
         content, records = unpacked(chunk), []
         index: defaultdict[int, list[int]] = defaultdict(list)
-        first: dict[int, int] = {}
+        first: dict[int, int] = {}          # sequence numbers by channel, as in self.first
         last: dict[int, int] = {}
         for offset, opcode, start, end in split(content):
             if opcode == IS_MESSAGE:
@@ -202,12 +209,12 @@ class Container:
         known = self.channels.keys() | {r.id for r in records if isinstance(r, Channel)}
         if not index.keys() <= known:
             raise Damaged('chunk has messages of an unknown channel')
-        admit(chunk, times_of(index))
+        check(chunk, times_of(index))
         replaced = [record for record in records if self.copy(record)]
         missing = self._definitions({encoded(record) for record in records})
         if missing and index:
             chunk = self._chunk(missing + content)
-            for entries in index.values():
+            for entries in index.values():          # the offsets, behind the times
                 entries[1::2] = [offset + len(missing) for offset in entries[1::2]]
         if index:
             self._append_chunk(chunk, index)
@@ -251,7 +258,11 @@ class Container:
         self._clear()
 
     def _append_chunk(self, chunk: Chunk, index: Index) -> None:
-        """Write a Chunk with its times and, behind it, its message index."""
+        """
+        Write a Chunk with its times and, behind it, one MessageIndex record a channel.
+
+        The definitions in it count as one more copy; one with enough copies is not pending.
+        """
         times = times_of(index)
         chunk.message_start_time, chunk.message_end_time = min(times), max(times)
         record = encoded(chunk)
@@ -297,12 +308,14 @@ class Summary:
     """
 
     def __init__(self) -> None:
-        self.schemas: dict[int, Schema] = {}
+        """Begin with an empty file."""
+        self.schemas: dict[int, Schema] = {}           # by their numbers
         self.channels: dict[int, Channel] = {}
         self.counts: dict[int, int] = defaultdict(int)
         self.start: int | None = None
         self.end = 0
-        # Encoded, since an hour has 36 000 of them: 5 MB, as objects they would take 40.
+        # ChunkIndex records, and how many. Encoded, since an hour has 36 000 of them: 5 MB, as
+        # objects they would take 40.
         self._chunk_indices, self.chunks = bytearray(), 0
         self._metadata_indices: list[MetadataIndex] = []
 

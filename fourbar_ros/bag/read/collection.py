@@ -33,7 +33,11 @@ def bags_below(paths: Iterable[str | Path]) -> list[Path]:
 
 
 def _bags_in(path: Path) -> list[Path]:
-    """Return a bag itself, or the bags at any depth below a folder."""
+    """
+    Return a bag itself, or the bags at any depth below a folder.
+
+    In a folder of .mcap files that are not the parts of one bag each file counts as a bag.
+    """
     if not path.is_dir():
         rosbag2.files_of(path)                           # raises BagError if it does not exist
         return [path]

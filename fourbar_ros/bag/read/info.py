@@ -186,7 +186,12 @@ def _by_summaries(bag: Bag) -> Contents | None:
 
 
 def _by_reading(bag: Bag, progress: Progress | None) -> Contents:
-    """Return the contents by reading every message."""
+    """
+    Return the contents by reading every message, for a check or a bag without a sound index.
+
+    Gaps count the sequence numbers that a channel skips. A message that a later part of a split
+    bag repeats is not counted. Damage ends the reading; the contents say where it is.
+    """
     counts: Counter[int] = Counter()
     gaps: Counter[int] = Counter()
     last: dict[int, int] = {}

@@ -80,7 +80,7 @@ class PartReader:
                  ) -> Iterable[Found]:
         """Return the records of a file; with an index only the chunks that can have messages."""
         index = None if wanted is None and start is None else chunk_index(file, scan.ending)
-        definitions = self._channels.here
+        definitions = self._channels.in_file
         if not index or not definitions:
             return scan
         numbers = {number for (kind, number), record in definitions.items()
@@ -147,40 +147,46 @@ class Channels:
     """
     The channels met so far, under numbers that hold for all files of a split bag.
 
-    ``here``: {(Schema or Channel, number in the file that is read): definition}.
+    The files number their schemas and channels each for itself: 3 can be another topic in the next
+    file. ``by_number``: {number in the bag: channel}; ``in_file``: {(Schema or Channel, number in
+    the file that is being read): definition as it stands there}.
     """
 
     def __init__(self, path: Path) -> None:
+        """Begin without a channel; ``path`` is that of the bag, for errors."""
         self.by_number: dict[int, Channel] = {}
-        self.here: dict[tuple[type, int], Schema | Channel] = {}
-        self._path, self._is_first = path, True
-        self._schemas: dict[int, Schema] = {}
-        self._decoders: dict[int, Decoder] = {}
-        # {(Schema or Channel, number in the file that is read): number in the bag}
-        self._numbers: dict[tuple[type, int], int] = {}
-        self._examined: set[int] = set()     # channels with a message that was looked at
-        self._packed: set[int] = set()       # of these, channels of compressed messages
+        self.in_file: dict[tuple[type, int], Schema | Channel] = {}
+        self._path, self._is_first = path, True     # whether the file being read is the first
+        self._schemas: dict[int, Schema] = {}       # by number in the bag
+        self._decoders: dict[int, Decoder] = {}     # by number of the channel in the bag
+        # {(Schema or Channel, number in the file that is being read): number in the bag}
+        self._numbers_in_bag: dict[tuple[type, int], int] = {}
+        # numbers in the bag of the channels whose first message was looked at, and among these of
+        # the channels whose messages are compressed one by one
+        self._examined: set[int] = set()
+        self._packed: set[int] = set()
 
     def begin_file(self, is_first: bool) -> None:
         """Forget the numbers of the file before."""
-        self.here, self._numbers, self._is_first = {}, {}, is_first
+        self.in_file, self._numbers_in_bag, self._is_first = {}, {}, is_first
 
     def learn(self, record: Schema | Channel) -> None:
         """
-        Keep a schema or channel of the file that is read under a number of the bag.
+        Give a schema or channel of the file that is being read its number in the bag.
 
-        In a later file of a split bag the same definition may have another number, and a new one
-        a number that is taken. Raises Damaged if a number changes its meaning within a file.
+        It keeps its own number if that is free or means the same. Otherwise, in a later file of a
+        split bag, it gets the number of the equal definition of an earlier file or, if there is
+        none, the next free one. Raises Damaged if a number changes its meaning within a file.
         """
         kind = type(record)
         changed = Damaged(f'{kind.__name__.lower()} {record.id} is another one than before')
-        if self.here.setdefault((kind, record.id), record) != record:
+        if self.in_file.setdefault((kind, record.id), record) != record:
             raise changed
-        if (kind, record.id) in self._numbers:
+        if (kind, record.id) in self._numbers_in_bag:
             return
-        known = self.by_number if kind is Channel else self._schemas
-        if kind is Channel:
-            record = replace(record, schema_id=self._numbers.get((Schema, record.schema_id),
+        known = self.by_number if kind is Channel else self._schemas      # both by number in bag
+        if kind is Channel:         # it names its schema by the number in the file
+            record = replace(record, schema_id=self._numbers_in_bag.get((Schema, record.schema_id),
                                                                  record.schema_id))
         number = record.id
         if number in known and not _is_same(known[number], record):
@@ -189,7 +195,7 @@ class Channels:
             number = next((n for n, other in known.items() if _is_same(other, record)),
                           max(known) + 1)
         known.setdefault(number, replace(record, id=number))
-        self._numbers[kind, record.id] = number
+        self._numbers_in_bag[kind, record.id] = number
 
     def of_topics(self, topics: set[str]) -> set[int]:
         """Return the numbers of the channels of these topics."""
@@ -203,7 +209,7 @@ class Channels:
         Raises Damaged for an unknown channel.
         """
         try:
-            numbers = {number: self._numbers[Channel, number]
+            numbers = {number: self._numbers_in_bag[Channel, number]
                        for number in {message[0] for message in messages}}
         except KeyError:
             raise Damaged('message of an unknown channel') from None
@@ -235,7 +241,7 @@ class Channels:
         return schema
 
     def decoder(self, number: int) -> Decoder:
-        """Return the Decoder of a channel; raises BagError."""
+        """Return the Decoder of a channel, made once; BagError if it is not CDR by ros2msg."""
         if number not in self._decoders:
             schema, channel = self.schema(number), self.by_number[number]
             if channel.message_encoding != 'cdr' or schema.encoding != 'ros2msg':

@@ -79,14 +79,14 @@ class Columns(NamedTuple):
 
     @property
     def headed(self) -> Array:
-        """Return the stamps of the headers [ns]; raises BagError if the messages have none."""
+        """Return ``stamps`` [ns] for messages that must have a header, else raise BagError."""
         if (stamps := self.stamps) is None:
             raise BagError(f'{self.topic}: {self.type} without a header')
         return stamps
 
     @property
     def stamps(self) -> Array | None:
-        """Return the stamps of the headers [ns], None if the messages have none."""
+        """Return header.stamp of each message [ns], None for a type without a header."""
         if 'header.stamp.sec' not in self.fields:
             return None
         return np.asarray(self.records['header.stamp.sec'].astype(np.int64) * 10**9

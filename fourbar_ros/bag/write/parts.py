@@ -48,6 +48,7 @@ class Parts:
 
     def __init__(self, folder: Path, file: BinaryIO, channels: list[Channel],
                  about: dict[str, str], given: Sequence[int], split: Split, is_synced: bool):
+        """Begin the first part: its definitions, its metadata and metadata.yaml."""
         self.folder, self.file, self.ended = folder, file, ''
         self._path = folder / f'{folder.name}_0.mcap'
         self._channels, self._topics = channels, [channel.topic for channel in channels]
@@ -199,7 +200,12 @@ class Parts:
         self.container.add_metadata(rosbag2.RECORD, {rosbag2.KEY: dumped(self._metadata())})
 
     def _metadata(self) -> YamlMap:
-        """Return the rosbag2 metadata of this part, with its custom_data."""
+        """
+        Return the rosbag2 metadata of this part, with its custom_data.
+
+        This has {topic: (first sequence number, next one or None)}, the topics of which the part
+        repeats a message and, once recording has ended, why and {topic: messages dropped}.
+        """
         entries = {}
         if self._metadata_before:
             repeated = [self._topics[message.channel] for message in self._repeats]

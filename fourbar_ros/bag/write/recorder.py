@@ -82,6 +82,7 @@ class BagWriter:
                  about: Mapping[str, object], flush_period: float = FLUSH_PERIOD,
                  sync_period: float = SYNC_PERIOD, tell: Callable[[str], object] | None = None,
                  split: Split = NO_SPLIT):
+        """Create the folder and its first file; start the threads that write and sync it."""
         rosbag2.check_channels(channels)
         if not flush_period > 0.0 or not sync_period >= 0.0:
             raise BagError(f'flush_period = {flush_period!r}, sync_period = {sync_period!r}: '
@@ -296,10 +297,12 @@ class Intake:
     """
 
     def __init__(self, channels: int, on_first_drop: Callable[[], object]) -> None:
+        """Begin with an empty queue; ``channels`` is their number."""
         self.accepted = self.dropped = 0
         self.given = [0] * channels
         self.error: str | None = None
         self.clock, self._on_first_drop = SteadyClock(), on_first_drop
+        # (log time [ns], bytes, [(channel from 1, sequence number, message), ...])
         self._queue: deque[tuple[int, int, list[tuple[int, int, bytes]]]] = deque()
         self._lock, self._is_closed = threading.Lock(), False
         # Counters of messages and bytes in and out: each is changed by one side only, so that

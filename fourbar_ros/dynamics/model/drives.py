@@ -273,6 +273,7 @@ class SpeedController(Law):
             return always(unlimited._replace(**integrating))
 
         def within(speed: float, state: float, slope: float) -> tuple[float, ...]:
+            """Return the margins to both limits, as parts of the limit; the slope has no say."""
             torque = unlimited.torque_at(speed, state) / limit
             return 1.0 - torque, 1.0 + torque
 
@@ -280,7 +281,14 @@ class SpeedController(Law):
         beyond = {side: self._at_limit(unlimited, side, integrating) for side in (1.0, -1.0)}
 
         def regime_at(speed: float, state: float, slope: float = nan, near: float = 0.0) -> Regime:
-            """Return the regime: inner, or one of three at the limit next to the torque."""
+            """
+            Return the regime: inner, or one of three at the limit next to the torque.
+
+            Held: the error pushes further beyond, integration stops. Returning: the integral
+            leads back. Sliding: the torque stays on the limit. ``state``: integral of the error;
+            ``slope``: acceleration, NaN if unknown; ``near``: error of the speed, within which
+            the limit counts as reached.
+            """
             torque = unlimited.torque_at(speed, state)
             side = 1.0 if torque > 0.0 else -1.0
             held, returning, sliding = beyond[side]
@@ -315,8 +323,10 @@ class SpeedController(Law):
         piece = Piece(side * limit)
 
         def over(speed: float, state: float) -> float:
+            """Return how far the torque without limit is beyond it, as a part of the limit."""
             return side * unlimited.torque_at(speed, state) / limit - 1.0
 
+        # margins of a regime: it holds while all are positive
         def while_held(speed: float, state: float, slope: float) -> tuple[float, ...]:
             return over(speed, state), side * unit * (wanted - speed)
 
@@ -357,6 +367,7 @@ class TorqueTable:
     start: ClassVar[tuple[float, ...]] = ()
 
     def __post_init__(self) -> None:
+        """Check times and torques, and keep them as tuples of floats."""
         times, torques = array('times', self.times), array('torques', self.torques)
         if times.ndim != 1 or not times.size or times.shape != torques.shape:
             raise InvalidParameter('torques', torques, 'must be as many as times, at least one')
@@ -422,6 +433,7 @@ class Drive:
     shaft: Shaft | None = None
 
     def __post_init__(self) -> None:
+        """Check that the source is one, and that an elastic shaft has a rotor before it."""
         for name in ('start', 'breaks', 'torque'):
             if not hasattr(self.source, name):
                 raise InvalidParameter('source', self.source, 'must be a torque source, as '

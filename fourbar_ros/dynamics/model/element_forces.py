@@ -93,12 +93,18 @@ def _links_of(elements: Sequence[Element], linkage: Mechanism) -> set[str]:
 
 def make_external(n: NumberType, linkage: Mechanism, elements: Sequence[Element]
                   ) -> Callable[[NamedFields, Scalar | Array, Any], Any]:
-    """Return (motion, input, external forces) -> these with those of the elements, unchecked."""
+    """
+    Return the function (motion, input, constant forces) -> forces on all links, with elements.
+
+    Springs, dampers and forces over a position are added to the constant external force of their
+    link, so that the loads, which know external forces alone, include them. Not checked to be
+    finite; arguments and result are of the number type ``n``.
+    """
     links = tuple(link.name for link in linkage.LINKS)
     named, forces = _links_of(elements, linkage), _make_all(n, linkage, elements)
 
     def external(motion: NamedFields, position: Scalar | Array, constant: Any) -> Any:
-        """Return a record with the external force on each link, of the number type ``n``."""
+        """Return a record {link: :class:`Applied`}; a link without elements keeps its force."""
         motions = {link: linkage.link_motion(motion, link) for link in named}
         motions[GROUND] = FIXED
         acting, sums = forces(motions, position), []

@@ -193,6 +193,7 @@ class PositionForce:
     factor: float = quantity(1.0)
 
     def __post_init__(self) -> None:
+        """Refuse a force on the ground, no function as its value, no angle or way to read."""
         _require_kind('point', self.point, Attachment)
         if self.point.link == GROUND:
             raise InvalidParameter('point', GROUND, 'a force acts on a moving link')

@@ -222,6 +222,7 @@ class Course:
             middles = [0.5 * (low + high) for low, high in mechanism.input_ranges]
             middle = min(middles, key=lambda value: abs(remainder(start - value, tau)))
             self.middle = start - remainder(start - middle, tau)
+        # (whether the coordinate is the input, mode, parity of the interval) -> phase
         self._phases: dict[tuple[bool, int, int], Phase] = {}
         self._poses: dict[tuple[bool, int], Function] = {}
         self.first = self.of(True, mechanism.mode, start)

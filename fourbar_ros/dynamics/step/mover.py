@@ -118,12 +118,13 @@ class Mover:
 
     def __init__(self, system: System, tolerance: float, budget: int,
                  takes_commands: bool = False) -> None:
-        """Steps in each coordinate, and the last values with their place, are kept."""
+        """Set up steps within ``tolerance``, of at most ``budget`` evaluations each."""
         self._system, self._given = system, (system, tolerance, budget)
         self._takes_commands = takes_commands
         self._modes = modes_of(system.mechanism)
         self.passes = bool(self._modes)
-        self._phases: dict[Phase, PhaseSteps] = {}
+        self._phases: dict[Phase, PhaseSteps] = {}               # the steps of each coordinate
+        # the last message and its place: mostly the next step begins there
         self._last: tuple[DriveValues, Place] | None = None
         self._spent = 0            # evaluations in this step
         self.mode = in_message(system.mechanism.mode)

@@ -9,6 +9,7 @@ and nothing else: written down once, it becomes one function without calls
 """
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from fourbar_ros.dynamics.model.drives import Piece, Tangent
@@ -75,13 +76,18 @@ class Rosenbrock:
         return self._make(self._equation.make_with_ratio(self._equation.coordinate, n))
 
     def _make(self, terms_at: Function) -> Function:
-        """Return the formula of one step, of GIVEN numbers; ``terms_at``: position -> Terms."""
+        """Return the function of GIVEN numbers -> step; ``terms_at``: position p -> Terms."""
         derivative, linear = self._equations.derivative, self._equations.linear
         has_shaft, has_own = isinstance(self._equations, Elastic), self._has_own
         is_input, tangent = self._is_input, self._tangent
 
         def formula(p: Any, u: Any, s: Any, v: Any, z: Any, h: Any, *given: Any) -> Any:
-            """Return the nine numbers of ``__call__``; t_w: torque by speed, d_z: as in (M1)."""
+            """
+            Return the nine numbers of ``__call__`` of its numbers, one by one, of any type.
+
+            ``given``: 7 terms, by_position and 6 of the piece, the source's law (M1): t and d are
+            torque and dz/dt, t_w, d_w and t_z, d_z their derivatives by speed and own state.
+            """
             terms: Any = (*given[:5], 1.0, 0.0) if is_input else given[:7]
             by_position, t, t_w, t_z, d, d_w, d_z = given[7:]
             s, v = (s, v) if has_shaft else (0.0, 0.0)
@@ -90,12 +96,14 @@ class Rosenbrock:
             solve = linear(terms, state, piece, by_position)(1.0 / (GAMMA * h))
             stages = [solve(derivative(terms, state, piece))]
 
-            def add_stage(place: Any, weights: Any) -> None:
-                """Solve for the next u_i: f at a place, plus earlier stages times weights / h."""
-                *_, ratio, _ = there = terms_at(place[0])
-                speed = place[3] if has_shaft else ratio * place[1]
-                right = derivative(there, place, tangent(speed) if tangent else piece)
-                stages.append(solve(_sum(right, [weight / h for weight in weights], stages)))
+            def add_stage(at: State, weights: Sequence[float]) -> None:
+                """Solve for the next u_i: dx/dt at a state, plus earlier u_j times weights / h."""
+                position, rate, _, motor_speed, _ = at
+                terms_there: Terms = terms_at(position)
+                *_, ratio, _ = terms_there               # r = dq/dp, r'
+                speed = motor_speed if has_shaft else ratio * rate
+                slope = derivative(terms_there, at, tangent(speed) if tangent else piece)
+                stages.append(solve(_sum(slope, [weight / h for weight in weights], stages)))
 
             for a, c in zip(A[1:], C[1:]):
                 place = _sum(state, a, stages)
@@ -106,7 +114,7 @@ class Rosenbrock:
         return formula
 
 
-def _sum(x: Any, weights: Any, stages: Any) -> Any:
+def _sum(x: State, weights: Sequence[float], stages: Sequence[State]) -> State:
     """Return the state x + weights[0] stages[0] + weights[1] stages[1] + ..."""
     for weight, u in zip(weights, stages):
         x = plus(x, weight, u)

@@ -53,7 +53,11 @@ def count_extrema(lengths: Sequence[float]) -> list[int | None]:
 
 
 def rate_polynomials(a1: int, a2: int, a3: int, a4: int) -> tuple[Polynomial, ...]:
-    """Return the polynomials 2 R, 2 M, 4 q^2 P6, 4 q^3 P11 in q for lengths that are integers."""
+    """
+    Return the polynomials 2 R, 2 M, 4 q^2 P6, 4 q^3 P11 in q = |A O4|^2, for whole lengths.
+
+    The top of this file defines them; factors make all coefficients integers.
+    """
     e, f = (a1 - a4) * (a1 + a4), (a2 - a3) * (a2 + a3)
     q, q_plus_f = Polynomial([0, 1]), Polynomial([f, 1])
     S = Polynomial([(a1 + a4)**2, -1]) * Polynomial([-(a1 - a4)**2, 1])

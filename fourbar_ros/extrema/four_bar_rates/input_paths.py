@@ -167,9 +167,11 @@ def landen_steps(m1: Array) -> list[tuple[Array, Array]]:
 def jacobi(sine: Array, cosine: Array,
            steps: Sequence[tuple[Array, Array]]) -> tuple[Array, Array, Array]:
     """
-    Return Jacobi's sn, cn, dn of u from sine and cosine of the phase pi u/(2 K).
+    Return Jacobi's elliptic functions sn, cn, dn of u from sine and cosine of pi u/(2 K).
 
-    ``steps``: of :func:`landen_steps`; each turns the functions of one modulus into the next ones.
+    K is their quarter period. ``steps``: (k, k') of :func:`landen_steps`; each turns the functions
+    of modulus k into those of the next, larger one. The first are nearly of modulus 0, where sn,
+    cn, dn are sine, cosine and 1.
     """
     sn, cn, dn = sine, cosine, sine * sine + cosine * cosine
     for k, k1 in steps:

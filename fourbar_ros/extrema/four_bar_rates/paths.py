@@ -35,10 +35,10 @@ class Path:
     """
 
     def __init__(self, row: Array, samples: Array, step: Array, is_closed: bool) -> None:
-        """``third``: of the step, as root brackets take slopes."""
+        """Keep a third of the step: root brackets take slopes in thirds of an interval."""
         self.row, self.third, self.is_closed = row, step / 3.0, is_closed
         self._samples = dict(zip(NAMES, samples))
-        self._column = row[:0]      # of each root of k
+        self._column = row[:0]      # column of the samples of each root of k; none is known yet
 
     @property
     def number(self) -> int:
@@ -46,7 +46,7 @@ class Path:
         return self._column.size
 
     def _at(self, i: Array, column: Array, *names: str) -> list[Array]:
-        """Return theta1 and the values of some :data:`NAMES` at samples i of linkages column."""
+        """Return theta1 and values of :data:`NAMES`: sample i[j] of linkage column[j], each j."""
         place = i * self.row.size + column
         sc, cc, *others = (self._samples[name].take(place) for name in ('sc', 'cc', *names))
         return [2.0 * np.arctan2(sc, cc), *others]
@@ -62,6 +62,7 @@ class Path:
         """
         Return brackets (interval, row, xa, xb, fa, guess) of all roots of k on the path.
 
+        interval: sample before the root; xa, xb: theta1 at both ends; fa: k at xa.
         ``k_at``: (theta1, row) -> k, to look closely where a pair of roots may hide.
         """
         def at(i: Array, column: Array) -> tuple[Array, Array]:
@@ -83,6 +84,7 @@ class Path:
         """
         Return brackets (row, xa, xb, fa, guess) of all roots of g on the path.
 
+        xa, xb: theta1 at both ends of a bracket; fa: g at xa; guess: theta1 near the root.
         Between two roots of g lies one of k: so samples and the roots of k (in intervals i, with g
         and its Newton step ``g_there``) split the path into parts with one root of g at most.
         """

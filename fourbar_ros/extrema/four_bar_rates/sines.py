@@ -45,7 +45,12 @@ def make_sines(n: NumberType, constants: Sequence[Scalar] | Array, by_loop: bool
         excess = 0.25 * half * (yM * (1.0 / r13 - r13) + bM * (1.0 / r42 - r42))
 
     def sines(ss: Scalar, cc: Scalar, sc: Scalar, adds: bool | None = None) -> tuple[Scalar, ...]:
-        """Return g, g_u, k, k_u, X, Y; names like XB are X - B, cX the cosine of that angle."""
+        """
+        Return g, g_u, k, k_u, X, Y at a theta1, by the squares and product of s, c = sin, cos.
+
+        X, Y are dtheta4/du and dtheta1/du as sines, g and k vanish at extrema; names like XB are
+        X - B, cX is the cosine of the angle whose sine is X.
+        """
         u, w = s1 + k * cc, s2 + k * ss
         root = sign * sqrt(fabs(u * w))       # at a toggle u or w may round to less than zero
         y_s, y_c, b_s, b_c, side = where(sc * root > 0.0 if adds is None else adds, adding, other)

@@ -54,8 +54,8 @@ class Driver(Client):
     def __init__(self, node: Node, scene: Scene) -> None:
         super().__init__(node, PATIENCE)
         self.scene = scene
-        self.latest: dict[str, Message] = {}
-        self.received: dict[str, int] = {}
+        self.latest: dict[str, Message] = {}         # newest message of each output, by its name
+        self.received: dict[str, int] = {}           # how many came
         for name, topic in scene.topics.items():
             self.subscribe(topic, partial(self._take, name))
         self.input = self.publisher(scene.drive.source) if scene.drive.source in INPUTS else None
@@ -81,7 +81,7 @@ class Driver(Client):
         return middle + sine, frequency * cosine, -frequency * frequency * sine
 
     def drive(self, seconds: float) -> None:
-        """Send one input, ``seconds`` after the start."""
+        """Send the input of a time [s] after the start, unless the timer drives the node."""
         if not self.input:
             return
         drive = self.scene.drive

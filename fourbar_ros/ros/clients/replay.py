@@ -66,15 +66,17 @@ class Replayer:
         rclpy.init(args=list(ros_args), signal_handler_options=SignalHandlerOptions.NO)
         self.node = rclpy.create_node('fourbar_replay')
         self.bag = bag
-        self._publishers: dict[str, Publisher | None] = {}
+        self._publishers: dict[str, Publisher | None] = {}   # by topic; None: type not installed
         self._clock = self.node.create_publisher(Clock, '/clock', 10) if clock_rate else None
-        self.period = 1.0 / clock_rate if clock_rate else TICK
-        self._pace, self._ticked = pace or Pace(), 0
+        self.period = 1.0 / clock_rate if clock_rate else TICK       # [s] of wall time
+        self._pace = pace or Pace()
+        self._ticked = 0                                 # [ns] time of the bag last on /clock
 
     def __enter__(self) -> Replayer:
         return self
 
     def __exit__(self, *_: object) -> None:
+        """Wait up to FAREWELL until all messages were received; then end the node and ROS."""
         for publisher in filter(None, (*self._publishers.values(), self._clock)):
             publisher.wait_for_all_acked(Duration(seconds=FAREWELL))
         self.node.destroy_node()

@@ -95,9 +95,9 @@ class _Changes:
 
     def __init__(self, live: _Live, bag: Bag, scene: Scene, topic: str | None, pace: Pace) -> None:
         self._live, self._bag, self._topic, self._pace = live, bag, topic, pace
-        self._values, self._origin = scene.values, next(bag.raw()).time
+        self._values = scene.values          # parameters of the recorded scene in force
+        self._origin = next(bag.raw()).time              # [ns] of the first message
         self.notes: list[str] = []
-        self._first = True
 
     def before(self, start: float) -> None:
         """Take over the changes of the first ``start`` seconds of the bag, which are skipped."""
@@ -137,13 +137,13 @@ class _Live(Client):
                  node_name: str, pace: Pace) -> None:
         super().__init__(replayer.node)
         self._replayer, self._pace = replayer, pace
-        self._in_order = origin.in_order
+        self._in_order = origin.in_order     # whether each output stands behind its motion
         self._topics = {topic: Meeting(replayer.bag.decoder(topic)) for topic in outputs}
         self._first, self._last = b'', b''          # stamps of motions; empty before the first
         self._unanswered = b''      # the first motion, until it is answered
         self._last_arrival = time.monotonic()
         self._given_up = 0          # motions whose answers are not waited for any more
-        self._silent = False        # nothing has come since it was waited for in vain
+        self._silent = False        # whether the last wait for answers was in vain
         self._input_name = name_on(node_name, INPUTS['motion'])
         self._input = self.publisher('motion', node_name)
         self._subscriptions = [self._listen(topic, type_name, origin.node, node_name)
@@ -301,10 +301,11 @@ class Meeting:
 
     def __init__(self, decoder: Decoder) -> None:
         self._decoder = decoder
-        self._expected: dict[bytes, bytes] = {}          # by stamp, as the answers
+        # messages without their partner yet, {stamp: message}, oldest first
+        self._expected: dict[bytes, bytes] = {}          # recorded
         self._answers: dict[bytes, bytes] = {}
-        self._pairs: list[tuple[bytes, bytes]] = []
-        self.messages = self.missing = 0
+        self._pairs: list[tuple[bytes, bytes]] = []      # (recorded, answer), not yet compared
+        self.messages = self.missing = 0                 # see Answer
         self.largest, self.field = 0.0, ''
 
     def expect(self, stamp: bytes, data: bytes) -> None:
@@ -326,7 +327,12 @@ class Meeting:
 
     def _meet(self, stamp: bytes, data: bytes, own: dict[bytes, bytes], others: dict[bytes, bytes],
               is_answer: bool) -> None:
-        """Pair a message with the waiting ``other`` of its stamp, or let it wait among ``own``."""
+        """
+        Pair a message with the one of its stamp among ``others``, or let it wait among ``own``.
+
+        ``own``: messages of its side, recorded or live, without a partner yet; ``others``: those
+        of the other side.
+        """
         other = others.pop(stamp, None)
         if other is None:
             own[stamp] = data

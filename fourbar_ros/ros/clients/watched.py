@@ -34,7 +34,7 @@ class Watched:
     def __init__(self, node: str, patience: float = PATIENCE):
         self.node, self.patience, self.version = '/' + node.strip('/'), patience, 0
         self.values: dict[str, Any] = {}
-        self._latest: tuple[float, float, float] | None = None
+        self._latest: tuple[float, float, float] | None = None       # see latest()
         # requests: name and value of a parameter, and where to put the answer
         self._asked: queue.Queue[tuple[str, Any, queue.Queue[str]]] = queue.Queue()
         self._stack = ExitStack()

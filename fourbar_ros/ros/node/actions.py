@@ -31,6 +31,7 @@ class ExtremaServer(ActionServer):
                        execute_callback: Callable[[ServerGoalHandle], Message] | None) -> None:
         """Queue a goal for the worker: rclpy would run an accepted one in its executor."""
         def run() -> None:
+            """Answer the goal, in the worker's thread."""
             try:         # rclpy's coroutine of a goal; ours never waits, so one send completes it
                 self._execute_goal(execute_callback or self._answer, goal_handle).send(None)
             except StopIteration:

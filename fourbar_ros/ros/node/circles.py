@@ -26,15 +26,24 @@ OF_ALL = ('/rosout', '/parameter_events')      # topics that every node publishe
 
 
 class Circles:
-    """Tells the node's own messages on topics to which it listens; ``own`` counts them."""
+    """
+    Tells messages of the node itself from those of others, on topics to which it also listens.
+
+    A circle is such a topic: the node must not take its outputs for inputs. ``own_count`` is the
+    number of its own messages that have come back.
+    """
 
     def __init__(self, node: Node, scene: Scene) -> None:
         self._log: Logger = node.get_logger()
+        # whether joint_states leaves out the driven joint, so that sharing its topic is no mistake
         self._is_relay = scene.joint_states.only_passive
-        self._heard = {node.resolve_topic_name(topic.topic): topic for topic in scene.received}
+        # inputs by full topic names, as '/fourbar/input'
+        self._inputs = {node.resolve_topic_name(topic.topic): topic for topic in scene.received}
+        # {full topic name: its newest KEPT messages, oldest first, without the HEADER}; the inner
+        # dict is a set that keeps the order
         self._sent: dict[str, dict[bytes, None]] = {}
-        self._lock = threading.Lock()
-        self.own = 0
+        self._lock = threading.Lock()        # while a message is added: worker threads send too
+        self.own_count = 0
 
     def sender(self, publisher: Publisher, topic: Topic) -> Callable[[bytes], None]:
         """Return the function that publishes bytes, and keeps them if the node listens there."""
@@ -42,26 +51,26 @@ class Circles:
         # meanwhile; ours are destroyed between two steps only.
         publish: Callable[[bytes], None] = publisher.handle.publish_raw
         name = publisher.topic_name
-        heard = self._heard.get(name)
-        if heard is None or heard.type != topic.type:
+        its_input = self._inputs.get(name)
+        if its_input is None or its_input.type != topic.type:
             return publish
         if name not in self._sent:
-            self._log_shared_topic(heard, topic, name)
+            self._log_shared_topic(its_input, topic, name)
         sent = self._sent.setdefault(name, {})
 
         def keep_and_publish(data: bytes) -> None:
-            with self._lock:                 # several outputs and threads may send there
+            with self._lock:
                 sent[data[HEADER:]] = None
                 if len(sent) > KEPT:
                     del sent[next(iter(sent))]
             publish(data)
         return keep_and_publish
 
-    def _log_shared_topic(self, heard: Topic, sent: Topic, name: str) -> None:
+    def _log_shared_topic(self, received: Topic, sent: Topic, name: str) -> None:
         """Log that an input and an output are remapped to one topic, which may be a mistake."""
-        text = (f'{sent.topic} and {heard.topic} are one topic, {name}: the node does not take '
+        text = (f'{sent.topic} and {received.topic} are one topic, {name}: the node does not take '
                 'its own messages')
-        if heard.name != 'joint_state' or self._is_relay:
+        if received.name != 'joint_state' or self._is_relay:
             self._log.info(text)
         else:
             self._log.warning(f'{text}; joint_states.only_passive leaves the driven joint to its '
@@ -72,7 +81,7 @@ class Circles:
         sent = self._sent.get(topic)
         if sent is None or data[HEADER:] not in sent:
             return False
-        self.own += 1
+        self.own_count += 1
         return True
 
 
@@ -87,8 +96,9 @@ class Repeats:
     def __init__(self, node: Node, input_topic: str,
                  output_topics: Callable[[], Collection[str]]) -> None:
         self._node, self._input_topic, self._output_topics = node, input_topic, output_topics
-        self._stamps: dict[int, None] = {}           # the newest ones [ns], in order
-        self._count, self._before = 0, (time.monotonic(), 0)
+        self._stamps: dict[int, None] = {}           # the newest KEPT ones [ns], oldest first
+        self._count = 0                              # inputs that repeated one of them
+        self._before = time.monotonic(), 0           # [s] and count at the last state()
 
     def take(self, stamp: int) -> None:
         """Note the stamp of an input [ns]."""

@@ -69,7 +69,7 @@ class Diagnostics:
             'steps': stream.steps, 'steps not ok': stream.bad_steps,
             'input age [s]': 'none' if isnan(drive.age()) else f'{drive.age():.3f}',
             **{name.replace('_', ' '): count for name, count in counted.items()},
-            **({'own messages': node.circles.own} if node.circles.own else {}),
+            **({'own messages': node.circles.own_count} if node.circles.own_count else {}),
             **drive_values,
             'status': STATUS_NAMES[stream.status],
             'sin of transmission angle': 'unknown' if isnan(sine) else f'{sine:.6g}',

@@ -72,7 +72,12 @@ class Search:
                             self._request.acceleration, self._request.certify, check=self._check)
 
     def _checked(self) -> tuple[list[Asked], tuple[int, ...], float]:
-        """Return (quantities, modes, velocity) of the request; raise for one that cannot be."""
+        """
+        Return (quantities, modes, velocity [rad/s or m/s]) of the request.
+
+        A velocity of zero stands for the speed of the timer drive. Raises _BadRequest or
+        UnknownQuantity, for :meth:`answer` to report.
+        """
         scene, request, linkage = self._scene, self._request, self._scene.known_linkage
         timer_speed = scene.drive.speed if scene.drive.source == 'timer' else 0.0
         velocity = request.velocity or timer_speed

@@ -36,8 +36,9 @@ class Reader:
     def __init__(self, type_name: str, joint: str = ''):
         self._type, self._joint = resolve(type_name), joint
         self._definition = Definition(type_name, definition(type_name))
-        self._known: dict[int, list[tuple[Layout, Read]]] = {}      # by length
-        self._room = LAYOUTS
+        # {bytes of a message: layouts of that length, each with its reader}
+        self._known: dict[int, list[tuple[Layout, Read]]] = {}
+        self._room = LAYOUTS         # layouts that may still be learned
 
     def __call__(self, data: bytes) -> tuple[Stamp, Given | None]:
         """

@@ -45,7 +45,7 @@ def maker(scene: Scene) -> Callable[[Stamp, Sequence[float]], MarkerArray | None
     ``values``: motion, then loads, in the order of the fields of the mechanism's records.
     """
     mechanism = scene.linkage
-    count = len(mechanism.MOTION._fields)
+    count = len(mechanism.MOTION._fields)                # of values; behind them the loads
     loads_end = count + len(mechanism.LOADS._fields)
     scales = Scales(LONGEST * size_of(mechanism))
 
@@ -64,7 +64,7 @@ def maker(scene: Scene) -> Callable[[Stamp, Sequence[float]], MarkerArray | None
 
 
 def pose(scene: Scene, motion: NamedFields) -> list[Marker]:
-    """Return the markers of links, joints, blocks and points."""
+    """Return the markers of links, joints, blocks and points in a pose, a record of MOTION."""
     frame, width = scene.frame_id, WIDTH * size_of(scene.linkage)
     parts = picture(scene.linkage, motion, scene.points)
     markers = [lines(frame, 'links', i, [bar[:2]], width * bar.width, LINK)

@@ -56,6 +56,7 @@ class FourBarNode(Base):
 
     def __init__(self, arguments: Sequence[str] = (), name: str = 'fourbar', **kwargs: Any
                  ) -> None:
+        """Read and check the scene, make all parts of the node, begin to record and to drive."""
         if '/' in name:      # set its namespace here: one on the command line would override it
             namespace, name = full_name(arguments, name).rsplit('/', 1)
             kwargs['cli_args'] = ['--ros-args', '-r', f'__ns:={namespace}']
@@ -225,7 +226,11 @@ def in_one_line(error: Exception) -> str:
 
 
 def spin(nodes: Sequence[FourBarNode], stop: Stop) -> None:
-    """Handle messages and timers until a signal has come or a node has failed."""
+    """
+    Handle messages and timers of all nodes until a signal has come or a node has failed.
+
+    An exception of a callback is kept as failure of the first node, for main to raise.
+    """
     executor = EventsExecutor()
     for node in nodes:
         executor.add_node(node)

@@ -35,9 +35,9 @@ class TopicPublisher:
 
     def __init__(self, node: Base, topic: Topic, changed: Callable[[], None]) -> None:
         self.name, self._topic, self._node = topic.name, topic, node
-        self.is_part = topic.name.partition('/')[0] in PARTS
+        self.is_part = topic.name.partition('/')[0] in PARTS     # as 'points/coupler'
         self.is_subscribed, self._changed = False, changed
-        self._message = resolve(topic.type)()
+        self._message = resolve(topic.type)()        # one for all steps: ``pack`` fills it
         try:
             self._publisher = self._create(PublisherEventCallbacks(matched=self._matched))
         except UnsupportedEventTypeError:
@@ -73,7 +73,7 @@ class TopicPublisher:
         self.publish = self._node.circles.sender(self._publisher, self._topic)
 
     def has_something(self, values: Sequence[float]) -> bool:
-        """Return False if a value is NaN that it must not send, as a position in joint_states."""
+        """Return whether no value is NaN that it must not send, as a position in joint_states."""
         return not any(isnan(values[place]) for place in self._positions)
 
 
@@ -106,10 +106,11 @@ class Outputs:
     def __init__(self, node: Base, recording: Recording) -> None:
         self._node, self._recording = node, recording
         self._sent: list[tuple[str, bytes]] = []     # (topic, bytes) to record at the step's end
-        self._drive_state: TopicPublisher | None = None
+        self._drive_state: TopicPublisher | None = None      # in scenes with dynamics only
         self.named: list[TopicPublisher] = []
         # Publishers are kept when a scene no longer names them: rclpy's EventsExecutor ends the
         # process at an event of a publisher that is gone, as when its last subscriber leaves.
+        # By the names of outputs, of all scenes so far.
         self._made: dict[str, TopicPublisher] = {}
         self._driven = self._publisher(DRIVEN)
 
@@ -170,9 +171,12 @@ class Outputs:
     def send(self, stamp: Stamp, status: int, values: Sequence[float],
              outputs: Sequence[TopicPublisher] | None = None) -> None:
         """
-        Send one step on these outputs, by default all that the scene names, and record it.
+        Send the messages of one step, and record them with its driven motion and drive state.
 
-        Where the status is not OK, outputs that need a value which is NaN then are left out.
+        ``values``: the floats of the step in the order of ``layout.place``; ``outputs``: where
+        they go, by default all that the scene names. If ``status`` is not OK, as in a position
+        that cannot be assembled, values may be NaN, and outputs that must not send NaN are left
+        out (see :meth:`TopicPublisher.has_something`).
         """
         outputs = self.named if outputs is None else outputs
         if status != OK:
@@ -188,10 +192,14 @@ class Outputs:
 
     def _send(self, outputs: Sequence[TopicPublisher], stamp: Stamp, status: int,
               values: Sequence[float]) -> None:
-        """Pack all messages, then send them together: so the middleware wakes up less often."""
-        packed = [(output, output.pack(stamp, status, self.mode, values)) for output in outputs]
-        for output, data in packed:
+        """
+        Pack all messages, then publish those that have a subscriber; keep all for the bag.
+
+        They go out together: so the middleware wakes up less often.
+        """
+        messages = [(output, output.pack(stamp, status, self.mode, values)) for output in outputs]
+        for output, data in messages:
             if output.is_subscribed:                     # others are for the bag alone
                 output.publish(data)
         if self._recording.active:
-            self._sent += [(output.name, data) for output, data in packed]
+            self._sent += [(output.name, data) for output, data in messages]

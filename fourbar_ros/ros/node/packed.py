@@ -65,6 +65,7 @@ def _packer(serialise: Pack, has_status: bool, used: Collection[int], count: int
     ``count`` values that the message holds. Two messages with unlike contents are serialised; the
     offset of a value is where each of them has its own.
     """
+    # unlike numbers, which hardly occur elsewhere in a message
     probes = [_Contents((0x1B2D3F41, 0x25374959), 0xA7, 0x5C, [k + 0.1 for k in range(count)]),
               _Contents((0x6E5D4C3B, 0x2A190817), 0x39, 0xE2, [-k - 0.7 for k in range(count)])]
     messages = [serialise(*probe) for probe in probes]
@@ -78,6 +79,7 @@ def _packer(serialise: Pack, has_status: bool, used: Collection[int], count: int
             or {place for _, place in numbers} != set(used)):
         return None
 
+    # a message whose constants stay; each step overwrites its numbers, at these offsets
     buffer, at_stamp = bytearray(messages[0]), stamps[0]
     at_status = statuses[0] if has_status else None
     put_stamp, put_status, runs = _STAMP.pack_into, _STATUS.pack_into, list(_runs(numbers))

@@ -89,6 +89,7 @@ def watch(node: Base, current: Callable[[], Scene], apply: Callable[[Scene], Non
     is ours. ``current()`` returns the scene in force.
     """
     def change(given: Sequence[RosParameter]) -> None:
+        """Apply the scene with these changes; raise FourBarError if it may not be."""
         changes = {}
         for parameter in given:
             name, value = parameter.name, parameter.value
@@ -103,6 +104,7 @@ def watch(node: Base, current: Callable[[], Scene], apply: Callable[[Scene], Non
             apply(scene)
 
     def answer(given: Sequence[RosParameter]) -> SetParametersResult:
+        """Change the scene and return success, or the reason why it is as before."""
         before = current()
         try:
             change(given)

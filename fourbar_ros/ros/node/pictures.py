@@ -37,10 +37,11 @@ class Pictures:
 
     def __init__(self, node: Node, recording: Recording) -> None:
         self._node, self._recording = node, recording
-        self._publishers: dict[str, Publisher] = {}
-        self._makers, self._latched = Drawn({}, {})
+        self._publishers: dict[str, Publisher] = {}      # by the names of outputs, as 'tf'
+        self._makers, self._latched = Drawn({}, {})      # until the first apply()
         self._last: int | None = None                    # [ns] stamp of the last picture
-        self._period, self.of_loads = 0.0, False         # [ns]
+        self._period = 0.0                               # [ns] between pictures; 0: every step
+        self.of_loads = False
 
     def apply(self, scene: Scene, drawn: Drawn) -> None:
         """Take over a scene with its pictures from :func:`drawn_of`; send the latched ones."""

@@ -50,8 +50,8 @@ class Recording:
 
     def __init__(self, node: Node) -> None:
         self._node = node
-        self._writer: BagWriter | None = None
-        self._channels: dict[str, int] = {}
+        self._writer: BagWriter | None = None            # of the bag that is being written
+        self._channels: dict[str, int] = {}              # numbers of its topics by short name
         self._refused = ''               # why the bag that the scene wants was not started
 
     @property

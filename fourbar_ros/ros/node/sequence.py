@@ -23,7 +23,7 @@ class SequenceNumbers:
 
     def __init__(self, publishers: Callable[[], int]) -> None:
         self._publishers = publishers
-        self._next: list[int] = []
+        self._next: list[int] = []       # the number that each publisher will give next
         self.lost, self.is_numbered = 0, True
 
     def forget(self) -> None:
@@ -31,7 +31,11 @@ class SequenceNumbers:
         self._next = []
 
     def take(self, number: int | None) -> None:
-        """Note the number of a message; None if the middleware gives none."""
+        """
+        Note the number of a message; None if the middleware gives none.
+
+        One publisher's numbers 5, 6, 9 count two lost messages.
+        """
         if number is None:
             self.is_numbered = False
             return

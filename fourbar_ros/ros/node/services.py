@@ -59,7 +59,11 @@ def find_extrema(node: Base, request: Message, response: Message) -> Message:
 
 
 def evaluate_one(node: Base, request: Message, response: Message) -> Message:
-    """Answer Evaluate: state and loads at one input, or why there are none."""
+    """
+    Answer Evaluate: state and loads at one input, or in ``message`` why there are none.
+
+    The mode 0 is that of the scene. The step of the stream is not touched: all is computed anew.
+    """
     scene = node.stream.scene
     modes = scene.linkage.modes
     if request.mode and request.mode not in modes:

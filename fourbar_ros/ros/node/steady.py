@@ -35,9 +35,10 @@ class SteadyTimers:
     """
 
     def __init__(self) -> None:
-        self._timers: dict[object, tuple[float, Callable[[], None]]] = {}
-        self._due: dict[object, float] = {}              # [s] monotonic
-        self._ended, self._is_asked = Event(), False     # whether a task waits in the executor
+        self._timers: dict[object, tuple[float, Callable[[], None]]] = {}    # (period [s], call)
+        self._due: dict[object, float] = {}              # [s] monotonic, by the same keys
+        self._ended = Event()
+        self._is_asked = False                           # whether a task waits in the executor
 
     def add(self, period: float, callback: Callable[[], None]) -> object:
         """Call a function every ``period`` [s] from now on; return a key to :meth:`remove` it."""
@@ -50,7 +51,11 @@ class SteadyTimers:
         del self._timers[timer], self._due[timer]
 
     def start(self, executor: Executor, failed: Callable[[Exception], None]) -> None:
-        """Begin to call the functions in an executor; ``failed`` gets an error of any of them."""
+        """
+        Begin to call the functions in an executor; ``failed`` gets an error of any of them.
+
+        A thread sleeps and, when a function is due, gives the executor a task that calls it.
+        """
         def run() -> None:
             self._is_asked = False
             try:
@@ -59,6 +64,7 @@ class SteadyTimers:
                 failed(error)
 
         def wake() -> None:
+            """Sleep, and give the executor the task, until :meth:`stop`: the thread's loop."""
             woken = time.monotonic()
             while not self._ended.is_set():
                 time.sleep(PERIOD)
@@ -78,7 +84,7 @@ class SteadyTimers:
         return any(now >= due - 0.5 * PERIOD for due in list(self._due.values()))
 
     def _run(self) -> None:
-        """Call the functions that are due; a late one is next due a period later, not at once."""
+        """Call the functions that are due; after a delay each is called once, not in a burst."""
         now = time.monotonic()
         for timer, (period, callback) in list(self._timers.items()):
             if now >= self._due[timer] - 0.5 * PERIOD:

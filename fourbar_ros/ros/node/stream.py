@@ -40,10 +40,12 @@ class Stream:
     def __init__(self, node: Base, scene: Scene, recording: Recording) -> None:
         self._recording, self._log = recording, node.log
         self._lock = threading.Lock()        # held in a step, and while anything changes
-        self.steps, self.bad_steps, self.status = 0, 0, OK
+        self.steps, self.bad_steps = 0, 0    # since the start; bad: the status was not OK
+        self.status = OK                     # of the last step that was computed
         self.outputs, self.pictures = Outputs(node, recording), Pictures(node, recording)
         self._scene_publisher = qos.publisher(node, SCENE)
         self._stepper = InModes(scene)
+        # {link: the topic that tells its wrench}
         self._applied = {link: Applied(node, link) for link in scene.wrenches.links}
         self.apply(scene)
         for link, wrench in self._stepper.wrenches.items():
@@ -71,7 +73,7 @@ class Stream:
             self._recording.write(SCENE.name, data)
 
     def act(self, link: str, wrench: Wrench, stamp: Time) -> None:
-        """Apply a Wrench to a link from the next step on; publish and record it."""
+        """Apply a Wrench [N, N m] to a link from the next step on; publish and record it."""
         with self._lock:
             self._stepper.act(link, wrench)
             self._applied[link].send(stamp, wrench, self.scene.frame_id, self._recording)
@@ -167,7 +169,11 @@ class Stream:
         return status
 
     def _note(self, status: int | None, position: float) -> None:
-        """Count a bad step; log a status that differs from that of the last step."""
+        """
+        Count a bad step; log a status (None: not computed) that differs from that of the last one.
+
+        ``position`` of the input [rad or m] is for the text.
+        """
         if status is None:
             return
         self.bad_steps += status != OK

@@ -35,7 +35,11 @@ class TopicDrive(Drive):
                'deadlines_missed', 'faults')
 
     def start(self) -> None:
-        """Subscribe to raw bytes, which are recorded as they are."""
+        """
+        Set the state of the input to none received, and subscribe to its topic.
+
+        Messages come as bytes, which are recorded as they are.
+        """
         self._topic = INPUTS[self.settings.source]
         self._now = clock_of(self._node)
         self._received = self._now()         # [s] when the newest input came

@@ -66,13 +66,20 @@ class Trajectories:
     """Converts trajectories by the scene in force, in a thread of its own."""
 
     def __init__(self, node: Base, scene: Scene) -> None:
-        self._node, self._came, self._done, self._too_many = node, 0, 0, 0
-        self._refused = 0
+        self._node = node
+        # numbers of trajectories since the start:
+        self._queued = 0            # put into the worker's queue
+        self._begun = 0             # taken from it; the difference waits
+        self._overflowed = 0        # never queued, for INPUT_DEPTH others waited
+        self._refused = 0           # begun, but invalid
         self._worker = Worker('trajectories', node.get_logger().error)
-        self._last: dict[str, Counted] = {}              # last message of 'input' and 'output'
+        # the last valid one for the joint 'input' and for 'output': the next goes on from its turn
+        self._last: dict[str, Counted] = {}
         self.apply(scene)
+        # {name of a topic: function that publishes bytes there}: answers and refusals
         self._senders = {name: node.circles.sender(qos.publisher(node, topic), topic)
                          for name, topic in TRAJECTORIES.items() if name not in ANSWERS}
+        # counters of the messages that the middleware lost, one for each topic that is converted
         self._sequences = [self._listen(name) for name in ANSWERS]
 
     def _listen(self, name: str) -> SequenceNumbers:
@@ -93,8 +100,8 @@ class Trajectories:
     @property
     def counts(self) -> dict[str, int]:
         """Return counters for the diagnostics: trajectories that came, were refused, were lost."""
-        lost = sum(sequence.lost for sequence in self._sequences) + self._too_many
-        return {'trajectories': self._came + self._too_many,
+        lost = sum(sequence.lost for sequence in self._sequences) + self._overflowed
+        return {'trajectories': self._queued + self._overflowed,
                 'trajectories_refused': self._refused, 'trajectories_lost': lost}
 
     def apply(self, scene: Scene) -> None:
@@ -117,17 +124,22 @@ class Trajectories:
 
     def _take(self, name: str, data: bytes) -> None:
         """Queue a message for the worker; refuse it if INPUT_DEPTH others wait there."""
-        if self._came - self._done >= INPUT_DEPTH:
-            self._too_many += 1
+        if self._queued - self._begun >= INPUT_DEPTH:
+            self._overflowed += 1
             self._refuse(name, f'{INPUT_DEPTH} others wait for an answer')
             return
-        self._came += 1
+        self._queued += 1
         now = self._node.get_clock().now().nanoseconds
         self._worker.do(lambda: self._answer(name, data, now))
 
     def _answer(self, name: str, data: bytes, arrival: int) -> None:
-        """Convert a message that came at a time [ns] and send the answer, or refuse it."""
-        self._done += 1
+        """
+        Convert a trajectory from the topic ``name`` and send the answer, or refuse it.
+
+        One of the output joint becomes one of the driven joint, or the reverse, as ANSWERS says
+        of the topic. ``arrival``: when it came [ns].
+        """
+        self._begun += 1
         answer_topic, method = ANSWERS[name]
         conversion, (given, asked) = self._conversion, SIDES[method]
         try:
@@ -197,7 +209,7 @@ def _read(data: bytes) -> Points:
 
 
 def _needed(message: Points, name: str, joint: str) -> Array:
-    """Return a field of a joint over the points, shape (n,); raise if it is not given."""
+    """Return a field of a joint as :func:`_column` does; raise InvalidParameter if it is None."""
     column = _column(message, name, joint)
     if column is None:
         raise InvalidParameter(name, [], f'must be given for {joint} in point 0')
@@ -205,7 +217,15 @@ def _needed(message: Points, name: str, joint: str) -> Array:
 
 
 def _column(message: Points, name: str, joint: str) -> Array | None:
-    """Return a field of a joint over the points, shape (n,); None if no point has the field."""
+    """
+    Return a field of a joint over the points, shape (n,); None if no point has the field.
+
+    Raises
+    ------
+    InvalidParameter
+        Some points have it and others do not.
+
+    """
     rows, place = message.columns[name], list(message.joint_names).index(joint)
     if isinstance(rows, np.ndarray) and place < rows.shape[1]:
         return np.array(rows[:, place])
@@ -297,7 +317,12 @@ def write(header: Header, joint: str, times: Array, columns: dict[str, Array]) -
 
 
 def _begin(data: bytes) -> tuple[int, int]:
-    """Return (offset of the first point, number of points); (0, 0) if another encoding."""
+    """
+    Return (offset of the first point, number of points) in a serialised JointTrajectory.
+
+    In front of the points stand the header, with its stamp and frame_id, and the joint names.
+    (0, 0) for another encoding than plain CDR, and for bytes that end too early.
+    """
     if data[:2] != LITTLE_ENDIAN:
         return 0, 0
     try:
@@ -321,12 +346,12 @@ def _after_text(data: bytes, at: int) -> int:
 
 def _blocks(data: bytes, at: int, count: int) -> list[Array]:
     """
-    Return the points as two structured arrays: the first point, and all others.
+    Return the ``count`` points from offset ``at`` as two structured arrays: the first, all others.
 
-    The first may begin at another offset modulo 8 than the others, so its padding differs. Empty
-    if points have arrays of unlike lengths.
+    The first may begin at another offset modulo 8 than the others, so its padding differs. The
+    lengths of its arrays are taken for all; an empty list if another point has other lengths.
     """
-    lengths: list[int] = []
+    lengths: list[int] = []         # of the arrays of the first point, in the order of FIELDS
     place = at
     for _ in FIELDS:
         lengths += unpack_from('<I', data, place)

@@ -22,7 +22,8 @@ def maker(scene: Scene) -> Callable[[Stamp, Sequence[float]], TFMessage | None]:
     stamps and the frames of links, each by the coordinate of the joint it hangs on.
     """
     model, place = model_of(scene), scene.layout.place
-    message, moving = TFMessage(), []        # of moving: (transform, connection, index of value)
+    message = TFMessage()
+    moving = []              # (transform of a link, its Connection, index of its coordinate)
     for link in model.links:
         frame = _add_frame(message, link.parent, link.frame)
         moving.append((frame.transform, link.joint.connection,

@@ -32,7 +32,8 @@ class WrenchInputs:
     def __init__(self, node: Base, stream: Stream, recording: Recording) -> None:
         self._node, self._stream, self._recording = node, stream, recording
         self.counts = dict.fromkeys(self.COUNTED, 0)
-        self._received: dict[str, float] = {}   # {link: [s]}, without those that are silent
+        # {link: arrival of its newest wrench [s] by the clock of silences}, without silent links
+        self._received: dict[str, float] = {}
         self._last: dict[str, Wrench] = {}      # the last wrench of each link
         for link in stream.scene.wrenches.links:
             qos.subscription(node, wrench_topic(link), partial(self._take, link))

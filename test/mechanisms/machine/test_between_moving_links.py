@@ -97,7 +97,7 @@ def test_beside_forty_digits():
                 assert abs(error) <= 100.0 * EPS * motion.condition * (1.0 + abs(truth)), name
 
 
-@some('count', [5, 200], 1)
+@some('count', [5, 100], 1)
 def test_near_toggles_loads_are_good_relative_to_the_largest(count):
     """The needs of the ground are a sum over all links, so small loads share the largest error."""
     for machine, given, _ in islice(between_moving_links(412, near_limit=True), count):
