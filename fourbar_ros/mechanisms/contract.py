@@ -357,7 +357,8 @@ class Described(Contract):
         Return {unit: size of the terms that add up to rates and accelerations in that unit}.
 
         A result is uncertain by rounding of its terms, so the search for extrema takes differences
-        below some eps times these sizes for noise.
+        below some eps times these sizes for noise. The rates in the motion hold the given ``rate``
+        [1/s] and ``acceleration`` [1/s^2] already; kinds with a closed form read these instead.
         """
         angles = [joint.coordinate for joint in self.JOINTS if joint.coordinate.unit == 'rad']
         omega = sum(abs(getattr(motion, joint.rate).real) for joint in angles)

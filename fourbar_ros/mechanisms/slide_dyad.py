@@ -331,6 +331,7 @@ class OffsetSlide(Mechanism):
     MARGIN_SIGNS = ((-1, 1, -1), (1, -1, -1))
 
     def __post_init__(self) -> None:
+        """Check what is given, and that both rods together reach over the offset e."""
         self._check()
         (p, r, e), (p_name, r_name, _) = self.lengths, self.length_names
         if fsum((p, r, -abs(e))) <= 0.0:

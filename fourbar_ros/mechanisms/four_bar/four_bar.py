@@ -101,6 +101,7 @@ class FourBarLinks(Mechanism):
     BODIES, EXTERNAL = Bodies, External
 
     def __post_init__(self) -> None:
+        """Check what is given, and that no link is as long as the other three together."""
         self._check()
         lengths = self.lengths
         longest = max(lengths)

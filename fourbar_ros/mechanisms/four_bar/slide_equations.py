@@ -47,7 +47,7 @@ class SlideEquation(NamedTuple):
         return self._form(_textbook(vi, self.is_slide[0]), _textbook(vj, self.is_slide[1]))
 
     def residual(self, ti: Values, tj: Values) -> Array:
-        """Return u^T M w for angles [rad] and slides [m]; zero for a pose."""
+        """Return u^T M w, (S2), for angles [rad] and slides [m]; zero for a pose."""
         return self._form(_basis(ti, self.is_slide[0])[0], _basis(tj, self.is_slide[1])[0])
 
     def ratio(self, ti: Values, tj: Values) -> Array:
@@ -86,7 +86,12 @@ class SlideEquation(NamedTuple):
             return np.maximum(one, other), np.minimum(one, other)
 
     def _form(self, u: Array, w: Array) -> Array:
-        """Return u^T M w for arrays whose first axis is that of the basis."""
+        """
+        Return u^T M w, (S2), with M this equation's ``matrix``; shape of the joints' values.
+
+        ``u``, ``w``: of joints i and j the basis (1, cos, sin) or (1, d, d^2), or a derivative of
+        it, shape (3, ...): see :func:`_basis`.
+        """
         product: Array = sum(self.matrix[m, n] * u[m] * w[n] for m in range(3) for n in range(3)
                              if self.matrix[m, n])
         return product

@@ -42,6 +42,7 @@ from fourbar_ros.mechanisms.machine.ranges import (
 from fourbar_ros.mechanisms.machine.solve.dyads import (
     between,
     Driven,
+    DyadMotion,
     make_rrr,
     ORIGIN,
 )
@@ -318,7 +319,7 @@ class SeenFromLink:
             crank, one, two = inverse(position)
             poses, curves = frames.begin(Driven(crank, EXACT)), [crank]
             for i, moves in enumerate(work):
-                moved = ((one, two, (), 1.0, 0.0, {}) if i == number
+                moved = (DyadMotion(one, two, (), 1.0, 0.0, {}) if i == number
                          else moves(*frames.hang(i, poses)))
                 curves += frames.add(i, poses, moved)
             return curves

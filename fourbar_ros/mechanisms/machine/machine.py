@@ -105,6 +105,7 @@ class Machine(WithLimits):
     TEXT = 'a driven link and dyads, any planar linkage of Assur groups of class II'
 
     def __post_init__(self) -> None:
+        """Check what is given, in the order in which one part needs another; derive the layout."""
         if self.input not in DRIVERS:
             raise InvalidParameter('input', self.input, f'must be one of {", ".join(DRIVERS)}')
         self._set(dyads=checked_dyads(self.dyads, self.input),
@@ -150,8 +151,12 @@ class Machine(WithLimits):
         return self._with_stages([with_lengths(dyad, given) for dyad in self.stages])
 
     def _with_stages(self, stages: Sequence[Dyad]) -> Machine:
-        """Return a copy with other dyads, unchecked; with a cylinder, the first of them is its."""
-        # the lengths decide which dyads need the closed form of a kind
+        """
+        Return a copy with other numbers in the dyads, which are not checked.
+
+        ``stages``: as :attr:`stages`, the dyads and, if one drives, first the cylinder as a dyad.
+        """
+        # the lengths decide which dyads are solved as pairs, see solve.pairs
         layout = with_pairs(self.layout, [dyad.numbers for dyad in stages])
         if self.cylinder is None:
             return self._copy(stages=tuple(stages), dyads=tuple(stages), layout=layout)

@@ -127,6 +127,7 @@ class Dyad:
     mode: int = OPEN
 
     def __post_init__(self) -> None:
+        """Check what is given, and store it as points, floats and an integer mode."""
         require_name('name of a dyad', self.name)
         where = f'dyads.{self.name}'
         if self.kind not in DIMENSIONS:

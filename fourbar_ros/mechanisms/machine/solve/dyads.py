@@ -66,11 +66,21 @@ from fourbar_ros.numerics.number_types import NumberType, Scalar
 Node = tuple[Scalar, Scalar, Scalar, Scalar, Scalar, Scalar]
 # Cosine and sine of the angle of a link, its first and second derivative.
 Direction = tuple[Scalar, Scalar, Scalar, Scalar]
-# The curves of the two links, (s, s', s'') of each slide, sine and cosine of the transmission
-# angle, {(a link, another): direction of the first seen from the second}.
-DyadMotion = tuple[Curve, Curve, tuple[Scalar, ...], Scalar, Scalar,
-                   dict[tuple[int, int], Direction]]
-# Of P, Q, D and the curves of the links that P and Q are of.
+
+
+class DyadMotion(NamedTuple):
+    """How both links of a dyad move, by the input of the machine."""
+
+    first: Curve
+    second: Curve
+    slides: tuple[Scalar, ...]          # s, s', s'' of each slide, one after the other
+    sine: Scalar                        # of the transmission angle
+    cosine: Scalar
+    # {(a link, one it is pinned to): direction of the first seen from the second}
+    relations: dict[tuple[int, int], Direction]
+
+
+# P, Q, D and the curves of the links that P and Q are of -> the motion of a dyad.
 MovesDyad = Callable[[Node, Node, Any, Curve, Curve], DyadMotion]
 
 
@@ -94,7 +104,7 @@ ORIGIN = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 def make_rrr(n: NumberType, sign: Scalar, r1: Scalar, r2: Scalar) -> MovesDyad:
-    """Return the motion of the dyad RRR: rods of lengths r1 from P and r2 from Q, pinned at B."""
+    """Return the function that moves RRR: rods of lengths r1 from P and r2 from Q, pinned at B."""
     sqrt = n.sqrt
     difference, outer = (r1 - r2) * (r1 + r2), (r1 + r2) * (r1 + r2)
     inner = (r1 - r2) * (r1 - r2)
@@ -119,9 +129,10 @@ def make_rrr(n: NumberType, sign: Scalar, r1: Scalar, r2: Scalar) -> MovesDyad:
         gx = ddx + pull1 * c1 - pull2 * c2
         gy = ddy + pull1 * s1 - pull2 * s2
         bend1, bend2 = (gx * c2 + gy * s2) * per_1, (gx * c1 + gy * s1) * per_2         # (D3)
-        return ((px, py, pdx, pdy, pddx, pddy, c1, s1, turn1, bend1),
-                (qx, qy, qdx, qdy, qddx, qddy, c2, s2, turn2, bend2),
-                (), sine, c1 * c2 + s1 * s2, {})
+        return DyadMotion(
+            (px, py, pdx, pdy, pddx, pddy, c1, s1, turn1, bend1),
+            (qx, qy, qdx, qdy, qddx, qddy, c2, s2, turn2, bend2),
+            (), sine, c1 * c2 + s1 * s2, {})
     return motion
 
 
@@ -132,7 +143,7 @@ def turned(curve: Curve, cosine: Scalar, sine: Scalar) -> tuple[Scalar, Scalar, 
 
 
 def make_rrp(n: NumberType, sign: Scalar, r1: Scalar, cos_t: Scalar, sin_t: Scalar) -> MovesDyad:
-    """Return the motion of the dyad RRP: a rod r1 from P, its end on a line through Q."""
+    """Return the function that moves RRP: a rod r1 from P, its end on a line through Q."""
     sqrt, per_r1 = n.sqrt, 1.0 / r1
 
     def motion(at_p: Node, at_q: Node, apart: Node, _first: Curve,
@@ -154,17 +165,18 @@ def make_rrp(n: NumberType, sign: Scalar, r1: Scalar, cos_t: Scalar, sin_t: Scal
         pull = turn1 * turn1
         bend1 = (ddy * tx - ddx * ty + across + pull * h) * per_g                         # (D6)
         dds = -bend1 * h - (ddx * tx + ddy * ty + along + pull * g)
-        return ((px, py, pdx, pdy, pddx, pddy, c1, s1, turn1, bend1),
-                (qx + s * tx, qy + s * ty,
-                 qdx - swing * ty + ds * tx, qdy + swing * tx + ds * ty,
-                 qddx + (along + dds) * tx - across * ty,
-                 qddy + (along + dds) * ty + across * tx, tx, ty, turn, bend),
-                (s, ds, dds), g * per_r1, h * per_r1, {})
+        return DyadMotion(
+            (px, py, pdx, pdy, pddx, pddy, c1, s1, turn1, bend1),
+            (qx + s * tx, qy + s * ty,
+             qdx - swing * ty + ds * tx, qdy + swing * tx + ds * ty,
+             qddx + (along + dds) * tx - across * ty,
+             qddy + (along + dds) * ty + across * tx, tx, ty, turn, bend),
+            (s, ds, dds), g * per_r1, h * per_r1, {})
     return motion
 
 
 def make_rpr(n: NumberType, sign: Scalar, h: Scalar) -> MovesDyad:
-    """Return the motion of the dyad RPR: a block pinned at P on a bar pinned at Q."""
+    """Return the function that moves RPR: a block pinned at P on a bar pinned at Q."""
     sqrt = n.sqrt
 
     def motion(at_p: Node, at_q: Node, apart: Node, _first: Curve, _second: Curve) -> DyadMotion:
@@ -181,13 +193,13 @@ def make_rpr(n: NumberType, sign: Scalar, h: Scalar) -> MovesDyad:
         bend = (ddy * tx - ddx * ty + (turn * h - 2.0 * ds) * turn) * per_s             # (D9)
         dds = ddx * tx + ddy * ty + bend * h + turn * turn * s
         bar: Direction = tx, ty, turn, bend
-        return (*at_p, *bar), (*at_q, *bar), (s, ds, dds), s * per, h * per, {}
+        return DyadMotion((*at_p, *bar), (*at_q, *bar), (s, ds, dds), s * per, h * per, {})
     return motion
 
 
 def make_rpp(n: NumberType, _sign: Scalar, cos_t: Scalar, sin_t: Scalar, cos_g: Scalar,
              sin_g: Scalar) -> MovesDyad:
-    """Return the motion of the dyad RPP: a block pinned at P in the slot of a yoke through Q."""
+    """Return the function that moves RPP: a block pinned at P in the slot of a yoke through Q."""
     per_sine = 1.0 / sin_g
 
     def split(x: Scalar, y: Scalar, tx: Scalar, ty: Scalar) -> tuple[Scalar, Scalar]:
@@ -211,18 +223,19 @@ def make_rpp(n: NumberType, _sign: Scalar, cos_t: Scalar, sin_t: Scalar, cos_g: 
                          tx, ty)
         swing = turn * s
         along, across = dds - turn * swing, bend * s + twice * ds
-        return ((px, py, pdx, pdy, pddx, pddy, cx, cy, turn, bend),
-                (qx + s * tx, qy + s * ty,
-                 qdx - swing * ty + ds * tx, qdy + swing * tx + ds * ty,
-                 qddx + along * tx - across * ty, qddy + along * ty + across * tx,
-                 tx, ty, turn, bend),
-                (d, dd, ddd, s, ds, dds), sin_g + 0.0 * s, cos_g + 0.0 * s, {})
+        return DyadMotion(
+            (px, py, pdx, pdy, pddx, pddy, cx, cy, turn, bend),
+            (qx + s * tx, qy + s * ty,
+             qdx - swing * ty + ds * tx, qdy + swing * tx + ds * ty,
+             qddx + along * tx - across * ty, qddy + along * ty + across * tx,
+             tx, ty, turn, bend),
+            (d, dd, ddd, s, ds, dds), sin_g + 0.0 * s, cos_g + 0.0 * s, {})
     return motion
 
 
 def make_prp(n: NumberType, _sign: Scalar, cos_1: Scalar, sin_1: Scalar, cos_2: Scalar,
              sin_2: Scalar) -> MovesDyad:
-    """Return the motion of the dyad PRP: two blocks pinned together, on lines through P and Q."""
+    """Return the function that moves PRP: two blocks, pinned, on lines through P and Q."""
     def motion(at_p: Node, _at_q: Node, apart: Node, first: Curve,
                second: Curve) -> DyadMotion:
         """Return the curves of both blocks, and both slides, from P, D and the lines, by (D11)."""
@@ -246,8 +259,9 @@ def make_prp(n: NumberType, _sign: Scalar, cos_1: Scalar, sin_1: Scalar, cos_2: 
         at_b = (px + s1 * x1, py + s1 * y1,
                 pdx - swing1 * y1 + ds1 * x1, pdy + swing1 * x1 + ds1 * y1,
                 pddx + (a1 + dds1) * x1 - b1 * y1, pddy + (a1 + dds1) * y1 + b1 * x1)
-        return ((*at_b, x1, y1, turn1, bend1), (*at_b, x2, y2, turn2, bend2),
-                (s1, ds1, dds1, s2, ds2, dds2), cross + 0.0 * s1, x1 * x2 + y1 * y2, {})
+        return DyadMotion(
+            (*at_b, x1, y1, turn1, bend1), (*at_b, x2, y2, turn2, bend2),
+            (s1, ds1, dds1, s2, ds2, dds2), cross + 0.0 * s1, x1 * x2 + y1 * y2, {})
     return motion
 
 

@@ -23,7 +23,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from functools import reduce
 from operator import add
-from typing import Any
+from typing import Any, NamedTuple
 
 from fourbar_ros.mechanisms.machine.describe.description import (
     CYLINDER,
@@ -53,9 +53,21 @@ from fourbar_ros.mechanisms.machine.solve.pairs import (
 from fourbar_ros.mechanisms.points import Curve, FIXED, point_of
 from fourbar_ros.numerics.number_types import Scalar
 
-# Of a link whose joint is that of another: (that link, where).
+# Where the first joint of a link is pinned: (the link to which, along and across on that).
 Anchor = tuple[int, tuple[Scalar, Scalar]]
 Seen = tuple[int, int]        # a link and the frame in which it is seen
+
+
+class Hanging(NamedTuple):
+    """How a dyad hangs in its frame, the same in all poses."""
+
+    stage: Stage
+    frame: int          # number of the link in whose frame the dyad is solved
+    at_p: Place         # of P on the link ``stage.first``
+    at_q: Place         # of Q on the link ``stage.second``
+    # (link, along, across) of the arms from P to Q; None: D is Q - P, or that of a pair
+    arms: list[tuple[int, Scalar, Scalar]] | None
+    pinned: Anchor | None       # what has to be pinned in the frame first: (link, at)
 
 
 def composed(frame: Curve, own: Curve) -> Curve:
@@ -95,18 +107,20 @@ def seen_from(curves: Sequence[Curve], ground: int, still: Sequence[int]) -> lis
 
 class Poses:
     """
-    The curves of links in frames that are known so far in one pose.
+    What is known so far of one pose: the curves of links, each as seen in the frame of another.
 
-    ``known``: {(link, frame): curve}; ``relations``: {(a link, another to which it is pinned):
-    direction of the first seen from the second}; ``ways``: {(a link, its carrier): its slide and
-    derivatives}; ``of_cylinder``: see :class:`.Driven`.
+    Links are numbers: 0 the ground, 1 the driven link, then those of the dyads in their order.
     """
 
     def __init__(self, base_of: Callable[[int, int], int], driven: Driven) -> None:
-        """Start with what the driven link, number 1, is known by: its curve, slide, cylinder."""
-        self._base_of = base_of         # (link, frame) -> the link between them
+        """Start with the driven link, number 1 (see :class:`.Driven`), as the ground sees it."""
+        # (link, frame) -> a third link, in which the first is known and which the frame knows
+        self._base_of = base_of
+        # {(link, frame): curve of the link seen in that frame}
         self.known: dict[Seen, Curve] = {(1, 0): driven.curve}
+        # {(link, one it is pinned to): direction of the first seen from the second}
         self.relations: dict[Seen, Direction] = {}
+        # {(link that slides, its carrier): slide, first and second derivative}
         self.ways: dict[Seen, Sequence[Scalar]] = {(1, 0): driven.way} if driven.way else {}
         self.of_cylinder = driven.of_cylinder
 
@@ -152,26 +166,26 @@ class Frames:
     """
 
     def __init__(self, layout: Layout, numbers: Sequence[Numbers]) -> None:
-        # {link: the one that carries it}, {link: the one in whose frame it is solved}
-        self._frame, self._solved = {1: 0}, {1: 0}
-        self._sliding: set[int] = set()
+        """Choose the frame of each dyad, in their order, from the links and joints before it."""
+        self._frame = {1: 0}        # {link: its frame, for a link that slides its carrier}
+        self._solved = {1: 0}       # {link: the link in whose frame its dyad is solved}
+        self._sliding: set[int] = set()             # links that slide in their carriers
+        # of each dyad [(link that slides, its slide)]
         self._slides = [slides_of(stage, own) for stage, own in zip(layout.stages, numbers)]
-        self._anchors: dict[int, Anchor] = {}
+        self._anchors: dict[int, Anchor] = {}       # {link: where its first joint is pinned}
         if layout.driver != 'slide':
             self._anchors[1] = 0, FIRST_JOINT
         self._joints = Joints(layout.driver)
-        self._work = []
+        self._hangings: list[Hanging] = []
         for stage, own, slides in zip(layout.stages, numbers, self._slides):
-            frame, pair = (stage.pair.frame, None) if stage.pair else self._frame_of(stage)
+            frame, pinned = (stage.pair.frame, None) if stage.pair else self._frame_of(stage)
             carriers = {link: carrier for link, (carrier, _, _) in slides}
             self._sliding.update(carriers)
             for link in (stage.number, stage.number + 1):
                 self._frame[link], self._solved[link] = carriers.get(link, frame), frame
-            at_p, at_q = own.p, own.q
-            self._work.append((stage, frame, at_p, at_q,
-                               None if pair or stage.pair
-                               else self._arms(stage, frame, at_p, at_q), pair))
-            if self._is_pinned_to_carrier(stage, frame, pair):
+            arms = None if pinned or stage.pair else self._arms(stage, frame, own.p, own.q)
+            self._hangings.append(Hanging(stage, frame, own.p, own.q, arms, pinned))
+            if self._is_pinned_to_carrier(stage, frame, pinned):
                 self._solved[stage.number] = stage.first
             self._anchors.update(anchors_of(stage, own))
             self._joints.add(stage, own)
@@ -197,11 +211,15 @@ class Frames:
                 return parent, None
         return frame, None
 
-    def _is_pinned_to_carrier(self, stage: Stage, frame: int, pair: Anchor | None) -> bool:
-        """Return whether a dyad solved on a block, or a crank, is pinned to what carries that."""
+    def _is_pinned_to_carrier(self, stage: Stage, frame: int, pinned: Anchor | None) -> bool:
+        """
+        Return whether P of a dyad is on the link that carries its frame, a block or a crank.
+
+        Its first link is then known in the frame of that carrier too, without the frame's motion.
+        """
         if stage.pair:
             return stage.kind == RRP and stage.first in list(self._up(frame))[1:]
-        return (pair is None and stage.kind in (RRP, RPP) and frame == stage.second
+        return (pinned is None and stage.kind in (RRP, RPP) and frame == stage.second
                 and frame in self._sliding and self._frame[frame] == stage.first)
 
     def _up(self, link: int) -> Iterator[int]:
@@ -212,7 +230,11 @@ class Frames:
         yield 0
 
     def _path(self, link: int, arm: tuple[Scalar, Scalar]) -> list[Anchor]:
-        """Return (link, place on it) of a point, then of first joints as long as they are pins."""
+        """
+        Return the way down from a point: (link, place on it) of the point, then of pins.
+
+        Each next one is where the first joint of the link before is pinned; a slide ends it.
+        """
         found = [(link, arm)]
         while link in self._anchors:
             link, arm = self._anchors[link]
@@ -246,7 +268,11 @@ class Frames:
         return next(link for link in self._up(other) if link in chain)
 
     def base_of(self, link: int, frame: int) -> int:
-        """Return the link in between, in which a link is known and which is known in a frame."""
+        """
+        Return the link over which :meth:`Poses.of` composes the curve of a link in a frame.
+
+        The frame in which its dyad was solved, if that moves in ``frame``, else its own frame.
+        """
         solved = self._solved[link]
         return solved if frame in self._up(solved) else self._frame[link]
 
@@ -260,11 +286,12 @@ class Frames:
 
         In place of D a pair gets its angle or slide, and a cylinder what drives it.
         """
-        stage, frame, at_p, at_q, arms, pair = self._work[number]
+        stage, frame, at_p, at_q, arms, pinned = self._hangings[number]
         if stage.pair:
             return self._hang_pair(stage, poses, at_p, at_q)
-        if pair:
-            poses.pin(frame, *pair, self.common(frame, pair[0]))
+        if pinned:
+            link, arm = pinned
+            poses.pin(frame, link, arm, self.common(frame, link))
         first, second = poses.of(stage.first, frame), poses.of(stage.second, frame)
         nodes = point_of(first, *at_p), point_of(second, *at_q)
         apart: Any
@@ -311,13 +338,13 @@ class Frames:
         return c0 * c + s0 * s, c0 * s - s0 * c, turn - turn0, bend - bend0
 
     def add(self, number: int, poses: Poses, moved: DyadMotion) -> tuple[Curve, Curve]:
-        """Take the curves of a dyad's links in its frame; return those in the machine's frame."""
-        stage, frame, at_p, *_ = self._work[number]
+        """Add to the poses how a dyad moved in its frame; return its links' curves in frame 0."""
+        stage, frame, at_p, *_ = self._hangings[number]
         one, two = stage.number, stage.number + 1
-        poses.known[one, frame], poses.known[two, frame] = moved[:2]
-        poses.relations.update(moved[5])
+        poses.known[one, frame], poses.known[two, frame] = moved.first, moved.second
+        poses.relations.update(moved.relations)
         if self._solved[one] != frame:      # its joint does not feel how the block moves
             poses.pin(stage.first, one, at_p, frame)
         for k, (link, slide) in enumerate(self._slides[number]):
-            poses.slide(link, slide, moved[2][3 * k:3 * k + 3])
+            poses.slide(link, slide, moved.slides[3 * k:3 * k + 3])
         return poses.of(one, 0), poses.of(two, 0)

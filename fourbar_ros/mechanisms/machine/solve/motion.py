@@ -49,6 +49,7 @@ from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 Errors = tuple[Scalar, Scalar]
 EXACT: Errors = (0.0, 0.0)
 Driver = Callable[[Scalar], Driven]
+# Of all links or dyads, in the order that :func:`make_walk` states.
 Walked = tuple[list[Curve], list[tuple[Scalar, ...]], list[tuple[Scalar, Scalar]], list[Errors],
                list[Direction]]
 Walk = Callable[[Scalar], Walked]
@@ -169,11 +170,11 @@ def make_walk(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
         poses = frames.begin(driven)
         for number, (stage, moves, errors_of) in enumerate(work):
             moved = moves(*frames.hang(number, poses))
-            _, _, slid, sine, cosine, _ = moved
             curves += frames.add(number, poses, moved)
-            slides.append(slid)
-            transmissions.append((sine, cosine))
-            errors += errors_of(errors[stage.first], errors[stage.second], slid, sine, cosine)
+            slides.append(moved.slides)
+            transmissions.append((moved.sine, moved.cosine))
+            errors += errors_of(errors[stage.first], errors[stage.second], moved.slides,
+                                moved.sine, moved.cosine)
         return (curves, slides, transmissions, errors,
                 [frames.relation(j, i, poses) for i, j in pins])
     return walk

@@ -106,7 +106,12 @@ class Joints:
         self.slides = {(1, 0): (FIRST_JOINT, (1.0, 0.0))} if driver == 'slide' else {}
 
     def add(self, stage: Stage, own: Numbers) -> None:
-        """Add where the pins and slides of a dyad are on the links that they join."""
+        """
+        Add the three joints of a dyad, so that later dyads find them.
+
+        Two are on the links that it hangs on, one joins its own links: of RRR at the far ends of
+        both rods, which is no first joint.
+        """
         for link, (carrier, place) in anchors_of(stage, own).items():
             self.pins[link, carrier] = FIRST_JOINT, place
         if stage.kind == RRR:
@@ -227,7 +232,11 @@ def by_input(way: Sequence[Scalar], first: Scalar, second: Scalar) -> tuple[Scal
 
 
 def make_rrr_pair(n: NumberType, sign: Scalar, stage: Stage, own: Numbers) -> MovesDyad:
-    """Return the motion of RRR as coupler and output link of a 4R linkage."""
+    """
+    Return the function that moves RRR as coupler and output link of a 4R linkage.
+
+    It takes the angle from g to a, the arms of the pin that joins the links the dyad hangs on.
+    """
     a1, a4, cos_0, sin_0, *of_g = own.shape
     first = stage.turns_first
     side, (a2, a3) = (1.0, own.sizes) if first else (-1.0, own.sizes[::-1])
@@ -246,13 +255,17 @@ def make_rrr_pair(n: NumberType, sign: Scalar, stage: Stage, own: Numbers) -> Mo
         on_other: Direction = *turned_by((cos_bx, sin_bx), of_a), *by_input(way, d_bx, dd_b)
         between: Direction = cos_mu, side * sin_mu, *by_input(way, side * d_mu, side * dd_mu)
         directions = (coupler, output) if first else (output, coupler)
-        return ((*at_p, *directions[0]), (*at_q, *directions[1]), (), side * sin_mu, cos_mu,
-                {(one if first else two, other): on_other, (two, one): between})
+        return DyadMotion((*at_p, *directions[0]), (*at_q, *directions[1]), (), side * sin_mu,
+                          cos_mu, {(one if first else two, other): on_other, (two, one): between})
     return motion
 
 
 def make_rrp_pair(n: NumberType, sign: Scalar, stage: Stage, own: Numbers) -> MovesDyad:
-    """Return the motion of RRP as rod and block of a slider-crank; the frame has the line."""
+    """
+    Return the function that moves RRP as rod and block of a slider-crank.
+
+    The frame has the line of the block; the crank is a, from the pin O to P on the other link.
+    """
     (a1, e, cos_0, sin_0, start, o_x, o_y), (a2, *line) = own.shape, own.sizes
     unit, of_0 = n.power_of_two(a1, a2, e), (cos_0, sin_0)
     rod_on_line = make_rod_on_line(n, a1 / unit, a2 / unit, e / unit, sign, True)
@@ -274,7 +287,8 @@ def make_rrp_pair(n: NumberType, sign: Scalar, stage: Stage, own: Numbers) -> Mo
         block = (foot_x + s * t_x, foot_y + s * t_y, d_s * t_x, d_s * t_y, dd_s * t_x,
                  dd_s * t_y, t_x, t_y, 0.0, 0.0)
         on_other: Direction = *turned_by((cos_2, sin_2), of_a), *by_input(way, d_2, dd_b)
-        return rod, block, (s - start, d_s, dd_s), cos_b, sin_b, {(one, other): on_other}
+        return DyadMotion(rod, block, (s - start, d_s, dd_s), cos_b, sin_b,
+                          {(one, other): on_other})
     return motion
 
 
@@ -284,11 +298,12 @@ def _bar(stage: Stage, at_p: Node, at_q: Node, direction: Direction, slide: tupl
     c, s, turn, bend = direction
     if not stage.turns_first:
         c, s = -c, -s
-    return ((*at_p, c, s, turn, bend), (*at_q, c, s, turn, bend), slide, sine, cosine, relations)
+    return DyadMotion((*at_p, c, s, turn, bend), (*at_q, c, s, turn, bend), slide, sine, cosine,
+                      relations)
 
 
 def make_rpr_pair(n: NumberType, sign: Scalar, stage: Stage, own: Numbers) -> MovesDyad:
-    """Return the motion of RPR as block and bar of an inverted slider-crank."""
+    """Return the function that moves RPR as block and bar of an inverted slider-crank."""
     (a1, a4, cos_0, sin_0, *of_g), (h,) = own.shape, own.sizes
     unit = n.power_of_two(a1, a4, h)
     block_on_bar, half_angle = make_block_on_bar(
@@ -313,7 +328,11 @@ def make_rpr_pair(n: NumberType, sign: Scalar, stage: Stage, own: Numbers) -> Mo
 
 
 def make_rrr_slide(n: NumberType, sign: Scalar, stage: Stage, own: Numbers) -> MovesDyad:
-    """Return the motion of RRR as crank and coupler of a slider-crank driven by its slider."""
+    """
+    Return the function that moves RRR as crank and coupler of a slider-crank.
+
+    Its slider drives: the one of both links the dyad hangs on that slides in the other.
+    """
     (shift, e, *line), first = own.shape, stage.turns_first
     on_other, on_frame = own.sizes if first else own.sizes[::-1]
     unit, side = n.power_of_two(on_other, on_frame, e), 1.0 if first else -1.0
@@ -330,13 +349,13 @@ def make_rrr_slide(n: NumberType, sign: Scalar, stage: Stage, own: Numbers) -> M
         others: Direction = *turned_by((-cos_b, -sin_b), line), *by_input(scaled, d_b, dd_b)
         d_2, dd_2 = by_input(scaled, -side * d_2, -side * dd_2)
         directions = (others, frames) if first else (frames, others)
-        return ((*at_p, *directions[0]), (*at_q, *directions[1]), (), side * sin_2, -cos_2,
-                {(two, one): (-cos_2, side * sin_2, d_2, dd_2)})
+        return DyadMotion((*at_p, *directions[0]), (*at_q, *directions[1]), (), side * sin_2,
+                          -cos_2, {(two, one): (-cos_2, side * sin_2, d_2, dd_2)})
     return motion
 
 
 def make_rpr_slide(n: NumberType, sign: Scalar, stage: Stage, own: Numbers) -> MovesDyad:
-    """Return the motion of RPR whose block, or whose pivot, slides along a line."""
+    """Return the function that moves RPR whose block, or bar, hangs on a slider, (P3), (P4)."""
     (shift, e, *line), (h,) = own.shape, own.sizes
     unit = n.power_of_two(e, h, shift)
     per, sqrt, where = 1.0 / unit, n.sqrt, n.where
@@ -363,6 +382,7 @@ def make_rpr_slide(n: NumberType, sign: Scalar, stage: Stage, own: Numbers) -> M
     return motion
 
 
+# {(kind, whether a slide, not a pin, joins the links it hangs on): maker of its function}
 PAIRS = {(RRR, False): make_rrr_pair, (RRP, False): make_rrp_pair, (RPR, False): make_rpr_pair,
          (RRR, True): make_rrr_slide, (RPR, True): make_rpr_slide}
 
@@ -375,20 +395,27 @@ def rod_of_cylinder(at_p: Node, at_q: Node, driven: Any, _first: Curve,
     ``driven``: length, direction of the rod, sine and cosine of the transmission angle.
     """
     slide, rod, sine, cosine = driven
-    return (*at_p, *rod), (*at_q, *rod), (slide, 1.0, 0.0), sine, cosine, {}
+    return DyadMotion((*at_p, *rod), (*at_q, *rod), (slide, 1.0, 0.0), sine, cosine, {})
 
 
 def make_moves(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
                signs: Sequence[Scalar]) -> list[MovesDyad]:
     """
-    Return for each dyad the function that solves it for its links, see MovesDyad.
+    Return for each dyad the function that solves it for its links, a :data:`MovesDyad`.
 
-    The general form of :mod:`.dyads`; that of a pair where the general one would lose digits.
+    ``PAIRS`` has the makers of those between links that are joined to each other and marked so
+    (``stage.pair``: the general form would lose digits), ``MAKERS`` the general ones of
+    :mod:`.dyads`. ``signs``: the assembly mode of each dyad as +-1.
     """
-    return [rod_of_cylinder if stage.name == CYLINDER
-            else PAIRS[stage.kind, stage.pair.slides](n, sign, stage, own) if stage.pair
-            else MAKERS[stage.kind](n, sign, *own.sizes)
-            for stage, own, sign in zip(layout.stages, numbers, signs)]
+    moves: list[MovesDyad] = []
+    for stage, own, sign in zip(layout.stages, numbers, signs):
+        if stage.name == CYLINDER:
+            moves.append(rod_of_cylinder)
+        elif stage.pair:
+            moves.append(PAIRS[stage.kind, stage.pair.slides](n, sign, stage, own))
+        else:
+            moves.append(MAKERS[stage.kind](n, sign, *own.sizes))
+    return moves
 
 
 # --- where one closes ----------------------------------------------------------------------------
@@ -425,13 +452,19 @@ class Closure:
     """
 
     def __init__(self, stage: Stage, own: Numbers) -> None:
-        """Compute the factors once: ``own`` are the numbers of the dyad, with ``shape``."""
+        """
+        Compute the factors once, from the dyad's ``own`` numbers with their ``shape``.
+
+        That is (|a|, |g|, ...) where a pin joins the links it hangs on; with a slide (sigma where
+        the slide is zero, e, ...): see :func:`shaped`.
+        """
         assert stage.pair is not None
         self.slides, self.is_sine = stage.pair.slides, stage.kind == RRP
         # sigma where the slide is zero, or the direction of the other link where the angle is
         self._start: Any = own.shape[0] if self.slides else own.shape[2:4]
         self._factors = _factors(stage, own)
         one, other = own.shape[:2]
+        # the lengths of its rods [m] and, with a pin, of the arms a and g (RRP has no g)
         rods = [*own.sizes[:{RRR: 2, RRP: 1, RPR: 0}[stage.kind]],
                 *(() if self.slides else own.shape[:1 if self.is_sine else 2])]
         self._rods = min(rods, default=1.0), max(rods, default=1.0)
@@ -523,14 +556,17 @@ def _factors(stage: Stage, own: Numbers) -> list[Factor]:
     """
     Return the one or two factors of a pair's discriminant, positive where it closes.
 
-    Of RRR they are (r1 + r2)^2 - d^2 and d^2 - (r1 - r2)^2, with d from P to Q: ``first`` and
-    ``second`` less or more one another where the angle is 0 or pi. Sums of lengths are exact, so
-    that a factor is 0.0 just at a change point.
+    Of RRR they are (r1 + r2)^2 - d^2 and d^2 - (r1 - r2)^2, with d the distance of P and Q. Where
+    a pin joins the links, |a| and |g| add up to it at the angle pi and differ by it at 0: the
+    ``minus`` and the ``plus`` of a factor are its values there. With a slide d^2 = sigma^2 + e^2.
+    Lengths are scaled by a power of two and their sums exact, so that a factor is 0.0 just at a
+    change point.
     """
     assert stage.pair is not None
     unit = power_of_two(*own.sizes[:1 + (stage.kind == RRR)],
                         *own.shape[stage.pair.slides:2])
     sizes = [size / unit for size in own.sizes]
+    # |a| and |g| (of RRP e); with a slide: sigma where it is zero, not read, and e
     first, second = [length / unit for length in own.shape[:2]]
     if stage.pair.slides:
         if stage.kind == RPR:
