@@ -224,9 +224,9 @@ def _coordinates(linkage: Mechanism) -> dict[str, Place]:
     if hasattr(linkage, 'stages'):
         from fourbar_ros.scene.machines import slides_in
         places |= {f'slide_{link}': Way(Attachment(link), Attachment(*origin), atan2(sine, cosine))
-                  for link, origin, (cosine, sine) in slides_in(linkage)}
+                   for link, origin, (cosine, sine) in slides_in(linkage)}
     elif 'slide' in names:
         # of a bar that turns, along it from its pivot; else along x
         places['slide'] = (Way(Attachment('coupler'), Attachment('output'))
-                          if linkage.SLIDE_DIRECTION else Way(Attachment('output')))
+                           if linkage.SLIDE_DIRECTION else Way(Attachment('output')))
     return places

@@ -441,14 +441,14 @@ def test_every_verb_explains_itself_with_ros_and_mcap_blocked():
     verbs = [[], ['bag'], ['replay'], ['record'],
              *(['bag', a] for a in ('info', 'recover', 'recompute', 'export',
                                     'plot', 'diff', 'scene'))]
-    code = f'''import sys; sys.modules.update(rclpy=None, mcap=None, matplotlib=None)
+    code = f"""import sys; sys.modules.update(rclpy=None, mcap=None, matplotlib=None)
 from fourbar_ros.cli.main import main
 for verb in {verbs}:
     try:
         main([*verb, '--help'])
     except SystemExit as ended:
         assert not ended.code
-    print('#', end='')'''
+    print('#', end='')"""
     done = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True,
                           check=False)
     assert done.returncode == 0, done.stderr

@@ -220,8 +220,8 @@ class Scan:
 
     def _can_be_at(self, offset: int, opcode: int, end: int) -> bool:
         """Return whether a record of this kind can stand from an offset to another."""
-        if self._data_end and (end > self._data_end or (opcode == Opcode.DATA_END)
-                            != (end == self._data_end)):
+        ends = end == self._data_end
+        if self._data_end and (end > self._data_end or (opcode == Opcode.DATA_END) != ends):
             return False
         if (opcode == Opcode.HEADER) != (offset == len(MAGIC)):
             return False

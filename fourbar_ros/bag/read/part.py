@@ -186,8 +186,8 @@ class Channels:
             return
         known = self.by_number if kind is Channel else self._schemas      # both by number in bag
         if kind is Channel:         # it names its schema by the number in the file
-            record = replace(record, schema_id=self._numbers_in_bag.get((Schema, record.schema_id),
-                                                                 record.schema_id))
+            number = self._numbers_in_bag.get((Schema, record.schema_id), record.schema_id)
+            record = replace(record, schema_id=number)
         number = record.id
         if number in known and not _is_same(known[number], record):
             if self._is_first:

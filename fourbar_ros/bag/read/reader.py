@@ -286,6 +286,7 @@ class Bag:
         time.sleep(POLL)
         return True
 
+
 def records(path: str | Path, topics: Iterable[str] | None = None, start: int | None = None,
             follow: bool = False) -> Iterator[Record]:
     """Yield every :class:`Record` of a bag; see :meth:`Bag.raw`."""

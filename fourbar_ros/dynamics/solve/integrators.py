@@ -370,7 +370,6 @@ def _ends_at(task: Task, times: Sequence[float], state: Array) -> str:
     return COMPLETE
 
 
-
 def _targets(task: Task) -> list[tuple[float, float]]:
     """Return (time, next stop) of all times to go to, in order: stops and times asked for."""
     stops = np.unique(np.concatenate([task.stops, [task.last]]))

@@ -153,9 +153,9 @@ class PhaseSteps:
 
     def _begun(self, state: State, regime_at: RegimeAt, near: float) -> tuple[Regime, State]:
         """
-        Return the regime of the source from a state on, and the state, put on the limit if it
-        slides.
+        Return the regime of the source from a state on, and the state.
 
+        A state that slides is put on the limit.
         A smooth law is replaced by its tangent at this speed. ``near``: error of the speed.
         """
         speed, own = self._speed(state), state[4]
@@ -247,10 +247,9 @@ class PhaseSteps:
 
     def _to_kink(self, state: State, new: State, h: float, gain: float, regime: Regime) -> float:
         """
-        Return the part of a step, in (0, 1], after which the regime of the source ends; 1: it
-        holds.
+        Return the part of a step, in (0, 1], after which the regime of the source ends.
 
-        Found by bisection, with the speed between both ends as quadratic (``gain``: its derivative
+        1: it holds. Found by bisection, with the speed between both ends as quadratic (``gain``: its derivative
         at the start) and the source's own state as linear.
         """
         speed, own, gain, margins = self._speed(state), state[4], h * gain, regime.margins
