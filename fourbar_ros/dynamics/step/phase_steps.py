@@ -249,8 +249,8 @@ class PhaseSteps:
         """
         Return the part of a step, in (0, 1], after which the regime of the source ends.
 
-        1: it holds. Found by bisection, with the speed between both ends as quadratic (``gain``: its derivative
-        at the start) and the source's own state as linear.
+        1: it holds. Found by bisection, with the speed between both ends as quadratic (``gain``:
+        its derivative at the start) and the own state of the source as linear.
         """
         speed, own, gain, margins = self._speed(state), state[4], h * gain, regime.margins
         bend = self._speed(new) - speed - gain
