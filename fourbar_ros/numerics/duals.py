@@ -15,6 +15,7 @@ A derivative that is not listed is zero, and costs nothing: masses do not act on
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import reduce
 from typing import Any, Union
 
 from fourbar_ros.numerics.arrays import Array
@@ -215,9 +216,7 @@ def duals_of(numbers: NumberType, dual: type[Dual] = Dual) -> NumberType:
 
     def exact_sum(terms: Sequence[Operand]) -> Dual:
         """Return the sum of duals and numbers, its value rounded once, not after each term."""
-        by: Derivatives = {}
-        for term in terms:
-            by = _sum(by, derivatives_of(term))
+        by: Derivatives = reduce(_sum, map(derivatives_of, terms), {})
         return dual(numbers.exact_sum([value_of(term) for term in terms]), by)
 
     where = _where_of(numbers.where, dual)

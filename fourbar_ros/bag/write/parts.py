@@ -52,7 +52,7 @@ class Parts:
         self.folder, self.file, self.ended = folder, file, ''
         self._path = folder / f'{folder.name}_0.mcap'
         self._channels, self._topics = channels, [channel.topic for channel in channels]
-        self._about, self._given, self._is_synced = about, given, is_synced
+        self._about, self._given, self._syncs = about, given, is_synced
         latched = {i for i, channel in enumerate(channels) if channel.latched}
         self._splitter = Splitter(split, latched) if split.is_wanted else None
         # of this part: the first sequence number of each channel, messages that it repeats
@@ -99,14 +99,14 @@ class Parts:
         self.ended = why
         self._describe()
         self.container.finish()
-        if self._is_synced:
+        if self._syncs:
             os.fsync(self.file.fileno())
         self.write_metadata_file()
 
     def sync_finished(self) -> None:
         """Bring finished parts to the disk and close them."""
         while self._unsynced:
-            if self._is_synced:
+            if self._syncs:
                 os.fsync(self._unsynced[0].fileno())
                 sync_folders(self.folder)
             self._unsynced.popleft().close()
@@ -166,7 +166,7 @@ class Parts:
         for message in self._repeats:
             container.add_message(message.channel + 1, message.sequence, time, message.data,
                                   published=message.time)
-        if not self._is_synced:
+        if not self._syncs:
             self.sync_finished()
         self._remove_outdated(time, splitter)
 

@@ -112,7 +112,11 @@ class FourBarLinks(Mechanism):
 
     @of_geometry
     def margins(self) -> tuple[float, ...]:
-        """Return a4 - a1 + a3 - a2, a4 - a1 - a3 + a2 and a2 + a3 - a4 - a1 [m]."""
+        """
+        Return the signed distances [m] from the three change points of Grashof's classification.
+
+        a4 - a1 + a3 - a2, a4 - a1 - a3 + a2 and a2 + a3 - a4 - a1; a1 is the crank, a4 the ground.
+        """
         a1, a2, a3, a4 = self.lengths
         return (fsum((a4, -a1, a3, -a2)), fsum((a4, -a1, -a3, a2)), fsum((a2, a3, -a4, -a1)))
 

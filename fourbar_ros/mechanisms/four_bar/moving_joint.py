@@ -207,7 +207,7 @@ class MovingJointFourBar(FourBarLinks):
                      for mode in FourBar.MODES)
 
     def read_coordinate(self, numbers: NumberType, curves: Any) -> tuple[Any, Any, Any]:
-        """Return theta2 or theta3 and its two derivatives from coefficients of the links."""
+        """Return theta2 or theta3 and two derivatives by the input; ``curves`` of the links."""
         # angle of the second link to the first; theta3 counts from B A, half a turn on
         first, side = (0, 1.0) if self.input == JOINT_A else (1, -1.0)
         (*_, c1, s1, d1, dd1), (*_, c2, s2, d2, dd2) = curves[first:first + 2]
