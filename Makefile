@@ -4,7 +4,7 @@ SCENE ?= config/paper.yaml
 SECONDS ?= 5
 MINUTES ?= 60
 FOLDER ?= /var/cache/fourbar_arm64
-WORKERS ?= 3
+WORKERS ?= 4
 ARGS ?=
 SPREAD = -n $(WORKERS) --dist loadfile --no-loadscope-reorder --durations=12
 export PYTHON
