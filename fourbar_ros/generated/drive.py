@@ -345,7 +345,7 @@ def tables(forces: Sequence[Any], name: str) -> list[str]:
         inner, first = table.places[1:-1], table.places[0]
         second = table.span if table.is_periodic else table.places[-1]
         turned = ([f'  place = {literal(force.middle)} + remainder(place - '
-                   f'{literal(force.middle)}, 6.283185307179586);']
+                   f'{literal(force.middle)}, {literal(tau)});']
                   if force.middle is not None else [])
         found += [
             f'static double called_{i}(double place)\n{{',

@@ -35,6 +35,7 @@ it slides along the limit (Filippov, Differential Equations with Discontinuous R
 """
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -138,7 +139,7 @@ def always(piece: Piece, tangent: Tangent | None = None) -> RegimeAt:
     return regime_at
 
 
-class Law:
+class Law(ABC):
     """
     A torque source with a law of speed and state, in steps of the node too.
 
@@ -160,9 +161,9 @@ class Law:
     def __post_init__(self) -> None:
         check_quantities(self)
 
+    @abstractmethod
     def make_regime_at(self) -> RegimeAt:
         """Return the function of speed and state that gives the law there, as a Regime."""
-        raise NotImplementedError
 
     def torque(self, time: float, speed: float, state: State) -> Answer:
         """Return the torque on the output shaft [N m] and the derivative of the state."""
