@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-From a trajectory of the output to that of the drive and back, with what the links ask for.
+From a trajectory of the output to that of the drive and back, with the loads of the links.
 
 >>> from fourbar_ros import load_scene
 >>> from fourbar_ros.transmission import trajectory, Transmission
@@ -68,7 +68,7 @@ def trajectory(position: ArrayLike, rate: ArrayLike = 0.0,
     """
     Return a :class:`Trajectory` of numbers and arrays, which are broadcast; all finite.
 
-    Where acceleration or effort is None, what answers it has none.
+    Where acceleration or effort is None, the answer has none.
     """
     given = {name: np.atleast_1d(np.asarray(values, float))
              for name, values in zip(Trajectory._fields, (position, rate, acceleration, effort))
@@ -202,9 +202,9 @@ class Transmission:
         """
         Return a result, or raise CannotFollow for its first sample that is not finite.
 
-        ``coordinate``: the input or the output, of which the result is. ``asked``: the trajectory
-        it follows from. ``at_toggle``, ``outputs``: for each sample, whether the output is at a
-        toggle, and its position.
+        ``coordinate``: the input or the output that the result belongs to. ``asked``: the
+        trajectory it follows from. ``at_toggle``, ``outputs``: for each sample, whether the output
+        is at a toggle, and its position.
         """
         numbers = {name: values for name, values in zip(result._fields, result)
                    if values is not None}

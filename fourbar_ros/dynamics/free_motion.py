@@ -91,7 +91,7 @@ class FreeMotion:
 
         Raises InvalidParameter for an equilibrium, and for a motion that reaches a limit.
         """
-        if rate == 0.0:      # the start is one of them: which one, the force says
+        if rate == 0.0:      # the start is a turning point: the force says which
             pushes = self._equation.terms(self._start).force
             if pushes == 0.0:
                 raise InvalidParameter('system', None, 'must not rest in an equilibrium')
@@ -191,7 +191,7 @@ class FreeMotion:
 
     @property
     def accuracy(self) -> float:
-        """Return the relative error of times to be expected: what the series leaves out."""
+        """Return the expected relative error of times, from terms that the series leaves out."""
         return self._resolved[0]
 
     @property
@@ -261,10 +261,10 @@ class FreeMotion:
 
     def error(self, times: Array) -> float:
         """
-        Return the largest error of the position to be expected at times [rad] or [m].
+        Return the largest expected error of the position at times [rad] or [m].
 
-        The energy is known to its rounding only: the motion is computed again with that much more
-        energy, and compared. To this comes the error of the series, which grows with the time.
+        The energy is known only to its rounding: the motion is computed again with that much more
+        energy, and compared. The error of the series, which grows with the time, is added.
         """
         states, (position, rate) = self.states(times), (self._start, self._rate)
         _, size = self._equation.potential_and_size(position)

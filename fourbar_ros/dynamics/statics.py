@@ -40,9 +40,9 @@ def equilibria(equation: Equation, drive: float = 0.0) -> tuple[Equilibrium, ...
     Return all static equilibria in this assembly mode, in order of the input.
 
     ``drive``: constant torque (force) T of the drive. Equilibria are sign changes of Q + T on 2048
-    samples of each range of the input, and pairs of them between samples where |Q + T| dips. Where
-    Q + T is zero over an interval none is found, and where Q jumps over zero, as at the wrap of a
-    torsion spring, there is none.
+    samples of each range of the input, and pairs of them between samples where |Q + T| dips. None
+    is found where Q + T is zero over an interval. A jump of Q over zero, as at the wrap of a
+    torsion spring, is no equilibrium.
     """
     places = []
     for samples in _samples(equation.mechanism, equation.turns):
@@ -59,7 +59,8 @@ def _jumps(equation: Equation, place: float, drive: float) -> bool:
     """
     Return whether Q + T only jumps over zero at a place, as where the angle of a spring wraps.
 
-    At a root both values 1e-9 beside it are as small as the slope says; at a jump they are not.
+    At a root the values 1e-9 on either side are as small as the slope says; at a jump they are
+    not.
     """
     aside = 1e-9 * equation.mechanism.input_unit
     below, here, above = equation.terms(place + aside * np.arange(-1.0, 2.0)).force + drive

@@ -143,7 +143,7 @@ def _collected(found: Columns, others: list[Columns]) -> tuple[Extrema, Array]:
     """
     Return :class:`Extrema` of columns, sorted by linkage and theta1, the global ones marked.
 
-    Also the linkages with a nearly global extremum, which may be global as conditions tell.
+    Also the linkages with a nearly global extremum, which may be global within its condition.
     """
     index, theta1, *rest = (np.concatenate(arrays) for arrays in zip(found, *others))
     theta1 = fold(theta1)

@@ -11,8 +11,8 @@ line. With R the rate of the output over that of the crank, at constant rate of 
 
 so omega4 is extreme where the axis is square to the coupler, alpha4 where the last term is zero
 but R is not 0 or 1. The first is Freudenstein's (1956).
-Joints are homogeneous, (x w, y w, w): a slide is a joint at infinity, and of a slide that is
-driven by a crank
+Joints are homogeneous, (x w, y w, w): a slide is a joint at infinity, and for a slide that a crank
+drives
 
     (K2)  R' = R cot(l),    d(tan l)/d(theta1) = 1 - R R''/R'^2
 

@@ -14,7 +14,7 @@ from fourbar_ros.mechanisms.quantities import Asked
 from fourbar_ros.numerics.arrays import Array, EPS
 import numpy as np
 
-# Step of real differences of fourth order, in samples: their error is about that of rounding.
+# Step of real differences of fourth order, in samples: their error is about as large as rounding.
 DIFFERENCE = 2.0**-6
 
 
@@ -80,8 +80,8 @@ class DifferenceSampler(Sampler):
         """
         Return x; at a kink of the quantity, the place of the extremum by golden section.
 
-        By hand, as scipy.optimize.minimize_scalar takes one bracket at a time: this takes all of
-        them, each of another quantity, with one evaluation of motion and loads a step.
+        scipy.optimize.minimize_scalar takes one bracket at a time. This takes all brackets, each
+        of another quantity, with one evaluation of motion and loads per step.
         """
         low, high = x - 4.0 * self.step(x), x + 4.0 * self.step(x)
         part, i = 0.5 * (sqrt(5.0) - 1.0), np.arange(x.size)

@@ -1,11 +1,11 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Quantities where rounding hides what they do: computed in many digits, some milliseconds a sample.
+Quantities hidden by rounding, computed in many digits: some milliseconds a sample.
 
-Near toggles, and behind links that are near theirs, a value may be all rounding, or the slope of a
-value that has most of its digits. Here both are known, for the data of the mechanism taken to the
-last bit. How far one rounding of each datum moves a value says what of it is meant.
+Near toggles, and behind links near their toggles, a value may be all rounding; or the slope is,
+while the value keeps most of its digits. Here both are computed for the data of the mechanism,
+taken to the last bit. One rounding of each datum moves a value: digits below that mean nothing.
 """
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ from fourbar_ros.numerics.laurent import Laurent, MANY_DIGITS, many_digits, seri
 from fourbar_ros.numerics.number_types import converted, Function
 import numpy as np
 
-# Steps of the input, and of a datum as a part of it: squares vanish beside the 80 digits.
+# Steps of the input, and of a datum as a part of it: their squares vanish in 80 digits.
 STEP, PART = Decimal('1e-30'), Decimal('1e-30')
-# Roundings of each datum: what moves a value by less than these do is the same.
+# Roundings of each datum: values that differ by less than their effect are the same.
 ROUNDINGS = 4.0
 Formulas = tuple[Function, Function | None]     # of motion and loads
 WITHOUT_ANGLES = replace(MANY_DIGITS, name='many digits without angles',
@@ -84,7 +84,7 @@ class DigitSampler(Sampler):
         """
         Return by how much four roundings of each datum may move quantity ``row`` at x.
 
-        What is smaller depends on bits of the data that nobody meant. The derivatives by the data
+        Anything smaller depends on bits of the data that nobody meant. The derivatives by the data
         are differences in many digits.
         """
         own, size = self._decimals(x)[row], 0.0
@@ -104,7 +104,7 @@ class DigitSampler(Sampler):
             count = iter(range(len(values)))
 
             def moved(value: float, k: int = k, count: Iterator[int] = count) -> Laurent:
-                """Return a datum in many digits, the k-th one that is asked for a bit larger."""
+                """Return a datum in many digits, the k-th request a bit larger."""
                 number = Decimal(value)
                 return series(number * (1 + PART) if next(count) == k else number)
             yield converted(given._replace(sign=None), moved)._replace(sign=signs)

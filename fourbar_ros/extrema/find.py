@@ -3,11 +3,11 @@
 """
 All extrema of motion and loads over the input, for any linkage and mode.
 
-That none is missed is tested; with ``certify`` it is proved, or the result says that it is not.
+Tests check that none is missed. ``certify`` proves it, or the result says that it is not proved.
 
-How each quantity is searched for, :mod:`fourbar_ros.extrema.methods` chooses. To the extrema
-inside the input range come its ends: toggles, where quantities are unbounded, and the flat
-positions of change points, where they have one-sided values.
+:mod:`fourbar_ros.extrema.methods` chooses the search for each quantity. The ends of the input
+range count too: toggles, where quantities are unbounded, and the flat positions of change points,
+where they have one-sided values.
 """
 from __future__ import annotations
 
@@ -30,8 +30,7 @@ MINIMUM, MAXIMUM, CONSTANT = 'minimum', 'maximum', 'constant'
 INTERIOR, LIMIT, ONE_SIDED = 'interior', 'limit', 'one-sided'
 _KINDS = {-1: MINIMUM, 1: MAXIMUM, 0: CONSTANT}
 
-# A condition larger than this is that of a change point, where values of either side are not those
-# of the other.
+# A condition larger than this belongs to a change point, where values on both sides differ.
 TRUSTED = 1e6
 
 
@@ -59,8 +58,8 @@ class Extremum(NamedTuple):
     side : int
         +1 (-1): the input is approached from above (below); 0 in the interior.
     condition, value_condition : float
-        Link lengths each wrong by a relative eps move the place by up to eps * condition [rad or
-        m] and ``value`` by up to the relative eps * value_condition. NaN at ends.
+        If each link length is wrong by a relative eps, the place moves by up to eps * condition
+        [rad or m] and ``value`` by up to the relative eps * value_condition. NaN at ends.
     proof : str
         How it is known that no extremum inside the range is missing: '' if not asked, 'exact
         count', 'interval bounds ...', or 'not proved: ...'.
@@ -119,8 +118,8 @@ def find_extrema(linkage: Mechanism, quantities: Wanted = (), rate: float = 1.0,
     conditions : bool
         Also compute condition numbers, which takes a quarter of the time; else they are NaN.
     check : callable
-        Called between the pieces of the work, during a proof every tenth of a second or so; what
-        it raises ends the search.
+        Called between the pieces of the work, during a proof every tenth of a second or so; an
+        exception from it ends the search.
     seconds : float
         Time of a processor that a proof may take, for each quantity [s]; then it says so.
     progress : callable
@@ -179,8 +178,8 @@ def _extrema(quantity: Asked, linkage: Mechanism, found: list[PathExtremum],
     """
     Return the extrema of one quantity as records for users, by place, the global ones marked.
 
-    ``found``: from the search; ``proof``: what is said of their completeness. An extremum is
-    global if its value is the largest (smallest) within the errors of both.
+    ``found``: from the search; ``proof``: says whether they are complete. An extremum is global if
+    its value is the largest (smallest) within the errors of both.
     """
     if not found:
         return []

@@ -3,9 +3,9 @@
 """
 Motion and loads next to the flat position of an exact change point, where their formulas are 0/0.
 
-On either side of it, in one mode, all are Laurent series of the distance t
-(:mod:`fourbar_ros.numerics.laurent`). Within a part of their radius of convergence they are
-evaluated, for real or complex t, with all their digits, however small t is.
+On either side, in one mode, all quantities are Laurent series of the distance t
+(:mod:`fourbar_ros.numerics.laurent`). Within a part of their radius of convergence they keep all
+digits, however small the real or complex t is.
 """
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ from fourbar_ros.numerics.laurent import (
 from fourbar_ros.numerics.number_types import converted
 import numpy as np
 
-# Series are used up to this part of their scale, one to two times the distance of the next
-# singularity: what they leave out is 2^-60 of the first term, times a small power of TERMS.
+# The scale is one to two times the distance of the next singularity. Series are used up to this
+# part of it: they leave out 2^-60 of the first term, times a small power of TERMS.
 REACH = 2.0**-4
 
 
@@ -37,7 +37,7 @@ class Fields(NamedTuple):
     """
     Series of the fields of a motion or of loads in t, in units of a scale.
 
-    A field that is a length sqrt(x^2 + y^2) has two series; those of y stand after all fields.
+    A field that is a length sqrt(x^2 + y^2) has two series; the series of y come after all fields.
     """
 
     order: Array            # (series,), the lowest power of t of each

@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Sample points of the input that resolve any mechanism of which the singular inputs are known.
+Sample points of the input that resolve any mechanism with known singular inputs.
 
 The input is x = phi for a crank that turns fully, x = middle + half sin(phi) for a range between
 two toggles, where phi goes through them into the other assembly mode without a root. The samples
@@ -9,9 +9,9 @@ are equal steps of
 
     t(phi) = phi + sum over singular points of some kernels 2 atan(tan((phi - c)/2) / tanh(w/2)),
 
-each of which crowds a constant number of them within w of c. A quantity is analytic but for points
-z of the complex plane where the dyad is in line, or a pole; there c = Re z, w = |Im z|, and 4 w,
-16 w, ... make the samples thin out with the distance.
+where each kernel crowds a constant number of samples within w of c. A quantity is analytic except
+at poles and at points z of the complex plane where the dyad is in line. There c = Re z, w = |Im
+z|; kernels of the widths 4 w, 16 w, ... thin out the samples with the distance.
 """
 from __future__ import annotations
 
@@ -237,7 +237,7 @@ def _paths(kernels: Kernels, ends: dict[float, End],
 
 def _kernels(singular: Array, points: int) -> Kernels:
     """
-    Return the kernels of singular points, before them that of ``points`` equal steps of a turn.
+    Return the kernel of ``points`` equal steps of a turn, then those of singular points.
 
     A kernel is a term of t(phi) that crowds samples around the real part of such a point.
     A point at a distance w from the real inputs gets kernels of the widths w, 4 w, ... below 1.

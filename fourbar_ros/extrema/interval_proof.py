@@ -4,12 +4,11 @@
 Proof that quantities have no other extrema than those found: branch and bound with Taylor models.
 
 The formulas of motion and loads are evaluated once more, on
-:mod:`~fourbar_ros.numerics.taylor_models`, for all pieces between samples at once. Of each
-quantity they give a polynomial and a bound of its error over a piece, and so of its derivatives. A
-part of a piece over which the first derivative cannot vanish has no extremum; one over which the
-second cannot vanish has one if the first changes sign from end to end, and none otherwise; others
-are halved, which needs the polynomial alone. Pieces whose error leaves parts open are cut and
-evaluated again.
+:mod:`~fourbar_ros.numerics.taylor_models`, for all pieces between samples at once. For each
+quantity they give a polynomial and a bound of its error over a piece, and so of its derivatives.
+Where the first derivative cannot vanish there is no extremum. Where the second cannot vanish there
+is one if the first changes sign from end to end, else none. Other parts are halved, which needs
+the polynomial alone. Pieces whose error leaves parts open are cut and evaluated again.
 """
 from __future__ import annotations
 
@@ -43,7 +42,7 @@ NARROWEST = 2.0**-44
 WIDEST = 2.0**-20                      # how well places are known at least, in the input's unit
 # By how much pieces overlap, in their half widths and over x: more than by rounding.
 SLACK, SLACK_OF_X = 2.0**-38, 2.0**-46
-# Of the derivatives of the error by (x - middle) / half the width, over the error.
+# Bounds of the derivatives of the error by (x - middle) / half the width, over the error.
 _FIRST, _SECOND = [max(perm(k, order) * REACH**-k for k in range(40)) for order in (1, 2)]
 DIGITS = 4 * HALVINGS * (ORDER + 4) * UNIT     # more than all substitutions round
 _K = np.arange(1.0, ORDER + 1)
@@ -92,8 +91,8 @@ class Evaluator:
     """
     Computes enclosures of some quantities of a sampler over pieces of the input.
 
-    ``why_not``: {row: why a function cannot be enclosed}. ``squares``: rows of roots, as
-    magnitudes of forces, of which the square is enclosed.
+    ``why_not``: {row: why a function cannot be enclosed}. ``squares``: rows of roots, such as
+    magnitudes of forces: their squares are enclosed.
     """
 
     def __init__(self, sampler: Sampler) -> None:
@@ -141,9 +140,9 @@ def find_parts(sampler: Sampler, rows: Sequence[int], path: InputPath,
     """
     Return where the quantities ``rows`` of a sampler have their extrema on a path, with proof.
 
-    ``check``: called every 0.1 s or so with the share of the path that is decided; what it raises
-    ends the search. ``seconds``: of a processor, for each quantity; what is not decided then is
-    not proved.
+    ``check``: called every 0.1 s or so with the share of the path that is decided; an exception
+    from it ends the search. ``seconds``: of a processor, for each quantity; parts still open then
+    are not proved.
     """
     return _Search(sampler, rows, path).run(check, seconds * len(rows))
 
@@ -209,7 +208,7 @@ class _Search:
 
     def _evaluate_some(self) -> None:
         """
-        Evaluate the next 256 pieces, keep their extrema, and cut what they leave open.
+        Evaluate the next 256 pieces, keep their extrema, and cut the parts left open.
 
         A quantity is given up, with the reason, where cutting does not make its error smaller.
         """
@@ -265,9 +264,9 @@ def _parts_of(c: Array, error: Array, slack: Array,
     Return which of m functions leave parts of their piece open, and the extrema of the others.
 
     ``c``, ``error``: Taylor models, (m, ORDER + 1) and (m,). Lengths are in half widths of the
-    piece: ``slack`` by which pieces may overlap, so that no extremum is so near to an end, and
-    ``widest``, how well places are known at least. The extrema are (function, low, high, sense).
-    Parts of the piece are decided by their derivatives or halved, 8 times.
+    piece. ``slack``: overlap of pieces, which keeps extrema away from ends; ``widest``: largest
+    uncertainty of a place. The extrema are (function, low, high, sense). Parts of the piece are
+    decided by their derivatives or halved, 8 times.
     """
     slope = c[:, 1:] * (_K / REACH**_K)          # in s = (x - middle) / half the width
     size = np.abs(slope).sum(axis=1)

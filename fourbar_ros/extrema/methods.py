@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Which search, which sample points and which proof serve which quantity; chosen once a request.
+The search, the sample points and the proof for each quantity, chosen once per request.
 
 =============================  ==================================  ========================
 quantity                       search                              proof
@@ -125,7 +125,7 @@ class Methods:
         """
         Return the extrema of omega4 and alpha4 of a four-bar at constant input rate.
 
-        By the search that :mod:`.batch` uses for many linkages; ``row`` counts ``self._fast``.
+        It is the search that :mod:`.batch` uses for many linkages; ``row`` counts ``self._fast``.
         """
         assert isinstance(self._linkage, FourBar)
         both = rate_extrema(self._linkage, density * RATE_SAMPLES)
@@ -153,7 +153,7 @@ class Methods:
         Return the extrema and the text of the proof of each quantity.
 
         If extrema contradict a proof, they are searched once more with 8 times the samples.
-        ``found``: what the search found of each quantity; others as for :meth:`prove`.
+        ``found``: results of the search for each quantity; others as for :meth:`prove`.
         """
         proofs = self.prove(found, check, seconds)
 
@@ -170,8 +170,8 @@ class Methods:
         Return a proof of each quantity, whose ``verdict`` compares extrema with it.
 
         ``found``: the extrema of each quantity. ``check``: called with the share of the work that
-        is done; what it raises ends the work. ``seconds``: of a processor, for each quantity; what
-        is not decided then is not proved.
+        is done; an exception from it ends the work. ``seconds``: of a processor, for each
+        quantity; parts still open then are not proved.
         """
         from fourbar_ros.extrema import proof
 

@@ -27,17 +27,17 @@ from fourbar_ros.numerics.newton import newton_roots, SMALL
 from fourbar_ros.numerics.roots import find_brackets, rises
 import numpy as np
 
-# Power of sin(mu) by which derivatives grow at toggles (that of the acceleration; forces grow
-# faster by one, rates more slowly). With it they are smooth, that of a magnitude |F| only when
-# multiplied by |F|: near a zero of the force it changes suddenly, F . dF/dtheta1 does not.
+# Power of sin(mu) by which derivatives grow at toggles (for accelerations; forces grow faster by
+# one, rates more slowly). Times this power they are smooth. The derivative of a magnitude |F|
+# needs the factor |F| too: near a zero of the force it changes suddenly, F . dF/dtheta1 does not.
 POLE = 5
 # Samples on either side of an end from which the value there is interpolated.
 NEIGHBOURS = 12
 # A difference of so many errors, measured at some places, is none; the least bound of one.
 CLEAR, SMALLEST = 8.0, 2.0**-1000
-# How far beside a root slopes tell a kink from a smooth minimum, in samples.
+# Distance from a root at which slopes tell a kink from a smooth minimum, in samples.
 KINK = 2.0**-12
-# A bound of errors, as a part of a limit, from which on that is computed in many digits.
+# A limit whose error bound exceeds this part of it is computed in many digits.
 DOUBTFUL = 1e-9
 # The samples from which it is extrapolated, from the end on: some 1e-5 to 1e-4 of the range.
 NEAREST = slice(4, 8)
@@ -70,7 +70,7 @@ class PathExtremum(NamedTuple):
     is_flat: bool = False            # at the flat position of a change point
     condition: float = nan           # as in Extremum, of the place
     value_condition: float = nan
-    noise: float = 0.0               # bound of the error of the value, beside its last bits
+    noise: float = 0.0               # bound of the error of the value, besides its last bits
 
 
 def search_path(sampler: Sampler, path: InputPath,
@@ -245,8 +245,8 @@ def _drop(samples: Samples, roots: Roots, value: Array) -> Array:
     """
     Return by how much the values at roots differ from the samples around them, shape (n,).
 
-    Of two samples on each side the farther one counts, of the sides the nearer one. An extremum
-    whose drop is within rounding errors may be none.
+    On each side the larger difference of two samples counts, of both sides the smaller one. An
+    extremum whose drop is within rounding errors may be none.
     """
     count = samples.path.x.size
     i = roots.before + np.array((-1, 0, 1, 2))[:, None]
@@ -260,9 +260,9 @@ def _decided(sampler: Sampler, samples: Samples, roots: Roots, value: Array, noi
     """
     Return roots, values and bounds of their errors, those in doubt computed in many digits.
 
-    The errors are measured: at the root and the samples beside it. A root that differs from its
-    neighbours by more stays where it is. If one does not, all slopes of its quantity that errors
-    may hide are computed in many digits, and its roots are searched again.
+    The errors are measured at the root and the samples next to it. A root that differs from its
+    neighbours by more stays where it is. Otherwise all slopes of its quantity that errors may hide
+    are computed in many digits, and its roots are searched again.
     """
     exact, x = _in_digits(sampler), samples.path.x
     which = np.flatnonzero(in_doubt)
@@ -405,8 +405,8 @@ def _continued(sampler: Sampler, here: Array, beyond: Array) -> tuple[Array, Arr
             for sign in (1.0, -1.0)]
     mirrored = sampler.is_angle & (np.abs(both[1] - one_sided) < np.abs(both[0] - one_sided))
     bounded = np.where(mirrored, both[1], both[0])
-    # What does not go on, as angles in functions may not, is extrapolated, at the loss of three
-    # digits.
+    # Quantities that do not go on, such as some angles in functions, are extrapolated, at the loss
+    # of three digits.
     goes_on = np.abs(one_sided - bounded) <= 1e-6 * np.ptp(here, axis=1)
     return np.where(goes_on, bounded, one_sided), goes_on
 
@@ -433,8 +433,8 @@ def sampled_conditions(sampler: Sampler, x: Array, row: Array,
     """
     Return the conditions of the place and of the relative value of n extrema, each (n,).
 
-    By differences, over a small change of each length: see the top of this file. ``x``, ``row``,
-    ``spacing``: where the extrema are, of which quantity, and the distance of samples there.
+    They come from differences over a small change of each length: see the top of this file. ``x``:
+    places of the extrema; ``row``: their quantities; ``spacing``: distance of samples there.
     """
     turn = TURN * spacing
     value, slope = sampler.at(np.concatenate((x, x + turn)), np.tile(row, 2))

@@ -27,7 +27,7 @@ PLACE, VALUE, OF_LARGEST = 2.0**-32, 2.0**-32, 2.0**-40
 
 
 class Verdict(NamedTuple):
-    """Whether extrema contradict a proof, and what is said of them."""
+    """Whether extrema contradict a proof, and a text about them."""
 
     is_contradicted: bool
     text: str
@@ -48,7 +48,7 @@ class Count(NamedTuple):
 
 
 def is_interior(part: PathExtremum) -> bool:
-    """Return whether what was found is an extremum inside the input range."""
+    """Return whether this is an extremum inside the input range."""
     return part.side == 0 and part.sense != 0
 
 
@@ -64,7 +64,7 @@ class Enclosures:
     All extrema of a quantity, each enclosed in a part of a path.
 
     Next to the ends of a range nothing is enclosed: extrema found there are taken as they are.
-    ``enclosed``: what :func:`find_parts` gives for each path. ``is_angle``: values may differ by
+    ``enclosed``: results of :func:`find_parts` for each path. ``is_angle``: values may differ by
     whole turns.
     """
 

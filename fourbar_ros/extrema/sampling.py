@@ -30,7 +30,7 @@ from fourbar_ros.numerics.number_types import (
 from fourbar_ros.numerics.roots import fold
 import numpy as np
 
-# Complex step: its square vanishes beside one, and it is nothing beside the distance of any sample
+# Complex step: its square vanishes next to one, and it is far below the distance of any sample
 # from a toggle or a flat position.
 STEP = 2.0**-200
 
@@ -162,8 +162,8 @@ class Sampler:
         """
         Return values and derivatives for mechanisms of other lengths, shapes (n, mechanisms).
 
-        For conditions. Four-bars are computed at once, lengths as columns, others one by one; no
-        series are needed, as none of them is a change point.
+        Conditions need them. Four-bars are computed at once, lengths as columns, others one by
+        one. None is a change point, so no series are needed.
         """
         numbers = self._complex if self.IS_COMPLEX else ARRAY
         others = [self.linkage.with_lengths(changed) for changed in lengths]
@@ -288,7 +288,7 @@ class Sampler:
         """
         Return a bound of the rounding errors of each quantity, shape (quantities, n).
 
-        From the sizes of the terms that it is a sum of. Example: the shaking force of a balanced
+        It follows from the sizes of the terms in its sum. Example: the shaking force of a balanced
         linkage is zero, and its computed value the rounding of joint reactions that cancel.
         """
         motion, loads = state

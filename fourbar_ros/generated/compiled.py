@@ -23,7 +23,7 @@ from fourbar_ros.pipeline.status import Evaluated
 from fourbar_ros.scene.scene import from_values, Scene
 from fourbar_ros.scene.topics import TORQUE
 
-HIDDEN = 1 + 8 + 8          # mode, place and what is known: numbers beside the fields of a state
+HIDDEN = 1 + 8 + 8          # mode, place and known: numbers besides the fields of a state
 COMPILERS = ('cc', 'gcc', 'clang')
 
 
@@ -119,7 +119,7 @@ class Compiled:
 
     def mover(self, scene: Scene, mode: int | None = None) -> Mover:
         """
-        Return what moves a scene by torque, as its own mover does, in a mode beyond a toggle.
+        Return a mover of a scene by torque, like its own mover, in a mode beyond a toggle.
 
         NotGenerated where the code is not of this scene.
         """

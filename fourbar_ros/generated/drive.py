@@ -4,7 +4,7 @@
 The torque-driven step of a scene as C, with the bits of the node's.
 
 Formulas (terms of the equation of motion, the Rosenbrock step, the law of a smooth source) are
-written from their traces; what decides (length of steps, kinks, limits) is C of this package.
+written from their traces. The decisions (length of steps, kinks, limits) are C of this package.
 """
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ class DriveCode:
 
     @cached_property
     def modes(self) -> tuple[int, ...]:
-        """Return the two assembly modes between which it passes toggles; nothing: it does not."""
+        """Return the two assembly modes between which it passes toggles; () if it passes none."""
         return modes_of(self._system.mechanism)
 
     @cached_property
@@ -140,7 +140,7 @@ class DriveCode:
 
     def _of_phases(self, its_name: str, make: Callable[[Equation, Phase], Function],
                    count: int = 1) -> list[str]:
-        """Return the functions of all phases, and that which chooses one by its number."""
+        """Return the functions of all phases, and the function that chooses one by its number."""
         found, cases = [], []
         for i, phase in enumerate(self._phases):
             make_formula = make(phase.equation, phase)
@@ -178,14 +178,14 @@ class DriveCode:
 
     @property
     def there(self) -> set[str]:
-        """Return the names of those that it has, beside position, velocity and acceleration."""
+        """Return the names of its fields, besides position, velocity and acceleration."""
         own = {self._source.own} if self._source.start else set()
         return ({'torque', 'motor_torque', 'evaluations'} | own
                 | ({'mode'} if self.modes else set())
                 | ({'twist', 'motor_position', 'motor_velocity'} if self._drive.shaft else set()))
 
     def declarations(self) -> list[str]:
-        """Return what the header says of it."""
+        """Return the C declarations of the drive for the header."""
         name, drive = self._model.name, self._scene.drive
         torque = ', double torque' * self.takes_torque
         what = ('; torque: that of the source during it' if self.takes_torque else '')
@@ -242,7 +242,7 @@ class DriveCode:
                 snippet('step.c'), snippet('toggles.c' if self.modes else 'held.c'), text]
 
     def self_check(self) -> list[str]:
-        """Return what compares the state after some steps with that of Python."""
+        """Return the C text that compares the state after some steps with Python's."""
         mover, step, name = self._scene.mover, 1.0 / self._scene.drive.rate, self._model.name
         values, torque = mover.start(), ', 0.0' * self.takes_torque
         for _ in range(CHECKED):
@@ -322,7 +322,7 @@ class DriveCode:
                 *lines, '}', '', snippet('law.c')]
 
     def _limits(self) -> list[str]:
-        """Return the function that says whether an input is at an end: of the stroke, or so."""
+        """Return the function that tells whether an input is at an end or near a toggle."""
         low, high = self._scene.linkage.stroke or (-inf, inf)
         ends = [f'x <= {literal(low)} || x >= {literal(high)}'] * (low > -inf and self.has_limits)
         lines = list[str]()

@@ -21,15 +21,15 @@ FORMATS = ('c', 'fmu2', 'fmu3')
 
 class Generated(NamedTuple):
     """
-    What was written.
+    The written files, with notes.
 
     Parameters
     ----------
     files : tuple of Path
     operations : int
-        Of the longest function, for each sample.
+        Operations of the longest function, per sample.
     notes : tuple of str
-        What its user must know: changed names, what is left out; a line each.
+        Notes for the user: changed names and omissions; a line each.
 
     """
 
@@ -97,7 +97,7 @@ def generate(scene: str | Path | Scene, directory: str | Path, as_: str = 'c',
 
 
 def manifest(model: Model) -> dict[str, object]:
-    """Return what was generated, of which scene, as JSON has it."""
+    """Return names of inputs, parameters and outputs, with their scene, ready for JSON."""
     return {'fourbar_ros': __version__, 'name': model.name,
             'scene': json.loads(model.scene.as_json),
             'input': [one.field for one in model.inputs],

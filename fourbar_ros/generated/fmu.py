@@ -52,7 +52,7 @@ class Variable(NamedTuple):
 
 def write(model: Model, directory: Path, version: int) -> tuple[Path, list[str], int]:
     """
-    Write NAME.fmu; return it, what its user must know, and the operations of a sample.
+    Write NAME.fmu; return it, notes for its user, and the operations per sample.
 
     Without a compiler it has sources alone, which many masters build.
     """

@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""What is generated of a scene: its trace, and a name, a unit and a text for each number."""
+"""The generated content of a scene: its trace, and a name, a unit and a text for each number."""
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -54,7 +54,7 @@ class Named(NamedTuple):
     unit, text : str
         Empty: none is known.
     value : float
-        Of a parameter: that of the scene.
+        Of a parameter: its value in the scene.
     place : int
         Of a parameter among the data of the trace, of a result among its steps.
 
@@ -71,7 +71,7 @@ class Named(NamedTuple):
 @dataclass(frozen=True)
 class Model:
     """
-    A scene as it is generated.
+    A scene prepared for generation.
 
     Parameters
     ----------
@@ -100,7 +100,7 @@ class Model:
 
     @cached_property
     def signs(self) -> dict[int, dict[int, float]]:
-        """Return {place among the data: {mode: number}}: what differs between modes passed."""
+        """Return {place among the data: {mode: number}}: differences of the modes passed."""
         mechanism, modes = self.mechanism, tuple[int, ...]()
         if self.moves_by_torque:
             from fourbar_ros.dynamics.step.mover import modes_of
@@ -270,9 +270,9 @@ class Model:
     def _wanted(self, names: Sequence[str], places: Sequence[int], are_loads: bool
                 ) -> tuple[Named, ...]:
         """
-        Return the results that the user asked for, as C fields; ``places``: theirs in the trace.
+        Return the results that the user asked for, as C fields.
 
-        The input with its rates is always among those of the motion.
+        ``places``: their places in the trace. The motion always includes the input with its rates.
         """
         texts = self.texts
         given = dict.fromkeys(self.mechanism.input_coordinate)
@@ -338,7 +338,7 @@ class Model:
 
     @property
     def renamed(self) -> list[str]:
-        """Return the changes of names beside dots, as text."""
+        """Return the changes of names besides dots, as text."""
         return [f'{one.name} is {one.field}'
                 for one in (*self.tunable, *self.motion, *self.loads)
                 if one.field != one.name.replace('.', '_')]
@@ -371,9 +371,9 @@ class Model:
     @property
     def depends(self) -> list[int]:
         """
-        Return for each field of :attr:`motion` what its formula has: 1 rate, 2 acceleration, 3.
+        Return for each field of :attr:`motion` what it needs: 1 rate, 2 acceleration, 3 both.
 
-        As it is written, with terms that are zero in this scene.
+        Terms that are zero in this scene count too.
         """
         trace = self._traced
         found = [{0: 0, 1: 1, 2: 2}.get(place, 0) for place in range(len(trace.steps))]

@@ -34,7 +34,7 @@ def literal(value: float) -> str:
 
 class Statements:
     """
-    Writes statements, and keeps what they call.
+    Writes statements, and keeps the functions that they call.
 
     Attributes
     ----------
@@ -55,7 +55,7 @@ class Statements:
     def define(self, its_name: str, step: Step, names: Sequence[str], is_flag: bool = False,
                is_chosen_by_flag: bool = True) -> list[str]:
         """
-        Return what defines a number as the result of a step.
+        Return the definition of a number as the result of a step.
 
         Parameters
         ----------
@@ -125,7 +125,7 @@ class Statements:
 
 
 def _refusal(step: Step, name_of: Callable[[int], str]) -> str:
-    """Return the statement that notes what a function of floats refuses, or nothing."""
+    """Return the statement that notes a refusal by a function of floats, or nothing."""
     last = name_of(step.arguments[-1]) if step.arguments else ''
     if not last.startswith(('v', 'x')):
         return ''

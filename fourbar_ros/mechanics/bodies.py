@@ -134,7 +134,7 @@ class Bodies(NamedTuple):
 
 
 class External(NamedTuple):
-    """What acts on the three moving links from outside, beside the drive."""
+    """External loads on the three moving links, besides the drive."""
 
     coupler: Applied = NOT_APPLIED
     output: Applied = NOT_APPLIED
@@ -142,6 +142,6 @@ class External(NamedTuple):
 
 
 def applied_to(external: NamedTuple, link: str) -> Applied:
-    """Return what acts on a link, nothing if ``external`` has no field for it."""
+    """Return the load on a link, none if ``external`` has no field for it."""
     acting: Applied = getattr(external, link, NOT_APPLIED)
     return acting

@@ -3,11 +3,11 @@
 """
 Newton-Euler for one rigid link: the force and the moment that its joints must transmit to it.
 
-Notation: r is the mass of a link times the vector from its first joint to its centre of gravity, I
-its moment of inertia about that joint, omega and alpha its turning, W the weight and the applied
-force, C the moment of both and of the applied couple about the first joint; k x turns a vector by
-90 degrees. The joint forces of a link that turns about a fixed joint add up to F, and their moment
-about it to M:
+Notation: r is the mass of a link times the vector from its first joint to its centre of gravity. I
+is its moment of inertia about that joint; omega and alpha are its rate and acceleration. W is the
+weight and the applied force, C the moment of both and of the applied couple about the first joint.
+k x turns a vector by 90 degrees. The joint forces of a link that turns about a fixed joint add up
+to F, and their moment about it to M:
 
     (N1)  F = alpha k x r - omega^2 r - W
     (N2)  M = I alpha - C
@@ -99,7 +99,7 @@ def about_first_joint(body: Body, unit: Scalar, gravity: Gravity,
     Parameters
     ----------
     body, applied : Body, Applied
-        In SI units; what is applied includes no weight.
+        In SI units; applied loads include no weight.
     unit : number
         A power of two [m] in which lengths are about one, so that no square of a length overflows.
     gravity : tuple of 2
@@ -123,8 +123,8 @@ def crank_with_pin(bodies: Bodies, unit: Scalar, gravity: Gravity, external: Ext
     """
     Return the constants of a crank that carries a link; its length ``a1`` is in ``unit`` [m].
 
-    As if mass and weight of that link were at the pin A: the terms m a^2 alpha1 and -a x W of
-    (N5), which so do not cancel against others.
+    Mass and weight of that link count at the pin A: the terms m a^2 alpha1 and -a x W of (N5) then
+    do not cancel against others.
     """
     crank = about_first_joint(bodies.crank, unit, gravity, applied_to(external, 'crank'))
     return crank._replace(inertia=crank.inertia + carried.mass * a1 * a1,
@@ -163,11 +163,11 @@ def joint_loads(n: NumberType, record: Callable[..., _Loads],
                 forces: tuple[Vector, Vector, Vector], f32: Vector, f43: Vector,
                 **others: Scalar) -> _Loads:
     """
-    Return the loads of a chain of three moving links, of which F32 and F43 are known.
+    Return the loads of a chain of three moving links from known F32 and F43.
 
     ``forces``: F1, F2, F3 that the joints of each link must give. F21 and F41 follow by
     subtraction; the shaking force is summed over the links, not over the reactions: inner forces
-    much larger than the sum would spoil it. ``others``: the fields of the record beside forces.
+    much larger than the sum would spoil it. ``others``: the fields of the record besides forces.
     """
     hypot, (F1, F2, F3) = n.hypot, forces
     f21 = f32 - F2

@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""What is refused when a mechanism is made: each error names the parameter and what is allowed."""
+"""Checks of a mechanism as it is made: each error names the parameter and its allowed values."""
 from __future__ import annotations
 
 from typing import Any
@@ -19,7 +19,7 @@ def checked(mechanism: Described) -> dict[str, Any]:
     """
     Return {name of a field: its value, as the numbers and records that a mechanism computes with}.
 
-    Refuses what no mechanism can have, as lengths that are not positive: InvalidParameter.
+    Raises InvalidParameter for impossible values, such as lengths that are not positive.
     """
     values: dict[str, Any] = _lengths(mechanism)
     if mechanism.input not in mechanism.INPUTS:

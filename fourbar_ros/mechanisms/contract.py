@@ -1,9 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-The contract of a mechanism: what it states about itself, the formulas it gives.
+The contract of a mechanism: its facts and its formulas.
 
-And all that follows from these before anything moves: ranges, units, sizes.
+Also all that follows from these before anything moves: ranges, units, sizes.
 """
 from __future__ import annotations
 
@@ -66,22 +66,22 @@ class Constants(NamedTuple):
 
 class Contract(ABC):
     """
-    What a mechanism states about itself and must give; everything else follows from it.
+    Facts and formulas that each mechanism must give; everything else follows from them.
 
-    Everything outside of a mechanism's own folder asks these names, of an instance: a kind has
-    them as attributes of its class, a mechanism put together at run time as attributes of its own.
-    How many links, joints, loads and outputs there are is known nowhere else.
+    Code outside a mechanism's own folder reads these names, from an instance. A kind has them as
+    attributes of its class, a mechanism put together at run time as its own attributes. The
+    numbers of links, joints, loads and outputs are known nowhere else.
     """
 
-    TITLE: str                      # what the kind is called in texts
-    TEXT: str                       # what it is, for the manual
+    TITLE: str                      # name of the kind in texts
+    TEXT: str                       # description, for the manual
     LENGTHS: tuple[Length, ...]     # in the order of ``lengths``
     LINKS: tuple[Link, ...]         # the moving links, in the order of the fields of BODIES
     JOINTS: tuple[Joint, ...]       # as ``joint_states`` shows them, from O1 on
-    REACTIONS: tuple[Reaction, ...]     # what is transmitted at each joint
-    PARTS: Mapping[Coordinate, str]     # what moves, as text: the table of a pose
-    DRAWN: tuple[Coordinate, ...]       # those of them that are written below a picture
-    INPUTS: Mapping[str, Coordinate]    # {name of the input: what is given}
+    REACTIONS: tuple[Reaction, ...]     # forces and couples at each joint
+    PARTS: Mapping[Coordinate, str]     # moving coordinates as text: the table of a pose
+    DRAWN: tuple[Coordinate, ...]       # coordinates written below a picture
+    INPUTS: Mapping[str, Coordinate]    # {name of the input: its coordinate}
     OUTPUTS: Mapping[str, tuple[Output, ...]]   # {name of the input: the published one first}
     # Types of the results, NamedTuples. A motion has ``transmission_angle`` and ``condition``,
     # loads have ``shaking_force_x``, ``_y``, ``shaking_force`` and ``shaking_moment``.
@@ -91,7 +91,7 @@ class Contract(ABC):
     # that can be loaded.
     BODIES: Any
     EXTERNAL: Any
-    QUANTITIES: tuple[Quantity, ...] = ()       # what can be asked for and no other kind has
+    QUANTITIES: tuple[Quantity, ...] = ()       # quantities that no other kind has
     # How the size of each length enters each of ``margins``: 1, -1 or, not at all, 0.
     MARGIN_SIGNS: tuple[tuple[int, ...], ...]
     MODES: Mapping[int, str] = {CROSSED: '1', OPEN: '2'}    # {assembly mode: its name}, see modes
@@ -102,7 +102,7 @@ class Contract(ABC):
     LEAVES_OUT_ZEROS: bool = False
     TORQUE: str = 'T_{41}'          # symbol of the driving torque: of which link on which
 
-    # --- what one is made with, beside its lengths -----------------------------------------------
+    # --- parameters besides lengths --------------------------------------------------------------
 
     __dataclass_fields__: ClassVar[dict[str, Any]]
     mode: int
@@ -112,7 +112,7 @@ class Contract(ABC):
     external: Any
     stroke: tuple[float, float] | None = None       # of mechanisms that have none
 
-    # --- what a kind must give ------------------------------------------------------------------
+    # --- each kind must give these --------------------------------------------------------------
 
     @abstractmethod
     def motion_formula(self, numbers: NumberType, constants: Constants) -> Function:
@@ -172,7 +172,7 @@ class Contract(ABC):
 
     @abstractmethod
     def diagram(self, motion: NamedFields) -> Diagram:
-        """Return what a picture shows in one pose."""
+        """Return the contents of a picture in one pose."""
 
     @abstractmethod
     def velocity_polygon(self, motion: NamedFields) -> list[Arrow]:
@@ -182,7 +182,7 @@ class Contract(ABC):
     def acceleration_polygon(self, motion: NamedFields) -> list[Arrow]:
         """Return the arrows of the accelerations [m/s^2]; the pole is the origin."""
 
-    # --- what some kinds know -------------------------------------------------------------------
+    # --- some kinds give these ------------------------------------------------------------------
 
     @property
     def dead_points(self) -> tuple[Any, ...]:
@@ -211,7 +211,7 @@ BESIDE_FLAT_LIMITS = 2.0**-17
 
 
 class Described(Contract):
-    """A mechanism by what it states: lengths, ranges, units, sizes of what will be computed."""
+    """Lengths, ranges, units and sizes of results, from the facts of a mechanism."""
 
     @of_geometry
     def lengths(self) -> tuple[float, ...]:
@@ -226,7 +226,7 @@ class Described(Contract):
     @property
     def numbers_of_lengths(self) -> tuple[str | tuple[int, int], ...]:
         """
-        Return what each number of ``constants.lengths`` is.
+        Return the meaning of each number of ``constants.lengths``.
 
         The name of a length, (i, j) for the size of the vector of numbers i and j, or '' for
         anything else. Generated code can change those lengths at run time.
@@ -250,7 +250,7 @@ class Described(Contract):
 
     @property
     def description(self) -> str:
-        """Return what it is as text: kind, type, input."""
+        """Return a short text: kind, type, input."""
         return f'{self.TITLE}, {self.classification}, driven at its {self.input}'
 
     @of_geometry
@@ -275,7 +275,7 @@ class Described(Contract):
                       and name != 'shaking_force'])
 
     def loads_of_links(self) -> dict[str, tuple[Body, Applied]]:
-        """Return {name of a link: (its Body, what is applied to it)}; {} without masses."""
+        """Return {name of a link: (its Body, its applied load)}; {} without masses."""
         if not self.bodies:
             return {}
         return {name: (body, applied_to(self.external, name))

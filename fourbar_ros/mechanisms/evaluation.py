@@ -48,7 +48,7 @@ MOST_STRUCTURES = 256      # whose traces and lines are kept
 class Formula:
     """The formula of motion, or of motion and loads, of all mechanisms of a structure."""
 
-    structure: tuple[object, ...]       # all in which formulas differ beside numbers
+    structure: tuple[object, ...]       # all in which formulas differ besides numbers
     with_loads: bool
     mechanism: Formulas = field(compare=False, repr=False)      # any of the structure
 
@@ -103,7 +103,7 @@ def recorded(mechanism: Formulas, with_loads: bool) -> Recorded:
 
 @lru_cache(maxsize=MOST_STRUCTURES)
 def _lines(formula: Formula, zeros: frozenset[int]) -> Callable[[Sequence[float]], Function]:
-    """Return data -> straight line, for a formula of which the data at some places are zero."""
+    """Return data -> straight line, for a formula whose data at some places are zero."""
     name = 'motion and loads' if formula.with_loads else 'motion'
     return lines_of(trace_of(formula), zeros, f'{formula.mechanism.TITLE}: {name}')
 

@@ -5,7 +5,7 @@ The bilinear factors of the six input-output equations, exact to the last bit.
 
 Every coefficient of Eqs. (16)-(21) of the slides is a product of two sums +-a1 +-a2 +-a3 +-a4.
 Near a change point one of these sums cancels; computed with ``math.fsum`` it keeps all its digits,
-and so do products of it.
+and so do products with it.
 """
 from __future__ import annotations
 

@@ -3,8 +3,8 @@
 """
 A loop of four rods: where they are and how they turn, stable in the last bits.
 
-The 4R linkage, and what is one within a machine. x is the angle of its crank a1, y of its output
-a3, b of its coupler a2, all from its ground line a4; mu = y - b, q = |A O4|^2, primes are
+It serves the 4R linkage, and such loops within a machine. x is the angle of its crank a1, y of its
+output a3, b of its coupler a2, all from its ground line a4; mu = y - b, q = |A O4|^2, primes are
 derivatives with respect to x. Loop: a1 e^{ix} + a2 e^{ib} = a4 + a3 e^{iy}.
 
 Positions. Every angle z of y, y - x and b - x comes from its own homogeneous half-angle quadratic
@@ -137,8 +137,8 @@ def _shape(n: NumberType, a1: Scalar, a2: Scalar, a3: Scalar, a4: Scalar) -> _Sh
     # y - x has the coefficients of y, p and r of sin^2(x/2) exchanged
     (p_s, r_s, p_c, r_c), (p_s_bx, r_s_bx, p_c_bx, r_c_bx) = half_angle_coefficients(factors)
     f, low, high = (a2 - a3) * (a2 + a3), (a1 - a4)**2, (a1 + a4)**2
-    # The odd one of three squares is paired with the larger of the others: what cancels then is
-    # what the data make.
+    # The odd one of three squares is paired with the larger of the others: the remaining
+    # cancellation comes from the data.
     is_near, is_far = fabs(a1 - a4) > a2, a1 + a4 > a2
     y_near = where(is_near, squares(a1, -a4, a3, 0.0) + a2 * a2, f + low)
     y_far = where(is_far, squares(a1, a4, a3, 0.0) + a2 * a2, f + high)

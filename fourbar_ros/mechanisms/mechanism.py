@@ -92,12 +92,12 @@ _Self = TypeVar('_Self', bound='Formulas')
 
 
 class Formulas(Described):
-    """What a mechanism makes of its data: copies, formulas for any numbers, their records."""
+    """Products of a mechanism's data: copies, formulas for any numbers, their records."""
 
     # --- made and copied ------------------------------------------------------------------------
 
     def _check(self) -> None:
-        """Refuse what no mechanism can have, and keep the rest as numbers and records."""
+        """Refuse impossible values, and keep the others as numbers and records."""
         for name, value in checked(self).items():
             object.__setattr__(self, name, value)
 
@@ -229,7 +229,7 @@ class Mechanism(Formulas):
     """
     Base of the mechanisms: frozen dataclasses of lengths and what else they are made with.
 
-    The fields beside lengths: ``mode``, ``input``, ``bodies``, ``gravity``, ``external``; where a
+    The fields besides lengths: ``mode``, ``input``, ``bodies``, ``gravity``, ``external``; where a
     slide can be driven, ``stroke``.
     """
 

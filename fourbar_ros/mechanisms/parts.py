@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""What mechanisms are described with: coordinates, lengths, links, joints, pictures."""
+"""Records that describe mechanisms: coordinates, lengths, links, joints, pictures."""
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -123,7 +123,7 @@ class Joint(NamedTuple):
     name: str = ''
 
 
-GROUND = 'ground'      # as a link: what does not move
+GROUND = 'ground'      # as a link: it does not move
 
 
 class Connection(NamedTuple):
@@ -164,13 +164,13 @@ class Connection(NamedTuple):
 
 class Reaction(NamedTuple):
     """
-    What one body does to another at a joint: force along the ground axes, and couple.
+    Action of one body on another at a joint: force along the ground axes, and couple.
 
     ``magnitude``, ``x``, ``y`` and ``couple`` are names of fields of the loads.
     """
 
     joint: str          # its name: letters, digits and _. A topic is named after it
-    text: str           # which body acts on which: 'ground on crank'
+    text: str           # acting and loaded body: 'ground on crank'
     magnitude: str      # [N]
     x: str
     y: str
@@ -187,7 +187,7 @@ def reaction(joint: str, text: str, force: str, couple: str = '') -> Reaction:
     return Reaction(joint, text, force, f'{force}_x', f'{force}_y', couple)
 
 
-# --- what a picture shows ------------------------------------------------------------------------
+# --- contents of a picture -----------------------------------------------------------------------
 
 class Bar(NamedTuple):
     """A straight part of a link between two points, each of shape (2,) [m]; width 1: usual."""

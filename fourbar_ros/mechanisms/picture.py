@@ -73,7 +73,7 @@ def picture(mechanism: Mechanism, motion: NamedFields, points: Points | None = N
 
 
 def forces_of(diagram: Diagram, loads: NamedFields) -> list[Force]:
-    """Return the forces [N] at the joints, of which a diagram names the fields of the loads."""
+    """Return the forces [N] at the joints whose fields of the loads a diagram names."""
     return [Force(name, joint, diagram.joints[joint],
                   np.array([getattr(loads, f'{name}_x'), getattr(loads, f'{name}_y')]))
             for name, joint in diagram.forces.items()]

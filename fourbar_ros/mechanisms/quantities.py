@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""What can be asked for by name: searched for extrema, tabulated, plotted."""
+"""Quantities by name, to be searched for extrema, tabulated and plotted."""
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence

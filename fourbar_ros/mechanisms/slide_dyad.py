@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-What the mechanisms with a sliding joint share: how they close, and their loads by name.
+Shared by mechanisms with a sliding joint: how they close, and their loads by name.
 
 Three loops with one slide, for the kinds and for machines alike, stable in the last bits: a
 triangle driven by a side that slides; a rod that a crank moves along a line; a bar through a block
@@ -321,7 +321,7 @@ def singular_slides(p: float, r: float, e: float) -> list[complex]:
             *([complex(0.0, e)] if e else [])]
 
 
-# --- what both slider-cranks state alike ---------------------------------------------------------
+# --- shared facts of both slider-cranks ----------------------------------------------------------
 
 class OffsetSlide(Mechanism):
     """Base of the kinds whose lengths p, r, e make a triangle p e^{ix} + r e^{ib} = s + i e."""

@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-What callers give, as doubles.
+Arguments of callers, as doubles.
 
 Every public function converts or refuses here, with the name and what is allowed.
 """
@@ -96,7 +96,7 @@ def records(name: str, value: Any, kind: type, whole: Any) -> Any:
 
 class Quantity(NamedTuple):
     """
-    A number in a frozen dataclass: what it means, and what is allowed.
+    A number in a frozen dataclass: its meaning and allowed values.
 
     ``least`` and ``above``: it must be at least, and more than that. ``instead``: a value that
     counts as no number, as None. ``parameter``: its name in scenes, if another one.
@@ -125,7 +125,7 @@ class Quantity(NamedTuple):
 
     @property
     def _allowed(self) -> str:
-        """Return what is allowed, in words, for the message of an error."""
+        """Return the allowed values, in words, for the message of an error."""
         if self.above == 0.0:
             return 'must be a positive number'
         if self.least > -inf:

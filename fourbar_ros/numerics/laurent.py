@@ -6,10 +6,10 @@ Numbers of many digits, and Laurent series of one variable t > 0, t -> 0: 0/0 is
 At the flat position of an exact change point all that moves is a quotient of numbers that vanish
 there. Put into the formulas of motion and loads, series leave no doubt about the limit: common
 powers of t cancel, a root of t^2 is t, and the sign of a number is that of its first term.
-Coefficients have :data:`DIGITS` decimal digits; one that is nothing beside the terms it is a sum
-of is exactly zero, so that the data of a mechanism, taken to the last bit, decide what vanishes
-and what does not. A series of one term is a number: with it a formula has its one exact result
-where floats lose all digits, in a thousand times the time of floats.
+Coefficients have :data:`DIGITS` decimal digits; one that is negligible next to the terms of its
+sum is exactly zero. So the data of a mechanism, taken to the last bit, decide which coefficients
+vanish. A series of one term is a number: with it a formula has its one exact result where floats
+lose all digits, in a thousand times the time of floats.
 """
 from __future__ import annotations
 
@@ -298,7 +298,7 @@ def series(value: Laurent | Decimal | float) -> Laurent:
 
 
 def quarter_turns(number: int) -> Laurent:
-    """Return a multiple of pi/2 of which sines and cosines are exact."""
+    """Return a multiple of pi/2 whose sines and cosines are exact."""
     return Laurent([_QUARTER * number])
 
 

@@ -66,7 +66,7 @@ def make_lines(make_formula: Callable[[NumberType, Any], Function], data: Any, c
 
     ``make_formula``: (number type, data) -> formula, as for :func:`straight_line`; ``data``:
     nested records of floats, any, as all data have the same record. ``zeros``: which numbers of
-    the data are zero in all of them: what they add is left out. Without zeros nothing is known of
+    the data are zero in all of them: their terms are left out. Without zeros nothing is known of
     the data, and the line has the bits of the formula with floats, the signs of zeros too.
 
     Examples

@@ -121,7 +121,7 @@ class Model:
         return -self + other
 
     def __mul__(self, other: Operand) -> Model:
-        """Return the product; what it has beyond t^ORDER goes into the error, as does rounding."""
+        """Return the product; its part beyond t^ORDER goes into the error, as does rounding."""
         other = model(other)
         if len(self.c) < len(other.c):
             return other * self

@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-What a formula does, written down once, and everything fast is written from it.
+The operations of a formula, written down once; all fast code is written from them.
 
 :class:`Number` is one more type of number for formulas: arithmetic with it is written down as a
 :class:`Trace`, a list of steps, each one operation on the results of earlier steps. A trace
@@ -153,14 +153,14 @@ class Trace:
     count, size : int
         Number of inputs and of data.
     results : nested tuples of int
-        Places of what the formula returns.
+        Places of the formula's results.
     varies : set of int
         Places of all that depends on an input.
 
     """
 
     def __init__(self, make_formula: MakeFormula, count: int, data: Any = ()) -> None:
-        """Run the formula once on numbers that record what is done to them."""
+        """Run the formula once on numbers that record their operations."""
         self.steps: list[Step] = []
         self._places: dict[Hashable, int] = {}
         self.count, self.size = count, len(numbers_of(data))
@@ -223,7 +223,7 @@ class Trace:
         self._places.clear()
         return len(self.steps)
 
-    # --- what is known of it --------------------------------------------------------------------
+    # --- known facts about it -------------------------------------------------------------------
 
     @property
     def operations(self) -> int:
@@ -237,7 +237,7 @@ class Trace:
 
     @cached_property
     def used_constants(self) -> list[int]:
-        """Return the places of what is made of data alone and used with inputs or as a result."""
+        """Return the places of results of data alone that are used with inputs or as results."""
         used = {i for place in self.varies for i in self.steps[place].arguments}
         return [i for i in sorted(used.union(flat(self.results)) - self.varies)
                 if self.steps[i].operation != 'constant']

@@ -1,12 +1,12 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-What turns the input: torque sources, a gear, a rotor, a controller, an elastic shaft.
+Drives of the input: torque sources, a gear, a rotor, a controller, an elastic shaft.
 
-A motor turns the input q (crank angle or slide) through a gear of ratio N, the angle of the motor
-over that of the gear's output shaft. Torques and inertias are those at the output shaft: a rotor
-of inertia J_r counts as N^2 J_r. Rigidly coupled, that shaft is the input; through an elastic
-shaft (stiffness k, damping c) it has its own angle p (dots are derivatives with respect to time):
+A motor turns the input q (crank angle or slide) through a gear. The ratio N is the angle of the
+motor over the angle of the output shaft. Torques and inertias refer to the output shaft: a rotor
+of inertia J_r counts as N^2 J_r. A rigid coupling makes that shaft the input. With an elastic
+shaft (stiffness k, damping c) it has its own angle p (dots are time derivatives):
 
     J_m p.. = T - T_shaft,    T_shaft = k (p - q) + c (p. - q.)                              (D1)
 
@@ -24,10 +24,10 @@ speed and own state z, or as the tangent of a smooth law:
 
     T = T_0 + T_w w + T_z z,    dz/dt = d_0 + d_w w + d_z z                                (M1)
 
-A controller is so between its limits and beyond each of them, where it integrates or not. Where
-integration would push its torque beyond the limit, and stopping it bring it back, it does neither:
-it slides along the limit (Filippov, Differential Equations with Discontinuous Righthand Sides,
-1988, section 4),
+A controller has such a law between its limits and beyond each limit, with or without integration.
+Sometimes integration would push the torque beyond the limit, and stopping it would bring the
+torque back. Then the torque slides along the limit (Filippov, Differential Equations with
+Discontinuous Righthand Sides, 1988, section 4),
 
     T = limit,    kp (w_set - w) + ki z = limit,    so that  ki dz/dt = kp dw/dt           (M2)
 
@@ -53,9 +53,10 @@ State = Sequence[float]
 Answer = tuple[float, tuple[float, ...]]      # torque [N m], derivative of the own state
 # A torque within these parts of a limit is at it: always; at most, where the speed has an error.
 NEAREST, NEAR = 1e-9, 1e-3
-# Integration restarts at all times of a linear table of up to FEW times. Of more, at bends that
-# change the next torque by more than SHARP of the range of all, and at each EVERY-th time: a wave
-# without such bends is at least pi / SHARP^0.5 = 10 000 times long, so no step passes over it.
+# Integration restarts at all times of a linear table of up to FEW times. In a longer table it
+# restarts at every EVERY-th time, and at bends that change the next torque by more than SHARP of
+# the whole range. A wave without such bends is at least pi / SHARP^0.5 = 10 000 times long, so no
+# step passes over it.
 FEW, SHARP, EVERY = 64, 1e-7, 4000
 
 

@@ -96,9 +96,9 @@ def make_external(n: NumberType, linkage: Mechanism, elements: Sequence[Element]
     """
     Return the function (motion, input, constant forces) -> forces on all links, with elements.
 
-    Springs, dampers and forces over a position are added to the constant external force of their
-    link, so that the loads, which know external forces alone, include them. Not checked to be
-    finite; arguments and result are of the number type ``n``.
+    The loads know external forces only. So springs, dampers and forces over a position are added
+    to the constant external force of their link. Not checked to be finite; arguments and result
+    are of the number type ``n``.
     """
     links = tuple(link.name for link in linkage.LINKS)
     named, forces = _links_of(elements, linkage), _make_all(n, linkage, elements)
@@ -148,9 +148,9 @@ def loads_with(linkage: Mechanism, elements: Sequence[Element], position: ArrayL
     """
     Return the loads of a prescribed motion with springs, dampers and forces over a position.
 
-    ``position``, ``rate`` and ``acceleration`` of the input broadcast, and the record is the one
-    of ``linkage.loads``: fields of their shape, NaN where there are no loads. Raises MissingBodies
-    and InvalidParameter.
+    ``position``, ``rate`` and ``acceleration`` of the input broadcast. The record is that of
+    ``linkage.loads``: fields of the broadcast shape, NaN where there are no loads. Raises
+    MissingBodies and InvalidParameter.
     """
     if linkage.bodies is None:
         raise MissingBodies

@@ -123,7 +123,7 @@ class TableForce:
         return self.factor * self.table(place)
 
 
-INPUT = 'input'        # as the place of a force: that of the mechanism, an angle or a slide
+INPUT = 'input'        # place of a force: the input of the mechanism, an angle or a slide
 
 
 @dataclass(frozen=True)
@@ -168,20 +168,20 @@ class PositionForce:
     Parameters
     ----------
     point : Attachment
-        Where it acts, on a moving link; of a couple its link alone counts.
+        Where it acts, on a moving link; for a couple only its link counts.
     value : ForceTable or callable
         s -> F(s): floats, [N] or [N m]. A table over an angle holds for all turns: its places
         count within half a turn of its middle, or it is periodic.
     over : 'input', LinkAngle or Way
-        The place s. The input of a crank counts on over whole turns, so that a table of two turns
-        is that of a four-stroke engine; other angles are in (-pi, pi].
+        The place s. The input of a crank counts on over whole turns, so a table of two turns
+        serves a four-stroke engine; other angles are in (-pi, pi].
     direction : float, optional
-        Of the force, from the direction of ``axes`` [rad]; None: it is a couple,
-        counter-clockwise positive.
+        Direction of the force, from that of ``axes`` [rad]; None: a couple, counter-clockwise
+        positive.
     axes : str
         Link with which the direction turns, or 'ground': along a slide or a link it is that link.
     factor : float
-        The force is this times F(s): of a table of pressures the area [m^2], with its sign.
+        Multiplies F(s): for a table of pressures the area [m^2], with its sign.
 
     """
 
@@ -205,7 +205,7 @@ class PositionForce:
 
     @property
     def links(self) -> tuple[str, ...]:
-        """Return the names of all links that it depends on; first the one on which it acts."""
+        """Return the names of all links that it depends on, the loaded link first."""
         of_place = (() if isinstance(self.over, str) else
                     (self.over.link, self.over.relative_to) if isinstance(self.over, LinkAngle)
                     else (self.over.point.link, self.over.origin.link))
@@ -213,7 +213,7 @@ class PositionForce:
 
     @property
     def turns(self) -> int:
-        """Return the turns of the crank after which it repeats: 2 of a four-stroke's table."""
+        """Return after how many turns of the crank it repeats: 2 for a four-stroke table."""
         table = self.value
         if not (isinstance(table, ForceTable) and table.is_periodic):
             return 1
@@ -248,10 +248,10 @@ class PositionForce:
 
 def _require_fitting(table: ForceTable, is_angle: bool, counts_turns: bool) -> None:
     """
-    Refuse a table whose period or range does not fit the place that it is over.
+    Refuse a table whose period or range does not fit its place.
 
-    Over a length it cannot be periodic; over an angle its period must be a part of a turn, and
-    some turns where they are counted: over the input of a crank that turns fully.
+    A table over a length cannot be periodic. Over an angle its period must be a part of a turn.
+    Over the input of a crank that turns fully, turns are counted, and it may be several turns.
     """
     turns = table.span / tau
     if table.is_periodic:

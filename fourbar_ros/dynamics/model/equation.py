@@ -7,9 +7,9 @@ With q the input (an angle or a slide), primes for derivatives with respect to i
 
     J dw/dt + J'/2 w^2 = Q - D w + T                                                       (E1)
 
-T being the torque (force) of the drive. A link of mass m, whose first joint X moves along the
-curve X(q) while the link turns by theta(q), with S its first moment of mass about X (along the
-ground axes) and I its moment of inertia about X, adds
+T is the torque (force) of the drive. A link has the mass m; its first joint X moves along the
+curve X(q) while it turns by theta(q). S is its first moment of mass about X (along the ground
+axes), I its moment of inertia about X. It adds
 
     J    = m X'.X' + 2 theta' (S x X') + I theta'^2                                        (E2)
     J'/2 = m X'.X'' + theta'' (S x X') + theta' (S x X'') - theta'^2 (S.X')
@@ -143,13 +143,12 @@ class Equation:
     extra_inertia : float
         Constant inertia on the input, as of a flywheel [kg m^2], [kg].
     start : float, optional
-        An input at which the mechanism is in its own mode, from where it goes smoothly through the
+        An input at which the mechanism is in its own mode. From there it goes smoothly through the
         flat positions of a change point (:mod:`fourbar_ros.dynamics.solve.phase`); without it, the
         mechanism is in its own mode everywhere.
     coordinate : optional
-        One of ``mechanism.driven_otherwise()``: q is then that coordinate, J and all other terms
-        with it, while the extra inertia stays on the input of the mechanism. ``start`` is one of
-        its values.
+        One of ``mechanism.driven_otherwise()``: q and all terms then refer to that coordinate. The
+        extra inertia stays on the input of the mechanism. ``start`` is one of its values.
 
     Raises
     ------
@@ -161,14 +160,14 @@ class Equation:
     def __init__(self, mechanism: Mechanism, elements: Sequence[Element] = (),
                  extra_inertia: float = 0.0, start: float | None = None,
                  coordinate: DrivenLinks | None = None) -> None:
-        """Collect what adds to (E1): bodies, springs, forces by the numbers of their links."""
+        """Collect the terms of (E1): bodies, springs, forces by the numbers of their links."""
         self.mechanism, self.elements = mechanism, tuple(elements)
         self.coordinate: DrivenLinks = mechanism if coordinate is None else coordinate
         self.extra_inertia = extra_inertia
         if mechanism.bodies is None:
             raise MissingBodies
         self._links = (*(link.name for link in mechanism.LINKS), GROUND)
-        # (number of the link, body, what is applied to it), without links that add nothing
+        # (number of the link, body, applied load), without links that add nothing
         self._bodies = [(self._links.index(name), body, applied)
                         for name, (body, applied) in mechanism.loads_of_links().items()
                         if body.mass or body.inertia or applied != NOT_APPLIED]
@@ -284,7 +283,7 @@ class Equation:
         """
         Return the formula q -> (V, -dQ/dq, sum of the sizes of the parts of V).
 
-        The sum of sizes says to what rounding V is known: V itself may cancel to nothing.
+        The sum of sizes gives the rounding error of V, even where V cancels to nothing.
         """
         pose, gravity = self._make_pose(coordinate, n), self.mechanism.gravity
         forces = [make_force_stiffness(n, element, self.mechanism) for element in self.forces]

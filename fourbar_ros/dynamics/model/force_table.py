@@ -84,7 +84,7 @@ class ForceTable:
             object.__setattr__(self, 'values', (*values[:-1], values[0]))
         try:
             is_finite = all(map(isfinite, self._coefficients.flat))
-        except ValueError:     # of scipy, whose slopes are not finite
+        except ValueError:     # from scipy: slopes that are not finite
             is_finite = False
         if not is_finite:
             raise InvalidParameter('values', None, 'so large, or places so close, that slopes '
@@ -147,7 +147,7 @@ class ForceTable:
                 raise MissingPackage('a table of forces', error) from error
             if not self.is_periodic:
                 return np.asarray(PchipInterpolator(places, values).c, float)
-            # slopes at the ends are those of a cycle in the middle of three
+            # repeated three times: the middle cycle has the right slopes at its ends
             places = np.concatenate([places[:-1] - self.span, places, places[1:] + self.span])
             values = np.concatenate([values[:-1], values, values[1:]])
             return np.asarray(PchipInterpolator(places, values).c[:, count:2 * count], float)

@@ -3,8 +3,8 @@
 """
 An induction motor at a constant supply frequency, by Kloss' formula.
 
-With the synchronous speed w_s = 2 pi f / p of p pole pairs and the slip s, the motor of breakdown
-torque T_b at the slip s_b gives, at the output shaft of a gear of ratio N,
+A motor with p pole pairs has the synchronous speed w_s = 2 pi f / p; s is the slip. Its breakdown
+torque T_b occurs at the slip s_b. At the output shaft of a gear of ratio N it gives
 
     T = N 2 T_b / (s / s_b + s_b / s),    s = 1 - N w / w_s                                (K1)
 

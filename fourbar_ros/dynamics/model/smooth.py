@@ -5,9 +5,9 @@ The smooth motion of a mechanism through its change points.
 
 At the flat position of an exact change point both assembly modes meet. A linkage that moves
 through it keeps the velocities of its links, and the side of the dyad changes: the motion goes on
-in the mode beyond, as the contract's ``mode_beyond`` says. So the mode is a function of the input,
-the given one in the interval between flat positions in which the input starts: it alternates from
-one interval to the next.
+in the mode beyond, as the contract's ``mode_beyond`` says. So the mode is a function of the input.
+It is the given mode in the interval between flat positions in which the input starts, and
+alternates from one interval to the next.
 """
 from __future__ import annotations
 

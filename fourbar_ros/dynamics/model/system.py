@@ -92,7 +92,7 @@ class System:
         self.derivative = self.course.first.derivative
 
     def __reduce__(self) -> tuple[object, ...]:
-        """Pickle the arguments: functions of the equations, which cannot be, are made again."""
+        """Pickle the arguments only: functions cannot be pickled, and are made again."""
         return System, (self._with_stroke, *self.start[:2], self.equation.elements, self.drive,
                         self.stops_at_change_points)
 

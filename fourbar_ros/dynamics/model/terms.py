@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-What one link, spring, damper and force over a position add to the equation of motion.
+Terms of one link, spring, damper or force over a position in the equation of motion.
 
 Equations (E2) to (E5) and (E7) of :mod:`fourbar_ros.dynamics.model.equation`, for any number type.
 The motion of a link is taken at unit rate and zero acceleration of the input: its velocities are
@@ -34,11 +34,11 @@ DIFFERENCE = 6e-6
 
 
 class LinkTerms(NamedTuple):
-    """What one link adds to the terms of (E1)."""
+    """Terms that one link adds to (E1)."""
 
     inertia: Scalar          # J
     half_slope: Scalar       # J'/2
-    force: Scalar            # Q of its weight and of the load applied to it
+    force: Scalar            # Q of its weight and its applied load
 
 
 def make_link_terms(body: Body, gravity: Vector, applied: Applied
@@ -78,7 +78,7 @@ def deflection(n: NumberType, one: LinkMotion, two: LinkMotion, free_angle: floa
     """
     Return the angle of the second link from the first, less the free angle, in (-pi, pi].
 
-    From sines and cosines of the directions, so that no angle has to be unwrapped.
+    It comes from sines and cosines of the directions, so no angle has to be unwrapped.
     """
     cosine = one.cosine * two.cosine + one.sine * two.sine
     sine = one.cosine * two.sine - one.sine * two.cosine
@@ -164,9 +164,9 @@ def work_of(link: LinkMotion, body: Body, gravity: Vector, applied: Applied) -> 
 class Push(NamedTuple):
     """A force over a position at one pose of the mechanism."""
 
-    value: Scalar        # F [N], of a couple [N m]
+    value: Scalar        # F [N], or a couple [N m]
     place: Scalar        # s, at which F(s) was taken
-    along_x: Scalar      # unit vector of its direction; (0, 0) of a couple
+    along_x: Scalar      # unit vector of its direction; (0, 0) for a couple
     along_y: Scalar
 
 

@@ -9,16 +9,16 @@ drive), the kinetic energy K is an integral over the input, and so is the time:
     K = K0 + integral of (Q + T) dq,    t = integral of sqrt(J / (2 K)) dq                 (F3)
 
 Both converge geometrically on panels (:mod:`fourbar_ros.dynamics.solve.by_energy`). J and Q repeat
-with every turn: later turns cost no evaluations of them. The potential is not used, so that the
+with every turn: later turns need no new evaluations. The potential is not used, so that the
 constancy of energy remains a check.
 
 On a panel, x from 0 to 1, the input is
 
     q = q0 + L x,    from rest  q = q0 + L x^2                                             (F4)
 
-as from rest the time has a root in its denominator, in q but not in x. Integrals are those of the
-polynomials through values at Chebyshev's points; every second point gives the polynomials of half
-the degree, and with them the error of these.
+because from rest the time has a root in its denominator, in q but not in x. Polynomials through
+values at Chebyshev's points are integrated. Every second point gives polynomials of half the
+degree, and the difference estimates the error.
 
 The points include the ends (Clenshaw and Curtis). Source: Trefethen, Approximation Theory and
 Approximation Practice (2013), chapters 3, 4 and 19.
@@ -57,9 +57,9 @@ def follow(system: System, until: float, tolerance: float,
     """
     Return the motion up to a time [s], the error of its position [rad], evaluations of poses.
 
-    The error is estimated by polynomials of half the degree. None where it stays above the
-    tolerance [rad], for a crank that rests, turns back or may be stopped, and for forces that
-    depend on more than its angle. ``wanted``: times of the result; None: the ends of panels.
+    The error is estimated by polynomials of half the degree. None if it stays above the tolerance
+    [rad], if the crank rests, turns back or may be stopped, or if forces depend on more than its
+    angle. ``wanted``: times of the result; None: the ends of panels.
     """
     if not can_follow(system):
         return None
@@ -134,7 +134,7 @@ class _Motion:
         """
         Return the distance [rad] of each panel from the nearest complex singularity.
 
-        Polynomials converge the slower, the nearer it is beside the panel's length.
+        The nearer it is, in lengths of the panel, the slower polynomials converge.
         """
         nearest = np.full(first.size, inf)
         for z in self._peaks:
@@ -220,7 +220,7 @@ NEWTON = 20
 
 
 class Panels(NamedTuple):
-    """Panels one after the other, and what acts there."""
+    """Consecutive panels, with the inertia and the forces there."""
 
     first: Array         # q0, (n,)
     length: Array        # L, (n,); negative for a crank that turns backwards
@@ -246,31 +246,31 @@ class Panels(NamedTuple):
 
 
 class Begin(NamedTuple):
-    """What has added up before panels."""
+    """Sums over all panels before."""
 
     kinetic: float
     time: float = 0.0
-    work: float = 0.0              # of what has no potential
+    work: float = 0.0              # of loads without a potential
     rough_kinetic: float = 0.0     # by polynomials of half the degree alone
     doubt: float = 0.0             # errors of the time by these and by rounding of inputs [s]
 
 
 class Passage(NamedTuple):
-    """What adds up over panels, at their points, (n, DEGREE + 1), and how well it is known."""
+    """Sums over panels, at their points, (n, DEGREE + 1), and their errors."""
 
     kinetic: Array
     time: Array
     work: Array
     slowness: Array      # dt/dx
     end: Begin
-    error: float         # largest one of the position, by the doubt [rad]
+    error: float         # largest error of the position, from the doubt [rad]
     errors: Array        # of the rough polynomials of each panel by itself [rad], (n,)
     turns_back: NDArray[np.bool_]      # whether the kinetic energy falls below zero, (n,)
 
 
 def halves(first: Array, length: Array, power: Array,
            which: NDArray[np.bool_]) -> tuple[Array, Array, Array]:
-    """Return panels, those of the mask ``which`` halved in x, in the order of the motion."""
+    """Return panels in the order of the motion, halved in x where the mask ``which`` is true."""
     part = 0.5**power[which]
     first, length, power = (
         np.concatenate([first[~which], first[which], first[which] + part * length[which]]),
@@ -282,10 +282,11 @@ def halves(first: Array, length: Array, power: Array,
 
 def pass_over(panels: Panels, begin: Begin, spacing: float) -> Passage:
     """
-    Return how a crank passes panels from what added up before, (F3) and (F4).
+    Return how a crank passes panels, from the sums before, (F3) and (F4).
 
-    Energy is integrated first, then time. The same by polynomials of half the degree estimates the
-    errors: of each panel by itself, and of all since the start. ``spacing``: rounding of an input.
+    Energy is integrated first, then time. Polynomials of half the degree do the same and give the
+    errors: of each panel alone, and of all panels since the start. ``spacing``: rounding of an
+    input.
     """
     power = panels.power[:, None]
     growth = power * panels.length[:, None] * FINE.points**(power - 1.0)        # dq/dx

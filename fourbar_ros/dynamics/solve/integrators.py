@@ -4,10 +4,10 @@
 scipy's integrators behind one function.
 
 Each part of a run, between jumps and kinks of the torque and in one coordinate, is an integration
-of its own. Every so many steps DOP853 is asked whether its steps are as long as stability, not
-accuracy, allows: then LSODA goes on, and Radau where LSODA fails. A free motion is projected back
-to its energy every so many steps (Hairer, Lubich and Wanner, Geometric Numerical Integration,
-section IV.4): its errors then do not add up in the energy.
+of its own. Every 50 steps a test tells whether stability, not accuracy, limits the steps of
+DOP853. Then LSODA goes on, and Radau if LSODA fails. A free motion is projected back to its energy
+every 50 steps (Hairer, Lubich and Wanner, Geometric Numerical Integration, section IV.4): its
+errors then do not add up in the energy.
 """
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ class Result(NamedTuple):
 
     parts: tuple[Part, ...]
     end: str                                   # how the last part ended
-    methods: tuple[tuple[float, str], ...]     # each with the time from which on it was used [s]
+    methods: tuple[tuple[float, str], ...]     # each with the time of its first use [s]
 
     @property
     def time(self) -> Array:
@@ -95,7 +95,7 @@ class Result(NamedTuple):
 
 @dataclass
 class Allowance:
-    """What the runs of a simulation may cost together, and what they have cost."""
+    """Budget of all runs of a simulation together, and its use so far."""
 
     until: float                   # end of a run [s]
     evaluations: float = inf       # most evaluations of the equation of motion
@@ -133,7 +133,7 @@ class Allowance:
 
 
 class Task(NamedTuple):
-    """What one call of an integrator is to do."""
+    """Task of one call of an integrator."""
 
     phase: Phase
     derivative: Callable[..., Any]
@@ -145,7 +145,7 @@ class Task(NamedTuple):
     method: str
     tolerance: float
     stops: Array            # times at which an integration restarts, with those on its way
-    asked: Array            # times that must be among those of the part
+    asked: Array            # times that the part must contain
     allowance: Allowance
     is_projected: bool
     judges: bool            # it ends where it is stiff
@@ -159,10 +159,9 @@ def integrate(system: System, method: str, tolerance: float, asked: Array, allow
     """
     Integrate a system from time 0, part by part, to the end or to where the run stops.
 
-    ``tolerance``: relative and absolute, of every state. ``asked``: times that must be among those
-    of the result. ``stop_when``: (time, state of the input) -> number at whose zeros after the
-    start the run ends. ``is_finer``: with restarts between those at jumps of the torque, so that
-    two runs differ.
+    ``tolerance``: relative and absolute, of every state. ``asked``: times that the result must
+    contain. ``stop_when``: (time, state of the input) -> number at whose zeros after the start the
+    run ends. ``is_finer``: it also restarts between jumps of the torque, so that two runs differ.
     """
     allowance.begin()
     plan = _Plan(system, method, tolerance, asked, allowance, stop_when, is_finer)
@@ -197,7 +196,7 @@ class _Plan:
     """
     Integrates one part of a run after the other: chooses methods, restarts and tolerances.
 
-    ``methods``: the methods used so far, each with the time from which on it was [s].
+    ``methods``: the methods used so far, each with the time of its first use [s].
     """
 
     def __init__(self, system: System, method: str, tolerance: float, asked: Array,
@@ -279,8 +278,8 @@ def _restarts(system: System, until: float, is_finer: bool) -> Array:
     """
     Return the times at which integrations restart: where the torque jumps or bends.
 
-    In a finer run also between them, as both would take the same one step there; where they are
-    many, the rougher run takes a method of lower order instead.
+    A finer run also restarts between them: otherwise both runs would take the same single step
+    there. Where restarts are many, the rougher run takes a method of lower order instead.
     """
     source = system.drive.source if system.drive else None
     breaks: Array = np.array(source.breaks if source else (), float)

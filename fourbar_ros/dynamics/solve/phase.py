@@ -273,8 +273,8 @@ class Course:
         """
         Return the phase of the other coordinate that continues another phase.
 
-        ``value`` is the coordinate of that phase and ``position`` the other one in the same pose:
-        of the modes, the one whose pose there is nearest.
+        ``value`` is the coordinate of that phase, ``position`` the other coordinate in the same
+        pose. Its assembly mode is the one with the nearest pose there.
         """
         pose, is_input = last.pose(value), not last.is_input
         distances = {mode: self._distance(pose, is_input, mode, position)

@@ -4,15 +4,15 @@
 Motion over time, with the result checked: no wrong answer is called a success.
 
 A motion without drive and dampers that goes round or swings is periodic: a Fourier series
-(:mod:`fourbar_ros.dynamics.free_motion`). That of a crank that goes round under a
-constant torque follows from its energy (:mod:`fourbar_ros.dynamics.solve.by_energy`). Scipy
-integrates all others over time, by DOP853, and from where a system turns out to be stiff by LSODA.
+(:mod:`fourbar_ros.dynamics.free_motion`). The motion of a crank that goes round under a constant
+torque follows from its energy (:mod:`fourbar_ros.dynamics.solve.by_energy`). Scipy integrates all
+others over time, by DOP853, and from where a system turns out to be stiff by LSODA.
 
 A run is compared with one at a tighter tolerance, at times all along it, and its energy, less the
-work of drive and dampers, must stay constant at every step. Where the difference or the drift of
-the energy is more than the tolerance asked for, the tolerance of the integrator is tightened until
-it is not; where that does not help, or takes more evaluations than allowed, the status says so.
-The difference is the error of the rougher run; the finer one is returned.
+work of drive and dampers, must stay constant at every step. While the difference or the drift of
+the energy exceeds the given tolerance, the tolerance of the integrator is tightened. If that does
+not help, or takes more evaluations than allowed, the status says so. The difference is the error
+of the rougher run; the finer one is returned.
 """
 from __future__ import annotations
 
@@ -53,11 +53,11 @@ NOT_CONVERGED, NOT_CHECKED, STOPPED = 'not converged', 'not checked', 'gave up'
 ENDS = {COMPLETE: REACHED, AT_LIMIT: LIMIT, AT_CHANGE_POINT: CHANGE_POINT, AT_EVENT: EVENT,
         GAVE_UP: STOPPED}
 PERIODIC, ENERGY = 'Fourier series', 'energy integral'     # as methods
-FIRST = 0.1                # tolerance of the first run over that asked for
-TIGHTER = 0.1              # tolerance of a run over that of the one it is compared with
-LAST, TIGHTEST = 1e-13, 1e-14     # of these two; beyond them rounding governs
+FIRST = 0.1                # tolerance of the first run over the given one
+TIGHTER = 0.1              # tolerance of a finer run over that of the rougher run
+LAST, TIGHTEST = 1e-13, 1e-14     # least ones of both runs; below them rounding governs
 MOST = 3_000_000           # evaluations in all runs
-# evaluations of runs after the first: so many, and so many times those of the first
+# evaluations of runs after the first: so many, plus so many times those of the first
 LEAST_MOST, MOST_MORE = 300_000, 100
 COMPARED = 12              # steps of a run at which it is compared, beside the times asked for
 ROUNDING = 32.0 * 2.0**-52        # of an energy over the sizes of its parts
@@ -72,17 +72,17 @@ class Run:
     ----------
     system : System
     parts : tuple of Part
-        What the integrator did, in one coordinate after the other.
+        Pieces of the run, each in one coordinate.
     status : str
         :data:`REACHED`, :data:`LIMIT`, :data:`CHANGE_POINT`, :data:`EVENT`,
         :data:`NOT_CONVERGED`, :data:`STOPPED` or :data:`NOT_CHECKED`.
     error : float
         Largest difference of the position to a run at a looser tolerance [rad] or [m].
     drift : float
-        Largest change of what must be constant, energy less work, beyond rounding, over the energy
-        in play.
+        Largest change of energy less work, which must be constant, beyond rounding, over the
+        energy in play.
     method : str
-        What computed it; of several integrators each with the time from which on it did.
+        The method; of several integrators each, with the time of its first use.
     tolerance : float
         Tolerance of the integrator in the last run.
     evaluations : int
@@ -140,7 +140,7 @@ class Run:
         return np.array([part.phase.acceleration(t, y) for part in self.parts
                          for t, y in zip(part.time.tolist(), part.states.T.tolist())])
 
-    # --- between its times, and what follows from it --------------------------------------------
+    # --- between its times, and derived results -------------------------------------------------
 
     def resampled(self, times: ArrayLike) -> Run:
         """

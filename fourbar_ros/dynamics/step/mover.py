@@ -4,10 +4,10 @@
 Steps of given length through the toggle positions of the input, in numbers of DriveState messages.
 
 A step is made in the input q, near a toggle in the other coordinate p of the phases of
-:mod:`fourbar_ros.dynamics.solve.phase`. Where it begins, p takes over if |dp/dq| > 2 there; within
-it, where the coordinate in use changes too slowly; q takes over again at the end of the first step
-with |dp/dq| <= 2. So q, its rate and the assembly mode tell the state of all samples but those
-next to a toggle, where they hardly change with it: there (p, dp/dt) is the state.
+:mod:`fourbar_ros.dynamics.solve.phase`. At its start p takes over if |dp/dq| > 2. Within the step
+the other coordinate takes over where the one in use changes too slowly. At the end of the first
+step with |dp/dq| <= 2, q takes over again. So q, its rate and the assembly mode tell the state of
+most samples. Next to a toggle they hardly change: there (p, dp/dt) is the state.
 """
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ from fourbar_ros.dynamics.step.step_equations import State
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.mechanism import Mechanism
 
-KEY = 'integrator'         # in a bag: what made its motion
-# a bag is stepped again by the same version only; they differ where the input has toggles, and of
-# controllers, which once decided for a whole step whether they integrate
+KEY = 'integrator'         # key in a bag: the integrator of its motion
+# Only the same version steps a bag again. Versions differ where the input has toggles, and for
+# controllers, which once decided for a whole step whether to integrate.
 NAME, NAME_WITH_TOGGLES, NAME_WITH_CONTROLLER = (
     f'steps of the node, version {number}' for number in (1, 2, 3))
 LARGEST_MODE = 255         # in a message
@@ -45,7 +45,7 @@ class Place(NamedTuple):
 
 
 class Stepped(NamedTuple):
-    """What a step gave."""
+    """Result of a step."""
 
     place: Place           # after it
     status: int            # OK, OUT_OF_BUDGET, AT_LIMIT or NOT_FINITE
@@ -53,7 +53,7 @@ class Stepped(NamedTuple):
 
 
 class DriveValues(NamedTuple):
-    """Fields of a DriveState message, in its units; what a drive does not have is NaN."""
+    """Fields of a DriveState message, in its units; NaN where a drive has none."""
 
     step: float
     command: float
@@ -74,8 +74,8 @@ def modes_of(mechanism: Mechanism) -> tuple[int, ...]:
     """
     Return the two assembly modes between which steps go through toggles, or () where they do not.
 
-    They do not where the input has no toggles, where no other coordinate leads through them, at an
-    exact change point, and where the modes do not fit into a message.
+    They do not if the input has no toggles, or no other coordinate leads through them, at an exact
+    change point, or if the modes do not fit into a message.
     """
     mechanism = mechanism.without_stroke()
     if mechanism.turns_fully or mechanism.change_point_margin == 0.0:
@@ -161,7 +161,7 @@ class Mover:
                 self._kept(place, step, command, evaluations))
 
     def values(self, place: Place, step: float, command: float, evaluations: float) -> DriveValues:
-        """Return the fields of a DriveState message for a place; NaN for what a drive has not."""
+        """Return the fields of a DriveState message for a place; NaN where a drive has none."""
         position, rate, twist, speed, own = self.state_of_input(place)
         try:
             acceleration, on_input, of_motor = self._steps(place.phase).torques(

@@ -4,11 +4,11 @@
 Steps of given length in one coordinate: stable whatever the stiffness, of bounded work.
 
 A Rosenbrock method (:mod:`fourbar_ros.dynamics.step.rosenbrock`) takes one step over the whole
-length; where its error is too large, shorter ones. Of the Jacobian of (N1), see
-:mod:`fourbar_ros.dynamics.step.step_equations`, the acceleration by the coordinate is a
-difference, the rest exact. The next state follows from the state alone, so that a state read from
-a bag gives the same. The terms at the last position are kept, only to compute them once.
-:mod:`fourbar_ros.dynamics.step.mover` goes from one coordinate to the other at toggles.
+length, or shorter steps if its error is too large. The Jacobian of (N1), see
+:mod:`fourbar_ros.dynamics.step.step_equations`, is exact, except for the derivative of the
+acceleration by the coordinate, a finite difference. The next state follows from the state alone,
+so a state read from a bag gives the same. The terms at the last position are kept only to save
+time. :mod:`fourbar_ros.dynamics.step.mover` goes from one coordinate to the other at toggles.
 """
 from __future__ import annotations
 
@@ -32,12 +32,12 @@ from fourbar_ros.dynamics.step.step_equations import Elastic, plus, Rigid, State
 from fourbar_ros.errors import FourBarError, InvalidParameter
 
 DIFFERENCE = 1e-7          # step of the coordinate for the column of the Jacobian, in its unit
-SMALLEST, LARGEST, SAFETY = 0.1, 4.0, 0.85      # the next step over this one, of which a part
+SMALLEST, LARGEST, SAFETY = 0.1, 4.0, 0.85      # next step over this one: bounds, factor
 SHORTEST, BISECTIONS = 1e-3, 40      # part of a step, in the search for a kink
 CLOSEST = 1e-6                       # through toggles: part that a kink may be off
 DEEPEST, SHORTER = 50.0, 0.3         # excess of a phase after a step; else it becomes shorter
 RESERVE = 2                          # evaluations with which another coordinate finishes a step
-Part = tuple[State, float, bool]     # what :meth:`PhaseSteps.part` returns
+Part = tuple[State, float, bool]     # result of :meth:`PhaseSteps.part`
 
 
 class PhaseSteps:
@@ -183,8 +183,8 @@ class PhaseSteps:
         """
         Return the state after all the time left in one step, as the budget is used up.
 
-        By the Rosenbrock step if there is an evaluation for it, else by implicit Euler: stable
-        both, so the error is bounded but above the tolerance.
+        It is a Rosenbrock step if an evaluation is left for it, else implicit Euler. Both are
+        stable: the error is bounded, but above the tolerance.
         """
         if self.evaluations + EVALUATIONS <= self._budget:
             new, scale = self._try(state, left, terms, by_position, regime)
@@ -249,8 +249,8 @@ class PhaseSteps:
         """
         Return the part of a step, in (0, 1], after which the regime of the source ends.
 
-        1: it holds. Found by bisection, with the speed between both ends as quadratic (``gain``:
-        its derivative at the start) and the own state of the source as linear.
+        1: it holds. Bisection finds it, with a quadratic speed between both ends (``gain``: its
+        derivative at the start) and a linear own state of the source.
         """
         speed, own, gain, margins = self._speed(state), state[4], h * gain, regime.margins
         bend = self._speed(new) - speed - gain

@@ -31,7 +31,7 @@ C: tuple[tuple[float, ...], ...] = (
     (7.496443313967647, -10.24680431464352, -33.99990352819905, 11.70890893206160))
 C_LAST = (8.083246795921522, -7.981132988064893, -31.52159432874371, 16.31930543123136,
           -6.058818238834054)
-EVALUATIONS = len(A)       # of the equation of motion in one step, beside those at its start
+EVALUATIONS = len(A)       # of the equation of motion in one step, besides those at its start
 Stepped = tuple[float, float, float, float, float, float, float, float, float]
 # numbers that a step is a formula of: state, h, terms, derivative of du/dt by p, law of the source
 GIVEN = 5 + 1 + 7 + 1 + len(Piece._fields)
@@ -41,8 +41,8 @@ class Rosenbrock:
     """
     One step of given length, of an equation of motion with the equations of shaft and source.
 
-    ``has_own``: the source has a state of its own; ``tangent``: of a source whose law is not
-    linear, the law next to a speed.
+    ``has_own``: the source has a state of its own; ``tangent``: the law near a speed, for a source
+    whose law is not linear.
     """
 
     def __init__(self, equation: Equation, equations: Elastic | Rigid, has_own: bool,
@@ -62,8 +62,7 @@ class Rosenbrock:
 
         They are (p, u, s, v, z, dp, du, ds, dv). ``terms``: at this state; ``by_position``:
         derivative of its acceleration by p; ``piece``: law of the source. Raises FourBarError
-        where a stage is where the mechanism cannot be, ArithmeticError where a number is too
-        large.
+        where the mechanism cannot reach a stage, ArithmeticError where a number is too large.
         """
         try:
             stepped: Stepped = self._line(*state, h, *terms, by_position, *piece)
@@ -83,7 +82,7 @@ class Rosenbrock:
 
         def formula(p: Any, u: Any, s: Any, v: Any, z: Any, h: Any, *given: Any) -> Any:
             """
-            Return the nine numbers of ``__call__`` of its numbers, one by one, of any type.
+            Return the nine numbers of ``__call__`` from its arguments one by one, of any type.
 
             ``given``: 7 terms, by_position and 6 of the piece, the source's law (M1): t and d are
             torque and dz/dt, t_w, d_w and t_z, d_z their derivatives by speed and own state.

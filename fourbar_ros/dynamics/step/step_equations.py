@@ -3,10 +3,10 @@
 """
 First-order equations of input, shaft and source, and the linear systems of an implicit step.
 
-The state is x = (p, u, s, v, z): coordinate and its rate, twist of the elastic shaft and speed of
-the motor behind the gear (both zero of a rigid shaft), state of the torque source. With the terms
-of the equation of motion (E1) in p, r = dq/dp of the input q and r' = dr/dp (of the input itself 1
-and 0), stiffness k and damping c of the shaft, and (M1) for the source,
+The state is x = (p, u, s, v, z): coordinate and its rate, twist of the elastic shaft, speed of the
+motor behind the gear, state of the torque source. Twist and motor speed are zero for a rigid
+shaft. The terms are those of (E1) in p and (M1) for the source; the shaft has the stiffness k and
+the damping c. With r = dq/dp, q the input, and r' = dr/dp (1 and 0 if p is the input),
 
     dp/dt = u                       du/dt = (Q - D u - J'/2 u^2 + r T_in) / J
     ds/dt = v - r u                 dv/dt = (T - T_in) / J_m                               (N1)
@@ -120,7 +120,7 @@ class Elastic:
             """
             Prepare the elimination for g = 1 / (gamma h), which serves all stages of a step.
 
-            p, s and z follow from u and v; m11 to m22 is the system of two left for these.
+            m11 to m22 is the system of two for u and v; p, s and z follow from these.
             """
             own, coupling = 1.0 / (g - own_by_own), c + k / g
             in_all = by_position - r * k / (g * inertia) * w_slope

@@ -18,8 +18,8 @@ theta1 passes through 0 or pi, at an end of that range of q, S is zero and so is
 it then changes its sign with that of rS.
 
 Source of the theorem: Basu, Pollack, Roy, Algorithms in Real Algebraic Geometry, section 2.2. The
-optional python-flint has such polynomials too, but an exact count is to be there without it, and
-takes milliseconds.
+optional python-flint has such polynomials too, but the exact count must work without it, and takes
+milliseconds.
 """
 from __future__ import annotations
 

@@ -16,8 +16,8 @@ without a root.
 Input ranges are symmetric about theta1 = 0, so the points of 0 < theta1 < pi give all.
 
 Jacobi's functions are computed by the descending Landen transformation from the complementary
-parameter m1 = 1 - m. Not by scipy.special.ellipj: it takes m, and next to a change point, m -> 1,
-everything depends on digits of 1 - m that m has lost.
+parameter m1 = 1 - m. scipy.special.ellipj will not do: it takes m, and next to a change point (m
+-> 1) everything depends on digits of 1 - m that m has lost.
 
 Sources: NIST Digital Library of Mathematical Functions, section 22.7(i); Abramowitz and Stegun,
 section 16.12.
@@ -47,7 +47,7 @@ class HalfTurn(NamedTuple):
     unit: Array          # such a unit, in u
     up: Array            # factor of the numerator of tan(theta1/2)
     down: Array          # factor of its denominator
-    steps: list[tuple[Array, Array]]      # those of :func:`.landen_steps`
+    steps: list[tuple[Array, Array]]      # from :func:`.landen_steps`
     crosses: tuple[bool, bool]            # whether theta1 reaches pi, and whether it reaches 0
 
     def __call__(self, sine: Array, cosine: Array) -> tuple[Array, Array]:

@@ -22,7 +22,7 @@ import numpy as np
 SAMPLES = 24
 # Linkages whose samples are computed together, so that they stay in the cache.
 TOGETHER = 512
-# What is kept of a sample: products of s, c = sin, cos(theta1/2), and what make_sines gives.
+# Kept for each sample: products of s, c = sin, cos(theta1/2), and the results of make_sines.
 NAMES = 'sc', 'cc', 'g', 'gu', 'k', 'ku', 'X', 'Y'
 
 
@@ -66,7 +66,7 @@ class Path:
         ``k_at``: (theta1, row) -> k, to look closely where a pair of roots may hide.
         """
         def at(i: Array, column: Array) -> tuple[Array, Array]:
-            """Return theta1 at a sample, and a third of what it rises in a step."""
+            """Return theta1 at a sample, and a third of its rise in a step."""
             x, X = self._at(i, column, 'X')
             return x, self.third[column] * X
         i, column, *bracket = find_brackets(lambda x, column: k_at(x, self.row[column]), at,

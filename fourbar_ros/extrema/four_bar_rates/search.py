@@ -26,7 +26,7 @@ import numpy as np
 # Above this ratio of the longest link to the shortest, samples do without the loop and values are
 # computed again by the more accurate formulas.
 UNEQUAL = 10.0
-# A root may be moved by at most this [rad] to that of the more accurate formula.
+# The more accurate formula may move a root by at most this [rad].
 POLISH = 2.0**-12
 # Lengths are arrays too: one linkage an element.
 _MANY = replace(ARRAY, name='arrays of linkages', exact_sum=exact_sum_of_four,
@@ -69,7 +69,7 @@ class Linkages(NamedTuple):
 
     lengths: Array        # (4, n), over a power of two, so that the largest is about one
     sign: Array           # of sin(mu): the assembly mode
-    constants: Array      # those of :func:`.sine_constants`
+    constants: Array      # from :func:`.sine_constants`
     limits: Array         # (2, n): theta1 of the toggles near 0 and near pi [rad], or NaN
     closes: Array         # whether it can be assembled
     is_flat: Array        # whether it is at an exact change point, and left out

@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-The planar 4R linkage: what it is, how far it moves, how it is drawn.
+The planar 4R linkage: its parts, range of motion and drawing.
 
 Its formulas are in :mod:`.motion` and :mod:`.loads`. :class:`SeenFromOutput` is the linkage driven
 at its output link.
@@ -55,8 +55,8 @@ from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 import numpy as np
 
 # Signs of (a4 - a1 + a3 - a2, a4 - a1 - a3 + a2, a2 + a3 - a4 - a1) for the eight basic planar 4R
-# linkages: McCarthy and Soh, Geometric Design of Linkages, whose first two are exchanged here. Of
-# a non-Grashof linkage the name says through which of 0 and pi theta1 and theta4 swing.
+# linkages: McCarthy and Soh, Geometric Design of Linkages, with the first two exchanged. The name
+# of a non-Grashof linkage says whether theta1 and theta4 swing through 0 or pi.
 _CLASSES: dict[tuple[int, ...], str] = {
     (1, 1, 1): 'Grashof crank-rocker',
     (-1, -1, 1): 'Grashof double-crank',
@@ -70,7 +70,7 @@ _CLASSES: dict[tuple[int, ...], str] = {
 
 
 class FourBarLinks(Mechanism):
-    """What a 4R linkage is whichever of its joints is driven: four bars, four joints."""
+    """Base of the 4R linkages, whichever joint is driven: four bars, four joints."""
 
     a1: float
     a2: float
@@ -101,7 +101,7 @@ class FourBarLinks(Mechanism):
     BODIES, EXTERNAL = Bodies, External
 
     def __post_init__(self) -> None:
-        """Check what is given, and that no link is as long as the other three together."""
+        """Check the parameters, and that no link is as long as the other three together."""
         self._check()
         lengths = self.lengths
         longest = max(lengths)
@@ -205,7 +205,7 @@ class FourBar(FourBarLinks):
     Raises
     ------
     InvalidParameter
-        Naming the parameter, its value and what is allowed.
+        Naming the parameter, its value and the allowed values.
 
     """
 
@@ -226,7 +226,7 @@ class FourBar(FourBarLinks):
 
     @property
     def description(self) -> str:
-        """Return what it is as text: its type."""
+        """Return its type as text."""
         return self.classification
 
     @of_geometry
@@ -363,10 +363,10 @@ class SeenFromOutput:
     """
     A 4R linkage driven at its output link, by the coordinate p = pi - theta4.
 
-    Mirrored at the middle of its ground, x -> a4 - x, the linkage a1, a2, a3, a4 is the linkage
-    a3, a2, a1, a4 whose crank stands at p and whose output link at pi - theta1; its coupler, from
-    B to A, is at -beta. All that is not defined here is that of the mirrored linkage, a FourBar in
-    one of its assembly modes; ``crank``: a1 [m].
+    Mirrored at the middle of its ground, x -> a4 - x, the linkage a1, a2, a3, a4 becomes the
+    linkage a3, a2, a1, a4. Its crank is then at p, its output link at pi - theta1, and its
+    coupler, from B to A, at -beta. Everything not defined here comes from the mirrored linkage, a
+    FourBar in one of its assembly modes; ``crank``: a1 [m].
     """
 
     def __init__(self, mirrored: Any, crank: float) -> None:

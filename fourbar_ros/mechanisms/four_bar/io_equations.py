@@ -77,7 +77,7 @@ class IOEquation(NamedTuple):
         """
         Return half the time derivative of :meth:`position` [m^2/s]: Eqs. (22)-(27) with = 0.
 
-        In the paper's chain that of joints 1 and 4 is Eq. (7).
+        For joints 1 and 4 it is Eq. (7) in the paper's chain.
         """
         by_i, by_j = self._slopes(vi, vj)
         return by_i * dvi + by_j * dvj
@@ -87,7 +87,7 @@ class IOEquation(NamedTuple):
         """
         Return the time derivative of :meth:`velocity` [m^2/s^2]: Eqs. (28)-(33) with = 0.
 
-        In the paper's chain that of joints 1 and 4 is Eq. (8).
+        For joints 1 and 4 it is Eq. (8) in the paper's chain.
         """
         by_i, by_j = self._slopes(vi, vj)
         return (by_i * ddvi + by_j * ddvj + (self.both * vj**2 + self.first) * dvi**2

@@ -17,15 +17,15 @@ and every other reaction follows by subtraction:
     (L3)  F43 = F3 + F32
     (L4)  F41 = F1 - F21
 
-The torque is that of virtual power at unit speed of the crank, and the shaking wrench is summed
-over the links, not over the reactions: inner forces much larger than the sums would spoil them.
+The torque follows from virtual power at unit speed of the crank. The shaking wrench is summed over
+the links, not over the reactions: inner forces much larger than the sums would spoil them.
 
     (L5)  T41 = M1 + M2 b' + M3 y',   terms of a x r collected
     (L6)  shaking force = -(F1 + F2 + F3)
     (L7)  shaking moment about O1 = -(M1 + M2 + M3 + (O4 - O1) x F3)
 
-A drive between two links, at A or B, changes two equations. Its torque is that of virtual power at
-unit rate of its own joint, x' = d(theta1)/d(theta2 or theta3),
+A drive between two links, at A or B, changes two equations. Its torque follows from virtual power
+at unit rate of its own joint, x' = d(theta1)/d(theta2 or theta3),
 
     (L8)  T = M1 x' + M2 b' + M3 y'
 
@@ -142,7 +142,8 @@ def _force_at_b(m: MovingJointMotion, is_driven_at_a: bool, lengths: tuple[Scala
     """
     Return F32, the force of the output link on the coupler, of a drive at joint A or else at B.
 
-    From the moments in which the drive's torque does not appear. ``lengths``: a1, a3, a4.
+    It follows from the moments in which the drive's torque does not appear. ``lengths``: a1, a3,
+    a4.
     """
     a1, a3, a4 = lengths
     x = Vector(1.0, 0.0)

@@ -154,7 +154,7 @@ class MovingJointFourBar(FourBarLinks):
     Raises
     ------
     InvalidParameter
-        Naming the parameter, its value and what is allowed.
+        Naming the parameter, its value and the allowed values.
 
     """
 
@@ -176,7 +176,7 @@ class MovingJointFourBar(FourBarLinks):
 
     @property
     def description(self) -> str:
-        """Return what it is as text: type, input."""
+        """Return a short text: type, input."""
         return f'{self.classification}, driven at its joint {self.input}'
 
     @property

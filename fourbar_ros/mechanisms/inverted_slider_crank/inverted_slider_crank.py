@@ -3,7 +3,7 @@
 """
 The inverted slider-crank RPR with offset: rocking block, oscillating cylinder.
 
-What it is, how far it moves, how it is drawn; its formulas are in :mod:`.motion`, :mod:`.loads`.
+Its parts, range of motion and drawing; the formulas are in :mod:`.motion`, :mod:`.loads`.
 """
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ class InvertedSlider(OffsetSlide):
         0.
         Slide input: 2 has sin(theta1) > 0 (A to the left of O1-O4), 1 < 0.
     input : str
-        'crank' or 'slide': what theta1 or slide is given for.
+        'crank' or 'slide': the driven coordinate, theta1 or slide.
     bodies : Bodies, optional
         Crank from O1, block (``coupler``) from A along the bar, bar (``output``) from O4 along
         itself.
@@ -107,7 +107,7 @@ class InvertedSlider(OffsetSlide):
     Raises
     ------
     InvalidParameter
-        Naming the parameter, its value and what is allowed.
+        Naming the parameter, its value and the allowed values.
 
     """
 

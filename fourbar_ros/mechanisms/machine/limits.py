@@ -78,7 +78,7 @@ _Self = TypeVar('_Self', bound='WithLimits')
 
 
 class WithLimits(Mechanism):
-    """What a machine, by its ``layout``, ``stages`` and their ``signs``, knows of its limits."""
+    """The limits of a machine, from its ``layout``, ``stages`` and their ``signs``."""
 
     dyads: tuple[Dyad, ...]
     # set for each one when it is made; no fields

@@ -78,7 +78,7 @@ class Machine(WithLimits):
     Raises
     ------
     InvalidParameter
-        Naming the dyad, the parameter, its value and what is allowed.
+        Naming the dyad, the parameter, its value and the allowed values.
 
     Examples
     --------
@@ -105,7 +105,7 @@ class Machine(WithLimits):
     TEXT = 'a driven link and dyads, any planar linkage of Assur groups of class II'
 
     def __post_init__(self) -> None:
-        """Check what is given, in the order in which one part needs another; derive the layout."""
+        """Check the fields, in the order in which one part needs another; derive the layout."""
         if self.input not in DRIVERS:
             raise InvalidParameter('input', self.input, f'must be one of {", ".join(DRIVERS)}')
         self._set(dyads=checked_dyads(self.dyads, self.input),
@@ -168,7 +168,7 @@ class Machine(WithLimits):
     @property
     def numbers_of_lengths(self) -> tuple[str | tuple[int, int], ...]:
         """
-        Return what each number of its dyads is, see :attr:`.Described.numbers_of_lengths`.
+        Return the meaning of each number of its dyads, see :attr:`.Described.numbers_of_lengths`.
 
         All '' where any dyad has the form of a pair, whose shape follows from several lengths.
         """
@@ -271,7 +271,7 @@ class Machine(WithLimits):
         return found
 
     def diagram(self, motion: NamedFields) -> Diagram:
-        """Return what a picture shows in one pose."""
+        """Return the contents of a picture in one pose."""
         return diagram.diagram(self, motion)
 
     def velocity_polygon(self, motion: NamedFields) -> list[Arrow]:

@@ -216,7 +216,7 @@ def _screen(bound: Bound, layout: Layout, numbers: Sequence[Numbers],
         doubtful = _doubtful(ends, inner, np.arange(middle.size), phi[1:] - phi[:-1])
         if not (value > 0.0).all() or doubtful.any() or (
                 stage.pair is None and stage.kind != PRP and _minima(phi, *ends)):
-            break            # what hangs on it is not known either
+            break            # links that hang on it are not known either
         clean[number] = partial(_near, every, number, path, phi, *ends)
     return clean
 

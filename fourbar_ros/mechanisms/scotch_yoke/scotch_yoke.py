@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""The Scotch yoke: what it is, how far it moves, how it is drawn."""
+"""The Scotch yoke: its parts, range of motion and drawing."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -77,7 +77,7 @@ class ScotchYoke(Mechanism):
         Assembly mode. A driven slide: 2 has sin(theta1) > 0, 1 < 0. A driven crank has one mode,
         2.
     input : str
-        'crank' or 'slide': what theta1 or slide is given for.
+        'crank' or 'slide': the driven coordinate, theta1 or slide.
     bodies : Bodies, optional
         Crank from O1, block (``coupler``) from A along the slot (y), yoke (``output``) from B,
         where slot and guide cross, along x. Block and yoke do not turn.
@@ -91,7 +91,7 @@ class ScotchYoke(Mechanism):
     Raises
     ------
     InvalidParameter
-        Naming the parameter, its value and what is allowed.
+        Naming the parameter, its value and the allowed values.
 
     """
 

@@ -3,7 +3,7 @@
 """
 The slider-crank RRRP with offset, driven by its crank or by its slider.
 
-What it is, how far it moves, how it is drawn; its formulas are in :mod:`.motion`, :mod:`.loads`.
+Its parts, range of motion and drawing; the formulas are in :mod:`.motion`, :mod:`.loads`.
 """
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ class SliderCrank(OffsetSlide):
         Assembly mode. Crank input: 2 has cos(beta) > 0 (slider ahead of A), 1 has cos(beta) < 0.
         Slider input: 2 has sin(theta2) > 0 (from O1 over A to B one turns left), 1 < 0.
     input : str
-        'crank' or 'slide': what theta1 or slide is given for.
+        'crank' or 'slide': the driven coordinate, theta1 or slide.
     bodies : Bodies, optional
         Crank from O1, coupler from A, slider (``output``) from B along x.
     gravity : tuple of 2 floats
@@ -95,7 +95,7 @@ class SliderCrank(OffsetSlide):
     Raises
     ------
     InvalidParameter
-        Naming the parameter, its value and what is allowed.
+        Naming the parameter, its value and the allowed values.
 
     """
 
@@ -205,7 +205,7 @@ class SliderCrank(OffsetSlide):
 
     @property
     def structure(self) -> tuple[object, ...]:
-        """Return what mechanisms have in common whose formulas do the same with other numbers."""
+        """Return the data that mechanisms with the same formulas have in common."""
         return *super().structure, self._has_long_crank
 
     def loads_formula(self, numbers: NumberType, constants: Constants) -> Function:

@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-What a machine is described with: points, dyads, a cylinder, each of which checks itself.
+Parts that describe a machine: points, dyads, a cylinder. Each checks itself.
 
 A dyad (Assur group of class II) is two links and three joints, each a pin (R) or a slide (P). The
 letters name the outer joint on the link of ``first``, the inner joint, and the outer joint on the
@@ -43,7 +43,7 @@ PARALLEL = 1e-9
 
 
 class Numbers(NamedTuple):
-    """What the formulas of a dyad take: lengths [m], and cosine and sine of each angle."""
+    """Arguments of the formulas of a dyad: lengths [m], and cosine and sine of each angle."""
 
     p: tuple[Scalar, Scalar]            # where it hangs on the link of ``first``: along, across
     q: tuple[Scalar, Scalar]            # ... of ``second``
@@ -109,7 +109,7 @@ class Dyad:
     Raises
     ------
     InvalidParameter
-        Naming the dyad, the parameter, its value and what is allowed.
+        Naming the dyad, the parameter, its value and the allowed values.
 
     """
 
@@ -127,7 +127,7 @@ class Dyad:
     mode: int = OPEN
 
     def __post_init__(self) -> None:
-        """Check what is given, and store it as points, floats and an integer mode."""
+        """Check the fields, and store them as points, floats and an integer mode."""
         require_name('name of a dyad', self.name)
         where = f'dyads.{self.name}'
         if self.kind not in DIMENSIONS:
@@ -200,8 +200,8 @@ class Cylinder(NamedTuple):
     Parameters
     ----------
     base : Point
-        Point where the tube is pinned: of the ground, or of a moving link to which the crank is
-        pinned at (0, 0). Of that link is then what a dyad says of the ground else, and one dyad
+        Point where the tube is pinned. It is on the ground, or on a moving link to which the crank
+        is pinned at (0, 0). In dyads that link then takes the place of the ground, and one dyad
         has the ground among its links: its first joint is the origin, its direction is x.
     pin : Point
         Point of the crank where the rod is pinned.
@@ -268,7 +268,7 @@ def checked_mode(name: str, value: Any, has_one: bool = False) -> int:
 
 
 def checked_cylinder(given: Any, driven: str) -> Cylinder | None:
-    """Return the checked cylinder of a machine; None of one that is driven otherwise."""
+    """Return the checked cylinder of a machine; None if it has another drive."""
     if (given is None) is (driven == CYLINDER):
         raise InvalidParameter('cylinder', given, 'a machine has one if input is cylinder, '
                                                   'and only then')

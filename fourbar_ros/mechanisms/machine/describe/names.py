@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-What a machine states about itself by the contract, LINKS to QUANTITIES, from its layout.
+The facts of a machine that the contract asks for, LINKS to QUANTITIES, from its layout.
 
 Its records (motion, loads, bodies) are NamedTuple types that are made at run time; their values
 pass from process to process.
@@ -44,7 +44,7 @@ from fourbar_ros.mechanisms.parts import (
     reaction,
 )
 
-# What the links of each kind are called in texts.
+# Names of the links of each kind in texts.
 ROLES = {'RRR': ('rod', 'rod'), 'RRP': ('rod', 'block'), 'RPR': ('block', 'bar'),
          'RPP': ('block', 'yoke'), 'PRP': ('block', 'block')}
 
@@ -91,7 +91,7 @@ def _links(layout: Layout) -> list[Link]:
 
 
 def _reactions(layout: Layout) -> list[Reaction]:
-    """Return what is transmitted at each joint, by the link on which the other hangs."""
+    """Return the reaction at each joint, exerted by the link on which the other hangs."""
     links = layout.links
     bodies = {BASE: (links[0], links[1])}
     for stage in layout.stages:
@@ -141,7 +141,7 @@ def _outputs(layout: Layout, driven: Coordinate) -> tuple[Output, ...]:
 
 
 def _quantities(layout: Layout, driven: Coordinate) -> list[Quantity]:
-    """Return the quantities beside those of all mechanisms: of links, slides, dyads and joints."""
+    """Return the quantities beyond those of all mechanisms: of links, slides, dyads and joints."""
     found = []
     for link in [link for link in layout.moving if link in layout.turning()]:
         found += _of_coordinate(coordinate(link), f'of {link}')

@@ -51,9 +51,9 @@ PRP: B = P + s1 t1 = Q + s2 t2, two blocks pinned to each other on two lines:
           D' + k2' s2 n2 - k1' s1 n1  and
           D'' + (k2'' s2 + 2 k2' s2') n2 - k2'^2 s2 t2 - (k1'' s1 + 2 k1' s1') n1 + k1'^2 s1 t1
 
-A dyad is at a toggle where its sine vanishes: that of the transmission angle, between the two rods
-(RRR), the rod and the normal of the slide (RRP), the bar and the line P Q (RPR), the slot and the
-slide (RPP), the two lines (PRP).
+A dyad is at a toggle where the sine of its transmission angle vanishes: the angle between the two
+rods (RRR), the rod and the normal of the slide (RRP), the bar and the line P Q (RPR), the slot and
+the slide (RPP), the two lines (PRP).
 """
 from __future__ import annotations
 

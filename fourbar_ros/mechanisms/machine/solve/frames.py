@@ -67,7 +67,7 @@ class Hanging(NamedTuple):
     at_q: Place         # of Q on the link ``stage.second``
     # (link, along, across) of the arms from P to Q; None: D is Q - P, or that of a pair
     arms: list[tuple[int, Scalar, Scalar]] | None
-    pinned: Anchor | None       # what has to be pinned in the frame first: (link, at)
+    pinned: Anchor | None       # link to pin in the frame first: (link, at)
 
 
 def composed(frame: Curve, own: Curve) -> Curve:
@@ -244,7 +244,7 @@ class Frames:
     def _arms(self, stage: Stage, frame: int, at_p: Place,
               at_q: Place) -> list[tuple[int, Scalar, Scalar]] | None:
         """
-        Return the arms (link, along, across) that lead from P to Q, of which D is the sum.
+        Return the arms (link, along, across) that lead from P to Q; their sum is D.
 
         They go from pin to pin over the last link that both have in common, so that its own motion
         is not in D. None if that is the frame: then Q - P has nothing to lose.
@@ -284,7 +284,7 @@ class Frames:
         """
         Return P, Q, D = Q - P and the curves of the links on which a dyad hangs, in its frame.
 
-        In place of D a pair gets its angle or slide, and a cylinder what drives it.
+        In place of D a pair gets its angle or slide, and a cylinder its drive.
         """
         stage, frame, at_p, at_q, arms, pinned = self._hangings[number]
         if stage.pair:

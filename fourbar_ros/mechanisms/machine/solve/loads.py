@@ -14,7 +14,8 @@ The drive follows from virtual power with the velocities at unit rate of the inp
 
 the shaking force and moment about O1 from the links, -sum of f and -sum of m_X + X x f. Then the
 dyads are solved from the last to the first, each a statically determinate system solved by hand.
-Where the ground is a link of a dyad and the frame moves, the ground needs what holds all others,
+Where the ground is a link of a dyad and the frame moves, the ground needs the loads that hold all
+other links,
 
     (L3)  f, m of the ground = shaking force and moment
 
@@ -144,7 +145,7 @@ def make_drive_and_shaking(n: NumberType) -> Function:
 
     def balance(curves: Sequence[Curve],
                 needs: Sequence[Needs]) -> tuple[Scalar, tuple[Scalar, ...]]:
-        """Return the drive by virtual power, and what all links together do to the ground."""
+        """Return the drive by virtual power, and the loads of all links on the ground."""
         drive = shake_x = shake_y = moment = 0.0
         for (force, m), (x, y, dx, dy, _, _, _, _, turn, _) in zip(needs, curves):
             drive = drive + (force.x * dx + force.y * dy + m * turn)                    # (L2)

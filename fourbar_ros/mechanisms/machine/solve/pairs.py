@@ -7,7 +7,7 @@ Where a pin or a slide joins the links on which a dyad hangs, the dyad and that 
 loop of four links: a 4R linkage, a slider-crank or an inverted one, that moves by one relative
 angle or slide. The formulas of these (:mod:`fourbar_ros.mechanisms.loop`,
 :mod:`fourbar_ros.mechanisms.slide_dyad`) keep all digits next to its toggles and go through its
-change points. The first dyad of every machine is such one, and many others are.
+change points. The first dyad of every machine is one of these, and so are many others.
 
 One link of the pair is the frame. On it, O is the pin that joins both, Q the point of the dyad, g
 = Q - O; on the other a = P - O. With x the angle of a seen from g, or from the line of RRP, the
@@ -141,7 +141,7 @@ def other_of(stage: Stage) -> int:
 
 
 def _shape(stage: Stage, own: Numbers, joints: Joints, length: Function) -> tuple[Scalar, ...]:
-    """Return what makes the loop of a pair, beside sizes of the dyad: ``shape`` of shaped()."""
+    """Return the loop of a pair besides sizes of the dyad: ``shape`` of shaped()."""
     assert stage.pair is not None
     frame, other = stage.pair.frame, other_of(stage)
     (p_x, p_y), (q_x, q_y) = (own.p, own.q) if stage.turns_first else (own.q, own.p)
