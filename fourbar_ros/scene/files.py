@@ -55,11 +55,14 @@ def find(name: str | Path, among: Path | None = None) -> Path:
     the known names if neither exists.
     """
     path = Path(name)
-    if path.exists() or path.parent != Path('.') or path.suffix:
+    is_folder = path.is_dir()       # perhaps with code that was generated from the scene
+    if path.exists() and not is_folder or path.parent != Path('.') or path.suffix:
         return path
     files = shipped(among)
     if str(name) in files:
         return files[str(name)]
+    if is_folder:
+        return path
     known = sorted(files)
     raise SceneError(f'{name}: neither a file nor the name of a scene{nearest(str(name), known)}')
 

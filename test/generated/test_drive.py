@@ -177,9 +177,20 @@ def test_a_state_can_be_set_and_a_wrong_step_holds_it(rocker):
     mine, theirs = code.mover(scene), scene.mover
     place = theirs.place((0.3, -2.0, 0.0, 0.0, 0.0), 1)
     assert bits(mine.values(place, 0.0, 0.0, 0.0)) == bits(theirs.values(place, 0.0, math.nan, 0))
-    for step in (0.0, -1.0, math.nan, math.inf):
-        status, values = mine.next(mine.start(), step)
-        assert (status, values.position, values.velocity) == (NOT_FINITE, -0.5, 0.0)
+    for step in (0.0, -1.0, math.nan, math.inf, -math.inf):
+        for mover in (mine, theirs):
+            status, values = mover.next(mover.start(), step)
+            assert (status, values.position, values.velocity) == (NOT_FINITE, -0.5, 0.0)
+        assert bits(values) == bits(mine.next(mine.start(), step)[1])
+
+
+@pytest.mark.parametrize('field', ['position', 'velocity'])
+@pytest.mark.parametrize('value', [math.nan, math.inf, -math.inf])
+def test_a_state_without_a_number_is_held_as_such(rocker, field, value):
+    scene, code = rocker
+    for mover in (code.mover(scene), scene.mover):
+        status, values = mover.next(mover.start()._replace(**{field: value}), 0.002)
+        assert status == NOT_FINITE and values.velocity == 0.0
 
 
 def test_loads_have_the_springs_in_them(tmp_path):

@@ -109,6 +109,9 @@ def test_a_unit_moves_by_torque_as_the_node_does(tmp_path):
         unit.set(torque=0.1 * i)
         unit('DoStep', c_double(i * step), c_double(step), 1)
     assert unit.get(*names) == end
+    for wrong in (-step, math.nan, math.inf):
+        assert unit.library.fmi2DoStep(c_void_p(unit.instance), c_double(0.0), c_double(wrong), 1)
+        assert unit.get(*names) == end
     unit('FreeFMUstate', byref(saved))
 
 

@@ -166,6 +166,12 @@ def test_every_text_of_a_parameter_reads_alone(parameter):
     assert not parameter.text.endswith('.') and 'extremes' not in words
 
 
+def test_a_folder_of_the_name_of_a_scene_does_not_hide_it(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / 'motor').mkdir()
+    assert scene.load('motor').values == scene.load(CONFIG / 'motor.yaml').values
+
+
 def test_kinds_of_motors_share_no_parameter_that_differs():
     found = {}
     for kind in OF_MOTORS.values():

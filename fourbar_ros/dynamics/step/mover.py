@@ -11,7 +11,7 @@ most samples. Next to a toggle they hardly change: there (p, dp/dt) is the state
 """
 from __future__ import annotations
 
-from math import isfinite, isnan, nan, tau
+from math import inf, isfinite, isnan, nan, tau
 from typing import NamedTuple
 
 from fourbar_ros.dynamics.model.drives import Law, Source, SpeedController
@@ -236,6 +236,8 @@ class Mover:
         ``command``: torque of the source during the step [N m], in place of the drive's own law.
         """
         self._spent = 0
+        if not (0.0 < length < inf and all(map(isfinite, place.state))):
+            return Stepped(_held(place), NOT_FINITE, 0)
         try:
             new, is_good = self._passed(place, length, command)
         except (FourBarError, ArithmeticError) as error:

@@ -62,16 +62,24 @@ STARTS
   NAME_complete(drive PASSED);
 }
 
+static int are_finite(const double *state)
+{
+  int i;
+  for (i = 0; i < 5; ++i) if (!is_finite(state[i])) return 0;
+  return 1;
+}
+
 NAME_drive_status NAME_advance(NAME_drive *drive, double step ARGUMENT)
 {
   Place at, before;
   NAME_drive_status status = NAME_drive_not_finite;
   double state[5];
-  int refused = DIVISION, is_good = 0, is_number = 1, i;
+  int refused = DIVISION, is_good = 0, is_number, i;
   take(&at, drive, GIVEN_TORQUE);
   before = at;
-  if (step > 0.0 && is_finite(step)) refused = move(&at, step, &is_good);
-  for (i = 0; i < 5; ++i) if (!is_finite(at.it.state[i])) is_number = 0;
+  if (step > 0.0 && is_finite(step) && are_finite(at.it.state))
+    refused = move(&at, step, &is_good);
+  is_number = are_finite(at.it.state);
   if (HAS_LIMITS && ((refused & LIMIT) != 0 || (!refused && is_number && (
         state_of_input(&at, state) || is_at_end(state[0])))))
     status = NAME_drive_at_limit;

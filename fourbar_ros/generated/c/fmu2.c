@@ -68,6 +68,7 @@ EXPORT Status fmi2SetReal(Component component, const unsigned *which, size_t cou
 EXPORT Status fmi2DoStep(Component component, double time, double step, int is_final)
 {
   (void)is_final;
+  if (!(step >= 0.0 && step < HUGE_VAL)) return ERROR;
   ADVANCE
   STATE->time = time + step;
   return OK;

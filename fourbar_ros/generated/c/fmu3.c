@@ -79,6 +79,7 @@ EXPORT Status fmi3DoStep(Instance instance, double time, double step, bool no_wa
                          bool *event, bool *terminate, bool *early, double *last)
 {
   (void)no_way_back;
+  if (!(step >= 0.0 && step < HUGE_VAL)) return ERROR;
   ADVANCE
   STATE->time = time + step;
   *event = *terminate = *early = false;
