@@ -19,7 +19,7 @@ import numpy as np
 # Singular values below this part of the largest, and shaking forces below this part of the
 # unbalanced one, are rounding.
 RANK, BALANCED = 1e-10, 1e-9
-# Added mass over that of the mechanism: more than any design for which it is possible at all.
+# Added mass over the mechanism's mass: more than any possible design needs.
 PLENTY = 1e4
 # Spots that the linear programme tries at most; reduced cost per kilogram that counts as none.
 STEPS, ENOUGH = 100, 1e-10
@@ -29,8 +29,9 @@ def full_force_balance(places: Places) -> Balance:
     """
     Return the lightest counterweights that take the shaking force away.
 
-    ``value`` and ``bound`` of the result are the added mass and a proven lower bound of it [kg].
-    BalanceError if no counterweights on these links do it; the message says what remains.
+    ``value`` and ``bound`` of the result are the added mass and its proven lower bound [kg].
+    BalanceError if no counterweights on these links do it; the message says how much force
+    remains.
     """
     loads = places.loads
     root = loads.root(('force',))           # |root p|: the shaking force's root mean square
@@ -54,8 +55,9 @@ def _lightest(places: Places, equations: Array,
     """
     Return spots, their masses [kg], and a lower bound of the total mass of any solution [kg].
 
-    By column generation: a linear programme finds the best masses at the known spots; its prices
-    tell which other spot would lower the total most; that one is added, until none helps.
+    The method is column generation. A linear programme finds the best masses at the known spots.
+    Its prices tell which other spot would lower the total most. That spot is added, until none
+    helps.
     """
     from scipy.optimize import linprog
     target = -equations @ places.loads.given

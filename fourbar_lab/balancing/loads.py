@@ -56,7 +56,7 @@ def body_of(numbers: Array) -> Body:
 
 
 def without_weight(mechanism: Mechanism) -> Mechanism:
-    """Return a mechanism whose loads are those of inertia alone: no weight, no outer forces."""
+    """Return a mechanism with loads from inertia alone: no weight, no outer forces."""
     links = type(mechanism.external)._fields
     return replace(mechanism, gravity=(0.0, 0.0),
                    external=type(mechanism.external)(*[NOT_APPLIED] * len(links)))
@@ -72,7 +72,7 @@ class Loads:
     """
 
     def __init__(self, mechanism: Mechanism, rate: float):
-        """Refuse what no mass can balance; collect the numbers of all links."""
+        """Refuse mechanisms that no mass can balance; collect the numbers of all links."""
         if mechanism.bodies is None:
             raise BalanceError('nothing to balance: the scene gives no masses')
         if not rate or not isfinite(rate):
@@ -138,8 +138,8 @@ class Loads:
         """
         Return inputs and weights of a mean over the input, ``points`` in each of its ranges.
 
-        The weights add up to one. A range that is no full turn gets 1024 points at most (Gauss):
-        they are enough, and are eigenvalues, which take seconds if there are more.
+        The weights add up to one. A range that is no full turn gets 1024 points at most (Gauss).
+        They are enough; more would take seconds, since they are eigenvalues.
         """
         if self.mechanism.turns_fully:
             return full_turn(points)
@@ -153,9 +153,9 @@ class Loads:
         """
         Return R such that |R p| is the root mean square over the input of the loads by name.
 
-        R is square, shape (4 links, 4 links): a norm of p makes it a problem of least distance. Of
-        several loads, each counts relative to its unbalanced value, and |R p|^2 is the sum of
-        their squares. Inputs are doubled until the size of R settles.
+        R is square, shape (4 links, 4 links): a norm of p makes it a problem of least distance. If
+        there are several loads, each counts relative to its unbalanced value, and |R p|^2 is the
+        sum of their squares. Inputs are doubled until the size of R settles.
         """
         names, points, before = tuple(names), POINTS, np.inf
         while True:

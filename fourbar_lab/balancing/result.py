@@ -100,7 +100,7 @@ def draw_changes(loads: Loads, numbers: Array, path: str | Path) -> None:
 
 
 def draw_front(names: Sequence[str], balances: Sequence[Balance], path: str | Path) -> None:
-    """Draw what remains of loads over the added mass; the first balance is that of no mass."""
+    """Draw the remaining loads over the added mass; the first balance has no added mass."""
     from matplotlib.figure import Figure
     figure = Figure(figsize=(6, 4), layout='constrained')
     axes = figure.subplots()

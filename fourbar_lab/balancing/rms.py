@@ -106,7 +106,7 @@ class Places:
                                       np.zeros(len(self.loads.given)))
 
     def without_rounding(self, link: str, along: float, across: float) -> tuple[float, float]:
-        """Return along and across of a spot [m], 0.0 for what is rounding beside the radius."""
+        """Return along and across of a spot [m], with 0.0 for rounding beside the radius."""
         least = 64 * EPS * self.radii[link]
         return (along if abs(along) > least else 0.0, across if abs(across) > least else 0.0)
 

@@ -4,8 +4,8 @@
 Counterweights that are plates of a given shape: discs, and sectors about the first joint.
 
 Their mass and their moment of inertia grow together with their size, so the problem is no longer
-convex: ``scipy.optimize`` looks for the best from several starts. What point masses can do within
-the same circle is a proven bound, since a plate there is a sum of them.
+convex: ``scipy.optimize`` looks for the best from several starts. The optimum of point masses
+within the same circle is a proven bound, since a plate there is a sum of them.
 
 A plate of sigma [kg/m^2] adds, about the first joint,
 
@@ -102,7 +102,7 @@ def best_plates(places: Places, names: Iterable[str], mass: float, shape: str,
 
     Plates lie in the circles of ``places``, are of a shape of :data:`SHAPES` and of sigma, density
     times thickness [kg/m^2], and add ``mass`` [kg] at most; ``names`` as in :func:`.least_rms`.
-    The bound is that of point masses: a plate is a sum of them.
+    Point masses give the bound: a plate is a sum of them.
     """
     from scipy.optimize import minimize
     if shape not in SHAPES:

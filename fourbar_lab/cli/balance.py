@@ -110,7 +110,7 @@ def _radii(linkage: Mechanism, options: Sequence[tuple[str, float]]) -> dict[str
 
 
 def _full(arguments: argparse.Namespace, places: Places) -> tuple[Balance, str]:
-    """Return the full force balance, and what it is as text."""
+    """Return the full force balance, and its description as text."""
     from fourbar_lab.balancing import BalanceError, full_force_balance
     if arguments.peak or arguments.front or arguments.shape or arguments.mass is not None:
         raise BalanceError('--mass, --peak, --shape and --front go with --minimize')
@@ -119,7 +119,7 @@ def _full(arguments: argparse.Namespace, places: Places) -> tuple[Balance, str]:
 
 
 def _best(arguments: argparse.Namespace, places: Places) -> tuple[Balance, str]:
-    """Return the balance that --minimize asks for, and what it is as text; draw the --front."""
+    """Return the balance that --minimize asks for, and its description; draw the --front."""
     from fourbar_lab.balancing import BalanceError, best_plates, front, least_peak, least_rms
     from fourbar_lab.balancing.result import draw_front, unit_of
     names, mass = arguments.minimize, arguments.mass

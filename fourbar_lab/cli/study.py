@@ -145,7 +145,7 @@ def _plot(arguments: argparse.Namespace) -> None:
 
 
 def _pick(arguments: argparse.Namespace) -> None:
-    """Write the scene of a design: the best, the worst, or that of a row."""
+    """Write the scene of a design: the best, the worst, or the design of a row."""
     from fourbar_lab.studies import StudyError
     from fourbar_lab.studies.results import Results
     from fourbar_ros.scene.scene import from_values

@@ -125,5 +125,5 @@ def _unit(of: str, by: str) -> str:
 
 
 def _text(value: float) -> str:
-    """Return a number; a dash for what is not known."""
+    """Return a number as text; a dash for an unknown one."""
     return f'{value:.6g}' if isfinite(value) else '-'

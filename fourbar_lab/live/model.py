@@ -151,7 +151,7 @@ class Shown:
         """
         Return the status and the :class:`Pose` at an input; loads None without masses.
 
-        Rate and acceleration, where not given, are those of what is shown.
+        Rate and acceleration are by default those on the page.
         """
         status, motion, loads = evaluate(
             self.linkage, position, self.rate if rate is None else rate,
@@ -231,7 +231,7 @@ class Shown:
 
     @cached_property
     def labels(self) -> Labels:
-        """Return what pictures call joints and forces: letters, the same in every pose."""
+        """Return the letters of joints and forces in pictures, the same in every pose."""
         return (labels_of(self.linkage.diagram(self.poses[0].motion)) if self.poses
                 else Labels({}, {}, {}, {}))
 
@@ -257,5 +257,5 @@ def _sample(columns: Any, i: int) -> Any:
 
 def shown(values: ParameterValues, acceleration: float = 0.0,
           speed: float | None = None) -> Shown:
-    """Return what is shown of a flat dict of parameters; InvalidParameter if one is impossible."""
+    """Return the page's view of a dict of parameters; InvalidParameter if one is impossible."""
     return Shown(from_values(values), acceleration, speed)

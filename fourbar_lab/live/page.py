@@ -106,7 +106,7 @@ class Page:
         return None
 
     def refuse(self, why: str) -> None:
-        """Say why something is not done; what is shown stays."""
+        """Say why something is not done; the page stays as it is."""
         self.problem = why
         self.elements.alarm.set_text('; '.join(filter(None, (why, self.refusal))))
 

@@ -140,7 +140,7 @@ def mechanism_svg(shown: Shown, pose: Pose, view: View, per_newton: float,
 
 
 def grips_svg(shown: Shown, pose: Pose, view: View) -> str:
-    """Return the SVG content of what can be dragged: around each joint that moves."""
+    """Return the SVG content of the grips: one around each joint that moves."""
     diagram = shown.linkage.diagram(pose.motion)
     return ''.join(svg.circle('grip', view.at(place), NEAR)
                    for name, place in diagram.joints.items() if name not in diagram.ground)

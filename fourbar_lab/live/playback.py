@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-What moves the mechanism of a page: its input over a cycle, recorded runs, or a running node.
+Sources of motion on a page: the input over a cycle, recorded runs, or a running node.
 
 A playback drives the slider of the page: ``label``, ``bounds`` and ``at`` are what it shows, in
 degrees, metres or seconds; ``go`` and ``advance`` move it. ``state`` is that of the input, in SI
@@ -60,7 +60,7 @@ class Playback(ABC):
     @property
     @abstractmethod
     def label(self) -> str:
-        """Return what its slider shows, with unit."""
+        """Return the name of the slider's quantity, with unit."""
 
     @property
     @abstractmethod
@@ -93,7 +93,7 @@ class Playback(ABC):
         return []
 
     def warning(self) -> str:
-        """Return what its user should know of the state, or ''."""
+        """Return a warning for the user about the state, or ''."""
         return ''
 
     @abstractmethod
@@ -286,7 +286,7 @@ class NodePlayback(CyclePlayback):
         return self._state
 
     def warning(self) -> str:
-        """Return since when the node is silent: what is shown is then its last pose."""
+        """Return since when the node is silent: the page then shows its last pose."""
         silent = monotonic() - self._heard
         if silent < SILENCE:
             return ''

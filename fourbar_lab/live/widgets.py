@@ -42,7 +42,7 @@ class Picture(ContentElement, component='picture.js'):  # type: ignore[call-arg]
         self.classes('fb-picture').props(f'role=img aria-label="{label}"')
 
     def draw_under(self, content: str) -> None:
-        """Show what rarely changes."""
+        """Show the part that rarely changes."""
         self._props['under'] = content
         self.update()
 
@@ -179,7 +179,7 @@ class Elements:
         return bool(self.dark.value)
 
     def clear_pose(self) -> None:
-        """Take away what shows one pose."""
+        """Take away the elements that show one pose."""
         for picture in (self.picture, *self.polygons, self.dots):
             picture.content = ''
         self.cursor.set_visibility(False)

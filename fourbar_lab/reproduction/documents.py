@@ -52,7 +52,7 @@ def reproduce(path: str | Path = DOCUMENTS) -> list[Section]:
 
 
 def _section(entry: Entry) -> Section:
-    """Return a section of published.yaml, with what its functions compute."""
+    """Return a section of published.yaml, with the values that its functions compute."""
     values, symbols = (_computed(entry[key]) if key in entry else {}
                        for key in ('values', 'symbols'))
     rows = [_equation(row, symbols) if 'terms' in row or 'value' in row else _number(row, values)

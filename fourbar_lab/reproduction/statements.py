@@ -50,7 +50,7 @@ def contact() -> dict[str, float]:
 
 def method() -> dict[str, float]:
     """
-    Return what the slides' steps 1 to 9 and items 1 to 15 of Example 7.7 say.
+    Return numbers that check the slides' steps 1 to 9 and items 1 to 15 of Example 7.7.
 
     Differences (``mirror``, ``at_rate``, ``step_...``, ``slope``) are relative, and should vanish;
     ``degree``, ``in_a_mode`` and ``most`` count extrema of alpha4.
@@ -114,7 +114,7 @@ def _largest(values: Values) -> float:
 
 def axis() -> dict[str, float]:
     """
-    Return what the collineation axis says at every extremum of both documents.
+    Return numbers that check the collineation axis at every extremum of both documents.
 
     ``square_7_7``, ``square_paper``: the angle at the extrema of omega4 that is farthest from a
     right one [deg]; ``bend_...``: at those of alpha4 d(tan l)/d(theta1) + 2 R - 1, over its terms.
@@ -163,7 +163,7 @@ def small_share(e: float) -> FourBar:
 
 def last_question() -> dict[str, float]:
     """
-    Return what answers the paper's claim that extreme alpha4 implies extreme shaking.
+    Return numbers that test the paper's claim that extreme alpha4 implies extreme shaking.
 
     ``share`` over sqrt(e), with its limit (Q3), and ``weighted``: shaking force at the largest
     alpha4 over its peak, which may be next to nothing. ``point_...``: about this point the peak of

@@ -109,7 +109,7 @@ class Block:
 
     def compute(self, rows: Array) -> None:
         """
-        Compute all other measures of some designs, by index; ``is_done`` says of which.
+        Compute all other measures of some designs, by index; ``is_done`` marks finished designs.
 
         By samples of a turn, more of them for designs that few do not resolve; extrema of the
         output's rates alone by their own search, which is six times as fast.
@@ -135,8 +135,8 @@ class Block:
         """
         Compute extrema of the output's rates alone, for some designs by index.
 
-        Four-bars that need not turn fully, at constant speed; not done are those at rest and those
-        that cannot be assembled.
+        These are four-bars that need not turn fully, at constant speed. Four-bars at rest, or that
+        cannot be assembled, are not done.
         """
         values = {name: np.broadcast_to(np.asarray(self.drawn.get(name, self.study.values[name])),
                                         self.size)[rows]

@@ -43,7 +43,7 @@ PRECISION, INPUT = 80, 'input'      # [bit]; the input as a parameter
 SMALL, NOTHING = 0.02, 2.0**-40
 # Halvings of pieces altogether, and of one.
 MOST_PIECES, DEEPEST = 3000, 40
-# Halvings of a piece of which nothing is known: the box reaches a toggle there.
+# Halvings of a piece about which nothing is known: the box reaches a toggle there.
 HOPELESS = 8
 
 
@@ -139,7 +139,7 @@ class Box:
         return Bounds(-self._largest(row, -1), -self._least_maximum(row, places, -1))
 
     def _least_maximum(self, row: int, places: Sequence[float], sign: int) -> float:
-        """Return a lower bound, (B2), of the largest ``sign`` Q: the best of those at places."""
+        """Return a lower bound, (B2), of the largest ``sign`` Q: the best bound at places."""
         known = [self._enclosed(x, x, row) for x in places]
         return max((nextafter(float((sign * one.middle - one.by_box).lower()), -inf)
                     for one in known if one is not None), default=-inf)

@@ -99,7 +99,7 @@ def compute(study: Study, chunk: int) -> Chunk:
 
 
 def nothing(study: Study) -> dict[str, Array]:
-    """Return the columns of a chunk of which no row is kept: they tell the types of all."""
+    """Return the columns of a chunk without rows: they tell the types of all columns."""
     head: dict[str, Array] = {'row': np.zeros(0, np.int64)}
     if study.keeps_all:
         head[FEASIBLE] = np.zeros(0, bool)
@@ -163,7 +163,7 @@ def _exclude(block: Block, reasons: Array, bounds: list[Bound]) -> None:
 
 
 def _cheap_first(study: Study) -> list[Bound]:
-    """Return the constraints, first those that need no motion: they leave out most designs."""
+    """Return the constraints; the ones that need no motion come first: they drop most designs."""
     return sorted(study.bounds, key=lambda bound: bound.measure.part not in CHEAP)
 
 
@@ -181,8 +181,8 @@ def _row(study: Study, values: ParameterValues) -> tuple[str, dict[str, Any]]:
     """
     Return why one design is left out, or FEASIBLE, and {column: its result}.
 
-    ``values``: of the parameters that vary. Of an error in the computation, :data:`FAILED` and
-    {FAILED: its text}.
+    ``values``: of the parameters that vary. If the computation raises an error, it returns
+    :data:`FAILED` and {FAILED: its text}.
     """
     try:
         scene = from_values({**study.values, **values})

@@ -125,7 +125,7 @@ class Derivatives:
         """
         Return how an extremum of a quantity inside the input range moves, (S1) and (S2).
 
-        NaN where the quantity has a kink or a jump; the place of what is constant is NaN.
+        NaN where the quantity has a kink or a jump; the place is NaN if the quantity is constant.
         """
         quantity = self._complex.quantities[name]
         stepped = Dual(np.array([x + 1j * STEP]), {INPUT: 1.0})
@@ -136,7 +136,7 @@ class Derivatives:
             parts = {one: np.ravel(by.get(one, 0.0) + 0j)[0] for one in (*self.names, INPUT)}
             slope = parts.pop(INPUT)
             # -STEP off is the way from x to the place: rounding, or x is no smooth extremum
-            off = slope.real / slope.imag if slope else 0.0     # what is constant has no place
+            off = slope.real / slope.imag if slope else 0.0     # a constant quantity has no place
             unknown = nan if STEP * abs(off) > self._sharp else 0.0
             return AtExtremum({one: float(part.real - off * part.imag) + unknown
                                for one, part in parts.items()},

@@ -3,7 +3,7 @@
 """
 The measures of one design, by the search of :mod:`fourbar_ros.extrema.find`.
 
-For mechanisms of any kind, and for every case: computation in blocks hands back what is in doubt.
+It covers mechanisms of any kind and every case: computation in blocks hands back doubtful designs.
 """
 from __future__ import annotations
 

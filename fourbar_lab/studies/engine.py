@@ -170,7 +170,7 @@ class Executor(Protocol):
         """Raise StudyError if nothing will come any more."""
 
     def close(self) -> None:
-        """End; what is under way is given up."""
+        """End, and give up work under way."""
 
 
 def _begin_worker(alive: Connection) -> None:

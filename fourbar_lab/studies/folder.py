@@ -4,7 +4,7 @@
 The folder of a study: a manifest, and one Parquet file for each chunk.
 
 Every file stands under its name only when it is whole: it is written under another, synced, and
-renamed. What is there after a crash, of anything, is right; what is not is computed again.
+renamed. After any crash, files that exist are right; missing ones are computed again.
 """
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def _plain(record: Any) -> Manifest:
 
 @lru_cache(maxsize=1)
 def made_with() -> dict[str, str]:
-    """Return the versions of what decides about the bits of the results."""
+    """Return the versions of all software that decides about the bits of the results."""
     from importlib.metadata import version
     return {'fourbar_ros': fourbar_ros.__version__, 'kernels': KERNELS,
             **{name: version(name) for name in ('numpy', 'scipy', 'pyarrow')}}

@@ -36,7 +36,7 @@ PLAIN = (2.0 / 3.0, -1.0 / 12.0)
 # Weights of the two samples at half a step from a place, of those at one and a half, ..., in the
 # value there: interpolation of order twelve.
 BETWEEN = tuple([part / 2.0**19 for part in (320166, -76230, 22869, -5445, 847, -63)])
-# A function is resolved if every other sample is as the others say, to this part of its span.
+# A function is resolved if interpolation gives every other sample to this part of its span.
 RESOLVED = 2.0**-9
 # Samples around an interval through which a polynomial is laid; steps of Newton's method on it.
 AROUND, NEWTON_STEPS = 12, 2

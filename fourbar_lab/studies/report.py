@@ -132,7 +132,7 @@ def figures(results: Results) -> Iterator[tuple[str, str, str]]:
 
 
 def front_words(results: Results) -> str:
-    """Return what a Pareto front is, and how much of it is listed, as text."""
+    """Return the meaning of a Pareto front, and how much of it is listed, as text."""
     count = len(results.front()['row'])
     listed = '' if count <= LISTED else f' {LISTED} of them, evenly spread, have their number.'
     return (f'The {count} designs that no other beats in one of the {len(results.objectives)} '

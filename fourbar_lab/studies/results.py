@@ -146,11 +146,11 @@ class Results:
         return rows[0] if rows else {}
 
     def scene_values(self, row: int) -> ParameterValues:
-        """Return the parameters of the scene of one row, those that differ from the default."""
+        """Return the parameters of the scene of one row that differ from the default."""
         manifest = self.study
         vary = tuple([Variation(**{**one, 'values': tuple(one['values'])})
                       for one in manifest['vary']])
-        # a scene depends on what is drawn, not on what is computed of it
+        # a scene depends on the drawn parameters, not on the results
         study = Study(manifest['values'], vary, manifest['method'], manifest['rows'],
                       manifest['seed'], manifest['acceleration'], measures=(), bounds=(),
                       objectives=(), curves=(), keeps_all=manifest['keeps_all'],

@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-A study: a scene, what varies in it, and what is computed, kept and ranked.
+A study: a scene, its variations, and the measures to compute, keep and rank.
 
 Read from YAML and checked as a whole before anything is computed. In the checks ``entry`` is the
 name of an entry in the study, ``value`` what YAML gives for it; InvalidParameter names the entry
@@ -43,7 +43,7 @@ SENSES = ('minimize', 'maximize')
 # Rows that are computed, kept and lost together: seconds of work.
 CHUNK = 8192
 LARGEST_CHUNK, MOST_ROWS, MOST_SAMPLES = 2**20, 2**44, 4096
-# First designs, of which one at least must be possible.
+# First designs; at least one must be possible.
 TRIED = 1000
 # Lengths of these make every type: each link the longest or the shortest, sums equal or not.
 RATIOS = (1.0, 3.0, 4.0)
@@ -191,7 +191,7 @@ def from_document(document: Yaml, folder: Path = Path()) -> Study:
 
 
 def _require_a_design(study: Study) -> None:
-    """Refuse a study of which none of the first designs can be built: its ranges are wrong."""
+    """Refuse a study if none of its first designs can be built: its ranges are wrong."""
     first_error = None
     tried = min(study.rows, TRIED)
     drawn = {name: column.tolist() for name, column in study.drawn(0, tried).items()}
@@ -290,7 +290,7 @@ def _types(entry: str, value: Yaml, scene: Scene) -> tuple[str, ...]:
 
 
 def _known_types(scene: Scene) -> list[str]:
-    """Return the names of all types of the scene's kind: those of a few ratios of its lengths."""
+    """Return the names of all types of the scene's kind, from a few ratios of its lengths."""
     names = scene.linkage.length_names if scene.values['linkage.kind'] in KINDS else ()
     types = [scene.linkage.classification]
     for lengths in product(RATIOS, repeat=len(names)):

@@ -39,7 +39,7 @@ from fourbar_ros.scene.scene import from_values, Scene
 import numpy as np
 
 DEVIATIONS = 3.0
-# Parameters of which all corners are computed; of more only the two where the first order is
+# Up to so many parameters all corners are computed; beyond, only the two where the first order is
 # worst.
 ALL_CORNERS = 8
 # Pieces of the input to begin with, and samples of an angle that tell its turns.
@@ -104,8 +104,8 @@ def _corners(study: Study, box: Sequence[Tolerance],
     """
     Return {measure: its least and greatest value in corners of the box}.
 
-    Of many parameters (see :data:`ALL_CORNERS`) two corners for each measure: where every
-    parameter moves as its derivative rises, and the opposite one.
+    With many parameters (see :data:`ALL_CORNERS`) each measure has two corners: every parameter
+    moves as its derivative rises, or the opposite way.
     """
     if len(box) <= ALL_CORNERS:
         signs = set(product((-1.0, 1.0), repeat=len(box)))
@@ -165,7 +165,7 @@ class _Proofs:
                       min([one.high for one in bounds], default=inf))
 
     def _quantities(self, measure: Measure) -> Sequence[str]:
-        """Return the quantities from whose bounds those of a measure follow; none: unknown."""
+        """Return the quantities whose bounds give the bounds of a measure; none: unknown."""
         if measure.part == LEAST_ANGLE:
             return self._angles
         if measure.quantity == ANGLE and self._angles != (ANGLE,):
@@ -251,7 +251,7 @@ def _require_closing(sine: Scalar) -> None:
 
 
 def _of_part(part: str, most: Bounds, least: Bounds) -> Bounds:
-    """Return the bounds of a part from those of the largest and the least value."""
+    """Return the bounds of a part from the bounds of the largest and the least value."""
     if part == LEAST_ANGLE:
         return Bounds(min(least.low, pi - most.high), min(least.high, pi - most.low))
     if part in ('span', SWING, STROKE):

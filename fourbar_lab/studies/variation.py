@@ -1,10 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-The designs of a study: points of the unit cube, and what a parameter is at each of them.
+The designs of a study: points of the unit cube, and the value of a parameter at each.
 
-Row i of a design is the same whoever computes it, and in whatever order: a study is cut into
-chunks.
+Row i is the same in any process and any order: a study is cut into chunks.
 
 ====================  ==========================================================================
 ``grid``              all combinations of the levels, the last parameter the fastest

@@ -28,7 +28,7 @@ _CODES = {'?': '?', 'u1': 'B', 'i1': 'b', 'f4': 'f', 'f8': 'd', 'i2': 'h', 'u2':
           'u4': 'I', 'i8': 'q', 'u8': 'Q'}
 
 Steps = tuple[Union[str, int], ...]      # names and indices that lead to a field
-# What stands for a field: the number of its leaf, the name of its texts, or those of its parts.
+# A field in the tree: the number of its leaf, the name of its texts, or its parts.
 Tree: TypeAlias = 'int | str | dict[str, Tree] | list[Tree]'
 
 
@@ -177,7 +177,7 @@ class Layout:
 
     def _field(self, field: Field, path: Steps) -> Tree:
         """
-        Read one field at the current byte; return what stands for it in the tree (see Tree).
+        Read one field at the current byte; return its node in the tree (see Tree).
 
         BagError for more fields than the message has room for: a schema can ask for millions.
         """
@@ -319,8 +319,8 @@ class Field(NamedTuple):
     """
     A field of a message.
 
-    ``count``: None for a single value, the length of an array, or SEQUENCE; ``unit``: the one in
-    the comment.
+    ``count``: None for a single value, the length of an array, or SEQUENCE; ``unit``: from the
+    comment.
     """
 
     name: str
@@ -363,7 +363,7 @@ def fields_in(owner: str, text: str) -> list[Field]:
     Return the fields that the text of one definition (.msg) declares; constants are none.
 
     ``float64[3] force  # [N] on B`` of the type ``owner`` 'a/msg/B' is Field('force', 'float64',
-    3, 'N'). Types without a package are those of the owner's.
+    3, 'N'). Types without a package belong to the owner's package.
     """
     fields = []
     for line in text.splitlines():

@@ -3,8 +3,8 @@
 """
 Locks and syncs of files and folders, where the system has them: Windows has neither.
 
-A lock ends with the process, which shows whether it crashed. Without locks no file looks as if it
-were being written, and no folder as if it had lost its owner.
+A lock ends with the process, which shows whether it crashed. Without locks no file appears to be
+in use, and no folder appears to have lost its owner.
 """
 from __future__ import annotations
 

@@ -54,8 +54,8 @@ class Recovered(NamedTuple):
     damaged : list of str
         Everything wrong with the old file: where and why.
     missing : dict
-        {topic: messages that are not in the new bag}, by the sequence numbers that our recorder
-        gave (it gives them to messages that it drops too) and by the old bag's statistics.
+        {topic: messages that are not in the new bag}, by the old bag's statistics and our
+        recorder's sequence numbers. The recorder numbers messages that it drops too.
     was_whole : bool
         The old bag was finished and nothing of it is lost.
 
@@ -244,7 +244,7 @@ class _Copy:
         """
         Write rosbag2's metadata and the end of the file.
 
-        The metadata are those of the old file and tell what was lost. If they do not say why
+        The metadata come from the old file and also list the losses. If they do not say why
         recording ended, metadata.yaml beside ``source`` may. ``folder`` is the new bag.
         """
         self.container.flush()

@@ -28,10 +28,10 @@ NOT_STARTED = 2**63 - 1     # rosbag2's starting time of a bag without messages
 RECORD = 'rosbag2'          # name of the metadata record in the file; its one key:
 KEY = 'serialized_metadata'
 QOS, HASH = 'offered_qos_profiles', 'topic_type_hash'      # keys of the metadata of a channel
-# Keys of custom_data: why recording ended; what recover found damaged; as JSON by topic the
-# sequence numbers that were given, [first, next] (next is null until the end), and how many of
-# these messages the recorder had to drop; topics of which a later part of a split bag repeats one
-# message, of a number before the first.
+# Keys of custom_data: why recording ended; the damage that recover found; as JSON by topic the
+# sequence numbers that were given, [first, next] (next is null until the end); as JSON by topic
+# the messages that the recorder dropped; topics with a message that a later part of a split bag
+# repeats (its number is before the first).
 ENDED, LOST, NUMBERS, DROPPED, REPEATS = 'ended', 'lost', 'numbers', 'dropped', 'repeats'
 # rosbag2's duration for "no deadline": 2^63 - 1 ns
 _ENDLESS = {'sec': 9223372036, 'nsec': 854775807}
@@ -87,8 +87,8 @@ def describe(file_name: str, container: Container, about: Mapping[str, str],
     Return the metadata of a bag as rosbag2 of Jazzy writes it.
 
     ``packing`` is (compression_format, compression_mode) of messages that are compressed one by
-    one. Counts, times and topics are those of the container; QoS and hash come from the channels,
-    so that file and metadata.yaml cannot differ: rosbags yields no messages then.
+    one. Counts, times and topics come from the container, QoS and hash from the channels. So file
+    and metadata.yaml cannot differ: if they did, rosbags would yield no messages.
     """
     start = container.start
     begin = {'nanoseconds_since_epoch': NOT_STARTED if start is None else start}
@@ -143,7 +143,7 @@ def mapping_in(about: Mapping[str, str], key: str) -> YamlMap:
 
 
 def repeated(about: Mapping[str, str]) -> set[str]:
-    """Return the topics of which a later part of a split bag repeats a message (REPEATS)."""
+    """Return the topics with a message that a later part of a split bag repeats (REPEATS)."""
     try:
         return set(json.loads(about[REPEATS]))
     except (KeyError, TypeError, ValueError):
@@ -152,11 +152,11 @@ def repeated(about: Mapping[str, str]) -> set[str]:
 
 def joined(first: Mapping[str, str], last: Mapping[str, str]) -> dict[str, str]:
     """
-    Return the custom_data of a split bag from those of its first and its last part.
+    Return the custom_data of a split bag from the custom_data of its first and last parts.
 
-    From the last part: why recording ended, what was dropped or lost, and the last sequence
-    numbers. All else is the first part's where it has it: sequence numbers from the start.
-    What the last part repeats of the one before it (REPEATS) is left out.
+    The last part tells why recording ended, the losses, and the last sequence numbers. All else
+    comes from the first part if it has it: sequence numbers from the start. Messages that the last
+    part repeats (REPEATS) are left out.
     """
     firsts, nexts = mapping_in(first, NUMBERS), mapping_in(last, NUMBERS)
     numbers = {topic: (firsts[topic][0], nexts[topic][1]) for topic in firsts.keys() & nexts.keys()
@@ -169,7 +169,7 @@ def joined(first: Mapping[str, str], last: Mapping[str, str]) -> dict[str, str]:
 
 def merged(parts: Sequence[YamlMap]) -> YamlMap:
     """
-    Return the metadata of a split bag from those of its parts, in order.
+    Return the metadata of a split bag from the metadata of its parts, in order.
 
     Counts of messages are summed by topic and type; the times [ns] span all parts with a message.
     """

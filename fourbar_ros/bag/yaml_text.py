@@ -9,7 +9,7 @@ from fourbar_ros.errors import BagError
 import yaml
 
 DEEPEST = 100               # levels in a YAML text
-LARGEST = 1 << 19           # values in a YAML text; what an alias stands for counts each time
+LARGEST = 1 << 19           # values in a YAML text; the target of an alias counts each time
 _LOADER = getattr(yaml, 'CSafeLoader', yaml.SafeLoader)
 YamlMap = dict[str, Any]    # a mapping in YAML: metadata.yaml or a QoS profile
 _DUMPER: Any = getattr(yaml, 'CSafeDumper', yaml.SafeDumper)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:      # verbs import when they run
     from fourbar_ros.scene.scene import Scene
 
 
-Json = dict[str, Any]      # what --json prints: text, numbers, lists and records
+Json = dict[str, Any]      # values that --json prints: text, numbers, lists and records
 
 
 class Verbs(Protocol):

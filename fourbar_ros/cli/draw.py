@@ -44,7 +44,7 @@ def add(verbs: Verbs) -> None:
 
 
 def _draw(arguments: Namespace) -> None:
-    """Draw what the options ask for: a cycle as a film, curves over a cycle, or one pose."""
+    """Draw a cycle as a film, curves over a cycle, or one pose, as the options say."""
     from fourbar_ros.errors import InvalidParameter
     from fourbar_ros.report.drawing import save
     from fourbar_ros.report.poses import position_of, require_units

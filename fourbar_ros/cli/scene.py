@@ -114,7 +114,7 @@ def _drive_in_words(scene: Scene) -> str:
 
 
 def _outputs_table(scene: Scene) -> PlainTable:
-    """Return the table of the outputs of a scene, and of those that it could name too."""
+    """Return the table of the outputs of a scene, and of outputs that it could add."""
     from fourbar_ros.report.terminal import PlainTable
     table = PlainTable('outputs', ('name', 'topic', 'type', ''))
     for topic in (*scene.topics.values(), *scene.pictures.values()):

@@ -14,7 +14,7 @@ FORMATS = {'urdf': urdf, 'sdf': sdf, 'mjcf': mjcf}
 
 
 def check_pictures(scene: Scene) -> None:
-    """Raise NoDescription if a scene names pictures that cannot be made of it."""
+    """Raise NoDescription if a scene names pictures that cannot be made for it."""
     if {'robot_description', 'tf'} & scene.pictures.keys():
         model_of(scene)
     if 'robot_description' in scene.pictures:

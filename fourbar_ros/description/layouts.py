@@ -154,7 +154,7 @@ def full_name(topic: str, node: str = NODE) -> str:
 
 
 def plots_of(scene: Scene, node: str = NODE) -> list[Plot]:
-    """Return the plots for the outputs of a scene, whose node has this full name."""
+    """Return the plots for the outputs of a scene; ``node``: full name of its node."""
     titled = [*_states(scene),
               ('angular velocity of links [rad/s]', _members(scene, 'links', 'angular_velocity')),
               ('angular acceleration of links [rad/s^2]',

@@ -50,7 +50,7 @@ def _body(parent: Element, link: ModelLink, place: int, size: float) -> Element:
     """
     Add a link with joint, mass and shapes to the body that carries it; return its element.
 
-    ``place`` in the order of links gives its colour; ``size`` of the mechanism [m] the least
+    ``place`` in the order of links sets its colour; ``size`` of the mechanism [m] sets the least
     inertia. Only the driven joint has limits: the loops limit the others.
     """
     x, y, angle = link.joint.at_zero
@@ -99,7 +99,7 @@ def _equality(root: Element, model: Model, bodies: dict[str, Element]) -> None:
 
 
 def _in_depth(model: Model) -> list[ModelJoint]:
-    """Return the joints in the order of MuJoCo's coordinates: a body's, then of those on it."""
+    """Return the joints in the order of MuJoCo's coordinates: a body's, then its children's."""
     def joints_on(frame: str) -> list[ModelJoint]:
         return [joint for link in model.links if link.parent == frame
                 for joint in (link.joint, *joints_on(link.frame))]

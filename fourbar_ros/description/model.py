@@ -3,8 +3,8 @@
 """
 A scene as links, joints and shapes in one plane, with the names that it has in ROS.
 
-URDF, SDF and MJCF are written from it. Frames are those of the node: the root is the scene's
-``frame_id`` in O1, each link has its frame at its first joint, x along the link; joints have the
+URDF, SDF and MJCF are written from it. Frames are the same as the node's: the root is the scene's
+``frame_id`` in O1. Each link has its frame at its first joint, x along the link. Joints have the
 names, senses and zeros of ``joint_states``. URDF knows trees only: every link hangs on one joint,
 and each joint beyond that closes a loop.
 """
@@ -208,7 +208,7 @@ def _limits(mechanism: Mechanism, coordinate: Coordinate, connection: Connection
     """
     Return (low, high) of a joint's coordinate, None if it may turn without end.
 
-    That of the input is exact, that of a passive slide sampled, with a margin; pins have none.
+    The input's limits are exact, a passive slide's are sampled, with a margin; pins have none.
     """
     if is_driven:
         ranges = mechanism.input_ranges
@@ -254,9 +254,9 @@ class NoDescription(FourBarError):
 
 
 class Tree(NamedTuple):
-    """The joints on which the links hang, and those that close loops, as indices of ``JOINTS``."""
+    """The joints that carry links, and the joints that close loops, as indices of ``JOINTS``."""
 
-    holding: dict[str, int]          # {link: its joint}, each link after the one that carries it
+    holding: dict[str, int]          # {link: its joint}, each link after its carrier
     cut: tuple[int, ...]
 
 
@@ -317,8 +317,8 @@ def inertia_of(body: Body, size: float) -> Inertia:
     Return the :class:`Inertia` of a body.
 
     A planar mechanism gives the moment about z alone, and nothing in its plane depends on the
-    other two: those of a flat body are written, I_xx = I_yy = I_zz / 2. No program takes a body
-    without mass or inertia; ``size`` is that of the mechanism [m].
+    other two. So a flat body's moments are written, I_xx = I_yy = I_zz / 2. No program takes a
+    body without mass or inertia. ``size``: the size of the mechanism [m].
     """
     mass = max(body.mass, LEAST)
     about_z = max(body.inertia, LEAST * (body.mass or 1.0) * size * size)

@@ -3,9 +3,9 @@
 """
 URDF of a scene, for robot_state_publisher, RViz, MoveIt, Foxglove.
 
-URDF cannot close a loop (a mimic joint follows one line): the tree is cut at one joint of each
-loop, and two frames there, ``closing_NAME_1`` and ``closing_NAME_2``, coincide whenever the joint
-states belong together, as those of the node do. Joints have the names in ``joint_states``.
+URDF cannot close a loop (a mimic joint follows one line), so the tree is cut at one joint of each
+loop. Two frames there, ``closing_NAME_1`` and ``closing_NAME_2``, coincide if the joint states
+belong together, as the node's do. Joints have the names in ``joint_states``.
 """
 from __future__ import annotations
 

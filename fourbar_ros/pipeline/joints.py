@@ -4,7 +4,7 @@
 The joints of a JointState: joint = ratio * coordinate + offset, in and out.
 
 Rates and accelerations scale likewise, joint' = ratio * coordinate'. Power is the same on both
-sides, so the effort of the joint is that of the coordinate divided by the ratio.
+sides, so the effort of the joint is the effort of the coordinate divided by the ratio.
 """
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Scale(NamedTuple):
 
     def to_input(self, position: Number, velocity: Number,
                  acceleration: Number) -> tuple[Number, Number, Number]:
-        """Return the coordinate's motion from that of the joint [rad, s] or [m, s]; NaN stays."""
+        """Return the coordinate's motion from the joint's motion [rad, s] or [m, s]; NaN stays."""
         return ((position - self.offset) / self.ratio, velocity / self.ratio,
                 acceleration / self.ratio)
 

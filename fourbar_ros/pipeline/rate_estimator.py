@@ -1,18 +1,17 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Rates of the input from a stream that does not carry them all: causal, on the stamps as they come.
+Rates of the input, estimated from a stream that lacks some: causal, by the stamps as they come.
 
 The newest ``window`` samples are fitted by a parabola (least squares in time, any spacing), and
-its slope and curvature at the newest sample are the estimate: those of the parabola, if the
-samples lie on one. If the stream carries the velocity, a straight line through the newest
-velocities gives the acceleration.
+its slope and curvature at the newest sample are the estimate. It is exact if the samples lie on a
+parabola. If the stream carries the velocity, a straight line through the newest velocities gives
+the acceleration.
 
-Stamps are whole nanoseconds and only their differences, and those of the positions, are used: no
-digit is lost to the age of the clock or to the turns that a crank has made. What is left is what
-the samples hold: with steps h a stamp that is good to dt and a position that is good to dx are a
-position noise s of hypot(dx, velocity dt), and a third derivative j (jerk) is seen late. For
-equal steps and window n
+Stamps are whole nanoseconds. Only differences of stamps and of positions are used: no digit is
+lost to the age of the clock or to the turns of a crank. The errors left are those of the samples.
+A stamp that is good to dt and a position that is good to dx make a position noise s of hypot(dx,
+velocity dt). A third derivative j (jerk) is seen late. For equal steps h and window n
 
 * window 3: velocity wrong by j h^2/3 with noise 2.5 s/h; acceleration late by h (wrong by j h)
   with noise 2.4 s/h^2,
@@ -21,8 +20,8 @@ equal steps and window n
 
 In general the acceleration is late by half the window, (n - 1) h/2. A test measures these figures.
 
-How noisy an acceleration is, the stream itself says: each new sample is compared with what the
-fit before it foretells. :attr:`RateEstimator.noise` is the standard deviation from that.
+The stream itself shows the noise of an acceleration: each new sample is compared with the
+prediction of the fit before it. :attr:`RateEstimator.noise` is the standard deviation from that.
 """
 from __future__ import annotations
 
@@ -44,9 +43,9 @@ class Estimate:
     """
     Least-squares polynomial of degree 1 or 2 through points (t, y).
 
-    On polynomials orthogonal on the points: no normal equations, so no loss of digits. Degree 2
-    needs three points, degree 1 two; t must differ. ``slope`` and ``curvature`` are those at
-    t = 0, the curvature of a line is NaN. ``lag``: how much older than t = 0 the highest
+    The basis polynomials are orthogonal on the points: no normal equations, so no loss of digits.
+    Degree 2 needs three points, degree 1 two; t must differ. ``slope`` and ``curvature`` are taken
+    at t = 0; the curvature of a line is NaN. ``lag``: how much older than t = 0 the highest
     derivative is, the mean age of the points.
     """
 
@@ -83,8 +82,8 @@ class Estimate:
         """
         Return the distance of a new point from the prediction, scaled to the noise of one y.
 
-        The prediction is noisy too: the distance is divided by the square root of 1 + its variance
-        (of points with variance 1), so that the mean square is the variance of one y.
+        The prediction is noisy too. So the distance is divided by the square root of 1 + its
+        variance (for points with variance 1): the mean square is then the variance of one y.
         """
         p = t - self._mean
         predicted = self._start + self._slope * p
@@ -105,7 +104,7 @@ class _Sample(NamedTuple):
     step: float = 0.0
 
 
-KEY, VERSION = 'estimator', 2      # bags keep which version their rates were estimated by
+KEY, VERSION = 'estimator', 2      # bags keep the version of the estimator that made their rates
 
 
 class RateEstimator:
@@ -168,7 +167,7 @@ class RateEstimator:
         """
         Return whether noise is a large part of the acceleration, or of velocity^2/length.
 
-        False where the noise is that of the last digit alone, as at rest.
+        False if the noise is in the last digit alone, as at rest.
         """
         return (self.noise > TOO_NOISY * sqrt(self._size.value)
                 and self._scatter.value > self._resolution**2)
@@ -269,8 +268,8 @@ def estimator_of(scene: Scene) -> RateEstimator:
     """
     Return the :class:`RateEstimator` of a scene, for its node and for recomputing a bag.
 
-    The estimator takes off whole turns between two samples: turns of the joint that is measured,
-    so with joint = 2 crank a turn is pi of the crank.
+    The estimator takes off whole turns of the measured joint between two samples. With joint = 2
+    crank a turn is pi of the crank.
     """
     drive, linkage = scene.drive, scene.linkage
     ratio = drive.joint_ratio if drive.source == 'joint_state' else 1.0
@@ -280,7 +279,7 @@ def estimator_of(scene: Scene) -> RateEstimator:
 
 
 class _MeanSquare:
-    """Mean square of the newest MEMORY numbers or so; those that are not finite are left out."""
+    """Mean square of about the newest MEMORY numbers; numbers that are not finite are left out."""
 
     def __init__(self) -> None:
         self.value, self.number = 0.0, 0

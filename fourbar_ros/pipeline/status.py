@@ -65,8 +65,8 @@ def _partly(status: int, mechanism: Mechanism, position: float, rate: float, acc
     """
     Return (status, motion, loads) where a part of the motion exists, without loads.
 
-    As of an array of one input, which has infinite or undefined fields where a single input
-    raises; they become NaN.
+    It is evaluated as an array of one input. An array has infinite or undefined fields where a
+    single input raises; they become NaN.
     """
     motion = mechanism.motion(np.array([position]), rate, acceleration)
     no_loads = _none_of(mechanism.LOADS)

@@ -128,7 +128,7 @@ class Stepper:
         return values + self._joints.of(values) if self._joints else values
 
     def _of_parts(self, motion: NamedFields, wanted: Wanted) -> list[float]:
-        """Return the motion of all points and links, NaN for those that are not wanted."""
+        """Return the motion of all points and links, NaN for any that is not wanted."""
         return [value for name, part, unknown in self._parts
                 for value in (part(motion) if wanted is True or wanted and name in wanted
                               else unknown)]
@@ -163,7 +163,7 @@ class InModes:
     """
     A :class:`Stepper` for each assembly mode, made when it is needed; arguments as of a stepper.
 
-    A drive that passes a toggle goes on in another mode than that of the scene.
+    A drive that passes a toggle goes on in another mode than the scene's.
     """
 
     def __init__(self, scene: Scene, wrenches: Mapping[str, Wrench] | None = None,

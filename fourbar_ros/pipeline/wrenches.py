@@ -36,9 +36,9 @@ def a_step_later(last: Wrench, before: Wrench | None) -> Wrench:
     """
     Return the wrench a step after ``last``, extrapolated linearly from it and the one before.
 
-    In a chain of nodes a reaction arrives one step late. After 1 N and 3 N it gives 5 N: its error
-    is the second difference of the wrench over a step, that of ``last`` itself the first. ``last``
-    where there is none before, or where either is unknown.
+    In a chain of nodes a reaction arrives one step late. After 1 N and 3 N it gives 5 N. Its error
+    is the second difference of the wrench over a step; the error of ``last`` itself is the first.
+    Returns ``last`` if there is none before, or if either is unknown.
     """
     if before is None:
         return last
@@ -82,9 +82,9 @@ def drive_wrench(linkage: Mechanism, place: Mapping[str, int]) -> DriveWrench:
     """
     Return the function values -> (force_x, force_y, torque) of the linkage on its drive.
 
-    They are minus the driving torque [N m], or minus the driving force [N] in the direction of
-    the slide, which is x unless the mechanism names values for its cosine and sine. All are NaN
-    where the drive is not known. ``place``: {name: index in values}.
+    They are minus the driving torque [N m], or minus the driving force [N] in the direction of the
+    slide. That is x unless the mechanism names values for its cosine and sine. All are NaN where
+    the drive is not known. ``place``: {name: index in values}.
     """
     is_slide, direction = linkage.is_driven_by_slide, linkage.SLIDE_DIRECTION
     drive = place['driving_force' if is_slide else 'driving_torque']

@@ -131,13 +131,13 @@ def make_axis_figure(linkage: Mechanism, rate: float, position: float | None = N
     """
     Return a matplotlib Figure: the axis in a pose; the output's rate and the angle over the input.
 
-    ``rate`` is that of the crank [rad/s], ``position`` its angle in the pose [rad]; if not given,
-    that where the output is fastest.
+    ``rate`` is the crank's [rad/s], ``position`` its angle in the pose [rad], by default where the
+    output is fastest.
 
     Raises
     ------
     InvalidParameter
-        The mechanism is no four-bar or slider-crank, or its slide drives it.
+        The mechanism is no four-bar or slider-crank, or it is driven by its slide.
 
     """
     need_matplotlib('draw')

@@ -24,7 +24,7 @@ TABLES, PICTURES = ('.csv', '.xlsx', '.parquet'), ('.png', '.svg', '.pdf', '.htm
 
 
 class Curves(NamedTuple):
-    """Quantities over the input: columns, of which the first is the input."""
+    """Quantities over the input: columns, the first is the input."""
 
     title: str
     names: tuple[str, ...]

@@ -33,8 +33,8 @@ def labels_of(diagram: Diagram) -> Labels:
     """
     Return the labels of a diagram.
 
-    Joints named A, B, O_1, ... keep their names, with forces F_41 etc. Others, as those of a
-    machine, get one letter for each place; several joints there make forces F_A1, F_A2.
+    Joints named A, B, O_1, ... keep their names, with forces F_41 etc. Other joints, as in a
+    machine, get one letter for each place; several joints at a place make forces F_A1, F_A2.
     """
     if all(map(LETTER.fullmatch, diagram.joints)):
         return Labels(diagram.joints, {name: f'F_{{{name[1:]}}}' for name in diagram.forces},

@@ -3,10 +3,10 @@
 """
 The mobility of a four-bar in one picture: it is a point in an octahedron.
 
-All four-bars that can be closed fill |A1| + |C1| + |D1| <= B2 = a1 + a2 + a3 + a4, where A1, C1,
-D1 are factors of its input-output equation (sums of lengths with signs). On a face of the
-octahedron a link has length zero or the loop is stretched. On the planes A1 = 0, C1 = 0, D1 = 0
-lie the change points; the eight octants between them are the eight Grashof classes.
+All four-bars that can be closed fill |A1| + |C1| + |D1| <= B2 = a1 + a2 + a3 + a4. A1, C1, D1 are
+factors of the input-output equation (sums of lengths with signs). On a face of the octahedron a
+link has length zero or the loop is stretched. On the planes A1 = 0, C1 = 0, D1 = 0 lie the change
+points; the eight octants between them are the eight Grashof classes.
 """
 from __future__ import annotations
 

@@ -69,7 +69,7 @@ def output_ranges(linkage: Mechanism, coordinate: Coordinate | None = None
 def known_output_ranges(linkage: Mechanism
                         ) -> list[tuple[Coordinate, Sequence[tuple[float, float]], bool]]:
     """
-    Return (output, its ranges, whether these are of both modes) for each output.
+    Return (output, its ranges, whether these cover both modes) for each output.
 
     At a change point the modes meet, and the linkage can go from one into the other.
     """
@@ -129,7 +129,7 @@ def toggles_of(linkage: Mechanism) -> list[float]:
 
 
 class Band(NamedTuple):
-    """Extrema of a transmission angle over the input; worst: the one farther from 90 degrees."""
+    """Extrema of a transmission angle over the input; the worst is farther from 90 degrees."""
 
     name: str
     least: Extremum

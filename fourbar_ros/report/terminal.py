@@ -29,8 +29,8 @@ class PlainTable:
     """
     A table without lines. Right-aligned columns are never wrapped; the others wrap between words.
 
-    If the table is too wide even so, each row becomes a block: its first cell, and below it the
-    others with their heads. Print it with a rich console. ``columns`` are the heads; a ``>``
+    If the table is still too wide, each row becomes a block: its first cell, and below it the
+    other cells with their heads. Print it with a rich console. ``columns`` are the heads; a ``>``
     at the end of one right-aligns its column.
     """
 
@@ -97,7 +97,7 @@ class PlainTable:
         return table
 
     def _stacked(self, width: int) -> Iterator[Text]:
-        """Yield lines of each row as a block: its first cell, then 'head cell' of the others."""
+        """Yield lines of each row as a block: its first cell, then its 'head cell' pairs."""
         for cells, ends_section in self._rows:
             yield from map(Text, _filled(cells[:1], width))
             items = [f'{head.strip()} {cell}' if head.strip() not in ('', 'unit') else cell

@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""From numbers to messages: each message is made once, filled many times, serialised once."""
+"""Turn numbers into messages: each message is made once, filled many times, serialised once."""
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence

@@ -24,7 +24,7 @@ def type_hash(type_name: str) -> str:
     """
     Return the RIHS01 hash of 'package/msg/Name', which tells definitions of one name apart.
 
-    It is that of the installed definition (REP 2011), as rosbag2 writes it.
+    It identifies the installed definition (REP 2011), as rosbag2 writes it.
     """
     hashes = json.loads(_installed_file(type_name, 'json'))['type_hashes']
     return str(next(item['hash_string'] for item in hashes if item['type_name'] == type_name))
@@ -32,7 +32,7 @@ def type_hash(type_name: str) -> str:
 
 def definition(type_name: str) -> str:
     """
-    Return the .msg file of a type, and below it those of all types that it contains.
+    Return the .msg file of a type, followed by the files of all types that it contains.
 
     MCAP asks for this form: 80 equals signs and ``MSG: package/Name`` before each further one.
     """

@@ -101,16 +101,16 @@ def _number(text: str, must: str, is_allowed: Callable[[float], bool] = isfinite
 
 
 class UsageError(FourBarError):
-    """The node was called with invalid arguments; the message says what to type."""
+    """The node was called with invalid arguments; the message gives the right ones."""
 
 
 def check_node_arguments(arguments: list[str]) -> None:
     """
     Refuse arguments that ROS would ignore, and scene files that it would read differently.
 
-    ``arguments`` are those of the node's command line, without its own name. Raises UsageError for
-    an argument outside of ``--ros-args`` and two nodes of one name, SceneError for a parameter
-    file that cannot be read or gives a key twice, and if none has anything for a node.
+    ``arguments``: the node's command line, without its own name. Raises UsageError for an argument
+    outside of ``--ros-args`` and for two nodes of one name. Raises SceneError for a parameter file
+    that cannot be read or gives a key twice, and if no file has anything for a node.
     """
     names = [full_name(arguments, name) for name in node_names(arguments)]
     _, inside = _parts(arguments)

@@ -22,12 +22,12 @@ def remappings(file: str | Path, names: Sequence[str]) -> dict[str, Rules]:
     """
     Return {node: its remappings (from, to)} of a chain, nodes of one file in their order.
 
-    The output of each node is the input of the next. The drive wrench of the next is the external
-    wrench of the node before, on the link whose ``from_topic`` is true. Names are relative, so
-    that the chain can be in any namespace.
+    The output of each node is the input of the next. The drive wrench of the next acts as external
+    wrench on the node before, on its link with ``from_topic`` true. Names are relative, so that
+    the chain can be in any namespace.
 
-    Raises InvalidParameter, naming the node, for a scene that cannot be part of a chain, and
-    FourBarError for one that cannot be read.
+    Raises InvalidParameter, which names the node, for a scene that cannot be part of a chain.
+    Raises FourBarError for a scene that cannot be read.
     """
     scenes = [load(f'{file}:{name}') for name in names]
     rules: dict[str, Rules] = {name: [] for name in names}

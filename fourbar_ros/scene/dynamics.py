@@ -44,7 +44,7 @@ def of_values(values: ParameterValues, linkage: Mechanism,
     Return the Dynamics of a scene; None where the motion is given.
 
     ``forces``: the scene's forces over a position, which act besides its springs. InvalidParameter
-    names the parameter and what is allowed.
+    names the parameter and the allowed values.
     """
     springs = [f'{group}.{name}' for group in ('springs', 'torsion_springs')
                for name in names_in(group, values)]

@@ -68,7 +68,7 @@ def find(name: str | Path, among: Path | None = None) -> Path:
 
 
 def shipped(among: Path | None = None) -> dict[str, Path]:
-    """Return {name: file} of the supplied scenes, or of those in the folder ``among``."""
+    """Return {name: file} of the supplied scenes, or of the scenes in the folder ``among``."""
     places = [among] if among else [folder() / 'classics', folder()]
     return {file.stem: file for place in places for file in sorted(place.glob('*.yaml'))}
 
@@ -78,9 +78,9 @@ def read_values(path: str | Path, node: str | None = None) -> Tree:
     Return the flat dict of parameters in a ROS 2 parameter file as ROS reads them, unchecked.
 
     Names of table files become paths. ``path`` is a file, ``FILE:NODE`` for one node of several in
-    a file, or a name for :func:`find`; ``node`` the full name of the node that is to read it, by
-    default one called fourbar in any namespace. Raises SceneError if the file cannot be read, is
-    no parameter file, or none of it is for the node.
+    a file, or a name for :func:`find`. ``node`` is the full name of the node that reads it, by
+    default any node called fourbar. Raises SceneError if the file cannot be read, is no parameter
+    file, or has nothing for the node.
     """
     path, node = _file_and_node(path, node)
     trees = sections(path)

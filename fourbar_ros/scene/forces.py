@@ -192,9 +192,9 @@ def _numbers(values: ParameterValues, name: str, over: Place, linkage: Mechanism
 
 def _over(values: ParameterValues, name: str, linkage: Mechanism) -> Place:
     """
-    Return the place that forces.NAME.over names: the force is a function of it.
+    Return the coordinate that forces.NAME.over names: the force is a function of it.
 
-    The input, an angle or slide of the linkage, or a coordinate of a point, ``P.x``.
+    It is the input, an angle or slide of the linkage, or a coordinate of a point, ``P.x``.
     """
     from fourbar_ros.dynamics.model.elements import Attachment, INPUT, Way
     over, driven = values[f'{name}.over'], linkage.input_coordinate.position

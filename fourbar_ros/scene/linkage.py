@@ -177,7 +177,7 @@ class Bodies:
                 for link in self._links}
 
     def those_given(self) -> dict[str, Body]:
-        """Return {link: Body} of the links that have one: their own, or that of a rod."""
+        """Return {link: Body} of the links that have one: a body given in full, or a rod."""
         bodies = {}
         for link in self._links:
             if self._has_rods and link.length and not self._has_mass(link):

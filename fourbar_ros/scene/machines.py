@@ -58,8 +58,8 @@ def numbers_of(machine: Machine, values: ParameterValues,
     """
     Return the lengths, points and directions of all dyads of a machine, of any number type.
 
-    A study computes many machines at once so: ``machine`` has the same dyads, and ``values``, all
-    parameters, may be arrays of the type ``numbers`` where they vary.
+    With it a study computes many machines at once. ``machine`` has the same dyads. ``values``
+    holds all parameters; parameters that vary may be arrays of the type ``numbers``.
     """
     def along(angle: Scalar) -> tuple[Scalar, Scalar]:
         """Return (cos, sin) of an angle."""
@@ -86,7 +86,7 @@ def slides_in(machine: Mechanism) -> Iterator[tuple[str, Point, tuple[float, flo
 
 
 def bodies_of(machine: Machine, given: dict[str, Body] | None) -> Any:
-    """Return the bodies of all links, without a mass those that are not given; None for None."""
+    """Return the bodies of all links, massless if not given; None for None."""
     return by_link('bodies', given, Body, machine.BODIES, NO_BODY)
 
 

@@ -3,8 +3,8 @@
 """
 Which number goes into which message field, for the node and for recomputing a bag.
 
-A value is named by its field in the mechanism's motion or loads, ``NAME.FIELD`` in the motion of a
-point, ``link NAME.FIELD`` in that of a link.
+A value is named by its field in the mechanism's motion or loads, by ``NAME.FIELD`` in the motion
+of a point, or by ``link NAME.FIELD`` in the motion of a link.
 """
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def joint_values(count: int) -> tuple[str, ...]:
 
 class FieldMap(NamedTuple):
     """
-    Which value of a mechanism and its points goes into which field of which message.
+    Maps values of a mechanism and its points to fields of messages.
 
     Attributes
     ----------
@@ -173,7 +173,7 @@ def layout(mechanism: Names, points: tuple[str, ...] = (), with_effort: bool = T
 
 
 def _effort(joint: Coordinate, driven: Coordinate) -> str | None:
-    """Return the load that is the effort of a joint: that of the drive; None for passive ones."""
+    """Return the load that is the effort of a joint: the drive's load, None for passive joints."""
     if joint != driven:
         return None
     return 'driving_torque' if driven.unit == 'rad' else 'driving_force'

@@ -502,9 +502,9 @@ FAMILIES = {'points': _POINT, 'springs': _SPRING, 'torsion_springs': _TORSION, '
 OF_MACHINES = 'dyads', 'bodies', 'external'      # families whose names only machines choose
 
 _TIMER, _MESSAGES, (_TORQUE, _MOTOR) = 'timer', tuple(INPUTS), SOURCES
-# Parameters that have a meaning only with some values of another one: (pattern of names, the
-# other, its values; none: any that is given). The first pattern that fits a name counts. The node
-# declares only parameters that have a meaning.
+# Parameters that have a meaning only with some values of another parameter: (pattern of names, the
+# other parameter, its values; none: any value that is given). The first pattern that fits a name
+# counts. The node declares only parameters that have a meaning.
 GOES_WITH: tuple[tuple[str, str, tuple[Any, ...]], ...] = (
     *((f'linkage.{length}', 'linkage.kind', tuple(
         name for name, kind in KINDS.items() if length in [its.name for its in kind.LENGTHS]))

@@ -89,8 +89,8 @@ def meant(values: ParameterValues, given: ParameterValues) -> list[str]:
     """
     Return the parameters to declare: those that have a meaning in a scene, and all given ones.
 
-    ``values``: all parameters of the scene, checked; ``given``: those that it gives. drive.speed
-    has no meaning where a topic drives.
+    ``values``: all parameters of the scene, checked; ``given``: the parameters in its file.
+    drive.speed has no meaning where a topic drives.
     """
     def holds(pattern: str, wanted: tuple[Any, ...]) -> bool:
         """Return whether a parameter has one of the values; without any, whether it is given."""
@@ -175,9 +175,9 @@ def _why_unknown(name: str, is_machine: bool, value: Any) -> str:
 
 def _named_with_unit(name: str, value: Any) -> str:
     """
-    Return what to write in place of a name with a unit, as drive.rpm or linkage.a1_mm.
+    Return advice in place of a name with a unit, as drive.rpm or linkage.a1_mm.
 
-    For linkage.a1_mm: 50 that is linkage.a1 [m], 50 mm = 0.05. Empty for other names.
+    For linkage.a1_mm: 50 it names linkage.a1 [m], 50 mm = 0.05. Empty for other names.
     """
     group, _, last = name.rpartition('.')
     base, _, suffix = last.rpartition('_')
@@ -236,7 +236,7 @@ def _names(value: Any) -> list[str]:
 
 
 def check_value(parameter: Parameter, value: Any) -> Any:
-    """Return a value in the type of its parameter; InvalidParameter says what is allowed."""
+    """Return a value in the type of its parameter; InvalidParameter names the allowed values."""
     name, choices = parameter.name, parameter.choices
     kind: Any = TYPES[parameter.type]
     if kind is float:
@@ -265,7 +265,7 @@ def check_value(parameter: Parameter, value: Any) -> Any:
 
 
 def _wanted(parameter: Parameter, value: Any) -> str:
-    """Return the type of a parameter in words, with what was probably meant."""
+    """Return the type of a parameter in words, with a guess at the intended value."""
     if parameter.words:
         return 'one of ' + ', '.join(f'{number} or {word}' for word, number
                                      in parameter.words.items())

@@ -21,7 +21,7 @@ def warnings_of(scene: Scene) -> list[str]:
 
 
 def _long(scene: Scene) -> Iterator[str]:
-    """Yield one line for all lengths beyond LONGEST: millimetres were meant."""
+    """Yield one line for all lengths beyond LONGEST: the user probably meant millimetres."""
     family = 'dyads' if scene.values['linkage.kind'] == MACHINE else 'linkage'
     long = [(f'{family}.{name}', value)
             for name, value in zip(scene.linkage.length_names, scene.linkage.lengths)
@@ -34,7 +34,7 @@ def _long(scene: Scene) -> Iterator[str]:
 
 
 def _density(scene: Scene) -> Iterator[str]:
-    """Yield a line for rods lighter than cork or denser than any metal: g/cm^3 were meant."""
+    """Yield a line for rods lighter than cork or denser than any metal: likely in g/cm^3."""
     density = scene.values[RODS + 'density']
     if density < LIGHTEST:
         meant = f'{density * 1e3:g}' if LIGHTEST <= density * 1e3 <= DENSEST else f'{STEEL:g}'
@@ -59,7 +59,7 @@ def _thick(scene: Scene) -> Iterator[str]:
 
 
 def _angle(scene: Scene) -> Iterator[str]:
-    """Yield a line for a start of more than a turn: degrees were meant."""
+    """Yield a line for a start of more than a turn: the user probably meant degrees."""
     start = scene.drive.start
     if not scene.linkage.is_driven_by_slide and abs(start) > tau:
         yield (f'drive.start = {start:g} rad is more than a turn: did you mean '

@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-A scene: one linkage, what drives it, what it publishes.
+A scene: one linkage, its drive, its topics.
 
 Read from a ROS 2 parameter file, without ROS.
 """
@@ -49,7 +49,7 @@ COUNTS_IN_WORDS = {1: 'one', 2: 'two', 3: 'three', 4: 'four', 5: 'five', 6: 'six
 
 
 class DriveSettings(NamedTuple):
-    """The parameters drive.*: what moves the input, by ``source``; see the parameter table."""
+    """The parameters drive.*: ``source`` moves the input; see the parameter table."""
 
     source: str
     speed: float
@@ -145,7 +145,7 @@ class Scene(NamedTuple):
         return json.dumps({name: value for name, value in self.values.items() if value == value})
 
     def in_mode(self, mode: int | None) -> Mechanism:
-        """Return the linkage in an assembly mode; None or 0: that of the scene."""
+        """Return the linkage in an assembly mode; None or 0: the scene's mode."""
         known = self.linkage.modes
         if mode and mode not in known:
             raise InvalidParameter('mode', mode, 'must be '
@@ -204,7 +204,7 @@ class Scene(NamedTuple):
 
     @property
     def published(self) -> list[Topic]:
-        """Return the topics on which its node sends, but those that every ROS node has."""
+        """Return the topics on which its node sends, except those of every ROS node."""
         both = [*self.wrench_topics, *self.drive_topics,
                 *(TRAJECTORIES.values() if self.values['trajectories'] else ())]
         received = self.received
@@ -248,7 +248,7 @@ class Scene(NamedTuple):
     @property
     def known_linkage(self) -> Mechanism:
         """
-        Return the linkage, without masses if its own loads are not those of the scene.
+        Return the linkage, without masses if its own loads differ from the scene's.
 
         Its loads lack the forces of springs, dampers and forces over a position; without masses it
         has no loads that could be mistaken. :attr:`why_no_loads` is the reason for a user.
@@ -285,7 +285,7 @@ class Scene(NamedTuple):
                      self.drive.source == TORQUE.name)
 
     def mover_in(self, mode: int) -> Mover:
-        """Return the Mover in a mode beyond a toggle; an unknown mode is that of the scene."""
+        """Return the Mover in a mode beyond a toggle; for an unknown mode, the scene's."""
         # at a change point one equation of motion holds in both modes
         is_other = mode in self.linkage.modes_passed and self.linkage.change_point_margin != 0.0
         return self.taken_in(mode).mover if is_other else self.mover
@@ -337,7 +337,7 @@ def from_values(values: ParameterValues) -> Scene:
     """
     Return the Scene of a flat dict of parameters, ``{'linkage.a1': 0.4, ...}``.
 
-    InvalidParameter names the parameter, its value and what is allowed.
+    InvalidParameter names the parameter, its value and the allowed values.
     """
     values = check(with_tables(values))
     points = {name: Point(*(values[f'points.{name}.{field}'] for field in Point._fields))

@@ -52,7 +52,7 @@ INPUTS = {topic.name: topic for topic in (
           'joint states; the joint named by `drive.joint` is the driven one'),
 )}
 
-# With drive.source torque or motor: what turns the input, and the state that follows from it.
+# With drive.source torque or motor: the torque on the input, and the state that follows from it.
 TORQUE = Topic('torque', '~/torque', 'geometry_msgs/msg/WrenchStamped',
                'torque of the drive on the input: `torque.z` [N m], counter-clockwise positive; '
                'of a driven slide `force.x` [N] along the slide, where it grows')
@@ -60,8 +60,8 @@ DRIVE_STATE = Topic('drive_state', '~/drive_state', 'fourbar_msgs/msg/DriveState
                     'state of drive and input after every step, torques, current, effort of the '
                     'integration')
 
-# External wrenches on links with external.LINK.from_topic: short names of the topic that the node
-# receives, external_LINK, and of the one that says which wrench is in effect, applied_LINK.
+# External wrenches on links with external.LINK.from_topic. Short names: external_LINK for the
+# topic that the node receives, applied_LINK for the wrench in effect.
 WRENCH, ON_LINK = 'external_', 'applied_'
 
 
@@ -114,7 +114,7 @@ OUTPUTS = {topic.name: topic for topic in (
 )}
 FAMILIES = tuple(name for name, topic in OUTPUTS.items() if topic.topic.endswith('/NAME'))
 
-# For people to look at: at most as often as pictures.rate says, and not recomputed from a bag.
+# These are for people to look at: at most at pictures.rate, and not recomputed from a bag.
 PICTURES = {topic.name: topic for topic in (
     Topic('robot_description', 'robot_description', 'std_msgs/msg/String',
           'the scene as URDF; latched, sent on every change', latched=True),
@@ -128,7 +128,7 @@ PICTURES = {topic.name: topic for topic in (
           'output; latched, sent on every change', latched=True),
 )}
 
-# With `trajectories`: requests, answers, and reasons for no answer.
+# If `trajectories` is set: requests, answers, and reasons for no answer.
 _TRAJECTORY = 'trajectory_msgs/msg/JointTrajectory'
 TRAJECTORIES = {topic.name: topic for topic in (
     Topic('output_trajectory', '~/output_trajectory', _TRAJECTORY,

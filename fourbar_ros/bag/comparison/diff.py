@@ -23,8 +23,8 @@ class TopicDiff(NamedTuple):
     One topic in both bags.
 
     ``messages`` are in both; ``largest`` is {field: largest difference}, infinite for texts and
-    for fields that only one of two messages has. Of scenes that differ the parameters stand for
-    the field.
+    for fields that only one of two messages has. If scenes differ, their parameters stand in place
+    of the field.
     """
 
     topic: str
@@ -48,12 +48,12 @@ class TopicDiff(NamedTuple):
 def diff(first: str | Path, second: str | Path, topics: Sequence[str] | None = None,
          progress: Progress | None = None) -> list[TopicDiff]:
     """
-    Return a :class:`TopicDiff` for every topic in either bag, or for those in ``topics``.
+    Return a :class:`TopicDiff` for every topic in either bag, or only for ``topics``.
 
-    Messages are matched by the stamp of their header, those without or with stamp 0 by their place
-    among those of their topic. Memory does not grow with the bags, as long as their stamps go
-    forward. ``progress`` is called with the bytes read of the first bag, once more for every
-    topic.
+    Messages are matched by the stamp of their header. Messages without a stamp, or with stamp 0,
+    are matched by their place in the topic. Memory does not grow with the bags, as long as their
+    stamps go forward. ``progress`` is called with the bytes read of the first bag, once more for
+    every topic.
     """
     bags = Bag(first), Bag(second)
     names = sorted({topic for bag in bags for topic in topic_types(bag)})
@@ -64,7 +64,7 @@ def diff(first: str | Path, second: str | Path, topics: Sequence[str] | None = N
 
 
 class _KeyedRecords(NamedTuple):
-    """Messages of one layout, and the keys by which the other bag has them: shape (n,) each."""
+    """Messages of one layout, and their keys in the other bag: shape (n,) each."""
 
     keys: Array
     records: Array
@@ -85,7 +85,7 @@ class _TopicComparison:
         self._pending: tuple[list[_KeyedRecords], list[_KeyedRecords]] = ([], [])
 
     def run(self, first: Bag, second: Bag, progress: Progress | None) -> TopicDiff:
-        """Read both bags, next always the one with the smaller key, so that few messages wait."""
+        """Read both bags, always from the one with the smaller key, so that few messages wait."""
         blocks = [_keyed_blocks(first, self.topic, progress),
                   _keyed_blocks(second, self.topic, None)]
         newest: dict[int, float] = {0: -inf, 1: -inf}      # key read from each bag; inf at its end
@@ -105,7 +105,7 @@ class _TopicComparison:
         return TopicDiff(self.topic, self.messages, self.only[0], self.only[1], self.largest)
 
     def _match(self, side: int, new: _KeyedRecords) -> None:
-        """Compare new messages of one bag with those of the other bag that wait for them."""
+        """Compare new messages of one bag with the waiting messages of the other bag."""
         waiting = self._pending[1 - side]
         for i, other in enumerate(waiting):
             _, rows, other_rows = np.intersect1d(new.keys, other.keys, return_indices=True)

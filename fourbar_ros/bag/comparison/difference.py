@@ -3,9 +3,9 @@
 """
 Differences between recorded and recomputed messages, and which of them rounding explains.
 
-Two versions of the software whose values are each within ACCURACY eps times condition of the exact
-ones (docs/accuracy.md) differ by at most twice that. The condition of a value is the sum of
-|p dv/dp| over all numbers p that it depends on, plus |v|.
+Values of each version of the software are within ACCURACY eps times condition of the exact ones
+(docs/accuracy.md). So two versions differ by at most twice that. The condition of a value is the
+sum of |p dv/dp| over all numbers p that it depends on, plus |v|.
 """
 from __future__ import annotations
 
@@ -72,8 +72,8 @@ class Recomputed(NamedTuple):
     silent : int
         Outputs that only say that the input had stopped: nothing to recompute.
     uncertain : int
-        Outputs that depend on what the bag cannot tell: values held from before a part of a split
-        bag, the order around a change of the scene in a bag of ``ros2 bag``.
+        Outputs that depend on facts missing from the bag: values held from before a part of a
+        split bag, or the order around a change of the scene in a bag of ``ros2 bag``.
     driven : str
         How the motion of the driven joint itself was checked, in one line.
     cut : bool
@@ -123,10 +123,10 @@ class Recomputed(NamedTuple):
 
     def problems(self, tolerance: float = 0.0, accept_rounding: bool = False) -> list[str]:
         """
-        Return what is wrong with a bag, one text each; empty for a good one.
+        Return the faults of a bag, one text each; empty for a good one.
 
-        Differences up to ``tolerance`` count as none; with ``accept_rounding`` so do those that
-        rounding explains.
+        Differences up to ``tolerance`` count as none. With ``accept_rounding``, differences that
+        rounding explains count as none too.
         """
         counts = ((self.unmatched, 'outputs without their motion'),
                   (self.missing, 'outputs missing'),
@@ -217,8 +217,8 @@ def rounding_units(expected: Array, recorded: Array, condition: Array) -> float:
     """
     Return the largest difference in eps times condition; infinite if a value is not finite.
 
-    A condition of 0 stands for one that is not known: then the value itself stands for it. With
-    values 1, 1 + 4 eps and condition 2 the result is 2.
+    A condition of 0 means unknown: then the value itself replaces it. With values 1, 1 + 4 eps and
+    condition 2 the result is 2.
     """
     with np.errstate(invalid='ignore', divide='ignore'):
         apart = abs(expected - recorded)

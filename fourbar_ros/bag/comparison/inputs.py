@@ -44,10 +44,10 @@ class DrivenMotions:
     Recomputes the driven motions of a node from the messages of its input.
 
     Rates that the input does not carry are estimated from the samples before, as in the node.
-    Those that may come from samples before the bag, or from an estimator that computed otherwise,
-    are counted in ``unknown``, not compared; ``has_our_estimator``: the bag was made with that of
-    this version. ``largest`` is {field: largest difference}; ``compared`` counts motions that were
-    compared, ``without`` those that belong to no input.
+    Rates that may come from samples before the bag, or from another version of the estimator, are
+    counted in ``unknown``, not compared. ``has_our_estimator``: the bag was made with this
+    version's estimator. ``largest`` is {field: largest difference}; ``compared`` counts motions
+    that were compared, ``without`` motions that belong to no input.
     """
 
     def __init__(self, scene: Scene, has_our_estimator: bool) -> None:
@@ -91,8 +91,8 @@ class DrivenMotions:
         """
         Return in one line how the motions were checked.
 
-        ``topic`` is that of the input, None if the bag has none; ``in_order``: the bag keeps the
-        order of input and motion; ``states``: those of the drive, if the scene has one.
+        ``topic``: the topic of the input, None if the bag has none. ``in_order``: the bag keeps
+        the order of input and motion. ``states``: the states of the drive, if the scene has one.
         """
         if topic is None:
             source = self._drive.source if self._drive else ''
@@ -132,8 +132,8 @@ class DrivenMotions:
         """
         Return (velocity, acceleration, is_known) by the estimator at a stamp [ns].
 
-        ``sent`` and ``driven`` are the motion in the input and the recorded one. A recorded rate
-        of NaN shows that the node had no sample before this one either.
+        ``sent`` is the motion in the input, ``driven`` the recorded motion. A recorded rate of NaN
+        shows that the node had no sample before this one either.
         """
         restarts = self._estimator.restarts
         velocity, acceleration = self._estimator.update(stamp, sent[0], sent[1])
@@ -202,10 +202,10 @@ class DriveStates:
 
     The torque in effect is recomputed from the messages on its topic. If another version of the
     integrator made the bag, accelerations and torques alone are recomputed, from the states. Next
-    to a toggle, input and rate do not determine the state: a mover that came there by its own
-    steps knows it; of a bag that begins there, the states up to the first one past the toggle are
-    not compared. ``integrator`` is the name of the one that made the bag; ``moved_by`` makes the
-    mover that steps again, of a scene and a mode (None: its own).
+    to a toggle, input and rate do not determine the state; a mover that came there by its own
+    steps knows it. If a bag begins there, the states up to the first one past the toggle are not
+    compared. ``integrator`` is the name of the integrator that made the bag. ``moved_by`` makes
+    the mover that steps again, from a scene and a mode (None: its own).
 
     Attributes
     ----------
@@ -214,7 +214,7 @@ class DriveStates:
     compared : int
         States that were stepped again from the one before.
     alone : int
-        States without such a step, at a start, after a gap, of another integrator: only their
+        States without such a step, at a start, after a gap, or from another integrator: only their
         accelerations and torques were computed again.
     unknown : int
         States next to a toggle near which the bag begins: not compared.
@@ -339,12 +339,12 @@ class WrenchHistory:
 
     A topic of our node says which wrench is in effect whenever it changes. A bag of ``ros2 bag``
     may hold only the wrenches that the node received: then they act until the next one, or until
-    they time out. ``topics``: short names of those in the bag; ``links``: those whose wrench comes
-    from a topic. ``in_effect``: wrenches by link, as a stepper keeps them.
+    they time out. ``topics``: short names of the topics in the bag. ``links``: links whose wrench
+    comes from a topic. ``in_effect``: wrenches by link, as a stepper keeps them.
     """
 
     def __init__(self, topics: Collection[str], links: Sequence[str]) -> None:
-        """Choose the topic of each link: that of wrenches in effect, else of received ones."""
+        """Choose the topic of each link: wrenches in effect, or else received wrenches."""
         self.in_effect: dict[str, Wrench] = {}
         self._waiting: list[tuple[int, str, Wrench]] = []        # (place, link, wrench)
         self._change_times = np.zeros(0)         # log times [ns] of wrenches unlike the one before
@@ -385,8 +385,8 @@ class WrenchHistory:
         """
         Hand the queued wrenches that the bag has before the place ``until`` to a stepper.
 
-        A place is the number of a message in the bag. Called with that of each motion, so that the
-        stepper computes it under the loads that the node had then.
+        A place is the number of a message in the bag. Called with the place of each motion, so
+        that the stepper computes it under the loads of that moment.
         """
         while self._waiting and self._waiting[0][0] < until:
             _, link, wrench = self._waiting.pop(0)
@@ -396,9 +396,9 @@ class WrenchHistory:
         """
         Return a mask of the motions, by their log times [ns], whose wrench is certain.
 
-        Near a change a bag of ``ros2 bag`` does not tell the order. One with received wrenches
-        alone does not show what acts before the first, and after ``timeout`` [s] without one (0:
-        never).
+        Near a change a bag of ``ros2 bag`` does not tell the order. A bag with received wrenches
+        alone does not show the wrench before the first message, or after ``timeout`` [s] without
+        one (0: never).
         """
         good = _nearest_distance(self._change_times, times) > UNSETTLED
         longest = timeout * 1e9 - UNSETTLED if timeout else inf
@@ -420,8 +420,8 @@ def _wrenches_in(columns: Columns, frame_id: str, is_received: bool) -> Iterator
     """
     Yield the wrenches in messages.
 
-    Of received ones those that the node takes: in its frame, or in any frame a couple alone, which
-    is the same in all frames.
+    Received wrenches are yielded only if the node takes them: those in its frame, and pure
+    couples, which are the same in all frames.
     """
     wrench = columns.tree.wrench
     is_taken = np.ones(len(columns.times), bool)

@@ -51,12 +51,12 @@ def compare(path: str | Path, progress: Progress | None = None, node: str | None
     """
     Recompute all outputs of a bag from their driven motions and compare them, field by field.
 
-    The motion of an output is the last one of its stamp before it, in bags of ``ros2 bag`` also
-    one that comes later. Differences are absolute; NaN against NaN is none, NaN against a number
-    infinite. Memory does not grow with the bag. ``node``: which one, if a bag of ``ros2 bag`` has
-    several; in place of Python ``by`` computes motion and loads, as ``evaluate`` of generated
-    code, and ``moved_by`` makes what integrates a drive, as its ``mover``; ``progress`` is called
-    with the number of bytes read.
+    The motion of an output is the last one before it with its stamp; in bags of ``ros2 bag`` it
+    may also come later. Differences are absolute; NaN against NaN is none, NaN against a number
+    infinite. Memory does not grow with the bag. ``node``: its name, if a bag of ``ros2 bag`` has
+    several. In place of Python ``by`` computes motion and loads, as ``evaluate`` of generated
+    code, and ``moved_by`` makes the integrator of a drive, as its ``mover``. ``progress`` is
+    called with the number of bytes read.
     """
     bag = Bag(path)
     origin = origin_of(bag, node)
@@ -86,7 +86,7 @@ class Comparison:
     Recomputes the outputs of one node, block by block of its bag.
 
     ``about``: custom_data of the bag; ``by`` computes motion and loads, as ``evaluate``;
-    ``moved_by`` makes what integrates a drive, as ``mover_of``.
+    ``moved_by`` makes the integrator of a drive, as ``mover_of``.
     """
 
     def __init__(self, origin: Origin, about: Mapping[str, str], by: Evaluate,
@@ -172,7 +172,7 @@ class Comparison:
     # --- motions of the driven joint ------------------------------------------------------------
 
     def _take_inputs(self, by_name: ByName) -> None:
-        """Take what the node received and the states of its drive, ahead of driven motions."""
+        """Take the node's inputs and the states of its drive, ahead of driven motions."""
         inputs = [inputs_of(part, self._scene) for part in by_name.get(self._source or '', ())]
         if inputs and self._in_order:
             self._driven.take(*joined_by_place(inputs))
@@ -293,8 +293,8 @@ class Comparison:
         """
         Return the result after the last block; ``cut``: the recording broke off.
 
-        Outputs whose motion has not come until now have none. Differences of driven motions and
-        of states of the drive join those of the outputs.
+        Outputs whose motion has not come until now have none. Differences of driven motions and of
+        drive states are added to the differences of the outputs.
         """
         early, self._early = self._early, []
         for part in early:

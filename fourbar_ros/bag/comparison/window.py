@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Match each output of a bag with the driven motion it follows from; count missing outputs."""
+"""Match each output of a bag with its driven motion; count missing outputs."""
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
@@ -29,8 +29,8 @@ class Window(NamedTuple):
     values : array, shape (values, n)
         The numbers expected in outputs, in the order of the scene's FieldMap.
     sources : array, shape (3, n)
-        Position, velocity and acceleration behind ``values``: of an earlier motion where the
-        last good values are held.
+        Position, velocity and acceleration behind ``values``. They belong to an earlier motion
+        where the last good values are held.
     counts : array of int, shape (outputs, n)
         How many messages of each output were found for each motion.
 

@@ -33,7 +33,7 @@ def export(path: str | Path, out: str | Path, format_: str | None = None,
     """
     Write every topic of a bag as a table: log time [ns], a column for every number and text.
 
-    Array elements are columns of their own, ``position[0]``; of a JointState they carry the
+    Array elements are columns of their own, ``position[0]``; in a JointState they carry the
     joint's name, ``position[crank]``. Arrays of bytes are one column. If the columns of a topic
     change on the way, a new table begins, NAME.2.
 
@@ -168,7 +168,7 @@ class Table(ABC):
 
     @staticmethod
     def fixed(values: Array) -> str | None:
-        """Return what the format needs constant in a column, as its type; None: nothing."""
+        """Return the column property that the format needs constant, as its type, or None."""
         return None
 
     @abstractmethod
@@ -202,7 +202,7 @@ class Csv(Table):
 
 
 def _in_folder(folder: Path) -> Path:
-    """Return the folder of the tables, with the usual permissions, unlike that of a workshop."""
+    """Make the folder of the tables, with the usual permissions; the workshop's are stricter."""
     made = folder / 'tables'
     made.mkdir(exist_ok=True)
     return made
@@ -237,7 +237,7 @@ class Npz(Table):
     Each column grows in its own file; the files are moved into the .npz at the end.
 
     Texts are as wide as the longest of their column. Bytes of all rows are stored one after the
-    other, and ``COLUMN.ends`` says where those of each row end.
+    other, and ``COLUMN.ends`` says where each row ends.
     """
 
     @staticmethod
@@ -288,7 +288,7 @@ class _Array:
         self._parts: list[tuple[int, np.dtype[Any]]] = []     # (rows, dtype), one after the other
 
     def append(self, values: Array) -> None:
-        """Write more values behind those in the file."""
+        """Append values to the file."""
         with open(self._path, 'ab') as file:
             file.write(values.tobytes())
         if self._parts and self._parts[-1][1] == values.dtype:

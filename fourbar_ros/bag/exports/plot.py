@@ -32,7 +32,7 @@ def series(path: str | Path, names: Iterable[str], progress: Progress | None = N
     """
     Return {name: (times [s] since the start, values, unit)} for fields of a bag.
 
-    Times are the stamps of the messages, or their log times where they have none. ``names`` are
+    Times are the stamps of the messages; log times for messages without one. ``names`` are
     ``TOPIC.FIELD``, the topic in full or its last part: ``state.theta4``,
     ``/joint_states.position[crank]`` or ``[0]``; only these fields are decoded. With ``stretches``
     each curve keeps about so many, by their smallest and largest value and any NaN, and memory

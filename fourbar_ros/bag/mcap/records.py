@@ -37,8 +37,8 @@ TYPES = {Opcode.HEADER: Header, Opcode.SCHEMA: Schema, Opcode.CHANNEL: Channel,
          Opcode.METADATA: Metadata, Opcode.CHUNK: Chunk, Opcode.DATA_END: DataEnd,
          Opcode.STATISTICS: Statistics, Opcode.METADATA_INDEX: MetadataIndex}
 _U32, _U64 = Struct('<I'), Struct('<Q')
-# Bodies of the records in the data section: bytes at the start, then texts or data that each begin
-# with their length, bytes at the end.
+# Layout of the records in the data section: bytes at the start; texts or data that begin with
+# their length; bytes at the end.
 SHAPES = {int(opcode): shape for opcode, shape in {
     Opcode.HEADER: (0, (_U32, _U32), 0), Opcode.SCHEMA: (2, (_U32, _U32, _U32), 0),
     Opcode.CHANNEL: (4, (_U32, _U32, _U32), 0), Opcode.CHUNK: (28, (_U32, _U64), 0),
@@ -47,7 +47,7 @@ SHAPES = {int(opcode): shape for opcode, shape in {
 
 
 class Damaged(BagError):
-    """A record is whole but its content is not what it should be."""
+    """A record is whole but its content is wrong."""
 
 
 def size_by_content(opcode: int, size: int, read: Callable[[Struct, int], int]) -> int:
@@ -151,7 +151,7 @@ PACKED = {zstandard.FRAME_HEADER: unzstd, (0x184D2204).to_bytes(4, 'little'): un
 
 
 def message_of(data: bytes) -> bytes:
-    """Return a message uncompressed; data that were not compressed are returned as they are."""
+    """Return a message uncompressed; uncompressed data are returned as they are."""
     unpack = PACKED.get(data[:4])
     if unpack is None:
         return data

@@ -1,12 +1,12 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Walk through an MCAP file record by record, be it finished, cut, being written or damaged.
+Walk through an MCAP file record by record: finished, cut, being written or damaged.
 
 The library's readers want the index at the end of a file, which a crash never writes; its stream
-reader takes 4 us a message, this one less than 1. Neither checks that a record is what it claims.
-Here the lengths inside a record must fill it; if they do not, the walk continues at the next whole
-record. The summary at the end of a finished file is checked against the data before it.
+reader takes 4 us a message, this one less than 1. Neither checks the content of a record. Here the
+lengths inside a record must fill it; if they do not, the walk continues at the next whole record.
+The summary at the end of a finished file is checked against the data before it.
 """
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ _IN_CHUNKS_TOO = frozenset({Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE})
 # [bytes] read at once in the search for the next record, at first and at most
 _FIRST_WINDOW, _WINDOW = 1 << 12, 1 << 22
 
-# offset, opcode and body of a record; of bytes that are none: offset, None, what is wrong
+# offset, opcode and body of a record; for bytes that are no record: offset, None, the fault
 Found = tuple[int, Any, Any]
 
 
@@ -46,9 +46,9 @@ class Scan:
     """
     Iterate over (offset, opcode, body) of the data section of an open file.
 
-    Bytes that are no record are (offset, None, what is wrong), up to where the next record begins.
-    ``wait`` is called when the file ends early and returns whether to look again, for a bag that
-    is being written. Damage is added to the list ``damage``, if given.
+    Bytes that are no record, up to the next record, are (offset, None, the fault). ``wait`` is
+    called when the file ends early and returns whether to look again, for a bag that is being
+    written. Damage is added to the list ``damage``, if given.
 
     Attributes
     ----------
@@ -58,7 +58,7 @@ class Scan:
         Whether the file was finished; False for one that was cut or is still being written.
     ending : Ending or None
     damage : list of str
-        What is wrong with the file: where and why. The caller adds what it finds in the records.
+        The faults of the file: where and why. The caller adds faults that it finds in records.
     lost : int
         Bytes that are damaged.
 
@@ -133,10 +133,10 @@ class Scan:
 
     def admit(self, offset: int, chunk: Chunk, times: Sequence[int]) -> None:
         """
-        Note what is wrong with the place of a sound Chunk, or with the times that it states.
+        Note faults in the place of a sound Chunk, or in the times that it states.
 
         ``times`` are the log times of its messages [ns]: the checksum does not cover the first and
-        the last one in its head. Those of our recorder never go back. Raises Damaged for a copy of
+        the last one in its head. Our recorder's times never go back. Raises Damaged for a copy of
         an earlier chunk.
         """
         if not times:
@@ -173,7 +173,7 @@ class Scan:
 
     def _finish(self, offset: int, stated_crc: int, crc: int) -> None:
         """
-        Compare the checksum of the data with the one stated behind them; 0 states none.
+        Compare the checksum of the data with the one stored behind them; 0 means none.
 
         If no damage was found before, the change is outside the chunks.
         """
@@ -241,7 +241,7 @@ class Scan:
             return offset
         self._file.seek(offset)
         opcode, length = HEAD.unpack(self._file.read(HEAD.size))
-        # One flipped bit spoils one of the two lengths, its own or that of its content.
+        # One flipped bit spoils one of the two lengths: of the record, or of its content.
         ends = {begin + length}
         if opcode in SHAPES:
             ends.add(begin + self._size_in_file(begin, opcode, length))
@@ -261,7 +261,7 @@ class Scan:
         """
         kinds = bytes(kind for kind in (*SHAPES, IS_MESSAGE)
                       if outside_chunks or kind not in _IN_CHUNKS_TOO)
-        # a kind and its length, 8 bytes of which the three highest are 0
+        # a kind and its length: 8 bytes, the three highest are 0
         pattern = re.compile(b'[' + re.escape(kinds) + rb'](?=.{5}\0{3})', re.DOTALL)
         window = _FIRST_WINDOW
         while begin < size:

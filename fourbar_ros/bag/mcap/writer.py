@@ -1,12 +1,12 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Write an MCAP file that is whole up to the last flush, whatever happens after it.
+Write an MCAP file that stays whole up to the last flush, even after a crash.
 
-The record types are the mcap library's, the order is ours: one append per flush, undone if the
-disk refuses it, so that the file can always be finished in place. (The library's own Writer counts
-messages that never reached the disk and cannot be asked to forget them; it also takes 3 us a
-message.) The end of the file repeats definitions, counts, times and indices.
+The record types are the mcap library's, the order is ours: one append per flush. It is undone if
+the disk refuses it, so that the file can always be finished in place. (The library's own Writer
+counts messages that never reached the disk and cannot forget them; it also takes 3 us a message.)
+The end of the file repeats definitions, counts, times and indices.
 """
 from __future__ import annotations
 
@@ -240,7 +240,7 @@ class Container:
         self._index: defaultdict[int, list[int]] = defaultdict(list)
 
     def _definitions(self, without: Collection[bytes] = ()) -> bytes:
-        """Return the definitions that the next chunk has to hold, but for those in ``without``."""
+        """Return the definitions that the next chunk has to hold, except ``without``."""
         return b''.join(data for data in self._pending if data not in without)
 
     def _chunk(self, content: bytes) -> Chunk:
@@ -344,7 +344,7 @@ class Summary:
         """
         Return the end of a file whose data end at ``offset`` and have the checksum ``crc``.
 
-        It is: mark of the end of the data, summary sections, their offsets, footer, magic.
+        It holds: mark of the end of the data, summary sections, their offsets, footer, magic.
         """
         end = encoded(DataEnd(crc))
         start = offset + len(end)

@@ -21,7 +21,7 @@ def bags_below(paths: Iterable[str | Path]) -> list[Path]:
     """
     Return the bags at paths: bags themselves, or folders that hold bags at any depth.
 
-    A bag in several of them is named once. Raises BagError where there is none.
+    A bag in several of them is named once. Raises BagError for a path without a bag.
     """
     bags: dict[Path, Path] = {}           # by resolved path
     for path in map(Path, paths):
@@ -36,7 +36,7 @@ def _bags_in(path: Path) -> list[Path]:
     """
     Return a bag itself, or the bags at any depth below a folder.
 
-    In a folder of .mcap files that are not the parts of one bag each file counts as a bag.
+    If the .mcap files of a folder are not the parts of one bag, each counts as a bag.
     """
     if not path.is_dir():
         rosbag2.files_of(path)                           # raises BagError if it does not exist

@@ -21,8 +21,8 @@ class TopicInfo(NamedTuple):
     """
     One topic: messages in the bag, and messages that are missing by their numbers.
 
-    Bags of our recorder tell which numbers were given, so that gaps at both ends count; of others
-    only those in between are seen, if all messages are read. None: not known.
+    Bags of our recorder tell which numbers were given, so gaps at both ends count. In other bags
+    only gaps in between are seen, and only if all messages are read. None: not known.
     """
 
     topic: str
@@ -62,7 +62,7 @@ class Info(NamedTuple):
     Attributes
     ----------
     file : Path
-        Its .mcap file, of a split bag the folder.
+        Its .mcap file; the folder of a split bag.
     state : str
         'finished', 'being written', or 'cut'.
     size : int
@@ -77,10 +77,10 @@ class Info(NamedTuple):
     dropped : int
         How many of the missing messages the recorder had to drop.
     lost : str
-        What ``recover`` found damaged when it made this bag.
+        The damage that ``recover`` found when it made this bag.
     damage : str
-        Empty, or what is wrong with the file and where; a finished bag that was not read is only
-        asked for its end.
+        Empty, or the faults of the file and their places; in a finished bag that was not read only
+        the end is checked.
     parts : int
         Files of a split bag.
 
@@ -136,7 +136,7 @@ def info(path: str | Path, check: bool = False, progress: Progress | None = None
 
 
 def _dropped(about: Mapping[str, str]) -> int:
-    """Return how many messages the recorder had to drop, by what it noted."""
+    """Return how many messages the recorder had to drop, by its own notes."""
     noted = about.get(rosbag2.DROPPED, '')           # version 0.1.0 noted one number
     return int(noted) if noted.isdecimal() else sum(
         count for count in rosbag2.mapping_in(about, rosbag2.DROPPED).values()
@@ -151,8 +151,8 @@ def missing_of(numbers: Any, count: int, last: int | None = None, gaps: int | No
     Sequence numbers 5 to 14 were given, 8 messages are there: ``missing_of((5, 15), 8)`` is 2.
 
     ``numbers`` is the recorder's note (first, next), where ``next`` follows the last number that
-    it gave, None in a bag without an end: then ``last``, the number of the newest message, counts
-    as the end. ``gaps`` is the answer where the recorder noted nothing.
+    it gave. In a bag without an end ``next`` is None: then ``last``, the number of the newest
+    message, counts as the end. ``gaps`` is the answer if the recorder noted nothing.
     """
     try:
         first, end = numbers

@@ -35,8 +35,8 @@ class PartReader:
     """
     Reads one file of a bag.
 
-    ``name`` is the path in errors; the file adds its ``channels`` to those of the bag and what is
-    wrong to ``damage``; ``is_first``: it is the first of the bag; ``wait`` as of
+    ``name`` is the path in errors. The file adds its ``channels`` to the bag's and its faults to
+    ``damage``. ``is_first``: it is the first of the bag; ``wait`` as in
     :class:`~fourbar_ros.bag.mcap.scan.Scan`. Afterwards ``is_complete`` tells whether it was read
     up to its end, ``size`` how many bytes.
     """
@@ -130,7 +130,7 @@ class PartReader:
 
     def _without(self, messages: Sequence[Message], repeats: dict[str, int]) -> list[Message]:
         """
-        Return messages without those that a later part of a bag repeats at its beginning.
+        Return messages without the ones that a later part of a bag repeats at its beginning.
 
         ``repeats``: {topic: sequence number of its first new message}. It is emptied at the first
         list without a repeated message: none comes after that.
@@ -153,7 +153,7 @@ class Channels:
     """
 
     def __init__(self, path: Path) -> None:
-        """Begin without a channel; ``path`` is that of the bag, for errors."""
+        """Begin without a channel; ``path``: the path of the bag, for errors."""
         self.by_number: dict[int, Channel] = {}
         self.in_file: dict[tuple[type, int], Schema | Channel] = {}
         self._path, self._is_first = path, True     # whether the file being read is the first
@@ -172,11 +172,11 @@ class Channels:
 
     def learn(self, record: Schema | Channel) -> None:
         """
-        Give a schema or channel of the file that is being read its number in the bag.
+        Give a schema or channel of the current file its number in the bag.
 
         It keeps its own number if that is free or means the same. Otherwise, in a later file of a
-        split bag, it gets the number of the equal definition of an earlier file or, if there is
-        none, the next free one. Raises Damaged if a number changes its meaning within a file.
+        split bag, it gets the number of the equal definition in an earlier file. If there is none,
+        it gets the next free number. Raises Damaged if a number changes its meaning within a file.
         """
         kind = type(record)
         changed = Damaged(f'{kind.__name__.lower()} {record.id} is another one than before')
@@ -295,7 +295,7 @@ def repeats_in(path: str | Path) -> dict[str, int]:
     """
     Return {topic: sequence number of its first new message} of a later part of a split bag.
 
-    It has the topics of which the part repeats a message; empty for bags of other recorders.
+    Its keys are the topics with a repeated message; empty for bags of other recorders.
     """
     try:
         about = (metadata_in(path) or {})['custom_data']

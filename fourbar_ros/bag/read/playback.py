@@ -93,7 +93,7 @@ def play(path: str | Path | Bag, topics: Sequence[str] | None = None, rate: floa
     Yield every :class:`~fourbar_ros.bag.read.records.Raw` message of a bag when it is due.
 
     Due is the time since the first message over ``rate``, on a monotonic clock: a late message
-    does not make the next one late. Of a finished bag only what is played is read.
+    does not make the next one late. A finished bag is read only as far as it is played.
 
     Parameters
     ----------

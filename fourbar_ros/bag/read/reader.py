@@ -44,13 +44,14 @@ class Bag:
     Attributes
     ----------
     files : list of Path
-        The .mcap files, of a split bag one a part.
+        The .mcap files; one for each part of a split bag.
     cut : bool or None
         Whether the last reading met the end of the data without the end of the file: a crash, or a
         bag still being written. None before.
     damage : list of str
-        What the last reading found wrong with the file: where and why. Of a finished bag it misses
-        nothing; what leaves all messages as they were, as in an index, does not stop the reading.
+        The faults that the last reading found in the file: where and why. In a finished bag it
+        misses nothing. Damage that leaves all messages intact, as in an index, does not stop the
+        reading.
 
     """
 
@@ -98,7 +99,7 @@ class Bag:
         """
         Return the rosbag2 metadata kept in the file itself; the last undamaged record wins.
 
-        For a split bag, that of the first part with what the last one adds to its custom_data.
+        For a split bag: the first part's metadata, with the custom_data that the last part adds.
         """
         first = metadata_in(self.files[0])
         last = metadata_in(self.files[-1]) if len(self.files) > 1 else None
@@ -158,8 +159,8 @@ class Bag:
 
         A topic whose messages change between layouts (lengths of texts and sequences) has several
         Columns in a list; ``places`` tell the order of their messages. The messages of the topic
-        ``apart`` end a block and are yielded as :class:`Record`, where they stand. ``topics``:
-        only these; ``progress`` is called with the number of bytes read so far.
+        ``apart`` end a block and are yielded as :class:`Record`, in their places. ``topics``: only
+        these; ``progress`` is called with the number of bytes read so far.
         """
         block: list[Message] = []
         place = size = 0                    # of the block: messages before it, bytes
@@ -188,7 +189,7 @@ class Bag:
         yield messages[begin:] if begin else messages, None
 
     def _as_columns(self, block: Sequence[Message], place: int) -> list[Columns]:
-        """Return the Columns of messages, of which the first stands at a place in the bag."""
+        """Return the Columns of messages that begin at a place in the bag."""
         by_channel: dict[int, list[tuple[int, int, bytes]]] = {}
         for i, (number, _, log_time, data) in enumerate(block, place):
             by_channel.setdefault(number, []).append((i, log_time, data))
@@ -215,7 +216,7 @@ class Bag:
         return str(self._channels.schema(number).name)
 
     def type_if_known(self, number: int) -> str:
-        """Return the type of a channel, empty if the bag has no schema of it or a damaged one."""
+        """Return the type of a channel; empty if its schema is missing or damaged."""
         try:
             return self.type_of_channel(number)
         except BagError:
@@ -245,7 +246,7 @@ class Bag:
         """
         Yield lists of (channel, sequence, log time, bytes), one a chunk.
 
-        A finished file has an index: only chunks that can hold what is asked for are read.
+        A finished file has an index: only chunks that can hold the requested messages are read.
         """
         wanted = None if topics is None else set(topics)
         self.damage, self.cut, read = [], False, 0

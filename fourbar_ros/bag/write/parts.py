@@ -4,7 +4,7 @@
 The files of a bag being written, one after the other.
 
 A bag may go on in a new file (a part). Each part can be read alone, so it begins with the newest
-scene and other messages of before; old parts may be removed.
+scene and other earlier messages. Old parts may be removed.
 """
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ SHARE = 10      # a bag that keeps the newest seconds has so many parts, unless 
 
 class Parts:
     """
-    The open file of a bag and those before it; a bag that is not split has one.
+    The open file of a bag and the files before it; a bag that is not split has one.
 
     ``file`` is the first one, new and unbuffered; ``about``: custom_data of every part;
     ``given``: the next sequence number of every channel, which its owner changes;
@@ -88,7 +88,7 @@ class Parts:
             self.container.add_message(number, sequence, time, data)
 
     def flush(self) -> None:
-        """Write what was added; metadata.yaml gets a new start, from which rosbag2 plays."""
+        """Write the added messages; metadata.yaml gets a new start, from which rosbag2 plays."""
         before = self.container.start
         self.container.flush()
         if before != self.container.start:
@@ -127,7 +127,7 @@ class Parts:
         return os.fstat(self.file.fileno()).st_nlink > 0
 
     def missing(self) -> str:
-        """Return what happened to the newest file; empty if it is where it was made."""
+        """Return the fate of the newest file as text; empty if it is still in its place."""
         with contextlib.suppress(OSError):
             if os.path.samestat(os.stat(self._path), os.fstat(self.file.fileno())):
                 return ''
@@ -203,8 +203,8 @@ class Parts:
         """
         Return the rosbag2 metadata of this part, with its custom_data.
 
-        This has {topic: (first sequence number, next one or None)}, the topics of which the part
-        repeats a message and, once recording has ended, why and {topic: messages dropped}.
+        This has {topic: (first sequence number, next one or None)} and the topics with a repeated
+        message. Once recording has ended, it also has the reason and {topic: messages dropped}.
         """
         entries = {}
         if self._metadata_before:
@@ -278,7 +278,7 @@ class Splitter:
     """
     Decides when a bag continues in a new file, from the messages that go into it.
 
-    ``latched``: channels of which only the newest message holds.
+    ``latched``: channels where only the newest message counts.
     """
 
     def __init__(self, split: Split, latched: Collection[int]) -> None:
@@ -291,7 +291,7 @@ class Splitter:
         """
         Return whether a new part begins with a message at a log time [ns].
 
-        ``size``: that of the part so far [bytes].
+        ``size``: the size of the part so far [bytes].
         """
         if self._begun is None:
             self._begun = time
@@ -309,8 +309,8 @@ class Splitter:
         """
         Return the messages that a new part begins with, so that it can be read alone.
 
-        The newest latched messages, as the scene, and of all other channels the newest message
-        that came after these: what came before belongs to another scene.
+        These are the newest latched messages, as the scene, and the newest message of each other
+        channel if it came after these: earlier messages belong to another scene.
         """
         newest = list(self._newest.values())
         latched = [message for message in newest if message.channel in self._latched]
@@ -326,7 +326,7 @@ class Splitter:
         Return how many of the oldest parts may be removed.
 
         ``starts``: when each part began [ns]. A part that ended before the time to keep is not
-        needed: with starts 0, 10, 20, 30 s and 15 s to keep the first one.
+        needed. With starts 0, 10, 20, 30 s and 15 s to keep, only the first part may go.
         """
         keep = self._split.keep * 1e9
         return sum(start <= starts[-1] - keep for start in starts[1:]) if keep else 0

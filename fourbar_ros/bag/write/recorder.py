@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Write a rosbag2 bag while it happens: directory NAME with NAME_0.mcap and metadata.yaml.
+Write a rosbag2 bag live: directory NAME with NAME_0.mcap and metadata.yaml.
 
 The caller hands over serialised messages and is never held up by the disk: they wait in a bounded
 queue, a thread takes them to the file and flushes it every ``flush_period``. After a crash of the
@@ -27,7 +27,7 @@ from fourbar_ros.errors import BagError
 
 __all__ = ['BagError', 'BagWriter', 'Channel', 'Split']
 
-# [s] A kill costs what was recorded since the last flush: at most this, half of it on average.
+# [s] A kill costs the messages since the last flush: at most this, half of it on average.
 FLUSH_PERIOD = 0.1
 # [s] A robot's off switch is a power cut, and the kernel may keep data for 30 s. The sync has a
 # thread of its own, so a slow disk delays neither the flush nor the caller. 0: never.
@@ -58,7 +58,7 @@ class BagWriter:
     about : dict of str
         Kept with the bag (custom_data), so that it explains itself.
     flush_period, sync_period : float
-        What a crash and what a power cut may cost at most [s].
+        The most that a crash and a power cut may cost [s].
     split : Split, optional
         When the bag goes on in a new file, and whether old ones are removed.
     tell : callable, optional
@@ -117,7 +117,7 @@ class BagWriter:
 
     @clock.setter
     def clock(self, clock: SteadyClock) -> None:
-        """Take another one, as that of a simulated run; before the first message."""
+        """Take another clock, as in a simulated run; before the first message."""
         self._intake.clock = clock
 
     @property
@@ -174,7 +174,7 @@ class BagWriter:
 
     def close(self, why: str = WHY) -> Path:
         """
-        Write what waits and finish the file; its metadata say why recording ended.
+        Write the waiting messages and finish the file; its metadata say why recording ended.
 
         Return the path of the bag; raises BagError if recording had stopped by an error.
         """
@@ -215,7 +215,7 @@ class BagWriter:
         self._intake.drain(self._parts.add)
 
     def _finish(self, why: str) -> None:
-        """Write what waits and the end of the bag."""
+        """Write the waiting messages and the end of the bag."""
         self._drain()
         self._parts.container.flush()
         self._parts.end(why)
@@ -250,7 +250,7 @@ class BagWriter:
         self._tell(f'{self.path}: {self.error}')
 
     def _look_at_the_disk(self) -> None:
-        """Raise what ends the bag: a failed sync, a file that is gone, too little space."""
+        """Raise the error that ends the bag: a failed sync, a lost file, too little space."""
         if self._sync_error:
             raise self._sync_error
         why = self._parts.missing()
@@ -369,12 +369,12 @@ class Intake:
         self.error = (self.error or '') + text
 
     def refuse(self, error: str) -> None:
-        """Take no more because of an error, and forget what waits."""
+        """Take no more because of an error, and forget the waiting messages."""
         with self._lock:                 # a call under way still counts; later ones see the error
             self.error = error
         self._queue.clear()
 
     def count(self, recorded: int) -> None:
-        """Correct the counts: so many messages are in the file, all others were dropped."""
+        """Correct the counts: so many messages are in the file, the rest were dropped."""
         self.accepted = recorded
         self.dropped = sum(self.given) - recorded

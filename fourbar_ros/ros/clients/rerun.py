@@ -3,7 +3,7 @@
 """
 Drive a live node with the recorded motion of the driven joint; compare its answers with the bag.
 
-An answer of the live node and the recorded message belong together by their stamp, that of their
+An answer of the live node and a recorded message belong together if they have the stamp of one
 input.
 """
 from __future__ import annotations
@@ -54,7 +54,7 @@ class LiveRun(NamedTuple):
 def drive_live(path: str | Path, node_name: str | None = None, rate: float = 1.0,
                start: float = 0.0, ros_args: Sequence[str] = ()) -> LiveRun:
     """
-    Send the recorded motion of a bag to a live node; compare all its outputs with the recorded.
+    Send the recorded motion of a bag to a live node; compare its outputs with the bag's.
 
     The motion goes to the ``~/input`` of the node, which must be driven by ``motion`` and have the
     scene of the bag (``fourbar bag scene`` writes it). Where the scene changes in the bag it is
@@ -109,7 +109,7 @@ class _Changes:
                 self.take(raw)
 
     def take(self, raw: Raw) -> None:
-        """Set what a recorded scene changes, once the node has answered all motions before it."""
+        """Apply a recorded scene's changes, once the node has answered all motions before it."""
         values = from_values(json.loads(self._bag.decode(raw).data)).values
         changed = {name: value for name, value in values.items()
                    if not name.startswith(OURS) and not _is_same(value, self._values.get(name))}
@@ -143,7 +143,7 @@ class _Live(Client):
         self._unanswered = b''      # the first motion, until it is answered
         self._last_arrival = time.monotonic()
         self._given_up = 0          # motions whose answers are not waited for any more
-        self._silent = False        # whether the last wait for answers was in vain
+        self._silent = False        # whether the last wait for answers failed
         self._input_name = name_on(node_name, INPUTS['motion'])
         self._input = self.publisher('motion', node_name)
         self._subscriptions = [self._listen(topic, type_name, origin.node, node_name)
@@ -208,7 +208,7 @@ class _Live(Client):
         """
         self._introduce()
         waiting = self._waiting()
-        # For a node that stands still we wait once only. What it answers later is not missing.
+        # For a node that stands still we wait once only. Later answers do not count as missing.
         self._given_up = waiting if self._silent else min(self._given_up, waiting)
         if waiting >= self._given_up + AHEAD:
             self.wait_for_the_rest(HELD_UP, self._given_up + AHEAD - 1)
@@ -222,8 +222,8 @@ class _Live(Client):
         """
         Send the first motion again and again until all its answers have come.
 
-        Until the node has matched our publisher, and we its, motions or answers are lost; neither
-        side can see whether the other has.
+        Motions or answers are lost until the node has matched our publisher and we have matched
+        its publishers. Neither side can see whether the other has.
         """
         motion, self._unanswered = self._unanswered, b''
         if not motion:
@@ -246,7 +246,7 @@ class _Live(Client):
         """
         Keep a recorded output for comparison if its motion was sent.
 
-        Our bags hold it right after its motion; those of rosbag2 in the order of arrival.
+        Our bags hold it right after its motion; bags of rosbag2 hold it in the order of arrival.
         """
         stamp = stamp_of(raw.data)
         if (stamp == self._last or not self._in_order and self._last
@@ -330,8 +330,8 @@ class Meeting:
         """
         Pair a message with the one of its stamp among ``others``, or let it wait among ``own``.
 
-        ``own``: messages of its side, recorded or live, without a partner yet; ``others``: those
-        of the other side.
+        ``own``: messages of its side, recorded or live, without a partner yet; ``others``: waiting
+        messages of the other side.
         """
         other = others.pop(stamp, None)
         if other is None:

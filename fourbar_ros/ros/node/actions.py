@@ -41,7 +41,7 @@ class ExtremaServer(ActionServer):
         self._worker.do(run)
 
     def _answer(self, goal: ServerGoalHandle) -> Message:
-        """Search for what a goal asks, send feedback, set its final state, return the result."""
+        """Search for a goal's extrema, send feedback, set its final state, return the result."""
         kind = self.action_type
 
         def check() -> None:

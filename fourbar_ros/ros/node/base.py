@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""The node as its parts see it: rclpy's, what all parts share, and the parts themselves."""
+"""The node as its parts see it: rclpy's node, the shared objects, and the parts themselves."""
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence

@@ -27,7 +27,7 @@ OF_ALL = ('/rosout', '/parameter_events')      # topics that every node publishe
 
 class Circles:
     """
-    Tells messages of the node itself from those of others, on topics to which it also listens.
+    Tells the node's own messages from other nodes' messages, on topics to which it also listens.
 
     A circle is such a topic: the node must not take its outputs for inputs. ``own_count`` is the
     number of its own messages that have come back.
@@ -89,8 +89,8 @@ class Repeats:
     """
     Counts inputs with a stamp that the node has answered already.
 
-    Such inputs are made by other nodes from our outputs, whose stamps they keep: a loop that may
-    go on for ever. Topics by their full names; ``output_topics()`` returns those of the answers.
+    Other nodes make such inputs from our outputs and keep the stamps: a loop that may go on for
+    ever. Topics have their full names; ``output_topics()`` returns the topics of the answers.
     """
 
     def __init__(self, node: Node, input_topic: str,

@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-The outputs of a node: which of them are needed now, and each message serialised once.
+The outputs of a node: only needed ones are made, and each message is serialised once.
 
 The same bytes go to the subscribers and to the bag.
 """
@@ -97,10 +97,10 @@ class Wanted(NamedTuple):
 
 class Outputs:
     """
-    The publishers of a node: the driven motion, the drive's state, and those the scene names.
+    The publishers of a node: the driven motion, the drive's state, and the scene's outputs.
 
-    ``named`` are the latter, ``mode`` is the assembly mode in their messages, and ``are_heard``
-    tells whether any publisher has a subscriber.
+    ``named`` are the scene's outputs, ``mode`` is the assembly mode in their messages, and
+    ``are_heard`` tells whether any publisher has a subscriber.
     """
 
     def __init__(self, node: Base, recording: Recording) -> None:
@@ -195,7 +195,7 @@ class Outputs:
         """
         Pack all messages, then publish those that have a subscriber; keep all for the bag.
 
-        They go out together: so the middleware wakes up less often.
+        They go out together, so the middleware wakes up less often.
         """
         messages = [(output, output.pack(stamp, status, self.mode, values)) for output in outputs]
         for output, data in messages:

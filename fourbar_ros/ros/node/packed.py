@@ -62,8 +62,8 @@ def _packer(serialise: Pack, has_status: bool, used: Collection[int], count: int
     Return the function that writes the numbers of a step into a message's bytes.
 
     None if an offset is not found, or a stamp or status at several. ``used``: indices of the
-    ``count`` values that the message holds. Two messages with unlike contents are serialised; the
-    offset of a value is where each of them has its own.
+    ``count`` values that the message holds. Two messages with different contents are serialised; a
+    value's offset is where each message has its own content.
     """
     # unlike numbers, which hardly occur elsewhere in a message
     probes = [_Contents((0x1B2D3F41, 0x25374959), 0xA7, 0x5C, [k + 0.1 for k in range(count)]),

@@ -3,9 +3,9 @@
 """
 The parameters of a node: declared as the table says, read as a scene, checked when they change.
 
-The last value given should count. But of two values of unlike types rcl keeps a bool before an
-integer, before a double, before a text: it would ignore ``-p drive.speed:=3.5`` where a file says
-``25``. :func:`asked_outside` finds the last one.
+The last value should count. But if two values have different types, rcl prefers a bool to an
+integer, an integer to a double, and a double to a text. It would ignore ``-p drive.speed:=3.5``
+where a file says ``25``. :func:`asked_outside` finds the last one.
 """
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def scene(node: Base, arguments: Sequence[str] = ()) -> Scene:
 
     rclpy has declared them as they came. They are read and declared again with type and text from
     the table: so an unknown name is an error instead of being ignored, and ``3`` is good for a
-    double. ``arguments``: the command line, for what rcl ignores of it.
+    double. ``arguments``: the command line, for the values that rcl ignores.
 
     Raises
     ------
@@ -176,7 +176,7 @@ def asked_outside(arguments: list[str], node: str) -> dict[str, Asked]:
 
 
 def is_ignored(wanted: Any, kept: Any) -> bool:
-    """Return whether rcl has kept a value of another type than the one that was asked for last."""
+    """Return whether rcl has kept a value of another type than the last one asked for."""
     return None not in (wanted, kept) and _type_of(wanted) != _type_of(kept)
 
 

@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""The log, kept readable: at most one line per cause and interval, with how many there were."""
+"""A readable log: at most one line per cause and interval, with a count."""
 from __future__ import annotations
 
 from collections.abc import Hashable

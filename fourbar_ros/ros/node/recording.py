@@ -43,8 +43,8 @@ class Recording:
     """
     The bag of one node, if one is being written.
 
-    To start one waits for the disk, so it goes in two parts: :meth:`open` makes the bag while
-    steps go on, :meth:`attach` begins to record between two steps. So do :meth:`detach` and
+    Starting a bag waits for the disk, so it has two parts: :meth:`open` makes the bag while steps
+    go on, :meth:`attach` begins to record between two steps. So do :meth:`detach` and
     :meth:`close` at its end.
     """
 
@@ -108,7 +108,7 @@ class Recording:
             topics.append(INPUTS[scene.drive.source])
         names = {topic.name: self._node.resolve_topic_name(topic.topic) for topic in topics}
         # A topic can be in a bag once: leave out an input on which the node also publishes. Its
-        # motion is in the bag as that of the driven joint.
+        # motion is in the bag as the motion of the driven joint.
         topics = [topic for topic in topics if topic not in INPUTS.values()
                   or list(names.values()).count(names[topic.name]) == 1]
         names = {topic.name: names[topic.name] for topic in topics}

@@ -14,7 +14,7 @@ class SequenceNumbers:
     """
     Counts the messages ``lost`` on one topic, by gaps in their sequence numbers.
 
-    Every publisher numbers its messages one by one, but a message does not say whose it is. So
+    Every publisher numbers its messages one by one, but a message does not name its publisher. So
     the next number of each publisher is kept; a number that fits none leaves a gap behind the
     nearest below. With several publishers a gap may be counted for the wrong one; the sum is
     right. ``publishers()`` returns how many there are. ``is_numbered`` is False with a middleware

@@ -62,7 +62,7 @@ def evaluate_one(node: Base, request: Message, response: Message) -> Message:
     """
     Answer Evaluate: state and loads at one input, or in ``message`` why there are none.
 
-    The mode 0 is that of the scene. The step of the stream is not touched: all is computed anew.
+    Mode 0 is the scene's mode. The step of the stream is not touched: all is computed anew.
     """
     scene = node.stream.scene
     modes = scene.linkage.modes

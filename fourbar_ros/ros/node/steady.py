@@ -21,7 +21,7 @@ WAKE = 0.3          # [s] so often at least is the executor woken, which then se
 
 
 def clock_of(node: Node) -> Callable[[], float]:
-    """Return the clock of silences, in [s]: steady, or that of a simulation with use_sim_time."""
+    """Return the clock of silences, in [s]: steady, or the simulation's with use_sim_time."""
     if node.get_parameter('use_sim_time').value:
         return lambda: node.get_clock().now().nanoseconds * 1e-9
     return time.monotonic

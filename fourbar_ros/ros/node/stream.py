@@ -151,7 +151,7 @@ class Stream:
         """Compute and send the wanted outputs; return the status, None if there are none."""
         self.steps += 1
         if wanted.driven:
-            # the input as it came; that of the evaluation may be held or clamped
+            # the input as it came; the evaluation's input may be held or clamped
             driven = list(self._unknown)
             for place, value in zip(self._input_places, (position, rate, acceleration)):
                 driven[place] = value

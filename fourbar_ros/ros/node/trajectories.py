@@ -136,8 +136,8 @@ class Trajectories:
         """
         Convert a trajectory from the topic ``name`` and send the answer, or refuse it.
 
-        One of the output joint becomes one of the driven joint, or the reverse, as ANSWERS says
-        of the topic. ``arrival``: when it came [ns].
+        An output joint's trajectory becomes a driven joint's trajectory, or the reverse, as
+        ANSWERS says for the topic. ``arrival``: when it came [ns].
         """
         self._begun += 1
         answer_topic, method = ANSWERS[name]
