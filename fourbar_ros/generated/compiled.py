@@ -123,8 +123,9 @@ class Compiled:
 
         NotGenerated where the code is not of this scene.
         """
-        own = self.model.scene
-        if (scene.dynamics, scene.linkage, scene.drive) != (own.dynamics, own.linkage, own.drive):
+        own = self.model.scene              # a limit that is NaN for none equals itself as text
+        if ((scene.dynamics, scene.linkage, repr(scene.drive))
+                != (own.dynamics, own.linkage, repr(own.drive))):
             raise NotGenerated(f'{self.model.name}: generated of another scene')
         return CompiledMover(scene, self.library, self.model.name, mode)
 
