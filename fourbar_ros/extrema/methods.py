@@ -132,7 +132,7 @@ class Methods:
         It is the search that :mod:`.batch` uses for many linkages; ``row`` counts ``self._fast``.
         """
         assert isinstance(self._linkage, FourBar)
-        both = rate_extrema(self._linkage, density * RATE_SAMPLES)     # at an input rate of 1 rad/s
+        both = rate_extrema(self._linkage, density * RATE_SAMPLES)   # at 1 rad/s
         orders = [RATES.index(self._quantities[row].name) for row in self._fast]
         count = [both[order].row.size for order in orders]
         found = RateExtrema(*map(np.concatenate, zip(*[both[order] for order in orders])))
