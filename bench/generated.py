@@ -1,22 +1,26 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Generated C beside Python and numpy, its floor, what compiler flags cost and change."""
+"""Generated C beside Python, numpy, numba and engines, its floor, what compiler flags change."""
 from __future__ import annotations
 
 from collections import Counter
 import ctypes
+import json
 from pathlib import Path
 import shutil
 import subprocess
+import sys
 from tempfile import TemporaryDirectory
 
 from fourbar_ros import load_scene
 from fourbar_ros.generated import generate
 from fourbar_ros.generated.c_code import Code
 from fourbar_ros.generated.model import Model
+from fourbar_ros.numerics.straight_line import straight_line
 import numpy as np
 
-from . import ROOT
+from . import ROOT, speed
+from .compiled import compiled
 from .pages import best_time, table
 
 SAMPLES, ROUNDS, STEPS_MADE = 20_000, 15, 5000
@@ -66,6 +70,12 @@ void steps(int count, double step, double *to)
   }
 }
 """
+ENGINES = 'mujoco', 'pin'
+PEER = str(speed.ENVIRONMENT / 'bin' / 'python')
+RUNNERS = {speed.OURS: sys.executable, 'mujoco': PEER, 'pinocchio': PEER}
+SHOWN = {speed.SCALAR, speed.BATCHES[1], 'MuJoCo rollout, hardest, 1 step',
+         'MuJoCo tree, loop closed to 1e-09 m', 'Pinocchio tree, loop closed to 1e-09 m',
+         'Pinocchio constraintDynamics, mu 1e-04, 20 it.'}
 MOVED = ('motor', 'controlled', 'engine', 'released', 'sundials', 'classics/door_closer')
 FLAGS = ([['gcc', '-std=c99', level] for level in ('-O0', '-O1', '-O2', '-O3')]
          + [['gcc', '-std=gnu99', '-O2', '-march=native'],
@@ -134,9 +144,73 @@ class Built:
 def main():
     """Print the tables."""
     with TemporaryDirectory() as folder:
+        _beside(Path(folder))
         _machines(Path(folder))
         _steps(Path(folder))
         _flags(Path(folder))
+
+
+def _beside(folder):
+    """Print what others take for a revolution of the paper's linkage: speed's case."""
+    case = folder / 'case.json'
+    speed.write_case(case)
+    given = json.loads(case.read_text())
+    (folder / 'beside').mkdir()
+    built = Built('paper', folder / 'beside', ['gcc', *C])
+    turns = SAMPLES // len(given['theta1'])
+    built.inputs = np.array([(x, given['omega'], 0.0) for x in given['theta1']] * turns)
+    found = {'sines, cosines, roots and arc tangents of C alone': (built.of_floor(), None),
+             'C': (built.of_step(), _error(built.values, built, given))}
+    left_out = [f'{peer}: {why}' for peer, why in speed.install(ENGINES).items() if why]
+    try:
+        import numba
+        out = np.empty((SAMPLES, built.width)).T        # a sample's results together, as in C
+        columns = built.inputs.T.copy()
+        loop = compiled(straight_line(_flat_formula(built.model.mechanism), 3), 3, numba)
+        loop(columns, out)
+        found['numba'] = (1e9 / SAMPLES * best_time(lambda: loop(columns, out), ROUNDS),
+                          _error(out.T, built, given))
+    except ImportError:
+        left_out.append('numba is not installed here: pip install numba')
+    for script, python in RUNNERS.items():
+        try:
+            runner = speed.Runner(script, python, case, folder)
+        except (RuntimeError, OSError) as error:
+            left_out.append(f'{script}: {error}')
+            continue
+        rounds = [runner.one_round() for _ in range(speed.ROUNDS)]
+        runner.close()
+        found.update({name: (1e9 * min(one[name] for one in rounds), errors['f41'])
+                      for name, errors in runner.errors.items() if name in SHOWN})
+    print('The four-bar with all loads: a revolution at constant speed. Engines are called from '
+          'Python, rollouts once for all samples; error of the force at O1, of its peak.\n')
+    table(('method', 'ns a sample', 'times C', 'error'),
+          [(name, f'{took:.0f}', f'{took / found["C"][0]:.3g}',
+           '-' if error is None else f'{error:.1e}')
+           for name, (took, error) in sorted(found.items(), key=lambda item: item[1][0])])
+    for line in left_out:
+        print(f'Left out: {line}\n')
+
+
+def _flat_formula(mechanism):
+    """Return number type -> formula of motion and loads, one after the other."""
+    def formula(numbers):
+        motion_of = mechanism.motion_formula(numbers, mechanism.constants)
+        loads_of = mechanism.loads_formula(numbers, mechanism.constants)
+
+        def state(*given):
+            motion = mechanism.MOTION._make(motion_of(*given))
+            return (*motion, *loads_of(motion))
+        return state
+    return formula
+
+
+def _error(rows, built, case):
+    """Return the largest error of F41 of the first samples, of its peak."""
+    names = [one.name for one in (*built.model.motion, *built.model.loads)]
+    true = np.array(case['truth']['f41'])
+    found = rows[:len(true), [names.index('f41_x'), names.index('f41_y')]]
+    return float(np.hypot(*(found - true).T).max() / np.hypot(*true.T).max())
 
 
 def _machines(folder):
