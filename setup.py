@@ -41,7 +41,7 @@ setup(
         'live': ['nicegui>=3.5,<4'],
         'test': ['pytest<9', 'mpmath', 'rosbags', 'mcap-ros2-support>=0.6,<1', 'matplotlib',
                  'python-flint',
-                 'yourdfpy', 'mujoco', 'openpyxl', 'pyarrow', 'distributed', 'coverage',
+                 'yourdfpy', 'mujoco', 'openpyxl', 'pyarrow', 'distributed', 'coverage', 'FMPy',
                  'argcomplete>=3'],
     },
     zip_safe=False,

@@ -164,7 +164,8 @@ def _source(code: Code, version: int) -> str:
         'STARTS': f'{name}_start(&state->drive{torque});' if drive else
                   f'state->input.{model.inputs[0].field} = {model.sample()[0][0]!r};',
         ' GIVEN_TORQUE': torque,
-        'enum { GIVEN': f'enum {{ INPUTS = {len(model.inputs)}, PARAMETERS = '
+        'enum { GIVEN': f'enum {{ EXCHANGES = {int(not drive)} }};\n'
+                        f'enum {{ INPUTS = {len(model.inputs)}, PARAMETERS = '
                         f'{len(model.tunable)}, LOADS = {loads} }};\nenum {{ GIVEN'}
     shared = snippet('fmu.c') + snippet(f'fmu{version}.c')
     for word, meaning in meanings.items():
@@ -251,17 +252,31 @@ def _step_of(model: Model) -> str:
     return repr(1.0 / model.scene.drive.rate if model.moves_by_torque else 0.001)
 
 
+def _interfaces(model: Model) -> list[tuple[str, dict[str, str]]]:
+    """
+    Return the interfaces of an FMU and their own attributes.
+
+    Model exchange is for motion by its inputs, which has no state: it is solved with the model
+    around it, without the delay of a step. Motion by torque has steps of its own.
+    """
+    exchange = list[tuple[str, dict[str, str]]]([('ModelExchange', {})])
+    return exchange * (not model.moves_by_torque) + [
+        ('CoSimulation', {'canHandleVariableCommunicationStepSize': 'true'})]
+
+
 def _feeds_through(one: Variable) -> bool:
-    """Return whether outputs depend on it at once: on a torque only by steps."""
-    return one.causality == 'input' and one.name != 'torque'
+    """Return whether outputs depend on it at once: on torque or voltage only by steps."""
+    return (one.causality == 'input' and one.name != 'torque'
+            and not one.name.startswith('motor.'))
 
 
 def _description_2(model: Model, variables: list[Variable], guid: str) -> ElementTree.Element:
     """Return modelDescription.xml of FMI 2.0: dependencies name variables by order, from 1."""
     root = _head(model, '2.0', guid=guid)
-    kind = _element(root, 'CoSimulation', modelIdentifier=model.name, canGetAndSetFMUstate='true',
-                    canSerializeFMUstate='true', canHandleVariableCommunicationStepSize='true')
-    _element(_element(kind, 'SourceFiles'), 'File', name=f'{model.name}.c')
+    for tag, more in _interfaces(model):
+        kind = _element(root, tag, modelIdentifier=model.name, canGetAndSetFMUstate='true',
+                        canSerializeFMUstate='true', **more)
+        _element(_element(kind, 'SourceFiles'), 'File', name=f'{model.name}.c')
     _units(root, variables)
     _element(root, 'DefaultExperiment', startTime='0', stopTime='1', stepSize=_step_of(model))
     listed = _element(root, 'ModelVariables')
@@ -282,8 +297,9 @@ def _description_2(model: Model, variables: list[Variable], guid: str) -> Elemen
 def _description_3(model: Model, variables: list[Variable], token: str) -> ElementTree.Element:
     """Return modelDescription.xml of FMI 3.0: dependencies name variables by value references."""
     root = _head(model, '3.0', instantiationToken=token)
-    _element(root, 'CoSimulation', modelIdentifier=model.name, canGetAndSetFMUState='true',
-             canSerializeFMUState='true', canHandleVariableCommunicationStepSize='true')
+    for tag, more in _interfaces(model):
+        _element(root, tag, modelIdentifier=model.name, canGetAndSetFMUState='true',
+                 canSerializeFMUState='true', **more)
     _units(root, variables)
     _element(root, 'DefaultExperiment', startTime='0', stopTime='1', stepSize=_step_of(model))
     listed = _element(root, 'ModelVariables')

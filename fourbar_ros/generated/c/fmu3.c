@@ -14,14 +14,11 @@ EXPORT Status fmi3SetDebugLogging(Instance instance, bool on, size_t count, cons
   return OK;
 }
 
-EXPORT Instance fmi3InstantiateCoSimulation(
-  Text name, Text token, Text resources, bool visible, bool logs, bool events, bool early,
-  const unsigned *variables, size_t count, void *environment,
-  void (*logger)(void *, Status, Text, Text), void *update)
+typedef void (*Log)(void *, Status, Text, Text);
+
+static Instance instance_of(Text token, void *environment, Log logger)
 {
   State *state;
-  (void)name; (void)resources; (void)visible; (void)logs; (void)events; (void)early;
-  (void)variables; (void)count; (void)update;
   if (token == NULL || strcmp(token, "GUID") != 0) {
     if (logger) logger(environment, ERROR, "logStatusError", "NAME: another token");
     return NULL;
@@ -31,12 +28,21 @@ EXPORT Instance fmi3InstantiateCoSimulation(
   return state;
 }
 
-EXPORT Instance fmi3InstantiateModelExchange(Text name, Text token, Text resources, bool visible,
-                                             bool logs, void *environment, void *logger)
+EXPORT Instance fmi3InstantiateCoSimulation(
+  Text name, Text token, Text resources, bool visible, bool logs, bool events, bool early,
+  const unsigned *variables, size_t count, void *environment, Log logger, void *update)
 {
-  (void)name; (void)token; (void)resources; (void)visible; (void)logs; (void)environment;
-  (void)logger;
-  return NULL;
+  (void)name; (void)resources; (void)visible; (void)logs; (void)events; (void)early;
+  (void)variables; (void)count; (void)update;
+  return instance_of(token, environment, logger);
+}
+
+/* All is given by the inputs: no state, no event. Motion by torque is for co-simulation only. */
+EXPORT Instance fmi3InstantiateModelExchange(Text name, Text token, Text resources, bool visible,
+                                             bool logs, void *environment, Log logger)
+{
+  (void)name; (void)resources; (void)visible; (void)logs;
+  return EXCHANGES ? instance_of(token, environment, logger) : NULL;
 }
 
 EXPORT Instance fmi3InstantiateScheduledExecution(
@@ -124,6 +130,43 @@ EXPORT Status fmi3DeserializeFMUState(Instance instance, const unsigned char *fr
   return size == sizeof(State) ? copy_state(from, to) : ERROR;
 }
 
+#define PLAIN(name, status) EXPORT Status name(Instance instance) { (void)instance; return status; }
+PLAIN(fmi3EnterEventMode, OK)
+PLAIN(fmi3EnterContinuousTimeMode, OK)
+
+EXPORT Status fmi3SetTime(Instance instance, double time) { STATE->time = time; return OK; }
+
+EXPORT Status fmi3UpdateDiscreteStates(Instance instance, bool *needed, bool *terminate,
+                                       bool *nominals_changed, bool *values_changed,
+                                       bool *has_next_time, double *next_time)
+{
+  (void)instance;
+  *needed = *terminate = *nominals_changed = *values_changed = *has_next_time = false;
+  *next_time = 0.0;
+  return OK;
+}
+
+EXPORT Status fmi3CompletedIntegratorStep(Instance instance, bool is_final, bool *enters_event,
+                                          bool *terminates)
+{
+  (void)instance; (void)is_final;
+  *enters_event = *terminates = false;
+  return OK;
+}
+
+#define STATES(name, type) \
+  EXPORT Status name(Instance instance, type values, size_t count) \
+  { (void)instance; (void)values; return count == 0 ? OK : ERROR; }
+STATES(fmi3SetContinuousStates, const double *)
+STATES(fmi3GetContinuousStateDerivatives, double *)
+STATES(fmi3GetEventIndicators, double *)
+STATES(fmi3GetContinuousStates, double *)
+STATES(fmi3GetNominalsOfContinuousStates, double *)
+#define NUMBER_OF(name) \
+  EXPORT Status name(Instance instance, size_t *to) { (void)instance; *to = 0; return OK; }
+NUMBER_OF(fmi3GetNumberOfEventIndicators)
+NUMBER_OF(fmi3GetNumberOfContinuousStates)
+
 /* Every number is a Float64 without events and derivatives; the functions must be there. */
 #define NONE(name, type) \
   EXPORT Status fmi3Get##name(Instance instance, const unsigned *which, size_t count, type *to, \
@@ -144,13 +187,10 @@ NONE(UInt64, unsigned long long)
 NONE(Boolean, bool)
 NONE(String, Text)
 
-#define PLAIN(name) EXPORT Status name(Instance instance) { (void)instance; return ERROR; }
-PLAIN(fmi3EnterEventMode)
-PLAIN(fmi3EnterConfigurationMode)
-PLAIN(fmi3ExitConfigurationMode)
-PLAIN(fmi3EvaluateDiscreteStates)
-PLAIN(fmi3EnterContinuousTimeMode)
-PLAIN(fmi3EnterStepMode)
+PLAIN(fmi3EnterConfigurationMode, ERROR)
+PLAIN(fmi3ExitConfigurationMode, ERROR)
+PLAIN(fmi3EvaluateDiscreteStates, ERROR)
+PLAIN(fmi3EnterStepMode, ERROR)
 
 #define WITH(name, arguments, unused) EXPORT Status name arguments { unused; return ERROR; }
 WITH(fmi3GetBinary, (Instance i, const unsigned *w, size_t n, size_t *s, void **v, size_t m),
@@ -192,19 +232,4 @@ WITH(fmi3GetShiftFraction, (Instance i, const unsigned *w, size_t n, Count *a, C
      (void)i; (void)w; (void)n; (void)a; (void)b)
 WITH(fmi3SetShiftFraction, (Instance i, const unsigned *w, size_t n, const Count *a,
                             const Count *b), (void)i; (void)w; (void)n; (void)a; (void)b)
-WITH(fmi3UpdateDiscreteStates, (Instance i, bool *a, bool *b, bool *c, bool *d, bool *e,
-                                double *f),
-     (void)i; (void)a; (void)b; (void)c; (void)d; (void)e; (void)f)
-WITH(fmi3CompletedIntegratorStep, (Instance i, bool a, bool *b, bool *c),
-     (void)i; (void)a; (void)b; (void)c)
-WITH(fmi3SetTime, (Instance i, double t), (void)i; (void)t)
-WITH(fmi3SetContinuousStates, (Instance i, const double *v, size_t n), (void)i; (void)v; (void)n)
-#define STATES(name) \
-  WITH(name, (Instance i, double *v, size_t n), (void)i; (void)v; (void)n)
-STATES(fmi3GetContinuousStateDerivatives)
-STATES(fmi3GetEventIndicators)
-STATES(fmi3GetContinuousStates)
-STATES(fmi3GetNominalsOfContinuousStates)
-WITH(fmi3GetNumberOfEventIndicators, (Instance i, size_t *n), (void)i; (void)n)
-WITH(fmi3GetNumberOfContinuousStates, (Instance i, size_t *n), (void)i; (void)n)
 WITH(fmi3ActivateModelPartition, (Instance i, unsigned w, double t), (void)i; (void)w; (void)t)
