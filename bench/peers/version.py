@@ -6,6 +6,7 @@ import gc
 from itertools import repeat
 import json
 import math
+from pathlib import Path
 import sys
 import time
 
@@ -17,11 +18,14 @@ from fourbar_ros import (  # noqa: E402, I100
     find_extrema_many,
     FourBar,
     InvertedSlider,
+    load_scene,
     round_rod,
     SliderCrank,
 )
+from fourbar_ros.pipeline.stepper import Stepper  # noqa: E402, I100
 import numpy as np  # noqa: E402
 
+CONFIG = Path(__file__).parents[2] / 'config'
 LENGTHS, OMEGA, COUNT, TIMES = (0.4, 1.2, 0.8, 1.0), 25.0, 1000, 5
 bodies = Bodies(*(round_rod(length, 7750.0, 0.01) for length in LENGTHS[:3]))
 angles = [2.0 * math.pi * k / COUNT for k in range(COUNT)]
@@ -42,6 +46,20 @@ def first_step():
     make(FourBar, LENGTHS).step(1.0, OMEGA, 0.0)
 
 
+def steps_by_torque():
+    values = mover.start()
+    for _ in range(COUNT):
+        _, values = mover.next(values, 0.001)
+
+
+def steps_of_the_node():
+    """Do the node's work at each input of the paper's scene, without messages."""
+    for angle in angles:
+        stepper.step(angle, OMEGA, 0.0, True, True)
+
+
+mover = load_scene(CONFIG / 'motor.yaml').mover
+stepper = Stepper(load_scene(CONFIG / 'paper.yaml'))
 linkage = make(FourBar, LENGTHS)
 WORK = {
     'sine': (lambda: deque(map(math.sin, angles), 0), COUNT),
@@ -51,6 +69,8 @@ WORK = {
     'one step of a cylinder': (each(make(InvertedSlider, (0.4, 1.2, 0.1), input='slide').step,
                                     [0.9 + 0.6 * k / COUNT for k in range(COUNT)]), COUNT),
     'a new linkage and its step': (first_step, 1),
+    'one step by torque': (steps_by_torque, COUNT),
+    'one step of the node, without messages': (steps_of_the_node, COUNT),
     'a batch of 10000': (lambda: linkage.step(many, OMEGA, 0.0), len(many)),
     'a batch of 1000': (lambda: linkage.step(many[:COUNT], OMEGA, 0.0), COUNT),
     'extrema of omega4 and alpha4': (

@@ -27,7 +27,11 @@ from typing import TYPE_CHECKING
 from fourbar_ros.extrema.difference_sampling import DifferenceSampler
 from fourbar_ros.extrema.four_bar_rates.input_paths import input_paths as elliptic_paths
 from fourbar_ros.extrema.four_bar_rates.paths import SAMPLES as RATE_SAMPLES
-from fourbar_ros.extrema.four_bar_rates.search import at_rate, rate_extrema
+from fourbar_ros.extrema.four_bar_rates.search import (
+    at_rate,
+    rate_extrema,
+    RateExtrema,
+)
 from fourbar_ros.extrema.input_paths import input_paths, InputPath
 from fourbar_ros.extrema.path_search import PathExtremum, sampled_conditions, search_path
 from fourbar_ros.extrema.sampling import Sampler, too_large
@@ -128,23 +132,23 @@ class Methods:
         It is the search that :mod:`.batch` uses for many linkages; ``row`` counts ``self._fast``.
         """
         assert isinstance(self._linkage, FourBar)
-        both = rate_extrema(self._linkage, density * RATE_SAMPLES)
-        sampler, extrema = self._sampler(Sampler, self._fast), []
-        for row, quantity in enumerate(sampler.quantities):
-            order = RATES.index(quantity.name)
-            unit = both[order]       # at an input rate of 1 rad/s
-            x, side, inside = unit.theta1, unit.side, unit.side == 0
-            value, is_maximum = at_rate(unit, self._rates[0], order)
-            if np.isinf(value[inside]).any():
-                raise too_large(self._rates)
-            conditions = np.full((2, x.size), nan)
-            if with_conditions:
-                conditions[:, inside] = sampled_conditions(
-                    sampler, x[inside], np.full(inside.sum(), row), unit.spacing[inside])
-            columns = fold(x), value, np.where(is_maximum, 1, -1), side, np.zeros(x.size, bool)
-            extrema += [PathExtremum(row, *fields)
-                        for fields in zip(*(v.tolist() for v in (*columns, *conditions)))]
-        return extrema
+        both = rate_extrema(self._linkage, density * RATE_SAMPLES)   # at 1 rad/s
+        orders = [RATES.index(self._quantities[row].name) for row in self._fast]
+        count = [both[order].row.size for order in orders]
+        found = RateExtrema(*map(np.concatenate, zip(*[both[order] for order in orders])))
+        value, is_maximum = map(np.concatenate, zip(*[
+            at_rate(both[order], self._rates[0], order) for order in orders]))
+        inside, row = found.side == 0, np.repeat(np.arange(len(count)), count)
+        if np.isinf(value[inside]).any():
+            raise too_large(self._rates)
+        conditions = np.full((2, row.size), nan)
+        if with_conditions:
+            conditions[:, inside] = sampled_conditions(
+                self._sampler(Sampler, self._fast), found.theta1[inside], row[inside],
+                found.spacing[inside])
+        columns = (row, fold(found.theta1), value, np.where(is_maximum, 1, -1), found.side,
+                   np.zeros(row.size, bool), *conditions)
+        return [PathExtremum(*fields) for fields in zip(*(v.tolist() for v in columns))]
 
     def proved(self, found: list[list[PathExtremum]], with_conditions: bool,
                check: Callable[[float], None], seconds: float

@@ -270,7 +270,8 @@ class Code:
     def _runtime(self) -> list[str]:
         used = sorted(self.writer.used)
         return [*([f'enum {{ MOST_TERMS = {self.writer.most_terms} }};', '']
-                  if 'exact_sum' in used else []), *(snippet(f'{name}.c') for name in used),
+                  if 'exact_sum' in used else []),
+                *[snippet('functions.c', name) for name in used],
                 *tables(self.writer.called, self.name)]
 
     def _body(self, with_loads: bool) -> list[str]:
@@ -306,7 +307,7 @@ class Code:
                 'static int is_at_limit(double x)\n{',
                 '  const double near = 4.0 * DBL_EPSILON * fabs(x);', '  (void)near;',
                 f'  return {at_ends or "0"};', '}', '', snippet('judge.c'),
-                *([snippet('limit.c')] if mechanism.is_flat_at_zero else [])]
+                *([snippet('functions.c', 'limit')] if mechanism.is_flat_at_zero else [])]
 
     def _apart(self, end: str) -> str:
         """Return the distance of x from a limit, the short way round of angles."""

@@ -231,15 +231,15 @@ class DriveCode:
                 ('OWN_FIELD', f'from->{own}' if own else '0.0'),
                 ('  GIVE_OWN\n', f'  to->{own} = own;\n' if own else ''),
                 ('MODE_FIELD', 'from->mode' if self.modes else '0.0'),
-                ('  TAKE_PLACE\n', snippet('take_place.c') if self.modes else ''),
-                ('  GIVE_PLACE\n', snippet('give_place.c') if self.modes else ''),
+                ('  TAKE_PLACE\n', snippet('places.c', 'take_place') if self.modes else ''),
+                ('  GIVE_PLACE\n', snippet('places.c', 'give_place') if self.modes else ''),
                 ('  FORGET_PLACE\n', '  drive->place[0] = 0.0;\n' if self.modes else ''),
                 ('STARTS', '\n'.join(starts)), ('NAME', name)):
             text = text.replace(word, meaning)
-        return [*self._constants(), *self._functions, snippet('regime.c'),
+        return [*self._constants(), *self._functions, snippet('source.c'),
                 *self._law(), *self._limits(),
-                *(self._of_toggles() if self.modes else [snippet('no_toggles.c')]),
-                snippet('step.c'), snippet('toggles.c' if self.modes else 'held.c'), text]
+                *(self._of_toggles() if self.modes else [snippet('places.c', 'no_toggles')]),
+                snippet('step.c'), snippet('places.c', 'toggles' if self.modes else 'held'), text]
 
     def self_check(self) -> list[str]:
         """Return the C text that compares the state after some steps with Python's."""
@@ -286,7 +286,7 @@ class DriveCode:
                 'static double continuous(double value)\n{',
                 '  return value;' if mechanism.is_driven_by_slide else
                 f'  return {middle} + remainder(value - {middle}, TURN);', '}', '',
-                snippet('excess.c')]
+                snippet('places.c', 'excess')]
 
     @property
     def _pose(self) -> tuple[int, ...]:
@@ -308,7 +308,7 @@ class DriveCode:
                        'NEAR': drives.NEAR, 'EIGHT_EPS': 8.0 * EPS,
                        'SHORTEST': phase_steps.SHORTEST}
             return [f'enum {{ BISECTIONS = {phase_steps.BISECTIONS} }};', *_definitions(numbers),
-                    '', snippet('controller.c')]
+                    '', snippet('source.c', 'controller')]
         if self.takes_torque:
             lines = ['  piece[0] = command;']
         elif regime.tangent:
@@ -319,7 +319,7 @@ class DriveCode:
         unused = [f'  (void){word};' for word in ('speed', 'command', 'piece')
                   if not any(word in line for line in lines)]
         return ['static void law(double speed, double command, double *piece)\n{', *unused,
-                *lines, '}', '', snippet('law.c')]
+                *lines, '}', '', snippet('source.c', 'law')]
 
     def _limits(self) -> list[str]:
         """Return the function that tells whether an input is at an end or near a toggle."""
@@ -338,8 +338,8 @@ def tables(forces: Sequence[Any], name: str) -> list[str]:
     if any(not isinstance(force, TableForce) for force in forces):
         raise NotGenerated(f'{name}: a force that is a Python function')
     names = {'wrapped' if force.table.is_periodic else 'clamped' for force in forces}
-    found = [snippet(f'{name}.c') for name in sorted(names)]
-    found += [snippet('table.c')] * bool(forces)
+    found = [snippet('functions.c', name) for name in sorted(names)]
+    found += [snippet('functions.c', 'table')] * bool(forces)
     for i, force in enumerate(forces):
         table = force.table
         inner, first = table.places[1:-1], table.places[0]

@@ -109,7 +109,7 @@ def manifest(model: Model) -> dict[str, object]:
 def wrapper(model: Model) -> str:
     """Return the C++ header around a generated C header."""
     torque = 'double torque' * (model.scene.drive.source == TORQUE.name)
-    drive = snippet('drive.hpp') if model.moves_by_torque else ''
+    drive = snippet('wrapper.hpp', 'drive') if model.moves_by_torque else ''
     for place, meaning in (('FIRST', torque), (' ARGUMENT', torque and f', {torque}'),
                            (' PASSED', ', torque' if torque else '')):
         drive = drive.replace(place, meaning)

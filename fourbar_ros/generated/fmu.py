@@ -149,10 +149,10 @@ def _source(code: Code, version: int) -> str:
                          'int has_moved;\n' if drive else '',
         'DRIVE_NUMBERS': f', DRIVE = TIME + 1, DRIVE_STATUS = DRIVE + {len(drive.numbers)}, TORQUE'
                          if drive else '',
-        'DRIVE_NUMBER\n': snippet('fmu_number.c') if drive else '',
+        'DRIVE_NUMBER\n': snippet('fmu.c', 'number') if drive else '',
         '      INPUT_OF_DRIVE\n': _input_of_drive(code) if drive else '',
-        '    SET_TORQUE\n': snippet('fmu_torque.c') if torque else '',
-        '  ADVANCE\n': snippet('fmu_advance.c') if drive else '',
+        '    SET_TORQUE\n': snippet('fmu.c', 'torque') if torque else '',
+        '  ADVANCE\n': snippet('fmu.c', 'advance') if drive else '',
         'STEP;': call,
         'STARTS': f'{name}_start(&state->drive{torque});' if drive else
                   f'state->input.{model.inputs[0].field} = {model.sample()[0][0]!r};',
@@ -171,7 +171,7 @@ def _input_of_drive(code: Code) -> str:
     fields, indent = [one.field for one in code.model.inputs], ' ' * 6
     text = ''.join(f'{indent}state->input.{field} = state->drive.{of};\n' for field, of in zip(
         fields, ('position', 'velocity', 'acceleration')))
-    return text + snippet('fmu_mode.c') * bool(code.model.signs)
+    return text + snippet('fmu.c', 'mode') * bool(code.model.signs)
 
 
 def _binary(name: str, source: str, version: int) -> dict[str, bytes]:

@@ -4,8 +4,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import cache
 from importlib.resources import files
 from math import isfinite
+import re
 
 from fourbar_ros.numerics.number_types import Function
 from fourbar_ros.numerics.trace import flat, Step, Trace
@@ -19,9 +21,17 @@ _SNIPPETS = {'pow': 'power', 'hypot': 'hypot', 'exact_sum': 'exact_sum',
              'power_of_two': 'power_of_two'}
 
 
-def snippet(name: str) -> str:
-    """Return a C text of this package."""
-    return (files(__package__) / 'c' / name).read_text(encoding='utf-8')
+@cache
+def _parts(file: str) -> dict[str, str]:
+    """Return {name: text} of a C file of this package; the text above all names has none."""
+    text = (files(__package__) / 'c' / file).read_text(encoding='utf-8')
+    first, *named = re.split(r'(?m)^// --- (\w+)\n', text)
+    return {'': first, **dict(zip(named[::2], named[1::2]))}
+
+
+def snippet(file: str, name: str = '') -> str:
+    """Return a part of a C file of this package."""
+    return _parts(file)[name]
 
 
 def literal(value: float) -> str:

@@ -81,10 +81,14 @@ def _make_all(n: NumberType, linkage: Mechanism, elements: Sequence[Element]
     return forces
 
 
-def _links_of(elements: Sequence[Element], linkage: Mechanism) -> set[str]:
-    """Return the moving links that elements name; refuse one that the mechanism does not have."""
+def _links_of(elements: Sequence[Element], linkage: Mechanism) -> list[str]:
+    """
+    Return the moving links that elements name; refuse one that the mechanism does not have.
+
+    Each once, in a fixed order: a formula recorded in another process has the same lines.
+    """
     links = [link.name for link in linkage.LINKS]
-    named = {link for element in elements for link in element.links} - {GROUND}
+    named = sorted({link for element in elements for link in element.links} - {GROUND})
     for link in named:
         if link not in links:
             raise InvalidParameter('link', link, f'must be one of {", ".join(links)}, {GROUND}')

@@ -94,3 +94,26 @@ static int write_state(const void *kept, void *to, size_t size)
   memcpy(to, kept, sizeof(State));
   return 0;
 }
+// --- number
+  if (reference == TORQUE) return &state->torque;
+  if (reference == DRIVE_STATUS) return &state->drive_status;
+  if (reference >= DRIVE) return (char *)&state->drive + (reference - DRIVE) * sizeof(double);
+// --- torque
+    if (references[i] == TORQUE) {
+      state->torque = from[i];
+      if (!state->has_moved) NAME_start(&state->drive, state->torque);
+      state->results_are_old = 1;
+      continue;
+    }
+// --- advance
+  if (step > 0.0) {
+    State *state = STATE;
+    state->drive_status = (double)NAME_advance(&state->drive, step GIVEN_TORQUE);
+    state->has_moved = state->results_are_old = 1;
+  }
+// --- mode
+      if (state->mode < state->drive.mode || state->mode > state->drive.mode) {
+        state->mode = state->drive.mode;
+        NAME_set_mode(&state->parameters, state->mode);
+        state->constants_are_old = 1;
+      }

@@ -1,3 +1,27 @@
+// --- held
+typedef struct {
+  Moving it;
+} Place;
+
+/* Where a state of the input is. */
+static void place_at(Place *at, double mode)
+{
+  (void)mode;
+  at->it.phase = 0;
+}
+
+static int state_of_input(const Place *at, double *to)
+{
+  memcpy(to, at->it.state, sizeof at->it.state);
+  return 0;
+}
+
+static int move(Place *at, double left, int *is_good)
+{
+  return part_of_step(&at->it, &left, is_good);
+}
+
+// --- toggles
 /* Steps through toggles: fourbar_ros.dynamics.step.mover. Near one another coordinate than the
    input tells where it is; phases 0 and 1 are the input in its two modes. */
 typedef struct {
@@ -128,3 +152,39 @@ static int move(Place *at, double left, int *is_good)
   return refused;
 }
 
+// --- no_toggles
+/* The input tells all: no other coordinate takes over. */
+static int excess_of(int phase, double position, double *to)
+{
+  (void)phase; (void)position;
+  *to = -1.0;
+  return 0;
+}
+
+// --- excess
+/* A number that rises above zero where the other coordinate takes over. */
+static int excess_of(int phase, double position, double *to)
+{
+  double read[3], ratio;
+  const int refused = reading(phase, &position, read);
+  ratio = fabs(read[1]) * RATIO[phase];
+  *to = (1e3 < ratio ? 1e3 : ratio) - LONGEST;
+  return refused ? LIMIT : 0;
+}
+
+// --- take_place
+  if (from->place[0] > 0.0) {
+    at->it.phase = (int)from->place[0] - 1;
+    memcpy(state, from->place + 1, sizeof at->it.state);
+    at->mode = from->mode;
+    at->rising = from->place[6];
+    at->turns = from->place[7];
+  } else {
+    at->it.known[0] = NAN;
+  }
+// --- give_place
+  to->mode = at->mode;
+  to->place[0] = 1.0 + it->phase;
+  memcpy(to->place + 1, it->state, sizeof it->state);
+  to->place[6] = at->rising;
+  to->place[7] = at->turns;

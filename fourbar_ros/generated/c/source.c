@@ -1,3 +1,29 @@
+/* A law of the torque source next to a speed w with its state z, and where it ends:
+   T = piece[0] + piece[1] w + piece[2] z, dz/dt = piece[3] + piece[4] w + piece[5] z. */
+typedef struct {
+  double piece[6];
+  double edge[2];              /* z = edge[0] + edge[1] w while it slides along its limit */
+  int slides, kind;            /* kind 0: it never ends */
+  double side;                 /* of the limit */
+} Regime;
+
+// --- law
+/* A source with one law. */
+static Regime regime_at(double speed, double own, double slope, double near, double command)
+{
+  Regime found = {{0.0, 0.0, 0.0, 0.0, 0.0, 0.0}, {0.0, 0.0}, 0, 0, 0.0};
+  (void)own; (void)slope; (void)near;
+  law(speed, command, found.piece);
+  return found;
+}
+
+static double to_kink(const Regime *regime, double speed, double own, double slope,
+                      double speed_after, double own_after, double h)
+{
+  (void)regime; (void)speed; (void)own; (void)slope; (void)speed_after; (void)own_after; (void)h;
+  return 1.0;
+}
+// --- controller
 /* The speed controller (D5) of fourbar_ros.dynamics.model.drives: its regimes and where they end.
    Between its limits, beyond one without and with integration, and sliding along it. */
 enum { INNER = 1, HELD, BACK, ALONG };
