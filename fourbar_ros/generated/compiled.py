@@ -23,7 +23,7 @@ from fourbar_ros.pipeline.status import Evaluated
 from fourbar_ros.scene.scene import from_values, Scene
 from fourbar_ros.scene.topics import TORQUE
 
-HIDDEN = 1 + 8 + 8          # mode, place and known: numbers besides the fields of a state
+HIDDEN = 1 + 8 + 8 + 1      # mode, place, known, given: numbers besides the fields of a state
 COMPILERS = ('cc', 'gcc', 'clang')
 
 
@@ -181,6 +181,7 @@ class CompiledMover(Mover):
                          scene.drive.budget, scene.drive.source == TORQUE.name)
         self._of = {what: getattr(library, f'{name}_{what}') for what in ('complete', 'advance')}
         self._drive = (ctypes.c_double * (len(DriveValues._fields) + HIDDEN))()
+        getattr(library, f'{name}_start')(self._drive, *self._torques(0.0))
         self._latest: DriveValues | None = None
 
     def next(self, values: DriveValues, step: float, command: float = 0.0,

@@ -26,6 +26,7 @@ from fourbar_ros.dynamics.step.step_equations import Elastic, Rigid
 from fourbar_ros.generated.model import Model, NotGenerated
 from fourbar_ros.generated.statements import literal, snippet, Statements
 from fourbar_ros.numerics.arrays import EPS
+from fourbar_ros.numerics.given import quantities_of
 from fourbar_ros.numerics.number_types import Function
 from fourbar_ros.numerics.trace import flat, Trace
 from fourbar_ros.scene.topics import TORQUE
@@ -121,6 +122,8 @@ class DriveCode:
                      equation, equations, has_own, tangent).make, GIVEN)]
         if tangent:
             found.append(writer.function('tangent', _plain(tangent, 1)))
+        if self._source.given and not self._regime.margins:
+            found.append(writer.function('piece_of', _plain(self._source.piece, 1)))
         if self.modes:
             found += [*self._of_phases('reading', lambda equation, phase: partial(
                           phase.make_other, equation.coordinate)),
@@ -176,6 +179,18 @@ class DriveCode:
         """Return name, unit and text of the numbers of a state as they follow each other."""
         return [*self.fields, *([('mode', '', 'assembly mode')] if self.modes else [])]
 
+    @cached_property
+    def given(self) -> tuple[str, str, str, float] | None:
+        """Return name, unit, text and start of the number that the source takes at each step."""
+        if self.takes_torque:
+            return 'torque', self.numbers[1][1], 'of the source, during the next step', 0.0
+        for name, _, what in quantities_of(self._source):
+            if name == self._source.given:
+                unit = what.unit.split(' or ')[-int(self._system.mechanism.is_driven_by_slide)]
+                return (f'motor_{name}', unit, f'{what.text}, during the next step',
+                        getattr(self._source, name))
+        return None
+
     @property
     def there(self) -> set[str]:
         """Return the names of its fields, besides position, velocity and acceleration."""
@@ -186,7 +201,7 @@ class DriveCode:
 
     def declarations(self) -> list[str]:
         """Return the C declarations of the drive for the header."""
-        name, drive = self._model.name, self._scene.drive
+        name, drive, given = self._model.name, self._scene.drive, self.given
         torque = ', double torque' * self.takes_torque
         what = ('; torque: that of the source during it' if self.takes_torque else '')
         width = max(len(field) for field, *_ in self.fields)
@@ -204,6 +219,8 @@ class DriveCode:
                f'  double place[8];{" " * (width - 8)}  /* near a toggle, where position and '
                'velocity do not tell it */'] if self.modes else []),
             f'  double known[8];{" " * (width - 8)}  /* of the last step, to save work */',
+            *([f'  double {given[0]};{" " * (width - len(given[0]))}  /* [{given[1]}] {given[2]}: '
+               'may be set anew */'] if given and not self.takes_torque else []),
             f'}} {name}_drive;', '',
             f'/* The state at the start of the scene{what}. */',
             f'void {name}_start({name}_drive *drive{torque});',
@@ -217,17 +234,21 @@ class DriveCode:
     def source(self) -> list[str]:
         """Return the text behind the functions of motion and loads."""
         own, name = self._source.own if self._source.start else '', self._model.name
+        given = '0.0' if self.given is None else (
+            'torque' if self.takes_torque else f'drive->{self.given[0]}')
         start = [*self._system.start[:2], self._source.start[0] if self._source.start else 0.0]
         starts = [f'  drive->position = {literal(start[0])};',
                   f'  drive->velocity = drive->motor_velocity = {literal(start[1])};',
                   *([f'  drive->{own} = {literal(start[2])};'] if own else []),
                   *([f'  drive->mode = {literal(self._system.mechanism.mode)};']
-                    if self.modes else [])]
+                    if self.modes else []),
+                  *([f'  {given} = {literal(self.given[3])};']
+                    if self.given and not self.takes_torque else [])]
         text = snippet('drive.c')
         for word, meaning in (
                 (' ARGUMENT', ', double torque' * self.takes_torque),
                 (' PASSED', ', torque' * self.takes_torque),
-                ('GIVEN_TORQUE', 'torque' if self.takes_torque else '0.0'),
+                ('GIVEN_TORQUE', given),
                 ('OWN_FIELD', f'from->{own}' if own else '0.0'),
                 ('  GIVE_OWN\n', f'  to->{own} = own;\n' if own else ''),
                 ('MODE_FIELD', 'from->mode' if self.modes else '0.0'),
@@ -303,7 +324,7 @@ class DriveCode:
         source, regime = self._source, self._regime
         if regime.margins:
             assert isinstance(source, SpeedController)
-            numbers = {'WANTED': source.speed, 'KP': source.proportional, 'KI': source.integral,
+            numbers = {'KP': source.proportional, 'KI': source.integral,
                        'TORQUE_LIMIT': source.limit, 'NEAREST': drives.NEAREST,
                        'NEAR': drives.NEAR, 'EIGHT_EPS': 8.0 * EPS,
                        'SHORTEST': phase_steps.SHORTEST}
@@ -313,6 +334,8 @@ class DriveCode:
             lines = ['  piece[0] = command;']
         elif regime.tangent:
             lines = ['  (void)tangent(&speed, piece);']
+        elif source.given:
+            lines = ['  (void)piece_of(&command, piece);']
         else:
             lines = [f'  piece[{i}] = {literal(value)};' for i, value in enumerate(regime.piece)
                      if value]

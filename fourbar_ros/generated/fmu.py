@@ -31,7 +31,7 @@ from fourbar_ros.generated.statements import snippet
 BASES = {'rad': (0, 0, 0, 1), 'rad/s': (0, 0, -1, 1), 'rad/s^2': (0, 0, -2, 1),
          'm': (0, 1, 0, 0), 'm/s': (0, 1, -1, 0), 'm/s^2': (0, 1, -2, 0), '1/m': (0, -1, 0, 0),
          'kg': (1, 0, 0, 0), 'kg m^2': (1, 2, 0, 0), 'N': (1, 1, -2, 0), 'N m': (1, 2, -2, 0),
-         's': (0, 0, 1, 0), 'A': (0, 0, 0, 0, 1)}
+         's': (0, 0, 1, 0), 'A': (0, 0, 0, 0, 1), 'V': (1, 2, -3, 0, -1)}
 PLATFORMS = {'linux': ('linux64', '{}-linux', 'so'), 'darwin': ('darwin64', '{}-darwin', 'dylib'),
              'win32': ('win64', '{}-windows', 'dll')}
 MADE = (1980, 1, 1, 0, 0, 0)     # of all files of the archive: the same scene, the same bytes
@@ -116,9 +116,12 @@ def _variables(model: Model, drive: DriveCode | None) -> list[Variable]:
     of_drive = [Variable(f'drive.{name}', first + i, 'output', unit, text, 0.0)
                 for i, (name, unit, text) in enumerate(drive.numbers) if name in drive.there]
     last = first + len(drive.numbers)
-    torque = [Variable('torque', last + 1, 'input', drive.numbers[1][1],
-                       'of the source, during the next step', 0.0)] * drive.takes_torque
-    return [*torque, *(one for one in found
+    own_input = list[Variable]()
+    if drive.given:
+        name, unit, text, value = drive.given
+        own_input = [Variable(name.replace('motor_', 'motor.'), last + 1, 'input', unit, text,
+                              value)]
+    return [*own_input, *(one for one in found
                        if one.reference >= len(inputs) and one.name not in signs), status,
             *of_drive, Variable('drive.status', last, 'output', '', DRIVE_TEXT, 0.0)]
 
@@ -138,6 +141,7 @@ def _source(code: Code, version: int) -> str:
     header = code.header().replace('extern "C" {', '').replace('#ifdef __cplusplus\n}\n#endif\n',
                                                                '')
     loads, drive = len(model.loads), code.drive
+    given = drive.given if drive else None
     torque = ', state->torque' * bool(drive and drive.takes_torque)
     call = (f'{name}_{"step" if loads else "motion_at"}(&state->constants, &state->input, '
             f'&state->motion{", &state->loads" if loads else ""});')
@@ -151,9 +155,12 @@ def _source(code: Code, version: int) -> str:
                          if drive else '',
         'DRIVE_NUMBER\n': snippet('fmu.c', 'number') if drive else '',
         '      INPUT_OF_DRIVE\n': _input_of_drive(code) if drive else '',
-        '    SET_TORQUE\n': snippet('fmu.c', 'torque') if torque else '',
+        '    SET_TORQUE\n': snippet('fmu.c', 'torque') if given else '',
         '  ADVANCE\n': snippet('fmu.c', 'advance') if drive else '',
         'STEP;': call,
+        'GIVEN_PLACE': f'state->drive.{given[0]}' if given and not torque else 'state->torque',
+        'GIVEN_START': f'{name}_start(&state->drive, state->torque)' if torque else
+                       f'{name}_complete(&state->drive)',
         'STARTS': f'{name}_start(&state->drive{torque});' if drive else
                   f'state->input.{model.inputs[0].field} = {model.sample()[0][0]!r};',
         ' GIVEN_TORQUE': torque,

@@ -132,12 +132,14 @@ int main(void)
   code_start(&drive);
   for (i = 0; i < 3000; ++i)
     good += code_advance(&drive, i % 100 == 99 ? 2.0 : 0.0001 * (1 + i % 37)) == code_drive_ok;
+  CHANGED;
   drive.velocity = 1e200;
   code_complete(&drive);
   (void)code_advance(&drive, 0.01);
   return good > 0 ? code_self_check() : 2;
 }
-""")
+""".replace('CHANGED', {'controlled rocker': 'drive.motor_speed = -3.0', 'DC motor and shaft':
+                        'drive.motor_voltage = -24.0'}.get(name, '(void)drive')))
     for compiler in COMPILERS:
         subprocess.run([compiler, '-std=c99', '-O1', '-fsanitize=address,undefined', *STRICT,
                         '-fno-sanitize-recover=all', 'code.c', 'main.c', '-o', 'checked', '-lm'],

@@ -13,8 +13,10 @@ from fourbar_ros.generated import compiled, generate
 from fourbar_ros.pipeline.status import evaluate
 from fourbar_ros.pipeline.stepper import InModes
 from fourbar_ros.scene.scene import from_values
+import numpy as np
 import pytest
 from support.generated import COMPILERS
+from support.scenes import PAPER, RODS
 
 needs_compiler = pytest.mark.skipif(not COMPILERS or sys.platform != 'linux',
                                     reason='no C compiler, or a binary of another platform')
@@ -111,6 +113,36 @@ def test_a_unit_moves_by_torque_as_the_node_does(tmp_path):
         assert unit.library.fmi2DoStep(c_void_p(unit.instance), c_double(0.0), c_double(wrong), 1)
         assert unit.get(*names) == end
     unit('FreeFMUstate', byref(saved))
+
+
+DC = {'motor.kind': 'dc', 'motor.voltage': 24.0, 'motor.resistance': 0.5, 'motor.gear': 10.0,
+      'motor.torque_constant': 0.3, 'motor.inductance': 0.005, 'shaft.stiffness': 400.0}
+CONTROLLER = {'motor.kind': 'controller', 'motor.speed': 4.0, 'motor.proportional': 20.0,
+              'motor.integral': 60.0, 'motor.torque_limit': 25.0}
+
+
+@needs_compiler
+@pytest.mark.parametrize('motor,given', [(DC, 'motor.voltage'), (CONTROLLER, 'motor.speed')],
+                         ids=['voltage', 'speed'])
+def test_voltage_and_speed_wanted_can_be_set_at_every_step(motor, given, tmp_path):
+    scene = from_values({**PAPER, **RODS, **motor, 'drive.source': 'motor',
+                         'motor.rotor_inertia': 0.1, 'outputs': ['state']})
+    unit = Unit(generate(scene, tmp_path, 'fmu2', name='unit').files[0], tmp_path / 'unit')
+    assert [given] == [name for name, cause in unit.causality.items() if cause == 'input']
+    assert unit.get(given) == [scene.values[given]]
+    unit('EnterInitializationMode')
+    unit('ExitInitializationMode')
+    names = [name for name in unit.causality if name.startswith('drive.')]
+    rng, step, values = np.random.default_rng(3), 0.005, scene.mover.start()
+    for _ in range(25):
+        number = float(rng.uniform(-40.0, 40.0))
+        mover = from_values({**scene.values, given: number}).mover       # a reference: anew
+        unit.set(**{given: number})
+        for _ in range(4):
+            status, values = mover.next(values, step)
+            unit('DoStep', c_double(0.0), c_double(step), 1)
+            expected = {**values._asdict(), 'status': float(status)}
+            assert unit.get(*names) == [expected[name[6:]] for name in names]
 
 
 @needs_compiler

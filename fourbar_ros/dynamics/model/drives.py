@@ -148,11 +148,14 @@ class Law(ABC):
     ----------
     own : str
         The field of a DriveState message that holds the state, one number at most.
+    given : str
+        The field that generated code takes anew at each step, as the voltage; '': none.
 
     """
 
     breaks: ClassVar[tuple[float, ...]] = ()
     own: ClassVar[str] = ''
+    given: ClassVar[str] = ''
 
     @property
     def start(self) -> tuple[float, ...]:
@@ -161,6 +164,10 @@ class Law(ABC):
 
     def __post_init__(self) -> None:
         check_quantities(self)
+
+    def piece(self, given: Scalar) -> Piece:
+        """Return the law without limits for a value of the field ``given``, of any number type."""
+        raise InvalidParameter('given', given, f'{type(self).__name__} takes nothing')
 
     @abstractmethod
     def make_regime_at(self) -> RegimeAt:
@@ -220,6 +227,7 @@ class DCMotor(Law):
     """Permanent-magnet DC motor with a gear of ratio N, (D4); fields state units and meanings."""
 
     own: ClassVar[str] = 'current'
+    given: ClassVar[str] = 'voltage'
     voltage: float = quantity(unit='V', text='voltage of the armature')
     resistance: float = quantity(unit='ohm', text='resistance of the armature', above=0.0)
     constant: float = quantity(unit='N m/A', parameter='torque_constant', above=0.0,
@@ -233,15 +241,19 @@ class DCMotor(Law):
         """Return the current at the beginning, where there is an inductance."""
         return (0.0,) if self.inductance else ()
 
-    def make_regime_at(self) -> RegimeAt:
-        """Return the law (D4); the state is the current, which follows at once if L = 0."""
+    def piece(self, given: Scalar) -> Piece:
+        """Return the law (D4) at a voltage; the current, its state, follows at once if L = 0."""
         constant = self.gear * self.constant
         if self.inductance:
-            return always(Piece(0.0, by_state=constant, change=self.voltage / self.inductance,
-                                change_by_speed=-constant / self.inductance,
-                                change_by_state=-self.resistance / self.inductance))
-        return always(Piece(constant * self.voltage / self.resistance,
-                            by_speed=-constant * constant / self.resistance))
+            return Piece(0.0, by_state=constant, change=given / self.inductance,
+                         change_by_speed=-constant / self.inductance,
+                         change_by_state=-self.resistance / self.inductance)
+        return Piece(constant * given / self.resistance,
+                     by_speed=-constant * constant / self.resistance)
+
+    def make_regime_at(self) -> RegimeAt:
+        """Return the law (D4) of all speeds."""
+        return always(self.piece(self.voltage))
 
 
 @dataclass(frozen=True)
@@ -253,6 +265,7 @@ class SpeedController(Law):
     """
 
     own: ClassVar[str] = 'speed_error_integral'
+    given: ClassVar[str] = 'speed'
     speed: float = quantity(unit='rad/s or m/s', text='speed wanted of the shaft behind the gear')
     proportional: float = quantity(unit='N m s/rad', least=0.0,
                                    text='torque behind the gear per error of the speed')
@@ -266,20 +279,24 @@ class SpeedController(Law):
         """Return the integral of the error at the beginning, where there is an integral part."""
         return (0.0,) if self.integral else ()
 
+    def piece(self, given: Scalar) -> Piece:
+        """Return the law (D5) for a speed wanted; the state is the integral of the error, z."""
+        kp, ki = self.proportional, self.integral
+        return Piece(kp * given, -kp, ki, *((given, -1.0) if ki else ()))
+
     def make_regime_at(self) -> RegimeAt:
-        """Return the law (D5); the state is the integral of the error, z."""
+        """Return the law (D5) with its limits."""
         wanted, kp, ki, limit = self.speed, self.proportional, self.integral, self.limit
-        unlimited = Piece(kp * wanted, -kp, ki)
-        integrating = {'change': wanted, 'change_by_speed': -1.0} if ki else {}
+        unlimited, integrating = Piece(kp * wanted, -kp, ki), self.piece(wanted)
         if limit == inf:
-            return always(unlimited._replace(**integrating))
+            return always(integrating)
 
         def within(speed: float, state: float, slope: float) -> tuple[float, ...]:
             """Return the margins to both limits, as parts of the limit; the slope has no say."""
             torque = unlimited.torque_at(speed, state) / limit
             return 1.0 - torque, 1.0 + torque
 
-        inner = Regime('between its limits', unlimited._replace(**integrating), within)
+        inner = Regime('between its limits', integrating, within)
         beyond = {side: self._at_limit(unlimited, side, integrating) for side in (1.0, -1.0)}
 
         def regime_at(speed: float, state: float, slope: float = nan, near: float = 0.0) -> Regime:
@@ -313,7 +330,7 @@ class SpeedController(Law):
         return regime_at
 
     def _at_limit(self, unlimited: Piece, side: float,
-                  integrating: dict[str, float]) -> tuple[Regime, Regime, Regime]:
+                  integrating: Piece) -> tuple[Regime, Regime, Regime]:
         """
         Return the regimes at the upper (side 1) or lower (-1) limit of the torque.
 
@@ -343,7 +360,8 @@ class SpeedController(Law):
 
         edge = ((side * limit - kp * wanted) / ki, kp / ki) if ki else None
         return (Regime(f'{name}, held', piece, while_held),
-                Regime(f'{name}, integrating', piece._replace(**integrating), while_returning),
+                Regime(f'{name}, integrating', Piece(piece.torque, 0.0, 0.0, *integrating[3:]),
+                       while_returning),
                 Regime(f'{name}, sliding', piece, while_sliding, edge))
 
 

@@ -95,13 +95,13 @@ static int write_state(const void *kept, void *to, size_t size)
   return 0;
 }
 // --- number
-  if (reference == TORQUE) return &state->torque;
+  if (reference == TORQUE) return &GIVEN_PLACE;
   if (reference == DRIVE_STATUS) return &state->drive_status;
   if (reference >= DRIVE) return (char *)&state->drive + (reference - DRIVE) * sizeof(double);
 // --- torque
     if (references[i] == TORQUE) {
-      state->torque = from[i];
-      if (!state->has_moved) NAME_start(&state->drive, state->torque);
+      GIVEN_PLACE = from[i];
+      if (!state->has_moved) GIVEN_START;
       state->results_are_old = 1;
       continue;
     }

@@ -5,13 +5,14 @@ typedef struct {
   double edge[2];              /* z = edge[0] + edge[1] w while it slides along its limit */
   int slides, kind;            /* kind 0: it never ends */
   double side;                 /* of the limit */
+  double wanted;               /* the speed that a controller wants */
 } Regime;
 
 // --- law
 /* A source with one law. */
 static Regime regime_at(double speed, double own, double slope, double near, double command)
 {
-  Regime found = {{0.0, 0.0, 0.0, 0.0, 0.0, 0.0}, {0.0, 0.0}, 0, 0, 0.0};
+  Regime found = {{0.0, 0.0, 0.0, 0.0, 0.0, 0.0}, {0.0, 0.0}, 0, 0, 0.0, 0.0};
   (void)own; (void)slope; (void)near;
   law(speed, command, found.piece);
   return found;
@@ -29,29 +30,30 @@ static double to_kink(const Regime *regime, double speed, double own, double slo
 enum { INNER = 1, HELD, BACK, ALONG };
 
 /* The torque that it would give without limits. */
-static double wanted_torque(double speed, double own)
+static double wanted_torque(double wanted, double speed, double own)
 {
-  return KP * WANTED + -KP * speed + KI * own;
+  return KP * wanted + -KP * speed + KI * own;
 }
 
-static Regime beyond(int kind, double side)
+static Regime beyond(int kind, double side, double wanted)
 {
-  Regime found = {{0.0, 0.0, 0.0, 0.0, 0.0, 0.0}, {0.0, 0.0}, 0, 0, 0.0};
+  Regime found = {{0.0, 0.0, 0.0, 0.0, 0.0, 0.0}, {0.0, 0.0}, 0, 0, 0.0, 0.0};
   const int integrates = (kind == INNER || kind == BACK) && KI > 0.0;
   found.kind = kind;
   found.side = side;
-  found.piece[0] = kind == INNER ? KP * WANTED : side * TORQUE_LIMIT;
+  found.wanted = wanted;
+  found.piece[0] = kind == INNER ? KP * wanted : side * TORQUE_LIMIT;
   if (kind == INNER) {
     found.piece[1] = -KP;
     found.piece[2] = KI;
   }
   if (integrates) {
-    found.piece[3] = WANTED;
+    found.piece[3] = wanted;
     found.piece[4] = -1.0;
   }
   if (kind == ALONG) {
     found.slides = 1;
-    found.edge[0] = (side * TORQUE_LIMIT - KP * WANTED) / KI;
+    found.edge[0] = (side * TORQUE_LIMIT - KP * wanted) / KI;
     found.edge[1] = KP / KI;
   }
   return found;
@@ -59,43 +61,43 @@ static Regime beyond(int kind, double side)
 
 /* Which regime holds; a slope that is NaN: by speed and state alone. `near`: error of the speed,
    within which a limit counts as reached. */
-static Regime regime_at(double speed, double own, double slope, double near, double command)
+static Regime regime_at(double speed, double own, double slope, double near, double wanted)
 {
-  const double torque = wanted_torque(speed, own), side = torque > 0.0 ? 1.0 : -1.0;
+  const double torque = wanted_torque(wanted, speed, own), side = torque > 0.0 ? 1.0 : -1.0;
   const double over = side * torque - TORQUE_LIMIT, outward = side * slope;
-  const double size = fabs(WANTED) + fabs(speed);
+  const double size = fabs(wanted) + fabs(speed);
   const double by_error = KP * near, most = NEAR * TORQUE_LIMIT;
   const double at_limit = (most < by_error ? most : by_error) + NEAREST * TORQUE_LIMIT
                           + EIGHT_EPS * KP * size;
-  double error = side * (WANTED - speed);
+  double error = side * (wanted - speed);
   int outside;
-  (void)command;
   if (fabs(error) <= NEAREST * size && !(slope != slope)) error = -outward;
   outside = error > 0.0 ? HELD : BACK;
   if (fabs(over) <= at_limit && !(slope != slope)) {
     const double grows = KI * error, falls = KP * outward;
-    if (grows - falls <= NEAREST * (fabs(grows) + fabs(falls))) return beyond(INNER, side);
-    if ((falls >= 0.0 || grows <= falls) && KI > 0.0) return beyond(ALONG, side);
-    return beyond(outside, side);
+    if (grows - falls <= NEAREST * (fabs(grows) + fabs(falls))) return beyond(INNER, side, wanted);
+    if ((falls >= 0.0 || grows <= falls) && KI > 0.0) return beyond(ALONG, side, wanted);
+    return beyond(outside, side, wanted);
   }
-  return beyond(over <= 0.0 ? INNER : outside, side);
+  return beyond(over <= 0.0 ? INNER : outside, side, wanted);
 }
 
 /* Numbers of which one falls below zero where the regime ends. */
 static void margins_of(const Regime *regime, double speed, double own, double slope, double *to)
 {
-  const double torque = wanted_torque(speed, own), side = regime->side;
+  const double wanted = regime->wanted, side = regime->side;
+  const double torque = wanted_torque(wanted, speed, own);
   const double unit = (KI > KP ? KI : KP) / TORQUE_LIMIT;
   if (regime->kind == INNER) {
     to[0] = 1.0 - torque / TORQUE_LIMIT;
     to[1] = 1.0 + torque / TORQUE_LIMIT;
   } else if (regime->kind == ALONG) {
     const double falls = side * KP * slope;
-    to[0] = (side * KI * (WANTED - speed) - falls) / TORQUE_LIMIT;
+    to[0] = (side * KI * (wanted - speed) - falls) / TORQUE_LIMIT;
     to[1] = KP > 0.0 ? falls / TORQUE_LIMIT : 0.0;
   } else {
     to[0] = side * torque / TORQUE_LIMIT - 1.0;
-    to[1] = side * unit * (regime->kind == HELD ? WANTED - speed : speed - WANTED);
+    to[1] = side * unit * (regime->kind == HELD ? wanted - speed : speed - wanted);
   }
 }
 
