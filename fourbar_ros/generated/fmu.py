@@ -121,8 +121,8 @@ def _variables(model: Model, drive: DriveCode | None) -> list[Variable]:
         name, unit, text, value = drive.given
         own_input = [Variable(name.replace('motor_', 'motor.'), last + 1, 'input', unit, text,
                               value)]
-    return [*own_input, *(one for one in found
-                       if one.reference >= len(inputs) and one.name not in signs), status,
+    kept = [one for one in found if one.reference >= len(inputs) and one.name not in signs]
+    return [*own_input, *kept, status,
             *of_drive, Variable('drive.status', last, 'output', '', DRIVE_TEXT, 0.0)]
 
 

@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""FMUs: what they contain, their functions called as a master calls them, FMPy's verdict."""
+"""FMUs: what they contain, their functions called as a master calls them."""
 import ctypes
 from ctypes import byref, c_char_p, c_double, c_int, c_size_t, c_void_p
 import math
@@ -20,7 +20,6 @@ from support.scenes import PAPER, RODS
 
 needs_compiler = pytest.mark.skipif(not COMPILERS or sys.platform != 'linux',
                                     reason='no C compiler, or a binary of another platform')
-SCENES = ('paper', 'jansen', 'parallelogram', 'slides_7_6')
 
 
 class Unit:
@@ -266,68 +265,3 @@ def test_forces_of_topics_are_inputs(tmp_path):
               if one.get('causality') == 'input']
     assert inputs[:3] == ['theta1', 'omega1', 'alpha1']
     assert 'external.output.force_x' in inputs and 'external.coupler.force_x' not in inputs
-
-
-@pytest.mark.slow
-@needs_compiler
-@pytest.mark.parametrize('as_', ['fmu2', 'fmu3'])
-@pytest.mark.parametrize('name', SCENES)
-def test_fmpy_finds_it_valid_and_steps_it_with_the_same_bits(name, as_, tmp_path):
-    pytest.importorskip('fmpy')
-    from fmpy import simulate_fmu
-    from fmpy.validation import validate_fmu
-    path = generate(name, tmp_path, as_).files[0]
-    assert validate_fmu(str(path)) == []
-    scene = load_scene(name)
-    linkage = scene.known_linkage
-    names, count, step = linkage.input_coordinate, 1000, 0.001
-    times = step * np.arange(count + 1)
-    low, high = linkage.input_ranges[0]
-    given = (0.5 * (low + high) + 0.4 * (high - low) * np.sin(9.0 * times + 0.1),
-             3.6 * (high - low) * np.cos(9.0 * times), -32.0 * (high - low) * np.sin(9.0 * times))
-    table = np.array(list(zip(times, *given)), dtype=[(one, float) for one in ('time', *names)])
-    found = simulate_fmu(str(path), start_time=0.0, stop_time=times[-1], step_size=step,
-                         output_interval=step, input=table)
-    known = [name for name in found.dtype.names
-             if name in linkage.MOTION._fields + linkage.LOADS._fields]
-    assert len(known) > 10 and len(found) >= count
-    compared = 0
-    for time, row in zip(found['time'][1:], found[1:]):
-        at = round(time / step) - 1               # a step sees the inputs of its beginning
-        status, motion, loads = evaluate(linkage, *(float(one[at]) for one in given),
-                                         linkage.bodies is not None)
-        expected = {**motion._asdict(), **loads._asdict()}
-        assert row['status'] == status
-        compared += len(known)
-        wrong = [one for one in known if not (row[one] == expected[one] or (
-            math.isnan(row[one]) and math.isnan(expected[one])))]
-        assert not wrong, (time, wrong)
-    assert compared > 10_000
-
-
-@pytest.mark.slow
-@needs_compiler
-@pytest.mark.parametrize('as_', ['fmu2', 'fmu3'])
-@pytest.mark.parametrize('name,changes', [
-    ('sundials', {}), ('motor', {}), ('motor', {'shaft.stiffness': 1e9, 'shaft.damping': 1e3})],
-    ids=['sundials', 'motor', 'stiff shaft'])
-def test_fmpy_moves_it_by_torque_with_the_bits_of_the_node(name, changes, as_, tmp_path):
-    pytest.importorskip('fmpy')
-    from fmpy import simulate_fmu
-    from fmpy.validation import validate_fmu
-    scene = from_values({**load_scene(name).values, **changes})
-    path = str(generate(scene, tmp_path, as_).files[0])
-    assert validate_fmu(path) == []
-    mover, step, count = scene.mover, 2.0**-10, 2000         # sums of such steps are exact
-    inputs = {'input': np.array([(0.0, 1.5), (count * step, 1.5)], dtype=[
-        ('time', float), ('torque', float)])} if scene.drive.source == 'torque' else {}
-    values = mover.start(1.5)
-    field_of = {f'drive.{field}': field for field in values._fields} | dict(zip(
-        scene.linkage.input_coordinate, ('position', 'velocity', 'acceleration')))
-    found = simulate_fmu(path, stop_time=count * step, step_size=step, output_interval=step,
-                         output=list(field_of), **inputs)
-    names = [field_of[name] for name in found.dtype.names[1:]]
-    assert len(found) == count + 1 and len(names) >= 6
-    for row in found[1:]:
-        _, values = mover.next(values, step, 1.5)
-        assert list(row)[1:] == [getattr(values, field) for field in names]
