@@ -75,7 +75,7 @@ def test_a_certified_search_is_abandoned_and_the_bag_closed(run_node, client, tm
     service = SERVICES['find_extrema']
     *_, asked = [client.service('find_extrema').call_async(
         resolve(service.type).Request(mode=3, certify=True)) for _ in range(MANY)]
-    client.until(lambda: len(client.received['state']) > 200, 'the stream')
+    client.until(lambda: len(client.received['state']) > 20, 'the stream')
     assert not asked.done()
     before, others = cpu_of(node.process.pid), cpu_of_the_ended()
     assert node.stop(signal.SIGINT) == 0, node.said
