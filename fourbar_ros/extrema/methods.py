@@ -27,11 +27,7 @@ from typing import TYPE_CHECKING
 from fourbar_ros.extrema.difference_sampling import DifferenceSampler
 from fourbar_ros.extrema.four_bar_rates.input_paths import input_paths as elliptic_paths
 from fourbar_ros.extrema.four_bar_rates.paths import SAMPLES as RATE_SAMPLES
-from fourbar_ros.extrema.four_bar_rates.search import (
-    at_rate,
-    rate_extrema,
-    RateExtrema,
-)
+from fourbar_ros.extrema.four_bar_rates.search import at_rate, rate_extrema, RateExtrema
 from fourbar_ros.extrema.input_paths import input_paths, InputPath
 from fourbar_ros.extrema.path_search import PathExtremum, sampled_conditions, search_path
 from fourbar_ros.extrema.sampling import Sampler, too_large
@@ -134,11 +130,12 @@ class Methods:
         assert isinstance(self._linkage, FourBar)
         both = rate_extrema(self._linkage, density * RATE_SAMPLES)   # at 1 rad/s
         orders = [RATES.index(self._quantities[row].name) for row in self._fast]
-        count = [both[order].row.size for order in orders]
-        found = RateExtrema(*map(np.concatenate, zip(*[both[order] for order in orders])))
+        parts = [both[order] for order in orders]
+        found = RateExtrema(*map(np.concatenate, zip(*parts)))
         value, is_maximum = map(np.concatenate, zip(*[
-            at_rate(both[order], self._rates[0], order) for order in orders]))
-        inside, row = found.side == 0, np.repeat(np.arange(len(count)), count)
+            at_rate(part, self._rates[0], order) for part, order in zip(parts, orders)]))
+        row = np.repeat(np.arange(len(parts)), [part.row.size for part in parts])
+        inside = found.side == 0
         if np.isinf(value[inside]).any():
             raise too_large(self._rates)
         conditions = np.full((2, row.size), nan)

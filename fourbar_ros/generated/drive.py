@@ -11,10 +11,17 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property, partial
 from math import inf, tau
-from typing import Any
+from typing import Any, NamedTuple
 
 from fourbar_ros.dynamics.model import drives
-from fourbar_ros.dynamics.model.drives import Drive, Law, Piece, Regime, SpeedController
+from fourbar_ros.dynamics.model.drives import (
+    CommandedLaw,
+    Drive,
+    Law,
+    Piece,
+    Regime,
+    SpeedController,
+)
 from fourbar_ros.dynamics.model.elements import TableForce
 from fourbar_ros.dynamics.model.equation import Equation, make_reading
 from fourbar_ros.dynamics.model.system import NEAR_TOGGLE, System
@@ -44,6 +51,17 @@ TEXTS = {
     'current': ('A', 'of a DC motor'), 'speed_error_integral': ('rad', 'of a controller'),
     'evaluations': ('', 'of the equation of motion')}
 OF_SLIDES = {'rad': 'm', 'rad/s': 'm/s', 'rad/s^2': 'm/s^2', 'N m': 'N'}
+
+
+class Command(NamedTuple):
+    """A number that a torque source takes at each step."""
+
+    name: str           # of the input of an FMU
+    unit: str
+    text: str
+    start: float
+    place: str          # in C
+    field: str = ''     # of the state in C; '': it is an argument
 
 
 class DriveCode:
@@ -122,7 +140,7 @@ class DriveCode:
                      equation, equations, has_own, tangent).make, GIVEN)]
         if tangent:
             found.append(writer.function('tangent', _plain(tangent, 1)))
-        if self._source.given and not self._regime.margins:
+        if isinstance(self._source, CommandedLaw) and not self._regime.margins:
             found.append(writer.function('piece_of', _plain(self._source.piece, 1)))
         if self.modes:
             found += [*self._of_phases('reading', lambda equation, phase: partial(
@@ -180,16 +198,19 @@ class DriveCode:
         return [*self.fields, *([('mode', '', 'assembly mode')] if self.modes else [])]
 
     @cached_property
-    def given(self) -> tuple[str, str, str, float] | None:
-        """Return name, unit, text and start of the number that the source takes at each step."""
+    def command(self) -> Command | None:
+        """Return the number that the source takes at each step; None: it takes none."""
+        source, is_slide = self._source, self._system.mechanism.is_driven_by_slide
         if self.takes_torque:
-            return 'torque', self.numbers[1][1], 'of the source, during the next step', 0.0
-        for name, _, what in quantities_of(self._source):
-            if name == self._source.given:
-                unit = what.unit.split(' or ')[-int(self._system.mechanism.is_driven_by_slide)]
-                return (f'motor_{name}', unit, f'{what.text}, during the next step',
-                        getattr(self._source, name))
-        return None
+            return Command('torque', self.numbers[1][1], 'of the source, during the next step',
+                           0.0, 'torque')
+        if not isinstance(source, CommandedLaw):
+            return None
+        what = next(what for name, _, what in quantities_of(source) if name == source.command)
+        field = f'motor_{source.command}'
+        return Command(f'motor.{source.command}', what.unit.rpartition(' or ')[2] if is_slide
+                       else what.unit.partition(' or ')[0], f'{what.text}, during the next step',
+                       getattr(source, source.command), f'drive->{field}', field)
 
     @property
     def there(self) -> set[str]:
@@ -201,7 +222,7 @@ class DriveCode:
 
     def declarations(self) -> list[str]:
         """Return the C declarations of the drive for the header."""
-        name, drive, given = self._model.name, self._scene.drive, self.given
+        name, drive, command = self._model.name, self._scene.drive, self.command
         torque = ', double torque' * self.takes_torque
         what = ('; torque: that of the source during it' if self.takes_torque else '')
         width = max(len(field) for field, *_ in self.fields)
@@ -219,8 +240,9 @@ class DriveCode:
                f'  double place[8];{" " * (width - 8)}  /* near a toggle, where position and '
                'velocity do not tell it */'] if self.modes else []),
             f'  double known[8];{" " * (width - 8)}  /* of the last step, to save work */',
-            *([f'  double {given[0]};{" " * (width - len(given[0]))}  /* [{given[1]}] {given[2]}: '
-               'may be set anew */'] if given and not self.takes_torque else []),
+            *([f'  double {command.field};{" " * (width - len(command.field))}  '
+               f'/* [{command.unit}] {command.text}: may be set anew */']
+              if command and command.field else []),
             f'}} {name}_drive;', '',
             f'/* The state at the start of the scene{what}. */',
             f'void {name}_start({name}_drive *drive{torque});',
@@ -234,21 +256,20 @@ class DriveCode:
     def source(self) -> list[str]:
         """Return the text behind the functions of motion and loads."""
         own, name = self._source.own if self._source.start else '', self._model.name
-        given = '0.0' if self.given is None else (
-            'torque' if self.takes_torque else f'drive->{self.given[0]}')
+        command = self.command
         start = [*self._system.start[:2], self._source.start[0] if self._source.start else 0.0]
         starts = [f'  drive->position = {literal(start[0])};',
                   f'  drive->velocity = drive->motor_velocity = {literal(start[1])};',
                   *([f'  drive->{own} = {literal(start[2])};'] if own else []),
                   *([f'  drive->mode = {literal(self._system.mechanism.mode)};']
                     if self.modes else []),
-                  *([f'  {given} = {literal(self.given[3])};']
-                    if self.given and not self.takes_torque else [])]
+                  *([f'  {command.place} = {literal(command.start)};']
+                    if command and command.field else [])]
         text = snippet('drive.c')
         for word, meaning in (
                 (' ARGUMENT', ', double torque' * self.takes_torque),
                 (' PASSED', ', torque' * self.takes_torque),
-                ('GIVEN_TORQUE', given),
+                ('GIVEN_TORQUE', command.place if command else '0.0'),
                 ('OWN_FIELD', f'from->{own}' if own else '0.0'),
                 ('  GIVE_OWN\n', f'  to->{own} = own;\n' if own else ''),
                 ('MODE_FIELD', 'from->mode' if self.modes else '0.0'),
@@ -334,7 +355,7 @@ class DriveCode:
             lines = ['  piece[0] = command;']
         elif regime.tangent:
             lines = ['  (void)tangent(&speed, piece);']
-        elif source.given:
+        elif isinstance(source, CommandedLaw):
             lines = ['  (void)piece_of(&command, piece);']
         else:
             lines = [f'  piece[{i}] = {literal(value)};' for i, value in enumerate(regime.piece)

@@ -116,11 +116,9 @@ def _variables(model: Model, drive: DriveCode | None) -> list[Variable]:
     of_drive = [Variable(f'drive.{name}', first + i, 'output', unit, text, 0.0)
                 for i, (name, unit, text) in enumerate(drive.numbers) if name in drive.there]
     last = first + len(drive.numbers)
-    own_input = list[Variable]()
-    if drive.given:
-        name, unit, text, value = drive.given
-        own_input = [Variable(name.replace('motor_', 'motor.'), last + 1, 'input', unit, text,
-                              value)]
+    command = drive.command
+    own_input = [Variable(command.name, last + 1, 'input', command.unit, command.text,
+                          command.start)] if command else []
     kept = [one for one in found if one.reference >= len(inputs) and one.name not in signs]
     return [*own_input, *kept, status,
             *of_drive, Variable('drive.status', last, 'output', '', DRIVE_TEXT, 0.0)]
@@ -141,7 +139,7 @@ def _source(code: Code, version: int) -> str:
     header = code.header().replace('extern "C" {', '').replace('#ifdef __cplusplus\n}\n#endif\n',
                                                                '')
     loads, drive = len(model.loads), code.drive
-    given = drive.given if drive else None
+    command = drive.command if drive else None
     torque = ', state->torque' * bool(drive and drive.takes_torque)
     call = (f'{name}_{"step" if loads else "motion_at"}(&state->constants, &state->input, '
             f'&state->motion{", &state->loads" if loads else ""});')
@@ -155,11 +153,12 @@ def _source(code: Code, version: int) -> str:
                          if drive else '',
         'DRIVE_NUMBER\n': snippet('fmu.c', 'number') if drive else '',
         '      INPUT_OF_DRIVE\n': _input_of_drive(code) if drive else '',
-        '    SET_TORQUE\n': snippet('fmu.c', 'torque') if given else '',
+        '    SET_COMMAND\n': snippet('fmu.c', 'command') if command else '',
         '  ADVANCE\n': snippet('fmu.c', 'advance') if drive else '',
         'STEP;': call,
-        'GIVEN_PLACE': f'state->drive.{given[0]}' if given and not torque else 'state->torque',
-        'GIVEN_START': f'{name}_start(&state->drive, state->torque)' if torque else
+        'COMMAND': (f'state->drive.{command.field}' if command and command.field
+                    else 'state->torque'),
+        'BEGIN': f'{name}_start(&state->drive, state->torque)' if torque else
                        f'{name}_complete(&state->drive)',
         'STARTS': f'{name}_start(&state->drive{torque});' if drive else
                   f'state->input.{model.inputs[0].field} = {model.sample()[0][0]!r};',
@@ -259,9 +258,8 @@ def _interfaces(model: Model) -> list[tuple[str, dict[str, str]]]:
     Model exchange is for motion by its inputs, which has no state: it is solved with the model
     around it, without the delay of a step. Motion by torque has steps of its own.
     """
-    exchange = list[tuple[str, dict[str, str]]]([('ModelExchange', {})])
-    return exchange * (not model.moves_by_torque) + [
-        ('CoSimulation', {'canHandleVariableCommunicationStepSize': 'true'})]
+    co_simulation = 'CoSimulation', {'canHandleVariableCommunicationStepSize': 'true'}
+    return [co_simulation] if model.moves_by_torque else [('ModelExchange', {}), co_simulation]
 
 
 def _feeds_through(one: Variable) -> bool:

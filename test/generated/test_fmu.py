@@ -9,6 +9,7 @@ from xml.etree import ElementTree
 import zipfile
 
 from fourbar_ros import load_scene
+from fourbar_ros.dynamics.step.mover import NOT_FINITE, OK
 from fourbar_ros.generated import compiled, generate
 from fourbar_ros.pipeline.status import evaluate
 from fourbar_ros.pipeline.stepper import InModes
@@ -174,6 +175,13 @@ def test_voltage_and_speed_wanted_can_be_set_at_every_step(motor, given, tmp_pat
             unit('DoStep', c_double(0.0), c_double(step), 1)
             expected = {**values._asdict(), 'status': float(status)}
             assert unit.get(*names) == [expected[name[6:]] for name in names]
+    for wrong in (math.nan, math.inf):            # held at rest, and goes on afterwards
+        unit.set(**{given: wrong})
+        unit('DoStep', c_double(0.0), c_double(step), 1)
+        assert unit.get('drive.status', 'omega1') == [NOT_FINITE, 0.0]
+    unit.set(**{given: 5.0})
+    unit('DoStep', c_double(0.0), c_double(step), 1)
+    assert unit.get('drive.status') == [OK] and unit.get('omega1')[0] > 0.0
 
 
 @needs_compiler

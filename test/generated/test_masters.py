@@ -18,7 +18,7 @@ from support.generated import COMPILERS
 ROWS = 1000
 
 
-def by_fmpy(path, step, table):
+def by_fmpy(path, step, table, **options):
     """Return the rows that FMPy samples; ``table``: {input: values at all steps}."""
     from fmpy import simulate_fmu
     from fmpy.validation import validate_fmu
@@ -27,7 +27,7 @@ def by_fmpy(path, step, table):
     given = np.array(list(zip(times, *table.values())),
                      dtype=[(name, float) for name in ('time', *table)]) if table else None
     found = simulate_fmu(str(path), start_time=0.0, stop_time=times[-1], output_interval=step,
-                         input=given)
+                         input=given, **options)
     return [dict(zip(found.dtype.names, row)) for row in found.tolist()]
 
 
@@ -86,6 +86,20 @@ def test_motion_and_loads(name, as_, master, tmp_path):
     for row, sample in zip(rows[1:], given):      # a step sees the inputs of its beginning
         status, motion, loads = evaluate(linkage, *sample, linkage.bodies is not None)
         check(row, {**motion._asdict(), **loads._asdict(), 'status': status}, rounded)
+
+
+@pytest.mark.parametrize('solver', ['Euler', 'CVode'])
+def test_model_exchange_has_no_delay(solver, as_, tmp_path):
+    pytest.importorskip('fmpy')
+    linkage, step = load_scene('paper').linkage, 2.0**-10
+    given = [(6.0 * x, 6.0, 0.0) for x in (step * i for i in range(ROWS + 1))]
+    rows = by_fmpy(generate('paper', tmp_path, as_).files[0], step,
+                   dict(zip(linkage.input_coordinate, zip(*given))), fmi_type='ModelExchange',
+                   solver=solver, step_size=step)
+    assert len(rows) == ROWS + 1
+    for row, sample in zip(rows, given):
+        motion, loads = linkage.step(*sample)
+        check(row, {**motion._asdict(), **loads._asdict(), 'status': 0.0}, float)
 
 
 @pytest.mark.parametrize('name,changes', [

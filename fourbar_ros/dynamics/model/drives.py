@@ -148,14 +148,11 @@ class Law(ABC):
     ----------
     own : str
         The field of a DriveState message that holds the state, one number at most.
-    given : str
-        The field that generated code takes anew at each step, as the voltage; '': none.
 
     """
 
     breaks: ClassVar[tuple[float, ...]] = ()
     own: ClassVar[str] = ''
-    given: ClassVar[str] = ''
 
     @property
     def start(self) -> tuple[float, ...]:
@@ -164,10 +161,6 @@ class Law(ABC):
 
     def __post_init__(self) -> None:
         check_quantities(self)
-
-    def piece(self, given: Scalar) -> Piece:
-        """Return the law without limits for a value of the field ``given``, of any number type."""
-        raise InvalidParameter('given', given, f'{type(self).__name__} takes nothing')
 
     @abstractmethod
     def make_regime_at(self) -> RegimeAt:
@@ -183,6 +176,20 @@ def answer_of(regime: Regime, speed: float, state: State) -> Answer:
     """Return the torque [N m] and the derivative of the own state by the law of a regime, (M1)."""
     own, piece = state[0] if state else 0.0, regime.piece_at(speed)
     return piece.torque_at(speed, own), (piece.change_at(speed, own),) if state else ()
+
+
+class CommandedLaw(Law):
+    """
+    A law with one field that generated code takes anew at each step, as a voltage.
+
+    ``command``: the name of this field.
+    """
+
+    command: ClassVar[str]
+
+    @abstractmethod
+    def piece(self, command: Scalar) -> Piece:
+        """Return the law without limits for a value of that field, of any number type."""
 
 
 @dataclass(frozen=True)
@@ -223,11 +230,11 @@ class MotorLine(Law):
 
 
 @dataclass(frozen=True)
-class DCMotor(Law):
+class DCMotor(CommandedLaw):
     """Permanent-magnet DC motor with a gear of ratio N, (D4); fields state units and meanings."""
 
     own: ClassVar[str] = 'current'
-    given: ClassVar[str] = 'voltage'
+    command: ClassVar[str] = 'voltage'
     voltage: float = quantity(unit='V', text='voltage of the armature')
     resistance: float = quantity(unit='ohm', text='resistance of the armature', above=0.0)
     constant: float = quantity(unit='N m/A', parameter='torque_constant', above=0.0,
@@ -241,14 +248,14 @@ class DCMotor(Law):
         """Return the current at the beginning, where there is an inductance."""
         return (0.0,) if self.inductance else ()
 
-    def piece(self, given: Scalar) -> Piece:
+    def piece(self, command: Scalar) -> Piece:
         """Return the law (D4) at a voltage; the current, its state, follows at once if L = 0."""
         constant = self.gear * self.constant
         if self.inductance:
-            return Piece(0.0, by_state=constant, change=given / self.inductance,
+            return Piece(0.0, by_state=constant, change=command / self.inductance,
                          change_by_speed=-constant / self.inductance,
                          change_by_state=-self.resistance / self.inductance)
-        return Piece(constant * given / self.resistance,
+        return Piece(constant * command / self.resistance,
                      by_speed=-constant * constant / self.resistance)
 
     def make_regime_at(self) -> RegimeAt:
@@ -257,7 +264,7 @@ class DCMotor(Law):
 
 
 @dataclass(frozen=True)
-class SpeedController(Law):
+class SpeedController(CommandedLaw):
     """
     PI controller of the speed with a limited torque and conditional integration, (D5).
 
@@ -265,7 +272,7 @@ class SpeedController(Law):
     """
 
     own: ClassVar[str] = 'speed_error_integral'
-    given: ClassVar[str] = 'speed'
+    command: ClassVar[str] = 'speed'
     speed: float = quantity(unit='rad/s or m/s', text='speed wanted of the shaft behind the gear')
     proportional: float = quantity(unit='N m s/rad', least=0.0,
                                    text='torque behind the gear per error of the speed')
@@ -279,25 +286,25 @@ class SpeedController(Law):
         """Return the integral of the error at the beginning, where there is an integral part."""
         return (0.0,) if self.integral else ()
 
-    def piece(self, given: Scalar) -> Piece:
-        """Return the law (D5) for a speed wanted; the state is the integral of the error, z."""
+    def piece(self, command: Scalar) -> Piece:
+        """Return the law (D5) for a wanted speed; the state is the integral of the error, z."""
         kp, ki = self.proportional, self.integral
-        return Piece(kp * given, -kp, ki, *((given, -1.0) if ki else ()))
+        return Piece(kp * command, -kp, ki, *((command, -1.0) if ki else ()))
 
     def make_regime_at(self) -> RegimeAt:
         """Return the law (D5) with its limits."""
         wanted, kp, ki, limit = self.speed, self.proportional, self.integral, self.limit
-        unlimited, integrating = Piece(kp * wanted, -kp, ki), self.piece(wanted)
+        unlimited = self.piece(wanted)
         if limit == inf:
-            return always(integrating)
+            return always(unlimited)
 
         def within(speed: float, state: float, slope: float) -> tuple[float, ...]:
             """Return the margins to both limits, as parts of the limit; the slope has no say."""
             torque = unlimited.torque_at(speed, state) / limit
             return 1.0 - torque, 1.0 + torque
 
-        inner = Regime('between its limits', integrating, within)
-        beyond = {side: self._at_limit(unlimited, side, integrating) for side in (1.0, -1.0)}
+        inner = Regime('between its limits', unlimited, within)
+        beyond = {side: self._at_limit(unlimited, side) for side in (1.0, -1.0)}
 
         def regime_at(speed: float, state: float, slope: float = nan, near: float = 0.0) -> Regime:
             """
@@ -329,8 +336,7 @@ class SpeedController(Law):
             return held if error > 0.0 else returning
         return regime_at
 
-    def _at_limit(self, unlimited: Piece, side: float,
-                  integrating: Piece) -> tuple[Regime, Regime, Regime]:
+    def _at_limit(self, unlimited: Piece, side: float) -> tuple[Regime, Regime, Regime]:
         """
         Return the regimes at the upper (side 1) or lower (-1) limit of the torque.
 
@@ -360,8 +366,8 @@ class SpeedController(Law):
 
         edge = ((side * limit - kp * wanted) / ki, kp / ki) if ki else None
         return (Regime(f'{name}, held', piece, while_held),
-                Regime(f'{name}, integrating', Piece(piece.torque, 0.0, 0.0, *integrating[3:]),
-                       while_returning),
+                Regime(f'{name}, integrating', unlimited._replace(
+                    torque=piece.torque, by_speed=0.0, by_state=0.0), while_returning),
                 Regime(f'{name}, sliding', piece, while_sliding, edge))
 
 

@@ -63,7 +63,7 @@ static int set_numbers(State *state, const unsigned *references, size_t count,
 {
   size_t i;
   for (i = 0; i < count; ++i) {
-    SET_TORQUE
+    SET_COMMAND
     if (references[i] >= GIVEN) return 3;
     memcpy(number(state, references[i]), from + i, sizeof *from);
     if (references[i] >= INPUTS) state->constants_are_old = 1;
@@ -71,6 +71,11 @@ static int set_numbers(State *state, const unsigned *references, size_t count,
   }
   return 0;
 }
+
+/* Model exchange: the inputs determine everything, so there are no states and no events. */
+#define STATES(name, type) \
+  EXPORT int name(void *instance, type values, size_t count) \
+  { (void)instance; (void)values; return count == 0 ? 0 : 3; }
 
 /* Copies of the whole state, kept by the master; `to` is made if it is not there. */
 static int copy_state(const void *from, void **to)
@@ -95,13 +100,13 @@ static int write_state(const void *kept, void *to, size_t size)
   return 0;
 }
 // --- number
-  if (reference == TORQUE) return &GIVEN_PLACE;
+  if (reference == TORQUE) return &COMMAND;
   if (reference == DRIVE_STATUS) return &state->drive_status;
   if (reference >= DRIVE) return (char *)&state->drive + (reference - DRIVE) * sizeof(double);
-// --- torque
+// --- command
     if (references[i] == TORQUE) {
-      GIVEN_PLACE = from[i];
-      if (!state->has_moved) GIVEN_START;
+      COMMAND = from[i];
+      if (!state->has_moved) BEGIN;
       state->results_are_old = 1;
       continue;
     }

@@ -112,7 +112,6 @@ EXPORT Status fmi2DeSerializeFMUstate(Component component, const char *from, siz
   return size == sizeof(State) ? copy_state(from, to) : ERROR;
 }
 
-/* Model exchange: all is given by the inputs, so there is no state and no event. */
 typedef struct {
   int new_states_needed, terminate, nominals_changed, values_changed, has_next_time;
   double next_time;
@@ -137,9 +136,6 @@ EXPORT Status fmi2CompletedIntegratorStep(Component component, int is_final, int
   return OK;
 }
 
-#define STATES(name, type) \
-  EXPORT Status name(Component component, type values, size_t count) \
-  { (void)component; (void)values; return count == 0 ? OK : ERROR; }
 STATES(fmi2SetContinuousStates, const double *)
 STATES(fmi2GetDerivatives, double *)
 STATES(fmi2GetEventIndicators, double *)

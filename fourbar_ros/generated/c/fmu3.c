@@ -37,7 +37,7 @@ EXPORT Instance fmi3InstantiateCoSimulation(
   return instance_of(token, environment, logger);
 }
 
-/* All is given by the inputs: no state, no event. Motion by torque is for co-simulation only. */
+/* Motion by torque is for co-simulation only. */
 EXPORT Instance fmi3InstantiateModelExchange(Text name, Text token, Text resources, bool visible,
                                              bool logs, void *environment, Log logger)
 {
@@ -154,9 +154,6 @@ EXPORT Status fmi3CompletedIntegratorStep(Instance instance, bool is_final, bool
   return OK;
 }
 
-#define STATES(name, type) \
-  EXPORT Status name(Instance instance, type values, size_t count) \
-  { (void)instance; (void)values; return count == 0 ? OK : ERROR; }
 STATES(fmi3SetContinuousStates, const double *)
 STATES(fmi3GetContinuousStateDerivatives, double *)
 STATES(fmi3GetEventIndicators, double *)
