@@ -158,8 +158,7 @@ def _source(code: Code, version: int) -> str:
         'STEP;': call,
         'COMMAND': (f'state->drive.{command.field}' if command and command.field
                     else 'state->torque'),
-        'BEGIN': f'{name}_start(&state->drive, state->torque)' if torque else
-                       f'{name}_complete(&state->drive)',
+        'BEGIN': f'{name}_{"start" if torque else "complete"}(&state->drive{torque})',
         'STARTS': f'{name}_start(&state->drive{torque});' if drive else
                   f'state->input.{model.inputs[0].field} = {model.sample()[0][0]!r};',
         ' GIVEN_TORQUE': torque,
