@@ -19,7 +19,7 @@ from fourbar_ros.mechanisms.contract import CROSSED, OPEN
 from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
 from fourbar_ros.numerics.arrays import Array, EPS
 from fourbar_ros.numerics.given import array
-from fourbar_ros.numerics.roots import fold
+from fourbar_ros.numerics.roots import fold, order_in_rows
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -147,7 +147,7 @@ def _collected(found: Columns, others: list[Columns]) -> tuple[Extrema, Array]:
     """
     index, theta1, *rest = (np.concatenate(arrays) for arrays in zip(found, *others))
     theta1 = fold(theta1)
-    order = np.lexsort((theta1, index))
+    order = order_in_rows(index, theta1)
     index, theta1, value, is_maximum, side = (v[order] for v in (index, theta1, *rest))
     best = _best(index, value, is_maximum)
     with np.errstate(invalid='ignore'):

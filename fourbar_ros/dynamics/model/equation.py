@@ -209,9 +209,6 @@ class Equation:
 
         A drive acts on the input: its torque counts r times in another coordinate.
         """
-        if self.is_input:
-            of_one = self.of_one
-            return lambda position: (*of_one(position), 1.0, 0.0)
         return self.in_both_modes(self.make_with_ratio).of_one
 
     def make_with_ratio(self, coordinate: DrivenLinks, n: NumberType) -> Function:

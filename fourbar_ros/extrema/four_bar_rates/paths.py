@@ -15,7 +15,7 @@ from fourbar_ros.extrema.four_bar_rates.input_paths import (
 from fourbar_ros.extrema.four_bar_rates.sines import make_sines
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.number_types import ARRAY
-from fourbar_ros.numerics.roots import find_brackets, first_guesses, turn_after
+from fourbar_ros.numerics.roots import find_brackets, first_guesses, order_in_rows, turn_after
 import numpy as np
 
 # At least so many for a full turn. Half as many have missed nothing in 280 000 linkages.
@@ -97,7 +97,7 @@ class Path:
         changes[i, column] = False
         start, = self._at(i, column)
         root = np.maximum(root + 2.0 * pi * np.round((start - root) / (2.0 * pi)), start)
-        order = np.lexsort((root, column * number + i))
+        order = order_in_rows(column * number + i, root)
         i, column = i[order], column[order]
         roots = [v[order] for v in (root, *g_there)]
         is_positive, is_next = roots[1] >= 0.0, (i[1:] == i[:-1]) & (column[1:] == column[:-1])
