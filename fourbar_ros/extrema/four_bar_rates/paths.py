@@ -21,7 +21,7 @@ import numpy as np
 # At least so many for a full turn. Half as many have missed nothing in 280 000 linkages.
 SAMPLES = 24
 # Linkages whose samples are computed together, so that they stay in the cache.
-TOGETHER = 512
+TOGETHER = 1024
 # Kept for each sample: products of s, c = sin, cos(theta1/2), and the results of make_sines.
 NAMES = 'sc', 'cc', 'g', 'gu', 'k', 'ku', 'X', 'Y'
 
