@@ -141,9 +141,13 @@ def _source(code: Code, version: int) -> str:
     loads, drive = len(model.loads), code.drive
     command = drive.command if drive else None
     torque = ', state->torque' * bool(drive and drive.takes_torque)
+    derivatives = (code.writer.function('derivatives_of', model.derivatives, refuses=False)
+                   if model.derivatives else '')
     call = (f'{name}_{"step" if loads else "motion_at"}(&state->constants, &state->input, '
             f'&state->motion{", &state->loads" if loads else ""});')
     meanings = {
+        'DERIVATIVES_OF\n': derivatives,
+        'DERIVATIVES\n': snippet('fmu.c', 'derivatives' if derivatives else 'no_derivatives'),
         'LOADS_FIELD\n': f'  {name}_loads loads;\n' if loads else '',
         'LOADS_NUMBER\n': '  if (reference < RESULTS)\n    return (char *)&state->loads + '
                           '(reference - GIVEN - MOTIONS) * sizeof(double);\n' if loads else '',
@@ -250,15 +254,17 @@ def _step_of(model: Model) -> str:
     return repr(1.0 / model.scene.drive.rate if model.moves_by_torque else 0.001)
 
 
-def _interfaces(model: Model) -> list[tuple[str, dict[str, str]]]:
+def _interfaces(model: Model, ending: str = '') -> list[tuple[str, dict[str, str]]]:
     """
     Return the interfaces of an FMU and their own attributes.
 
     Model exchange is for motion by its inputs, which has no state: it is solved with the model
-    around it, without the delay of a step. Motion by torque has steps of its own.
+    around it, without the delay of a step. Motion by torque has steps of its own. ``ending``: of
+    the attribute that offers derivatives, which FMI 3.0 writes in the plural.
     """
-    co_simulation = 'CoSimulation', {'canHandleVariableCommunicationStepSize': 'true'}
-    return [co_simulation] if model.moves_by_torque else [('ModelExchange', {}), co_simulation]
+    slopes = {f'providesDirectionalDerivative{ending}': 'true'} if model.derivatives else {}
+    co_simulation = 'CoSimulation', {'canHandleVariableCommunicationStepSize': 'true', **slopes}
+    return [co_simulation] if model.moves_by_torque else [('ModelExchange', slopes), co_simulation]
 
 
 def _feeds_through(one: Variable) -> bool:
@@ -294,7 +300,7 @@ def _description_2(model: Model, variables: list[Variable], guid: str) -> Elemen
 def _description_3(model: Model, variables: list[Variable], token: str) -> ElementTree.Element:
     """Return modelDescription.xml of FMI 3.0: dependencies name variables by value references."""
     root = _head(model, '3.0', instantiationToken=token)
-    for tag, more in _interfaces(model):
+    for tag, more in _interfaces(model, 's'):
         _element(root, tag, modelIdentifier=model.name, canGetAndSetFMUState='true',
                  canSerializeFMUState='true', **more)
     _units(root, variables)

@@ -18,7 +18,14 @@ from fourbar_ros.mechanisms.evaluation import limits_at_zero
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Ranges
 from fourbar_ros.mechanisms.points import make_point, PointMotion
-from fourbar_ros.numerics.number_types import Function, numbers_of, NumberType, REAL
+from fourbar_ros.numerics.duals import derivatives_of, Dual, duals_of
+from fourbar_ros.numerics.number_types import (
+    converted,
+    Function,
+    numbers_of,
+    NumberType,
+    REAL,
+)
 from fourbar_ros.numerics.trace import flat, REFUSING, Trace
 from fourbar_ros.scene.scene import Scene
 
@@ -134,8 +141,12 @@ class Model:
 
     @cached_property
     def _traced(self) -> Trace:
-        points = [tuple(map(float, point[1:])) for point in self.scene.points.values()]
-        return Trace(self._formula, 3, (self.constants, tuple(points)))
+        return Trace(self._formula, 3, (self.constants, self._places))
+
+    @property
+    def _places(self) -> tuple[tuple[float, ...], ...]:
+        """Return (along, across) of each point [m]."""
+        return tuple([tuple(map(float, point[1:])) for point in self.scene.points.values()])
 
     @cached_property
     def constants(self) -> Any:
@@ -146,8 +157,7 @@ class Model:
     @cached_property
     def data(self) -> list[float]:
         """Return the numbers of the data, in the order of the trace."""
-        points = [value for point in self.scene.points.values() for value in point[1:]]
-        return [float(value) for value in (*numbers_of(self.constants), *points)]
+        return [float(value) for value in numbers_of((self.constants, self._places))]
 
     @cached_property
     def _own(self) -> int:
@@ -159,9 +169,22 @@ class Model:
 
         ``data``: constants of the mechanism and places of the points, of the number type ``n``.
         """
+        motion_of, loads_of, points_of = self._parts_of_formula(n, data)
+
+        def formula(*given: Any) -> Any:
+            """Return all results, and note where in the trace motion and loads end."""
+            motion = self.mechanism.MOTION._make(motion_of(*given))
+            trace = given[0].trace
+            object.__setattr__(self, 'end_of_motion', len(trace.steps))
+            loads = loads_of(motion, given[0])
+            object.__setattr__(self, 'end_of_loads', trace.begin_apart())
+            return tuple(motion), loads, points_of(motion)
+        return formula
+
+    def _parts_of_formula(self, n: NumberType, data: Any) -> tuple[Function, Function, Function]:
+        """Return inputs -> motion, (motion, position) -> loads and motion -> points."""
         constants, places = data
         mechanism, points = self.mechanism, self.scene.points.values()
-        motion_of = mechanism.motion_formula(n, constants)
         elements = self.scene.elements
         external = make_external(n, mechanism, elements) if elements else None
 
@@ -174,16 +197,47 @@ class Model:
             return mechanism.loads_formula(n, mine)(motion)
         made = [make_point(n, mechanism, point.link, *place)
                 for point, place in zip(points, places)]
+        return (mechanism.motion_formula(n, constants), loads_of,
+                lambda motion: tuple([point(motion) for point in made]))
 
-        def formula(*given: Any) -> Any:
-            """Return all results, and note where in the trace motion and loads end."""
-            motion = mechanism.MOTION._make(motion_of(*given))
-            trace = given[0].trace
-            object.__setattr__(self, 'end_of_motion', len(trace.steps))
-            loads = loads_of(motion, given[0])
-            object.__setattr__(self, 'end_of_loads', trace.begin_apart())
-            return tuple(motion), loads, tuple([point(motion) for point in made])
-        return formula
+    @cached_property
+    def derivatives(self) -> Trace | None:
+        """
+        Return the trace of the exact derivatives of all wanted results along one direction.
+
+        Its inputs: those of the model and the tunable parameters, then the direction in both; its
+        results: of :attr:`motion`, then :attr:`loads`. None where the motion has steps, where
+        limits take the place of formulas, or where a function is no formula.
+        """
+        if (self.moves_by_torque or self.mechanism.is_flat_at_zero
+                or any(step.operation == 'call' for step in self.trace.steps)):
+            return None
+
+        def make(n: NumberType, _: Any) -> Function:
+            numbers = duals_of(n)
+
+            def formula(*given: Any) -> Any:
+                """Return the derivatives, flat; a result that does not change has none."""
+                duals = [Dual(value, {'': along}) for value, along in zip(
+                    given, given[len(given) // 2:])]
+                values: list[Any] = list(self.data)
+                for one, dual in zip(self.tunable, duals[3:]):
+                    values[one.place] = dual
+                for place, (x, y) in self.derived.items():
+                    if isinstance(values[x], Dual) or isinstance(values[y], Dual):
+                        values[place] = numbers.hypot(values[x], values[y])
+                left = iter(values)
+                data = converted((self.constants, self._places), lambda _: next(left))
+                motion_of, loads_of, points_of = self._parts_of_formula(numbers, data)
+                motion = self.mechanism.MOTION._make(motion_of(*duals[:3]))
+                found = dict(zip(self.names_of_motion, (
+                    *motion, *(value for point in points_of(motion) for value in point))))
+                found |= zip(self.mechanism.LOADS._fields, loads_of(motion, duals[0]))
+                return [derivatives_of(found[one.name]).get('', 0.0)
+                        for one in (*self.motion, *self.loads)]
+            return formula
+        trace = Trace(make, 2 * (len(self.inputs) + len(self.tunable)))
+        return trace.simplified(trace.literals())
 
     # places of the first steps that are not of the motion, not of motion and loads
     end_of_motion = end_of_loads = 0
@@ -256,10 +310,14 @@ class Model:
     @cached_property
     def motion(self) -> tuple[Named, ...]:
         """Return the wanted fields of the motion, and those of points."""
-        motion, points = self.mechanism.MOTION._fields, self.scene.points
-        return self._wanted([*motion, *(f'{point}.{what}' for point in points
-                                        for what in PointMotion._fields)],
+        return self._wanted(self.names_of_motion,
                             [*_parts(self.trace)[0], *_parts(self.trace)[2]], False)
+
+    @property
+    def names_of_motion(self) -> list[str]:
+        """Return the names of all results of the motion, and of points."""
+        return [*self.mechanism.MOTION._fields, *(
+            f'{point}.{what}' for point in self.scene.points for what in PointMotion._fields)]
 
     @cached_property
     def loads(self) -> tuple[Named, ...]:
@@ -285,8 +343,7 @@ class Model:
     def check(self) -> None:
         """Raise NotGenerated or InvalidParameter where it cannot be generated."""
         mechanism, outputs = self.mechanism, list(self.outputs or ())
-        known = [*mechanism.MOTION._fields, *(f'{point}.{what}' for point in self.scene.points
-                                              for what in PointMotion._fields)]
+        known = self.names_of_motion
         for name in outputs:
             if name in mechanism.LOADS._fields and mechanism.bodies is None:
                 raise NotGenerated(f'{self.name}: no loads, so no {name}: '
@@ -380,9 +437,7 @@ class Model:
         for place, step in enumerate(trace.steps):
             for i in step.arguments:
                 found[place] |= found[i]
-        names = [*self.mechanism.MOTION._fields, *(
-            f'{point}.{what}' for point in self.scene.points for what in PointMotion._fields)]
-        places = dict(zip(names, _parts(trace)[0] + _parts(trace)[2]))
+        places = dict(zip(self.names_of_motion, _parts(trace)[0] + _parts(trace)[2]))
         return [found[places[one.name]] for one in self.motion]
 
     def sample(self) -> tuple[tuple[float, float, float], dict[str, float]]:

@@ -100,12 +100,13 @@ class Statements:
             kind, text = ('int', text) if is_flag else (kind, f'{text} ? 1.0 : 0.0')
         return [f'const {kind} {its_name} = {text};']
 
-    def function(self, its_name: str, trace: Trace) -> str:
+    def function(self, its_name: str, trace: Trace, refuses: bool = True) -> str:
         """
         Return the C function of a trace without data: inputs x to results, flat.
 
-        It returns what it refuses, as Python's floats do: 0 nothing, LIMIT a root of a negative
-        number or the sine of an infinite one, DIVISION a division by zero; both are bits.
+        ``refuses``: it returns what it refuses, as Python's floats do: 0 nothing, LIMIT a root of
+        a negative number or the sine of an infinite one, DIVISION a division by zero; both are
+        bits. Else it returns nothing, and such results are NaN or infinite.
         """
         values, steps = trace.constants([]), trace.steps
 
@@ -116,7 +117,7 @@ class Statements:
                 return literal(value)
             return f'x[{place}]' if steps[place].is_given else f'v{place}'
         results = flat(trace.results)
-        refusing = [place for place in trace.varies if steps[place].operation in JUDGED]
+        refusing = [place for place in trace.varies if refuses and steps[place].operation in JUDGED]
         needed = set(trace.needed([*results, *(steps[i].arguments[-1] for i in refusing)]))
         lines = list[str]()
         for place in sorted(trace.varies & {*needed, *refusing}):
@@ -124,14 +125,15 @@ class Statements:
             if place in needed and not step.is_given:
                 lines += self.define(f'v{place}', step, [name_of(i) for i in step.arguments],
                                      True, step.arguments[0] in trace.varies)
-            refusal = _refusal(step, name_of)
+            refusal = _refusal(step, name_of) if refuses else ''
             if refusal and refusal not in lines:
                 lines.append(refusal)
         lines += [f'to[{i}] = {name_of(place)};' for i, place in enumerate(results)]
         is_used = any('x[' in line for line in lines)
-        return '\n'.join([f'static int {its_name}(const double *x, double *to)\n{{',
-                          '  int refused = 0;', *['  (void)x;'] * (not is_used),
-                          *(f'  {line}' for line in lines), '  return refused;', '}', ''])
+        return '\n'.join([f'static {"int" if refuses else "void"} {its_name}(const double *x, '
+                          'double *to)\n{', *['  int refused = 0;'] * refuses,
+                          *['  (void)x;'] * (not is_used), *(f'  {line}' for line in lines),
+                          *['  return refused;'] * refuses, '}', ''])
 
 
 def _refusal(step: Step, name_of: Callable[[int], str]) -> str:

@@ -72,6 +72,13 @@ static int set_numbers(State *state, const unsigned *references, size_t count,
   return 0;
 }
 
+DERIVATIVES_OF
+static int derivatives(State *state, const unsigned *of, size_t many, const unsigned *by,
+                       size_t count, const double *along, double *to)
+{
+DERIVATIVES
+}
+
 /* Model exchange: the inputs determine everything, so there are no states and no events. */
 #define STATES(name, type) \
   EXPORT int name(void *instance, type values, size_t count) \
@@ -116,6 +123,27 @@ static int write_state(const void *kept, void *to, size_t size)
     state->drive_status = (double)NAME_advance(&state->drive, step GIVEN_TORQUE);
     state->has_moved = state->results_are_old = 1;
   }
+// --- derivatives
+  const unsigned all = STATUS;
+  double x[2 * GIVEN], status, found[MOTIONS + LOADS];     /* x: what is given, the direction */
+  size_t i;
+  memset(x, 0, sizeof x);
+  memcpy(x, &state->input, INPUTS * sizeof *x);
+  memcpy(x + INPUTS, &state->parameters, PARAMETERS * sizeof *x);
+  for (i = 0; i < count; ++i) {
+    if (by[i] >= GIVEN) return 3;
+    x[GIVEN + by[i]] += along[i];
+  }
+  (void)get_numbers(state, &all, 1, &status);
+  derivatives_of(x, found);
+  for (i = 0; i < many; ++i) {
+    if (of[i] < GIVEN || of[i] > STATUS) return 3;
+    to[i] = of[i] == STATUS ? 0.0 : status > 0.0 ? NAN : found[of[i] - GIVEN];
+  }
+  return 0;
+// --- no_derivatives
+  (void)state; (void)of; (void)many; (void)by; (void)count; (void)along; (void)to;
+  return 3;
 // --- mode
       if (state->mode < state->drive.mode || state->mode > state->drive.mode) {
         state->mode = state->drive.mode;

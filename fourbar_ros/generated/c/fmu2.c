@@ -166,8 +166,7 @@ EXPORT Status fmi2GetDirectionalDerivative(Component component, const unsigned *
                                            const unsigned *by, size_t count,
                                            const double *along, double *to)
 {
-  (void)component; (void)of; (void)many; (void)by; (void)count; (void)along; (void)to;
-  return ERROR;
+  return derivatives(STATE, of, many, by, count, along, to);
 }
 
 EXPORT Status fmi2SetRealInputDerivatives(Component component, const unsigned *which,

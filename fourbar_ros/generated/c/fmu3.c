@@ -203,12 +203,16 @@ WITH(fmi3GetNumberOfVariableDependencies, (Instance i, unsigned w, size_t *n),
 WITH(fmi3GetVariableDependencies, (Instance i, unsigned w, size_t *a, unsigned *b, size_t *c,
                                    int *d, size_t n),
      (void)i; (void)w; (void)a; (void)b; (void)c; (void)d; (void)n)
-#define DERIVATIVE(name) \
-  WITH(name, (Instance i, const unsigned *a, size_t b, const unsigned *c, size_t d, \
-              const double *e, size_t f, double *g, size_t h), \
-       (void)i; (void)a; (void)b; (void)c; (void)d; (void)e; (void)f; (void)g; (void)h)
-DERIVATIVE(fmi3GetDirectionalDerivative)
-DERIVATIVE(fmi3GetAdjointDerivative)
+WITH(fmi3GetAdjointDerivative, (Instance i, const unsigned *a, size_t b, const unsigned *c,
+                                size_t d, const double *e, size_t f, double *g, size_t h),
+     (void)i; (void)a; (void)b; (void)c; (void)d; (void)e; (void)f; (void)g; (void)h)
+EXPORT Status fmi3GetDirectionalDerivative(Instance instance, const unsigned *of, size_t many,
+                                           const unsigned *by, size_t count, const double *along,
+                                           size_t directions, double *to, size_t length)
+{
+  if (directions != count || length != many) return ERROR;
+  return derivatives(STATE, of, many, by, count, along, to);
+}
 WITH(fmi3GetOutputDerivatives, (Instance i, const unsigned *w, size_t n, const int *o, double *v,
                                 size_t m),
      (void)i; (void)w; (void)n; (void)o; (void)v; (void)m)
