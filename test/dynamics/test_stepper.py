@@ -96,14 +96,14 @@ def test_free_motion_against_quadrature():
 def test_work_is_counted_and_never_more_than_the_budget(monkeypatch):
     monkeypatch.setattr(Equation, 'changes_mode', True)      # the formula itself, with calls
     system = System(PAPER, 0.0, drive=Drive(LINE, 0.5, shaft=Shaft(1e5, 0.0)))
-    calls, terms_of = 0, system.equation.of_one
+    calls, terms_of = 0, system.equation.of_one_with_ratio
 
     def counted(position):
         nonlocal calls
         calls += 1
         return terms_of(position)
 
-    system.equation.of_one = counted
+    system.equation.of_one_with_ratio = counted
     for budget in (12, 20, 60):
         mover = Mover(system, 1e-11, budget)
         place, statuses = mover.first, set()
@@ -134,8 +134,8 @@ def test_the_function_without_calls_has_the_bits_of_the_formula(drive, monkeypat
 
 def test_terms_that_are_known_are_not_computed_again():
     system, asked = System(PAPER, 0.5, drive=DRIVES['soft shaft']), []
-    terms_of = system.equation.of_one
-    system.equation.of_one = lambda position: asked.append(position) or terms_of(position)
+    terms_of = system.equation.of_one_with_ratio
+    system.equation.of_one_with_ratio = lambda position: asked.append(position) or terms_of(position)
     mover = Mover(system, 1e-6, 60)
     place = mover.advance(mover.first, TICK).place
     mover.values(place, TICK, 0.0, 0)

@@ -11,6 +11,7 @@ import zipfile
 from fourbar_ros import load_scene
 from fourbar_ros.dynamics.step.mover import NOT_FINITE, OK
 from fourbar_ros.generated import compiled, generate
+from fourbar_ros.numerics.number_types import COMPLEX_WITH_ANGLES
 from fourbar_ros.pipeline.status import evaluate
 from fourbar_ros.pipeline.stepper import InModes
 from fourbar_ros.scene.scene import from_values
@@ -58,6 +59,13 @@ class Unit:
         self('GetReal', references, count, room)
         return list(room)
 
+    def derivative(self, names, direction):
+        """Return the derivatives of outputs along a direction {input or parameter: part}."""
+        (of, many, to), (by, count, along) = self.of(names), self.of(list(direction))
+        along[:] = list(direction.values())
+        self('GetDirectionalDerivative', of, many, by, count, along, to)
+        return list(to)
+
 
 @pytest.fixture
 def paper(tmp_path):
@@ -104,6 +112,57 @@ def test_in_model_exchange_outputs_follow_inputs_at_once(paper):
         paper('CompletedIntegratorStep', 1, *map(byref, flags))
         assert [flag.value for flag in flags] == [0, 0]
     assert paper.library.fmi2GetDerivatives(c_void_p(paper.instance), byref(zero), c_size_t(1))
+
+
+@needs_compiler
+@pytest.mark.parametrize('name', ['paper', 'cylinder', 'bucket'])
+def test_derivatives_are_those_of_a_complex_step_and_of_other_parameters(name, tmp_path):
+    linkage = load_scene(name).linkage
+    unit = Unit(generate(name, tmp_path, 'fmu2').files[0], tmp_path / name)
+    assert unit.root.find('ModelExchange').get('providesDirectionalDerivative') == 'true'
+    outputs = [one for one, cause in unit.causality.items() if cause == 'output'
+               and one in (*linkage.MOTION._fields, *linkage.LOADS._fields)]
+    low, high = linkage.input_ranges[0]
+    given, direction = (low + 0.4 * (high - low), 3.0, -2.0), (0.7, -1.1, 0.4)
+    inputs = list(linkage.input_coordinate)
+    unit.set(**dict(zip(inputs, given)))
+    # an imaginary step is exact: its error is that of the formulas, some eps of their terms
+    motion = linkage.make_motion(COMPLEX_WITH_ANGLES)
+    moved = motion(*(np.array([x + 1e-30j * along]) for x, along in zip(given, direction)))
+    of_loads = linkage.make_loads(COMPLEX_WITH_ANGLES)(moved)
+    exact = {field: np.imag(np.asarray(value))[..., 0] / 1e-30 if np.ndim(value) else 0.0
+             for fields, part in ((linkage.MOTION, moved), (linkage.LOADS, of_loads))
+             for field, value in zip(fields._fields, part)}
+    found = dict(zip(outputs, unit.derivative(outputs, dict(zip(inputs, direction)))))
+    size = max(map(abs, found.values()))
+    for one in outputs:
+        assert abs(found[one] - exact[one]) <= 2.0**-40 * max(abs(exact[one]), 2.0**-10 * size), one
+    # by parameters: differences of the unit itself, whose error falls with the square of the step
+    for parameter in [one for one, cause in unit.causality.items() if cause == 'parameter'][:12]:
+        at, = unit.get(parameter)
+        step, sides = 2.0**-17 * max(abs(at), 0.1), []
+        for sign in (1.0, -1.0):
+            unit.set(**{parameter: at + sign * step})
+            sides.append(np.array(unit.get(*outputs)))
+        unit.set(**{parameter: at})
+        slopes = np.array(unit.derivative(outputs, {parameter: 1.0}))
+        scale = np.abs(sides[0]).max() / max(abs(at), 0.1)
+        assert np.allclose((sides[0] - sides[1]) / (2.0 * step), slopes, 1e-6, 1e-6 * scale)
+
+
+@needs_compiler
+def test_derivatives_out_of_range_are_nan_and_of_unknown_numbers_refused(tmp_path, paper):
+    assert paper.derivative(['theta4', 'status'], {'omega1': 1.0}) == [0.0, 0.0]
+    paper.set(theta1=math.inf)
+    assert math.isnan(paper.derivative(['theta4'], {'theta1': 1.0})[0])
+    with pytest.raises(AssertionError):
+        paper.derivative(['theta4'], {'theta4': 1.0})
+    with pytest.raises(AssertionError):
+        paper.derivative(['theta1'], {'theta1': 1.0})
+    motor = Unit(generate('motor', tmp_path, 'fmu2').files[0], tmp_path / 'motor')
+    assert motor.root.find('CoSimulation').get('providesDirectionalDerivative') is None
+    with pytest.raises(AssertionError):
+        motor.derivative(['theta4'], {})
 
 
 @needs_compiler
