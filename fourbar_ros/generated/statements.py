@@ -117,7 +117,8 @@ class Statements:
                 return literal(value)
             return f'x[{place}]' if steps[place].is_given else f'v{place}'
         results = flat(trace.results)
-        refusing = [place for place in trace.varies if refuses and steps[place].operation in JUDGED]
+        refusing = [place for place in trace.varies
+                    if refuses and steps[place].operation in JUDGED]
         needed = set(trace.needed([*results, *(steps[i].arguments[-1] for i in refusing)]))
         lines = list[str]()
         for place in sorted(trace.varies & {*needed, *refusing}):

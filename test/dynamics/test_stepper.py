@@ -135,7 +135,7 @@ def test_the_function_without_calls_has_the_bits_of_the_formula(drive, monkeypat
 def test_terms_that_are_known_are_not_computed_again():
     system, asked = System(PAPER, 0.5, drive=DRIVES['soft shaft']), []
     terms_of = system.equation.of_one_with_ratio
-    system.equation.of_one_with_ratio = lambda position: asked.append(position) or terms_of(position)
+    system.equation.of_one_with_ratio = lambda p: asked.append(p) or terms_of(p)
     mover = Mover(system, 1e-6, 60)
     place = mover.advance(mover.first, TICK).place
     mover.values(place, TICK, 0.0, 0)

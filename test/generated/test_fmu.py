@@ -136,7 +136,8 @@ def test_derivatives_are_those_of_a_complex_step_and_of_other_parameters(name, t
     found = dict(zip(outputs, unit.derivative(outputs, dict(zip(inputs, direction)))))
     size = max(map(abs, found.values()))
     for one in outputs:
-        assert abs(found[one] - exact[one]) <= 2.0**-40 * max(abs(exact[one]), 2.0**-10 * size), one
+        error = abs(found[one] - exact[one])
+        assert error <= 2.0**-40 * max(abs(exact[one]), 2.0**-10 * size), one
     # by parameters: differences of the unit itself, whose error falls with the square of the step
     for parameter in [one for one, cause in unit.causality.items() if cause == 'parameter'][:12]:
         at, = unit.get(parameter)
