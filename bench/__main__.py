@@ -26,7 +26,7 @@ PAGE_OF = {'atlas': 'studies', 'before': 'speed', 'chains': 'node', 'compiled': 
            'coupled': 'speed', 'engines': 'dynamics', 'generated': 'speed',
            'large_study': 'studies', 'live_memory': 'live', 'machines': 'speed',
            'motor': 'dynamics', 'real_time': 'dynamics', 'relay': 'node',
-           'rivals_balancing': 'studies', 'shaking': 'studies'}
+           'rivals_balancing': 'studies', 'shaking': 'studies', 'units': 'speed'}
 
 
 class Tee(io.StringIO):
