@@ -67,12 +67,10 @@ def main():
         found = dict(zip(paths, map(json.loads, done.stdout.splitlines())))
         rows = [(what, f'{paths[what].stat().st_size / 1000:.0f}', f'{1e3 * begun:.2g}',
                  f'{1e6 * step:.3g}') for what, (begun, step, _) in found.items()]
-    pairs = [pair for pair in zip(*(
-        [value for row in found[what][2] for value in row]
-        for what in ('paper', 'paper, a PythonFMU')))]
-    print('FMI 2.0, co-simulation, 2000 steps of 1 ms in FMPy: inputs set, '
-          'up to six results read. '
-          'Least of five.\n')
+    pairs = list(zip(*([value for row in found[what][2] for value in row]
+                       for what in ('paper', 'paper, a PythonFMU'))))
+    print('FMI 2.0, co-simulation, 2000 steps of 1 ms in FMPy: inputs set, up to six results '
+          'read. Least of five.\n')
     table(('unit', 'size [kB]', 'start [ms]', 'step [us]'), rows)
     print(f'Of the two of the paper {sum(a != b for a, b in pairs)} of {len(pairs)} values '
           'differ. The PythonFMU needs a Python with this package in the master.')
