@@ -62,7 +62,7 @@ def main():
         paths['paper, a PythonFMU'] = next(folder.glob('*.fmu'))
         done = subprocess.run([python, str(speed.PEERS / 'run_units.py'),
                                *map(str, paths.values())],
-                              check=True, cwd=folder, env=environment, capture_output=True,
+                              check=True, cwd=folder, env=environment, stdout=subprocess.PIPE,
                               text=True)
         found = dict(zip(paths, map(json.loads, done.stdout.splitlines())))
         rows = [(what, f'{paths[what].stat().st_size / 1000:.0f}', f'{1e3 * begun:.2g}',

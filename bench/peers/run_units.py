@@ -15,7 +15,7 @@ WANTED = 'theta4', 'omega4', 'alpha4', 'f41', 'f32', 'shaking_moment'
 
 def measured(path):
     """Return the least times of an FMU, and the results of all steps of one run."""
-    about, folder = read_model_description(path), extract(path)
+    about, folder = read_model_description(path), extract(path, f'{path}.d')
     of = {one.name: one.valueReference for one in about.modelVariables}
     given = [one.valueReference for one in about.modelVariables if one.causality == 'input'][:3]
     wanted = [of[name] for name in WANTED if name in of]

@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-A model as an FMU for co-simulation, FMI 2.0 or 3.0: description, sources, binary of this platform.
+A model as an FMU, FMI 2.0 or 3.0: description, sources, binary of this platform.
 
 The input and, of links that topics load, the external forces are inputs; parameters are tunable.
 A sample out of range is no error: its outputs are NaN, and ``status`` says why.

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from math import isfinite
 import re
@@ -206,7 +206,8 @@ class Model:
         Return the trace of the exact derivatives of all wanted results along one direction.
 
         Its inputs: those of the model and the tunable parameters, then the direction in both; its
-        results: of :attr:`motion`, then :attr:`loads`. None where the motion has steps, where
+        results: of :attr:`motion`, then :attr:`loads`. A magnitude that is zero, as of most loads
+        at rest, has the derivative towards this side. None where the motion has steps, where
         limits take the place of formulas, or where a function is no formula.
         """
         if (self.moves_by_torque or self.mechanism.is_flat_at_zero
@@ -214,14 +215,22 @@ class Model:
             return None
 
         def make(n: NumberType, _: Any) -> Function:
-            numbers = duals_of(n)
+            duals = duals_of(n)
+
+            def hypot(*parts: Dual) -> Dual:
+                """Return a magnitude; where it is zero, with the magnitude of the change."""
+                size: Dual = duals.hypot(*parts)
+                change = n.hypot(*(derivatives_of(part).get('', 0.0) for part in parts))
+                return Dual(size.value, {'': n.where(size.value > 0.0, size.by.get('', 0.0),
+                                                     change)})
+            numbers = replace(duals, hypot=hypot)
 
             def formula(*given: Any) -> Any:
                 """Return the derivatives, flat; a result that does not change has none."""
-                duals = [Dual(value, {'': along}) for value, along in zip(
+                moved = [Dual(value, {'': along}) for value, along in zip(
                     given, given[len(given) // 2:])]
                 values: list[Any] = list(self.data)
-                for one, dual in zip(self.tunable, duals[3:]):
+                for one, dual in zip(self.tunable, moved[3:]):
                     values[one.place] = dual
                 for place, (x, y) in self.derived.items():
                     if isinstance(values[x], Dual) or isinstance(values[y], Dual):
@@ -229,10 +238,10 @@ class Model:
                 left = iter(values)
                 data = converted((self.constants, self._places), lambda _: next(left))
                 motion_of, loads_of, points_of = self._parts_of_formula(numbers, data)
-                motion = self.mechanism.MOTION._make(motion_of(*duals[:3]))
+                motion = self.mechanism.MOTION._make(motion_of(*moved[:3]))
                 found = dict(zip(self.names_of_motion, (
                     *motion, *(value for point in points_of(motion) for value in point))))
-                found |= zip(self.mechanism.LOADS._fields, loads_of(motion, duals[0]))
+                found |= zip(self.mechanism.LOADS._fields, loads_of(motion, moved[0]))
                 return [derivatives_of(found[one.name]).get('', 0.0)
                         for one in (*self.motion, *self.loads)]
             return formula

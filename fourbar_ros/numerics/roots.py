@@ -46,7 +46,8 @@ def order_in_rows(row: Array, x: Array) -> Array:
     """
     order = np.argsort(16.0 * row + x)
     by_row, by_x = row[order], x[order]
-    is_sorted = (by_row[1:] > by_row[:-1]) | (by_x[1:] > by_x[:-1])
+    apart = np.diff(by_row)
+    is_sorted = (apart > 0) | (apart == 0) & (by_x[1:] > by_x[:-1])
     return order if is_sorted.all() else np.lexsort((x, row))
 
 

@@ -126,7 +126,7 @@ def test_derivatives_are_those_of_a_complex_step_and_of_other_parameters(name, t
     given, direction = (low + 0.4 * (high - low), 3.0, -2.0), (0.7, -1.1, 0.4)
     inputs = list(linkage.input_coordinate)
     unit.set(**dict(zip(inputs, given)))
-    # an imaginary step is exact: its error is that of the formulas, some eps of their terms
+    # an imaginary step is exact; terms are up to 2^12 times larger than their sums
     motion = linkage.make_motion(COMPLEX_WITH_ANGLES)
     moved = motion(*(np.array([x + 1e-30j * along]) for x, along in zip(given, direction)))
     of_loads = linkage.make_loads(COMPLEX_WITH_ANGLES)(moved)
@@ -138,17 +138,52 @@ def test_derivatives_are_those_of_a_complex_step_and_of_other_parameters(name, t
     for one in outputs:
         error = abs(found[one] - exact[one])
         assert error <= 2.0**-40 * max(abs(exact[one]), 2.0**-10 * size), one
-    # by parameters: differences of the unit itself, whose error falls with the square of the step
-    for parameter in [one for one, cause in unit.causality.items() if cause == 'parameter'][:12]:
+    # by parameters: differences of the unit itself, wrong by a rounding of the sizes over the step
+    # and by its square
+    for parameter in [one for one, cause in unit.causality.items() if cause == 'parameter']:
         at, = unit.get(parameter)
-        step, sides = 2.0**-17 * max(abs(at), 0.1), []
+        part, sides = 2.0**-17, []
+        size = max(abs(at), 0.1)
         for sign in (1.0, -1.0):
-            unit.set(**{parameter: at + sign * step})
+            unit.set(**{parameter: at + sign * part * size})
             sides.append(np.array(unit.get(*outputs)))
         unit.set(**{parameter: at})
-        slopes = np.array(unit.derivative(outputs, {parameter: 1.0}))
-        scale = np.abs(sides[0]).max() / max(abs(at), 0.1)
-        assert np.allclose((sides[0] - sides[1]) / (2.0 * step), slopes, 1e-6, 1e-6 * scale)
+        slopes = size * np.array(unit.derivative(outputs, {parameter: 1.0}))
+        error = np.abs((sides[0] - sides[1]) / (2.0 * part) - slopes)
+        scale = np.abs(sides[0]).max() + np.abs(slopes).max()
+        assert error.max() <= 16.0 * (2.0**-52 / part + part * part) * scale, parameter
+
+
+@needs_compiler
+@pytest.mark.parametrize('name', ['paper', 'jansen', 'slider_crank'])
+def test_at_rest_magnitudes_change_to_one_side(name, tmp_path):
+    unit = Unit(generate(name, tmp_path, 'fmu2').files[0], tmp_path / name)
+    inputs = load_scene(name).linkage.input_coordinate
+    at, along = dict(zip(inputs, (0.7, 0.0, 0.0))), dict(zip(inputs, (0.3, -2.0, 5.0)))
+    unit.set(**at)
+    outputs = [one for one, cause in unit.causality.items()     # a path at rest has no tangent
+               if cause == 'output' and math.isfinite(unit.get(one)[0])]
+    rest, slopes = np.array(unit.get(*outputs)), np.array(unit.derivative(outputs, along))
+    assert np.isfinite(slopes).all()
+    step = 2.0**-26        # wrong by the step, and by the rounding of what is not zero over it
+    unit.set(**{one: at[one] + step * along[one] for one in inputs})
+    error = np.abs((np.array(unit.get(*outputs)) - rest) / step - slopes)
+    assert (error <= 64.0 * (step + 2.0**-52 / step) * np.abs(slopes).max()).all()
+    assert ((rest == 0.0) & (slopes > 0.0)).any()
+
+
+@needs_compiler
+def test_forces_of_topics_have_derivatives(tmp_path):
+    scene = from_values({**load_scene('paper').values, 'external.output.from_topic': True})
+    unit = Unit(generate(scene, tmp_path, 'fmu2', name='loaded').files[0], tmp_path / 'loaded')
+    force = 'external.output.couple'
+    assert unit.causality[force] == 'input'
+    outputs = 'driving_torque', 'shaking_moment', 'f43_x', 'theta4'
+    before, slopes = unit.get(*outputs), unit.derivative(outputs, {force: 1.0})
+    unit.set(**{force: 1000.0})        # loads are linear in it
+    for a, b, slope in zip(before, unit.get(*outputs), slopes):
+        assert abs(b - a - 1000.0 * slope) <= 2.0**-46 * (1000.0 + abs(a))
+    assert slopes[3] == 0.0 and all(slopes[:3])
 
 
 @needs_compiler
