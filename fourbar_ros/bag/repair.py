@@ -255,7 +255,7 @@ class _Copy:
         old = old if isinstance(old, dict) else {}
         about = rosbag2.about_of(old)
         if rosbag2.ENDED not in about:
-            about |= rosbag2.about_beside(source)
+            about = rosbag2.joined(about, rosbag2.about_beside(source))
         about['recovered_by'] = f'{OURS}{__version__}'
         about.update(self._changed_entries(about))
         metadata = rosbag2.describe(f'{folder.name}_0.mcap', self.container, about,

@@ -33,6 +33,7 @@ QOS, HASH = 'offered_qos_profiles', 'topic_type_hash'      # keys of the metadat
 # the messages that the recorder dropped; topics with a message that a later part of a split bag
 # repeats (its number is before the first).
 ENDED, LOST, NUMBERS, DROPPED, REPEATS = 'ended', 'lost', 'numbers', 'dropped', 'repeats'
+SPLIT = 'split'             # why a part ended: another one follows
 # rosbag2's duration for "no deadline": 2^63 - 1 ns
 _ENDLESS = {'sec': 9223372036, 'nsec': 854775807}
 
@@ -162,7 +163,8 @@ def joined(first: Mapping[str, str], last: Mapping[str, str]) -> dict[str, str]:
     numbers = {topic: (firsts[topic][0], nexts[topic][1]) for topic in firsts.keys() & nexts.keys()
                if all(isinstance(pair, list) and len(pair) == 2
                       for pair in (firsts[topic], nexts[topic]))}
-    both = {key: value for key, value in last.items() if key != REPEATS} | dict(first)
+    both = ({key: value for key, value in last.items() if key != REPEATS}
+            | {key: value for key, value in first.items() if key != ENDED})
     both |= {key: last[key] for key in (ENDED, DROPPED, LOST) if key in last}
     return both | ({NUMBERS: json.dumps(numbers)} if numbers else {})
 
@@ -303,13 +305,13 @@ def part_of(file: Path) -> tuple[str, int]:
 
 def about_beside(file: Path) -> dict[str, str]:
     """
-    Return the custom_data in metadata.yaml beside a file if they say why recording ended.
+    Return the custom_data in metadata.yaml beside a last file if they say why recording ended.
 
     A full disk may take this small file where it takes no more of the bag itself.
     """
     metadata = _metadata_file(file.parent)
-    about = about_of(metadata) if file.name in _file_names(metadata) else {}
-    return about if ENDED in about else {}
+    about = about_of(metadata) if _file_names(metadata)[-1:] == [file.name] else {}
+    return about if about.get(ENDED, SPLIT) != SPLIT else {}
 
 
 def packing_of(metadata: Mapping[str, Any], file: Path) -> tuple[str, str]:

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Bags of several files: as rosbag2 splits them, and as our recorder does."""
 import math
+import shutil
 import subprocess
 import sys
 import threading
@@ -379,6 +380,45 @@ def test_a_split_bag_that_was_killed_is_recovered_part_by_part(tmp_path):
     with pytest.raises(BagError, match='exists already'):
         recover(path)
     assert sorted(p.name for p in tmp_path.iterdir()) == ['run', 'run_recovered']
+
+
+def as_a_kill_leaves_it(directory, steps=100):
+    """Copy a split bag of two topics while it is written, once all is flushed: a killed one."""
+    other = bags.channel('/other', 'std_msgs/msg/String')
+    writer = BagWriter(directory, 'run', [bags.MOTION, other], {}, flush_period=0.01,
+                       sync_period=0.0, split=Split(duration=0.03, head=0))
+    for k in range(steps):
+        writer.clock.now = lambda k=k: 10**18 + k * 10**6
+        writer.write_all([(0, bags.motion(k)), (1, bags.encode(other.type, data=str(k)))])
+    while writer.waiting or sum(1 for _ in Bag(writer.path).raw()) < 2 * steps:
+        time.sleep(0.001)
+    shutil.copytree(directory / 'run', directory / 'killed')
+    writer.close()
+    return directory / 'killed'
+
+
+def test_recovery_of_a_killed_split_bag_misses_and_doubles_nothing(tmp_path):
+    path = as_a_kill_leaves_it(tmp_path)
+    found = info(path, check=True)
+    assert (found.parts, found.missing, found.ended) == (4, 0, '')
+    made = recover(path)
+    assert (made.messages, made.lost, made.missing) == (200, 0, {})
+    assert numbers_of(made.path) == {'/fourbar/driven': list(range(100)),
+                                     '/other': list(range(100))}
+    found = info(made.path, check=True)
+    assert found.is_sound and [topic.messages for topic in found.topics] == [100, 100]
+    assert 'without an end' in found.ended
+
+
+def test_recovery_of_a_split_bag_whose_end_is_in_metadata_alone_doubles_nothing(tmp_path):
+    path = as_a_kill_leaves_it(tmp_path)        # as a full disk leaves it: it took the small file
+    text = (tmp_path / 'run/metadata.yaml').read_text().replace('run_', 'killed_')
+    (path / 'metadata.yaml').write_text(text.replace('ended: stopped', 'ended: disk full'))
+    for part in path.glob('run_*.mcap'):
+        part.rename(path / part.name.replace('run_', 'killed_'))
+    made = recover(path)
+    assert (made.messages, made.lost, made.missing) == (200, 0, {})
+    assert info(made.path, check=True).is_sound and info(made.path).ended == 'disk full'
 
 
 def test_a_damaged_part_is_named_and_the_others_are_kept(tmp_path):

@@ -21,11 +21,10 @@ from fourbar_ros.bag import rosbag2
 from fourbar_ros.bag.file_system import mark_as_being_written, sync_folders
 from fourbar_ros.bag.mcap.records import OURS
 from fourbar_ros.bag.mcap.writer import Container
-from fourbar_ros.bag.rosbag2 import Channel
+from fourbar_ros.bag.rosbag2 import Channel, SPLIT
 from fourbar_ros.bag.yaml_text import dumped, YamlMap
 from mcap import __version__ as mcap_version
 
-SPLIT = 'split'             # why a part ended: another one follows
 SHARE = 10      # a bag that keeps the newest seconds has so many parts, unless split otherwise
 
 
