@@ -21,11 +21,11 @@ help:
 	@echo '  make run        run a linkage in the node: live table, extrema, recorded bag, bag recomputed'
 	@echo '                    SCENE=$(SCENE)  SECONDS=$(SECONDS)'
 	@echo '  make test       run the tests, except the slow ones: four minutes    ARGS="-k loads" is passed to pytest'
-	@echo '  make test-slow  run the slow ones, as long as MINUTES=60 allow'
-	@echo '  make test-all   run all tests'
+	@echo '  make test-slow  run the slow ones, all of them'
+	@echo '  make test-all   run all tests, to the end: an hour and more'
 	@echo '                    WORKERS=$(WORKERS) processes, of which many wait; 0: one that prints'
 	@echo '  make coverage   run the tests as make test does; lines and branches covered, in all processes'
-	@echo '  make lint       run ruff, mypy and the ament linters'
+	@echo '  make lint       run ruff, mypy, import-linter and the ament linters'
 	@echo '  make check-pip  test the library without ROS: sdist, wheel, fresh venv, every command'
 	@echo '  make check-clean   make run and make test in a fresh clone with a bare environment'
 	@echo '  make check-oldest  the same with numpy 1.26 and scipy 1.11, as in Ubuntu 24.04'
@@ -57,7 +57,7 @@ test:
 
 test-slow:
 	@scripts/setup.sh test
-	@$(env) && python -m pytest -m slow --minutes $(MINUTES) $(SPREAD) $(ARGS)
+	@$(env) && python -m pytest -m slow $(SPREAD) $(ARGS)
 
 test-all:
 	@scripts/setup.sh test

@@ -3,11 +3,12 @@
 """
 Draw docs/layers.svg, the picture of docs/architecture.md: ``python docs/layers.py``.
 
-The rows are LAYERS of test/test_architecture.py, the texts the docstrings of the folders, the
+The rows are the layers in pyproject.toml, the texts the docstrings of the folders, the
 arrows the imports in the code, without those that follow from others.
 """
 import ast
 from pathlib import Path
+import re
 from textwrap import fill
 
 import matplotlib
@@ -31,9 +32,10 @@ def place(folder):
 
 def layers():
     """Return the rows of folders from the bottom up, errors and optional left out."""
-    tree = ast.parse((ROOT / 'test' / 'test_architecture.py').read_text(encoding='utf-8'))
-    found = next(ast.literal_eval(node.value) for node in tree.body if isinstance(node, ast.Assign)
-                 and getattr(node.targets[0], 'id', '') == 'LAYERS')
+    text = (ROOT / 'pyproject.toml').read_text(encoding='utf-8')
+    listed = ast.literal_eval(re.search(r'^layers = (\[.*?^\])', text, re.M | re.S)[1])
+    listed.remove('fourbar_lab.cli')        # beside the other cli there is no room for its own
+    found = [[module.split('.')[1] for module in row.split(' | ')] for row in reversed(listed)]
     rows = [[name for name in row if place(name)] for row in found]
     return [row for row in rows if row]
 

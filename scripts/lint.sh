@@ -26,6 +26,7 @@ quietly() {             # ament's wrappers list every file they check: show the 
 }
 run ruff check --quiet .
 run mypy
+run lint-imports --no-cache --no-logo
 quietly ament_flake8 --config scripts/ament_flake8.ini "${sources[@]}"
 # D402: a formula is no signature. D413, D417: sections list the arguments that need words.
 quietly ament_pep257 --add-ignore D402 D413 D417 -- fourbar_ros fourbar_lab bench docs launch setup.py

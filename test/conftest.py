@@ -2,9 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Isolation: every test run has its own ROS domain on this machine only, and its own folders."""
 import atexit
-from collections import Counter
 import contextlib
-from math import inf
 import os
 import shutil
 import signal
@@ -12,9 +10,6 @@ import socket
 import subprocess
 import sys
 import tempfile
-import time
-
-import pytest
 
 _held = []      # a socket that is bound for as long as this run has its domain
 
@@ -64,18 +59,6 @@ _let_children_have_signals()
 # Folders of tests that wait for processes, browsers and clocks, and of those that compute longest.
 _WAIT = ('live', 'ros', 'studies', 'bag', 'cli')
 _COMPUTE = ('docs', 'machine', 'extrema', 'dynamics')
-_NO_TIME = 'no time was left'
-
-
-def pytest_addoption(parser):
-    """Add the limit of the second part of .ci/run."""
-    parser.addoption('--minutes', type=float, default=inf,
-                     help='begin no test after so many minutes, and name those left')
-
-
-def pytest_configure(config):
-    """Note when the last test may begin."""
-    config.end = time.monotonic() + 60.0 * config.getoption('minutes')
 
 
 def pytest_collection_modifyitems(items):
@@ -93,22 +76,6 @@ def pytest_collection_modifyitems(items):
     order = sorted((k / len(kind), path) for kind in (waiting, computing)
                    for k, path in enumerate(kind))
     items[:] = [item for _, path in order for item in files[path]]
-
-
-@pytest.hookimpl(tryfirst=True)
-def pytest_runtest_setup(item):
-    """Leave out a test for which no time is left."""
-    if time.monotonic() > item.config.end:
-        pytest.skip(_NO_TIME)
-
-
-def pytest_terminal_summary(terminalreporter):
-    """Name the files whose tests were left out, and how many."""
-    left = Counter(report.nodeid.partition('::')[0]
-                   for report in terminalreporter.stats.get('skipped', ())
-                   if _NO_TIME in str(report.longrepr))
-    for file, number in sorted(left.items()):
-        terminalreporter.write_line(f'not run, {_NO_TIME}: {file}, {number} tests')
 
 
 def pytest_sessionfinish(session, exitstatus):
