@@ -53,6 +53,19 @@ def test_a_run_is_as_good_between_its_times_as_at_them(name):
     assert np.max(np.abs(sparse.at(times)[0] - reference.position)) <= asked
 
 
+@pytest.mark.parametrize('count, shape', [
+    (100, (7,)), pytest.param(1800, (), marks=pytest.mark.slow)])
+def test_early_times_are_those_asked_for(count, shape):
+    """Random ones, singly and in arrays, against scipy on the same equation, at 1e-12."""
+    run = simulate(System(LINKAGE, 0.0, drive=Drive(MotorLine(400.0, 26.0), flywheel=2.0)),
+                   0.05, 1e-6)
+    exact = solve_ivp(lambda t, y: run.system.derivative(t, y.tolist()), (0.0, 0.05),
+                      run.system.start, rtol=1e-12, atol=1e-12, dense_output=True,
+                      method='DOP853').sol
+    for times in np.random.default_rng(1).uniform(0.0, 0.05, (count, *shape)):
+        assert np.max(np.abs(run.at(times) - exact(times))[0]) <= 1e-6
+
+
 @pytest.mark.parametrize('wrong', [-0.1, 0.41, float('nan'), [0.1, 0.5], 'soon', None, []])
 def test_times_that_are_not_in_the_run_are_refused(wrong):
     run = simulate(SYSTEMS['free'], 0.4, 1e-6)

@@ -427,6 +427,7 @@ def _run_compiled(task: Task) -> Part:
                 end = STIFF if solver.get_return_code() == -4 else FAILED
             if end != COMPLETE:
                 break
+            times[-1] = time      # the last step may end a rounding beside the time asked for
     return Part(task.phase, np.array(times), np.array(states).T, end,
                 times[-1] - times[-2] if len(times) > 1 else 0.0)
 

@@ -160,7 +160,11 @@ class Run:
         result = integrate(self.system, self.method if self.method in METHODS else 'auto',
                            self.tolerance, wanted, allowance,
                            is_finer=self.status != NOT_CHECKED)
-        return _run(self.system, result, wanted, self.error, self.tolerance, allowance)
+        run = _run(self.system, result, wanted, self.error, self.tolerance, allowance)
+        missing = np.setdiff1d(wanted[wanted <= run.time[-1]], run.time)
+        if missing.size:
+            raise InvalidParameter('times', missing[0], 'is not in the run integrated again')
+        return run
 
     def at(self, time: ArrayLike) -> Array:
         """
@@ -183,9 +187,9 @@ class Run:
             raise InvalidParameter('time', time, f'must lie between 0 and {self.time[-1]:.17g} s')
         times, places = np.unique(given, return_inverse=True)
         states = self.resampled(times).states
-        if states.shape[1] < times.size:       # a limit that rounding has put before the last one
-            states = np.concatenate([states, self.states[:, -1:]], axis=1)
-        return np.reshape(states[:, places.ravel()], (-1, *given.shape))
+        # a limit that rounding has put before the last time
+        places = np.minimum(places.ravel(), states.shape[1] - 1)
+        return np.reshape(states[:, places], (-1, *given.shape))
 
     @cached_property
     def loads(self) -> NamedFields:
