@@ -298,10 +298,18 @@ class _Search:
         """
         Return (samples of doubtful sign, limits) of each minimum of a closing that is nearly zero.
 
-        The limits are two inputs, equal at a double root, or none of a positive minimum.
+        The limits are two inputs, equal at a double root, or none of a positive minimum. Minima
+        whose roots are not in the range are left out: the signs of samples tell.
         """
-        return [(inner, self._decided(number, float(path.to_input(np.array([at]))[0])))
-                for at, inner in _minima(phi, value, slope)]
+        found = []
+        for at, inner in _minima(phi, value, slope):
+            try:
+                limits = self._decided(number, float(path.to_input(np.array([at]))[0]))
+            except (ArithmeticError, ValueError):   # it led to where dyads before do not close
+                continue
+            if path.is_closed or all(path.low <= x <= path.high for x in limits):
+                found.append((inner, limits))
+        return found
 
     def _decided(self, number: int, x: float) -> tuple[float, ...]:
         """

@@ -3,7 +3,7 @@
 """Where machines can be assembled, and all extrema there: against dense scans of their motion."""
 from math import isinf, pi
 
-from fourbar_ros import find_extrema, FourBar
+from fourbar_ros import find_extrema, FourBar, InvalidParameter, SliderCrank
 from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 from fourbar_ros.mechanisms.quantities import known, positions
@@ -63,6 +63,42 @@ def test_ranges_of_random_machines():
 def test_ranges_of_many_machines():
     for machine, _ in random_machines(602, 500):
         check_ranges(machine, 40001)
+
+
+@pytest.mark.parametrize('rod, share', [(5456.6, 0.0), (5456.7, 0.21), (5456.71, 0.25)])
+def test_ranges_where_one_rod_is_a_million_times_as_long(rod, share):
+    """Against the distance of the pins; its roots may lie where the bar before does not close."""
+    bar = Dyad('a', 'RPR', Point('ground', 0.0022, -0.005), Point('crank', 0.003, -0.005),
+               ('block', 'bar'), offset=0.01)
+    (low, high), = Machine([bar]).closing_ranges
+    x = np.linspace(low, high, 1003)[1:-1]
+    block, turned = Machine([bar]).motion(x), np.exp(1j * x)
+    apart = (block.x_block + 1j * block.y_block - (-0.03 + 0.01j) * turned
+             + (-5374.8 + 942.0j) * (block.cos_block + 1j * block.sin_block))
+    closes = abs(np.abs(apart) - rod) < 0.004
+    assert closes.mean() == pytest.approx(share, abs=0.01)
+    dyads = [bar, Dyad('b', 'RRR', Point('crank', -0.03, 0.01), Point('block', -5374.8, 942.0),
+                       ('rod', 'arm'), length_1=rod, length_2=0.004, mode=1)]
+    if not share:
+        with pytest.raises(InvalidParameter, match=r'dyads\.b: cannot close at any input'):
+            Machine(dyads)
+        return
+    (low, high), = Machine(dyads).closing_ranges
+    assert (closes == (x > low) & (x < high)).all()
+
+
+@pytest.mark.parametrize('rod', [0.06, 0.2, 1.0])
+def test_a_guide_one_crank_length_below(rod):
+    """An offset slider-crank of round numbers, as a machine and by its own formulas."""
+    machine = Machine([Dyad('s', 'RRP', Point('crank', 0.05), Point('ground', 0.0, -0.05),
+                            ('rod', 'slider'), length_1=rod, direction_2=0.0)])
+    own = SliderCrank(0.05, rod, -0.05)
+    ends, others = (np.exp(1j * np.array(m.closing_ranges)) for m in (machine, own))
+    assert np.allclose(ends, others, rtol=0.0, atol=16.0 * EPS)
+    x = np.linspace(*machine.closing_ranges[0], 40)[1:-1]
+    motion = own.motion(x, 2.0)
+    bound = 5.0 * EPS * motion.condition      # [m]
+    assert (abs(machine.motion(x, 2.0).x_slider - motion.slide) <= bound).all()
 
 
 def test_a_range_narrower_than_any_grid():

@@ -463,15 +463,11 @@ class Closure:
         # sigma where the slide is zero, or the direction of the other link where the angle is
         self._start: Any = own.shape[0] if self.slides else own.shape[2:4]
         self._factors = _factors(stage, own)
-        one, other = own.shape[:2]
+        self._arms: tuple[Scalar, ...] = own.shape[:2]
         # the lengths of its rods [m] and, with a pin, of the arms a and g (RRP has no g)
         rods = [*own.sizes[:{RRR: 2, RRP: 1, RPR: 0}[stage.kind]],
                 *(() if self.slides else own.shape[:1 if self.is_sine else 2])]
         self._rods = min(rods, default=1.0), max(rods, default=1.0)
-        # |D|^2, scaled, in both directions of an angle, or (at sigma = 0, per sigma^2)
-        self._square: tuple[Scalar, Scalar] = (
-            (other * other, 1.0) if self.slides else
-            ((one - other)**2 / (one + other)**2, 1.0))
         self.is_impossible = any(factor.is_impossible for factor in self._factors)
         self.has_limits = any(factor.is_limit for factor in self._factors)
         self.flats = [sign for factor in self._factors for sign in self._flats_of(factor)]
@@ -524,7 +520,8 @@ class Closure:
     def make_square(self, n: NumberType) -> Function:
         """Return angle or slide of a pair -> |Q - P|^2, scaled: a pole where it is zero."""
         place, half_angle = self.make_place(n), make_half_angle(n)
-        one, other = self._square
+        one, other = self._arms     # scaled in both directions, or (at sigma = 0, per sigma^2)
+        one, other = (other * other if self.slides else (one - other)**2 / (one + other)**2), 1.0
 
         def square(way: Sequence[Scalar]) -> Scalar:
             """Return the scaled square of the distance of the dyad's ends."""
