@@ -35,6 +35,7 @@ from fourbar_ros.errors import FourBarError, InvalidParameter, OutOfRange
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Coordinate
 from fourbar_ros.numerics.arrays import Array, EPS
+from fourbar_ros.numerics.given import number
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -352,6 +353,7 @@ def branch_of(mechanism: Mechanism, start: float) -> Branch:
 
     """
     coordinate = mechanism.input_coordinate
+    start = number('start', start)
     low, high = _range_around(mechanism, start)
     inputs = np.linspace(low, high, SAMPLES)
     turning_points = _turning_points(mechanism, inputs)

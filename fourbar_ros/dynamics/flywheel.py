@@ -20,7 +20,7 @@ from typing import NamedTuple
 from fourbar_ros.dynamics.model.equation import Equation, Terms
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.numerics.given import number
+from fourbar_ros.numerics.given import FASTEST, number, rate_of_input
 from fourbar_ros.optional import MissingPackage
 import numpy as np
 
@@ -48,7 +48,7 @@ def flywheel_for(equation: Equation, rate: float, fluctuation: float) -> Flywhee
     equation : Equation
         Its crank turns fully.
     rate : float
-        Mean of the largest and the smallest rate [rad/s], not zero.
+        Mean of the largest and the smallest rate [rad/s], 1e-100 to 1e100 in size.
     fluctuation : float
         Largest coefficient of speed fluctuation, positive.
 
@@ -61,10 +61,11 @@ def flywheel_for(equation: Equation, rate: float, fluctuation: float) -> Flywhee
         from scipy.optimize import brentq
     except ModuleNotFoundError as error:
         raise MissingPackage('the search for a flywheel', error) from error
-    rate = number('rate', rate)
+    rate = rate_of_input('rate', rate)
     fluctuation = number('fluctuation', fluctuation, 'must be a positive number', above=0.0)
-    if rate == 0.0:
-        raise InvalidParameter('rate', rate, 'must not be zero')
+    if abs(rate) < 1.0 / FASTEST:
+        raise InvalidParameter('rate', rate, 'must not be zero, at least '
+                               f'{1.0 / FASTEST:g} in size')
     if not equation.mechanism.turns_fully:
         raise InvalidParameter('equation', None, 'must be that of a crank that turns fully')
     if equation.turns > 1:

@@ -18,7 +18,7 @@ from fourbar_ros.extrema.methods import RATES
 from fourbar_ros.mechanisms.contract import CROSSED, OPEN
 from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
 from fourbar_ros.numerics.arrays import Array, EPS
-from fourbar_ros.numerics.given import array
+from fourbar_ros.numerics.given import array, FASTEST
 from fourbar_ros.numerics.roots import fold, order_in_rows
 import numpy as np
 from numpy.typing import ArrayLike
@@ -89,8 +89,8 @@ def find_extrema_many(a1: ArrayLike, a2: ArrayLike, a3: ArrayLike, a4: ArrayLike
     except ValueError:
         raise InvalidParameter(', '.join(given), [column.shape for column in columns],
                                'must have shapes that broadcast') from None
-    if not (np.isfinite(rate) & (rate != 0.0)).all():
-        raise InvalidParameter('rate', rate, 'must be finite, not zero')
+    if not ((np.abs(rate) <= FASTEST) & (rate != 0.0)).all():
+        raise InvalidParameter('rate', rate, f'must be at most {FASTEST:g} in size, not zero')
     if not ((mode == CROSSED) | (mode == OPEN)).all():
         raise InvalidParameter('mode', mode, 'must be 1 (crossed) or 2 (open)')
     lengths = np.array((a1, a2, a3, a4), dtype=float)

@@ -22,7 +22,7 @@ from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Quantity
 from fourbar_ros.mechanisms.quantities import Asked, Function, select, UnknownQuantity
 from fourbar_ros.numerics.arrays import EPS
-from fourbar_ros.numerics.given import number
+from fourbar_ros.numerics.given import rate_of_input
 from fourbar_ros.numerics.roots import fold
 import numpy as np
 
@@ -111,7 +111,7 @@ def find_extrema(linkage: Mechanism, quantities: Wanted = (), rate: float = 1.0,
         only by name.
     rate, acceleration : float
         Rate and acceleration of the input, the same everywhere: [rad/s] and [rad/s^2], or [m/s]
-        and [m/s^2] of a driven slide.
+        and [m/s^2] of a driven slide; at most 1e100 in size.
     certify : bool
         Also prove that none is missing, see :mod:`fourbar_ros.extrema.proof`: tenths of a second
         for all quantities together.
@@ -134,7 +134,7 @@ def find_extrema(linkage: Mechanism, quantities: Wanted = (), rate: float = 1.0,
     if not isinstance(linkage, Mechanism):
         raise InvalidParameter('linkage', linkage, 'must be a mechanism: FourBar, SliderCrank, '
                                                    'InvertedSlider, ScotchYoke or Machine')
-    rate, acceleration = number('rate', rate), number('acceleration', acceleration)
+    rate, acceleration = map(rate_of_input, ('rate', 'acceleration'), (rate, acceleration))
     quantities = _resolve(quantities, linkage)
     check()
     methods = Methods(linkage, quantities, (rate, acceleration))

@@ -3,10 +3,12 @@
 """Masses and loads of a link in its own frame: origin at its first joint, x to its second."""
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, fields
 from math import pi
 from typing import NamedTuple, TypeVar
 
+from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.numerics.given import number
 from fourbar_ros.numerics.number_types import Scalar
 
@@ -85,7 +87,7 @@ def round_rod(length: float, density: float, radius: float) -> Body:
     m = rho pi r^2 L, I = m (3 r^2 + L^2)/12, a solid cylinder about a transverse axis, as the
     links of the paper's Table 1. Length [m], density [kg/m^3] and radius [m] are positive.
     """
-    return Body(*rod_numbers(*_positive(length=length, density=density, radius=radius)))
+    return _uniform(rod_numbers, length=length, density=density, radius=radius)
 
 
 def flat_bar(length: float, density: float, width: float, thickness: float) -> Body:
@@ -95,13 +97,18 @@ def flat_bar(length: float, density: float, width: float, thickness: float) -> B
     m = rho w t L, I = m (w^2 + L^2)/12. Length [m], density [kg/m^3], width in the plane of the
     mechanism and thickness square to it [m] are positive.
     """
-    return Body(*bar_numbers(*_positive(length=length, density=density, width=width,
-                                        thickness=thickness)))
+    return _uniform(bar_numbers, length=length, density=density, width=width, thickness=thickness)
 
 
-def _positive(**values: float) -> list[float]:
-    return [number(name, value, 'must be a positive number', above=0.0)
-            for name, value in values.items()]
+def _uniform(numbers_of: Callable[..., tuple[float, ...]], **values: float) -> Body:
+    """Return the body of positive dimensions; refuse those of which mass or inertia overflows."""
+    given = [number(name, value, 'must be a positive number', above=0.0)
+             for name, value in values.items()]
+    try:
+        return Body(*numbers_of(*given))
+    except (OverflowError, InvalidParameter):
+        raise InvalidParameter(', '.join(values), given, 'so large that mass or inertia '
+                                                         'overflows') from None
 
 
 def rod_numbers(length: Scalar, density: Scalar, radius: Scalar) -> tuple[Scalar, ...]:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from typing import Any, NamedTuple, Union
 
-from fourbar_ros.errors import FourBarError, nearest
+from fourbar_ros.errors import FourBarError, InvalidParameter, nearest
 from fourbar_ros.mechanisms.contract import CRANK
 from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.mechanisms.mechanism import Mechanism
@@ -103,6 +103,8 @@ def known(mechanism: Mechanism, driven: str = CRANK) -> dict[str, Quantity]:
 
     Without the rates of the input ``driven``, which are given, and the drive that it has not.
     """
+    if driven not in mechanism.INPUTS:
+        raise InvalidParameter('driven', driven, f'must be one of {", ".join(mechanism.INPUTS)}')
     coordinate = mechanism.INPUTS[driven]
     absent = {coordinate.rate, coordinate.acceleration,
               'driving_force' if coordinate.unit == 'rad' else 'driving_torque'}

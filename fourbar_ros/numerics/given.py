@@ -17,6 +17,8 @@ from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
+FASTEST = 1e100     # rates of an input are at most so large, in its unit over s
+
 
 def number(name: str, value: Any, allowed: str = 'must be a finite number', least: float = -inf,
            above: float = -inf) -> float:
@@ -43,6 +45,15 @@ def number(name: str, value: Any, allowed: str = 'must be a finite number', leas
     if not (isfinite(result) and result >= least and result > above):
         raise InvalidParameter(name, value, allowed)
     return result
+
+
+def rate_of_input(name: str, value: Any) -> float:
+    """Return a rate as a float, so small that its square, times masses, does not overflow."""
+    found = number(name, value)
+    if abs(found) > FASTEST:
+        raise InvalidParameter(name, value, f'must be at most {FASTEST:g} in size, or its square '
+                                            'may overflow')
+    return found
 
 
 def array(name: str, value: Any, with_complex: bool = False) -> Array:

@@ -24,7 +24,8 @@ OWN_FIELDS = 'mass', 'inertia', 'cg_along'           # of a body that is given b
 SECTIONS = ('radius',), ('width', 'thickness')       # of rods: round, rectangular
 ROD_PARAMETERS = tuple(RODS + field for field in ('density', *SECTIONS[0], *SECTIONS[1]))
 RENAMED = {'stroke': 'linkage.range', 'dyads': 'linkage.dyads',
-           'name of a dyad': 'linkage.dyads'}
+           'name of a dyad': 'linkage.dyads', 'length, density, radius': 'bodies.rods',
+           'length, density, width, thickness': 'bodies.rods'}
 
 
 def linkage_of(values: ParameterValues) -> Mechanism:

@@ -20,7 +20,7 @@ from fourbar_ros.mechanisms.contract import find_link
 from fourbar_ros.mechanisms.kinds import AT_MOVING_JOINTS, KINDS
 from fourbar_ros.mechanisms.machine.describe.description import DIMENSIONS
 from fourbar_ros.mechanisms.parts import GROUND
-from fourbar_ros.numerics.given import quantities_of
+from fourbar_ros.numerics.given import FASTEST, quantities_of
 from fourbar_ros.scene.topics import INPUTS, OUTPUTS, PICTURES, SERVICES, wrench_topic
 
 MODES = MappingProxyType({'crossed': 1, 'open': 2})
@@ -251,13 +251,14 @@ PARAMETERS = _table(
               '(torque) or of a motor (motor)',
               choices=('timer', *INPUTS, *SOURCES), live=False),
     Parameter('drive.speed', 'double', 1.0, 'rad/s or m/s',
-              'with the timer: constant speed of the input'),
+              'with the timer: constant speed of the input', low=-FASTEST, high=FASTEST),
     Parameter('drive.start', 'double', 0.0, 'rad or m',
               'with the timer, torque or motor: input at the first sample', live=False),
     Parameter('drive.rate', 'double', 100.0, 'Hz',
               'with the timer, torque or motor: samples per second', low=0.001, high=5000.0),
     Parameter('drive.start_speed', 'double', 0.0, 'rad/s or m/s',
-              'with torque or motor: speed of the input at the start', live=False),
+              'with torque or motor: speed of the input at the start', low=-FASTEST, high=FASTEST,
+              live=False),
     Parameter('drive.tolerance', 'double', 1e-6, '',
               'with torque or motor: largest error of one step of the node, of angles [rad] and, '
               'over one sample, of speeds [rad/s]', low=1e-12, high=0.1),

@@ -148,7 +148,8 @@ def test_no_flywheel_is_negative():
 
 
 @pytest.mark.parametrize('rate, fluctuation, name', [
-    (0.0, 0.1, 'rate'), (25.0, 0.0, 'fluctuation'), (25.0, float('nan'), 'fluctuation')])
+    (0.0, 0.1, 'rate'), (1e160, 0.1, 'rate'), (5e-324, 0.1, 'rate'), (25.0, 0.0, 'fluctuation'),
+    (25.0, float('nan'), 'fluctuation')])
 def test_a_flywheel_needs_a_rate_and_a_fluctuation(rate, fluctuation, name):
     with pytest.raises(InvalidParameter) as caught:
         flywheel_for(Equation(paper_linkage()), rate, fluctuation)

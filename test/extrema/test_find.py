@@ -647,6 +647,5 @@ def test_a_rate_whose_square_underflows_leaves_kinds_and_infinities(lengths, rat
 
 @pytest.mark.parametrize('rate', [1e160, -1e300])
 def test_a_rate_at_which_quantities_overflow_is_refused(rate):
-    assert len(find_extrema(FourBar(*PAPER), ('omega4',), rate)) == 2
     with pytest.raises(InvalidParameter, match='overflow'):
         find_extrema(FourBar(*PAPER), RATES, rate)

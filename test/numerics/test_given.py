@@ -14,6 +14,7 @@ from fourbar_ros import (
     Bodies,
     Body,
     External,
+    flat_bar,
     FourBar,
     FourBarError,
     InvalidParameter,
@@ -29,9 +30,15 @@ from fourbar_ros.extrema.batch import find_extrema_many
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.mechanisms.four_bar.io_equations import io_equation
 from fourbar_ros.mechanisms.points import point_motion
-from fourbar_ros.mechanisms.quantities import point_acceleration, point_speed, UnknownQuantity
+from fourbar_ros.mechanisms.quantities import (
+    known,
+    point_acceleration,
+    point_speed,
+    UnknownQuantity,
+)
 from fourbar_ros.report.drawing import CannotDraw
 from fourbar_ros.scene.files import SceneError
+from fourbar_ros.transmission import Transmission
 import numpy as np
 import pytest
 
@@ -165,9 +172,18 @@ def test_shapes_that_do_not_fit_are_refused():
 def test_other_functions_refuse_what_is_no_number():
     linkage = with_rods(*KINDS[0])
     for name in ('rate', 'acceleration'):
-        for value in ('1', None, 1j, nan):
+        for value in ('1', None, 1j, nan, 1e160, -1e300):
             with pytest.raises(InvalidParameter, match=f'^{name}'):
-                find_extrema(linkage, ('omega4',), **{name: value})
+                find_extrema(linkage, ('omega4', 'shaking_force'), **{name: value})
+    with pytest.raises(InvalidParameter, match=r'^rate = .* at most 1e\+100'):
+        find_extrema_many(0.4, 1.2, 0.8, 1.0, rate=[1.0, 1e160])
+    with pytest.raises(InvalidParameter, match=r'^start = nan'):
+        Transmission(linkage, nan)
+    with pytest.raises(InvalidParameter, match=r"^driven = 'foo': must be one of crank"):
+        known(linkage, 'foo')
+    for make in (lambda: round_rod(1.0, 1.0, 1e160), lambda: flat_bar(1.0, 1.0, 1e160, 1.0)):
+        with pytest.raises(InvalidParameter, match=r'^length, density, .*1e\+160.* overflows'):
+            make()
     with pytest.raises(InvalidParameter, match='^linkage'):
         find_extrema('linkage')
     with pytest.raises(InvalidParameter, match='^a2'):

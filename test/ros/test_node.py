@@ -235,6 +235,8 @@ def test_find_extrema_refuses_with_a_reason(run_node, client):
     assert answer.result == answer.RESULT_INVALID_REQUEST and 'velocity' in answer.message
     answer = client.call('find_extrema', velocity=math.nan)
     assert answer.result == answer.RESULT_INVALID_REQUEST and 'velocity' in answer.message
+    answer = client.call('find_extrema', velocity=1e160)
+    assert answer.message.startswith('velocity = 1e+160: must be at most 1e+100')
     answer = client.call('find_extrema', velocity=1.0, acceleration=math.inf)
     assert (answer.result == answer.RESULT_INVALID_REQUEST
             and answer.message.startswith('acceleration = inf'))

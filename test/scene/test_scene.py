@@ -148,9 +148,15 @@ def test_what_is_missing_is_named_without_a_value(values, said):
     assert str(caught.value) == said
 
 
+@pytest.mark.parametrize('name', ['drive.speed', 'drive.start_speed'])
+def test_speeds_whose_squares_overflow_are_refused(name):
+    with pytest.raises(InvalidParameter, match=rf'^{name} = -1e\+300: .*-1e\+100, 1e\+100'):
+        scene.from_values({**PAPER, 'drive.source': 'torque', name: -1e300})
+
+
 @pytest.mark.parametrize('values', [{'linkage.a1': 1e300}, {'bodies.rods.radius': 1e160}])
 def test_numbers_that_overflow_are_refused(values):
-    with pytest.raises(InvalidParameter, match='too far apart'):
+    with pytest.raises(InvalidParameter, match='too far apart|^bodies.rods = .* overflows'):
         scene.from_values({'linkage.kind': 'slider_crank', 'linkage.a1': 0.1, 'linkage.a2': 0.3,
                            **RODS,
                            'bodies.output.mass': 1.0, **values})

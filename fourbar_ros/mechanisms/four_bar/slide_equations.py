@@ -29,7 +29,7 @@ from math import cos, sin
 from typing import NamedTuple
 
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.numerics.arrays import Array, Values
+from fourbar_ros.numerics.arrays import Array, EPS, Values
 from fourbar_ros.numerics.given import array, number
 import numpy as np
 
@@ -117,20 +117,27 @@ def equation_of_slides(lengths: Sequence[float | None], slides: Mapping[int, flo
     Raises
     ------
     InvalidParameter
-        Other slides or joints, or the pair 2, 3 of PRRP: theta2 + theta3 is constant there.
+        Other slides or joints, or a pair that has no equation: of PRRP 2, 3, as theta2 + theta3
+        is constant there, and if its slides are parallel all but 1, 4.
 
     """
     if set(slides) not in ({4}, {1, 4}):
         raise InvalidParameter('slides', dict(slides), 'must be at joint 4 (RRRP), or at 1 and 4 '
                                                        '(PRRP)')
     low, high = min(i, j), max(i, j)
-    if not 1 <= low < high <= 4 or (1 in slides and (low, high) == (2, 3)):
+    if len({i, j} & {1, 2, 3, 4}) < 2 or (1 in slides and (low, high) == (2, 3)):
         raise InvalidParameter('pair', (i, j), 'must be two different of the joints 1 to 4, of '
                                                'PRRP not 2 and 3, whose sum is constant')
     y = number('slides[4]', slides[4])
+    if len(lengths) != 4:
+        raise InvalidParameter('lengths', lengths, 'must be four: a1, a2, a3, a4')
     a2, a4 = (number(f'a{n}', lengths[n - 1]) for n in (2, 4))
     if 1 in slides:
-        matrix = _trammel(a2, a4, number('slides[1]', slides[1]), y, (low, high))
+        x = number('slides[1]', slides[1])
+        if (low, high) != (1, 4) and abs(sin(y - x)) <= EPS * max(1.0, abs(x), abs(y)):
+            raise InvalidParameter('slides', dict(slides), 'must not be parallel: the angles are '
+                                   'the same at every slide, so that the pair 1, 4 alone moves')
+        matrix = _trammel(a2, a4, x, y, (low, high))
     else:
         matrix = _slider_crank(number('a1', lengths[0]), a2, a4, y, (low, high))
     kinds = low in slides, high in slides

@@ -4,12 +4,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import isfinite
 from typing import TYPE_CHECKING
 
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.quantities import Asked, select, UnknownQuantity
+from fourbar_ros.numerics.given import rate_of_input
 from fourbar_ros.ros.messages import Message, resolve
 from fourbar_ros.scene.message_fields import mode_number
 from fourbar_ros.scene.scene import Scene
@@ -82,11 +82,10 @@ class Search:
         timer_speed = scene.drive.speed if scene.drive.source == 'timer' else 0.0
         velocity = request.velocity or timer_speed
         modes = _modes(request, linkage)
-        if not isfinite(velocity) or velocity == 0.0:
-            raise _BadRequest(f'velocity = {velocity!r}: must be a finite speed, not zero '
+        if rate_of_input('velocity', velocity) == 0.0:
+            raise _BadRequest(f'velocity = {velocity!r}: must not be zero '
                               '(zero stands for the speed of the timer drive, if there is one)')
-        if not isfinite(request.acceleration):
-            raise _BadRequest(f'acceleration = {request.acceleration!r}: must be a finite number')
+        rate_of_input('acceleration', request.acceleration)
         names = list(dict.fromkeys(request.quantities))
         quantities = select(names, linkage, scene.point_quantities)
         missing = [quantity.name for quantity in quantities

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The input-output equations with slides, against closures of RRRP and PRRP in 60 digits."""
 from itertools import permutations
-from math import pi, radians
+from math import pi, radians, sqrt
 
 from fourbar_ros import InvalidParameter, SliderCrank
 from fourbar_ros.mechanisms.four_bar.io_equations import io_equation
@@ -108,4 +108,18 @@ def test_what_cannot_be_asked_is_refused():
         io_equation(PRRP, 2, 3, {1: radians(30.0), 4: 0.0})
     with pytest.raises(InvalidParameter, match='a1'):
         io_equation(PRRP, 1, 4, {4: 0.0})
+    with pytest.raises(InvalidParameter, match='^lengths = .*four'):
+        io_equation((1.0, 2.0), 1, 4, {4: 0.0})
+    with pytest.raises(InvalidParameter, match='^pair = .*joints 1 to 4'):
+        io_equation(RRRP, 1.5, 4, {4: 0.0})
+
+
+def test_parallel_slides_move_together_and_turn_nothing():
+    slides = {1: 0.5 * pi, 4: -0.5 * pi}
+    for pair in ((1, 2), (2, 1), (1, 3), (2, 4), (4, 3)):
+        with pytest.raises(InvalidParameter, match='^slides = .*parallel'):
+            io_equation((None, 2.0, None, 1.0), *pair, slides)
+    rise = sqrt(2.0**2 - 1.0**2)        # of the coupler between guides 1 apart
+    both = io_equation((None, 2.0, None, 1.0), 1, 4, slides).solve(0.3)
+    assert np.allclose(both, (rise - 0.3, -rise - 0.3), rtol=0.0, atol=16.0 * EPS)
     assert np.isnan(io_equation((0.9, 0.2, None, 0.1), 1, 4, {4: 0.0}).solve(1.5)).all()
