@@ -217,6 +217,28 @@ def test_dropped_messages_leave_a_gap_that_info_counts(tmp_path, monkeypatch):
                 and found.dropped == 7)
 
 
+def test_each_message_of_a_step_that_is_dropped_counts(tmp_path, monkeypatch):
+    writer = open_bag(tmp_path)
+    step = [(0, motion(1)), (1, bags.encode('std_msgs/msg/String', data='x'))]
+    assert writer.write_all(step)
+    monkeypatch.setattr(intake, 'QUEUE_BYTES', 0)
+    assert not writer.write_all(step) and not writer.write_all(step)
+    assert (writer.accepted, writer.dropped) == (2, 4)
+    monkeypatch.undo()
+    found = info(writer.close())
+    assert [topic.missing for topic in found.topics] == [2, 2] and found.dropped == 4
+
+
+def test_sequence_numbers_take_all_32_bits_and_begin_again():
+    queue, taken = intake.Intake(2, print), []
+    queue.given[0] = 2**32 - 2
+    for _ in range(4):
+        assert queue.put([(0, b'data')])
+    queue.drain(lambda _, messages: taken.extend(messages))
+    assert [sequence for _, sequence, _ in taken] == [2**32 - 2, 2**32 - 1, 0, 1]
+    assert {channel for channel, *_ in taken} == {1} and queue.given == [2**32 + 2, 0]
+
+
 @pytest.mark.slow
 def test_a_jointstate_of_a_million_joints_is_recorded_or_dropped_never_fatal(
         tmp_path, monkeypatch):

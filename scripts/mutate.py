@@ -1,0 +1,303 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Plant bugs, one at a time, in a copy of this tree: do the fast tests of their room find them?
+
+python scripts/mutate.py [ROOM ...] [--only TEXT]     in the shell of scripts/env.sh
+
+Prints for each bug whether it was found, by which test, after how many seconds; exit code 3 if one
+survives. A text that is no longer in its file once is named: mend the table.
+"""
+import argparse
+import os
+from pathlib import Path
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from typing import NamedTuple
+
+ROOT = Path(__file__).resolve().parent.parent
+LONGEST = 600.0       # [s] of the tests of a room; what takes longer hangs, so it is found
+
+
+class Bug(NamedTuple):
+    """Text of a file that is replaced by another; ``tests`` of the room that run first."""
+
+    file: str
+    old: str
+    new: str
+    tests: str = ''
+
+
+# {room: (its tests, folder of its files, bugs)}
+ROOMS = {
+    'mechanisms': ('test/mechanics test/numerics test/mechanisms', 'fourbar_ros', [
+        Bug('mechanics/newton_euler.py', 'Needs(link.held + r.normal * alpha - r *',
+            'Needs(link.held + r.normal * alpha + r *', 'test/mechanisms/contract'),
+        Bug('mechanics/newton_euler.py', 'carried.mass * a1 * a1,', 'carried.mass * a1,',
+            'test/mechanisms/contract'),
+        Bug('mechanics/bodies.py', 'mass * (3.0 * radius**2 + length**2) / 12.0',
+            'mass * (radius**2 + length**2) / 12.0',
+            'test/mechanisms/four_bar/test_loads.py'),
+        Bug('mechanics/bodies.py', 'mass * (width**2 + length**2) / 12.0',
+            'mass * (thickness**2 + length**2) / 12.0',
+            'test/mechanisms/four_bar/test_loads.py'),
+        Bug('mechanisms/four_bar/loads.py', 'coupler.moment * m.coupler_ratio                  ',
+            '-coupler.moment * m.coupler_ratio                  ',
+            'test/mechanisms/contract'),
+        Bug('mechanisms/four_bar/motion.py', 'alpha2=at.d_bx * alpha1 + at.dd_b * square',
+            'alpha2=at.d_bx * alpha1 - at.dd_b * square',
+            'test/mechanisms/contract'),
+        Bug('mechanisms/slider_crank/motion.py', 'atan2(fabs(at.cos_b), at.sin_b)',
+            'atan2(fabs(at.cos_b), fabs(at.sin_b))',
+            'test/mechanisms/contract'),
+        Bug('mechanisms/points.py', 'v_x - omega * y, v_y + omega * x',
+            'v_x + omega * y, v_y + omega * x',
+            'test/mechanisms/test_points.py'),
+        Bug('mechanisms/points.py', 'np.pi - np.arctan2(alpha, square)',
+            'np.pi + np.arctan2(alpha, square)',
+            'test/mechanisms/test_points.py'),
+        Bug('mechanisms/machine/solve/loads.py', '(m + x * force.y - y * force.x)',
+            '(m + x * force.y + y * force.x)',
+            'test/mechanisms/machine/test_machine.py'),
+        Bug('numerics/roots.py', 'return np.where(x < 2.0 * pi, x, 0.0)', 'return x',
+            'test/numerics/test_roots.py'),
+    ]),
+    'extrema': ('test/extrema', 'fourbar_ros/extrema', [
+        Bug('find.py', 'one.sense <= 0 and bottom <= low', 'one.sense < 0 and bottom <= low'),
+        Bug('find.py', 'one.side, unit * one.condition', 'one.side, one.condition'),
+        Bug('find.py', 'error = max(one.noise, 4', 'error = max(0.0, 4'),
+        Bug('path_search.py', 'falls = slopes * side > 0.0', 'falls = slopes * side < 0.0'),
+        Bug('path_search.py', 'place / np.abs(curvature), size / np.abs(value)',
+            'place / np.abs(curvature), size'),
+        Bug('path_search.py', '2.0 * size[:, 1]) & (size[:, 1] >',
+            '2.0 * size[:, 1]) | (size[:, 1] >'),
+        Bug('path_search.py', 'if min(span, abs(middle)) > rounding',
+            'if max(span, abs(middle)) > rounding'),
+        Bug('path_search.py', 'steps = [sign * away or size for sign', 'steps = [size for sign'),
+        Bug('path_search.py', 'mirrored = sampler.is_angle & (', 'mirrored = ('),
+        Bug('path_search.py', 'added = *again, exact.values_at(again.x, again.row)',
+            'added = *again, exact.slope(again.x, again.row)'),
+    ]),
+    'dynamics': ('test/dynamics test/generated', 'fourbar_ros', [
+        Bug('dynamics/model/equation.py', 'force + drive - (damping + half_slope * rate) * rate',
+            'force + drive - (damping - half_slope * rate) * rate',
+            'test/dynamics/test_equation.py'),
+        Bug('dynamics/model/equation.py', 'extra * turn * bend', 'extra * bend',
+            'test/dynamics/test_equation.py'),
+        Bug('dynamics/model/equation.py', 'couple * motions[i].omega', 'couple',
+            'test/dynamics/test_equation.py'),
+        Bug('dynamics/model/equation.py', 'energy, size = energy - work,',
+            'energy, size = energy + work,',
+            'test/dynamics/test_equation.py'),
+        Bug('dynamics/model/drives.py', 'self.free_speed / self.gear',
+            'self.free_speed * self.gear',
+            'test/dynamics/test_drives.py'),
+        Bug('dynamics/model/drives.py', 'change_by_speed=-constant / self.inductance',
+            'change_by_speed=constant / self.inductance',
+            'test/dynamics/test_drives.py'),
+        Bug('dynamics/model/elements.py', 'return max(1, round(table.span / tau))', 'return 1',
+            'test/dynamics/test_position_forces.py'),
+        Bug('dynamics/step/mover.py', 'position + twist if self._has_shaft',
+            'position - twist if self._has_shaft',
+            'test/dynamics/test_steps.py'),
+        Bug('dynamics/step/mover.py', 'turns = tau * round((q - course.continuous(q)) / tau)',
+            'turns = 0.0',
+            'test/dynamics/test_steps.py'),
+        Bug('dynamics/step/mover.py', 'OK if is_good else OUT_OF_BUDGET', 'OK',
+            'test/dynamics/test_steps.py'),
+        Bug('generated/statements.py', """f'{"-" * (value < 0)}HUGE_VAL'""", "'HUGE_VAL'",
+            'test/generated/test_c_code.py'),
+        Bug('generated/statements.py', '== 0.0) refused |= DIVISION', '== 0.0) refused |= LIMIT',
+            'test/generated/test_c_code.py'),
+        Bug('generated/statements.py', '{text} ? 1.0 : 0.0', '{text} ? 0.0 : 1.0',
+            'test/generated/test_c_code.py'),
+    ]),
+    'scene': ('test/scene test/pipeline', 'fourbar_ros', [
+        Bug('scene/units.py', "'rpm': pi / 30.0,", "'rpm': pi / 60.0,"),
+        Bug('scene/units.py', "'in': 0.0254", "'in': 0.254"),
+        Bug('scene/units.py', 'return value * DEGREE if value.dimension',
+            'return value if value.dimension'),
+        Bug('scene/forces.py', 'by_value * value for value', 'by_place * value for value',
+            'test/scene/test_forces.py'),
+        Bug('scene/forces.py', 'Way(place, direction=0.5 * pi)', 'Way(place)',
+            'test/scene/test_forces.py'),
+        Bug('scene/dynamics.py', "gear * gear * values['motor.rotor", "gear * values['motor.rotor",
+            'test/scene/test_dynamics.py'),
+        Bug('pipeline/rate_estimator.py', 'self.curvature = 2.0 * self._bend',
+            'self.curvature = self._bend',
+            'test/pipeline/test_rate_estimator.py'),
+        Bug('pipeline/rate_estimator.py', 'tau / abs(ratio)', 'tau * abs(ratio)',
+            'test/pipeline/test_rate_estimator.py'),
+        Bug('pipeline/wrenches.py', '2.0 * new - old for', '1.5 * new - 0.5 * old for',
+            'test/pipeline/test_wrenches.py'),
+        Bug('pipeline/joints.py', '0.0 if i is None else values[i] / s.ratio',
+            '0.0 if i is None else values[i] * s.ratio',
+            'test/pipeline/test_joints.py'),
+        Bug('pipeline/stepper.py',
+            "'clamp' and status == OUT_OF_RANGE", "'clamp' and status != OK"),
+        Bug('pipeline/stepper.py', 'if status in (OK, LOADS_UNKNOWN)', 'if status == OK'),
+        Bug('pipeline/status.py', 'isinf(rate) or isinf(acceleration)', 'isinf(rate)'),
+    ]),
+    'bag': ('test/bag', 'fourbar_ros/bag', [
+        Bug('write/recorder.py', 'sequence & 0xFFFFFFFF', 'sequence & 0x7FFFFFFF',
+            'test/bag/test_recorder.py test/bag/test_faults.py'),
+        Bug('write/recorder.py', 'self.dropped += count', 'self.dropped += 1',
+            'test/bag/test_recorder.py test/bag/test_faults.py'),
+        Bug('write/recorder.py', 'sum(self.given) - recorded', 'sum(self.given)',
+            'test/bag/test_recorder.py test/bag/test_faults.py'),
+        Bug('write/recorder.py', '+ size > QUEUE_BYTES', '> QUEUE_BYTES',
+            'test/bag/test_recorder.py test/bag/test_faults.py'),
+        Bug('comparison/difference.py', '(np.isnan(a) & np.isnan(b))',
+            '(np.isnan(a) | np.isnan(b))',
+            'test/bag/test_recompute.py test/bag/test_rounding.py'),
+        Bug('comparison/difference.py', 'scale = np.maximum(np.nan_to_num(condition)',
+            'scale = np.minimum(np.nan_to_num(condition)',
+            'test/bag/test_recompute.py test/bag/test_rounding.py'),
+        Bug('comparison/recompute.py', '(times <= certain_until) & (times >=',
+            '(times <= certain_until) | (times >=',
+            'test/bag/test_recompute.py test/bag/test_rounding.py'),
+        Bug('comparison/recompute.py', 'self._others.pop(stamp, own)', 'own',
+            'test/bag/test_recorded_before.py'),
+        Bug('comparison/recompute.py', 'np.where(last_good < 0, rows, last_good)', 'rows',
+            'test/bag/test_recompute.py test/bag/test_rounding.py'),
+        Bug('comparison/recompute.py', 'tally.missing + tally.open * is_whole', 'tally.missing',
+            'test/bag/test_recompute.py test/bag/test_rounding.py'),
+        Bug('rosbag2.py', '(firsts[topic][0], nexts[topic][1])',
+            '(nexts[topic][0], nexts[topic][1])',
+            'test/bag/test_split.py'),
+        Bug('rosbag2.py', 'max(ends, default', 'max(starts, default',
+            'test/bag/test_split.py'),
+        Bug('repair.py', 'source.stat().st_size - scan.end)', '0)',
+            'test/bag/test_cuts.py'),
+    ]),
+    'node': ('test/ros/test_node.py test/ros/test_inputs.py test/ros/test_torque.py '
+             'test/ros/test_forces.py test/ros/test_policy.py', 'fourbar_ros/ros/node', [
+        Bug('sequence.py', 'self.lost += number - max(before)', 'self.lost += 1',
+            'test/ros/test_trouble.py'),
+        Bug('topic_drive.py', 'estimate if isnan(acceleration) else acceleration', 'estimate',
+            'test/ros/test_inputs.py test/ros/test_node.py'),
+        Bug('topic_drive.py', 'self.estimator.reset()', 'pass',
+            'test/ros/test_inputs.py test/ros/test_policy.py test/ros/test_node.py'),
+        Bug('topic_drive.py', 'limit and self._waiting and self.age() > limit',
+            'limit and self.age() > limit',
+            'test/ros/test_inputs.py test/ros/test_policy.py test/ros/test_node.py'),
+        Bug('wrenches.py', 'Wrench(force.x, force.y, torque.z)',
+            'Wrench(force.y, force.x, torque.z)',
+            'test/ros/test_forces.py'),
+        Bug('wrenches.py', "frame not in ('', ours)", 'frame != ours', 'test/ros/test_forces.py'),
+        Bug('torque.py', 'wrench.force.x if scene', 'wrench.force.y if scene',
+            'test/ros/test_torque.py'),
+        Bug('torque.py', 'min(max(torque, -limit), limit)', 'min(torque, limit)',
+            'test/ros/test_torque.py'),
+        Bug('drives.py', '        self._angle += settings.speed * elapsed', '        pass',
+            'test/ros/test_node.py test/ros/test_policy.py'),
+        Bug('drives.py', '(self._last - self._began) * 1e-9', '(self._last - self._began) * 1e-6',
+            'test/ros/test_node.py test/ros/test_policy.py'),
+        Bug('transforms.py', 'sin(0.5 * angle), cos(0.5 * angle)', 'sin(angle), cos(angle)',
+            'test/ros/test_pictures.py'),
+        Bug('topic_drive.py', 'now + round(FUTURE * 1e9)', 'now + round(1e3 * FUTURE * 1e9)',
+            'test/ros/test_inputs.py test/ros/test_trouble.py'),
+    ]),
+    'lab': ('test/studies test/balancing test/reproduction test/live/test_model.py',
+            'fourbar_lab', [
+        Bug('studies/measures.py', 'np.minimum(self.min, pi - self.max)',
+            'np.minimum(self.min, self.max)',
+            'test/studies/test_measures.py'),
+        Bug('studies/measures.py', 'slow / fast, nan)', 'fast / slow, nan)',
+            'test/studies/test_measures.py'),
+        Bug('studies/measures.py', 'np.where(np.equal(self.extrema, 0), tau, span)', 'span',
+            'test/studies/test_measures.py'),
+        Bug('studies/variation.py', 'centre + size * (2.0 * p - 1.0)', 'centre + size * (p - 0.5)',
+            'test/studies/test_study.py'),
+        Bug('studies/variation.py', 'generator.advance(start * blocks)',
+            'generator.advance(start)',
+            'test/studies/test_study.py'),
+        Bug('studies/tolerance_analysis.py', 'abs(one.by[tolerance.name]) * tolerance.size',
+            'one.by[tolerance.name] * tolerance.size',
+            'test/studies/test_tolerances.py'),
+        Bug('studies/tolerance_analysis.py', 'DEVIATIONS * high', 'high',
+            'test/studies/test_tolerances.py'),
+        Bug('balancing/rms.py', 'm * (x * x + y * y)', 'm * x * x',
+            'test/balancing/test_balancing.py'),
+        Bug('balancing/rms.py', 'r * side + by_inertia * r * r', 'r * side - by_inertia * r * r',
+            'test/balancing/test_balancing.py'),
+        Bug('balancing/rms.py', 'one.mass * a + other.mass * b', 'one.mass * b + other.mass * a',
+            'test/balancing/test_balancing.py'),
+        Bug('reproduction/statements.py', 'motion.alpha4 + mirrored.alpha4',
+            'motion.alpha4 - mirrored.alpha4',
+            'test/reproduction'),
+        Bug('live/model.py', 'same += [angle, angle - tau, angle + tau]', 'same += [angle]',
+            'test/live/test_model.py'),
+    ]),
+}
+
+
+def copied(folder):
+    """Copy the files that git knows, as they are now; return the copy."""
+    names = subprocess.run(['git', 'ls-files', '-z'], cwd=ROOT, check=True, capture_output=True,
+                           text=True).stdout.split('\0')
+    for name in filter(None, names):
+        if (ROOT / name).is_file():
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy2(ROOT / name, folder / name)
+    return folder
+
+
+def tested(copy, tests):
+    """Return the name of the first fast test that fails, '' if none does."""
+    environment = {**os.environ, 'OPENBLAS_NUM_THREADS': '1', 'PYTHONPATH':
+                   os.pathsep.join([str(copy), os.environ.get('PYTHONPATH', '')])}
+    run = [sys.executable, '-m', 'pytest', *tests.split(), '-x', '-q', '-m', 'not slow']
+    with subprocess.Popen(run, cwd=copy, env=environment, stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT, text=True, start_new_session=True) as process:
+        try:
+            out, _ = process.communicate(timeout=LONGEST)
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, 9)
+            return f'hangs, more than {LONGEST:g} s'
+    named = re.search(r'^(?:FAILED|ERROR) (\S+)', out, re.M)
+    assert process.returncode in (0, 1, 2), out
+    return (named[1] if named else out[-300:]) if process.returncode else ''
+
+
+def main():
+    """Plant the bugs that are asked for; return the exit code."""
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument('rooms', nargs='*', metavar='ROOM', help=', '.join(ROOMS))
+    parser.add_argument('--only', default='', metavar='TEXT', help='bugs whose old text has TEXT')
+    asked = parser.parse_args()
+    if unknown := set(asked.rooms) - set(ROOMS):
+        parser.error(f'{", ".join(unknown)}: must be of {", ".join(ROOMS)}')
+    survived = 0
+    with tempfile.TemporaryDirectory() as folder:
+        copy = copied(Path(folder) / 'tree')
+        for room in asked.rooms or ROOMS:
+            tests, place, bugs = ROOMS[room]
+            for bug in bugs:
+                if asked.only not in bug.old:
+                    continue
+                file = copy / place / bug.file
+                text = file.read_text(encoding='utf-8')
+                if text.count(bug.old) != 1:
+                    print(f'{room}: {bug.file}: not there once: {bug.old}', flush=True)
+                    survived += 1
+                    continue
+                file.write_text(text.replace(bug.old, bug.new), encoding='utf-8')
+                began = time.monotonic()
+                by = bug.tests and tested(copy, bug.tests) or tested(copy, tests)
+                file.write_text(text, encoding='utf-8')
+                print(f'{room}: {bug.file}: {bug.new.strip()}: '
+                      f'{"found by " + by if by else "SURVIVED"}, '
+                      f'{time.monotonic() - began:.0f} s', flush=True)
+                survived += not by
+    print(f'{survived} survived')
+    return 3 if survived else 0
+
+
+if __name__ == '__main__':
+    sys.exit(main())
