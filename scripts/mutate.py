@@ -36,24 +36,25 @@ class Bug(NamedTuple):
 ROOMS = {
     'mechanisms': ('test/mechanics test/numerics test/mechanisms', 'fourbar_ros', [
         Bug('mechanics/newton_euler.py', 'Needs(link.held + r.normal * alpha - r *',
-            'Needs(link.held + r.normal * alpha + r *', 'test/mechanisms/contract'),
+            'Needs(link.held + r.normal * alpha + r *',
+            'test/mechanisms/contract/test_accuracy.py'),
         Bug('mechanics/newton_euler.py', 'carried.mass * a1 * a1,', 'carried.mass * a1,',
-            'test/mechanisms/contract'),
+            'test/mechanisms/contract/test_accuracy.py'),
         Bug('mechanics/bodies.py', 'mass * (3.0 * radius**2 + length**2) / 12.0',
             'mass * (radius**2 + length**2) / 12.0',
-            'test/mechanisms/four_bar/test_loads.py'),
+            'test/mechanics/test_bodies.py'),
         Bug('mechanics/bodies.py', 'mass * (width**2 + length**2) / 12.0',
             'mass * (thickness**2 + length**2) / 12.0',
-            'test/mechanisms/four_bar/test_loads.py'),
+            'test/mechanics/test_bodies.py'),
         Bug('mechanisms/four_bar/loads.py', 'coupler.moment * m.coupler_ratio                  ',
             '-coupler.moment * m.coupler_ratio                  ',
-            'test/mechanisms/contract'),
+            'test/mechanisms/contract/test_accuracy.py'),
         Bug('mechanisms/four_bar/motion.py', 'alpha2=at.d_bx * alpha1 + at.dd_b * square',
             'alpha2=at.d_bx * alpha1 - at.dd_b * square',
-            'test/mechanisms/contract'),
+            'test/mechanisms/contract/test_accuracy.py'),
         Bug('mechanisms/slider_crank/motion.py', 'atan2(fabs(at.cos_b), at.sin_b)',
             'atan2(fabs(at.cos_b), fabs(at.sin_b))',
-            'test/mechanisms/contract'),
+            'test/mechanisms/slider_crank'),
         Bug('mechanisms/points.py', 'v_x - omega * y, v_y + omega * x',
             'v_x + omega * y, v_y + omega * x',
             'test/mechanisms/test_points.py'),
@@ -117,10 +118,13 @@ ROOMS = {
             'test/generated/test_c_code.py'),
     ]),
     'scene': ('test/scene test/pipeline', 'fourbar_ros', [
-        Bug('scene/units.py', "'rpm': pi / 30.0,", "'rpm': pi / 60.0,"),
-        Bug('scene/units.py', "'in': 0.0254", "'in': 0.254"),
+        Bug('scene/units.py', "'rpm': pi / 30.0,", "'rpm': pi / 60.0,",
+            'test/scene/test_units.py'),
+        Bug('scene/units.py', "'in': 0.0254", "'in': 0.254",
+            'test/scene/test_units.py'),
         Bug('scene/units.py', 'return value * DEGREE if value.dimension',
-            'return value if value.dimension'),
+            'return value if value.dimension',
+            'test/scene/test_units.py'),
         Bug('scene/forces.py', 'by_value * value for value', 'by_place * value for value',
             'test/scene/test_forces.py'),
         Bug('scene/forces.py', 'Way(place, direction=0.5 * pi)', 'Way(place)',
@@ -138,9 +142,12 @@ ROOMS = {
             '0.0 if i is None else values[i] * s.ratio',
             'test/pipeline/test_joints.py'),
         Bug('pipeline/stepper.py',
-            "'clamp' and status == OUT_OF_RANGE", "'clamp' and status != OK"),
-        Bug('pipeline/stepper.py', 'if status in (OK, LOADS_UNKNOWN)', 'if status == OK'),
-        Bug('pipeline/status.py', 'isinf(rate) or isinf(acceleration)', 'isinf(rate)'),
+            "'clamp' and status == OUT_OF_RANGE", "'clamp' and status != OK",
+            'test/pipeline/test_stepper.py'),
+        Bug('pipeline/stepper.py', 'if status in (OK, LOADS_UNKNOWN)', 'if status == OK',
+            'test/pipeline/test_stepper.py'),
+        Bug('pipeline/status.py', 'isinf(rate) or isinf(acceleration)', 'isinf(rate)',
+            'test/pipeline/test_stepper.py'),
     ]),
     'bag': ('test/bag', 'fourbar_ros/bag', [
         Bug('write/recorder.py', 'sequence & 0xFFFFFFFF', 'sequence & 0x7FFFFFFF',
@@ -237,9 +244,9 @@ ROOMS = {
 
 
 def copied(folder):
-    """Copy the files that git knows, as they are now; return the copy."""
-    names = subprocess.run(['git', 'ls-files', '-z'], cwd=ROOT, check=True, capture_output=True,
-                           text=True).stdout.split('\0')
+    """Copy the files that git does not ignore, as they are now; return the copy."""
+    names = subprocess.run(['git', 'ls-files', '-coz', '--exclude-standard'], cwd=ROOT,
+                           check=True, capture_output=True, text=True).stdout.split('\0')
     for name in filter(None, names):
         if (ROOT / name).is_file():
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
@@ -259,7 +266,7 @@ def tested(copy, tests):
         except subprocess.TimeoutExpired:
             os.killpg(process.pid, 9)
             return f'hangs, more than {LONGEST:g} s'
-    named = re.search(r'^(?:FAILED|ERROR) (\S+)', out, re.M)
+    named = re.search(r'^(?:FAILED|ERROR) (.*?)(?: - |$)', out, re.M)
     assert process.returncode in (0, 1, 2), out
     return (named[1] if named else out[-300:]) if process.returncode else ''
 

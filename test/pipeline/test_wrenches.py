@@ -10,7 +10,7 @@ import random
 
 from fourbar_ros.pipeline.status import LOADS_UNKNOWN, OK, OUT_OF_RANGE
 from fourbar_ros.pipeline.stepper import Stepper
-from fourbar_ros.pipeline.wrenches import constant, in_silence, UNKNOWN, Wrench
+from fourbar_ros.pipeline.wrenches import a_step_later, constant, in_silence, UNKNOWN, Wrench
 from fourbar_ros.scene import scene as scenes
 import pytest
 from support.scenes import PAPER, ROCKER, RODS
@@ -117,6 +117,14 @@ def test_the_wrench_on_a_sliding_drive_is_minus_its_force_along_the_slide(given,
 
 CONSTANTS = {'external.output.force_x': 4.0, 'external.output.couple': -2.0}
 LAST = Wrench(1.0, 2.0, 3.0)
+
+
+def test_a_step_later_goes_on_along_a_line():
+    before, last = Wrench(1.0, -4.0, 0.5), Wrench(3.0, -4.5, 0.25)
+    assert a_step_later(last, before) == Wrench(5.0, -5.0, 0.0)
+    assert a_step_later(last, None) == last
+    assert a_step_later(last, UNKNOWN) == last
+    assert a_step_later(Wrench(1e308, 0.0, 0.0), Wrench(-1e308, 0.0, 0.0)).force_x == 1e308
 
 
 @pytest.mark.parametrize('policy, last, expected', [

@@ -4,6 +4,8 @@
 import json
 from math import pi, radians
 
+from fourbar_ros import Applied, point_motion
+from fourbar_ros.dynamics import loads_with
 from fourbar_ros.dynamics.model.elements import LinkAngle, PositionForce, Way
 from fourbar_ros.dynamics.model.terms import make_push
 from fourbar_ros.errors import FourBarError, InvalidParameter
@@ -138,6 +140,25 @@ def test_a_force_is_over_a_coordinate_or_a_point(over, kind):
               'forces.push.values': [5.0, 80.0, -30.0, 5.0]}
     force, = scene.from_values(values).forces
     assert isinstance(force.over, kind)
+
+
+@pytest.mark.parametrize('axis', ['x', 'y'])
+def test_a_force_over_a_point_is_that_at_its_coordinate(axis):
+    """A table that is a straight line, 100 N/m: the force is 100 times the coordinate."""
+    there = scene.from_values({
+        **PUSHED, 'points.tip.link': 'coupler', 'points.tip.along': 0.6, 'points.tip.across': 0.2,
+        'forces.push.over': f'tip.{axis}', 'forces.push.periodic': False,
+        'forces.push.interpolation': 'linear', 'forces.push.places': [-9.0, 9.0],
+        'forces.push.values': [-900.0, 900.0]})
+    plain, push = there.linkage, there.values
+    for q in (0.3, 2.0, 4.4):
+        at = getattr(point_motion(plain, plain.motion(q), 'coupler', 0.6, 0.2), axis)
+        force = Applied(0.0, 100.0 * at, push['forces.push.along'], push['forces.push.across'])
+        loaded = plain.with_external(plain.external._replace(output=force))
+        found = loads_with(plain, there.forces, q, 2.0, 3.0)
+        expected = loaded.loads(q, 2.0, 3.0)
+        for name, value in expected._asdict().items():
+            assert getattr(found, name) == pytest.approx(value, rel=1e-11, abs=1e-9), name
 
 
 def test_units_are_converted_once():
