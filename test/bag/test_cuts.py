@@ -86,6 +86,20 @@ def test_random_cuts_each_leave_an_exact_prefix_that_recover_makes_whole(whole, 
     assert len(set(lengths)) > count // 4
 
 
+def test_what_is_lost_is_the_record_that_was_cut(whole, tmp_path):
+    """An MCAP record is an opcode of one byte, its length in eight, and so many bytes."""
+    data, at, starts = (whole / 'run_0.mcap').read_bytes(), 8, []
+    while data[at] != Opcode.DATA_END:
+        starts.append(at)
+        at += 9 + int.from_bytes(data[at + 1:at + 9], 'little')
+    chunks = [start for start in starts if data[start] == Opcode.CHUNK]
+    for start, rest in ((chunks[2], 0), (chunks[4], 5), (chunks[5], 25)):   # before its messages
+        (tmp_path / 'cut_0.mcap').write_bytes(data[:start + rest])
+        recovered = recover(tmp_path / 'cut_0.mcap')
+        assert recovered.lost == rest and not recovered.was_whole
+        shutil.rmtree(recovered.path)
+
+
 def test_a_recovered_bag_keeps_what_the_recorder_noted(whole, tmp_path):
     (tmp_path / 'run_0.mcap').write_bytes((whole / 'run_0.mcap').read_bytes()[:20_000])
     recovered = recover(tmp_path / 'run_0.mcap')

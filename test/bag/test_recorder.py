@@ -229,6 +229,19 @@ def test_each_message_of_a_step_that_is_dropped_counts(tmp_path, monkeypatch):
     assert [topic.missing for topic in found.topics] == [2, 2] and found.dropped == 4
 
 
+def test_a_message_that_would_be_more_than_the_queue_may_hold_is_dropped(monkeypatch):
+    monkeypatch.setattr(intake, 'QUEUE_BYTES', 10)
+    told = []
+    queue = intake.Intake(1, lambda: told.append('dropped'))
+    assert not queue.put([(0, b'x' * 11)]) and queue.put([(0, b'x' * 10)])
+    assert not queue.put([(0, b'x')]) and not queue.put([(0, b'x')])
+    queue.drain(lambda *_: None)
+    assert queue.put([(0, b'x' * 4), (0, b'x' * 6)])
+    assert (queue.accepted, queue.dropped, queue.waiting, told) == (3, 3, 2, ['dropped'])
+    queue.count(2)                      # the disk took two of the six that were given
+    assert (queue.accepted, queue.dropped) == (2, 4)
+
+
 def test_sequence_numbers_take_all_32_bits_and_begin_again():
     queue, taken = intake.Intake(2, print), []
     queue.given[0] = 2**32 - 2

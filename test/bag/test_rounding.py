@@ -82,6 +82,21 @@ def test_the_bound_is_that_of_each_value_not_of_the_largest(bag, tmp_path, sizes
     assert compare(path).is_rounding is is_rounding
 
 
+def test_values_that_are_held_have_the_condition_of_the_motion_they_are_of(tmp_path):
+    values = {**FULL, 'linkage.a1': 1.2, 'linkage.a2': 0.4, 'drive.out_of_range': 'hold'}
+    scene = from_values(values)
+    low, high = scene.linkage.input_ranges[-1]
+    good = high - 0.02, 2.0, 3.0
+    path = bags.run(tmp_path, 'held', values, [good] * 4 + [(high + 0.1, 2.0, 3.0)] * 4)
+    condition = Condition(scene, {}).of(np.array(good).reshape(3, 1))
+    at = scene.layout.place['shaking_moment']
+    value = scene.linkage.loads(*good).shaking_moment
+    assert condition[at, 0] > 2.0 * abs(value)           # else the value's own size would do
+    path = changed(path, tmp_path, 'changed', '/fourbar/loads', 'shaking_moment',
+                   lambda value, k: value + 0.9 * LIMIT * EPS * condition[at, 0] * (k == 6))
+    assert compare(path).is_rounding
+
+
 def test_a_real_difference_is_named_also_beside_rounding(bag, tmp_path, capsys):
     path = changed(bag, tmp_path, 'one', '/fourbar/loads', 'f32',
                    lambda value, k: value * (1.0 + EPS))

@@ -306,6 +306,18 @@ def test_counterweights_are_no_nearer_than_a_workshop_can_tell(name, group, mass
         assert np.allclose(found.numbers, loads.given + added, rtol=8 * EPS, atol=0.0)
 
 
+def test_two_neighbours_become_one_at_their_centre_of_mass():
+    places = places_of(loads_of('paper'), ['output'], 0.6)
+    near, far = 0.3 + 1e-4, 0.5
+    weights = [Counterweight('output', 1.0, 0.3, 0.1), Counterweight('output', 3.0, near, 0.1),
+               Counterweight('output', 2.0, far, 0.1)]
+    one, other = places.united(weights, lambda numbers: 0.0, 0.0)
+    assert (one.mass, other) == (4.0, weights[2])
+    assert one.along == pytest.approx(0.3 + 0.75e-4, abs=4 * EPS)
+    assert one.across == pytest.approx(0.1, abs=4 * EPS)
+    assert len(places.united(weights, lambda numbers: 1.0, 0.5)) == 3      # it would be worse
+
+
 def test_the_command_shows_no_rounding(capsys):
     for arguments in ([], ['--minimize', 'moment', '--mass', '3']):
         assert main(['balance', 'paper', *arguments]) == 0

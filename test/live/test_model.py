@@ -252,6 +252,15 @@ def test_an_angle_is_the_same_after_any_number_of_turns(name):
             0.5 * (low + high), abs=64 * EPS * 30)
 
 
+def test_an_angle_below_a_range_beyond_half_a_turn_is_found_a_turn_later():
+    evans = shown_of('evans')
+    low, high = evans.ranges[0]
+    assert low < pi < high - 1.0                     # 2.33 to 7.44
+    for angle in (0.5, 0.9, 3.0, -1.0):
+        later = angle if angle > low else angle + 2.0 * pi
+        assert evans.nearest_input(angle) == pytest.approx(later, abs=16 * EPS)
+
+
 def test_a_node_that_turns_on_and_on_moves_the_page():
     found, latest = shown_of('paper'), [(0.0, 25.0, 0.0)]
     playback = NodePlayback(found, lambda: latest[0])
