@@ -12,8 +12,12 @@ from fourbar_ros.extrema.sampling import not_real, Sampler, State
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.quantities import Asked
 from fourbar_ros.numerics.arrays import Array, EPS
+from fourbar_ros.numerics.number_types import ARRAY
 import numpy as np
 
+# Relative steps of a length, for conditions: at most the first; a part of the distance to the next
+# change point, where everything changes; but never lost in rounding.
+MOST_CHANGE, PART, LEAST_CHANGE = 2.0**-26, 2.0**-10, 2.0**-46
 # Step of real differences of fourth order, in samples: their error is about as large as rounding.
 DIFFERENCE = 2.0**-6
 
@@ -28,7 +32,7 @@ class DifferenceSampler(Sampler):
 
     def of(self, linkage: Mechanism) -> DifferenceSampler:
         """Return a sampler of the same quantities and steps for another linkage."""
-        other = DifferenceSampler(linkage, self.quantities, self.rates, self.takes_columns)
+        other = DifferenceSampler(linkage, self.quantities, self.rates)
         other._x = self._x
         return other
 
@@ -75,6 +79,23 @@ class DifferenceSampler(Sampler):
         value, *around = np.split(self.values(points)[np.tile(row, 5), ...,
                                                       np.arange(5 * row.size)], 5)
         return value, (8.0 * (around[0] - around[1]) - (around[2] - around[3])) / (12.0 * h.T)
+
+    def by_lengths(self, x: Array, row: Array) -> Array:
+        """
+        Return the derivatives by the logarithms of lengths, (n, lengths), by differences.
+
+        Their steps are parts of the distances to a change point and to lengths that cannot close,
+        which a range of the input narrows as the root of; NaN where even so nothing closes.
+        """
+        linkage, count = self.linkage, len(self.linkage.lengths)
+        width = min([1.0, *((high - low) / self.unit for low, high in linkage.closing_ranges)])
+        step = max(LEAST_CHANGE, min(MOST_CHANGE, PART * linkage.change_point_margin,
+                                     PART * width * width))
+        around = np.array(linkage.lengths)[:, None] * (
+            1.0 + step * np.eye(count)[:, [*range(count)] * 2] * np.repeat((1.0, -1.0), count))
+        values = self._with(around[..., None], ARRAY).values(np.tile(x, (2 * count, 1)))
+        up, down = np.split(values[row, ..., np.arange(row.size)], 2, axis=1)
+        return np.asarray(self.same_turn(0.0 * up, up - down, row[:, None]) / (2.0 * step))
 
     def polish(self, x: Array, row: Array, sense: Array) -> Array:
         """

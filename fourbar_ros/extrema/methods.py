@@ -85,8 +85,7 @@ class Methods:
                 for kind, group in ((Sampler, smooth), (DifferenceSampler, rough)) if group]
 
     def _sampler(self, kind: type[Sampler], rows: list[int]) -> Sampler:
-        return kind(self._linkage, [self._quantities[row] for row in rows], self._rates,
-                    self._is_four_bar)
+        return kind(self._linkage, [self._quantities[row] for row in rows], self._rates)
 
     def _has_complex_step(self, quantity: Asked) -> bool:
         """
@@ -97,7 +96,7 @@ class Methods:
         path = self.paths()[0]
         part = slice(path.first, path.last, TRIAL)
         x, step = path.x[part], 2.0**-10 * np.gradient(path.x)[part]
-        sampler = Sampler(self._linkage, (quantity,), self._rates, self._is_four_bar)
+        sampler = Sampler(self._linkage, (quantity,), self._rates)
         try:
             values, slopes = sampler.sample(x)
             differences = (sampler.values(x + step) - sampler.values(x - step)) / (2.0 * step)

@@ -21,7 +21,6 @@ from fourbar_ros.extrema.difference_sampling import DifferenceSampler
 from fourbar_ros.extrema.digit_sampling import DigitSampler
 from fourbar_ros.extrema.input_paths import End, InputPath
 from fourbar_ros.extrema.sampling import Sampler, Samples
-from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.numerics.arrays import Array, EPS
 from fourbar_ros.numerics.newton import newton_roots, SMALL
 from fourbar_ros.numerics.roots import find_brackets, rises
@@ -41,10 +40,7 @@ KINK = 2.0**-12
 DOUBTFUL = 1e-9
 # The samples from which it is extrapolated, from the end on: some 1e-5 to 1e-4 of the range.
 NEAREST = slice(4, 8)
-# Relative steps of a length, for conditions: at most the first; a part of the distance to the next
-# change point, where everything changes; but never lost in rounding.
-MOST_CHANGE, PART, LEAST_CHANGE = 2.0**-26, 2.0**-10, 2.0**-46
-# Step in theta1 for the curvature, in distances of samples.
+# Step in theta1 for the curvature, in distances of samples, at least.
 TURN = 2.0**-12
 
 
@@ -411,39 +407,18 @@ def _continued(sampler: Sampler, here: Array, beyond: Array) -> tuple[Array, Arr
     return np.where(goes_on, bounded, one_sided), goes_on
 
 
-def perturbed_lengths(mechanism: Mechanism) -> tuple[list[float], list[tuple[float, ...]]]:
-    """
-    Return a relative step for each length, and for each all lengths with that one changed.
-
-    Steps lead away from the nearest change point, across which everything changes.
-    """
-    size = min(MOST_CHANGE, max(LEAST_CHANGE, PART * mechanism.change_point_margin))
-    signs, margin = min(zip(mechanism.MARGIN_SIGNS, mechanism.margins),
-                        key=lambda pair: abs(pair[1]),
-                        default=((1,) * len(mechanism.lengths), 0.0))
-    away = size if margin >= 0.0 else -size
-    steps = [sign * away or size for sign in signs]
-    lengths = mechanism.lengths
-    return steps, [(*lengths[:i], length * (1.0 + step), *lengths[i + 1:])
-                   for i, (step, length) in enumerate(zip(steps, lengths))]
-
-
 def sampled_conditions(sampler: Sampler, x: Array, row: Array,
                        spacing: Array) -> tuple[Array, Array]:
     """
     Return the conditions of the place and of the relative value of n extrema, each (n,).
 
-    They come from differences over a small change of each length: see the top of this file. ``x``:
-    places of the extrema; ``row``: their quantities; ``spacing``: distance of samples there.
+    They come from derivatives by the lengths beside each: see the top of this file. ``x``: places
+    of the extrema; ``row``: their quantities; ``spacing``: distance of samples there.
     """
-    turn = TURN * spacing
-    value, slope = sampler.at(np.concatenate((x, x + turn)), np.tile(row, 2))
-    curvature = (slope[x.size:] - slope[:x.size]) / turn
-    steps, lengths = perturbed_lengths(sampler.linkage)
-    value, slope = value[:x.size], slope[:x.size]
-    values, slopes = sampler.with_lengths(lengths, x, row)
-    values = sampler.same_turn(value[:, None], values, row[:, None])
-    size, place = ((np.abs(there - here[:, None]) / np.abs(steps)).sum(axis=1)
-                   for here, there in ((value, values), (slope, slopes)))
+    turn = max(TURN, 4.0 * sampler.TURN) * spacing    # differences reach half as far
+    around, rows = np.concatenate((x - turn, x, x + turn)), np.tile(row, 3)
+    (_, value, _), (before, _, after) = (np.split(part, 3) for part in sampler.at(around, rows))
+    by = np.split(sampler.by_lengths(around, rows), 3)
     with np.errstate(divide='ignore', invalid='ignore'):
-        return place / np.abs(curvature), size / np.abs(value)
+        return (np.abs(by[2] - by[0]).sum(axis=1) / np.abs(after - before),
+                np.abs(by[1]).sum(axis=1) / np.abs(value))

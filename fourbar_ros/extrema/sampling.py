@@ -10,12 +10,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from copy import copy
 from math import pi
-from typing import ClassVar, NamedTuple, Union
+from typing import Any, ClassVar, NamedTuple, Union
 
 from fourbar_ros.errors import InvalidParameter, MissingBodies
 from fourbar_ros.extrema.flat_positions import flat_sides, FlatSide, REACH
 from fourbar_ros.extrema.input_paths import InputPath
-from fourbar_ros.mechanisms.contract import Constants
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields, NoLoads, Quantity
 from fourbar_ros.mechanisms.quantities import Asked, is_position, is_published
@@ -79,9 +78,8 @@ class Sampler:
     to the flat positions at the ends of the path that was given to :meth:`enter` motion and loads
     come from series, see :mod:`fourbar_ros.extrema.flat_positions`.
 
-    ``rates``: rate and acceleration of the input. ``takes_columns``: the formulas of this kind of
-    mechanism take columns of lengths, many linkages at once. Raises MissingBodies if a quantity
-    needs loads and the linkage has no masses.
+    ``rates``: rate and acceleration of the input. Raises MissingBodies if a quantity needs loads
+    and the linkage has no masses.
     """
 
     IS_COMPLEX: ClassVar[bool] = True   # the steps by which quantities are differentiated
@@ -89,11 +87,10 @@ class Sampler:
     TURN: ClassVar[float] = 2.0**-24
     exact: Sampler | None = None    # the same in many digits, once that was needed
 
-    def __init__(self, linkage: Mechanism, quantities: Sequence[Asked], rates: tuple[float, float],
-                 takes_columns: bool = False) -> None:
+    def __init__(self, linkage: Mechanism, quantities: Sequence[Asked],
+                 rates: tuple[float, float]) -> None:
         """Make the formulas of motion and loads for real and for complex arrays."""
         self.linkage, self.quantities, self.rates = linkage, quantities, rates
-        self.takes_columns = takes_columns
         self.with_angles = with_angles = any(map(needs_angles, quantities))
         self.needs_loads = any(q.is_load for q in quantities)
         if self.needs_loads and linkage.bodies is None:
@@ -114,7 +111,7 @@ class Sampler:
 
     def of(self, linkage: Mechanism) -> Sampler:
         """Return a sampler of the same quantities for another linkage."""
-        return type(self)(linkage, self.quantities, self.rates, self.takes_columns)
+        return type(self)(linkage, self.quantities, self.rates)
 
     def only(self, row: int) -> Sampler:
         """Return a sampler of one of the quantities, with the formulas made already."""
@@ -157,29 +154,25 @@ class Sampler:
             return np.where(self.is_angle[row] & (turns != 0.0), values + 2.0 * pi * turns,
                             values)
 
-    def with_lengths(self, lengths: Sequence[tuple[float, ...]], x: Array,
-                     row: Array) -> Sequence[Array]:
+    def by_lengths(self, x: Array, row: Array) -> Array:
         """
-        Return values and derivatives for mechanisms of other lengths, shapes (n, mechanisms).
+        Return by how much quantity ``row[i]`` at x[i] changes with relative changes of lengths.
 
-        Conditions need them. Four-bars are computed at once, lengths as columns, others one by
-        one. None is a change point, so no series are needed.
+        Shape (n, lengths): its derivatives by the logarithms of lengths. No series are used at
+        change points.
         """
-        numbers = self._complex if self.IS_COMPLEX else ARRAY
-        others = [self.linkage.with_lengths(changed) for changed in lengths]
-        if not self.takes_columns:
-            return [np.stack(parts, axis=1) for parts in zip(*(
-                self._by(other, other.constants, numbers).at(x, row) for other in others))]
-        constants = others[0].constants._replace(lengths=tuple([np.array(column)[:, None]
-                                                                for column in zip(*lengths)]))
-        return self._by(self.linkage, constants, columns_of(numbers)).at(
-            np.tile(x, (len(lengths), 1)), row)
+        lengths = np.array(self.linkage.lengths)
+        columns = lengths[:, None, None] * (1.0 + 1j * STEP * np.eye(lengths.size)[..., None])
+        found: Array = self._with(columns, self._complex).values(
+            np.tile(x + 0.0j, (lengths.size, 1)))[row, ..., np.arange(row.size)].imag / STEP
+        return found
 
-    def _by(self, linkage: Mechanism, constants: Constants, numbers: NumberType) -> Sampler:
-        """Return a copy that evaluates the formulas of a linkage with other constants."""
-        other = copy(self)
-        motion = linkage.motion_formula(numbers, constants)
-        loads = self._functions[1][0] and linkage.loads_formula(numbers, constants)
+    def _with(self, lengths: Sequence[Any], numbers: NumberType) -> Sampler:
+        """Return a copy for other lengths, columns (n, 1), and for inputs of shape (n, ...)."""
+        other, constants = copy(self), self.linkage.constants_of(lengths, numbers.hypot)
+        numbers = columns_of(numbers)
+        motion = self.linkage.motion_formula(numbers, constants)
+        loads = self._functions[1][0] and self.linkage.loads_formula(numbers, constants)
         other.flats, other._functions = {}, ((motion,) * 2, (loads,) * 2)
         return other
 

@@ -20,7 +20,7 @@ from typing import Any, NoReturn, overload, Protocol, TypeVar
 from fourbar_ros.errors import FourBarError, InvalidParameter, MissingBodies, OutOfRange, Toggle
 from fourbar_ros.mechanics.bodies import External
 from fourbar_ros.mechanisms.checks import checked, checked_stroke
-from fourbar_ros.mechanisms.contract import Described, of_geometry, OPEN
+from fourbar_ros.mechanisms.contract import Constants, Described, of_geometry, OPEN
 from fourbar_ros.mechanisms.evaluation import (
     evaluate,
     line_of,
@@ -120,6 +120,10 @@ class Formulas(Described):
     def with_lengths(self: _Self, lengths: Sequence[float]) -> _Self:
         """Return the same mechanism with other :attr:`lengths`."""
         return replace(self, **dict(zip(self.length_names, lengths)))
+
+    def constants_of(self, lengths: Sequence[Scalar], _hypot: Function) -> Constants:
+        """Return its :attr:`constants` with other lengths, of any numbers."""
+        return self.constants._replace(lengths=tuple(lengths))
 
     def with_external(self: _Self, external: External) -> _Self:
         """

@@ -179,13 +179,21 @@ def _exact_sum_of_columns(columns: Sequence[Array]) -> Array:
     return np.array([[math.fsum(row)] for row in rows])
 
 
+def _exact_sum_of_complex_columns(columns: Sequence[Array]) -> Array:
+    columns = np.broadcast_arrays(*columns)
+    steps = np.sum([column.imag for column in columns], axis=0)
+    return np.asarray(_exact_sum_of_columns([column.real for column in columns]) + 1j * steps)
+
+
 def power_of_two_of_arrays(*lengths: Array) -> Array:
     """Return the same as :func:`power_of_two` for arrays of lengths, element by element."""
     return np.asarray(np.ldexp(1.0, np.frexp(reduce(np.maximum, map(np.abs, lengths)))[1]))
 
 
 _COLUMNS = {numbers: replace(numbers, name=f'columns of {numbers.name}',
-                             exact_sum=_exact_sum_of_columns, power_of_two=power_of_two_of_arrays)
+                             exact_sum=_exact_sum_of_columns if numbers is ARRAY
+                             else _exact_sum_of_complex_columns,
+                             power_of_two=power_of_two_of_arrays)
             for numbers in (ARRAY, COMPLEX, COMPLEX_WITH_ANGLES)}
 
 

@@ -221,6 +221,12 @@ class Machine(WithLimits):
         """Return the numbers of each stage in place of lengths, the modes in place of one."""
         return Constants(self.numbers, self.signs, self.bodies, self.gravity, self.external)
 
+    def constants_of(self, lengths: Sequence[Scalar], hypot: Function) -> Constants:
+        """Return its :attr:`constants` with other lengths, of any numbers."""
+        given = dict(zip(self.length_names, lengths))
+        numbers = [with_lengths(dyad, given).numbers for dyad in self.stages]
+        return self.constants._replace(lengths=tuple(shaped(self.layout, numbers, hypot)))
+
     @property
     def SLIDE_DIRECTION(self) -> tuple[str, str] | None:  # type: ignore[override]  # noqa: N802
         """Return the fields of the direction in which a cylinder grows; None: a slide along x."""

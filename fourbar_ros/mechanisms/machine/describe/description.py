@@ -10,7 +10,8 @@ link of ``second``.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from copy import copy
+from dataclasses import dataclass, fields
 from keyword import iskeyword
 from math import sin
 import re
@@ -306,7 +307,11 @@ def checked_dyads(given: Any, driven: str) -> tuple[Dyad, ...]:
 
 
 def with_lengths(dyad: Dyad, lengths: dict[str, float]) -> Dyad:
-    """Return a dyad d with other lengths, {'d.first.along': 0.4, 'd.length_1': 1.2, ...}."""
+    """
+    Return a dyad d with other lengths, {'d.first.along': 0.4, 'd.length_1': 1.2, ...}.
+
+    They are any numbers, even arrays, and not checked.
+    """
     changed: dict[str, Any] = {
         place: getattr(dyad, place)._replace(**{
             name: lengths[f'{dyad.name}.{place}.{name}'] for name in ('along', 'across')
@@ -314,7 +319,10 @@ def with_lengths(dyad: Dyad, lengths: dict[str, float]) -> Dyad:
         for place in ('first', 'second')}
     changed.update((name, lengths[f'{dyad.name}.{name}']) for name in DIMENSIONS[dyad.kind]
                    if f'{dyad.name}.{name}' in lengths)
-    return replace(dyad, **changed)
+    other = copy(dyad)
+    for name, value in changed.items():
+        object.__setattr__(other, name, value)
+    return other
 
 
 def by_link(name: str, given: Any, kind: type, of_links: Any, default: Any) -> Any:
