@@ -50,6 +50,16 @@ def test_a_motor_line_nears_its_free_speed_exponentially():
         assert rate == pytest.approx(20.0 * (1.0 - exp(-time)), rel=1e-8)
 
 
+@pytest.mark.parametrize('gear', [4.0, -4.0, 0.25])
+def test_a_gear_passes_the_power_of_a_motor_line(gear):
+    motor, behind = MotorLine(8.0, 30.0), MotorLine(8.0, 30.0, gear=gear)
+    for speed in (-3.0, 0.0, 2.0, 9.0):                  # behind the gear
+        of_motor, _ = motor.torque(0.0, gear * speed, ())
+        torque, _ = behind.torque(0.0, speed, ())
+        assert torque * speed == pytest.approx(of_motor * gear * speed, rel=1e-14, abs=1e-13)
+        assert torque == pytest.approx(gear * of_motor, rel=1e-14, abs=1e-13)
+
+
 def test_a_dc_motor_with_inductance_and_gear():
     """A linear system of the speed and the current: against its matrix exponential."""
     from scipy.linalg import expm

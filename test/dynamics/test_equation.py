@@ -185,3 +185,19 @@ def test_an_unknown_link_and_missing_masses_are_errors():
     linkage = FourBar(0.4, 1.2, 0.8, 1.0, bodies=Bodies(*[Body(1.0)] * 3))
     with pytest.raises(InvalidParameter, match='crank, coupler, output, ground'):
         Equation(linkage, [TorsionSpring('crank', 'rod', 1.0)])
+
+
+def test_couples_are_the_part_of_the_force_without_a_potential():
+    """A couple M on a link whose angle turns by b' for each radian of the crank gives M b'."""
+    bodies = Bodies(*[Body(1.0, 0.1, 0.0, 0.1)] * 3)
+    plain = FourBar(0.4, 1.2, 0.8, 1.0, bodies=bodies, gravity=(0.0, -9.81))
+    for link, rate in (('coupler', 'omega_beta'), ('output', 'omega4')):
+        on_link = External(**{link: replace(NOT_APPLIED, couple=5.0, force_x=3.0, along=0.2)})
+        one, other = Equation(replace(plain, external=on_link)), Equation(plain)
+        for q in (0.3, 2.0, 4.5):
+            turn = getattr(plain.motion(q, 1.0), rate)
+            assert one.couples(q) == pytest.approx(5.0 * turn, rel=1e-13)
+            assert other.couples(q) == 0.0
+            # Q less its couples is minus the slope of the potential, by a central difference
+            slope = (one.potential(q + 1e-6) - one.potential(q - 1e-6)) / 2e-6
+            assert one.terms(q).force - one.couples(q) == pytest.approx(-slope, abs=1e-7)

@@ -260,3 +260,18 @@ def test_names_of_integrators_tell_whether_they_go_through_toggles():
     assert name_of(parallelogram) == NAME
     for scene in ('motor', 'controlled', 'released', 'sundials'):
         assert name_of(load(scene).linkage) == NAME
+
+
+def test_a_message_has_the_motor_before_its_shaft_and_says_when_the_budget_is_used_up():
+    system = System(*CASES['non-Grashof'], drive=DRIVES['shaft'])
+    mover = Mover(system, 1e-6, 10_000)
+    status, values = mover.next(mover.start(), TICK)
+    assert status == OK and values.twist != 0.0
+    assert values.motor_position == values.position + values.twist
+    shaft = system.drive.shaft                   # what it carries to the input
+    assert values.torque == pytest.approx(
+        shaft.stiffness * values.twist
+        + shaft.damping * (values.motor_velocity - values.velocity), rel=1e-12)
+    short = Mover(system, 1e-14, 7)              # one step without a check of its halves
+    status, values = short.next(short.start(), 0.05)
+    assert status == OUT_OF_BUDGET and 0.0 < values.evaluations <= 7.0

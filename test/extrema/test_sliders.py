@@ -253,3 +253,24 @@ def test_a_magnitude_is_least_where_its_force_changes_its_sign(seed):
                 rounding = 64 * EPS * max(loads.f41, loads.f21, loads.f32) / abs(slope)
                 assert min(abs(mechanism.distance(root, at)) for at in found) <= (
                     rounding + 8 * EPS * abs(root))
+
+
+def test_the_condition_of_a_place_is_in_metres_where_a_slide_is_driven():
+    """Lengths a thousandfold, by a power of two: places and their conditions are so too."""
+    small = SliderCrank(0.5, 1.3, 0.1, input=SLIDE)
+    large = small.with_lengths([1024.0 * length for length in small.lengths])
+    quantities = ('omega1', 'alpha1', 'omega_beta')
+    found, scaled = (find_extrema(linkage, quantities, rate)
+                     for linkage, rate in ((small, 1.0), (large, 1024.0)))
+    inside = [(one, other) for one, other in zip(found, scaled) if one.place == 'interior']
+    assert len(found) == len(scaled) and len(inside) > 1
+    for one, other in inside:
+        assert other.slide == pytest.approx(1024.0 * one.slide, rel=1e-9)
+        assert other.value == pytest.approx(one.value, rel=1e-9)
+        assert other.condition == pytest.approx(1024.0 * one.condition, rel=1e-3)
+        assert other.value_condition == pytest.approx(one.value_condition, rel=1e-3)
+    # a place moves by its condition, at most, if one length is wrong by a relative 1e-6
+    moved = find_extrema(small.with_lengths([0.5, 1.3 * (1.0 + 1e-6), 0.1]), quantities, 1.0)
+    ratios = [abs(other.slide - one.slide) / (1e-6 * one.condition)
+              for one, other in zip(found, moved) if one.place == 'interior']
+    assert max(ratios) < 1.001 and max(ratios) > 0.1
