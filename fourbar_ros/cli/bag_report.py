@@ -39,7 +39,9 @@ def print_info(info: Info, was_checked: bool) -> None:
     console = make_console()
     console.print(_about(info, was_checked))
     console.print(_topics(info))
-    if info.state == 'cut':
+    if info.state == 'cut' and not info.topics:
+        console.print('the bag was cut off before its first topic: there is nothing to recover')
+    elif info.state == 'cut':
         console.print('the bag was cut off by a crash or a full disk: fourbar bag recover makes '
                       'it whole')
     elif info.damage:

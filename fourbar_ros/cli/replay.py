@@ -13,6 +13,7 @@ import time
 from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.cli.common import add_tolerance, add_topics, add_verb, BAD, BAG_HELP, Verbs
+from fourbar_ros.errors import BagError
 from fourbar_ros.scene.arguments import not_negative, positive
 
 if TYPE_CHECKING:
@@ -39,7 +40,7 @@ examples:
   fourbar replay bags/run --inputs-only                and compare its outputs
 
 exit codes: 0 good; 1 an error; 2 bad arguments; 3 with --inputs-only: an output differs or
-is missing
+is missing; 130 after Ctrl-C
 """
 
 
@@ -57,7 +58,7 @@ def add(verbs: Verbs) -> None:
                         help='if the bag is still being written: continue until it is finished')
     replay.add_argument('--clock', nargs='?', type=positive, const=100.0, metavar='HZ',
                         help='publish the time of the bag on /clock, HZ times per second (default '
-                             '100)')
+                             '100); of a bag of simulated time, the stamps of its messages')
     replay.add_argument('--delay', type=not_negative, default=1.0, metavar='S',
                         help='give subscribers at least S seconds to find the topics and wait for '
                              'all that are discovered (default 1); 0: start at once')
@@ -78,12 +79,15 @@ def add(verbs: Verbs) -> None:
 def _replay(arguments: argparse.Namespace) -> int:
     """Publish a bag; keys of the terminal pause it or change its rate meanwhile."""
     ros_args = ['--ros-args', *arguments.ros_args] if arguments.ros_args else []
-    if arguments.inputs_only:
-        return _inputs_only(arguments, ros_args)
     from fourbar_ros.bag.read.playback import FASTER, Pace, span
-    from fourbar_ros.ros.clients.replay import replay
     pace = Pace(arguments.rate)
     first, last = span(arguments.bag)
+    if first is not None and last is not None and arguments.start * 1e9 > last - first:
+        raise BagError(f'--start {arguments.start:g}: the bag ends after '
+                       f'{(last - first) * 1e-9:.3f} s')
+    if arguments.inputs_only:
+        return _inputs_only(arguments, ros_args)
+    from fourbar_ros.ros.clients.replay import replay
     actions: dict[str, Callable[[], None]] = {
         'space': lambda: pace.pause(not pace.is_paused), 'right': pace.step,
         'up': lambda: pace.change(FASTER), 'down': lambda: pace.change(1.0 / FASTER)}
@@ -92,10 +96,9 @@ def _replay(arguments: argparse.Namespace) -> int:
             for key in keyboard.pressed():
                 actions[key]()
             show(now)
-        count = replay(arguments.bag, arguments.topics, arguments.rate, arguments.start,
-                       arguments.loop, arguments.follow, arguments.clock, arguments.delay,
-                       ros_args, pace, on_tick, arguments.readers)
-    print(f'{count} messages published')
+        replay(arguments.bag, arguments.topics, arguments.rate, arguments.start,
+               arguments.loop, arguments.follow, arguments.clock, arguments.delay,
+               ros_args, pace, on_tick, arguments.readers)
     return 0
 
 

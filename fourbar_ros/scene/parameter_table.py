@@ -38,7 +38,7 @@ class Parameter(NamedTuple):
     One parameter, declared in the node, checked in scene files, printed in the manual.
 
     A ``default`` of NaN means "not given". ``low`` and ``high`` are inclusive; ``positive``
-    excludes zero.
+    excludes zero; a value below ``least`` must be 0, which turns something off.
     """
 
     name: str
@@ -52,12 +52,15 @@ class Parameter(NamedTuple):
     choices: tuple[str, ...] = ()
     live: bool = True          # can be changed while the node runs
     words: Mapping[str, Any] = MappingProxyType({})       # names of some values
+    least: float = 0.0
 
     @property
     def allowed(self) -> str:
         """Return the allowed values as text: 'a, b', '> 0', '[1, 2]'; empty for any."""
         if self.choices:
             return ', '.join(self.choices)
+        if self.least:
+            return f'0 or >= {self.least:g}'
         if self.positive:
             return '> 0' if self.high == inf else f'(0, {self.high:g}]'
         if self.low > -inf:
@@ -350,14 +353,14 @@ PARAMETERS = _table(
               'name of the first bag; empty: a new name from the clock', live=False),
     Parameter('recording.split_size', 'double', 0.0, 'MB',
               'continue a bag in a new file when the current one exceeds this size; 0: never',
-              low=0.0, live=False),
+              low=0.0, live=False, least=0.01),
     Parameter('recording.split_duration', 'double', 0.0, 's',
               'continue a bag in a new file when the current one exceeds this duration; 0: never',
-              low=0.0, live=False),
+              low=0.0, live=False, least=0.1),
     Parameter('recording.keep', 'double', 0.0, 's',
               'keep only the files that hold the last so many seconds; 0: keep all (a file covers '
               'a tenth of this, unless split_size or split_duration is given)', low=0.0,
-              live=False),
+              live=False, least=1.0),
 )
 
 

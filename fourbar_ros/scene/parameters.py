@@ -294,7 +294,7 @@ def _check_number(parameter: Parameter, value: float) -> None:
         raise InvalidParameter(parameter.name, value, 'must be a finite number')
     if parameter.positive and value <= 0:
         raise InvalidParameter(parameter.name, value, 'must be positive')
-    if not parameter.low <= value <= parameter.high:
+    if not parameter.low <= value <= parameter.high or 0 < value < parameter.least:
         verb = 'lie in' if parameter.allowed.startswith(('[', '(')) else 'be'
         raise InvalidParameter(parameter.name, value, f'must {verb} {parameter.allowed}')
 

@@ -6,6 +6,7 @@ import json
 import math
 import os
 import pty
+import re
 import subprocess
 import sys
 import time
@@ -373,9 +374,19 @@ def test_play_starts_later_loops_selects_and_stops_on_request(tmp_path, bag):
     ticks = []
     assert len(list(play(path, tick=lambda now: ticks.append(now) or len(ticks) < 5,
                          rate=0.01))) < 5 == len(ticks)
-    for wrong in ({'rate': 0.0}, {'rate': -1.0}, {'rate': math.nan}, {'start': -1.0}):
-        with pytest.raises(BagError, match='rate'):
-            list(play(path, **wrong))
+    for name, value in (('rate', 0.0), ('rate', -1.0), ('rate', math.nan), ('rate', 1e-160),
+                        ('start', -1.0), ('start', 1e308), ('start', math.nan)):
+        with pytest.raises(BagError, match=f'^{name} = {re.escape(repr(value))}: must be '):
+            list(play(path, **{name: value}))
+
+
+def test_info_of_an_empty_file_promises_no_recovery(tmp_path, capsys):
+    empty = tmp_path / 'empty.mcap'
+    empty.touch()
+    main(['bag', 'info', str(empty)])
+    assert 'nothing to recover' in capsys.readouterr().out
+    assert main(['bag', 'recover', str(empty)]) == 1
+    assert 'nothing to recover' in capsys.readouterr().err
 
 
 # --- command line --------------------------------------------------------------------------------

@@ -60,7 +60,7 @@ def test_replay_sends_every_message_again_as_it_was(client, bag):
     client.until(lambda: all(len(m) > 2 * STEPS for m in client.received.values()), 'two rounds')
     process.send_signal(signal.SIGINT)
     code, said = finished(process, client)
-    assert code == 0 and 'messages published' in said
+    assert code == 130 and 'messages published' in said
     # latched again
     assert late and late[0].data == next(records(bag, ['/fourbar/scene'])).message.data
     for name, topic in (('state', '/fourbar/state'), ('joint_states', '/joint_states')):
@@ -88,12 +88,40 @@ def test_the_clock_of_the_bag_is_published_at_its_rate(client, bag):
     code, _ = finished(process, client)
     assert code == 0
     times = [c.clock.sec * 10**9 + c.clock.nanosec for c in clocks]
-    first, last = next(Bag(bag).raw()).time, list(Bag(bag).raw())[-1].time
+    first, last = 2 * 10**6, STEPS * 2 * 10**6          # by its stamps, which are far from today
     assert times == sorted(times) and first + 10**8 <= times[0] < first + 11 * 10**7
     assert last - 10**7 <= times[-1] <= last
     step, period = (times[-1] - times[0]) / (len(times) - 1), 10**9 / 200 * 0.5     # of the bag
     # never faster; slower as far as the machine is busy
     assert period <= step < 4 * period
+
+
+@pytest.mark.parametrize('number', [signal.SIGTERM, signal.SIGHUP], ids=lambda s: s.name)
+def test_an_interrupted_replay_says_so_by_its_exit_code(client, bag, number):
+    client.listen(['state'])
+    process = fourbar('replay', bag, '--loop', '--delay', '0')
+    client.until(lambda: client.received['state'], 'the first message')
+    process.send_signal(number)
+    code, said = finished(process, client)
+    assert code == 128 + number and 'messages published' in said and 'Traceback' not in said
+
+
+def test_a_start_behind_the_end_is_refused(client, bag):
+    process = fourbar('replay', bag, '--start', '77')
+    code, said = finished(process, client)
+    assert (code, said) == (1, 'fourbar: --start 77: the bag ends after 0.598 s\n')
+
+
+def test_the_clock_of_a_bag_of_simulated_time_is_simulated(client, bag):
+    clocks = []         # its stamps begin at 2 ms, its log times are of today
+    client.node.create_subscription(Clock, '/clock', clocks.append, 1000)
+    client.listen(['state'])
+    process = fourbar('replay', bag, '--clock', '200', '--topics', '/fourbar/state', '--start',
+                      '0.1')
+    assert finished(process, client)[0] == 0
+    times = [c.clock.sec * 10**9 + c.clock.nanosec for c in clocks]
+    assert times == sorted(times) and times and set(times) <= set(range(10**8, 602 * 10**6,
+                                                                        2 * 10**6))
 
 
 def test_a_live_node_driven_by_the_bag_answers_exactly_what_was_recorded(run_node, client, bag,

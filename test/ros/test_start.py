@@ -68,6 +68,28 @@ def test_arguments_that_nobody_understands_are_refused_in_one_line(tmp_path, arg
     assert code == 2 and why in line
 
 
+def test_a_log_that_cannot_be_written_is_one_line(tmp_path, paper, monkeypatch):
+    monkeypatch.setenv('ROS_LOG_DIR', '/proc')           # not even by root
+    code, line = start(tmp_path, '--ros-args', '--params-file', paper)
+    assert code == 2 and 'ROS_LOG_DIR' in line
+
+
+def test_in_a_removed_working_directory_the_stream_goes_on_without_a_bag(client, tmp_path, paper):
+    node = subprocess.Popen(
+        ['bash', '-c', 'mkdir gone && cd gone && rmdir ../gone && exec "$@"', '-', sys.executable,
+         '-m', 'fourbar_ros.ros.node.start', '--ros-args', '--params-file', paper, '-p',
+         'recording.start:=true'], cwd=tmp_path, text=True, stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT)
+    try:
+        client.listen(['state'])
+        client.until(lambda: len(client.received['state']) > 5, 'the stream')
+    finally:
+        node.terminate()
+        said, _ = node.communicate(timeout=PATIENCE)
+    assert node.returncode == 0 and 'Traceback' not in said
+    assert "not recording: recording.directory = 'bags': the working directory has been" in said
+
+
 EMPTY = ('joint_names', 'linkage.range', 'linkage.dyads', 'joint_states.ratios', 'outputs',
          'services')
 

@@ -200,3 +200,13 @@ def test_hostile_values_are_taken_or_refused(file):
         if k % 10 == 9:
             values = shipped
     assert 0 < taken < CHANGES
+
+
+@pytest.mark.parametrize('name, least', [
+    ('recording.split_size', 0.01), ('recording.split_duration', 0.1), ('recording.keep', 1.0)])
+def test_a_file_of_a_bag_has_a_least_size(name, least):
+    for value in (0.0, least):
+        assert scene.from_values({**PAPER, name: value}).values[name] == value
+    for value in (0.001, 0.99 * least, -1.0):
+        with pytest.raises(InvalidParameter, match=f'{name} = {value}: must be 0 or >= {least:g}'):
+            scene.from_values({**PAPER, name: value})

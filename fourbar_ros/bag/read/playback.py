@@ -17,7 +17,9 @@ from fourbar_ros.bag.read.reader import Bag
 from fourbar_ros.bag.read.records import Raw
 from fourbar_ros.errors import BagError
 
+LONGEST = 9e9       # [s] nanoseconds in 64 bits hold no more
 TICK = 0.05         # [s] longest sleep
+SLOWEST = 1e-6      # rate: 1 s of a bag in 12 days
 FASTER = 1.1        # one press of a key, as of ros2 bag play
 Tick = Callable[[int], object]           # with the time of the bag [ns]; False ends playing
 
@@ -30,8 +32,8 @@ class Pace:
     """
 
     def __init__(self, rate: float = 1.0, clock: Callable[[], float] = time.monotonic) -> None:
-        if not rate > 0.0:
-            raise BagError(f'rate = {rate!r}: must be positive')
+        if not rate >= SLOWEST:
+            raise BagError(f'rate = {rate!r}: must be at least {SLOWEST:g}')
         self.rate, self._clock = rate, clock
         self.is_paused, self._steps = False, 0
         self.begin()
@@ -114,8 +116,8 @@ def play(path: str | Path | Bag, topics: Sequence[str] | None = None, rate: floa
     """
     bag = path if isinstance(path, Bag) else Bag(path)
     tick = tick or (lambda now: True)
-    if not rate > 0.0 or not start >= 0.0:
-        raise BagError(f'rate = {rate!r}, start = {start!r}: must be positive, and not negative')
+    if not 0.0 <= start <= LONGEST:
+        raise BagError(f'start = {start!r}: must be from 0 to {LONGEST:g} s')
     pace = pace or Pace(rate)
     origin = next((raw.time for raw in bag.raw()), None)
     if origin is None:

@@ -4,7 +4,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
+from itertools import islice
 from pathlib import Path
+import signal
+from struct import unpack_from
 import time
 from typing import Any, NamedTuple
 
@@ -34,6 +37,8 @@ PATIENCE = 10.0             # [s] for readers that the graph shows to be matched
 SETTLED = 1.0               # [s] without anything new in the graph: discovery is done
 ALONE = 5.0                 # [s] without any reader: discovery takes 4 s at its worst
 POLL = 0.02                 # [s] between two looks at the graph
+FAR = 3600 * 10**9          # [ns] a stamp so long before its log time is of simulated time
+FEW = 1000                  # messages to look for such a stamp in
 FAREWELL = 2.0              # [s] for reliable readers to get the last messages
 
 
@@ -71,20 +76,28 @@ class Replayer:
         self.period = 1.0 / clock_rate if clock_rate else TICK       # [s] of wall time
         self._pace = pace or Pace()
         self._ticked = 0                                 # [ns] time of the bag last on /clock
+        self._simulated: int | None = None    # [ns] the newest stamp, in a bag of simulated time
 
     def __enter__(self) -> Replayer:
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Wait up to FAREWELL until all messages were received; then end the node and ROS."""
+        """
+        Wait up to FAREWELL until all messages were received; then end the node and ROS.
+
+        A signal ends the process as if it had come only now.
+        """
         for publisher in filter(None, (*self._publishers.values(), self._clock)):
             publisher.wait_for_all_acked(Duration(seconds=FAREWELL))
         self.node.destroy_node()
         rclpy.try_shutdown()
         self._stop.restore()
+        if self._stop.requested:
+            signal.raise_signal(signal.Signals[self._stop.name])
 
     def tick(self, now: int) -> bool:
         """Publish the time of the bag [ns] on /clock if due; return False once a signal came."""
+        now = now if self._simulated is None else self._simulated
         if self._clock and not 0 <= now - self._ticked < self.period * self._pace.rate * 1e9:
             self._ticked = now
             self._clock.publish(Clock(clock=to_stamp(now)))
@@ -135,8 +148,21 @@ class Replayer:
             self._make(raw.topic, raw.type)
         publisher = self._publishers[raw.topic]
         if publisher:
+            self.note_time(raw)
             publisher.publish(raw.data)
         return publisher is not None
+
+    def note_time(self, raw: Raw) -> bool:
+        """Note the stamp of a message if it is of simulated time; return whether it is."""
+        publisher = self._publishers.get(raw.topic)
+        if not self._clock or len(raw.data) < 12 or not hasattr(
+                publisher and publisher.msg_type, 'header'):
+            return False
+        sec, nanosec = unpack_from('<iI' if raw.data[1] & 1 else '>iI', raw.data, 4)
+        stamp = sec * 10**9 + nanosec
+        if 0 < stamp < raw.time - FAR:
+            self._simulated = stamp
+        return self._simulated is not None
 
     def _make(self, topic: str, type_name: str) -> None:
         """Create the publisher of a topic; warn and note None if its type is not installed."""
@@ -185,7 +211,7 @@ def replay(path: str | Path, topics: Sequence[str] | None = None, rate: float = 
            pace: Pace | None = None, on_tick: Callable[[int], None] | None = None, readers: int = 0
            ) -> int:
     """
-    Publish a bag until its end or a signal; return how many messages.
+    Publish a bag until its end or a signal; print and return how many messages.
 
     ``rate``, ``start``, ``loop``, ``follow``: see :func:`fourbar_ros.bag.read.playback.play`;
     ``delay``, ``readers``: ``seconds`` and ``readers`` of :meth:`Replayer.wait`; ``pace``: a Pace
@@ -199,9 +225,12 @@ def replay(path: str | Path, topics: Sequence[str] | None = None, rate: float = 
 
     """
     bag, count, pace = Bag(path), 0, pace or Pace(rate)
-    next(bag.raw(), None)                                # so that its topics are known
+    first = next(bag.raw(), None)                        # now its topics are known
     with Replayer(bag, clock_rate, pace, ros_args) as replayer:
         replayer.wait(delay, topics, readers)
+        if first:
+            begin = first.time + round(start * 1e9)
+            any(map(replayer.note_time, islice(bag.raw(topics, begin), FEW)))
 
         def tick(now: int) -> bool:
             if on_tick:
@@ -209,6 +238,7 @@ def replay(path: str | Path, topics: Sequence[str] | None = None, rate: float = 
             return replayer.tick(now)
         for raw in play(bag, topics, rate, start, loop, follow, tick, replayer.period, pace):
             count += replayer.publish(raw)
+        print(f'{count} messages published')
     if not count and topics:
         raise BagError(f'{path}: no message on {", ".join(topics)}')
     return count

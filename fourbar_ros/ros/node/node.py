@@ -171,7 +171,7 @@ def main(args: list[str] | None = None, stop: Stop | None = None) -> int:
     stop, nodes = stop or Stop().catch(), []
     try:
         check_node_arguments(given)
-        rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+        begin_ros(args)
         for name in node_names(given):
             nodes.append(FourBarNode(given, name))
     except (FourBarError, *ROS_ERRORS) as error:
@@ -192,6 +192,16 @@ def main(args: list[str] | None = None, stop: Stop | None = None) -> int:
         if node.failure:
             raise node.failure
     return 0
+
+
+def begin_ros(args: list[str] | None) -> None:
+    """Begin ROS; raise FourBarError if the file of its log cannot be written."""
+    try:
+        rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+    except ROS_ERRORS:
+        raise
+    except RuntimeError as error:
+        raise FourBarError(f'no log (ROS_LOG_DIR): {error}') from None
 
 
 def warn_of_shared_frames(nodes: Sequence[FourBarNode]) -> None:

@@ -12,7 +12,7 @@ import platform
 from typing import Any, NamedTuple, TYPE_CHECKING
 
 from fourbar_ros import __version__
-from fourbar_ros.errors import FourBarError
+from fourbar_ros.errors import BagError, FourBarError
 from fourbar_ros.optional import MissingPackage
 from fourbar_ros.pipeline import rate_estimator
 from fourbar_ros.scene.scene import Scene
@@ -92,7 +92,7 @@ class Recording:
 
         """
         try:
-            from fourbar_ros.bag.write.recorder import BagError, BagWriter, Split
+            from fourbar_ros.bag.write.recorder import BagWriter, Split
         except ModuleNotFoundError as error:
             raise MissingPackage('recording', error) from None
         from fourbar_ros.ros.schemas import channel
@@ -178,8 +178,16 @@ def about_of(scene: Scene, topics: Mapping[str, str], node: str) -> dict[str, st
 
 
 def directory_of(scene: Scene) -> Path:
-    """Return the absolute folder for the bags of a scene; ``~`` is the user's home."""
-    return Path(os.path.expanduser(scene.recording.directory)).absolute()
+    """
+    Return the absolute folder for the bags of a scene; ``~`` is the user's home.
+
+    BagError if it is relative to a removed one.
+    """
+    try:
+        return Path(os.path.expanduser(scene.recording.directory)).absolute()
+    except FileNotFoundError:
+        raise BagError(f'recording.directory = {scene.recording.directory!r}: the working '
+                       'directory has been removed') from None
 
 
 def software() -> dict[str, str]:
