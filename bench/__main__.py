@@ -14,10 +14,11 @@ import io
 from pathlib import Path
 import platform
 import re
+import subprocess
 import sys
 import time
 
-from . import ROOT
+from . import pages, ROOT
 
 MODULES = {file.stem: file for file in sorted(Path(__file__).parent.glob('[a-z]*.py'))
            if 'def main(' in file.read_text()}
@@ -41,8 +42,10 @@ class Tee(io.StringIO):
 def machine():
     """Return one line about where the figures come from."""
     import numpy
-    return (f'{time.strftime("%Y-%m-%d")}, Python {platform.python_version()}, numpy '
-            f'{numpy.__version__}, {platform.system()} {platform.machine()}')
+    commit = subprocess.run(['git', 'rev-parse', '--short=7', 'HEAD'], cwd=ROOT, check=False,
+                            capture_output=True, text=True).stdout.strip() or 'unknown'
+    return (f'{time.strftime("%Y-%m-%d")}, commit {commit}, Python {platform.python_version()}, '
+            f'numpy {numpy.__version__}, {platform.system()} {platform.machine()}')
 
 
 def folded(title, *blocks):
@@ -91,6 +94,7 @@ def main():
     arguments = parser.parse_args()
     if unknown := [name for name in arguments.names if name not in MODULES]:
         parser.error(f'{unknown[0]!r}: choose from {", ".join(MODULES)}')
+    pages.is_written = arguments.write
     for name in arguments.names or MODULES:
         print(f'\n# {about[name]}\n\n{machine()}\n')
         with contextlib.redirect_stdout(Tee()) as kept:

@@ -14,7 +14,7 @@ from fourbar_lab.studies.results import Results
 from fourbar_lab.studies.study import read
 import numpy as np
 
-from . import ROOT
+from . import pages, ROOT
 from .shaking import CLOSE
 
 CONFIG, PICTURES = ROOT / 'config' / 'studies', ROOT / 'docs' / 'bench'
@@ -152,7 +152,8 @@ def plotting():
 
 def save(figure, name):
     """Write a figure as SVG."""
-    figure.savefig(PICTURES / f'{name}.svg', metadata={'Date': None}, dpi=130)
+    if pages.is_written:
+        figure.savefig(PICTURES / f'{name}.svg', metadata={'Date': None}, dpi=130)
 
 
 def main(samples=65_536):

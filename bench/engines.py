@@ -21,10 +21,10 @@ from support.dynamics_problems import (
     sundials_slider_crank,
 )
 
+from .pages import save
 from .speed import clean, ENVIRONMENT, install
 
 RUNNERS = Path(__file__).resolve().parent / 'moving'
-PICTURE = Path(__file__).resolve().parent.parent / 'docs' / 'bench' / 'engines'
 OURS = 'fourbar_ros'
 PEERS = {'MuJoCo': 'mujoco', 'Exudyn': 'exudyn', 'solve-dae': 'solve-dae'}
 ASKED = (1e-3, 1e-6, 1e-9)
@@ -165,9 +165,7 @@ def draw(rows, names):
     axes[0].set_ylabel('error at the end [rad]')
     figure.legend(*axes[0].get_legend_handles_labels(), loc='outside lower center', ncols=4,
                   frameon=False)
-    figure.savefig(PICTURE.with_suffix('.svg'), metadata={'Date': None})
-    figure.savefig(PICTURE.with_suffix('.png'), dpi=100)
-    pyplot.close(figure)
+    save(figure, 'engines')
     print('\n![Error against CPU time of engines](engines.svg)')
 
 

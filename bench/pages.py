@@ -5,6 +5,8 @@ import time
 
 from . import ROOT
 
+is_written = False      # whether docs/bench is written: --write
+
 
 def table(head, rows):
     """Print a Markdown table and an empty line."""
@@ -23,11 +25,12 @@ def figure(rows=1, columns=1, **arguments):
 
 
 def save(drawing, name, dpi=100):
-    """Write a picture of docs/bench as .svg and .png."""
+    """Write a picture of docs/bench as .svg and .png, with ``--write`` alone."""
     from matplotlib import pyplot
     file = ROOT / 'docs' / 'bench' / name
-    drawing.savefig(file.with_suffix('.svg'), metadata={'Date': None})
-    drawing.savefig(file.with_suffix('.png'), dpi=dpi)
+    if is_written:
+        drawing.savefig(file.with_suffix('.svg'), metadata={'Date': None})
+        drawing.savefig(file.with_suffix('.png'), dpi=dpi)
     pyplot.close(drawing)
 
 

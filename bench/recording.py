@@ -34,7 +34,7 @@ def steps():
     from support.scenes import PAPER, RODS
     scene = (scenes.from_values({**PAPER, **RODS, 'drive.speed': 25.0,
                                  'outputs': [name for name in interfaces.OUTPUTS
-                                             if name != 'points']}))
+                                             if name not in ('points', 'links', 'reactions')]}))
     topics = [interfaces.DRIVEN, *scene.topics.values()]
     names = {topic.name: f'/{topic.topic.replace("~", "fourbar")}' for topic in topics}
     about = {'scene': json.dumps(scene.values), 'topics': json.dumps(names)}

@@ -138,3 +138,22 @@ def test_the_front_door_is_short():
     assert words <= 30_000
     for picture in (ROOT / 'docs' / 'images').iterdir():
         assert picture.stat().st_size < 1_000_000, picture.name
+
+
+def test_every_measurement_says_of_which_commit_it_is():
+    for page in (ROOT / 'docs' / 'bench').glob('*.md'):
+        for line in page.read_text(encoding='utf-8').splitlines():
+            if line.startswith('Written by `make bench'):
+                assert re.search(r', commit [0-9a-f]{7}', line), f'{page.name}: {line}'
+
+
+def test_a_bench_writes_no_picture_unless_asked(monkeypatch, tmp_path):
+    monkeypatch.syspath_prepend(str(ROOT))
+    from bench import pages
+    monkeypatch.setattr(pages, 'ROOT', tmp_path)
+    (tmp_path / 'docs/bench').mkdir(parents=True)
+    for is_written in (False, True):
+        monkeypatch.setattr(pages, 'is_written', is_written)
+        drawing, _ = pages.figure()
+        pages.save(drawing, 'one')
+        assert len(list((tmp_path / 'docs/bench').iterdir())) == 2 * is_written
