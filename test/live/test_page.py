@@ -322,7 +322,7 @@ def test_nothing_leaves_this_machine(tab):
             tab.driver.get_log('performance')]
     urls = {message['params']['request']['url'] for message in sent
             if message['method'] == 'Network.requestWillBeSent'}
-    local = re.compile(r'(http://127\.0\.0\.1:|data:|blob:|chrome:)')
+    local = re.compile(r'(http://127\.0\.0\.1:|data:|blob:|chrome:|chrome-untrusted:)')
     assert urls and all(map(local.match, urls))
 
 
