@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Measures of designs of every kind beside a dense scan of the mechanism itself."""
-from math import inf, isnan, pi
+from math import acos, inf, isnan, pi
 
 from fourbar_lab.studies import chunks
 from fourbar_lab.studies.chunks import compute
@@ -86,6 +86,19 @@ def test_swing_and_time_ratio_of_a_crank_rocker_follow_from_its_dead_points():
         ratio = max(forward, 2.0 * pi - forward) / min(forward, 2.0 * pi - forward)
         assert abs(columns['swing'][i] - abs(one.theta4 - other.theta4)) < 1e-12
         assert abs(columns['time_ratio'][i] - ratio) < 1e-9 * ratio
+
+
+@pytest.mark.parametrize('a4', [0.7, 0.8, 0.9])
+def test_the_least_transmission_angle_is_that_of_both_lines_at_crank_and_ground_in_line(a4):
+    """By the law of cosines; for a4 = 0.9 the lines are nearest where mu is 135 degrees."""
+    lengths = {'linkage.a1': 0.3, 'linkage.a2': 0.6, 'linkage.a3': 0.7, 'linkage.a4': a4}
+    study = from_document({'scene': 'paper', 'rows': None, 'method': 'grid',
+                           'quantities': ['least_transmission_angle'],
+                           'vary': {name: {'list': [value]} for name, value in lengths.items()}})
+    found, = compute(study, 0).columns['least_transmission_angle'].tolist()
+    angles = [acos((0.6**2 + 0.7**2 - (a4 + side * 0.3)**2) / (2 * 0.6 * 0.7))
+              for side in (-1, 1)]
+    assert found == pytest.approx(min(min(angle, pi - angle) for angle in angles), abs=1e-12)
 
 
 def test_what_grows_without_bound_is_infinite_and_what_turns_fully_sweeps_a_turn():
