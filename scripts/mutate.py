@@ -79,7 +79,6 @@ ROOMS = {
             '2.0 * size[:, 1]) | (size[:, 1] >'),
         Bug('path_search.py', 'if min(span, abs(middle)) > rounding',
             'if max(span, abs(middle)) > rounding'),
-        Bug('path_search.py', 'steps = [sign * away or size for sign', 'steps = [size for sign'),
         Bug('path_search.py', 'mirrored = sampler.is_angle & (', 'mirrored = ('),
         Bug('path_search.py', 'added = *again, exact.values_at(again.x, again.row)',
             'added = *again, exact.slope(again.x, again.row)'),

@@ -145,7 +145,7 @@ def test_exact_change_points_have_one_sided_values(mechanism):
         assert value == pytest.approx(e.value, rel=1e-3, abs=1e-3)
 
 
-@pytest.mark.parametrize('unit', [1e-200, 2.0**-300, 1e-9, 1e9, 1e200])
+@pytest.mark.parametrize('unit', [1e-200, 2.0**-300, 1e-9, 1e9, 1e100])
 @pytest.mark.parametrize('kind, driven', KINDS)
 def test_unit_of_length_does_not_matter(kind, driven, unit):
     one = kind(0.3, 0.8, 0.1, input=driven)
