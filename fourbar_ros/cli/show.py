@@ -17,7 +17,9 @@ from fourbar_ros.cli.common import (
     Verbs,
     warn,
 )
+from fourbar_ros.errors import in_words, InvalidParameter
 from fourbar_ros.scene.arguments import positive
+from fourbar_ros.scene.units import of, require
 
 if TYPE_CHECKING:      # verbs import when they run
     from fourbar_ros.extrema.find import Extremum
@@ -32,6 +34,7 @@ examples:
   fourbar show paper
   fourbar show my.yaml --mode 1 --speed 10
   fourbar show slides_7_6 --at 60 --acceleration 100
+  fourbar show paper --from -30 --to 40        extrema where a robot moves
   fourbar show jansen --certify
   fourbar show paper --at 60 --json            all of it as one line of JSON, in SI units
 """
@@ -45,6 +48,11 @@ def add(verbs: Verbs) -> None:
                     'the state at one input.', EPILOG)
     add_scene(show)
     add_pose(show, 'also show state and loads at this input angle [degrees], or slide [m]')
+    show.add_argument('--from', dest='low', type=of('angle', 'length'), metavar='INPUT',
+                      help='with --to: extrema between these inputs alone [degrees or m], whose '
+                           'values at both count too')
+    show.add_argument('--to', dest='high', type=of('angle', 'length'), metavar='INPUT',
+                      help='see --from; an angle at most 360 degrees beyond it')
     show.add_argument('--certify', action='store_true',
                       help='also prove that no extremum inside the input range is missing, and '
                            'say of what that could not be proved')
@@ -70,7 +78,8 @@ def _show(arguments: Namespace) -> None:
     pose = (None if arguments.at is None else evaluate_at(
         scene.linkage_at(scene.in_mode(mode), position_of(linkage, arguments.at), speed),
         arguments.at, speed, arguments.acceleration))
-    shown = Shown(path, scene, linkage, speed, arguments.acceleration, pose)
+    shown = Shown(path, scene, linkage, speed, arguments.acceleration, pose,
+                  _within(linkage, arguments.low, arguments.high))
     extrema = _extrema(shown, arguments)
     if arguments.json:
         print(json_line(_record(shown, extrema)))
@@ -88,6 +97,7 @@ class Shown(NamedTuple):
     speed: float
     acceleration: float
     pose: Pose | None
+    within: tuple[float, float] | None      # inputs between which to search [rad or m]
 
     @property
     def why_no_loads(self) -> str:
@@ -98,10 +108,25 @@ class Shown(NamedTuple):
                 'no masses given, so no loads: see bodies.* in docs/reference.md')
 
 
+def _within(linkage: Mechanism, low: float | None,
+            high: float | None) -> tuple[float, float] | None:
+    """Return --from and --to [rad or m], None if neither is given."""
+    from fourbar_ros.report.poses import position_of
+    if low is None or high is None:
+        if low is not high:
+            raise InvalidParameter('--from, --to', None, 'one needs the other')
+        return None
+    dimension = 'length' if linkage.is_driven_by_slide else 'angle'
+    require('--from', low, dimension)
+    require('--to', high, dimension)
+    return position_of(linkage, low), position_of(linkage, high)
+
+
 def _record(shown: Shown, extrema: list[Extremum]) -> Json:
     """Return all that ``show`` prints as one record in SI units."""
     from fourbar_ros.report.record import record_of
     return {'scene': str(shown.path), 'speed': shown.speed, 'acceleration': shown.acceleration,
+            **({'within': list(shown.within)} if shown.within else {}),
             'why_no_loads': shown.why_no_loads,
             **record_of(shown.linkage, extrema, shown.scene.points, shown.pose)}
 
@@ -121,6 +146,8 @@ def _print(shown: Shown, extrema: list[Extremum], with_proofs: bool) -> None:
     rates = f'{shown.speed:g} {rate_unit(linkage)}'
     if shown.acceleration:
         rates += f' and {shown.acceleration:g} {rate_unit(linkage)}^2'
+    if shown.within:
+        rates += f' in {in_words([shown.within], linkage.input_coordinate.unit)}'
     tables: list[PlainTable | str | None] = [
         what_it_is(linkage, shown.path),
         extrema_table(linkage, extrema, f'extrema at {rates}, mode {mode_name(linkage)}'),
@@ -144,4 +171,4 @@ def _extrema(shown: Shown, arguments: Namespace) -> list[Extremum]:
         return find_extrema(
             shown.linkage, select((), shown.linkage, shown.scene.point_quantities), shown.speed,
             shown.acceleration, arguments.certify, seconds=arguments.seconds,
-            progress=lambda share: done(round(100.0 * share)))
+            progress=lambda share: done(round(100.0 * share)), within=shown.within)

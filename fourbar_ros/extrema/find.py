@@ -18,6 +18,7 @@ from typing import Any, NamedTuple, Union
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.extrema.methods import Methods
 from fourbar_ros.extrema.path_search import PathExtremum
+from fourbar_ros.extrema.within import in_part, parts_of
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Quantity
 from fourbar_ros.mechanisms.quantities import Asked, Function, select, UnknownQuantity
@@ -52,9 +53,9 @@ class Extremum(NamedTuple):
         No other minimum (maximum) of the quantity in this mode is lower (higher), as far as
         rounding lets tell.
     place : str
-        'interior'; 'limit': where the range of the input ends, at a toggle or an end of the
-        stroke; 'one-sided': the value towards the flat position of a change point, where the
-        quantity jumps.
+        'interior'; 'limit': where the range of the input ends, at a toggle, an end of the stroke
+        or one of ``within``; 'one-sided': the value towards the flat position of a change point,
+        where the quantity jumps.
     side : int
         +1 (-1): the input is approached from above (below); 0 in the interior.
     condition, value_condition : float
@@ -95,7 +96,8 @@ Wanted = Union[str, Asked, Callable[..., Any], Collection[Union[str, Asked, Call
 def find_extrema(linkage: Mechanism, quantities: Wanted = (), rate: float = 1.0,
                  acceleration: float = 0.0, certify: bool = False, conditions: bool = True,
                  check: Callable[[], None] = lambda: None, seconds: float = 5.0,
-                 progress: Callable[[float], None] = lambda share: None) -> list[Extremum]:
+                 progress: Callable[[float], None] = lambda share: None,
+                 within: tuple[float, float] | None = None) -> list[Extremum]:
     """
     Return all extrema over the input, in the mode of the linkage.
 
@@ -124,6 +126,10 @@ def find_extrema(linkage: Mechanism, quantities: Wanted = (), rate: float = 1.0,
         Time of a processor that a proof may take, for each quantity [s]; then it says so.
     progress : callable
         Called like ``check``, during a proof, with the share of it that is done.
+    within : tuple of 2 floats, optional
+        Lowest and highest input, as of a robot's joint [rad or m]; of angles at most a turn apart,
+        so (-0.5, 0.5) goes through zero. The values at both count too, as 'limit'. What lies
+        beyond the input range is left out.
 
     Returns
     -------
@@ -134,6 +140,7 @@ def find_extrema(linkage: Mechanism, quantities: Wanted = (), rate: float = 1.0,
     if not isinstance(linkage, Mechanism):
         raise InvalidParameter('linkage', linkage, 'must be a mechanism: FourBar, SliderCrank, '
                                                    'InvertedSlider, ScotchYoke or Machine')
+    parts = None if within is None else parts_of(linkage, within)
     rate, acceleration = map(rate_of_input, ('rate', 'acceleration'), (rate, acceleration))
     quantities = _resolve(quantities, linkage)
     check()
@@ -144,6 +151,9 @@ def find_extrema(linkage: Mechanism, quantities: Wanted = (), rate: float = 1.0,
             check()
             progress(share)
         found, proofs = methods.proved(found, conditions, tell, seconds)
+    if parts is not None:
+        every = [in_part(methods, linkage, part, found) for part in parts]
+        found = [[one for part in of_one for one in part] for of_one in zip(*every)]
     return [extremum for quantity, part, proof in zip(quantities, found, proofs)
             for extremum in _extrema(quantity, linkage, part, proof)]
 

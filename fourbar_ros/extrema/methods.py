@@ -120,6 +120,25 @@ class Methods:
                     found[rows[part.row]].append(part)
         return found
 
+    def values_at(self, x: float) -> list[float]:
+        """Return the quantities at an input in its unit, angles in the turn of the search."""
+        found = [nan] * len(self._quantities)
+        fast = [(self._sampler(Sampler, self._fast), self._fast)] if self._fast else []
+        for sampler, rows in self._groups + fast:
+            values = sampler.values(np.array([x]))[:, 0]
+            if sampler.is_angle.any():
+                beside = [sampler.along(path) for path in self.paths()]
+                every = np.concatenate([samples.path.x for samples in beside])
+                nearest = np.abs([self._linkage.distance(self._linkage.input_unit * one,
+                                                         self._linkage.input_unit * x)
+                                  for one in every.tolist()]).argmin()
+                values = sampler.same_turn(
+                    np.concatenate([samples.values for samples in beside], axis=1)[:, nearest],
+                    values, np.arange(values.size))
+            for row, value in zip(rows, values.tolist()):
+                found[row] = value
+        return found
+
     def _rate_extrema(self, density: int, with_conditions: bool) -> list[PathExtremum]:
         """
         Return the extrema of omega4 and alpha4 of a four-bar at constant input rate.

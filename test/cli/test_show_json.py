@@ -70,3 +70,17 @@ def test_a_record_holds_points_and_proofs(capsys):
     assert all(extremum['proof'] for extremum in found['extrema'])
     for point in found['pose']['points'].values():
         assert {len(vector) for vector in point.values()} == {2}
+
+
+def test_extrema_of_a_part_of_the_input_have_its_ends(capsys):
+    found = json.loads(said(capsys, 'show', 'paper', '--from=-30', '--to', '40deg', '--json'))
+    assert [degrees(x) for x in found['within']] == pytest.approx([-30.0, 40.0])
+    ends = [e for e in found['extrema'] if e['quantity'] == 'omega4' and e['place'] == 'limit']
+    assert {round(degrees(e['theta1'])): e['side'] for e in ends} == {330: 1, 40: -1}
+    assert 'in [-0.523598776, 0.698131701] rad' in said(capsys, 'show', 'paper', '--from=-30',
+                                                        '--to=40')
+    for wrong, why in ((['--from', '30'], '--from, --to: one needs the other'),
+                       (['--from=3mm', '--to=4'], '--from has a unit of length'),
+                       (['--from=30', '--to=20'], 'the lower one first')):
+        assert main(['show', 'paper', *wrong]) != 0
+        assert why in capsys.readouterr().err
