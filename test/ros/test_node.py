@@ -10,10 +10,12 @@ import threading
 
 from builtin_interfaces.msg import Time
 from fourbar_msgs.msg import LinkageState, Motion
+from fourbar_ros import load_scene
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.pipeline import status as codes
 from fourbar_ros.ros.node.drives import wake_on_time
 from fourbar_ros.scene import scene
+from fourbar_ros.scene.files import find, read_values
 import numpy as np
 import pytest
 from sensor_msgs.msg import JointState
@@ -225,6 +227,20 @@ def test_find_extrema_of_a_rocker_says_that_its_ends_are_unbounded(run_node, cli
     answer = client.call('find_extrema', quantities=['omega4'], velocity=1.0)
     ends = [e for e in answer.extrema if e.place == e.PLACE_LIMIT]
     assert len(ends) == 2 and all(math.isinf(e.value) and e.side != 0 for e in ends)
+
+
+def test_find_extrema_where_a_robot_moves(run_node, client):
+    run_node({**read_values(find('bucket')), 'drive.source': 'motion', 'outputs': ['state']})
+    answer = client.call('find_extrema', quantities=['driving_force'], velocity=0.1,
+                         range=[1.6, 2.0])
+    assert answer.result == answer.RESULT_OK and len(answer.extrema) == 2
+    largest = max(answer.extrema, key=lambda e: abs(e.value))
+    assert largest.place == largest.PLACE_LIMIT and largest.slide == 1.6 and largest.is_global
+    truth = load_scene('bucket').linkage.loads(1.6, 0.1).driving_force
+    assert largest.value == pytest.approx(truth, rel=1e-12)
+    answer = client.call('find_extrema', velocity=0.1, range=[0.3, 0.4])
+    assert (answer.result == answer.RESULT_INVALID_REQUEST
+            and answer.message.startswith('range = (0.3, 0.4): the links close at none'))
 
 
 def test_find_extrema_refuses_with_a_reason(run_node, client):

@@ -68,8 +68,15 @@ class Search:
         """Return the extrema of quantities in one assembly mode."""
         from fourbar_ros.extrema.find import find_extrema  # not needed by a node that only streams
 
-        return find_extrema(self._scene.linkage.in_mode(mode), quantities, velocity,
-                            self._request.acceleration, self._request.certify, check=self._check)
+        within = tuple(self._request.range) or None
+        try:
+            return find_extrema(self._scene.linkage.in_mode(mode), quantities, velocity,
+                                self._request.acceleration, self._request.certify,
+                                check=self._check, within=within)
+        except InvalidParameter as error:
+            if error.name != 'within':
+                raise
+            raise InvalidParameter('range', error.value, error.allowed) from None
 
     def _checked(self) -> tuple[list[Asked], tuple[int, ...], float]:
         """
