@@ -19,6 +19,11 @@ velocity dt). A third derivative j (jerk) is seen late. For equal steps h and wi
   0.53 s/h^2.
 
 In general the acceleration is late by half the window, (n - 1) h/2. A test measures these figures.
+Two samples give the velocity in their middle, wrong by the acceleration times h/2.
+
+Positions count their turns: a step is taken as it is. Where they wrap after a turn, a step tells
+the motion only if it is known to be short, from the largest speed of the input: below a quarter
+turn, so that stamps may be as wrong as the step is long.
 
 The stream itself shows the noise of an acceleration: each new sample is compared with the
 prediction of the fit before it. :attr:`RateEstimator.noise` is the standard deviation from that.
@@ -65,7 +70,9 @@ class Estimate:
             shift = sum(p**3 for p in line) / norm       # p2 = p1^2 - shift p1 - norm/n
             curve = [p * p - shift * p - norm / n for p in line]
             self._shift, self._curve_norm = shift, sum(p * p for p in curve)
-            self._bend = sum(p * y for p, (_, y) in zip(curve, points)) / self._curve_norm
+            # less the line: what is left of y keeps its digits
+            self._bend = sum(q * (y - self._start - slope * p) for q, p, (_, y)
+                             in zip(curve, line, points)) / self._curve_norm
             self.slope += self._bend * (-2.0 * mean - shift)
             self.curvature = 2.0 * self._bend
 
@@ -96,15 +103,15 @@ class Estimate:
 
 
 class _Sample(NamedTuple):
-    """An input: stamp [ns], position, velocity, and the change of position without whole turns."""
+    """An input: stamp [ns], position, velocity, change of position; NaN if it is not believed."""
 
     time: int
     position: float
     velocity: float
-    step: float = 0.0
+    step: float = nan
 
 
-KEY, VERSION = 'estimator', 2      # bags keep the version of the estimator that made their rates
+KEY, VERSION = 'estimator', 3      # bags keep the version of the estimator that made their rates
 
 
 class RateEstimator:
@@ -118,11 +125,16 @@ class RateEstimator:
     gap : float
         A longer pause [s], or a longer step back of the clock, starts afresh.
     jump : float
-        A larger step between two samples [rad, m], after taking off whole turns, starts afresh.
-    period : float
-        A turn of the input; infinite for one that slides.
+        A larger step between two samples [rad, m], or a step that differs by more from the one
+        expected at the velocity before, starts afresh. Of a step between samples with velocities
+        only the difference counts, without whole turns.
+    turn : float
+        A turn of the input [rad]; infinite for one that has none.
     length : float
         Unit of the input [rad, m]: an acceleration of velocity^2/length always matters.
+    top_speed : float
+        Given if positions wrap after a turn: no velocity is larger [rad/s]. Whole turns are taken
+        off a step; one that takes so long that it could be a quarter turn starts afresh.
 
     Attributes
     ----------
@@ -132,9 +144,10 @@ class RateEstimator:
     """
 
     def __init__(self, window: int = 5, gap: float = 1.0, jump: float = 1.0,
-                 period: float = tau, length: float = 1.0) -> None:
+                 turn: float = tau, length: float = 1.0, top_speed: float = nan) -> None:
         """Begin without a sample; the gap and all stamps are kept in ns."""
-        self._gap, self._jump, self._period, self._length = gap / NANOSECOND, jump, period, length
+        self._gap, self._jump, self._turn, self._length = gap / NANOSECOND, jump, turn, length
+        self._top_speed = top_speed
         self._samples: deque[_Sample] = deque(maxlen=window)
         self.restarts = self.late = 0
         # mean squares of the distances from the predictions, and of the accelerations
@@ -215,20 +228,29 @@ class RateEstimator:
 
     def _append(self, sample: _Sample) -> None:
         """
-        Keep a sample with its step from the last one [rad, m], whole turns taken off.
+        Keep a sample with its step from the last one [rad, m], if that is believed.
 
         After a gap or a jump it is the first one again; else its distance from the fit is noted.
         """
-        step = 0.0
+        step = nan
         if self._samples:
             last = self._samples[-1]
-            step = sample.position - last.position
-            if isfinite(step):                           # two of 1e308 can overflow
-                step = remainder(step, self._period)
-            if not 0 < sample.time - last.time <= self._gap or abs(step) > self._jump:
+            t, step = (sample.time - last.time) * NANOSECOND, sample.position - last.position
+            if not isnan(self._top_speed):
+                step = _without_turns(step, self._turn)
+            rates = [v for v in (self._estimate[0], sample.velocity) if isfinite(v)]
+            surprise = step - t * sum(rates) / max(len(rates), 1)
+            is_believed = (abs(step) <= self._jump and abs(surprise) <= self._jump
+                           and not t * self._top_speed >= 0.25 * self._turn)
+            if isfinite(sample.velocity):                # positions need not tell the rate
+                is_steady = abs(_without_turns(surprise, self._turn)) <= self._jump
+            else:
+                is_steady = is_believed
+            if not (is_steady and 0 < sample.time - last.time <= self._gap):
                 self._restart()
             else:
-                self._note_scatter((sample.time - last.time) * NANOSECOND, step, sample.velocity)
+                self._note_scatter(t, step, sample.velocity)
+            step = step if is_believed else nan
         self._samples.append(sample._replace(step=step))
 
     def _note_scatter(self, t: float, step: float, velocity: float) -> None:
@@ -252,6 +274,8 @@ class RateEstimator:
             for sample in reversed(self._samples):
                 points.append(((sample.time - newest.time) * NANOSECOND, x))
                 x -= sample.step
+                if isnan(x):
+                    break
         degree = min(1 if from_rates else 2, len(points) - 1)
         self._fit = fit = Estimate(points, degree) if degree else None
         if not fit:
@@ -268,14 +292,20 @@ def estimator_of(scene: Scene) -> RateEstimator:
     """
     Return the :class:`RateEstimator` of a scene, for its node and for recomputing a bag.
 
-    The estimator takes off whole turns of the measured joint between two samples. With joint = 2
-    crank a turn is pi of the crank.
+    With joint = ratio crank, positions that wrap after a turn of the joint do not tell the crank,
+    unless the ratio is 1 or -1: others count their turns.
     """
     drive, linkage = scene.drive, scene.linkage
-    ratio = drive.joint_ratio if drive.source == 'joint_state' else 1.0
+    is_geared = drive.source == 'joint_state' and abs(drive.joint_ratio) != 1.0
     is_slide = linkage.is_driven_by_slide
-    period, length = (inf, max(linkage.lengths)) if is_slide else (tau / abs(ratio), 1.0)
-    return RateEstimator(drive.window, drive.timeout or 1.0, drive.jump, period, length)
+    return RateEstimator(drive.window, drive.timeout or 1.0, drive.jump,
+                         inf if is_slide or is_geared else tau,
+                         max(linkage.lengths) if is_slide else 1.0, drive.top_speed)
+
+
+def _without_turns(step: float, turn: float) -> float:
+    """Return a step less whole turns; two positions of 1e308 can be infinitely far apart."""
+    return remainder(step, turn) if isfinite(step) else step
 
 
 class _MeanSquare:

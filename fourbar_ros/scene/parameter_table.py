@@ -285,8 +285,12 @@ PARAMETERS = _table(
     Parameter('drive.window', 'integer', 5, '',
               'estimate of missing rates: number of latest samples that are fitted', 3, 50),
     Parameter('drive.jump', 'double', 1.0, 'rad or m',
-              'estimate of missing rates: a larger step between two samples restarts it',
-              positive=True),
+              'estimate of missing rates: a step between two samples that is larger, or differs '
+              'by more from the one expected, restarts it', positive=True),
+    Parameter('drive.top_speed', 'double', nan, 'rad/s',
+              'where positions wrap after a turn: largest speed of the input; a step so long that '
+              'it could be a quarter turn at this speed restarts the estimate of missing rates; '
+              'default: positions count their turns', positive=True),
     Parameter('drive.timeout', 'double', 1.0, 's',
               'with messages: after this time without input the status is STATUS_INPUT_TIMEOUT; '
               '0: never', low=0.0),
@@ -522,7 +526,7 @@ GOES_WITH: tuple[tuple[str, str, tuple[Any, ...]], ...] = (
     ('external.*', 'bodies.*.[md]*', ()),      # masses, or the density of rods
     *((f'drive.{name}', 'drive.source', sources) for names, sources in (
         ('speed', (_TIMER,)), ('start rate', (_TIMER, *SOURCES)), ('joint*', ('joint_state',)),
-        ('window jump', _MESSAGES), ('timeout', (*_MESSAGES, _TORQUE)),
+        ('window jump top_speed', _MESSAGES), ('timeout', (*_MESSAGES, _TORQUE)),
         ('when_silent torque_limit', (_TORQUE,)), ('start_speed tolerance budget', SOURCES))
       for name in names.split()),
     ('motor.*', 'drive.source', (_MOTOR,)), ('shaft.*', 'drive.source', SOURCES),

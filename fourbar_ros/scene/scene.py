@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 import json
+from math import isnan
 from pathlib import Path
 from typing import Any, cast, NamedTuple, NoReturn, TYPE_CHECKING, TypeVar
 
@@ -60,6 +61,7 @@ class DriveSettings(NamedTuple):
     joint_offset: float
     window: int
     jump: float
+    top_speed: float
     timeout: float
     out_of_range: str
     start_speed: float
@@ -408,6 +410,8 @@ def _check_together(scene: Scene) -> None:
         refuse('joint_states.ratios', 'must not be zero')
     if scene.drive.joint_ratio == 0.0:
         refuse('drive.joint_ratio', 'must not be zero')
+    if not isnan(scene.drive.top_speed):
+        _check_wrapped(scene, refuse)
     if len(set(scene.outputs)) != len(scene.outputs):
         refuse('outputs', 'names an output twice')
     if 'points' in scene.outputs and not scene.points:
@@ -421,6 +425,15 @@ def _check_together(scene: Scene) -> None:
         refuse('drive.joint', 'must name the joint that is the input')
     if scene.values['trajectories']:
         _check_trajectories(scene, refuse)
+
+
+def _check_wrapped(scene: Scene, refuse: Callable[[str, str], NoReturn]) -> None:
+    """Refuse positions that wrap where a turn of the joint is none of the input."""
+    if scene.linkage.is_driven_by_slide:
+        refuse('drive.top_speed', 'is for positions that wrap after a turn: a slide has none')
+    if scene.drive.source == 'joint_state' and abs(scene.drive.joint_ratio) != 1.0:
+        refuse('drive.top_speed', 'is for positions that wrap after a turn: with a '
+               'drive.joint_ratio other than 1 and -1 they must count their turns')
 
 
 def _check_trajectories(scene: Scene, refuse: Callable[[str, str], NoReturn]) -> None:

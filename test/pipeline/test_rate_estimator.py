@@ -3,6 +3,7 @@
 """The causal estimator of missing rates: exact where it must be, as noisy and late as it says."""
 import math
 
+from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.pipeline.rate_estimator import estimator_of, MEMORY, RateEstimator
 from fourbar_ros.scene import scene
 import numpy as np
@@ -44,7 +45,7 @@ def test_constant_acceleration_is_exact_on_any_spacing_and_through_the_wrap(wind
     t = (times - times[0]) * 1e-9
     angles = 0.3 + 20.0 * t - 7.0 * t**2
     wrapped = (angles + np.pi) % (2.0 * np.pi) - np.pi
-    found = feed(RateEstimator(window), times, wrapped)[window:]
+    found = feed(RateEstimator(window, top_speed=26.0), times, wrapped)[window:]
     # of an angle that has been up to 60 rad, wrapped, over steps of 2 ms
     error = 4.0 * EPS * 60.0
     assert np.abs(found[:, 0] - (20.0 - 14.0 * t)[window:]).max() < 2.5 * error / 0.002
@@ -132,19 +133,97 @@ def test_samples_overtaken_one_by_one_do_not_start_it_afresh():
     assert estimator.restarts == 0 and estimator.late == 200
 
 
-@pytest.mark.parametrize('ratio', [0.5, -3.0, 10.0])
-def test_a_motor_that_wraps_drives_a_crank_behind_gears(ratio):
-    """The turn that is taken off is one of the motor: tau/ratio of the crank."""
+@pytest.mark.parametrize('ratio, others', [(0.5, {}), (-3.0, {}), (-60.0, {}),
+                                           (1.0, {'drive.top_speed': 4.0}),
+                                           (-1.0, {'drive.top_speed': 4.0})])
+def test_a_motor_that_counts_its_turns_drives_a_crank_behind_gears_or_one_that_wraps(ratio,
+                                                                                     others):
     estimator = estimator_of(scene.from_values({**PAPER, 'drive.source': 'joint_state',
                                                 'drive.joint': 'motor',
                                                 'drive.joint_ratio': ratio,
-                                                'drive.joint_offset': 0.3}))
+                                                'drive.joint_offset': 0.3, **others}))
     t = np.arange(2000) * 0.002
-    motor = (ratio * 4.0 * t + 0.3 + math.pi) % math.tau - math.pi
+    motor = ratio * 4.0 * t + 0.3
+    if others:
+        motor = (motor + math.pi) % math.tau - math.pi
     found = feed(estimator, t, (motor - 0.3) / ratio)[3:]
-    assert (np.abs(found - [4.0, 0.0]).max() < 16 * EPS * math.tau * max(1.0, 1.0 / abs(ratio))
-            / 0.002**2)
+    assert np.abs(found - [4.0, 0.0]).max() < 16 * EPS * 4.0 * t[-1] / 0.002**2
     assert estimator.restarts == 0
+
+
+CYLINDER = {'linkage.kind': 'inverted_slider', 'linkage.input': 'slide', 'linkage.a1': 1.2,
+            'linkage.a4': 1.6, 'linkage.range': [1.0, 1.8]}
+
+
+@pytest.mark.parametrize('top_speed, ratio, linkage, said', [
+    (10.0, 1.0, CYLINDER, 'a slide has none'),
+    (10.0, -60.0, PAPER, 'with a drive.joint_ratio other than 1 and -1'),
+    (0.0, 1.0, PAPER, 'must be')])
+def test_a_top_speed_where_no_turn_can_be_taken_off_is_refused(top_speed, ratio, linkage, said):
+    with pytest.raises(InvalidParameter, match=f'drive.top_speed = {top_speed:g}.*{said}'):
+        scene.from_values({**linkage, 'drive.source': 'joint_state', 'drive.joint': 'motor',
+                           'drive.joint_ratio': ratio, 'drive.top_speed': top_speed})
+
+
+def crank(t, is_wrapped):
+    """Return the positions of a crank at 25 rad/s."""
+    return (25.0 * t + math.pi) % math.tau - math.pi if is_wrapped else 25.0 * t
+
+
+def right(found, t):
+    """Return which answers have both rates; assert that these are right to the digits."""
+    is_known = np.isfinite(found).all(axis=1)
+    assert (np.abs(found[is_known] - [25.0, 0.0])
+            < 16 * EPS * 25.0 * t[-1] / np.array([0.01, 0.01**2])).all()
+    return is_known
+
+
+@pytest.mark.parametrize('is_wrapped, top_speed', [(False, math.nan), (True, math.nan),
+                                                   (True, 25.0), (False, 25.0)])
+@pytest.mark.parametrize('pause', [0.02, 0.06, 0.1, 0.12, 0.2, 0.25, 0.26, 0.5, 0.8, 1.5])
+def test_a_pause_makes_no_wrong_rate(pause, is_wrapped, top_speed):
+    """
+    25 rad/s at 100 Hz: in 0.25 s the crank makes a turn less 0.03 rad.
+
+    -22, -13, 17 and 28 rad/s were answered with STATUS_OK after it, also of counted positions.
+    """
+    t = np.cumsum(np.r_[np.full(60, 0.01), pause, np.full(40, 0.01)])
+    is_known = right(feed(RateEstimator(top_speed=top_speed), t, crank(t, is_wrapped)), t)
+    # a restart costs two samples; turns that wrap and are not declared to do so are restarts
+    restarts = 5 if is_wrapped and math.isnan(top_speed) else 1
+    assert is_known.sum() >= len(t) - 2 * (restarts + 1)
+
+
+@pytest.mark.parametrize('rate, is_wrapped, top_speed, jump, known', [
+    (4.0, False, math.nan, 1.0, False), (4.0, False, math.nan, 10.0, True),
+    (4.0, True, 25.0, 10.0, False), (4.0, True, 25.0, 1.0, False), (15.0, True, 25.0, 2.0, False),
+    (16.0, True, 25.0, 2.0, True), (50.0, True, 25.0, 1.0, True), (50.0, True, 100.0, 1.0, False)])
+def test_a_slow_stream_is_believed_only_if_its_steps_are_known(rate, is_wrapped, top_speed, jump,
+                                                               known):
+    """A wrapped step is known if it takes less time than a quarter turn at the top speed."""
+    t = np.arange(40) / rate
+    found = feed(RateEstimator(jump=jump, top_speed=top_speed), t, crank(t, is_wrapped))
+    assert right(found, t).sum() == (38 if known else 0)
+
+
+def test_a_wrap_that_was_not_declared_costs_two_samples_of_each_turn():
+    t = np.arange(400) * 0.01
+    estimator = RateEstimator()
+    is_known = right(feed(estimator, t, crank(t, True)), t)
+    assert estimator.restarts == np.count_nonzero(np.diff(crank(t, True)) < 0.0)
+    assert (~is_known).sum() == 2 * (estimator.restarts + 1)
+
+
+@pytest.mark.parametrize('rate', [4.0, 100.0])
+def test_given_velocities_need_no_turns(rate):
+    """Wrapped, slow or with a pause: the acceleration follows from the velocities."""
+    t = np.cumsum(np.r_[np.full(30, 1.0 / rate), 0.8, np.full(30, 1.0 / rate)])
+    angles = 5.0 * t + 2.0 * t**2 + math.pi
+    estimator = RateEstimator()
+    found = feed(estimator, t, angles % math.tau - math.pi, 5.0 + 4.0 * t)[1:]
+    assert np.abs(found[:, 1] - 4.0).max() < 16 * EPS * 100.0 * rate and estimator.restarts == 0
+    jump = feed(estimator, [t[-1] + 0.01], [angles[-1] + 2.0], [5.0 + 4.0 * t[-1]])[0]
+    assert np.isnan(jump[1]) and estimator.restarts == 1
 
 
 # --- noise ---------------------------------------------------------------------------------------
@@ -252,9 +331,9 @@ def test_noise_and_lag_are_as_documented(window, velocity_noise, acceleration_no
 def test_a_slide_does_not_wrap():
     """Three metres a sample are three metres, not half a turn."""
     times = np.arange(10) * 0.1
-    found = feed(RateEstimator(jump=100.0, period=math.inf), times, 40.0 * times)
+    found = feed(RateEstimator(jump=100.0, turn=math.inf), times, 40.0 * times)
     assert found[3:, 0] == pytest.approx(40.0, rel=1e-12)
-    jump = feed(RateEstimator(jump=1.0, period=math.inf), [0.0, 0.1, 0.2],
+    jump = feed(RateEstimator(jump=1.0, turn=math.inf), [0.0, 0.1, 0.2],
                 [0.0, 0.1, 0.1 + 2.0 * np.pi])
     assert np.isnan(jump[2]).all()
 
@@ -268,12 +347,13 @@ def test_an_input_that_is_no_number_is_not_remembered(bad):
             and estimator.restarts == 0)
 
 
-@pytest.mark.parametrize('period', [math.tau, math.inf])
-def test_whatever_comes_it_goes_on(period):
+@pytest.mark.parametrize('turn, top_speed', [(math.tau, math.nan), (math.tau, 9.0),
+                                             (math.inf, math.nan)])
+def test_whatever_comes_it_goes_on(turn, top_speed):
     """Take stamps and floats at their limits in any order; then the estimate recovers."""
     edges = [0.0, -0.0, 1.0, math.nan, math.inf, -math.inf, 5e-324, 1.7e308, -1.7e308, 1e154, 1e16]
     rng = np.random.default_rng(3)
-    estimator = RateEstimator(period=period)
+    estimator = RateEstimator(turn=turn, top_speed=top_speed)
     times = np.append(rng.integers(-2**31, 2**31, 20) * NS, rng.integers(-9, 9, 20))
     for time, (position, velocity) in zip(rng.choice(times, 20000).tolist(),
                                           rng.choice(edges, (20000, 2)).tolist()):

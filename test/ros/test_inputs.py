@@ -54,7 +54,7 @@ def answers(client, send, messages):
 
 
 def test_missing_rates_are_estimated_and_belong_to_the_input(drive, client):
-    send, message = drive({'drive.window': 3})
+    send, message = drive({'drive.window': 3, 'drive.top_speed': 5.0})
     times = [0.0, 0.01, 0.021, 0.03, 0.04, 0.049]
     states = answers(client, send, [message(t, (3.0 + 4.0 * t - t * t + math.pi) % math.tau
                                             - math.pi) for t in times])
@@ -82,6 +82,34 @@ def test_a_jump_makes_no_spike_and_an_old_sample_no_estimate(drive, client):
     assert again.omega1 == pytest.approx(1.0, rel=1e-3)
     assert late.status == LinkageState.STATUS_RATES_UNKNOWN and late.theta1 == 0.05
     assert (repeated.omega1, repeated.alpha1) == (again.omega1, again.alpha1)
+
+
+def test_after_a_pause_no_rate_is_wrong(drive, client):
+    """A crank at 25 rad/s, 100 Hz: a pause of 0.25 s is a turn less 0.03 rad."""
+    send, _ = drive({}, source='motion')
+    times = [round((0.01 * k + 0.24 * (k >= 30)) * 1e9) for k in range(40)]
+    began = client.node.get_clock().now().nanoseconds - 100 * NANOSECONDS
+    states = answers(client, send, [stamped(Motion(position=25e-9 * t, velocity=math.nan,
+                                                   acceleration=math.nan), began + t)
+                                    for t in times])
+    unknown, good = LinkageState.STATUS_RATES_UNKNOWN, LinkageState.STATUS_OK
+    assert ([state.status for state in states]
+            == [unknown] * 2 + [good] * 28 + [unknown] * 2 + [good] * 8)
+    assert all(abs(state.omega1 - 25.0) < 1e-9 for state in states if state.status == good)
+
+
+def test_a_joint_without_a_position_is_named(run_node, client):
+    node = run_node({**PAPER, 'drive.source': 'joint_state', 'drive.joint': 'motor',
+                     'outputs': ['state']})
+    client.listen(['state'])
+    publisher = client.publisher('joint_state')
+    short = JointState(name=['other', 'motor'], position=[0.1])
+
+    def is_said():
+        publisher.publish(short)
+        return "no position of joint 'motor' in the input message" in node.said
+    client.until(is_said, 'the reason')
+    assert 'did you mean' not in node.said and not client.received['state']
 
 
 def test_silence_is_reported_once_and_the_next_message_works(run_node, client):

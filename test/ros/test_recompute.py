@@ -44,13 +44,14 @@ def test_the_driven_joint_is_computed_again_from_what_came_in(run_node, client, 
                      'recording.start': True})
     client.listen(['state'])
     publisher, sent = client.publisher(), []
+    began = client.node.get_clock().now().nanoseconds
 
     def send():
         k = len(sent)
         sent.append(k)
         message = Motion()
-        now = client.node.get_clock().now().nanoseconds
-        message.header.stamp.sec, message.header.stamp.nanosec = now // 10**9, now % 10**9
+        stamp = began + k * 10**7                # even, however busy the machine is
+        message.header.stamp.sec, message.header.stamp.nanosec = divmod(stamp, 10**9)
         message.position = math.sin(0.05 * k)
         message.velocity = math.nan if given == 'position' else 5.0 * math.cos(0.05 * k)
         message.acceleration = 0.1 if given == 'everything' else math.nan

@@ -316,8 +316,8 @@ def test_a_driven_joint_that_never_comes_is_missed(run_node, client):
         return 'did you mean motor?' in node.said and any(
             "joint 'motr' never came" in array.status[0].message for array in newest)
     client.until(told, 'the warning')
-    assert "drive.joint = 'motr' was in none of the first 20 messages on /joint_states" in (
-        node.said)
+    assert ("drive.joint = 'motr' had a position in none of the first 20 messages on /joint_states"
+            in node.said)
 
 
 def test_an_endpoint_whose_node_is_not_discovered_yet_ends_no_search_for_circles():

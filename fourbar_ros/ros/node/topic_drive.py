@@ -24,6 +24,9 @@ from rclpy.serialization import deserialize_message
 
 SILENT = 2.0           # [s] without a first message after which the diagnostics warn
 FUTURE = 1.0           # [s] stamps further ahead of our clock are counted and logged
+RESTARTED = ('the estimate of missing rates starts afresh: after a pause above drive.timeout, a '
+             'step above drive.jump (for positions that wrap after a turn give drive.top_speed), '
+             'or a clock set back')
 UNHEARD = 20           # messages without the driven joint after which a relay warns
 
 
@@ -148,8 +151,8 @@ class TopicDrive(Drive):
         self._recording.write(self._topic.name, data)
         if motion is None:
             hint = '' if self.counts['without_joint'] else self._joint_hint([data])
-            self._note('without_joint', f'joint {self.settings.joint!r} is not in the input '
-                                        f'message{hint}')
+            self._note('without_joint', f'no position of joint {self.settings.joint!r} in the '
+                                        f'input message{hint}')
             return
         stamp, nanoseconds = self._stamp(*stamp)
         if self.settings.source == 'joint_state':
@@ -157,7 +160,10 @@ class TopicDrive(Drive):
         position, velocity, acceleration = motion
         self._estimated = isnan(velocity) or isnan(acceleration)
         if self._estimated:
+            restarts = self.estimator.restarts
             velocity, estimate = self.estimator.update(nanoseconds, position, velocity)
+            if self.estimator.restarts > restarts:
+                self._node.log.warning('estimate_restarts', RESTARTED)
             acceleration = estimate if isnan(acceleration) else acceleration
         self._stream.step(stamp, position, velocity, acceleration)
 
@@ -169,15 +175,16 @@ class TopicDrive(Drive):
         self._of_others.append(data)
         if len(self._of_others) == UNHEARD:
             self._node.log.warning('of_other_joints', (
-                f'drive.joint = {self.settings.joint!r} was in none of the first {UNHEARD} '
-                f'messages on {self._subscription.topic_name}{self._joint_hint(self._of_others)}'))
+                f'drive.joint = {self.settings.joint!r} had a position in none of the first '
+                f'{UNHEARD} messages on {self._subscription.topic_name}'
+                f'{self._joint_hint(self._of_others)}'))
 
     def _joint_hint(self, messages: list[bytes]) -> str:
-        """Return '; did you mean NAME?' of a joint in messages that lack the driven one."""
-        message_class = resolve(self._topic.type)
+        """Return '; did you mean NAME?' of a joint in messages without the driven one."""
+        message_class, joint = resolve(self._topic.type), self.settings.joint
         names = dict.fromkeys(name for data in messages
                               for name in deserialize_message(data, message_class).name)
-        return nearest(self.settings.joint, names) if names else ''
+        return nearest(joint, names) if names and joint not in names else ''
 
     def _note_arrival(self) -> None:
         self.counts['received'] += 1
