@@ -127,8 +127,9 @@ class Answers:
         for k, stamp in enumerate(stamps.tolist()):
             sent = joint[k], ratio * motion[1, k] if is_given[k] else math.nan, math.nan
             x, v, _ = map(float, Scale(ratio, 0.0).to_input(*sent))
-            found = estimator.update(stamp, x, v)
-            at = first.setdefault(stamp, k)      # the sample that counts of those with one stamp
+            if not estimator._samples or stamp != estimator._samples[-1].time:
+                first[stamp] = k                 # of samples with one stamp the first counts
+            found, at = estimator.update(stamp, x, v), first[stamp]
             status = RATES_UNKNOWN
             if np.isfinite(found).all():
                 status = evaluate(its_scene.linkage, x, *found, False)[0]

@@ -1,6 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """A bag on the wire again, a live node driven by a bag, recording from the command line."""
+import math
 import os
 import re
 import signal
@@ -132,6 +133,19 @@ def test_a_live_node_driven_by_the_bag_answers_exactly_what_was_recorded(run_nod
     lines = [line.split() for line in said.splitlines() if line.startswith('/')]
     assert (len(lines) == len(ALL_OUTPUTS) and all(line[1:4] == [str(STEPS), '0', '0']
                                                    for line in lines)), said
+
+
+@pytest.mark.slow
+def test_motions_with_unknown_rates_are_left_out_and_counted(run_node, client, tmp_path):
+    """The node would estimate what the recorded one did not know: an infinite difference."""
+    path = bags.run(tmp_path, 'gaps', FULL, [
+        (0.05 * k, math.nan if k % 10 > 5 else 25.0, math.nan if k % 10 > 4 else 0.1)
+        for k in range(STEPS)], step_ns=2 * 10**6, paced=True)
+    run_node(FULL)
+    code, said = finished(fourbar('replay', path, '--inputs-only'), client)
+    assert code == 0 and f'{STEPS // 2} motions left out: their rates were unknown' in said, said
+    lines = [line.split() for line in said.splitlines() if line.startswith('/')]
+    assert lines and all(line[1:4] == [str(STEPS // 2), '0', '0'] for line in lines), said
 
 
 @pytest.mark.slow

@@ -95,12 +95,20 @@ def test_a_wanted_output_becomes_a_drive_and_comes_back(run_node, client):
             column(drive, name)).max() + np.abs(want).max())
 
 
+def backwards(trajectory):
+    """Give the last point an earlier time than the one before."""
+    trajectory.points[-1].time_from_start = Duration(nanosec=500_000_000)
+    return trajectory
+
+
 REFUSED = [
     (message('leg', [20.0]), 'lies beyond the toggle'),
     (message('arm', [3.0]), 'must hold leg'),
     (message('leg', []), 'must not be empty'),
     (message('leg', [3.0], velocities=[]), 'must be given for leg in point 0'),
     (message('leg', [float('nan')]), 'must be finite'),
+    (backwards(message('leg', [3.0, 3.1, 3.2])),
+     'points[2].time_from_start = 0.5: must not decrease: the point before has 1 s'),
     (message('leg', [1e308]), 'theta4 = 1.4285714e+307 rad tells no angle'),
     (message('leg', [14.0], velocities=[0.0, 1e308]), 'of theta1 overflows'),
 ]

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 import json
+from math import isfinite, isnan
 from pathlib import Path
 import struct
 import time
@@ -26,6 +27,7 @@ from fourbar_ros.ros.clients.client import Client, name_on, NoAnswer
 from fourbar_ros.ros.clients.replay import installed, Replayer
 from fourbar_ros.ros.messages import resolve
 from fourbar_ros.scene import parameters
+from fourbar_ros.scene.message_fields import driven_of
 from fourbar_ros.scene.parameters import ParameterValues
 from fourbar_ros.scene.scene import from_values, Scene
 from fourbar_ros.scene.topics import INPUT_DEPTH, INPUTS
@@ -45,7 +47,7 @@ OURS = ('drive.', 'recording.')         # parameters that a live node has its ow
 
 
 class LiveRun(NamedTuple):
-    """The answers of a live node by topic; ``notes``: changes of the scene, a line for each."""
+    """The answers of a live node by topic; ``notes``: changes of the scene, motions left out."""
 
     answers: list[Answer]
     notes: list[str]
@@ -87,6 +89,8 @@ def drive_live(path: str | Path, node_name: str | None = None, rate: float = 1.0
                 live.expect(raw)
         live.wait_for_the_rest()
         live.close()
+        if live.left_out:
+            changes.notes.append(f'{live.left_out} motions left out: their rates were unknown')
         return LiveRun(live.compared(), changes.notes)
 
 
@@ -142,6 +146,8 @@ class _Live(Client):
         self._first, self._last = b'', b''          # stamps of motions; empty before the first
         self._unanswered = b''      # the first motion, until it is answered
         self._last_arrival = time.monotonic()
+        self.left_out = 0           # motions that were not sent: their rates were unknown
+        self._unsent: set[bytes] = set()            # stamps of those
         self._given_up = 0          # motions whose answers are not waited for any more
         self._silent = False        # whether the last wait for answers failed
         self._input_name = name_on(node_name, INPUTS['motion'])
@@ -205,7 +211,16 @@ class _Live(Client):
         Send one recorded motion; first wait if AHEAD motions have not been answered.
 
         More would overflow the queue of a busy node, and the lost ones look like its fault.
+        A motion whose rates were unknown is left out: the node would estimate them.
         """
+        position, *rates = driven_of(self._replayer.bag.decode(raw))
+        if isfinite(position) and any(map(isnan, rates)):
+            self.left_out += 1
+            if not self._in_order:       # its outputs may stand before or behind it
+                self._unsent.add(stamp_of(raw.data))
+                for topic in self._topics.values():
+                    topic.forget(stamp_of(raw.data))
+            return
         self._introduce()
         waiting = self._waiting()
         # For a node that stands still we wait once only. Later answers do not count as missing.
@@ -249,6 +264,8 @@ class _Live(Client):
         Our bags hold it right after its motion; bags of rosbag2 hold it in the order of arrival.
         """
         stamp = stamp_of(raw.data)
+        if stamp in self._unsent:
+            return
         if (stamp == self._last or not self._in_order and self._last
                 and moment_of(stamp) >= moment_of(self._first)):
             self._topics[raw.topic].expect(stamp, raw.data)
@@ -268,7 +285,7 @@ class _Live(Client):
     def compared(self) -> list[Answer]:
         """Return an Answer for each topic, once all motions were sent."""
         if not self._last:
-            raise BagError('the bag has no motion of the driven joint')
+            raise BagError('the bag has no motion of the driven joint with known rates')
         return [topic.finished(name) for name, topic in self._topics.items()]
 
 
@@ -324,6 +341,10 @@ class Meeting:
     def is_waiting_for(self, stamp: bytes) -> bool:
         """Return whether the answer of this stamp is still to come."""
         return stamp in self._expected
+
+    def forget(self, stamp: bytes) -> None:
+        """Expect no answer of this stamp."""
+        self._expected.pop(stamp, None)
 
     def _meet(self, stamp: bytes, data: bytes, own: dict[bytes, bytes], others: dict[bytes, bytes],
               is_answer: bool) -> None:

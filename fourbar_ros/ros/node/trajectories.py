@@ -173,6 +173,12 @@ class Trajectories:
                                    f'must hold {joint.name}')
         if not len(message.times):
             raise InvalidParameter('points', [], 'must not be empty')
+        back = np.flatnonzero(np.diff(message.times) < 0)
+        if len(back):
+            point = int(back[0]) + 1
+            before, time = (message.times[point - 1:point + 1] * 1e-9).tolist()
+            raise InvalidParameter(f'points[{point}].time_from_start', time,
+                                   f'must not decrease: the point before has {before:g} s')
         position, velocity = (_needed(message, name, joint.name) for name in FIELDS[:2])
         acceleration, effort = (_column(message, name, joint.name) for name in FIELDS[2:])
         if 'effort' not in conversion.fields:
