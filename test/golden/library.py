@@ -151,7 +151,9 @@ class Extrema:
     """All extrema of all quantities: kind, place, value; where and as what they count."""
 
     cases = staticmethod(with_modes)
-    slow = 'classics/gripper', 'classics/peaucellier', 'classics/coupling_rod'
+    slow = tuple([f'classics/{name}' for name in (
+        'gripper', 'peaucellier', 'coupling_rod', 'v8', 'radial_engine', 'scott_russell',
+        'parallelogram', 'antiparallelogram')])
 
     def columns(self, key):
         """Return columns QUANTITY/WHAT, in the order of the input."""
@@ -294,6 +296,7 @@ class Studies:
 class Balances:
     """Counterweights by ``fourbar balance``, as numbers of the scene that it writes."""
 
+    slow = 'paper, full', 'slider_crank, full'
     commands = {
         'paper, full': ['paper'],
         'slider_crank, full': ['slider_crank'],

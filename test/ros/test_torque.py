@@ -124,6 +124,8 @@ def test_a_torque_topic_with_gaps_nan_and_jumps(run_node, client, tmp_path):
         send(bad)
     send(1e300)                                          # a jump, to the limit
     client.until(lambda: heard[-1].command == 50.0, 'the limited torque')
+    send(-1e300)
+    client.until(lambda: heard[-1].command == -50.0, 'the limited torque, backwards')
     send(-20.0)
     client.until(lambda: heard[-1].command == -20.0, 'the torque after the jump')
     client.until(lambda: heard[-1].status == DriveState.STATUS_SILENT, 'silence')
@@ -131,7 +133,7 @@ def test_a_torque_topic_with_gaps_nan_and_jumps(run_node, client, tmp_path):
     send(3.0)
     client.until(lambda: heard[-1].command == 3.0, 'the torque after the gap')
     assert node.stop() == 0
-    assert {m.command for m in heard} <= {0.0, 5.0, 50.0, -20.0, 3.0}
+    assert {m.command for m in heard} <= {0.0, 5.0, 50.0, -50.0, -20.0, 3.0}
     assert all(np.isfinite([m.position, m.velocity, m.acceleration]).all() for m in heard)
     assert 'not finite' in node.said and 'drive.torque_limit' in node.said
     found = compare(tmp_path / 'run')
