@@ -39,10 +39,10 @@ up as it needs more evaluations or time than allowed; the summary says which.
 def add(verbs: Verbs) -> None:
     """Add ``fourbar simulate`` with its arguments."""
     simulate = add_verb(verbs, 'simulate', 'run a scene whose motion follows from torque; extrema '
-                                           'of speed and loads over the run',
+                                           'of speed and loads at its samples',
                         'Integrate the motion that follows from the torque of a motor, weight and '
                         'springs, faster than\nreal time, and show the extrema of speed, torque '
-                        'and loads over the run.', EPILOG)
+                        'and loads at its samples.', EPILOG)
     add_scene(simulate)
     simulate.add_argument('--until', type=positive, required=True, metavar='T',
                           help='end of the run [s]; samples are taken at drive.rate')
@@ -148,7 +148,7 @@ def print_summary(simulated: SimulatedScene, name: str, tolerance: float, took: 
     if len(modes) > 1:
         console.print(f'The motion goes through both assembly modes, {modes[0]} and {modes[1]}.')
     console.print()
-    table = PlainTable('extrema over the run', ('quantity', 'unit', 'lowest>', 'at [s]>',
+    table = PlainTable('extrema at the samples', ('quantity', 'unit', 'lowest>', 'at [s]>',
                                                 'highest>', 'at [s]>'))
     for peak in simulated.peaks():
         table.add_row(peak.name, peak.unit, f'{peak.low:.6g}', f'{peak.low_at:g}',

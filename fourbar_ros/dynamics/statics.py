@@ -12,7 +12,7 @@ derivatives with respect to time): stable where K > 0, with the natural frequenc
 """
 from __future__ import annotations
 
-from math import nan, pi, sqrt, tau
+from math import inf, nan, pi, sqrt, tau
 from typing import NamedTuple
 
 from fourbar_ros.dynamics.model.equation import Equation
@@ -23,6 +23,7 @@ from fourbar_ros.optional import MissingPackage
 import numpy as np
 
 SAMPLES = 2048      # in each range of the input
+HALVINGS = 60
 
 
 class Equilibrium(NamedTuple):
@@ -40,12 +41,14 @@ def equilibria(equation: Equation, drive: float = 0.0) -> tuple[Equilibrium, ...
     Return all static equilibria in this assembly mode, in order of the input.
 
     ``drive``: constant torque (force) T of the drive. Equilibria are sign changes of Q + T on 2048
-    samples of each range of the input, and pairs of them between samples where |Q + T| dips. None
+    samples of each range of the input and at the places of force tables, and pairs of them between
+    samples where |Q + T| dips. None
     is found where Q + T is zero over an interval. A jump of Q over zero, as at the wrap of a
     torsion spring, is no equilibrium.
     """
     places = []
     for samples in _samples(equation.mechanism, equation.turns):
+        samples = np.union1d(samples, _inputs_of_tables(equation, samples))
         places += roots_of(lambda q: equation.terms(q).force + drive, samples)
     if equation.mechanism.turns_fully:      # samples go a little beyond the turns from -pi on
         cycle, end = equation.turns * tau, (2 * equation.turns - 1) * pi
@@ -76,6 +79,29 @@ def _samples(mechanism: Mechanism, turns: int) -> list[Array]:
     u = (np.arange(SAMPLES) + 0.5) * (pi / SAMPLES)
     return [0.5 * (low + high) - 0.5 * (high - low) * np.cos(u)
             for low, high in mechanism.input_ranges]
+
+
+def _inputs_of_tables(equation: Equation, samples: Array) -> Array:
+    """Return the inputs between samples at which a force table has a place, by bisection."""
+    found: list[Array] = [np.empty(0)]
+    for i, (_, table) in enumerate(equation.tables):
+        def beyond(inputs: Array, places: Array, i: int = i,
+                   period: float = table.period) -> Array:
+            way = equation.places.of_many(inputs)[i] - places
+            return way if period == inf else way - period * np.round(way / period)
+        places = np.array(table.table.places)[:, None]
+        ways = beyond(samples, places)
+        passes = ((ways[:, 1:] >= 0.0) != (ways[:, :-1] >= 0.0)) & (
+            np.abs(np.diff(ways)) < 0.5 * table.period)
+        row, column = np.nonzero(passes)
+        low, high, place = samples[column], samples[column + 1], places[row, 0]
+        side = ways[row, column] >= 0.0
+        for _ in range(HALVINGS):
+            middle = 0.5 * (low + high)
+            is_before = (beyond(middle, place) >= 0.0) == side
+            low, high = np.where(is_before, middle, low), np.where(is_before, high, middle)
+        found.append(high)
+    return np.concatenate(found)
 
 
 def roots_of(function: Function, samples: Array) -> list[float]:

@@ -22,8 +22,8 @@ from fourbar_ros.dynamics.model.drives import (
     Regime,
     SpeedController,
 )
-from fourbar_ros.dynamics.model.elements import TableForce
-from fourbar_ros.dynamics.model.equation import Equation, make_reading
+from fourbar_ros.dynamics.model.elements import LinkAngle, PositionForce, TableForce
+from fourbar_ros.dynamics.model.equation import Equation, make_reading, REACH
 from fourbar_ros.dynamics.model.system import NEAR_TOGGLE, System
 from fourbar_ros.dynamics.solve.phase import LONGEST, make_pose, Phase
 from fourbar_ros.dynamics.step import phase_steps
@@ -138,6 +138,9 @@ class DriveCode:
                      equation.make_with_ratio, equation.coordinate)),
                  *self._of_phases('rosenbrock', lambda equation, phase: Rosenbrock(
                      equation, equations, has_own, tangent).make, GIVEN)]
+        if self._tables:
+            found += self._of_phases('places_of', lambda equation, phase: partial(
+                equation.make_places, equation.coordinate))
         if tangent:
             found.append(writer.function('tangent', _plain(tangent, 1)))
         if isinstance(self._source, CommandedLaw) and not self._regime.margins:
@@ -281,7 +284,8 @@ class DriveCode:
         return [*self._constants(), *self._functions, snippet('source.c'),
                 *self._law(), *self._limits(),
                 *(self._of_toggles() if self.modes else [snippet('places.c', 'no_toggles')]),
-                snippet('step.c'), snippet('places.c', 'toggles' if self.modes else 'held'), text]
+                *self._of_tables(), snippet('step.c'),
+                snippet('places.c', 'toggles' if self.modes else 'held'), text]
 
     def self_check(self) -> list[str]:
         """Return the C text that compares the state after some steps with Python's."""
@@ -299,7 +303,8 @@ class DriveCode:
         """Return the C constants of the step: phases, budget, tolerances [rad] or [m], factors."""
         units = [phase.equation.coordinate.input_unit for phase in self._phases]
         settings = self._scene.drive
-        flags = {'STAGES': EVALUATIONS, 'PHASES': len(units), 'PASSES': int(bool(self.modes)),
+        flags = {'STAGES': EVALUATIONS, 'PHASES': len(units), 'TABLES': len(self._tables),
+                 'PASSES': int(bool(self.modes)),
                  'BUDGET': settings.budget - phase_steps.RESERVE * bool(self.modes),
                  'HAS_SHAFT': int(self._drive.shaft is not None),
                  'HAS_LIMITS': int(self.has_limits), 'TAKES_TORQUE': int(self.takes_torque)}
@@ -313,6 +318,34 @@ class DriveCode:
                 f'{{{_list(phase_steps.DIFFERENCE * unit for unit in units)}}};',
                 *_definitions({name: getattr(phase_steps, name) for name in (
                     'SMALLEST', 'LARGEST', 'SAFETY', 'CLOSEST', 'DEEPEST', 'SHORTER')}), '']
+
+    @property
+    def _tables(self) -> list[tuple[PositionForce, TableForce]]:
+        return self._system.equation.tables
+
+    def _of_tables(self) -> list[str]:
+        """Return the C text that ends steps at the places of force tables."""
+        tables = self._tables
+        if not tables:
+            return [snippet('source.c', 'no_tables')]
+        reaches = (REACH * phase.equation.coordinate.input_unit for phase in self._phases)
+        counts = ', '.join(str(len(table.ends)) for _, table in tables)
+        is_angle = ', '.join(str(int(isinstance(force.over, LinkAngle))) for force, _ in tables)
+        return [*(f'static const double ENDS_{i}[] = {{{_list(table.ends)}}};'
+                  for i, (_, table) in enumerate(tables)),
+                'static const double *const ENDS[] = '
+                f'{{{", ".join(f"ENDS_{i}" for i in range(len(tables)))}}};',
+                f'static const int COUNTS[] = {{{counts}}};',
+                f'static const int IS_ANGLE[] = {{{is_angle}}};',
+                f'static const double REACHES[] = {{{_list(reaches)}}};',
+                f'enum {{ HALVINGS = {phase_steps.BISECTIONS} }};',
+                *_definitions({'AT_PLACE': drives.NEAREST, 'LEAST_PART': phase_steps.SHORTEST,
+                               'WHOLE_TURN': tau}), '',
+                '/* A place within a table, turns and periods taken off. */',
+                'static double base_of(int table, double place)\n{', '  (void)table;',
+                *(f'  if (table == {i}) return {_base(table)};'
+                  for i, (_, table) in enumerate(tables) if _base(table)),
+                '  return place;', '}', '', snippet('source.c', 'tables')]
 
     def _of_toggles(self) -> list[str]:
         """Return the C text for steps through toggles: modes, ratios of units, whole turns."""
@@ -401,6 +434,16 @@ def tables(forces: Sequence[Any], name: str) -> list[str]:
             f'  return {literal(force.factor)} * cubic(pieces[piece_at(place, inner, '
             f'{len(inner)})], place);', '}', '']
     return found
+
+
+def _base(force: TableForce) -> str:
+    """Return the C text of a place without whole turns or periods; '': it has none."""
+    if force.middle is not None:
+        middle = literal(force.middle)
+        return f'{middle} + remainder(place - {middle}, WHOLE_TURN)'
+    if force.table.is_periodic:
+        return f'wrapped(place, {literal(force.table.places[0])}, {literal(force.table.span)})'
+    return ''
 
 
 def _definitions(numbers: dict[str, float]) -> list[str]:

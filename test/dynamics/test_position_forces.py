@@ -21,7 +21,7 @@ from fourbar_ros.dynamics.model.force_table import ForceTable
 from fourbar_ros.dynamics.model.system import System
 from fourbar_ros.dynamics.solve.simulate import REACHED, simulate, STOPPED
 from fourbar_ros.dynamics.statics import equilibria
-from fourbar_ros.dynamics.step.mover import Mover
+from fourbar_ros.dynamics.step.mover import Mover, OK
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Body
 from fourbar_ros.mechanisms.points import point_motion
@@ -433,3 +433,78 @@ def test_a_direction_that_turns_with_a_link_does():
     value, angle = CYCLE(0.7), motion.beta + 0.4
     assert loads.force_x == pytest.approx(value * cos(angle), rel=1e-13)
     assert loads.force_y == pytest.approx(value * sin(angle), rel=1e-13)
+
+
+FLYWHEEL = 50.0         # [kg m^2] so heavy that steps are long
+END = {'input': 5.0, 'way': 3.1, 'angle': 5.0}      # [rad], past the triangle once either way
+NARROW = [(over, width, sign) for over in ('input', 'way', 'angle')
+          for width in (0.1, 0.01, 0.001) for sign in (1.0, -1.0)]
+
+
+def with_narrow_force(over, width, rate):
+    """Return a system with a triangle of 100 J, of a half width [rad] or [m]."""
+    if over == 'input':      # a couple over the crank, the same after each turn
+        table = ForceTable([0.0, 2.0 - width, 2.0, 2.0 + width, 2.0 * pi],
+                           [0.0, 0.0, 100.0 / width, 0.0, 0.0], is_periodic=True, is_linear=True)
+        force = PositionForce(Attachment('crank'), table, direction=None)
+    elif over == 'way':      # of the rocker's end, along the line that it acts along
+        table = ForceTable([0.3, 0.7 - width, 0.7, 0.7 + width, 2.0],
+                           [0.0, 0.0, 100.0 / width, 0.0, 0.0], is_linear=True)
+        force = PositionForce(Attachment('output', 0.8), table, Way(Attachment('output', 0.8)))
+    else:                    # a couple over the crank's angle as that of a link, in (-pi, pi]
+        table = ForceTable([3.0 - width, 3.0, 3.0 + width], [0.0, 100.0 / width, 0.0],
+                           is_linear=True)
+        force = PositionForce(Attachment('crank'), table, LinkAngle('crank'), direction=None)
+    linkage = FourBar(0.4, 1.2, 0.8, 1.0, bodies=BODIES)
+    return System(linkage, 0.0, rate, [force], Drive(ConstantTorque(0.0), flywheel=FLYWHEEL))
+
+
+def passes_of(over, system, end):
+    """Return how often more a motion to an input has gone up over the triangle than down."""
+    place = system.equation.places.of_one
+    if over == 'way':
+        return float(place(end)[0] > 0.7) - float(place(0.0)[0] > 0.7)
+    at = 2.0 if over == 'input' else 3.0
+    return np.floor((end - at) / (2.0 * pi)) - np.floor(-at / (2.0 * pi))
+
+
+@pytest.mark.parametrize(('over', 'width', 'sign'), NARROW)
+def test_a_run_does_the_work_of_a_narrow_table(over, width, sign):
+    system, tolerance = with_narrow_force(over, width, 25.0 * sign), 1e-8
+    run = simulate(system, END[over] / 25.0, tolerance)
+    assert run.status == REACHED
+    energy = [system.equation.energy(run.position[i], run.rate[i]) for i in (0, -1)]
+    work = 100.0 * passes_of(over, system, float(run.position[-1]))
+    assert work
+    # the tolerance is one of the energy in play
+    assert energy[1] - energy[0] == pytest.approx(work, abs=10.0 * tolerance * energy[0])
+
+
+@pytest.mark.parametrize(('over', 'width', 'sign'), NARROW)
+def test_steps_of_the_node_do_the_work_of_a_narrow_table(over, width, sign):
+    """With the node's tolerance and budget, at 1 kHz."""
+    system, tolerance, rate = with_narrow_force(over, width, 25.0 * sign), 1e-6, 25.0
+    mover = Mover(system, tolerance, 60)
+    values = mover.start()
+    energy = system.equation.energy(values.position, values.velocity)
+    while abs(values.position) < END[over]:
+        status, values = mover.next(values, 1e-3)
+        assert status == OK
+    gained = system.equation.energy(values.position, values.velocity) - energy
+    work = 100.0 * passes_of(over, system, values.position)
+    assert work
+    # a step has an error of the speed of its tolerance over its length, here that of a flank
+    step = min(width / rate, 1e-3)
+    assert gained == pytest.approx(work, abs=FLYWHEEL * rate * tolerance / step)
+
+
+@pytest.mark.parametrize('width', [0.05, 5e-4])
+@pytest.mark.parametrize('over', ['input', 'angle'])
+def test_equilibria_inside_a_narrow_table_are_found(over, width):
+    """A triangle against half its height: one on each flank."""
+    equation = with_narrow_force(over, width, 0.0).equation
+    linkage = FourBar(0.4, 1.2, 0.8, 1.0, bodies=BODIES)
+    found = [one.position for one in equilibria(Equation(linkage, equation.elements),
+                                                -50.0 / width)]
+    middle = 2.0 if over == 'input' else 3.0
+    assert found == pytest.approx([middle - 0.5 * width, middle + 0.5 * width], abs=1e-12)

@@ -53,6 +53,14 @@ MORE = {
     'huge torque': {**CRANK, 'motor.stall_torque': 1e300, 'motor.free_speed': 1.0},
     'cylinder': {**load_scene('cylinder').values, 'drive.source': 'torque', 'drive.start': 1.3},
     'bucket': {**load_scene('bucket').values, 'drive.source': 'torque', 'drive.start': 1.85},
+    'narrow tables': {**ROCKER, **LINE, 'outputs': ['state', 'loads'],
+                      'points.end.link': 'coupler', 'points.end.along': 1.0,
+                      **{f'forces.{name}.{key}': value
+                         for name, places, over in (('cut', [0.5, 0.501, 0.502], 'end.x'),
+                                                    ('stop', [1.2, 1.201, 1.202], 'theta4'))
+                         for key, value in (('link', 'output'), ('acts', 'couple'),
+                                            ('over', over), ('places', places),
+                                            ('values', [0.0, 30.0, 0.0]))}},
     **dict.fromkeys(('motor', 'controlled', 'released', 'sundials', 'door_closer'))}
 
 

@@ -224,9 +224,10 @@ class DriveStates:
     def __init__(self, scene: Scene, integrator: str, moved_by: MoverOf = mover_of) -> None:
         """Begin before the first message, with no state to step from."""
         self.integrator, self._moved_by = integrator, moved_by
-        drive = scene.dynamics and scene.dynamics.drive
-        self._has_our_integrator = integrator == name_of(scene.linkage,
-                                                         drive.source if drive else None)
+        dynamics = scene.dynamics
+        self._has_our_integrator = integrator == (
+            name_of(scene.linkage, dynamics.drive.source, dynamics.elements) if dynamics
+            else name_of(scene.linkage))
         self.largest: dict[str, float] = {}
         self.compared = self.alone = self.unknown = 0
         self._before = _RecordedState(None, 0, 0)

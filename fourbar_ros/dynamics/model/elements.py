@@ -8,9 +8,11 @@ angle of a link, or of the way of a point.
 """
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import remainder, tau
+from functools import cached_property
+from math import inf, remainder, tau
 from typing import Any, Union
 
 from fourbar_ros.dynamics.model.force_table import ForceTable
@@ -121,6 +123,35 @@ class TableForce:
             place = (middle + remainder(place - middle, tau) if isinstance(place, float)
                      else place - tau * np.round((place - middle) / tau))
         return self.factor * self.table(place)
+
+    @property
+    def period(self) -> float:
+        """Return after which way F is the same again; infinite where it never is."""
+        return (tau if self.middle is not None else
+                self.table.span if self.table.is_periodic else inf)
+
+    @cached_property
+    def ends(self) -> list[float]:
+        """Return the places of the table with two more on either side, infinite if no period."""
+        places = list(self.table.places)[:-1 if self.table.is_periodic else None]
+        count = -(-2 // len(places))
+        return [place + turn * self.period if turn else place
+                for turn in range(-count, count + 1) for place in places]
+
+    def piece(self, place: float) -> tuple[float, float, float, float]:
+        """
+        Return four places next to each other, with the one given between the second and the third.
+
+        Between two neighbours F is one polynomial.
+        """
+        base, first = place, self.table.places[0]
+        if self.middle is not None:
+            base = self.middle + remainder(place - self.middle, tau)
+        elif self.table.is_periodic:
+            base = first + (place - first) % self.table.span
+        i, shift = bisect_right(self.ends, base), place - base
+        before, low, high, after = self.ends[i - 2:i + 2]
+        return before + shift, low + shift, high + shift, after + shift
 
 
 INPUT = 'input'        # place of a force: the input of the mechanism, an angle or a slide

@@ -37,9 +37,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import cached_property, partial
+from math import remainder, tau
 from typing import Any, NamedTuple
 
-from fourbar_ros.dynamics.model.elements import Element, PositionForce
+from fourbar_ros.dynamics.model.elements import Element, LinkAngle, PositionForce, TableForce
 from fourbar_ros.dynamics.model.smooth import beyond, make_is_alternate
 from fourbar_ros.dynamics.model.terms import (
     element_energy,
@@ -49,6 +50,7 @@ from fourbar_ros.dynamics.model.terms import (
     make_force_stiffness,
     make_force_term,
     make_link_terms,
+    place_of,
     work_of,
 )
 from fourbar_ros.errors import InvalidParameter, MissingBodies
@@ -62,6 +64,7 @@ from fourbar_ros.numerics.straight_line import straight_line
 import numpy as np
 
 MakeFormula = Callable[[DrivenLinks, NumberType], Function]      # of the coordinate
+REACH = 0.5            # of a coordinate in its unit, within which a table does not come round
 
 
 class Terms(NamedTuple):
@@ -178,6 +181,9 @@ class Equation:
         # (spring, numbers of the links that it joins)
         self._springs = [(e, self._links.index(e.links[0]), self._links.index(e.links[1]))
                          for e in self.elements if not isinstance(e, PositionForce)]
+        # forces with a table, and their F(s)
+        self.tables = [(e, value) for e in self.forces
+                       if isinstance(value := e.make_value(mechanism), TableForce)]
         self.has_couples = bool(self.forces) or any(applied.couple
                                                     for _, _, applied in self._bodies)
         self._is_alternate = None if start is None else make_is_alternate(
@@ -275,6 +281,44 @@ class Equation:
                 force, couples = force + pushed, couples + pushed
             return inertia, half_slope, force, damping, couples
         return terms
+
+    def make_places(self, coordinate: DrivenLinks, n: NumberType) -> Function:
+        """Return the formula q -> the places s of all forces with a table."""
+        pose = self._make_pose(coordinate, n)
+
+        def places(position: Scalar) -> tuple[Scalar, ...]:
+            """Return them at one q."""
+            motions, (value, _, _) = pose(position)
+            by_link = dict(zip(self._links, motions))
+            return tuple([place_of(n, force, by_link, value) for force, _ in self.tables])
+        return places
+
+    @cached_property
+    def places(self) -> InBothModes:
+        """Return q -> the places s of all forces with a table."""
+        return self.in_both_modes(self.make_places)
+
+    def make_excess(self, position: float) -> Callable[[float, bool], float]:
+        """
+        Return (q, is_outer) -> how far q is beyond the pieces of all tables at ``position``.
+
+        Over 1 and the size of a place; negative within the piece, ``is_outer``: or within its
+        neighbours. Positive REACH, or twice that, from ``position``: no place comes round unseen.
+        """
+        starts, reach = self.places.of_one(position), REACH * self.coordinate.input_unit
+        pieces = [(start, table.piece(start), 1.0 + abs(start), isinstance(force.over, LinkAngle))
+                  for start, (force, table) in zip(starts, self.tables)]
+
+        def excess(there: float, is_outer: bool) -> float:
+            """Return the largest of all tables."""
+            most = abs(there - position) - (2.0 if is_outer else 1.0) * reach
+            for place, (start, ends, unit, is_angle) in zip(self.places.of_one(there), pieces):
+                if is_angle:
+                    place = start + remainder(place - start, tau)
+                low, high = (ends[0], ends[3]) if is_outer else (ends[1], ends[2])
+                most = max(most, (low - place) / unit, (place - high) / unit)
+            return most
+        return excess
 
     def _make_potential(self, coordinate: DrivenLinks, n: NumberType) -> Function:
         """

@@ -178,14 +178,14 @@ def make_push(n: NumberType, element: PositionForce, value: Callable[[Scalar], S
 
     def push(links: LinkMotions, position: Scalar) -> Push:
         """Return F and its direction, given relative to the link ``axes``, on the ground."""
-        place, cosine, sine = (_place_of(n, element, links, position), links[axes].cosine,
+        place, cosine, sine = (place_of(n, element, links, position), links[axes].cosine,
                                links[axes].sine)
         return Push(n.call(value, place), place, c * cosine - s * sine, c * sine + s * cosine)
     return push
 
 
-def _place_of(n: NumberType, element: PositionForce, links: LinkMotions,
-              position: Scalar) -> Scalar:
+def place_of(n: NumberType, element: PositionForce, links: LinkMotions,
+             position: Scalar) -> Scalar:
     """Return the place s over which a force is given: a link's angle, a way, or the input."""
     over = element.over
     if isinstance(over, LinkAngle):

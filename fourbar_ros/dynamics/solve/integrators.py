@@ -221,15 +221,16 @@ class _Plan:
         """
         system, asked, last = self._system, self._asked, self._allowance.until
         self._regime = regime = system.regime(phase, first, state)
-        self._now = now = (self._chosen.setdefault(regime, 'DOP853') if self._method == 'auto'
-                           else self._method)
+        tables = phase.equation.tables      # they bend forces: a high order does not help
+        self._now = now = (self._chosen.setdefault(regime, 'LSODA' if tables else 'DOP853')
+                           if self._method == 'auto' else self._method)
         if not self.methods or self.methods[-1][1] != now:
             self.methods.append((first, now))
         stop = self._make_stop(phase, first, state)
         events = [*system.events(phase), *([stop] if stop else [])]
         stops = self._breaks[(self._breaks > first) & (self._breaks < last)]
         compiled = (now == 'DOP853' and not events and not regime
-                    and (asked.size <= MOST_STOPS or stops.size > MOST_STOPS))
+                    and not tables and (asked.size <= MOST_STOPS or stops.size > MOST_STOPS))
         end = last if compiled or not stops.size else float(stops[0])
         before, is_judged = self._allowance.used, self._method == 'auto'
         part = (_run_compiled if compiled else _run_by_steps)(Task(
@@ -474,6 +475,8 @@ class _Steps:
                                         if task.phase.can_end else [])]
         self._values = [event.before or event.function(task.first, start)
                         for event in self._events]
+        equation = task.phase.equation
+        self._excess = equation.make_excess(float(start[0])) if equation.tables else None
         margins = task.kinks(task.first, start) if task.kinks else ()
         self._lowest = [min(0.0, margin) - SAME for margin in margins]     # below: it has ended
 
@@ -569,6 +572,12 @@ class _Steps:
             if margin < lowest:
                 crossings.append(Crossing(lambda t, y, i=i, lowest=lowest: kinks(t, y)[i] - lowest,
                                           KINK, first, last))
+        excess, position = self._excess, float(state[0])
+        if excess and excess(position, True) > 0.0:      # it passed over a whole piece
+            crossings.append(Crossing(lambda t, y: excess(float(y[0]), False) - SAME, KINK,
+                                      first, last))
+        elif excess and excess(position, False) > 0.0:
+            self._excess = self._task.phase.equation.make_excess(position)
         return crossings
 
 

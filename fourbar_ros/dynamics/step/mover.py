@@ -11,10 +11,13 @@ most samples. Next to a toggle they hardly change: there (p, dp/dt) is the state
 """
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import inf, isfinite, isnan, nan, tau
 from typing import NamedTuple
 
 from fourbar_ros.dynamics.model.drives import Law, Source, SpeedController
+from fourbar_ros.dynamics.model.elements import Element, PositionForce
+from fourbar_ros.dynamics.model.force_table import ForceTable
 from fourbar_ros.dynamics.model.system import System
 from fourbar_ros.dynamics.solve.phase import Phase
 from fourbar_ros.dynamics.step.phase_steps import PhaseSteps
@@ -24,9 +27,10 @@ from fourbar_ros.mechanisms.mechanism import Mechanism
 
 KEY = 'integrator'         # key in a bag: the integrator of its motion
 # Only the same version steps a bag again. Versions differ where the input has toggles, and for
-# controllers, which once decided for a whole step whether to integrate.
-NAME, NAME_WITH_TOGGLES, NAME_WITH_CONTROLLER = (
-    f'steps of the node, version {number}' for number in (1, 2, 3))
+# controllers, which once decided for a whole step whether to integrate, and for force tables,
+# which steps once passed over.
+NAME, NAME_WITH_TOGGLES, NAME_WITH_CONTROLLER, NAME_WITH_TABLES = (
+    f'steps of the node, version {number}' for number in (1, 2, 3, 4))
 LARGEST_MODE = 255         # in a message
 # The same numbers as the STATUS_ constants of fourbar_msgs/DriveState (a test compares them).
 OK, SILENT, OUT_OF_BUDGET, AT_LIMIT, NOT_FINITE = range(5)
@@ -91,12 +95,15 @@ def in_message(mode: int) -> int:
     return int(mode) if mode <= LARGEST_MODE else 0
 
 
-def name_of(mechanism: Mechanism, source: Source | None = None) -> str:
+def name_of(mechanism: Mechanism, source: Source | None = None,
+            elements: Sequence[Element] = ()) -> str:
     """
     Return the name of the integrator that a bag records.
 
     A recomputation steps a bag again only if it bears the name of its own steps.
     """
+    if any(isinstance(e, PositionForce) and isinstance(e.value, ForceTable) for e in elements):
+        return NAME_WITH_TABLES
     if isinstance(source, SpeedController):
         return NAME_WITH_CONTROLLER
     return NAME_WITH_TOGGLES if modes_of(mechanism) else NAME

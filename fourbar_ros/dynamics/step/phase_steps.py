@@ -12,6 +12,7 @@ time. :mod:`fourbar_ros.dynamics.step.mover` goes from one coordinate to the oth
 """
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cache
 from math import isfinite, nan
 
@@ -55,7 +56,7 @@ class PhaseSteps:
         """Make the terms, the law of the source and the Rosenbrock step of one coordinate."""
         self._system, self._phase, self.evaluations = system, phase, 0
         self._budget = budget - RESERVE if phase else budget
-        equation = phase.equation if phase else system.equation
+        self._equation = equation = phase.equation if phase else system.equation
         self._terms, self._unit = equation.of_one_with_ratio, equation.coordinate.input_unit
         self._tolerance = tolerance * self._unit
         self._drive = system.drive or Drive(ConstantTorque())
@@ -104,11 +105,15 @@ class PhaseSteps:
         one that passes a kink of the source ends there. Raises FourBarError and ArithmeticError.
         """
         h, closest, near = left, CLOSEST * left if self._phase else 0.0, self._tolerance / left
+        longest = 0.0
         while left > 0.0:
             regime, state = self._begun(state, regime_at, near)
             terms, change, by_position = self._linear(state, regime.piece)
+            excess = self._equation.make_excess(state[0]) if self._equation.tables else None
             while True:
                 h = min(h, left)
+                if excess:
+                    longest, h = h, h * _to_place(excess, state[0], h * state[1])
                 more = 0 if h == left else 2 + EVALUATIONS
                 if self.evaluations + EVALUATIONS + more > self._budget:
                     return self._rest(state, left, regime, terms, by_position)
@@ -116,11 +121,14 @@ class PhaseSteps:
                 if scale >= 1.0:
                     to_kink = (self._to_kink(state, new, h, self._gain(terms, state, change),
                                              regime) if regime.margins else 1.0)
+                    if excess:
+                        to_kink = min(to_kink, _to_place(excess, state[0], h * state[1],
+                                                         new[0] - state[0] - h * state[1]))
                     if to_kink == 1.0 or h <= closest:
                         break
                     scale = max(to_kink, closest / h)
                 h *= scale
-            state, left, h = new, left - h, h * scale
+            state, left, h = new, left - h, max(h * scale, longest)
             if self._phase and left > 0.0 and self._phase.excess(0.0, state) > 0.0:
                 break
         return state, left, True
@@ -213,6 +221,8 @@ class PhaseSteps:
         terms = self._terms_at(position)
         change = derivative(terms, state, piece)
         aside = position + DIFFERENCE * self._unit
+        if self._equation.tables and state[1] < 0.0:       # in the piece that lies ahead
+            aside = position - DIFFERENCE * self._unit
         try:
             terms_aside = self._terms(aside)
         except FourBarError:                       # next to the upper limit
@@ -270,3 +280,25 @@ class PhaseSteps:
             part = 0.5 * (low + high)
             low, high = (low, part) if ends_before(part) else (part, high)
         return max(high, SHORTEST) if high < 1.0 - SHORTEST else 1.0
+
+
+def _to_place(excess: Callable[[float, bool], float], position: float, gain: float,
+              bend: float = 0.0) -> float:
+    """
+    Return the part of a step, in (0, 1], after which a force table comes to its next piece.
+
+    1: it comes to none. The position is quadratic: after a part x of the step it is
+    ``position`` + x (gain + x bend).
+    """
+    if not excess(position + (gain + bend), False) > NEAREST:
+        return 1.0
+    low, high = 0.0, 1.0
+    for _ in range(BISECTIONS):
+        part = 0.5 * (low + high)
+        if excess(position + part * (gain + part * bend), False) > NEAREST:
+            high = part
+        else:
+            low = part
+        if high - low <= SHORTEST * high:
+            break
+    return high if high < 1.0 - SHORTEST else 1.0

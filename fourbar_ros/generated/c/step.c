@@ -93,6 +93,7 @@ static int linear(Moving *it, const Regime *regime, double *terms, double *chang
   const double position = it->state[0];
   double aside = position + DIFFERENCE[it->phase], terms_aside[7], other[5];
   int refused;
+  if (TABLES && it->state[1] < 0.0) aside = position - DIFFERENCE[it->phase];
   it->evaluations += 2;
   refused = terms_at(it, position);
   memcpy(terms, it->known + 1, 7 * sizeof *terms);
@@ -186,16 +187,24 @@ static int rest(Moving *it, double *left, const Regime *regime, const double *te
 static int part_of_step(Moving *it, double *left, int *is_good)
 {
   const double near = TOLERANCE[it->phase] / *left, closest = PASSES ? CLOSEST * *left : 0.0;
-  double h = *left;
+  double h = *left, longest = 0.0;
   *is_good = 1;
   while (*left > 0.0) {                 /* as often as the budget allows */
     Regime regime;
-    double terms[7], change[5], next[5], by_position, scale, excess = 0.0;
+    Pieces pieces;
+    double terms[7], change[5], next[5], by_position, scale, ahead = 1.0, excess = 0.0;
     int refused = begin(it, near, &regime);
     if (!refused) refused = linear(it, &regime, terms, change, &by_position);
+    if (!refused) refused = pieces_at(it->phase, it->state[0], &pieces);
     if (refused) return refused;
     for (;;) {
       h = *left < h ? *left : h;
+      if (TABLES) {
+        longest = h;
+        refused = to_place(it->phase, &pieces, h * it->state[1], 0.0, &ahead);
+        if (refused) return refused;
+        h = h * ahead;
+      }
       if (it->evaluations + STAGES + (*left > h ? 2 + STAGES : 0) > BUDGET) {
         *is_good = 0;
         return rest(it, left, &regime, terms, change, by_position);
@@ -211,6 +220,12 @@ static int part_of_step(Moving *it, double *left, int *is_good)
           part = to_kink(&regime, speed, it->state[4], gain_of(it, terms, it->state, change),
                          after, next[4], h);
         }
+        if (TABLES) {
+          const double gain = h * it->state[1];
+          refused = to_place(it->phase, &pieces, gain, next[0] - it->state[0] - gain, &ahead);
+          if (refused) return refused;
+          part = ahead < part ? ahead : part;
+        }
         if (part >= 1.0 || h <= closest) break;
         scale = larger(part, closest / h);
       }
@@ -218,7 +233,7 @@ static int part_of_step(Moving *it, double *left, int *is_good)
     }
     memcpy(it->state, next, sizeof next);
     *left -= h;
-    h *= scale;
+    h = larger(h * scale, longest);
     if (PASSES && *left > 0.0) {
       refused = excess_of(it->phase, it->state[0], &excess);
       if (refused || excess > 0.0) return refused;
