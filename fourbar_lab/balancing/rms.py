@@ -21,6 +21,7 @@ from typing import NamedTuple
 from fourbar_lab.balancing.loads import Loads, NUMBERS
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.numerics.arrays import Array, EPS
+from fourbar_ros.numerics.given import number
 import numpy as np
 
 # Rounds of Wolfe's algorithm at most; gap to the bound that ends it, relative; what is zero beside
@@ -191,6 +192,7 @@ def nearest_to_zero(places: Places, root: Array, mass: float,
     x = root p of the design, the direction in which |root p| grows, until none is lower than the
     design itself.
     """
+    mass = number('mass', mass, 'must be zero or more', least=0.0)
     unbalanced = root @ places.loads.given
     scale = float(np.linalg.norm(unbalanced))
 

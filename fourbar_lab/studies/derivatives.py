@@ -244,6 +244,8 @@ class _MeasureDerivatives:
         x, weights = nodes(low, high, POINTS if is_turn else NODES, is_turn)
         values, by = self._derivatives.of(name, x)
         size = float(np.sqrt(np.sum(weights * values * values)))
+        if size == 0.0:       # it grows whichever way a parameter goes: no derivative
+            return self._array({one: nan if np.any(part) else 0.0 for one, part in by.items()})
         return self._array({one: float(np.sum(weights * values * part)) / size
                             for one, part in by.items()})
 

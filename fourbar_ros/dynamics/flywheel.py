@@ -61,6 +61,8 @@ def flywheel_for(equation: Equation, rate: float, fluctuation: float) -> Flywhee
         from scipy.optimize import brentq
     except ModuleNotFoundError as error:
         raise MissingPackage('the search for a flywheel', error) from error
+    if not isinstance(equation, Equation):
+        raise InvalidParameter('equation', equation, 'must be an Equation')
     rate = rate_of_input('rate', rate)
     fluctuation = number('fluctuation', fluctuation, 'must be a positive number', above=0.0)
     if abs(rate) < 1.0 / FASTEST:

@@ -16,8 +16,10 @@ from math import inf, nan, pi, sqrt, tau
 from typing import NamedTuple
 
 from fourbar_ros.dynamics.model.equation import Equation
+from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.numerics.given import number
 from fourbar_ros.numerics.number_types import Function
 from fourbar_ros.optional import MissingPackage
 import numpy as np
@@ -46,7 +48,9 @@ def equilibria(equation: Equation, drive: float = 0.0) -> tuple[Equilibrium, ...
     is found where Q + T is zero over an interval. A jump of Q over zero, as at the wrap of a
     torsion spring, is no equilibrium.
     """
-    places = []
+    if not isinstance(equation, Equation):
+        raise InvalidParameter('equation', equation, 'must be an Equation')
+    drive, places = number('drive', drive), []
     for samples in _samples(equation.mechanism, equation.turns):
         samples = np.union1d(samples, _inputs_of_tables(equation, samples))
         places += roots_of(lambda q: equation.terms(q).force + drive, samples)

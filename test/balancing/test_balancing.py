@@ -324,3 +324,10 @@ def test_the_command_shows_no_rounding(capsys):
         table = capsys.readouterr().out.split('loads of inertia')[0]
         assert 'e-1' not in table and '99999' not in table, table
     assert table.count('output') == 1
+
+
+@pytest.mark.parametrize('mass', [-1.0, float('nan'), float('inf')])
+def test_a_mass_below_zero_or_no_number_is_refused(mass):
+    places = Places(Loads(load_scene('paper').linkage, 25.0), {'crank': 0.6})
+    with pytest.raises(InvalidParameter, match='mass'):
+        least_rms(places, ['force'], mass)

@@ -59,6 +59,7 @@ from fourbar_ros.mechanisms.mechanism import DrivenLinks, Mechanism
 from fourbar_ros.mechanisms.parts import GROUND
 from fourbar_ros.mechanisms.points import FIXED, LinkMotion
 from fourbar_ros.numerics.arrays import Array, Value
+from fourbar_ros.numerics.given import number
 from fourbar_ros.numerics.number_types import ARRAY, Function, NumberType, Scalar
 from fourbar_ros.numerics.straight_line import straight_line
 import numpy as np
@@ -166,7 +167,8 @@ class Equation:
         """Collect the terms of (E1): bodies, springs, forces by the numbers of their links."""
         self.mechanism, self.elements = mechanism, tuple(elements)
         self.coordinate: DrivenLinks = mechanism if coordinate is None else coordinate
-        self.extra_inertia = extra_inertia
+        self.extra_inertia = number('extra_inertia', extra_inertia, 'must be zero or more',
+                                    least=0.0)
         if mechanism.bodies is None:
             raise MissingBodies
         self._links = (*(link.name for link in mechanism.LINKS), GROUND)

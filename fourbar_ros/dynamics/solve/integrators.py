@@ -419,8 +419,7 @@ def _run_compiled(task: Task) -> Part:
                 begin(time, solver.y, task.step)
                 keep(time, solver.y)
                 continue
-            if len(times) > 2:      # the last step, or the one before a rest up to the stop:
-                # scipy 1.17 would guess one, too long behind a bend
+            if len(times) > 2:      # scipy 1.17 would guess a step, too long behind a bend
                 begin(times[-1], solver.y,
                       max(times[-1] - times[-2], times[-2] - times[-3], 100.0 * EPS * times[-1]))
             solver.integrate(time)
