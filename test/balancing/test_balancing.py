@@ -328,6 +328,6 @@ def test_the_command_shows_no_rounding(capsys):
 
 @pytest.mark.parametrize('mass', [-1.0, float('nan'), float('inf')])
 def test_a_mass_below_zero_or_no_number_is_refused(mass):
-    places = Places(Loads(load_scene('paper').linkage, 25.0), {'crank': 0.6})
+    places = Places(Loads(load('paper').linkage, 25.0), {'crank': 0.6})
     with pytest.raises(InvalidParameter, match='mass'):
         least_rms(places, ['force'], mass)

@@ -107,3 +107,11 @@ def test_the_command_shows_them_side_by_side(tmp_path, capsys):
     share = float(text.partition(' % of the designs')[0].split()[-1])
     assert 20.0 < share < 80.0
     assert main(['study', 'tolerances', str(tmp_path)]) == 1
+
+
+def test_a_root_mean_square_of_zero_is_no_error():
+    """Nothing in a scotch yoke's shaking moment depends on the crank's length."""
+    study = from_document({'scene': 'scotch_yoke', 'rows': 8, 'quantities': ['shaking_moment.rms'],
+                           'vary': {'linkage.a1': {'uniform': 1e-4}}})
+    found, = tolerances(study)
+    assert found.sensitivity.value == 0.0 and found.sensitivity.by == {'linkage.a1': 0.0}
