@@ -241,7 +241,9 @@ class Code:
         return '\n'.join([
             *self._about(), '#ifdef __FAST_MATH__', '#error "-ffast-math changes the results"',
             '#endif', '#ifdef __clang__', '#pragma STDC FP_CONTRACT OFF',
-            '#elif defined(__GNUC__)', '#pragma GCC optimize ("fp-contract=off")', '#endif',
+            # gcc's vectorizer contracts a * b + c beside a * b - c all the same
+            '#elif defined(__GNUC__)',
+            '#pragma GCC optimize ("fp-contract=off", "no-tree-slp-vectorize")', '#endif',
             f'#include "{name}.h"', '#include <float.h>', '#include <math.h>',
             '#include <stdint.h>', '#include <string.h>', '',
             *self._runtime(),

@@ -6,11 +6,12 @@ from dataclasses import replace
 import json
 import math
 import os
+from pathlib import Path
 import shutil
 import subprocess
 import sys
 
-from fourbar_ros import load_scene
+from fourbar_ros import load_scene, SliderCrank
 from fourbar_ros.cli.main import main
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.generated import Compiled, generate
@@ -64,6 +65,13 @@ def test_machines_at_random_have_them_too(tmp_path):
     for i, (machine, _) in enumerate(random_machines(11, 3, dyads=(1, 4), least_sine=0.2)):
         folder = tmp_path / str(i)
         compared(with_linkage(machine), folder, f'random_{i}', 500, [C])
+
+
+@pytest.mark.skipif('fma' not in Path('/proc/cpuinfo').read_text(), reason='no fused operations')
+def test_fused_operations_change_no_bit(tmp_path):
+    """The vectorizer of gcc contracts a * b + c beside a * b - c, whatever the pragma says."""
+    slider = SliderCrank(0.05, 0.2, 0.01, input='slide')
+    compared(with_linkage(slider), tmp_path, 'fused', 1000, [(*C, '-mfma')])
 
 
 EVERY = [(compiler, '-std=c99', level) for compiler in COMPILERS
