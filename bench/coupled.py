@@ -222,7 +222,7 @@ def in_python(motion):
     """Return the Answers of both by ``step`` of Python."""
     found = []
     for scene in SCENES:
-        linkage = scene.known_linkage
+        linkage = scene.linkage
         state, loads = linkage.step(*motion)
         found.append(Answer(*(getattr(state, name) for name in linkage.outputs[0].coordinate),
                             loads.driving_torque))

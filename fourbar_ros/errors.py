@@ -100,7 +100,8 @@ class MissingBodies(FourBarError, ValueError):
     """Loads were requested from a mechanism without masses."""
 
     def __init__(self) -> None:
-        super().__init__('loads require mass properties: construct the mechanism with bodies=...')
+        super().__init__('loads require mass properties: construct the mechanism with bodies=...; '
+                         'a scene with springs or forces over a position has scene.loads')
 
 
 class BagError(FourBarError):

@@ -85,7 +85,7 @@ def _run(arguments: argparse.Namespace) -> None:
     from fourbar_ros.report.terminal import make_console
     from fourbar_ros.scene.scene import load
     scene = load(arguments.scene)
-    loads = Loads(scene.linkage, scene.drive.speed)
+    loads = Loads(scene.bare_linkage, scene.drive.speed)
     places = Places(loads, _radii(scene.linkage, arguments.radius))
     balance, how = (_best(arguments, places) if arguments.minimize
                     else _full(arguments, places))

@@ -4,8 +4,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-import csv
-import io
 import json
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -16,8 +14,8 @@ from fourbar_lab.live.picture import document, Layers, mechanism_svg, traces_svg
 from fourbar_lab.live.svg import HEIGHT, STYLE, WIDTH
 from fourbar_lab.live.tables import extrema_rows
 from fourbar_ros.errors import FourBarError
+from fourbar_ros.report.curves import csv_of, curves_of
 from nicegui import run, ui
-import numpy as np
 
 if TYPE_CHECKING:
     from fourbar_lab.live.page import Page
@@ -85,16 +83,8 @@ def picture(page: Page) -> str:
 
 
 def cycle_csv(shown: Shown) -> str:
-    """Return every field of motion and loads over the ranges of the input as CSV, SI units."""
-    text = io.StringIO()
-    writer = csv.writer(text)
-    for number, cycle in enumerate(shown.cycles):
-        columns = cycle.motion._asdict() | (cycle.loads._asdict() if cycle.loads else {})
-        if number == 0:
-            writer.writerow(columns)
-        arrays = [np.broadcast_to(column, cycle.inputs.shape) for column in columns.values()]
-        writer.writerows([repr(float(x)) for x in row] for row in zip(*arrays))
-    return text.getvalue()
+    """Return the table of ``fourbar table`` as CSV: angles in degrees, all else in SI."""
+    return csv_of(curves_of(shown.scene, shown.linkage, (), shown.rate, shown.acceleration))
 
 
 def html(page: Page) -> str:

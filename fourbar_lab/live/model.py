@@ -22,6 +22,7 @@ from fourbar_ros.report.labels import Labels, labels_of
 from fourbar_ros.scene.parameters import ParameterValues
 from fourbar_ros.scene.scene import from_values, Scene
 import numpy as np
+from numpy.typing import ArrayLike
 
 SAMPLES = 361           # of a cycle: one a degree of a full turn
 ROUNDING = 64 * 2.0**-52     # of sums of forces and rates
@@ -62,7 +63,7 @@ class Shown:
     @cached_property
     def linkage(self) -> Mechanism:
         """Return the mechanism, without masses where its loads do not follow from its motion."""
-        return self.scene.known_linkage
+        return self.scene.linkage
 
     @property
     def rate(self) -> float:
@@ -99,14 +100,29 @@ class Shown:
     @cached_property
     def cycles(self) -> tuple[Cycle, ...]:
         """Return a :class:`Cycle` for each range of the input."""
-        return tuple(Cycle(inputs, *self.linkage.motion_and_loads(
-            inputs, self.rate, self.acceleration)) for inputs in cycles(self.linkage, SAMPLES))
+        return tuple(Cycle(inputs, *self.motion_and_loads(inputs, self.rate, self.acceleration))
+                     for inputs in cycles(self.linkage, SAMPLES))
+
+    @cached_property
+    def why_no_loads(self) -> str:
+        """Return why the page shows no loads; empty if it does: a cycle here is one turn."""
+        if self.scene.turns > 1:
+            return f'its forces repeat after {self.scene.turns} turns only: see fourbar plot'
+        return '' if self.scene.has_loads else self.scene.why_no_loads
+
+    def motion_and_loads(self, position: ArrayLike, rate: ArrayLike, acceleration: ArrayLike
+                         ) -> tuple[NamedFields, NamedFields | None]:
+        """Return (motion, loads with all forces of the scene); None where the page has none."""
+        given = position, rate, acceleration
+        return (self.linkage.motion(*given),
+                None if self.why_no_loads else self.scene.loads(*given))
 
     @cached_property
     def quantities(self) -> dict[str, Quantity | Function]:
         """Return {name: quantity} of all that can be drawn over the input."""
         chosen: list[Quantity | Function]
-        chosen = select((), self.linkage, self.scene.point_quantities)
+        linkage = self.linkage if self.why_no_loads else self.scene.bare_linkage
+        chosen = select((), linkage, self.scene.point_quantities)
         return ({quantity.name: quantity for quantity in chosen}
                 | positions(self.linkage, self.linkage.input)
                 | ({AXIS_ANGLE: axis_angle(self.linkage)} if self.has_axis else {}))
@@ -132,8 +148,14 @@ class Shown:
         return [(x, with_gaps(y)) for x, y in curves] if name == AXIS_ANGLE else curves
 
     def extrema(self, names: Sequence[str]) -> list[Extremum]:
-        """Return the extrema of quantities by name, over the input; none of the axis' angle."""
-        wanted = [self.quantities[name] for name in names if name != AXIS_ANGLE]
+        """
+        Return the extrema of quantities by name, over the input.
+
+        None of the axis' angle, nor of loads that springs or forces over a position add to.
+        """
+        has_loads = self.linkage.bodies is not None
+        wanted = [self.quantities[name] for name in names
+                  if name != AXIS_ANGLE and (has_loads or not self.quantities[name].is_load)]
         return find_extrema(self.linkage, [quantity.name if is_published(quantity) else quantity
                                            for quantity in wanted],
                             self.rate, self.acceleration, conditions=False) if wanted else []
@@ -153,11 +175,12 @@ class Shown:
 
         Rate and acceleration are by default those on the page.
         """
+        rate = self.rate if rate is None else rate
+        linkage = self.linkage if self.why_no_loads else self.scene.linkage_at(position, rate)
         status, motion, loads = evaluate(
-            self.linkage, position, self.rate if rate is None else rate,
-            self.acceleration if acceleration is None else acceleration,
-            self.linkage.bodies is not None)
-        return status, Pose(motion, loads if self.linkage.bodies else None)
+            linkage, position, rate, self.acceleration if acceleration is None else acceleration,
+            linkage.bodies is not None)
+        return status, Pose(motion, loads if linkage.bodies else None)
 
     @cached_property
     def points(self) -> dict[str, tuple[str, float, float]]:
@@ -186,7 +209,7 @@ class Shown:
             step = max(1, ceil(len(cycle.inputs) * len(self.cycles) / most))
             for i in range(0, len(cycle.inputs), step):
                 motion = _sample(cycle.motion, i)
-                loads = _sample(cycle.loads, i) if self.linkage.bodies else None
+                loads = _sample(cycle.loads, i) if cycle.loads else None
                 if isfinite(sum(motion) + sum(loads or ())):
                     samples.append((float(cycle.inputs[i]), Pose(motion, loads)))
         return samples
@@ -226,7 +249,7 @@ class Shown:
         values['transmission_angle'] = degrees(motion.transmission_angle), 'deg'
         if loads is not None:
             values |= {quantity.name: (quantity.of(motion, loads), written(quantity.unit))
-                       for quantity in select((), self.linkage) if quantity.is_load}
+                       for quantity in self.quantities.values() if quantity.is_load}
         return values
 
     @cached_property

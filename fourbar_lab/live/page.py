@@ -408,9 +408,10 @@ class Views:
 
     def _fill_forces(self) -> None:
         """Draw the polar diagram of the forces, or say why there are no loads."""
-        has_loads = self.page.shown.linkage.bodies is not None
-        self.elements.no_loads.set_visibility(not has_loads)
-        self.elements.no_loads.set_text(f'no loads: {self.page.shown.scene.why_no_loads}')
+        why = self.page.shown.why_no_loads
+        has_loads = not why
+        self.elements.no_loads.set_visibility(bool(why))
+        self.elements.no_loads.set_text(f'no loads: {why}')
         options = charts.polar(self.page.shown, self.elements.is_dark) if has_loads else {}
         set_chart(self.elements.polar, options)
         self.polar_bound = options['xAxis']['max'] if has_loads else 1.0
@@ -427,7 +428,7 @@ class Views:
 
     def _fill_facts(self) -> None:
         """Show type, ranges and letters of the mechanism, and where it is among all four-bars."""
-        rows = [*facts(self.page.shown.linkage), *joint_rows(self.page.shown)]
+        rows = [*facts(self.page.shown.scene.bare_linkage), *joint_rows(self.page.shown)]
         self.elements.octahedron.content = octahedron_svg(self.page.shown.linkage)
         self.elements.facts.rows = [{'name': name, 'text': text} for name, text in rows]
 

@@ -248,7 +248,7 @@ def _differences(shown: Shown, run: Run, other_shown: Shown, other: Run,
 def _values(shown: Shown, run: Run, names: Sequence[str],
             picked: Array) -> dict[str, Array]:
     """Return {quantity: values} at samples ``picked`` of a run, of those that its scene has."""
-    motion, loads = shown.linkage.motion_and_loads(*[row[picked] for row in run.states])
+    motion, loads = shown.motion_and_loads(*[row[picked] for row in run.states])
     return {name: np.broadcast_to(shown.quantities[name].of(motion, loads), picked.shape)
             for name in names if name in shown.quantities}
 

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from argparse import Namespace
+from functools import partial
 from typing import TYPE_CHECKING
 
 from fourbar_ros.cli.common import add_pose, add_scene, add_verb, PICTURE_HELP, Verbs
@@ -62,15 +63,14 @@ def _draw(arguments: Namespace) -> None:
         print(save(make_axis_figure(linkage, speed, position), arguments.out))
     elif arguments.over:
         from fourbar_ros.report.cycles import make_cycle_figure
-        if arguments.over == 'forces' and scene.why_no_loads:
-            raise InvalidParameter('--over', arguments.over, scene.why_no_loads)
+        loads = partial(scene.loads, mode=linkage.mode) if scene.has_loads else None
         print(save(make_cycle_figure(arguments.over, linkage, speed, arguments.acceleration,
-                                     scene.points), arguments.out))
+                                     scene.points, loads, scene.turns), arguments.out))
     elif position is None:
         raise InvalidParameter('--at', None, 'must be given, or --animate, or --over')
     else:
         # springs and other forces of the scene that act in this pose
-        _draw_pose(arguments, scene.linkage_at(linkage, position, speed), speed, scene.points)
+        _draw_pose(arguments, scene.linkage_at(position, speed, linkage.mode), speed, scene.points)
 
 
 def _draw_pose(arguments: Namespace, linkage: Mechanism, speed: float, points: Points) -> None:

@@ -149,9 +149,10 @@ def _shown(value: Any) -> str:
 def step_cost(scene: Scene) -> float:
     """Return the computing time of one step on this machine [s]: the least mean of 5 rounds."""
     from fourbar_ros.pipeline.status import evaluate
-    low, high = scene.linkage.input_ranges[0]
+    linkage = scene.bare_linkage
+    low, high = linkage.input_ranges[0]
     position, speed = 0.5 * (low + high) + 0.1 * (high - low), scene.drive.speed
-    return min(repeat(lambda: evaluate(scene.linkage, position, speed, 0.0, scene.needs_loads),
+    return min(repeat(lambda: evaluate(linkage, position, speed, 0.0, scene.needs_loads),
                       number=STEPS, repeat=ROUNDS)) / STEPS
 
 

@@ -71,12 +71,11 @@ def _show(arguments: Namespace) -> None:
     from fourbar_ros.scene.scene import load
     path = find(arguments.scene)
     scene = load(path)
-    mode = scene.in_mode(arguments.mode).mode
-    linkage = scene.known_linkage.in_mode(mode)
+    linkage = scene.in_mode(arguments.mode)
     require_units(linkage, arguments.at, arguments.speed, arguments.acceleration)
     speed = scene.drive.speed if arguments.speed is None else arguments.speed
     pose = (None if arguments.at is None else evaluate_at(
-        scene.linkage_at(scene.in_mode(mode), position_of(linkage, arguments.at), speed),
+        scene.linkage_at(position_of(linkage, arguments.at), speed, linkage.mode),
         arguments.at, speed, arguments.acceleration))
     shown = Shown(path, scene, linkage, speed, arguments.acceleration, pose,
                   _within(linkage, arguments.low, arguments.high))
@@ -100,11 +99,14 @@ class Shown(NamedTuple):
     within: tuple[float, float] | None      # inputs between which to search [rad or m]
 
     @property
+    def with_masses(self) -> Mechanism:
+        """Return the linkage with the masses of the scene, for tables of what it is."""
+        return self.scene.bare_linkage.in_mode(self.linkage.mode)
+
+    @property
     def why_no_loads(self) -> str:
         """Return the reason why there are no loads, '' if there are loads."""
-        if self.scene.known_linkage is not self.scene.linkage:
-            return self.scene.why_no_loads
-        return ('' if self.linkage.bodies is not None else
+        return (self.scene.why_no_loads if self.scene.has_loads else
                 'no masses given, so no loads: see bodies.* in docs/reference.md')
 
 
@@ -128,7 +130,7 @@ def _record(shown: Shown, extrema: list[Extremum]) -> Json:
     return {'scene': str(shown.path), 'speed': shown.speed, 'acceleration': shown.acceleration,
             **({'within': list(shown.within)} if shown.within else {}),
             'why_no_loads': shown.why_no_loads,
-            **record_of(shown.linkage, extrema, shown.scene.points, shown.pose)}
+            **record_of(shown.with_masses, extrema, shown.scene.points, shown.pose)}
 
 
 def _print(shown: Shown, extrema: list[Extremum], with_proofs: bool) -> None:
@@ -149,7 +151,7 @@ def _print(shown: Shown, extrema: list[Extremum], with_proofs: bool) -> None:
     if shown.within:
         rates += f' in {in_words([shown.within], linkage.input_coordinate.unit)}'
     tables: list[PlainTable | str | None] = [
-        what_it_is(linkage, shown.path),
+        what_it_is(shown.with_masses, shown.path),
         extrema_table(linkage, extrema, f'extrema at {rates}, mode {mode_name(linkage)}'),
         proofs_in_words(extrema) if with_proofs else None, shown.why_no_loads]
     if pose:

@@ -4,13 +4,16 @@
 from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
+import sys
 from typing import TYPE_CHECKING
 
 from fourbar_ros.cli.common import add_rates, add_scene, add_verb, Verbs
 from fourbar_ros.scene.arguments import positive_integer
 
 if TYPE_CHECKING:      # verbs import when they run
+    from fourbar_ros.mechanisms.mechanism import Mechanism
     from fourbar_ros.report.curves import Curves
+    from fourbar_ros.scene.scene import Scene
 
 TABLE = """\
 examples:
@@ -51,28 +54,42 @@ def _add_arguments(verb: ArgumentParser, out: str, default: str) -> None:
     verb.add_argument('-o', '--out', metavar='FILE', required=True, help=out)
 
 
-def _curves(arguments: Namespace, is_table: bool) -> Curves:
-    """Return the quantities asked for; if none, a table has all, a picture no components."""
-    from fourbar_ros.mechanisms.quantities import select
-    from fourbar_ros.report.curves import curves_of
+def _given(arguments: Namespace) -> tuple[Scene, Mechanism, float]:
+    """Return the scene, its linkage in the mode asked for, and the speed of the input."""
     from fourbar_ros.report.poses import require_units
     from fourbar_ros.scene.scene import load
     scene = load(arguments.scene)
     linkage = scene.in_mode(arguments.mode)
     require_units(linkage, None, arguments.speed, arguments.acceleration)
-    speed = scene.drive.speed if arguments.speed is None else arguments.speed
-    names = arguments.names
-    if not (names or is_table):       # components would crowd a picture
-        names = [quantity.name for quantity in select((), linkage, scene.point_quantities)]
-    return curves_of(scene, linkage, names, speed, arguments.acceleration,
-                     arguments.samples)
+    return scene, linkage, scene.drive.speed if arguments.speed is None else arguments.speed
 
 
 def _table(arguments: Namespace) -> None:
-    from fourbar_ros.report.curves import write_table
-    print(write_table(_curves(arguments, True), arguments.out))
+    """Write all quantities, or those asked for."""
+    from fourbar_ros.report.curves import curves_of, write_table
+    scene, linkage, speed = _given(arguments)
+    curves = curves_of(scene, linkage, arguments.names, speed, arguments.acceleration,
+                       arguments.samples)
+    print(write_table(curves, arguments.out))
+    _tell_weight(scene, curves)
 
 
 def _plot(arguments: Namespace) -> None:
-    from fourbar_ros.report.curves import write_picture
-    print(write_picture(_curves(arguments, False), arguments.out))
+    """Draw the quantities asked for, or all but components, which would crowd a picture."""
+    from fourbar_ros.mechanisms.quantities import select
+    from fourbar_ros.report.curves import curves_of, marks_of, write_picture
+    scene, linkage, speed = _given(arguments)
+    names = arguments.names or [quantity.name for quantity in select(
+        (), scene.bare_linkage, scene.point_quantities)]
+    given = scene, linkage, names, speed, arguments.acceleration
+    curves = curves_of(*given, arguments.samples)
+    print(write_picture(curves, arguments.out, marks_of(*given)))
+    _tell_weight(scene, curves)
+
+
+def _tell_weight(scene: Scene, curves: Curves) -> None:
+    """Say on stderr that loads among curves lack the weight of the links."""
+    from fourbar_ros.report.tables import NO_WEIGHT
+    linkage = scene.bare_linkage
+    if not any(linkage.gravity) and any(name in linkage.LOADS._fields for name in curves.names):
+        print(': '.join(NO_WEIGHT), file=sys.stderr)

@@ -150,7 +150,8 @@ def model_of(scene: Scene) -> Model:
                        scene.points.values(), _radius(scene))
     frames = {link.name: frame_of(scene, link.name) for link in mechanism.LINKS}
     frames[GROUND] = scene.frame_id
-    bodies = mechanism.bodies._asdict() if mechanism.bodies else {}
+    masses = scene.bare_linkage.bodies
+    bodies = masses._asdict() if masses else {}
     links = tuple(ModelLink(name, frames[name], frames[joints[place].connection.parent],
                             joints[place], bodies.get(name), shapes[name],
                             _pose(mechanism.link_motion(motion, name)))

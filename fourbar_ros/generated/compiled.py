@@ -124,8 +124,8 @@ class Compiled:
         NotGenerated where the code is not of this scene.
         """
         own = self.model.scene              # a limit that is NaN for none equals itself as text
-        if ((scene.dynamics, scene.linkage, repr(scene.drive))
-                != (own.dynamics, own.linkage, repr(own.drive))):
+        if ((scene.dynamics, scene.bare_linkage, repr(scene.drive))
+                != (own.dynamics, own.bare_linkage, repr(own.drive))):
             raise NotGenerated(f'{self.model.name}: generated of another scene')
         return CompiledMover(scene, self.library, self.model.name, mode)
 
@@ -174,7 +174,7 @@ class CompiledMover(Mover):
     def __init__(self, scene: Scene, library: ctypes.CDLL, name: str, mode: int | None) -> None:
         """Set up a mover of the scene in an assembly mode; C keeps a drive in ``_drive``."""
         assert scene.dynamics is not None
-        linkage = scene.linkage
+        linkage = scene.bare_linkage
         if mode in linkage.modes_passed:
             linkage = linkage.in_mode(mode)
         super().__init__(scene.dynamics.system(linkage), scene.drive.tolerance,

@@ -79,7 +79,7 @@ class DriveCode:
         scene = model.scene
         assert scene.dynamics is not None
         self._model, self._scene, self._writer = model, scene, writer
-        self._system = System(scene.linkage, scene.dynamics.position, scene.dynamics.rate,
+        self._system = System(scene.bare_linkage, scene.dynamics.position, scene.dynamics.rate,
                               scene.dynamics.elements, scene.dynamics.drive)
         self.takes_torque = scene.drive.source == TORQUE.name
         self._drive: Drive = scene.dynamics.drive

@@ -102,8 +102,8 @@ class Model:
     @cached_property
     def mechanism(self) -> Mechanism:
         """Return the linkage; without masses where its loads have limits besides springs."""
-        linkage = self.scene.linkage
-        return self.scene.known_linkage if linkage.is_flat_at_zero else linkage
+        bare = self.scene.bare_linkage
+        return self.scene.linkage if bare.is_flat_at_zero else bare
 
     @cached_property
     def signs(self) -> dict[int, dict[int, float]]:
@@ -454,7 +454,7 @@ class Model:
         mechanism, points = self.mechanism, self.scene.points
         low, high = mechanism.input_ranges[0]
         given = low + 0.6180339887 * (high - low), 1.5, -0.5
-        loaded = self.scene.linkage_at(mechanism, *given[:2])
+        loaded = self.scene.linkage_at(*given[:2]) if mechanism.bodies else mechanism
         motion, loads = loaded.motion_and_loads(*given)
         found = {**motion._asdict(), **(loads._asdict() if loads else {})}
         for name, point in points.items():

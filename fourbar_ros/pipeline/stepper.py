@@ -50,7 +50,7 @@ class Stepper:
                  by: Evaluate = evaluate) -> None:
         """Prepare all that depends on the scene alone; no step has been made."""
         self._scene, self._evaluate = scene, by
-        self.linkage, self._policy = scene.linkage, scene.drive.out_of_range
+        self.linkage, self._policy = scene.bare_linkage, scene.drive.out_of_range
         # outputs: (name, function of the solved values, its values where nothing is known)
         self._parts: list[tuple[str, Callable[[NamedFields], Iterable[float]],
                                 tuple[float, ...]]] = [

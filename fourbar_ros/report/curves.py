@@ -4,22 +4,32 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+import csv
+import io
+from math import degrees, isfinite
 from pathlib import Path
 from typing import NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.errors import InvalidParameter, nearest
+from fourbar_ros.extrema.find import CONSTANT, find_extrema
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.quantities import known, positions, UnknownQuantity
+from fourbar_ros.mechanisms.quantities import Asked, known, positions, UnknownQuantity
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.optional import MissingPackage
 from fourbar_ros.report.cycles import cycles
 from fourbar_ros.report.drawing import CannotDraw, need_matplotlib, save, STYLE, write_page
+from fourbar_ros.report.labels import symbols_of
+from fourbar_ros.report.tables import counted
 import numpy as np
 
 if TYPE_CHECKING:
     from fourbar_ros.scene.scene import Scene
     from matplotlib.figure import Figure
 
+# what a vertical axis of a unit shows
+AXES = {'deg': 'angle', 'rad/s': 'angular velocity', 'rad/s^2': 'angular acceleration',
+        'm': 'position', 'm/s': 'velocity', 'm/s^2': 'acceleration', 'N': 'force',
+        'N m': 'torque, moment'}
 TABLES, PICTURES = ('.csv', '.xlsx', '.parquet'), ('.png', '.svg', '.pdf', '.html')
 
 
@@ -30,6 +40,7 @@ class Curves(NamedTuple):
     names: tuple[str, ...]
     units: tuple[str, ...]      # angles in degrees
     values: Array               # (columns, rows); a row of NaN between two ranges of the input
+    symbols: tuple[str, ...]    # of the columns, as in pictures: mathtext
 
 
 def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: float,
@@ -42,7 +53,7 @@ def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: flo
     scene : Scene
         Its points have the quantities ``NAME.speed`` and ``NAME.acceleration``.
     linkage : Mechanism
-        The scene's, in the assembly mode wanted.
+        The scene's, in the assembly mode wanted; its loads are those of the scene.
     names : sequence of str
         Fields of motion or loads, or quantities of points; empty: all, loads only with masses.
     speed, acceleration : float
@@ -66,12 +77,13 @@ def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: flo
         if name not in units:
             raise UnknownQuantity(name, units)
     wanted = wanted or [name for name in units if name not in linkage.LOADS._fields
-                        or linkage.bodies is not None]
+                        or scene.has_loads]
     of_points = {quantity.name: quantity for quantity in scene.point_quantities}
     needs_loads = any(name in linkage.LOADS._fields for name in wanted)
-    for inputs in cycles(linkage, samples, from_zero=True):
+    for inputs in cycles(linkage, samples, True, scene.turns if needs_loads else 1):
         motion = linkage.motion(inputs, speed, acceleration)
-        loads = linkage.loads(inputs, speed, acceleration) if needs_loads else None
+        loads = (scene.loads(inputs, speed, acceleration, linkage.mode) if needs_loads
+                 else None)
         rows = [inputs] + [
             of_points[name].of(motion, loads) if name in of_points
             else getattr(loads if name in linkage.LOADS._fields else motion, name)
@@ -86,11 +98,34 @@ def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: flo
     its_units = coordinate.unit, *(units[name] for name in wanted)
     is_angle = np.array([unit == 'rad' for unit in its_units])
     values[is_angle] = np.degrees(values[is_angle])
+    values[0] = values[0].round(10)         # whole degrees, for who looks for 60 in a table
     rate = f'{speed:g} {coordinate.unit}/s'
     if acceleration:
         rate += f', {acceleration:g} {coordinate.unit}/s^2'
     return Curves(f'{linkage.description} at {rate}', columns,
-                  tuple('deg' if unit == 'rad' else unit for unit in its_units), values)
+                  tuple('deg' if unit == 'rad' else unit for unit in its_units), values,
+                  symbols_of(linkage, columns))
+
+
+def marks_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: float,
+             acceleration: float = 0.0) -> list[tuple[str, float, float]]:
+    """
+    Return (name, input, value) of the finite extrema of quantities, in the units of the curves.
+
+    Arguments as of :func:`curves_of`. A component of a force is not searched, nor are loads that
+    springs or forces over a position add to: these have no marks.
+    """
+    searched: dict[str, Asked] = {
+        **positions(linkage, linkage.input), **known(linkage, linkage.input),
+        **{quantity.name: quantity for quantity in scene.point_quantities}}
+    wanted = [searched[name] for name in names if name in searched
+              and not (searched[name].is_load and linkage.bodies is None)]
+    turned = degrees(1.0)
+    by_input = 1.0 if linkage.is_driven_by_slide else turned
+    return [(one.quantity, by_input * counted(linkage, one.input),
+             one.value * (turned if one.unit == 'rad' else 1.0))
+            for one in find_extrema(linkage, wanted, speed, acceleration, conditions=False)
+            if one.kind != CONSTANT and isfinite(one.value)] if wanted else []
 
 
 def _units(linkage: Mechanism, scene: Scene) -> dict[str, str]:
@@ -121,14 +156,10 @@ def write_table(curves: Curves, path: str | Path) -> Path:
 
     """
     path = _checked(path, TABLES)
-    heads = [f'{name} [{unit}]' if unit else name
-             for name, unit in zip(curves.names, curves.units)]
-    rows = curves.values.T[np.isfinite(curves.values[0])]
+    heads, rows = _heads_and_rows(curves)
     try:
         if path.suffix == '.csv':
-            import csv
-            with open(path, 'w', newline='', encoding='utf-8') as file:
-                csv.writer(file).writerows([heads, *rows.tolist()])
+            path.write_text(csv_of(curves), encoding='utf-8', newline='')
         elif path.suffix == '.xlsx':
             _write_sheet(path, heads, rows)
         else:
@@ -140,6 +171,20 @@ def write_table(curves: Curves, path: str | Path) -> Path:
     except OSError as error:
         raise CannotDraw(f'{path}: {error.strerror or error}') from None
     return path
+
+
+def csv_of(curves: Curves) -> str:
+    """Return a table as the text of a CSV file: names with units, then a row for each input."""
+    text = io.StringIO()
+    heads, rows = _heads_and_rows(curves)
+    csv.writer(text).writerows([heads, *rows.tolist()])
+    return text.getvalue()
+
+
+def _heads_and_rows(curves: Curves) -> tuple[list[str], Array]:
+    """Return the heads of a table, and its rows without the gaps between ranges."""
+    return ([f'{name} [{unit}]' for name, unit in zip(curves.names, curves.units)],
+            curves.values.T[np.isfinite(curves.values[0])])
 
 
 def _write_sheet(path: Path, heads: list[str], rows: Array) -> None:
@@ -172,32 +217,38 @@ def make_figure(curves: Curves, extrema: Sequence[tuple[str, float, float]] = ()
     need_matplotlib('plot')
     import matplotlib
     from matplotlib.figure import Figure
+    from matplotlib.ticker import MultipleLocator
     units, low = list(dict.fromkeys(curves.units[1:])), np.nanmin(curves.values[0])
+    high = np.nanmax(curves.values[0])
     if curves.units[0] == 'deg':
-        extrema = [(name, low + (place - low) % 360.0, value) for name, place, value in extrema]
+        extrema = [(name, place, value) for name, first, value in extrema
+                   for place in np.arange(low + (first - low) % 360.0, high + 1e-9, 360.0)]
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(9.0, 0.6 + 2.4 * len(units)), layout='constrained')
         axes = figure.subplots(len(units), 1, sharex=True, squeeze=False)[:, 0]
         for axis, unit in zip(axes, units):
-            for name, its_unit, values in zip(curves.names[1:], curves.units[1:],
-                                              curves.values[1:]):
+            for name, symbol, its_unit, values in list(zip(
+                    curves.names, curves.symbols, curves.units, curves.values))[1:]:
                 if its_unit == unit:
-                    line, = axis.plot(curves.values[0], values, label=name)
+                    line, = axis.plot(curves.values[0], values, label=symbol)
                     marked = [(place, value) for of, place, value in extrema if of == name]
                     if marked:
                         axis.plot(*zip(*marked), 'o', color=line.get_color(), markersize=4)
-            axis.set_ylabel(f'[{unit}]' if unit else '')
+            axis.set_ylabel(f'{AXES.get(unit, "value")} [{unit}]')
             axis.grid(alpha=0.3)
             axis.legend(loc='center left', bbox_to_anchor=(1.0, 0.5), frameon=False)
         axes[0].set_title(curves.title)
-        axes[-1].set_xlabel(f'{curves.names[0]} [{curves.units[0]}]')
+        axes[-1].set_xlabel(f'{curves.symbols[0]} [{curves.units[0]}]')
+        if curves.units[0] == 'deg' and high - low > 180.0:
+            axes[-1].xaxis.set_major_locator(MultipleLocator(90.0))
     return figure
 
 
-def write_picture(curves: Curves, path: str | Path) -> Path:
+def write_picture(curves: Curves, path: str | Path,
+                  extrema: Sequence[tuple[str, float, float]] = ()) -> Path:
     """Write the figure as .png, .svg or .pdf, or as a page, .html; return its path."""
     path = _checked(path, PICTURES)
-    figure = make_figure(curves)
+    figure = make_figure(curves, extrema)
     if path.suffix != '.html':
         return save(figure, path)
     return write_page(path, curves.title, {'': figure})

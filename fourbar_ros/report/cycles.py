@@ -7,11 +7,13 @@ Only the functions that draw import matplotlib.
 """
 from __future__ import annotations
 
+from collections.abc import Callable
 import re
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.mechanisms.picture import Points
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.numerics.arrays import Array
@@ -27,17 +29,20 @@ WITHIN = 1e-9        # share of a range left out at ends in toggles, where rates
 OUTLIER = 30.0       # vectors longer than so many times the median one are not drawn
 
 
-def cycles(mechanism: Mechanism, count: int = SAMPLES, from_zero: bool = False) -> list[Array]:
+def cycles(mechanism: Mechanism, count: int = SAMPLES, from_zero: bool = False,
+           turns: int = 1) -> list[Array]:
     """
     Return inputs over each range of a mechanism, arrays of shape (count,) [rad] or [m].
 
-    ``from_zero``: a full turn begins at 0, where extrema are counted from, not at -pi.
+    ``from_zero``: full turns begin at 0, where extrema are counted from, not at -pi; ``turns`` of
+    them follow each other, ``count`` inputs in each.
     """
+    if from_zero and mechanism.turns_fully:
+        return [np.radians(np.linspace(0.0, 360.0 * turns, turns * (count - 1) + 1))]
     inputs = []
     for low, high in mechanism.input_ranges:
         margin = 0.0 if mechanism.turns_fully else WITHIN * (high - low)
-        inputs.append(np.linspace(low + margin, high - margin, count)
-                      - low * (from_zero and mechanism.turns_fully))
+        inputs.append(np.linspace(low + margin, high - margin, count))
     return inputs
 
 
@@ -62,13 +67,15 @@ def ground_forces(mechanism: Mechanism) -> dict[str, str]:
 
 
 def make_cycle_figure(what: str, mechanism: Mechanism, rate: float, acceleration: float = 0.0,
-                      points: Points = MappingProxyType({})) -> Figure:
+                      points: Points = MappingProxyType({}),
+                      loads: Callable[..., NamedFields] | None = None, turns: int = 1) -> Figure:
     """
     Return a matplotlib Figure of curves over all ranges of the input.
 
     ``what``: 'paths' of the points [m], their 'hodographs', the curves of their velocity vectors
     [m/s], or 'forces' on the ground [N]. ``rate``, ``acceleration`` of the input [rad or m, per s
-    and s^2]; ``points``: {name: (link, along, across)}.
+    and s^2]; ``points``: {name: (link, along, across)}; ``loads`` of a scene, by default those of
+    the mechanism alone, which repeat after so many ``turns``.
 
     Raises
     ------
@@ -79,7 +86,9 @@ def make_cycle_figure(what: str, mechanism: Mechanism, rate: float, acceleration
     need_matplotlib('draw')
     import matplotlib
     from matplotlib.figure import Figure
-    curves, unit = _curves(what, mechanism, (rate, acceleration), usual_points(mechanism, points))
+    rates = rate, acceleration
+    curves, unit = (_of_forces(mechanism, rates, loads, turns) if what == 'forces' else
+                    _of_points(what, mechanism, rates, usual_points(mechanism, points)))
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(7.0, 7.0), layout='constrained')
         axes = figure.subplots()
@@ -97,21 +106,23 @@ def make_cycle_figure(what: str, mechanism: Mechanism, rate: float, acceleration
     return figure
 
 
-def _curves(what: str, mechanism: Mechanism, rates: tuple[float, float],
-            points: Points) -> tuple[dict[str, list[Array]], str]:
-    """
-    Return ({name: its curves}, unit) for :func:`make_cycle_figure`.
+def _of_forces(mechanism: Mechanism, rates: tuple[float, float],
+               loads: Callable[..., NamedFields] | None, turns: int
+               ) -> tuple[dict[str, list[Array]], str]:
+    """Return ({name: curves, one for each range of the input, shape (n, 2)}, unit) of forces."""
+    if loads is None and mechanism.bodies is None:
+        raise CannotDraw('forces need masses: see bodies.* in docs/reference.md')
+    steps = [(loads or mechanism.loads)(inputs, *rates)
+             for inputs in cycles(mechanism, from_zero=turns > 1, turns=turns)]
+    names = {'shaking_force': 'shaking force'} | ground_forces(mechanism)
+    return {text: [_bounded(np.stack([getattr(step, f'{name}_x'), getattr(step, f'{name}_y')],
+                                     axis=-1))
+                   for step in steps] for name, text in names.items()}, 'N'
 
-    A curve has shape (n, 2), x and y; there is one for each range of the input.
-    """
-    if what == 'forces':
-        if mechanism.bodies is None:
-            raise CannotDraw('forces need masses: see bodies.* in docs/reference.md')
-        steps = [mechanism.step(inputs, *rates)[1] for inputs in cycles(mechanism)]
-        names = {'shaking_force': 'shaking force'} | ground_forces(mechanism)
-        return {text: [_bounded(np.stack([getattr(loads, f'{name}_x'),
-                                          getattr(loads, f'{name}_y')], axis=-1))
-                       for loads in steps] for name, text in names.items()}, 'N'
+
+def _of_points(what: str, mechanism: Mechanism, rates: tuple[float, float],
+               points: Points) -> tuple[dict[str, list[Array]], str]:
+    """Return ({name: curves, one for each range of the input, shape (n, 2)}, unit) of points."""
     if not points:
         raise CannotDraw('no point to draw: give points.NAME.link, .along, .across')
     field, unit = ('place', 'm') if what == 'paths' else ('velocity', 'm/s')

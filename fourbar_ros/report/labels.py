@@ -3,7 +3,7 @@
 """Letters of joints, symbols of forces and rates, and numbers, for pictures; in mathtext."""
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import count
 from math import degrees, hypot, pi, remainder
 import re
@@ -96,6 +96,23 @@ def symbol_of(name: str) -> str:
     if name.startswith('slide_'):
         return f's_{{{_upright(name.removeprefix("slide_"))}}}'
     return {'beta': r'\beta', 'slide': 's'}.get(name) or _upright(name)
+
+
+def symbols_of(mechanism: Mechanism, names: Sequence[str]) -> tuple[str, ...]:
+    """Return what a legend calls fields and quantities: symbols as in pictures, or words."""
+    low, high = mechanism.input_ranges[0]        # any pose will do: the names are the same
+    labels = labels_of(mechanism.diagram(mechanism.motion(0.5 * (low + high), 1.0)))
+    known = {'driving_torque': f'${mechanism.TORQUE}$', 'driving_force': '$P$'}
+    for name, symbol in labels.forces.items():
+        words = f' {labels.words[name]}' if labels.words else ''
+        known |= {name: f'${symbol}${words}',
+                  **{f'{name}_{axis}': f'${symbol[:-1]},{axis}}}${words}' for axis in 'xy'}}
+    for coordinate in mechanism.PARTS:
+        symbol = symbol_of(coordinate.position)
+        symbols = (map(symbol_of, coordinate) if coordinate.unit == 'rad' else
+                   (symbol, rf'\dot {symbol}', rf'\ddot {symbol}'))
+        known |= {name: f'${symbol}$' for name, symbol in zip(coordinate, symbols)}
+    return tuple([known.get(name, name.replace('_', ' ')) for name in names])
 
 
 def _upright(name: str) -> str:

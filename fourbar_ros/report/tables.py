@@ -20,6 +20,7 @@ SAMPLES = 721
 END = 1e-14                         # step inside from an end of the input, in its unit
 FULL_TURN = tau * (1.0 - 1e-9)      # [rad] ranges from this width on are called full turns
 ANGLE = 'transmission_angle'
+NO_WEIGHT = 'weight', 'left out (gravity 0)'         # name and text of a row
 SIDES = {0: '', 1: 'from above', -1: 'from below'}      # how an end of the range is approached
 
 
@@ -109,15 +110,20 @@ def facts(linkage: Mechanism) -> list[tuple[str, str]]:
         if hasattr(point, 'stretched'):
             kind = ', stretched' if point.stretched else ', folded'
         rows.append((f'dead point{kind}', ', '.join(texts)))
+    margin = 'of the perimeter'
+    if hasattr(linkage, 'stages'):
+        unit = f'of {linkage.input_unit:g} m' if linkage.is_driven_by_slide else 'rad'
+        margin = f'{unit}, the imaginary part of the input at the nearest complex toggle'
     toggles = [shown(driven, end) for end in toggles_of(linkage)]
     rows += [('toggle', f'{driven.position} {", ".join(toggles)}' if toggles
               else 'none within the range of the input'),
              *transmission_angles(linkage),
-             ('change-point margin', f'{linkage.change_point_margin:.6g} of the perimeter')]
+             ('change-point margin', f'{linkage.change_point_margin:.6g} {margin}')]
     if linkage.bodies:
         rows += [(name, f'{body.mass:.6g} kg, {body.inertia:.6g} kg m^2, CG at '
                         f'({body.cg_along:g}, {body.cg_across:g}) m')
                  for name, body in linkage.bodies._asdict().items()]
+        rows += [NO_WEIGHT] * (not any(linkage.gravity))
     return rows
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 import json
-from math import isnan
+from math import isnan, lcm, tau
 from pathlib import Path
 from typing import Any, cast, NamedTuple, NoReturn, TYPE_CHECKING, TypeVar
 
@@ -38,10 +38,13 @@ from fourbar_ros.scene.topics import (
     wrench_topic,
 )
 from fourbar_ros.transmission import Transmission
+import numpy as np
 
 if TYPE_CHECKING:      # other scenes do without
     from fourbar_ros.dynamics.model.elements import Element, PositionForce
     from fourbar_ros.dynamics.step.mover import Mover
+    from fourbar_ros.mechanisms.parts import NamedFields
+    from numpy.typing import ArrayLike
 
 
 Settings = TypeVar('Settings')
@@ -125,10 +128,14 @@ class Scene(NamedTuple):
     A linkage with its drive, outputs and recording, checked: all that a node or a bag needs.
 
     ``points`` by their names; ``forces`` over a position; ``dynamics`` where the motion follows
-    from torque; ``values``: every parameter by name.
+    from torque; ``values``: every parameter by name. Springs, dampers and forces over a position
+    act besides the linkage: in a scene that has them, ``linkage`` has no masses, so no loads that
+    would lack their forces; ask :meth:`loads`. ``bare_linkage`` has the masses: what an equation
+    of motion, which adds these forces, is made of.
     """
 
     linkage: Mechanism
+    bare_linkage: Mechanism
     points: dict[str, Point]
     wrenches: Wrenches
     drive: DriveSettings
@@ -156,7 +163,8 @@ class Scene(NamedTuple):
 
     def taken_in(self, mode: int) -> Scene:
         """Return this scene with its linkage in another assembly mode, as beyond a toggle."""
-        return self._replace(linkage=self.linkage.in_mode(mode))
+        return self._replace(linkage=self.linkage.in_mode(mode),
+                             bare_linkage=self.bare_linkage.in_mode(mode))
 
     @property
     def as_text(self) -> str:
@@ -248,43 +256,69 @@ class Scene(NamedTuple):
         return make_loaded(linkage, self.elements)
 
     @property
-    def known_linkage(self) -> Mechanism:
-        """
-        Return the linkage, without masses if its own loads differ from the scene's.
+    def has_loads(self) -> bool:
+        """Return whether it has masses, so that :meth:`loads` answers."""
+        return self.bare_linkage.bodies is not None
 
-        Its loads lack the forces of springs, dampers and forces over a position; without masses it
-        has no loads that could be mistaken. :attr:`why_no_loads` is the reason for a user.
+    def loads(self, position: ArrayLike, rate: ArrayLike = 0.0, acceleration: ArrayLike = 0.0,
+              mode: int | None = None) -> NamedFields:
         """
-        return replace(self.linkage, bodies=None) if self.elements else self.linkage
+        Return the loads of a prescribed motion, with all forces of the scene.
+
+        Arguments and errors as of ``linkage.loads``, and ``mode`` of :meth:`in_mode`. Where a
+        force is not known, as of a spring whose ends meet, InvalidParameter, in arrays NaN.
+        """
+        own = self.in_mode(mode)
+        if not (self.elements and self.has_loads):
+            return own.loads(position, rate, acceleration)
+        if any(map(np.ndim, (position, rate, acceleration))):
+            from fourbar_ros.dynamics.model.element_forces import loads_with
+            return loads_with(self.bare_linkage.in_mode(own.mode), self.elements, position, rate,
+                              acceleration)
+        own.motion(position, rate, acceleration)          # refuses what is out of range
+        there = self.linkage_at(cast(float, position), cast(float, rate), mode)
+        if there.bodies is None:
+            raise InvalidParameter(own.input_coordinate.position, position,
+                                   'a force of a spring or a table is not finite there')
+        return there.loads(position, rate, acceleration)
+
+    @property
+    def turns(self) -> int:
+        """Return after how many turns of a crank its forces repeat: two of a four-stroke."""
+        from fourbar_ros.dynamics.model.force_table import ForceTable
+        return lcm(*[max(1, round(force.value.span / tau)) for force in self.forces
+                     if force.over == 'input' and isinstance(force.value, ForceTable)
+                     and force.value.is_periodic])
 
     @property
     def why_no_loads(self) -> str:
-        """Return why :attr:`known_linkage` has no loads, for a user; empty if it has them."""
-        if self.linkage.bodies is None:
+        """Return why :attr:`linkage` has no loads of its own, for a user; empty if it has."""
+        if not self.has_loads:
             return 'the scene gives no masses'
         forces = ', '.join(f'forces.{name}' for name in names_in('forces', self.values))
         what = f'forces over a position ({forces})' if forces else 'springs or dampers'
         return (f'{what} act on the links, so no loads over the input '
                 'from the motion alone' if self.elements else '')
 
-    def linkage_at(self, linkage: Mechanism, position: float, rate: float) -> Mechanism:
+    def linkage_at(self, position: float, rate: float, mode: int | None = None) -> Mechanism:
         """
-        Return a linkage with the forces of the scene's elements at one input.
+        Return the linkage with all forces that act on it at one input, as external ones.
 
-        Where these are not known it has no masses, so no loads.
+        ``mode`` as of :meth:`in_mode`. Where these forces are not known it has no masses, so no
+        loads.
         """
-        loaded = self.make_loaded(linkage)
-        if loaded is None or linkage.bodies is None:
-            return linkage
-        return loaded(position, rate) or replace(linkage, bodies=None)
+        linkage = self.in_mode(mode)
+        bare = self.bare_linkage.in_mode(linkage.mode)
+        loaded = self.make_loaded(bare)
+        return linkage if loaded is None else loaded(position, rate) or linkage
 
     @property
     def mover(self) -> Mover:
         """Return the Mover that integrates the motion of a drive that works by torque."""
         from fourbar_ros.dynamics.step.mover import Mover
         assert self.dynamics is not None        # only scenes that have it are driven so
-        return Mover(self.dynamics.system(self.linkage), self.drive.tolerance, self.drive.budget,
-                     self.drive.source == TORQUE.name)
+        return Mover(self.dynamics.system(self.bare_linkage), self.drive.tolerance,
+                     self.drive.budget, self.drive.source == TORQUE.name)
 
     def mover_in(self, mode: int) -> Mover:
         """Return the Mover in a mode beyond a toggle; for an unknown mode, the scene's."""
@@ -357,11 +391,14 @@ def from_values(values: ParameterValues) -> Scene:
                               if values[f'external.{link}.from_topic']),
                         *(values[f'external.{field}'] for field in Wrenches._fields[1:]))
     forces = forces_of(values, linkage)
-    scene = Scene(linkage, points, wrenches, _group(DriveSettings, 'drive', values),
+    dynamics = of_values(values, linkage, forces)
+    has_elements = dynamics.elements if dynamics else forces
+    honest = replace(linkage, bodies=None) if has_elements else linkage
+    scene = Scene(honest, linkage, points, wrenches, _group(DriveSettings, 'drive', values),
                   tuple(values['outputs']),
                   values['frame_id'], tuple(shown.prefix + name for name in names), shown,
                   _group(RecordingSettings, 'recording', values),
-                  forces, of_values(values, linkage, forces), values)
+                  forces, dynamics, values)
     _check_together(scene)
     return scene
 
@@ -390,7 +427,7 @@ def _check_together(scene: Scene) -> None:
         value = scene.values[name]
         raise InvalidParameter(name, value if value == value else None, why)    # NaN: not given
 
-    if scene.needs_loads and scene.linkage.bodies is None:
+    if scene.needs_loads and not scene.has_loads:
         loads = [name for name, topic in scene.topics.items() if topic.needs_loads]
         refuse('bodies.crank.mass', f'must be given (or bodies.rods): output {loads[0]} needs '
                                     'masses')

@@ -226,7 +226,7 @@ def test_a_linear_couple_over_an_angle_is_a_torsion_spring_through_toggles():
 def engine(drive=None, speed=150.0):
     scene = load('engine')
     gas, = scene.forces
-    return System(scene.linkage, 0.0, speed, [gas], drive or Drive(ConstantTorque(), flywheel=0.5))
+    return System(scene.bare_linkage, 0.0, speed, [gas], drive or Drive(ConstantTorque(), flywheel=0.5))
 
 
 def work_of_gas(system, start, end):
@@ -261,7 +261,7 @@ def test_the_work_of_a_cycle_is_the_integral_of_p_dv():
 
 def test_the_steps_of_a_node_follow_the_engine():
     """Each of 70 steps of 2 ms, over two turns, is within its tolerance of 1e-6 rad."""
-    system = load('engine').dynamics.system(load('engine').linkage)
+    system = load('engine').dynamics.system(load('engine').bare_linkage)
     mover = Mover(system, 1e-6, 400, False)
     values = mover.start()
     for _ in range(70):

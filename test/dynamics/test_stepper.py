@@ -209,7 +209,7 @@ def test_other_kinds_in_a_scene_against_scipy(kind):
                          'drive.source': 'motor', 'motor.stall_torque': 6.0,
                          'motor.free_speed': 20.0, 'motor.rotor_inertia': 0.02,
                          'shaft.stiffness': 1e6, 'shaft.damping': 1.0, 'outputs': ['state']})
-    system = there.dynamics.system(there.linkage)
+    system = there.dynamics.system(there.bare_linkage)
     reference = simulate(system, 0.3, 1e-8, times=[0.1, 0.2, 0.3])
     states, went = steps(system, 0.3)
     assert {done.status for done in went} == {OK}

@@ -52,7 +52,7 @@ def compared(scene, folder, name, count, commands, seed=1, is_strict=True):
 
 def with_linkage(machine):
     """Return a scene with a machine in it."""
-    return load_scene('paper')._replace(linkage=machine, points={})
+    return load_scene('paper')._replace(linkage=machine, bare_linkage=machine, points={})
 
 
 @pytest.mark.parametrize('name', ['paper', 'cylinder', 'v_engine', 'bucket', 'parallelogram',

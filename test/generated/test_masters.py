@@ -75,7 +75,7 @@ def check(row, expected, rounded):
 @pytest.mark.parametrize('name', ['paper', 'jansen', 'parallelogram', 'slides_7_6'])
 def test_motion_and_loads(name, as_, master, tmp_path):
     simulated, rounded = master
-    linkage, step = load_scene(name).known_linkage, 1e-3
+    linkage, step = load_scene(name).linkage, 1e-3
     low, high = linkage.input_ranges[0]
     middle, size = 0.5 * (low + high), 0.4 * (high - low)
     given = [(middle + size * math.sin(x), 9.0 * size * math.cos(x), -81.0 * size * math.sin(x))
@@ -131,7 +131,7 @@ def test_motion_by_torque(name, changes, as_, master, tmp_path):
 @pytest.mark.parametrize('name', ['paper', 'jansen', 'cylinder'])
 def test_derivatives_along_the_motion_are_rates(name, as_, tmp_path):
     fmpy = pytest.importorskip('fmpy')
-    path, linkage = generate(name, tmp_path, as_).files[0], load_scene(name).known_linkage
+    path, linkage = generate(name, tmp_path, as_).files[0], load_scene(name).linkage
     about = fmpy.read_model_description(str(path))
     place = {one.name: one.valueReference for one in about.modelVariables}
     unit = fmpy.instantiate_fmu(fmpy.extract(str(path), str(tmp_path / 'unit')), about)

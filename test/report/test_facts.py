@@ -36,7 +36,7 @@ def test_the_band_of_a_turning_crank_is_that_of_the_cosine_law(lengths):
 
 @pytest.mark.parametrize('name', SCENES)
 def test_bands_hold_all_samples_and_no_more(name):
-    linkage = load(folder() / f'{name}.yaml').known_linkage
+    linkage = load(folder() / f'{name}.yaml').linkage
     motions = [linkage.motion(np.linspace(low, high, SAMPLES)[1:-1])
                for low, high in linkage.input_ranges]
     for title, text in transmission_angles(linkage):

@@ -66,7 +66,7 @@ def test_gas_over_two_turns_loads_a_given_motion(run_node, client, tmp_path):
     angles = np.array([message.position for message in driven])
     assert angles.max() > 2.0 * TURN
     for angle, message in zip(angles.tolist(), loads):
-        plain = there.linkage.step(angle, 40.0, 0.0)[1]
+        plain = there.bare_linkage.step(angle, 40.0, 0.0)[1]
         force = gas.factor * gas.value(angle)
         ratio = there.linkage.motion(angle, 1.0, 0.0).slide_velocity
         size = 1e-9 * (1.0 + abs(force))
@@ -90,7 +90,7 @@ def test_an_engine_turns_by_its_gas_and_is_stepped_again(run_node, client, tmp_p
     found = compare(tmp_path / 'run')
     assert not found.problems() and found.largest == 0.0
     assert 'stepped again from the one before' in found.driven
-    gas, system = there.forces[0], there.dynamics.system(there.linkage)
+    gas, system = there.forces[0], there.dynamics.system(there.bare_linkage)
     for message in in_bag(tmp_path / 'run', '/fourbar/drive_state')[:100]:
         wanted = system.equation.acceleration(message.position, message.velocity, message.torque)
         assert abs(message.acceleration - wanted) <= 1e-9 * (1.0 + abs(wanted))
@@ -106,9 +106,9 @@ def test_services_give_loads_of_a_pose_and_refuse_their_extrema(run_node, client
     run_node(values)
     there = scene.from_values(values)
     answer = client.call('evaluate', position=0.7, velocity=3.0)
-    wanted = there.linkage_at(there.linkage, 0.7, 3.0).loads(0.7, 3.0).driving_torque
+    wanted = there.loads(0.7, 3.0).driving_torque
     assert answer.has_loads and answer.loads.driving_torque == wanted
-    assert abs(wanted - there.linkage.loads(0.7, 3.0).driving_torque) > 1.0
+    assert abs(wanted - there.bare_linkage.loads(0.7, 3.0).driving_torque) > 1.0
     answer = client.call('find_extrema', quantities=['driving_torque'], velocity=3.0)
     assert answer.result == answer.RESULT_INVALID_REQUEST and 'forces.push' in answer.message
     answer = client.call('find_extrema', velocity=3.0)

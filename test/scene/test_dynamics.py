@@ -35,7 +35,7 @@ def test_springs_and_dampers_are_named_freely_and_reach_the_equation():
     dynamics = scene.from_values(values).dynamics
     spring, pivot = dynamics.elements
     assert spring.links == ('ground', 'output') and pivot.links == ('ground', 'crank')
-    linkage = scene.from_values(values).linkage
+    linkage = scene.from_values(values).bare_linkage
     terms = dynamics.system(linkage).equation.terms(0.3)
     assert terms.damping == 0.5 and terms.force != 0.0
 

@@ -266,8 +266,8 @@ def test_loads_are_searched_for_no_extrema_and_it_is_said_why():
     from fourbar_lab.studies.measures import Measures
     from fourbar_ros.extrema.find import find_extrema
     there = scene.from_values(PUSHED)
-    assert there.known_linkage.bodies is None and 'forces.push' in there.why_no_loads
-    assert {e.quantity for e in find_extrema(there.known_linkage)} >= {'omega4', 'alpha4'}
+    assert there.linkage.bodies is None and 'forces.push' in there.why_no_loads
+    assert {e.quantity for e in find_extrema(there.linkage)} >= {'omega4', 'alpha4'}
     with pytest.raises(InvalidParameter, match=r'is a load, and forces over a position'):
         Measures(there).one('measures', 'driving_torque.max')
     assert Measures(there).one('measures', 'omega4.max')
@@ -276,10 +276,11 @@ def test_loads_are_searched_for_no_extrema_and_it_is_said_why():
 
 def test_one_pose_has_its_loads():
     there = scene.from_values(PUSHED)
-    linkage = there.linkage_at(there.linkage, 0.5, 0.0)
+    linkage = there.linkage_at(0.5, 0.0)
     _, found = Stepper(there).step(0.5, 0.0, 0.0, True, False)
     torque = found[there.layout.place['driving_torque']]
-    assert linkage.loads(0.5).driving_torque == torque != there.linkage.loads(0.5).driving_torque
+    assert linkage.loads(0.5).driving_torque == there.loads(0.5).driving_torque == torque
+    assert torque != there.bare_linkage.loads(0.5).driving_torque
 
 
 def test_hostile_values_are_refused_by_errors_of_ours():

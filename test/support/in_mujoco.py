@@ -19,7 +19,7 @@ def differences(scene, drive, impedance=0.9999):
 
     model = mujoco.MjModel.from_xml_string(describe(scene, 'mjcf'))
     model.eq_solimp[:, :2] = impedance
-    data, equation = mujoco.MjData(model), Equation(scene.linkage)
+    data, equation = mujoco.MjData(model), Equation(scene.bare_linkage)
     low, high = scene.linkage.input_ranges[0]
     for share in (np.arange(POSES) + 0.5) / POSES:
         position = float(low + (high - low) * (0.1 + 0.8 * share))

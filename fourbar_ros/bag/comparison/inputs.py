@@ -226,8 +226,8 @@ class DriveStates:
         self.integrator, self._moved_by = integrator, moved_by
         dynamics = scene.dynamics
         self._has_our_integrator = integrator == (
-            name_of(scene.linkage, dynamics.drive.source, dynamics.elements) if dynamics
-            else name_of(scene.linkage))
+            name_of(scene.bare_linkage, dynamics.drive.source, dynamics.elements) if dynamics
+            else name_of(scene.bare_linkage))
         self.largest: dict[str, float] = {}
         self.compared = self.alone = self.unknown = 0
         self._before = _RecordedState(None, 0, 0)

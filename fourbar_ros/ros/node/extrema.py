@@ -85,7 +85,7 @@ class Search:
         A velocity of zero stands for the speed of the timer drive. Raises _BadRequest or
         UnknownQuantity, for :meth:`answer` to report.
         """
-        scene, request, linkage = self._scene, self._request, self._scene.known_linkage
+        scene, request, linkage = self._scene, self._request, self._scene.linkage
         timer_speed = scene.drive.speed if scene.drive.source == 'timer' else 0.0
         velocity = request.velocity or timer_speed
         modes = _modes(request, linkage)

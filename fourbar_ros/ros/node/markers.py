@@ -54,7 +54,7 @@ def maker(scene: Scene) -> Callable[[Stamp, Sequence[float]], MarkerArray | None
         if isnan(motion.transmission_angle):
             return None
         markers = pose(scene, motion)
-        if mechanism.bodies is not None:
+        if scene.has_loads:
             loads = mechanism.LOADS(*values[count:loads_end])
             markers += arrows(scene, loads, mechanism.diagram(motion), scales)
         for each in markers:

@@ -51,7 +51,7 @@ class Pictures:
         rate = scene.values['pictures.rate']
         self._period, self._last = 1e9 / rate if rate else 0.0, None
         self._makers, self._latched = drawn
-        self.of_loads = 'markers' in self._makers and scene.linkage.bodies is not None
+        self.of_loads = 'markers' in self._makers and scene.has_loads
         for name, data in self._latched.items():
             self._send(name, data)
 

@@ -115,7 +115,7 @@ class Recording:
         about = about_of(scene, names, self._node.get_fully_qualified_name())
         if scene.dynamics:
             from fourbar_ros.dynamics.step import mover
-            about[mover.KEY] = mover.name_of(scene.linkage, scene.dynamics.drive.source,
+            about[mover.KEY] = mover.name_of(scene.bare_linkage, scene.dynamics.drive.source,
                                              scene.dynamics.elements)
         writer = BagWriter(directory_of(scene), name,
                            [channel(topic, names[topic.name]) for topic in topics], about,

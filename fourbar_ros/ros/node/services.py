@@ -72,7 +72,7 @@ def evaluate_one(node: Base, request: Message, response: Message) -> Message:
                             f'scene){"".join(f" or {mode}" for mode in modes)}')
         return _with_values(node, response, request.mode, INVALID_INPUT,
                             (nan,) * len(scene.layout.place))
-    linkage = scene.linkage_at(scene.in_mode(request.mode), request.position, request.velocity)
+    linkage = scene.linkage_at(request.position, request.velocity, request.mode)
     response.has_loads = linkage.bodies is not None
     status, motion, loads = evaluate(linkage, request.position, request.velocity,
                                      request.acceleration, response.has_loads)
@@ -109,7 +109,7 @@ def _with_values(node: Base, response: Message, mode: int, status: int, values: 
     if hasattr(response, 'values'):
         named_value, place = resolve('fourbar_msgs/msg/NamedValue'), scene.layout.place
         response.values = [named_value(name=name, unit=unit, value=values[place[name]])
-                           for name, unit in units_of(scene.linkage).items()]
+                           for name, unit in units_of(scene.bare_linkage).items()]
     return response
 
 
