@@ -16,7 +16,6 @@ import re
 import tempfile
 
 from fourbar_ros import find_extrema, load_scene
-from fourbar_ros.dynamics import loads_with
 from fourbar_ros.generated import generate
 from fourbar_ros.scene import read_values, simulate_scene
 import numpy as np
@@ -73,11 +72,10 @@ class Motion:
         places, rate, acceleration = self.inputs(scene, linkage)
         motions = [linkage.motion(place, rate, acceleration) for place in places]
         found = {'input': places} | columns_of(motions)
-        if linkage.bodies is None:
+        if not scene.has_loads:
             return found
         if scene.elements:
-            loads = [loads_with(linkage, scene.elements, place, rate, acceleration)
-                     for place in places]
+            loads = [scene.loads(place, rate, acceleration, linkage.mode) for place in places]
             return found | columns_of(loads)
         steps = [linkage.step(place, rate, acceleration) for place in places]
         assert [motion for motion, _ in steps] == motions, key
@@ -106,10 +104,8 @@ class Batch(Motion):
         scene, linkage = scene_of(key)
         places, rate, acceleration = self.inputs(scene, linkage)
         found = {'input': places} | linkage.motion(places, rate, acceleration)._asdict()
-        if linkage.bodies is not None:
-            loads = (loads_with(linkage, scene.elements, places, rate, acceleration)
-                     if scene.elements else linkage.loads(places, rate, acceleration))
-            found |= loads._asdict()
+        if scene.has_loads:
+            found |= scene.loads(places, rate, acceleration, linkage.mode)._asdict()
         return {name: np.broadcast_to(column, len(places)).tolist()
                 for name, column in found.items()}
 

@@ -1,0 +1,180 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+No door to the loads of a scene with a gas force leaves it out: right, or refused by name.
+
+The reference knows no table: the same compressor with the gas force of one pose, pressure times
+area, as a constant force on the piston; its torque is the one of inertia less the power of the
+gas by the rate of the crank.
+"""
+import csv
+import json
+from math import radians
+
+from fourbar_lab.balancing.loads import BalanceError, Loads
+from fourbar_lab.live.model import shown
+from fourbar_lab.studies.measures import Measures
+from fourbar_ros import find_extrema, load_scene
+from fourbar_ros.cli.main import main
+from fourbar_ros.errors import InvalidParameter, MissingBodies
+from fourbar_ros.pipeline.stepper import Stepper
+from fourbar_ros.report.curves import curves_of, marks_of
+from fourbar_ros.report.cycles import make_cycle_figure
+from fourbar_ros.scene import scene
+import numpy as np
+import pytest
+from support.generated import Code, COMPILERS
+
+AT, SPEED = 10.0, 157.0                         # [deg], [rad/s]
+AREA, PRESSURE = 5e-3, 6.4e5                    # [m^2], [Pa] at 10 degrees
+COMPRESSOR = {
+    'linkage.kind': 'slider_crank', 'linkage.a1': 0.04, 'linkage.a2': 0.15,
+    'bodies.crank.mass': 1.2, 'bodies.crank.inertia': 2e-3, 'bodies.crank.cg_along': 0.01,
+    'bodies.coupler.mass': 0.4, 'bodies.coupler.inertia': 1e-3, 'bodies.coupler.cg_along': 0.05,
+    'bodies.output.mass': 0.5, 'drive.speed': SPEED, 'outputs': ['loads']}
+GAS = {'link': 'output', 'acts': 'along', 'over': 'input', 'place_unit': 'deg',
+       'places': [0.0, AT, 180.0, 360.0], 'values': [8.0, 6.4, 1.0, 8.0], 'value_unit': 'bar',
+       'periodic': True, 'factor': -AREA}
+VALUES = {**COMPRESSOR, **{f'forces.gas.{name}': value for name, value in GAS.items()}}
+GIVEN = radians(AT), SPEED, 0.0
+PLAIN = scene.from_values(COMPRESSOR).linkage
+PUSHED = scene.from_values({**COMPRESSOR, 'external.output.force_x': -PRESSURE * AREA}).linkage
+TRUE = PUSHED.loads(*GIVEN)
+THERE = scene.from_values(VALUES)
+CLOSE = 2.0**-40                                # rounding of some hundred operations
+
+
+def are_true(f41, torque):
+    """Return whether a reaction and a torque are those of the reference."""
+    return (abs(f41 - TRUE.f41) <= CLOSE * TRUE.f41
+            and abs(torque - TRUE.driving_torque) <= CLOSE * TRUE.f41 * 0.04)
+
+
+@pytest.fixture
+def file(tmp_path):
+    """Return the file of the compressor."""
+    path = tmp_path / 'compressor.yaml'
+    path.write_text(THERE.as_text)
+    return str(path)
+
+
+def test_the_reference_is_far_from_the_loads_without_gas():
+    motion, plain = PLAIN.step(*GIVEN)
+    by_work = plain.driving_torque + PRESSURE * AREA * motion.slide_velocity / SPEED
+    assert abs(by_work - TRUE.driving_torque) <= CLOSE * PRESSURE * AREA * 0.04
+    assert TRUE.f41 > 1.4 * plain.f41
+
+
+def test_the_scene_in_python_for_one_input_and_for_arrays():
+    one, many = THERE.loads(*GIVEN), THERE.loads([0.0, GIVEN[0]], SPEED)
+    assert are_true(one.f41, one.driving_torque)
+    assert are_true(many.f41[1], many.driving_torque[1])
+    for given in (GIVEN, ([0.0, 0.1], SPEED)):
+        with pytest.raises(MissingBodies, match=r'scene\.loads'):
+            THERE.linkage.step(*given)
+
+
+def test_the_node():
+    _, values = Stepper(THERE).step(*GIVEN, True, False)
+    assert are_true(*(values[THERE.layout.place[name]] for name in ('f41', 'driving_torque')))
+
+
+def test_show(file, capsys):
+    main(['show', file, '--at', str(AT), '--json'])
+    record = json.loads(capsys.readouterr().out)
+    loads = record['pose']['loads']
+    assert are_true(loads['f41'], loads['driving_torque'])
+    assert not any('f41' in one['quantity'] for one in record['extrema'])
+    assert 'forces.gas' in record['why_no_loads']
+
+
+def test_table(file, tmp_path):
+    main(['table', file, 'f41', 'driving_torque', '-o', str(tmp_path / 'it.csv')])
+    head, *rows = csv.reader((tmp_path / 'it.csv').open())
+    assert head == ['theta1 [deg]', 'f41 [N]', 'driving_torque [N m]']
+    assert are_true(*next(map(float, row[1:]) for row in rows if row[0] == '10.0'))
+
+
+def test_curves_of_plot_have_no_marks_of_loads():
+    names = ['slide_velocity', 'f41', 'driving_torque']
+    curves = curves_of(THERE, THERE.linkage, names, SPEED)
+    assert are_true(*curves.values[2:, 10])
+    assert {name for name, *_ in marks_of(THERE, THERE.linkage, names, SPEED)} == {names[0]}
+
+
+def test_vectors_that_draw_shows():
+    figure = make_cycle_figure('forces', THERE.linkage, SPEED, loads=THERE.loads)
+    found = [np.hypot(*line.get_data()) for line in figure.axes[0].lines
+             if len(line.get_xdata()) == 721]
+    assert min(abs(forces[2 * 190] - TRUE.f41) for forces in found) <= CLOSE * TRUE.f41
+
+
+def test_a_pose_that_draw_shows():
+    there = THERE.linkage_at(*GIVEN[:2]).loads(*GIVEN)
+    assert are_true(there.f41, there.driving_torque)
+
+
+@pytest.mark.slow
+def test_draw(file, tmp_path):
+    for options in (['--over', 'forces'], ['--at', str(AT)]):
+        main(['draw', file, *options, '-o', str(tmp_path / 'it.svg')])
+        assert (tmp_path / 'it.svg').exists()
+
+
+def test_searches_find_motion_and_refuse_loads_by_name(file):
+    linkage = load_scene(file).linkage
+    assert {one.quantity for one in find_extrema(linkage, rate=SPEED)} >= {
+        'slide_velocity', 'omega_beta'}
+    assert not any(one.unit in ('N', 'N m') for one in find_extrema(linkage, rate=SPEED))
+    with pytest.raises(MissingBodies, match=r'scene\.loads'):
+        find_extrema(linkage, ['f41'], SPEED)
+
+
+def test_the_service():
+    pytest.importorskip('rclpy')
+    from fourbar_ros.ros.messages import resolve
+    from fourbar_ros.ros.node.extrema import Search
+    service = resolve('fourbar_msgs/srv/FindExtrema')
+    for names, count in (['f41'], 0), (['omega_beta'], 2), ([], None):
+        answer = Search(THERE, service.Request(quantities=names, velocity=SPEED),
+                        lambda: None).answer(service.Response())
+        assert (answer.result == answer.RESULT_OK) == (count != 0)
+        assert count is None or len(answer.extrema) >= count
+        assert count or 'forces.gas' in answer.message or count is None
+        assert not any(one.unit in ('N', 'N m') for one in answer.extrema)
+
+
+def test_the_page():
+    page = shown(VALUES)
+    _, pose = page.pose(GIVEN[0])
+    assert are_true(pose.loads.f41, pose.loads.driving_torque)
+    (x, y), = page.curves('f41')
+    at = int(np.argmin(np.abs(x - GIVEN[0])))
+    assert abs(y[at] - TRUE.f41) <= CLOSE * TRUE.f41
+    assert {one.quantity for one in page.extrema(['omega_beta', 'f41'])} == {'omega_beta'}
+
+
+def test_studies_and_balancing():
+    with pytest.raises(InvalidParameter, match=r'is a load, and .*forces\.gas'):
+        Measures(THERE).one('measures', 'f41.max')
+    with pytest.raises(BalanceError, match='masses'):
+        Loads(THERE.linkage, SPEED)
+
+
+@pytest.mark.skipif(not COMPILERS, reason='no C compiler')
+def test_generated_code(tmp_path):
+    code = Code(THERE, tmp_path, 'compressor')
+    _, rows = code.compiled(COMPILERS[0], '-std=c99', '-O1')(np.array([GIVEN]))
+    row = dict(zip([one.name for one in (*code.model.motion, *code.model.loads)], rows[0]))
+    assert are_true(row['f41'], row['driving_torque'])
+
+
+def test_a_four_stroke_has_two_turns_and_the_page_says_that_it_shows_one():
+    engine = load_scene('engine')
+    curves = curves_of(engine, engine.linkage, ['f41'], 100.0)
+    assert engine.turns == 2 and curves.values[0, -1] == 720.0 and curves.values.shape[1] == 721
+    for degrees in (370.0, 10.0):
+        one = engine.loads(radians(degrees), 100.0).f41
+        assert abs(curves.values[1, int(degrees)] - one) <= CLOSE * one
+    assert '2 turns' in shown(engine.values).why_no_loads
+    assert shown(engine.values).pose(0.3)[1].loads is None
