@@ -104,6 +104,7 @@ def _density(text: str) -> float:
 
 def _new(arguments: Namespace) -> None:
     """Write the scene file; delete it again if it does not load, as with impossible lengths."""
+    from fourbar_ros.scene.plausible import LONGEST
     from fourbar_ros.scene.scene import load
     path = Path(arguments.file)
     if not path.suffix:
@@ -112,12 +113,19 @@ def _new(arguments: Namespace) -> None:
         raise InvalidParameter('FILE', arguments.file, 'must end in .yaml')
     if path.exists():
         raise InvalidParameter('FILE', str(path), 'exists already: give another name')
-    text = scene_text(arguments.kind, _lengths(arguments), arguments.mode, arguments.speed,
+    lengths = _lengths(arguments)
+    text = scene_text(arguments.kind, lengths, arguments.mode, arguments.speed,
                       arguments.bar or arguments.rod, arguments.material)
     with open(path, 'x', encoding='utf-8') as file:
         file.write(text)
     try:
         scene = load(path)
+    except InvalidParameter as error:
+        path.unlink()
+        meant = [f'; did you mean {value:g}mm?' for name, value in lengths.items()
+                 if abs(value) > LONGEST and error.name == f'linkage.{name}']
+        raise InvalidParameter(error.name, error.value,
+                               ''.join((error.allowed, *meant))) from None
     except FourBarError:
         path.unlink()
         raise
@@ -167,7 +175,8 @@ def scene_text(kind: str, lengths: dict[str, float], mode: int, speed: float,
               for length in KINDS[kind].LENGTHS]
     lines += [_line(f'mode: {mode}', '1 crossed, 2 open')]
     if section:
-        lines += ['    bodies:', *_bodies(kind, section, density)]
+        lines += ['    bodies:', *_bodies(kind, section, density),
+                  '    # gravity: {x: 0.0, y: -9.81}     # [m/s^2]; without it weight is left out']
     lines += ['    drive:', '      source: timer',
               _line(f'speed: {_text(speed)}', f'[rad/s], {speed * 30.0 / pi:.6g} rpm'),
               _line('rate: 200.0', '[Hz] of the samples'),

@@ -336,7 +336,7 @@ class OffsetSlide(Mechanism):
         (p, r, e), (p_name, r_name, _) = self.lengths, self.length_names
         if fsum((p, r, -abs(e))) <= 0.0:
             raise InvalidParameter('offset', e, 'the links cannot close: it must be shorter than '
-                                   f'{p_name} + {r_name} ({p + r!r})')
+                                   f'{p_name} + {r_name} ({p + r:.12g})')
         self._check_stroke()
 
     @of_geometry

@@ -226,7 +226,8 @@ def test_a_linear_couple_over_an_angle_is_a_torsion_spring_through_toggles():
 def engine(drive=None, speed=150.0):
     scene = load('engine')
     gas, = scene.forces
-    return System(scene.bare_linkage, 0.0, speed, [gas], drive or Drive(ConstantTorque(), flywheel=0.5))
+    return System(scene.bare_linkage, 0.0, speed, [gas],
+                  drive or Drive(ConstantTorque(), flywheel=0.5))
 
 
 def work_of_gas(system, start, end):

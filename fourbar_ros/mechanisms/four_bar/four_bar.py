@@ -108,7 +108,7 @@ class FourBarLinks(Mechanism):
         if fsum(lengths + (-longest, -longest)) <= 0.0:
             raise InvalidParameter(f'a{lengths.index(longest) + 1}', longest,
                                    'the links cannot close: it must be shorter than the other '
-                                   f'three together ({fsum(lengths + (-longest,))!r})')
+                                   f'three together ({fsum(lengths + (-longest,)):.12g})')
 
     @of_geometry
     def margins(self) -> tuple[float, ...]:

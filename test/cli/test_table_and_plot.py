@@ -1,0 +1,94 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""What a person reads in tables, plots, show and new: units, whole degrees, left-out weight."""
+import csv
+from math import radians
+
+from fourbar_lab.live.downloads import cycle_csv
+from fourbar_lab.live.model import shown
+from fourbar_ros import load_scene
+from fourbar_ros.cli.main import main
+from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.report.curves import csv_of, curves_of, make_figure, marks_of
+from fourbar_ros.report.tables import facts
+from fourbar_ros.scene import from_values
+from fourbar_ros.scene.plausible import warnings_of
+import numpy as np
+import pytest
+
+NEW = ['--a1', '60mm', '--a2', '200mm', '--a3', '15cm', '--bar', '20x5mm']
+
+
+def test_a_table_has_whole_degrees_and_units_and_so_has_the_page():
+    paper = load_scene('paper')
+    text = csv_of(curves_of(paper, paper.linkage, (), paper.drive.speed))
+    head, *rows = csv.reader(text.splitlines())
+    assert [row[0] for row in rows] == [f'{degrees}.0' for degrees in range(361)]
+    assert all(name.endswith(']') for name in head) and head[0] == 'theta1 [deg]'
+    at_60 = dict(zip(head, rows[60]))
+    f41 = paper.linkage.loads(radians(60.0), paper.drive.speed).f41
+    assert abs(float(at_60['f41 [N]']) - f41) <= 2.0**-44 * f41
+    assert cycle_csv(shown(paper.values)) == text
+
+
+def test_a_plot_has_ticks_each_90_degrees_symbols_and_extrema():
+    paper = load_scene('paper')
+    given = paper, paper.linkage, ['f41', 'omega4', 'theta4'], paper.drive.speed
+    marks = marks_of(*given)
+    figure = make_figure(curves_of(*given), marks)
+    force, rate, angle = figure.axes
+    ticks = [tick for tick in force.get_xticks() if 0.0 <= tick <= 360.0]
+    assert ticks == [0.0, 90.0, 180.0, 270.0, 360.0]
+    assert [axis.get_ylabel() for axis in figure.axes] == [
+        'force [N]', 'angular velocity [rad/s]', 'angle [deg]']
+    assert [axis.get_legend().get_texts()[0].get_text() for axis in figure.axes] == [
+        '$F_{41}$', r'$\omega_4$', r'$\theta_4$']
+    for axis in figure.axes:
+        line, points = axis.lines
+        x, y = points.get_data()
+        off = np.interp(x, *line.get_data()) - y
+        assert len(x) >= 2 and np.abs(off).max() <= np.abs(np.diff(line.get_ydata(), 2)).max()
+
+
+def test_weight_that_is_left_out_is_told(tmp_path, capsys):
+    line = 'left out (gravity 0)'
+    file = tmp_path / 'my.yaml'
+    main(['new', str(file), *NEW, '--a4', '180mm'])
+    for verb in (['show', str(file)], ['table', str(file), 'f41', '-o', str(tmp_path / 'a.csv')]):
+        capsys.readouterr()
+        main(verb)
+        assert line in ''.join(capsys.readouterr())
+    main(['table', str(file), 'omega4', '-o', str(tmp_path / 'b.csv')])
+    assert line not in capsys.readouterr().err
+    text = file.read_text()
+    file.write_text(text.replace('    # gravity:', '    gravity:'))
+    assert load_scene(file).linkage.gravity == (0.0, -9.81)
+    main(['show', str(file)])
+    assert line not in ''.join(capsys.readouterr())
+
+
+def test_a_length_without_its_unit_is_asked_about(tmp_path, capsys):
+    file = tmp_path / 'my.yaml'
+    assert main(['new', str(file), *NEW, '--a4', '180'])
+    assert 'three together (0.41); did you mean 180mm?' in capsys.readouterr().err
+    assert not file.exists()
+
+
+def test_lengths_in_any_unit_are_fine_where_only_angles_follow():
+    values = load_scene('slides_7_6').values
+    assert not warnings_of(from_values(values))
+    assert warnings_of(from_values({**values, 'points.P.link': 'coupler'}))
+
+
+def test_a_margin_of_a_machine_is_no_share_of_its_perimeter():
+    rows = {name: dict(facts(load_scene(name).linkage))['change-point margin']
+            for name in ('paper', 'watt', 'bucket')}
+    assert rows['paper'].endswith(' of the perimeter')
+    assert ' rad, the imaginary part' in rows['watt'] and 'perimeter' not in rows['watt']
+    assert ' m, the imaginary part' in rows['bucket'] or ' rad, ' in rows['bucket']
+
+
+def test_sums_in_messages_have_no_rounding():
+    with pytest.raises(InvalidParameter, match=r'\(0\.41\)'):
+        from_values({'linkage.a1': 0.06, 'linkage.a2': 0.2, 'linkage.a3': 0.15,
+                     'linkage.a4': 180.0})
