@@ -98,7 +98,8 @@ def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: flo
     its_units = coordinate.unit, *(units[name] for name in wanted)
     is_angle = np.array([unit == 'rad' for unit in its_units])
     values[is_angle] = np.degrees(values[is_angle])
-    values[0] = values[0].round(10)         # whole degrees, for who looks for 60 in a table
+    if linkage.turns_fully:
+        values[0] = values[0].round(10)         # whole degrees, for who looks up 60
     rate = f'{speed:g} {coordinate.unit}/s'
     if acceleration:
         rate += f', {acceleration:g} {coordinate.unit}/s^2'
