@@ -150,7 +150,7 @@ def test_a_force_over_a_point_is_that_at_its_coordinate(axis):
         'forces.push.over': f'tip.{axis}', 'forces.push.periodic': False,
         'forces.push.interpolation': 'linear', 'forces.push.places': [-9.0, 9.0],
         'forces.push.values': [-900.0, 900.0]})
-    plain, push = there.linkage, there.values
+    plain, push = there.bare_linkage, there.values
     for q in (0.3, 2.0, 4.4):
         at = getattr(point_motion(plain, plain.motion(q), 'coupler', 0.6, 0.2), axis)
         force = Applied(0.0, 100.0 * at, push['forces.push.along'], push['forces.push.across'])
