@@ -26,9 +26,7 @@ def _long(scene: Scene) -> Iterator[str]:
     long = [(f'{family}.{name}', value)
             for name, value in zip(scene.linkage.length_names, scene.linkage.lengths)
             if abs(value) > LONGEST]
-    is_scaled = (scene.has_loads or scene.points
-                 or any(part.unit == 'm' for part in scene.linkage.PARTS))
-    if long and is_scaled:       # angles alone do not depend on the unit of lengths
+    if long:
         (name, value), *others = long
         name = name if name in scene.values else name.removeprefix('dyads.')    # of a cylinder
         too = f' (and {len(others)} more)' if others else ''

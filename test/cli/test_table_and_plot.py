@@ -12,7 +12,6 @@ from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.report.curves import csv_of, curves_of, make_figure, marks_of
 from fourbar_ros.report.tables import facts
 from fourbar_ros.scene import from_values
-from fourbar_ros.scene.plausible import warnings_of
 import numpy as np
 import pytest
 
@@ -72,12 +71,6 @@ def test_a_length_without_its_unit_is_asked_about(tmp_path, capsys):
     assert main(['new', str(file), *NEW, '--a4', '180'])
     assert 'three together (0.41); did you mean 180mm?' in capsys.readouterr().err
     assert not file.exists()
-
-
-def test_lengths_in_any_unit_are_fine_where_only_angles_follow():
-    values = load_scene('slides_7_6').values
-    assert not warnings_of(from_values(values))
-    assert warnings_of(from_values({**values, 'points.P.link': 'coupler'}))
 
 
 def test_a_margin_of_a_machine_is_no_share_of_its_perimeter():
