@@ -32,7 +32,6 @@ from fourbar_ros.scene.topics import (  # noqa: E402
     applied_topic,
     DRIVE_STATE,
     DRIVEN,
-    FIND_EXTREMA,
     INPUTS,
     OUTPUTS,
     PICTURES,
@@ -71,8 +70,8 @@ def having(quantity):
 
 
 def messages():
-    """Return Markdown: each message, service and action as its definition has it."""
-    files = [file for part in ('msg', 'srv', 'action')
+    """Return Markdown: each message and service as its definition has it."""
+    files = [file for part in ('msg', 'srv')
              for file in sorted((ROOT / 'msg_defs' / part).iterdir())]
     return '\n\n'.join(f'### {file.parent.name}/{file.stem}\n\n```text\n'
                        f'{file.read_text(encoding="utf-8").strip()}\n```' for file in files)
@@ -104,9 +103,6 @@ def reference_tables():
                                for t in TRAJECTORIES.values()]),
         'services': table(('service', 'type', 'what'),
                           [(f'`{s.service}`', f'`{s.type}`', s.text) for s in SERVICES.values()]),
-        'actions': table(('action', 'type', 'what'),
-                         [(f'`{FIND_EXTREMA.service}`', f'`{FIND_EXTREMA.type}`',
-                           FIND_EXTREMA.text)]),
         'parameters': table(('parameter', 'type', 'unit', 'default', 'allowed', 'live', 'what'),
                             [(f'`{p.name}`', p.type, p.unit, default(p), p.allowed, 'yes' if p.live
                               else '', p.text)

@@ -15,7 +15,6 @@ from xml.etree import ElementTree
 from fourbar_ros.cli.common import add_scene, Verbs, warn
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import (
-    FIND_EXTREMA,
     INPUTS,
     OUTPUTS,
     PICTURES,
@@ -188,8 +187,7 @@ def policy(scene: Scene, node: str = '/fourbar', use_sim_time: bool = False) -> 
     profile = ElementTree.SubElement(ElementTree.SubElement(enclave, 'profiles'), 'profile',
                                      ns=namespace or '/', node=name)
     for verb, names in _allowed(scene).items():
-        kind = {'publish': 'topic', 'subscribe': 'topic', 'reply': 'service',
-                'execute': 'action'}[verb]
+        kind = 'service' if verb == 'reply' else 'topic'
         if verb == 'subscribe' and use_sim_time:
             names = [*names, '/clock']
         if not names:
@@ -202,9 +200,8 @@ def policy(scene: Scene, node: str = '/fourbar', use_sim_time: bool = False) -> 
 
 
 def _allowed(scene: Scene) -> dict[str, list[str]]:
-    """Return {verb of SROS2: names of topics, services or actions} that a node needs."""
+    """Return {verb of SROS2: names of topics or services} that a node needs."""
     return {'publish': [*OF_ALL, DIAGNOSTICS, *(topic.topic for topic in scene.published)],
             'subscribe': [topic.topic for topic in scene.received],
             'reply': [*(f'~/{name}' for name in PARAMETER_SERVICES),
-                      *(SERVICES[name].service for name in scene.values['services'])],
-            'execute': [FIND_EXTREMA.service] * (FIND_EXTREMA.name in scene.values['services'])}
+                      *(SERVICES[name].service for name in scene.values['services'])]}

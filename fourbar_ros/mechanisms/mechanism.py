@@ -131,9 +131,13 @@ class Formulas(Described):
 
         A node does this for each wrench message, so ranges and traces are not made again.
         """
-        shared = {name: value for name, value in self.__dict__.items()
-                  if isinstance(getattr(type(self), name, None), of_geometry)}
-        return self._copy(**shared, external=external)
+        return self._copy(**self._geometry, external=external)
+
+    @property
+    def _geometry(self) -> dict[str, object]:
+        """Return what is known and follows from geometry alone."""
+        return {name: value for name, value in list(self.__dict__.items())
+                if isinstance(getattr(type(self), name, None), of_geometry)}
 
     def _copy(self: _Self, **changed: object) -> _Self:
         """Return a copy with other fields, unchecked and without any cached property."""

@@ -4,9 +4,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 from math import isnan
-from typing import Any
+from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.errors import InvalidParameter, nearest
 from fourbar_ros.mechanics.bodies import Applied, Body, flat_bar, round_rod
@@ -18,6 +17,9 @@ from fourbar_ros.numerics.number_types import Scalar
 from fourbar_ros.scene.parameter_table import LENGTHS, MACHINE, PARAMETERS
 from fourbar_ros.scene.parameters import member_of, of_name, ParameterValues
 
+if TYPE_CHECKING:      # only scenes of machines need it
+    from fourbar_ros.mechanisms.machine.machine import Machine
+
 OWN_NAMES = 'dyads.', 'cylinder', 'bodies.', 'external.'      # of parameters, as errors have them
 RODS = 'bodies.rods.'
 OWN_FIELDS = 'mass', 'inertia', 'cg_along'           # of a body that is given by itself
@@ -26,6 +28,11 @@ ROD_PARAMETERS = tuple(RODS + field for field in ('density', *SECTIONS[0], *SECT
 RENAMED = {'stroke': 'linkage.range', 'dyads': 'linkage.dyads',
            'name of a dyad': 'linkage.dyads', 'length, density, radius': 'bodies.rods',
            'length, density, width, thickness': 'bodies.rods'}
+GEOMETRY = 'linkage.', 'dyads.', 'cylinder'           # parameters of it; others are loads
+MEMORY = 8
+# {parameters of its geometry: the newest machine that has them}: a live change of other parameters
+# does not search for ranges and toggles again, which takes as long as hundreds of steps
+_newest: dict[str, Machine] = {}
 
 
 def linkage_of(values: ParameterValues) -> Mechanism:
@@ -98,11 +105,17 @@ def _machine(values: ParameterValues) -> Mechanism:
     """Return the machine of dyads of a scene; links without a mass have none."""
     from fourbar_ros.scene import machines  # only these scenes need its formulas
 
-    machine = machines.machine_of(values)
+    key = repr([item for item in values.items() if item[0].startswith(GEOMETRY)])
+    machine = _newest.get(key) or machines.machine_of(values)
     _check_links(values, machine)
     bodies = Bodies(values, machine.LINKS, dict(zip(machine.length_names, machine.lengths)))
-    return replace(machine, bodies=bodies.those_given() if bodies.are_given else None,
-                   gravity=_gravity(values), external=external_of(values, machine))
+    made = machine.with_loads(
+        bodies=bodies.those_given() if bodies.are_given else None, gravity=_gravity(values),
+        external=external_of(values, machine))
+    if len(_newest) >= MEMORY:
+        _newest.clear()
+    _newest[key] = made
+    return made
 
 
 def _check_links(values: ParameterValues, machine: Mechanism) -> None:

@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-The single table of topics, services and actions of the node: names, types, quality of service.
+The single table of topics and services of the node: names, types, quality of service.
 
 Names starting with ``~/`` are below the node's name; the others are relative to its namespace.
 Imports no ROS.
@@ -35,14 +35,15 @@ class Service(NamedTuple):
     """
     A service of the node.
 
-    ``worker``: name of the thread that answers, if it may take longer than a step.
+    ``workers``: names of the threads that answer, if that may take longer than a step; a second
+    one makes proofs.
     """
 
     name: str
     service: str
     type: str
     text: str
-    worker: str = ''
+    workers: tuple[str, ...] = ()
 
 
 INPUTS = {topic.name: topic for topic in (
@@ -114,7 +115,7 @@ OUTPUTS = {topic.name: topic for topic in (
 )}
 FAMILIES = tuple(name for name, topic in OUTPUTS.items() if topic.topic.endswith('/NAME'))
 
-# These are for people to look at: at most at pictures.rate, and not recomputed from a bag.
+# These are for people to look at, markers at most at pictures.rate; not recomputed from a bag.
 PICTURES = {topic.name: topic for topic in (
     Topic('robot_description', 'robot_description', 'std_msgs/msg/String',
           'the scene as URDF; latched, sent on every change', latched=True),
@@ -172,15 +173,11 @@ def topics_of(outputs: Iterable[str], members: Mapping[str, Mapping[str, str]]
 
 SERVICES = {service.name: service for service in (
     Service('find_extrema', '~/find_extrema', 'fourbar_msgs/srv/FindExtrema',
-            'all extrema of motion and loads over the input', 'search'),
+            'all extrema of motion and loads over the input', ('search', 'proof')),
     Service('evaluate', '~/evaluate', 'fourbar_msgs/srv/Evaluate',
             'state and loads for one input'),
     Service('start_recording', '~/start_recording', 'fourbar_msgs/srv/StartRecording',
-            'start a bag of the input and all outputs', 'bag'),
+            'start a bag of the input and all outputs', ('bag',)),
     Service('stop_recording', '~/stop_recording', 'std_srvs/srv/Trigger',
-            'close the bag; message contains its path', 'bag'),
+            'close the bag; message contains its path', ('bag',)),
 )}
-
-FIND_EXTREMA = Service('find_extrema', '~/find_extrema', 'fourbar_msgs/action/FindExtrema',
-                       'the same search, one quantity at a time, with feedback; can be canceled',
-                       'search')

@@ -42,11 +42,7 @@ def used(node):
         ('topics', 'subscribe'): node.get_subscriber_names_and_types_by_node('fourbar', space),
         ('services', 'reply'): node.get_service_names_and_types_by_node('fourbar', space)}
     found = {key: {name for name, _ in value} for key, value in names.items()}
-    actions = {name.split('/_action/')[0] for kind in found.values() for name in kind
-               if '/_action/' in name}
-    every = {**{key: {name for name in value if '/_action/' not in name}
-                for key, value in found.items()}, ('actions', 'execute'): actions}
-    return {key: value for key, value in every.items() if value}
+    return {key: value for key, value in found.items() if value}
 
 
 @some('name', SCENES, 1)

@@ -347,6 +347,8 @@ def test_an_input_that_never_comes_is_told_with_where_its_type_comes(run_node, c
 def test_a_second_node_of_one_name_is_told(run_node, client, heard):
     nodes = [run_node(PAPER) for _ in range(2)]
     client.until(lambda: 'another node has this name' in heard()[0].message, 'a warning')
+    client.until(lambda: all('another node has this name' in node.said for node in nodes),
+                 'a line in both logs')
     assert all(node.process.poll() is None for node in nodes)
 
 
@@ -366,3 +368,19 @@ def test_frames_that_two_nodes_move_are_told(client, tmp_path):
     assert process.wait(PATIENCE) == 0
     warned, = (line for line in said if 'keeps them apart' in line)
     assert 'frames coupler_link, crank_link, output_link: also of right' in warned
+
+
+def test_a_clock_below_zero_is_told_and_ignored(run_node, client):
+    """It ends a bare rclpy node."""
+    node = run_node({**PAPER, 'use_sim_time': True, 'outputs': ['state']})
+    client.listen(['state'])
+    clock = client.node.create_publisher(Clock, '/clock', 10)
+
+    def tick(sec):
+        message = Clock()
+        message.clock.sec = sec
+        clock.publish(message)
+        client.spin(0.05)
+    client.until(lambda: tick(1) or client.received['state'], 'a state')
+    client.until(lambda: tick(-1) or '/clock: -1 s is no time: ignored' in node.said, 'a line')
+    client.until(lambda: tick(7) or client.received['state'][-1].header.stamp.sec == 7, 'time 7')

@@ -121,6 +121,12 @@ class Machine(WithLimits):
         self.require_closing()
         self._check_stroke()
 
+    def with_loads(self, **loads: Any) -> Machine:
+        """Return the same with other bodies, gravity and external loads, sharing geometry."""
+        other = self._copy(**self._geometry, **loads)
+        other.__post_init__()
+        return other
+
     def _set(self, **values: Any) -> None:      # past the frozen dataclass
         for name, value in values.items():
             object.__setattr__(self, name, value)

@@ -56,6 +56,7 @@ class Diagnostics:
                 (node.get_name(), node.get_namespace())) > 1:
             problems.append('another node has this name, or was killed just now: services and '
                             'parameters reach either')
+            node.log.warning('name', f'{node.get_fully_qualified_name()}: {problems[-1]}')
         if new_bad_steps:
             problems.append(f'{new_bad_steps} steps not ok')
         if stream.status != OK:

@@ -11,7 +11,7 @@ from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.ros.node import parameters, services
-from fourbar_ros.ros.node.base import Base
+from fourbar_ros.ros.node.base import Base, CHANGES
 from fourbar_ros.ros.node.circles import Circles
 from fourbar_ros.ros.node.diagnostics import Diagnostics
 from fourbar_ros.ros.node.drives import Drive, SimulatedTimerDrive, TimerDrive
@@ -25,7 +25,7 @@ from fourbar_ros.scene.arguments import check_node_arguments, full_name, NODE_HE
 from fourbar_ros.scene.parameter_table import SOURCES
 from fourbar_ros.scene.plausible import warnings_of
 from fourbar_ros.scene.scene import check_for_node, Scene
-from fourbar_ros.scene.topics import FIND_EXTREMA, SERVICES
+from fourbar_ros.scene.topics import SERVICES
 import rclpy
 from rclpy.exceptions import NameValidationException, ParameterException
 from rclpy.experimental import EventsExecutor
@@ -33,7 +33,6 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.signals import SignalHandlerOptions
 
 if TYPE_CHECKING:      # only the scenes that want them
-    from fourbar_ros.ros.node.actions import ExtremaServer
     from fourbar_ros.ros.node.trajectories import Trajectories
     from fourbar_ros.ros.node.wrenches import WrenchInputs
 
@@ -75,11 +74,11 @@ class FourBarNode(Base):
         self.wrenches = self._wrench_inputs(scene)
         self.trajectories = self._trajectories(scene)
         parameters.watch(self, lambda: self.stream.scene, self.apply)
-        wanted = [SERVICES[name] for name in scene.values['services']]
-        self.workers = {name: Worker(name, self.get_logger().error) for name in
-                        dict.fromkeys(service.worker for service in wanted) if name}
+        wanted = {name for service in scene.values['services']
+                  for name in SERVICES[service].workers}
+        self.workers = {name: Worker(name, self.get_logger().error)
+                        for name in {*wanted, CHANGES}}
         services.create(self)
-        self._extrema = self._action_server() if 'search' in self.workers else None
         self._diagnostics = Diagnostics(self)
         if scene.recording.start:
             self.recording.begin(scene, self.stream.start_recording)
@@ -112,28 +111,27 @@ class FourBarNode(Base):
         from fourbar_ros.ros.node.trajectories import Trajectories  # and its messages
         return Trajectories(self, scene)
 
-    def _action_server(self) -> ExtremaServer | None:
-        """Return the action server; None, with a warning, beside messages of an older version."""
-        try:
-            from fourbar_ros.ros.node.actions import ExtremaServer
-            return ExtremaServer(self)
-        except ModuleNotFoundError as error:
-            self.get_logger().warning(f'no action {FIND_EXTREMA.service}: {error}; build '
-                                      'fourbar_msgs again')
-            return None
-
     def apply(self, scene: Scene) -> None:
-        """Take over a changed scene between two steps; raise FourBarError if it is invalid."""
-        settings_changed = scene.drive != self.stream.scene.drive
+        """
+        Take over a changed scene; raise FourBarError if it is invalid.
+
+        All that takes long is made beside the stream; then the scenes are swapped between two
+        callbacks of the executor and two steps, so that no input waits.
+        """
         check_for_node(scene)
         self.drive.prepare(scene)
-        self.stream.apply(scene)
-        if self.wrenches:
-            self.wrenches.apply(scene)
+        prepared = self.stream.prepare(scene)
+
+        def swap() -> None:
+            settings_changed = scene.drive != self.stream.scene.drive
+            self.stream.apply(prepared)
+            if self.wrenches:
+                self.wrenches.apply(scene)
+            if settings_changed or scene.dynamics:
+                self.drive.apply(scene.drive)
+        self.between_callbacks(swap)
         if self.trajectories:
             self.trajectories.apply(scene)
-        if settings_changed or scene.dynamics:
-            self.drive.apply(scene.drive)
 
     def fail(self, error: Exception) -> None:
         """Have main raise an error."""
@@ -141,24 +139,22 @@ class FourBarNode(Base):
 
     def close(self, why: str = 'the node ended') -> None:
         """Abandon searches, stop the stream, close the bag with ``why`` as reason, destroy all."""
-        search, bag = map(self.workers.get, ('search', 'bag'))
-        if search:
-            search.abandon()                 # first: it holds up all that follows
+        others = [worker for name, worker in self.workers.items() if name != 'bag']
+        for worker in others:
+            worker.abandon()                 # first: they hold up all that follows
         self.drive.stop()
-        if bag:
-            bag.stop()                       # a bag that it is opening or closing is closed there
+        if 'bag' in self.workers:            # a bag that it is opening or closing is closed there
+            self.workers['bag'].stop()
         try:
             self.stream.stop_recording(why)
         except FourBarError:
             pass                             # the bag ended by an error before, which was logged
         finally:
             self.log.flush(0.0)
-            if search:
-                search.stop(PATIENCE)
+            for worker in others:
+                worker.stop(PATIENCE)
             if self.trajectories:
                 self.trajectories.stop(PATIENCE)
-            if self._extrema:
-                self._extrema.destroy()
             self.destroy_node()
 
 

@@ -25,6 +25,26 @@ from rclpy.publisher import Publisher
 PARTS = 'points', 'links'      # families whose values are computed for a topic alone
 
 
+class Writer(NamedTuple):
+    """Makes the messages of a topic; ``key``: all of the scene that is in their bytes."""
+
+    key: object
+    pack: packed.Pack
+    is_packed: bool
+
+
+def writer_of(topic: Topic, scene: Scene, layout: FieldMap, known: Writer | None) -> Writer:
+    """Return the Writer of a topic: the known one, unless more than numbers has changed."""
+    kind = resolve(topic.type)
+    key = (layout, scene.frame_id, scene.names_shown,
+           scene.linkage.change_point_margin if hasattr(kind, 'change_point_margin') else None)
+    if known and known.key == key:
+        return known
+    message = kind()                         # one for all steps
+    set_constants(topic.name, message, scene)
+    return Writer(key, *packed.writer(topic.name, message, layout))
+
+
 class TopicPublisher:
     """
     One published topic; ``is_subscribed`` tells whether it has subscribers.
@@ -37,7 +57,6 @@ class TopicPublisher:
         self.name, self._topic, self._node = topic.name, topic, node
         self.is_part = topic.name.partition('/')[0] in PARTS     # as 'points/coupler'
         self.is_subscribed, self._changed = False, changed
-        self._message = resolve(topic.type)()        # one for all steps: ``pack`` fills it
         try:
             self._publisher = self._create(PublisherEventCallbacks(matched=self._matched))
         except UnsupportedEventTypeError:
@@ -59,13 +78,10 @@ class TopicPublisher:
             self.is_subscribed = is_subscribed
             self._changed()
 
-    def apply(self, scene: Scene) -> None:
-        """Take over a scene: make ``pack``, values to bytes, ``publish`` and ``needs_loads``."""
-        set_constants(self.name, self._message, scene)
-        self._positions = scene.needed_for(self.name)
-        layout = drive_layout() if self.name == DRIVE_STATE.name else scene.layout
-        self.pack, is_packed = packed.writer(self.name, self._message, layout)
-        if not is_packed:
+    def apply(self, scene: Scene, writer: Writer) -> None:
+        """Take over a scene: set ``pack``, values to bytes, ``publish`` and ``needs_loads``."""
+        self._positions, self.pack = scene.needed_for(self.name), writer.pack
+        if not writer.is_packed:
             self._node.get_logger().info(f'{self._topic.topic}: {self._topic.type} cannot be '
                                          'packed here, ROS serialises every message', once=True)
         self.needs_loads = (self._topic.needs_loads
@@ -113,9 +129,21 @@ class Outputs:
         # By the names of outputs, of all scenes so far.
         self._made: dict[str, TopicPublisher] = {}
         self._driven = self._publisher(DRIVEN)
+        self._writers: dict[str, Writer] = {}        # by the names of topics
 
-    def apply(self, scene: Scene) -> None:
+    def prepare(self, scene: Scene) -> dict[str, Writer]:
+        """Return the Writer of each topic of a scene, by its name, while steps go on."""
+        layout = scene.layout
+        writers = {topic.name: writer_of(topic, scene, layout, self._writers.get(topic.name))
+                   for topic in (DRIVEN, *scene.topics.values())}
+        if scene.dynamics:
+            writers[DRIVE_STATE.name] = writer_of(DRIVE_STATE, scene, drive_layout(),
+                                                  self._writers.get(DRIVE_STATE.name))
+        return writers
+
+    def apply(self, scene: Scene, writers: dict[str, Writer]) -> None:
         """Take over a scene: create its publishers; others of an earlier scene become silent."""
+        self._writers = writers
         self.mode = mode_number(scene.linkage.mode)
         for name, topic in scene.topics.items():
             if name not in self._made:
@@ -124,7 +152,7 @@ class Outputs:
         if scene.dynamics and not self._drive_state:
             self._drive_state = self._publisher(DRIVE_STATE)
         for output in self._every():
-            output.apply(scene)
+            output.apply(scene, writers[output.name])
         self._update()
 
     def topics(self) -> list[str]:

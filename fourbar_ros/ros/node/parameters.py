@@ -98,10 +98,7 @@ def watch(node: Base, current: Callable[[], Scene], apply: Callable[[Scene], Non
             elif value != node.get_parameter(name).value:        # of rclpy itself
                 raise InvalidParameter(name, value, 'only at start')
         if changes:
-            scene = from_values({**current().values, **changes})
-            if node.recording.active and scene.outputs != current().outputs:
-                raise InvalidParameter('outputs', changes['outputs'], 'not while recording')
-            apply(scene)
+            apply(from_values({**current().values, **changes}))
 
     def answer(given: Sequence[RosParameter]) -> SetParametersResult:
         """Change the scene and return success, or the reason why it is as before."""

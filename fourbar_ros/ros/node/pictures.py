@@ -1,13 +1,13 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Outputs for the eye: URDF, TF, markers, traces; sent if anyone looks, at ``pictures.rate`` at most.
+Outputs for the eye: URDF, TF, markers, traces; sent if anyone looks.
 
 Only scenes that name them import their messages.
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import NamedTuple
 
 from fourbar_ros.ros.messages import Message, Stamp
@@ -32,15 +32,16 @@ class Pictures:
     """
     The outputs ``robot_description``, ``tf``, ``markers`` and ``traces`` of a scene.
 
-    ``of_loads`` tells whether a step for them needs the loads.
+    ``of_loads`` tells whether a step for the markers needs the loads. ``pictures.rate`` limits
+    markers alone: a frame of ``tf`` must not be older than the joint states.
     """
 
     def __init__(self, node: Node, recording: Recording) -> None:
         self._node, self._recording = node, recording
         self._publishers: dict[str, Publisher] = {}      # by the names of outputs, as 'tf'
         self._makers, self._latched = Drawn({}, {})      # until the first apply()
-        self._last: int | None = None                    # [ns] stamp of the last picture
-        self._period = 0.0                               # [ns] between pictures; 0: every step
+        self._last: int | None = None                    # [ns] stamp of the last markers
+        self._period = 0.0                               # [ns] between markers; 0: every step
         self.of_loads = False
 
     def apply(self, scene: Scene, drawn: Drawn) -> None:
@@ -60,27 +61,29 @@ class Pictures:
         for name, data in self._latched.items():
             self._recording.write(name, data)
 
-    def are_due(self, stamp: Stamp) -> bool:
-        """Return whether the step of this stamp is to be drawn, and count from it if so."""
-        if not (self._makers and (self._recording.active or self.are_seen)):
-            return False
-        now = stamp[0] * 10**9 + stamp[1]
-        # 0.99: jitter of stamps must not turn every third sample into every fourth
-        if self._last is not None and 0 <= now - self._last < 0.99 * self._period:
-            return False
-        self._last = now
-        return True
+    def due(self, stamp: Stamp) -> list[str]:
+        """Return the pictures to make of the step of this stamp, and count from it for markers."""
+        names = [name for name in self._makers
+                 if self._recording.active or self._is_subscribed(name)]
+        if 'markers' in names:
+            now = stamp[0] * 10**9 + stamp[1]
+            # 0.99: jitter of stamps must not turn every third sample into every fourth
+            if self._last is not None and 0 <= now - self._last < 0.99 * self._period:
+                names.remove('markers')
+            else:
+                self._last = now
+        return names
 
     @property
     def are_seen(self) -> bool:
         """Return whether anyone listens to the pictures of steps."""
         return any(map(self._is_subscribed, self._makers))
 
-    def send(self, stamp: Stamp, values: Sequence[float]) -> None:
-        """Send the pictures of one step; ``values`` in the order of the scene's layout."""
-        for name, make in self._makers.items():
-            message = make(stamp, values)
-            if message is not None and (self._recording.active or self._is_subscribed(name)):
+    def send(self, names: Iterable[str], stamp: Stamp, values: Sequence[float]) -> None:
+        """Send these pictures of one step; ``values`` in the order of the scene's layout."""
+        for name in names:
+            message = self._makers[name](stamp, values)
+            if message is not None:
                 self._send(name, serialize_message(message))
 
     def _is_subscribed(self, name: str) -> bool:

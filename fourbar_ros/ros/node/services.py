@@ -21,9 +21,10 @@ from fourbar_ros.pipeline.status import (
 )
 from fourbar_ros.ros.messages import filler, Message, resolve, sec_nanosec, set_constants
 from fourbar_ros.ros.node.base import Base
-from fourbar_ros.ros.node.extrema import Search
+from fourbar_ros.ros.node.extrema import search
+from fourbar_ros.ros.node.worker import answer_beside, WAITING, Worker
 from fourbar_ros.scene.message_fields import mode_number
-from fourbar_ros.scene.topics import SERVICES
+from fourbar_ros.scene.topics import Service, SERVICES
 
 
 def create(node: Base) -> None:
@@ -34,10 +35,24 @@ def create(node: Base) -> None:
     for name in node.stream.scene.values['services']:
         service = SERVICES[name]
         srv_type, answer = resolve(service.type), partial(_answer, handlers[service.name], node)
-        if service.worker:
-            node.workers[service.worker].serve(node, srv_type, service.service, answer)
+        if service.workers:
+            made = node.create_service(srv_type, service.service, lambda *both: both)
+            answer_beside(made, answer, _busy, partial(_worker_for, node, service))
         else:
             node.create_service(srv_type, service.service, answer)
+
+
+def _worker_for(node: Base, service: Service, request: Message) -> Worker:
+    """Return the thread that answers: proofs have their own, so nothing quick waits for one."""
+    return node.workers[service.workers[getattr(request, 'certify', False)]]
+
+
+def _busy(_: Message, response: Message) -> Message:
+    """Say that too many requests wait."""
+    response.message = f'{WAITING} requests wait for an answer already: ask again later'
+    if hasattr(response, 'result'):
+        response.result = response.RESULT_BUSY
+    return response
 
 
 def _answer(handler: Callable[[Base, Message, Message], Message], node: Base,
@@ -55,7 +70,8 @@ def _answer(handler: Callable[[Base, Message, Message], Message], node: Base,
 
 def find_extrema(node: Base, request: Message, response: Message) -> Message:
     """Answer FindExtrema."""
-    return Search(node.stream.scene, request, node.workers['search'].check).answer(response)
+    check = node.workers['proof' if request.certify else 'search'].check
+    return search(node.stream.scene, request, check, response)
 
 
 def evaluate_one(node: Base, request: Message, response: Message) -> Message:

@@ -7,18 +7,18 @@ from collections.abc import Callable
 from math import nan, sin
 from pathlib import Path
 import threading
-from typing import TYPE_CHECKING
+from typing import NamedTuple, TYPE_CHECKING
 
 from builtin_interfaces.msg import Time
-from fourbar_ros.errors import FourBarError, OutOfRange
+from fourbar_ros.errors import FourBarError, InvalidParameter, OutOfRange
 from fourbar_ros.pipeline.status import INPUT_TIMEOUT, OK, OUT_OF_RANGE, STATUS_NAMES
 from fourbar_ros.pipeline.stepper import InModes
 from fourbar_ros.pipeline.wrenches import Wrench
 from fourbar_ros.ros.messages import Stamp
 from fourbar_ros.ros.node import qos
 from fourbar_ros.ros.node.base import Base
-from fourbar_ros.ros.node.outputs import Outputs, Wanted
-from fourbar_ros.ros.node.pictures import drawn_of, Pictures
+from fourbar_ros.ros.node.outputs import Outputs, Wanted, Writer
+from fourbar_ros.ros.node.pictures import Drawn, drawn_of, Pictures
 from fourbar_ros.ros.node.recording import Recording
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import applied_topic, SCENE
@@ -30,12 +30,23 @@ if TYPE_CHECKING:
     from fourbar_ros.dynamics.step.mover import DriveValues
 
 
+class Prepared(NamedTuple):
+    """A scene with what it needs, made while the steps of the scene before it go on."""
+
+    scene: Scene
+    drawn: Drawn
+    writers: dict[str, Writer]
+    data: bytes                              # the message of the scene
+
+
 class Stream:
     """
     The steps of a node: each evaluates one pose of the input and sends the outputs.
 
     Steps run one at a time; a scene, a wrench and a recording change between two of them.
     """
+
+    scene: Scene                             # in force
 
     def __init__(self, node: Base, scene: Scene, recording: Recording) -> None:
         self._recording, self._log = recording, node.log
@@ -47,30 +58,35 @@ class Stream:
         self._stepper = InModes(scene)
         # {link: the topic that tells its wrench}
         self._applied = {link: Applied(node, link) for link in scene.wrenches.links}
-        self.apply(scene)
+        self.apply(self.prepare(scene))
         for link, wrench in self._stepper.wrenches.items():
             self.act(link, wrench, node.get_clock().now().to_msg())
 
     # --- changes --------------------------------------------------------------------------------
 
-    def apply(self, scene: Scene) -> None:
+    def prepare(self, scene: Scene) -> Prepared:
+        """Make ready for a scene; raise FourBarError for one whose pictures cannot be drawn."""
+        return Prepared(scene, drawn_of(scene), self.outputs.prepare(scene), _scene_bytes(scene))
+
+    def apply(self, prepared: Prepared) -> None:
         """
         Take over a scene: linkage and outputs; publish and record it.
 
-        Raises FourBarError, and changes nothing, for one whose pictures cannot be drawn.
+        Raises InvalidParameter, and changes nothing, for other outputs than those of an open bag.
         """
-        drawn = drawn_of(scene)              # takes long: outside of the lock
+        scene = prepared.scene
         with self._lock:
+            if self._recording.active and scene.outputs != self.scene.outputs:
+                raise InvalidParameter('outputs', list(scene.outputs), 'not while recording')
             self.scene, self._layout = scene, scene.layout
             self._renew_stepper()
             self._values = self._unknown = (nan,) * len(self._layout.place)
             self._input_places = [self._layout.place[name]
                                   for name in scene.linkage.input_coordinate]
-            self.outputs.apply(scene)
-            self.pictures.apply(scene, drawn)
-            data = self._scene_bytes()
-            self._scene_publisher.publish(data)
-            self._recording.write(SCENE.name, data)
+            self.outputs.apply(scene, prepared.writers)
+            self.pictures.apply(scene, prepared.drawn)
+            self._scene_publisher.publish(prepared.data)
+            self._recording.write(SCENE.name, prepared.data)
 
     def act(self, link: str, wrench: Wrench, stamp: Time) -> None:
         """Apply a Wrench [N, N m] to a link from the next step on; publish and record it."""
@@ -86,7 +102,7 @@ class Stream:
             if (self.scene.topics, self.scene.pictures) == (scene.topics, scene.pictures):
                 path = self._recording.attach(bag)
                 self._renew_stepper()        # a value held from before could not be recomputed
-                self._recording.write(SCENE.name, self._scene_bytes())
+                self._recording.write(SCENE.name, _scene_bytes(self.scene))
                 self.pictures.record_latched()
                 for applied in self._applied.values():
                     self._recording.write(applied.name, applied.data)
@@ -111,9 +127,6 @@ class Stream:
         self._mode = self._stepper.own_mode
         if self.scene.dynamics:
             self._stepper.prepare(self.scene.dynamics.modes_passed(self.scene.linkage))
-
-    def _scene_bytes(self) -> bytes:
-        return bytes(serialize_message(String(data=self.scene.as_json)))
 
     # --- steps ----------------------------------------------------------------------------------
 
@@ -156,16 +169,16 @@ class Stream:
             for place, value in zip(self._input_places, (position, rate, acceleration)):
                 driven[place] = value
             self.outputs.send_driven(stamp, driven)
-        is_drawn = self.pictures.are_due(stamp)
-        if not wanted.outputs and not is_drawn:
+        drawn = self.pictures.due(stamp)
+        if not wanted.outputs and not drawn:
             self.outputs.record()
             return None
         status, self._values = self._stepper.step(
             self._mode, position, rate, acceleration,
-            wanted.with_loads or is_drawn and self.pictures.of_loads, wanted.parts)
+            wanted.with_loads or 'markers' in drawn and self.pictures.of_loads, wanted.parts)
         self.outputs.send(stamp, status, self._values, wanted.outputs)
-        if is_drawn:
-            self.pictures.send(stamp, self._values)
+        if drawn:
+            self.pictures.send(drawn, stamp, self._values)
         return status
 
     def _note(self, status: int | None, position: float) -> None:
@@ -198,6 +211,10 @@ class Stream:
     def transmission_sine(self) -> float:
         """Return |sin| of the transmission angle of the latest step that was computed, or NaN."""
         return abs(sin(self._values[self._layout.place['transmission_angle']]))
+
+
+def _scene_bytes(scene: Scene) -> bytes:
+    return bytes(serialize_message(String(data=scene.as_json)))
 
 
 class Applied:

@@ -43,7 +43,12 @@ class TopicDrive(Drive):
 
         Messages come as bytes, which are recorded as they are.
         """
-        self._topic = INPUTS[self.settings.source]
+        from fourbar_ros.ros.node.inputs import Reader  # only these drives need definitions
+
+        settings = self.settings
+        self._topic = INPUTS[settings.source]
+        self._read = Reader(self._topic.type, settings.joint)
+        self._scale = joints.Scale(settings.joint_ratio, settings.joint_offset)
         self._now = clock_of(self._node)
         self._received = self._now()         # [s] when the newest input came
         self._waiting = False                # for a next input, whose silence is a timeout
@@ -52,7 +57,6 @@ class TopicDrive(Drive):
         self._is_relay = self._stream.scene.joint_states.only_passive
         self._of_others: list[bytes] = []    # first messages, while the driven joint never came
         self.estimator = estimator_of(self._stream.scene)
-        self.apply(self.settings)
         self._sequence = SequenceNumbers(lambda: self._subscription.get_publisher_count())
         self._subscription = qos.subscription(self._node, self._topic, WithInfo(self._receive),
                                               event_callbacks=self._events())
@@ -77,11 +81,7 @@ class TopicDrive(Drive):
 
     def apply(self, settings: DriveSettings) -> None:
         """Take over settings; the estimate of rates starts anew, its counters go on."""
-        from fourbar_ros.ros.node.inputs import Reader  # only these drives need definitions
-
         super().apply(settings)
-        self._scale = joints.Scale(settings.joint_ratio, settings.joint_offset)
-        self._read = Reader(self._topic.type, settings.joint)
         before, self.estimator = self.estimator, estimator_of(self._stream.scene)
         self.estimator.late, self.estimator.restarts = before.late, before.restarts
 

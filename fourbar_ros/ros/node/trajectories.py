@@ -69,10 +69,9 @@ class Trajectories:
         self._node = node
         # numbers of trajectories since the start:
         self._queued = 0            # put into the worker's queue
-        self._begun = 0             # taken from it; the difference waits
         self._overflowed = 0        # never queued, for INPUT_DEPTH others waited
-        self._refused = 0           # begun, but invalid
-        self._worker = Worker('trajectories', node.get_logger().error)
+        self._refused = 0           # invalid
+        self._worker = Worker('trajectories', node.get_logger().error, INPUT_DEPTH)
         # the last valid one for the joint 'input' and for 'output': the next goes on from its turn
         self._last: dict[str, Counted] = {}
         self.apply(scene)
@@ -124,13 +123,12 @@ class Trajectories:
 
     def _take(self, name: str, data: bytes) -> None:
         """Queue a message for the worker; refuse it if INPUT_DEPTH others wait there."""
-        if self._queued - self._begun >= INPUT_DEPTH:
+        now = self._node.get_clock().now().nanoseconds
+        if self._worker.do(lambda: self._answer(name, data, now)):
+            self._queued += 1
+        else:
             self._overflowed += 1
             self._refuse(name, f'{INPUT_DEPTH} others wait for an answer')
-            return
-        self._queued += 1
-        now = self._node.get_clock().now().nanoseconds
-        self._worker.do(lambda: self._answer(name, data, now))
 
     def _answer(self, name: str, data: bytes, arrival: int) -> None:
         """
@@ -139,7 +137,6 @@ class Trajectories:
         An output joint's trajectory becomes a driven joint's trajectory, or the reverse, as
         ANSWERS says for the topic. ``arrival``: when it came [ns].
         """
-        self._begun += 1
         answer_topic, method = ANSWERS[name]
         conversion, (given, asked) = self._conversion, SIDES[method]
         try:

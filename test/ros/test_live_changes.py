@@ -1,0 +1,165 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""A live change is made beside the stream: no input waits for it."""
+from fourbar_msgs.msg import Motion
+from fourbar_ros.scene.files import read_values
+from fourbar_ros.scene.scene import from_values
+import pytest
+from rcl_interfaces.srv import SetParameters
+from rclpy.parameter import Parameter
+from support.scenes import PAPER, RODS
+
+LOADED = {**PAPER, **RODS, 'drive.source': 'motion', 'outputs': ['loads', 'state']}
+# a change waits, once it is at work, until there is a file 'go'
+WAITING = """
+from pathlib import Path
+import time
+from fourbar_ros.ros.node import parameters
+make = parameters.from_values
+def make_late(values):
+    if values.get('gravity.y') == -2.0:
+        print('at work', flush=True)
+        while not Path('go').exists():
+            time.sleep(0.01)
+    return make(values)
+parameters.from_values = make_late
+"""
+
+
+class Changes:
+    """Changes one parameter of a node, again and again, without waiting for the answer."""
+
+    def __init__(self, client, name='gravity.y'):
+        self.client, self.name = client, name
+        self.service = client.node.create_client(SetParameters, '/fourbar/set_parameters')
+        client.until(self.service.service_is_ready, 'the parameter service')
+
+    def to(self, *values):
+        """Ask for these values, in one request; return the future of the answer."""
+        return self.service.call_async(SetParameters.Request(parameters=[
+            Parameter(self.name, value=value).to_parameter_msg() for value in values]))
+
+
+def torque_at(position, **changes):
+    """Return the driving torque of the loaded linkage at rest."""
+    return from_values({**LOADED, **changes}).linkage.step(position, 0.0, 0.0)[1].driving_torque
+
+
+class Inputs:
+    """Sends one input after the other and collects the loads in answer."""
+
+    def __init__(self, client):
+        self.client, self.number = client, 0
+        client.listen(['loads'])
+        self.heard, self.publisher = client.received['loads'], client.publisher()
+        client.handshake(lambda: self.send(0.5), 'loads')
+
+    def send(self, position):
+        """Send an input at rest with the next number as stamp; return the number."""
+        self.number += 1
+        message = Motion(position=position)
+        message.header.stamp.sec = self.number
+        self.publisher.publish(message)
+        return self.number
+
+    def answer(self, position=0.5):
+        """Return the loads at an input."""
+        number = self.send(position)
+        self.client.until(lambda: self.heard and self.heard[-1].header.stamp.sec == number,
+                          'the answer to an input')
+        return self.heard[-1]
+
+
+def test_inputs_are_answered_while_a_change_is_made(run_node, client, tmp_path):
+    """In order of events, not by the clock: the change may take as long as it likes."""
+    node = run_node(LOADED, first=WAITING)
+    inputs, changes = Inputs(client), Changes(client)
+    change = changes.to(-2.0)
+    client.until(lambda: 'at work' in node.said, 'the change')
+    old, new = torque_at(0.5), torque_at(0.5, **{'gravity.y': -2.0})
+    assert old != new
+    for _ in range(10):
+        assert inputs.answer().driving_torque == old
+    assert not change.done()
+    client.call('evaluate', position=0.5)                # nor does a service wait for it
+    (tmp_path / 'go').touch()
+    client.until(change.done, 'the answer')
+    assert change.result().results[0].successful
+    assert inputs.answer().driving_torque == new
+
+
+def test_too_many_changes_are_refused_and_a_node_ends_within_one(run_node, client, tmp_path):
+    node = run_node(LOADED, first=WAITING)
+    changes, asked = Changes(client), []
+    change = changes.to(-2.0)
+    client.until(lambda: 'at work' in node.said, 'the change')
+    for number in range(10):
+        asked.append(changes.to(float(number)))
+        client.call('evaluate', position=0.5)            # the node has taken the request
+    client.until(lambda: asked[-1].done(), 'the answer to the last')
+    assert [each.done() for each in asked] == [False] * 8 + [True] * 2
+    for each in asked[8:]:
+        assert not each.result().results[0].successful
+        assert each.result().results[0].reason == '8 changes wait already: try again later'
+    (tmp_path / 'go').touch()
+    client.until(lambda: all(each.done() for each in asked), 'the answers')
+    assert change.result().results[0].successful
+    assert all(each.result().results[0].successful for each in asked[:8])
+    assert client.call('evaluate', position=0.5).loads.driving_torque == torque_at(
+        0.5, **{'gravity.y': 7.0})
+    (tmp_path / 'go').unlink()
+    changes.to(-2.0)
+    client.until(lambda: node.said.count('at work') == 2, 'the second change')
+
+
+def test_a_change_that_fails_after_the_swap_leaves_the_old_scene(run_node, client):
+    broken = """
+from fourbar_ros.errors import FourBarError
+from fourbar_ros.ros.node.pictures import Pictures
+apply = Pictures.apply
+def fail(self, scene, drawn):
+    if scene.values['gravity.y'] == -2.0:
+        raise FourBarError('as a test')
+    apply(self, scene, drawn)
+Pictures.apply = fail
+"""
+    run_node(LOADED, first=broken)
+    inputs, changes = Inputs(client), Changes(client)
+    change = changes.to(-2.0)
+    client.until(change.done, 'the answer')
+    assert not change.result().results[0].successful
+    assert 'as a test' in change.result().results[0].reason
+    assert inputs.answer().driving_torque == torque_at(0.5)
+    change = changes.to(-3.0)
+    client.until(change.done, 'the answer')
+    assert change.result().results[0].successful
+    assert inputs.answer().driving_torque == torque_at(0.5, **{'gravity.y': -3.0})
+
+
+def test_what_depends_on_structure_alone_is_not_made_again():
+    """Ranges and toggles of a machine are searched once, and are those of a new machine."""
+    values = read_values('jansen')
+    one = from_values(values).linkage
+    assert one.change_point_margin > 0.0                 # searches for toggles
+    other = from_values({**values, 'gravity.y': -1.0}).linkage
+    assert other.singularities is one.singularities and other.gravity == (0.0, -1.0)
+    alone = type(one)(**{name: getattr(other, name) for name in (
+        'dyads', 'input', 'output', 'cylinder', 'bodies', 'gravity', 'external', 'stroke')})
+    assert alone.singularities == one.singularities
+    assert alone.singularities is not one.singularities
+    assert alone.step(1.0, 2.0, 3.0) == other.step(1.0, 2.0, 3.0) != one.step(1.0, 2.0, 3.0)
+    longer = from_values({**values, 'gravity.y': -1.0, 'linkage.output': ''}).linkage
+    assert longer.singularities is not one.singularities
+
+
+@pytest.mark.parametrize('change', [{'gravity.y': -2.0}, {'drive.speed': 3.0}])
+def test_messages_are_packed_anew_only_for_another_frame_or_structure(change):
+    from fourbar_ros.ros.node.outputs import writer_of
+    from fourbar_ros.scene.topics import OUTPUTS
+    scene, other = from_values(LOADED), from_values({**LOADED, **change})
+    longer = from_values({**LOADED, 'linkage.a3': 0.81})
+    for name in ('state', 'loads'):
+        writer = writer_of(OUTPUTS[name], scene, scene.layout, None)
+        assert writer_of(OUTPUTS[name], other, other.layout, writer) is writer
+        again = writer_of(OUTPUTS[name], longer, longer.layout, writer)
+        assert (again is writer) is (name == 'loads')    # the state has the change-point margin
