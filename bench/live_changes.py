@@ -1,0 +1,86 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Inputs of 500 Hz beside live changes: ``python -m bench.live_changes [SCENE]``."""
+from pathlib import Path
+import statistics
+import sys
+import tempfile
+import time
+
+from fourbar_msgs.msg import Motion
+from fourbar_ros.ros.messages import resolve
+from fourbar_ros.scene.files import read_values
+from fourbar_ros.scene.topics import OUTPUTS
+from rcl_interfaces.srv import SetParameters
+from rclpy.parameter import Parameter
+
+sys.path.insert(0, str(Path(__file__).parent.parent / 'test'))
+from support.harness import Client, NodeProcess  # noqa: E402
+
+RATE, SECONDS, CHANGES = 500, 4.0, (0, 20, 100)      # [Hz], [s], [Hz]
+
+
+class Stream:
+    """Sends motions on a grid of time; notes when each was sent and answered [ns]."""
+
+    def __init__(self, client):
+        self.client, self.sent, self.heard = client, {}, {}
+        self.publisher = client.publisher()
+        client.node.create_subscription(resolve(OUTPUTS['state'].type), '/fourbar/state',
+                                        self.take, 1000)
+        self.setter = client.node.create_client(SetParameters, '/fourbar/set_parameters')
+        client.until(self.setter.service_is_ready, 'the parameter service')
+        client.until(lambda: self.send(-1) or -1 in self.heard, 'an answer')
+        client.spin(0.5)
+
+    def take(self, message):
+        """Note when an answer came."""
+        self.heard[message.header.stamp.sec - 10] = time.monotonic_ns()
+
+    def send(self, number):
+        """Send one motion."""
+        message = Motion(position=0.01 * number, velocity=5.0, acceleration=0.0)
+        message.header.stamp.sec = number + 10
+        self.sent[number] = time.monotonic_ns()
+        self.publisher.publish(message)
+
+    def run(self, changes):
+        """Send for some seconds beside so many changes a second; return (latencies, answers)."""
+        self.sent.clear(), self.heard.clear()
+        begin, number, answers = time.monotonic(), 0, []
+        while number < RATE * SECONDS:
+            now = time.monotonic() - begin
+            if now >= number / RATE:
+                self.send(number)
+                if changes and number % (RATE // changes) == 0:
+                    answers.append(self.setter.call_async(SetParameters.Request(parameters=[
+                        Parameter('gravity.y', value=-9.0 - 1e-3 * number).to_parameter_msg()])))
+                number += 1
+            self.client.executor.spin_once(timeout_sec=0.0005)
+        self.client.spin(1.0)
+        late = sorted((self.heard[n] - self.sent[n]) * 1e-6 for n in self.heard if n in self.sent)
+        done = [each.result().results[0].successful for each in answers if each.done()]
+        return late, len(answers), sum(done)
+
+
+def main(scene='paper'):
+    """Print a row for each rate of changes."""
+    print('| changes [1/s] | applied | inputs lost | p50 [ms] | p99 [ms] | max [ms] |')
+    print('| --- | --- | --- | --- | --- | --- |')
+    with tempfile.TemporaryDirectory() as folder:
+        node = NodeProcess({**read_values(scene), 'drive.source': 'motion'}, Path(folder))
+        client = Client()
+        try:
+            stream = Stream(client)
+            for changes in (*CHANGES, *CHANGES):
+                late, asked, applied = stream.run(changes)
+                print(f'| {changes} | {applied} of {asked} | {len(stream.sent) - len(late)} of '
+                      f'{len(stream.sent)} | {statistics.median(late):.2f} | '
+                      f'{late[int(0.99 * len(late))]:.2f} | {late[-1]:.2f} |', flush=True)
+        finally:
+            client.close()
+            node.stop()
+
+
+if __name__ == '__main__':
+    main(*sys.argv[1:])
