@@ -133,11 +133,11 @@ def test_searches_find_motion_and_refuse_loads_by_name(file):
 def test_the_service():
     pytest.importorskip('rclpy')
     from fourbar_ros.ros.messages import resolve
-    from fourbar_ros.ros.node.extrema import Search
+    from fourbar_ros.ros.node.extrema import search
     service = resolve('fourbar_msgs/srv/FindExtrema')
     for names, count in (['f41'], 0), (['omega_beta'], 2), ([], None):
-        answer = Search(THERE, service.Request(quantities=names, velocity=SPEED),
-                        lambda: None).answer(service.Response())
+        answer = search(THERE, service.Request(quantities=names, velocity=SPEED),
+                        lambda: None, service.Response())
         assert (answer.result == answer.RESULT_OK) == (count != 0)
         assert count is None or len(answer.extrema) >= count
         assert count or 'forces.gas' in answer.message or count is None
