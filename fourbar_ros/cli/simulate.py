@@ -149,7 +149,7 @@ def print_summary(simulated: SimulatedScene, name: str, tolerance: float, took: 
         console.print(f'The motion goes through both assembly modes, {modes[0]} and {modes[1]}.')
     console.print()
     table = PlainTable('extrema at the samples', ('quantity', 'unit', 'lowest>', 'at [s]>',
-                                                'highest>', 'at [s]>'))
+                                                  'highest>', 'at [s]>'))
     for peak in simulated.peaks():
         table.add_row(peak.name, peak.unit, f'{peak.low:.6g}', f'{peak.low_at:g}',
                       f'{peak.high:.6g}', f'{peak.high_at:g}')
