@@ -76,6 +76,18 @@ class InputPath(NamedTuple):
                 near |= before < self.first if side > 0 else before >= self.last
         return near
 
+    def with_points(self, points: Array) -> InputPath:
+        """Return the path with those of more inputs, in any order, that lie between its ends."""
+        start, end = self.x[[0, -1]]
+        if self.is_closed or end < start:       # all inputs, and through pi
+            points = points - 2.0 * pi * (points > pi)
+        else:
+            points = points[(points > start) & (points < end)]
+        x = np.concatenate((self.x, points))
+        order = np.unique(x + 2.0 * pi * (x < start), return_index=True)[1]
+        first, last = (order.tolist().index(i % self.x.size) for i in (self.first, self.last))
+        return self._replace(x=x[order], first=first, last=last)
+
     def half_a_step_from(self, side: int) -> int:
         """Return the index of the point half a step from the end on this side."""
         return self.first if side > 0 else self.last

@@ -38,10 +38,10 @@ from fourbar_ros.numerics.roots import fold
 import numpy as np
 
 if TYPE_CHECKING:       # loaded when a proof is asked for
-    from fourbar_ros.extrema.proof import Count, Enclosures, Verdict
+    from fourbar_ros.extrema.proof import Count, Enclosures
 
 # Points of a full turn, at least; those of a path that the trial of a function leaves out.
-SAMPLES, TRIAL = 128, 12
+SAMPLES, TRIAL = 256, 24
 RATES = ('omega4', 'alpha4')
 
 
@@ -58,7 +58,7 @@ class Methods:
         """Sort the quantities: rates of a four-bar have a search and a proof of their own."""
         self._linkage, self._quantities, self._rates = linkage, quantities, rates
         self._is_four_bar = isinstance(linkage, FourBar)
-        self._paths: dict[int, list[InputPath]] = {}
+        self._paths: dict[float, list[InputPath]] = {}
         countable = RATES[:1 if rates[1] else 2] if self._is_four_bar and rates[0] else ()
         self._exact = [row for row, quantity in enumerate(quantities)
                        if quantity.name in countable and is_published(quantity)]
@@ -67,10 +67,10 @@ class Methods:
         self._groups = self._samplers([row for row in range(len(quantities))
                                        if row not in self._fast])
 
-    def paths(self, density: int = 1) -> list[InputPath]:
+    def paths(self, density: float = 1) -> list[InputPath]:
         """Return the paths of the input, with ``density`` times the usual number of points."""
         if density not in self._paths:
-            linkage, count = self._linkage, density * SAMPLES
+            linkage, count = self._linkage, int(density * SAMPLES)
             self._paths[density] = (elliptic_paths(linkage, count)
                                     if isinstance(linkage, FourBar) else
                                     input_paths(linkage, count))
@@ -91,7 +91,7 @@ class Methods:
         """
         Return whether the complex step gives the derivative of a function of a user.
 
-        It does not for abs or comparisons. Tried at every 12th sample, against differences.
+        It does not for abs or comparisons. Tried at every 24th sample, against differences.
         """
         path = self.paths()[0]
         part = slice(path.first, path.last, TRIAL)
@@ -108,15 +108,20 @@ class Methods:
         agrees &= np.abs(values - sampler.values(x)) <= 1e-6 * np.max(np.abs(values))
         return bool(agrees.mean() > 0.8)      # an angle may jump by 2 pi at one of the points
 
-    def search(self, density: int = 1, with_conditions: bool = True) -> list[list[PathExtremum]]:
-        """Return the extrema of each quantity, with ``density`` times the usual samples."""
+    def search(self, density: int = 1, with_conditions: bool = True,
+               more: Sequence[float] = ()) -> list[list[PathExtremum]]:
+        """
+        Return the extrema of each quantity, with ``density`` times the usual samples.
+
+        ``more``: inputs of further samples, in the unit of the input.
+        """
         found: list[list[PathExtremum]] = [[] for _ in self._quantities]
         if self._fast:
             for part in self._rate_extrema(density, with_conditions):
                 found[self._fast[part.row]].append(part)
         for sampler, rows in self._groups:
             for path in self.paths(density):
-                for part in search_path(sampler, path, with_conditions):
+                for part in search_path(sampler, path, with_conditions, more):
                     found[rows[part.row]].append(part)
         return found
 
@@ -171,17 +176,23 @@ class Methods:
         """
         Return the extrema and the text of the proof of each quantity.
 
-        If extrema contradict a proof, they are searched once more with 8 times the samples.
+        Extrema that contradict their proof are searched once more: between the ends of the parts
+        in which the proof says that they are, or where it only counts them with 8 times the
+        samples.
         ``found``: results of the search for each quantity; others as for :meth:`prove`.
         """
         proofs = self.prove(found, check, seconds)
 
-        def verdicts() -> list[Verdict]:
-            return [proof.verdict(part) for proof, part in zip(proofs, found)]
-
-        if any(verdict.is_contradicted for verdict in verdicts()):
-            found = self.search(8, with_conditions)
-        return found, [verdict.text for verdict in verdicts()]
+        verdicts = [proof.verdict(part) for proof, part in zip(proofs, found)]
+        wrong = [row for row, verdict in enumerate(verdicts) if verdict.is_contradicted]
+        if wrong:
+            ends = [proofs[row].ends_of_parts for row in wrong]
+            again = self.search(1 if all(ends) else 8, with_conditions, sum(ends, []))
+            for row in wrong:
+                verdict = proofs[row].verdict(again[row])
+                if not verdict.is_contradicted:
+                    found[row], verdicts[row] = again[row], verdict
+        return found, [verdict.text for verdict in verdicts]
 
     def prove(self, found: list[list[PathExtremum]], check: Callable[[float], None],
               seconds: float) -> list[Count | Enclosures]:
@@ -198,9 +209,10 @@ class Methods:
         if self._exact:
             counts = proof.exact_counts(self._linkage.lengths)
             proofs = {row: counts[RATES.index(self._quantities[row].name)] for row in self._exact}
+        # in pieces twice as wide as those of the search: where that is too wide they are cut
         for done, (sampler, rows) in enumerate(self._groups):
             left = {row: i for i, row in enumerate(rows) if row not in proofs}
             proofs.update(zip(left, proof.by_intervals(
-                sampler, [*left.values()], self.paths(), [found[row] for row in left],
+                sampler, [*left.values()], self.paths(0.5), [found[row] for row in left],
                 proof.share_of(check, done, len(self._groups)), seconds)))
         return [proofs[row] for row in range(len(found))]

@@ -13,7 +13,7 @@ of the absolute terms bounds both.
 """
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import comb, inf, nan
 from typing import NamedTuple
 
@@ -69,9 +69,13 @@ class PathExtremum(NamedTuple):
     noise: float = 0.0               # bound of the error of the value, besides its last bits
 
 
-def search_path(sampler: Sampler, path: InputPath,
-                with_conditions: bool = True) -> list[PathExtremum]:
-    """Return the extrema of all quantities of a sampler along one path, its ends among them."""
+def search_path(sampler: Sampler, path: InputPath, with_conditions: bool = True,
+                more: Sequence[float] = ()) -> list[PathExtremum]:
+    """
+    Return the extrema of all quantities of a sampler along one path, its ends among them.
+
+    ``more``: inputs of further samples.
+    """
     samples = sampler.along(path)
     constant = _constant_values(sampler, samples)
     start, side = (0.0, 0) if path.low is None else (path.low.x, 1)
@@ -79,7 +83,8 @@ def search_path(sampler: Sampler, path: InputPath,
                for row, value in constant.items()]
     rows = np.array([row for row in range(len(samples.values)) if row not in constant], int)
     if rows.size:
-        extrema += _interior(sampler, samples, rows, with_conditions)
+        inside = sampler.along(path.with_points(np.array(more))) if more else samples
+        extrema += _interior(sampler, inside, rows, with_conditions)
         for side, end in path.ends():
             extrema += _at_end(sampler, samples, (side, end), rows)
     return extrema
@@ -164,6 +169,13 @@ def _roots(sampler: Sampler, samples: Samples, rows: Array) -> Roots:
         return sampler.newton(x, row[which], spacing[which], is_positive[which])
 
     root = newton_roots(at, np.arange(row.size), xa, xb, fa, guess) if row.size else xa
+    which = np.flatnonzero(is_positive)
+    if which.size:      # one that dips below zero between samples is no magnitude
+        before, after = _beside(sampler, root[which], KINK * spacing[which], row[which])
+        which = which[before * after > 0.0]
+    if which.size:
+        is_positive[which] = False
+        root[which] = newton_roots(at, which, *(v[which] for v in (xa, xb, fa, guess)))
     sense = np.where(fa >= 0.0, 1, -1)
     if isinstance(sampler, DifferenceSampler) and row.size:
         root = sampler.polish(root, row, sense)
@@ -175,10 +187,10 @@ def _interior(sampler: Sampler, samples: Samples, rows: Array,
     """
     Return the extrema of the quantities ``rows`` between the samples.
 
-    Example: |F32| of the paper's linkage at 25 rad/s, at 128 samples of a turn. Its slope is -5246
-    N/rad at sample 52, theta1 = -0.3477, and +6227 at sample 53, -0.3156; so the root between
-    them, -0.3338, is a minimum. Its value, 46.3 N, is 80 N below sample 53 and 50 below 52, and
-    rounding errors are at most 6e-11: it is accepted. Were the difference within them, or the
+    Example: |F32| of the paper's linkage at 25 rad/s, at 256 samples of a turn. Its slope is -3769
+    N/rad at sample 105, theta1 = -0.3396, and +5327 at sample 106, -0.3236; so the root between
+    them, -0.3338, is a minimum. Its value, 46.3 N, is 34 N below sample 106 and 12 below 105, and
+    rounding errors are at most 7e-11: it is accepted. Were the difference within them, or the
     value itself, many digits would decide.
     """
     roots = _roots(sampler, samples, rows)

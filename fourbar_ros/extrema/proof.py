@@ -39,6 +39,11 @@ class Count(NamedTuple):
     exist: int | None
     text: str
 
+    @property
+    def ends_of_parts(self) -> list[float]:
+        """Return nothing: where extrema are, a number does not say."""
+        return []
+
     def verdict(self, found: Sequence[PathExtremum]) -> Verdict:
         """Return whether as many extrema were found inside the range as exist."""
         number = sum(is_interior(part) for part in found)
@@ -78,6 +83,11 @@ class Enclosures:
         self._ends = [(side, self._unit * end.x,
                        self._unit * abs(end.x - path.x[path.inward(side)[0]]))
                       for path in paths for side, end in path.ends()]
+
+    @property
+    def ends_of_parts(self) -> list[float]:
+        """Return inputs between whose pairs there is one extremum each."""
+        return [end for part in self._parts for end in (part.low, part.high)]
 
     def verdict(self, found: Sequence[PathExtremum]) -> Verdict:
         """

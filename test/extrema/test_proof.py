@@ -1,6 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Proof on demand: what is proved, what is not, and that a missing extremum is noticed."""
+from contextlib import suppress
 import re
 
 from fourbar_ros import (
@@ -21,6 +22,7 @@ from fourbar_ros.mechanisms.machine.machine import Machine
 from fourbar_ros.mechanisms.quantities import known, point_speed, positions, select
 import numpy as np
 import pytest
+from support.dyad_reference import random_dyads
 from support.extrema_reference import descartes, Polynomial
 from support.samples import some
 
@@ -132,14 +134,103 @@ def test_a_missing_extremum_is_noticed(monkeypatch, quantity):
 def test_a_missing_extremum_is_searched_for_again(monkeypatch):
     search, densities = Methods.search, []
 
-    def forgetful(self, density, conditions):
+    def forgetful(self, density, *others):
         densities.append(density)
-        found = search(self, density, conditions)
+        found = search(self, density, *others)
         return [part[1:] for part in found] if density == 1 else found
 
     monkeypatch.setattr(Methods, 'search', forgetful)
     found = find_extrema(FourBar(*PAPER), ('alpha4',), certify=True)
     assert len(found) == 2 and proofs(found) == {'exact count'} and densities == [1, 8]
+
+
+def test_only_what_is_missing_is_searched_for_again_where_the_proof_says_it_is(monkeypatch):
+    """The search of one quantity forgets at first, that of the other the second time."""
+    linkage, names = with_rods(PAPER), ('f41', 'f32')
+    right, search, calls = find_extrema(linkage, names, 25.0), Methods.search, []
+
+    def forgetful(*arguments):
+        found, row = search(*arguments), len(calls)
+        calls.append(arguments)
+        return [part[1:] if k == row else part for k, part in enumerate(found)]
+
+    monkeypatch.setattr(Methods, 'search', forgetful)
+    found = find_extrema(linkage, names, 25.0, certify=True)
+    assert len(calls) == 2 and proofs(found) == {'interval bounds'}
+    assert [(e.quantity, e.kind) for e in found] == [(e.quantity, e.kind) for e in right]
+    for part in ('theta1', 'value', 'condition', 'value_condition'):
+        np.testing.assert_allclose([getattr(e, part) for e in found],
+                                   [getattr(e, part) for e in right], 1e-6)
+
+
+def test_extrema_are_found_between_the_parts_of_a_proof_alone(monkeypatch):
+    """Samples so few that the search loses the pair: it is bracketed by the proof's parts."""
+    monkeypatch.setattr('fourbar_ros.extrema.methods.SAMPLES', 128)
+    machine, alone = beside_a_toggle(), find_extrema(beside_a_toggle(), 'base', certify=True)
+    assert len(find_extrema(machine, 'base')) == len(alone) - 2
+    every = [e for e in find_extrema(machine, ('omega_a0', 'base', 'c_first'), certify=True)
+             if e.quantity == 'base']
+    assert [e[:7] for e in every] == [e[:7] for e in alone]
+    assert all(e.proof.startswith('interval bounds') for e in every)
+
+
+def beside_a_toggle():
+    """Return a machine whose reactions have three extrema within 2 per mille of a toggle."""
+    dyads = (Dyad('a', 'RPR', Point('ground', 4.0, 1.0), Point('crank', 0.2, 0.1), ('a0', 'b0'),
+                  offset=0.07),
+             Dyad('b', 'RRP', Point('b0', 0.91, 0.206), Point('crank', 0.52, -0.582),
+                  ('a1', 'b1'), length_1=0.686, direction_2=2.95, mode=1),
+             Dyad('c', 'PRP', Point('b0', 0.6, 0.4), Point('b1', -0.4, -0.4), ('a2', 'b2'),
+                  direction_1=-2.22, direction_2=-2.3))
+    return Machine(dyads, bodies={'b2': Body(2.0)})
+
+
+def test_a_narrow_pair_beside_a_toggle_is_found_without_a_proof():
+    """Against samples, 1e-6 rad apart: a maximum is quadratic, so the value is off by little."""
+    machine = beside_a_toggle()
+    x = machine.input_ranges[0][0] + 1e-6 * np.arange(500, 20_000)
+    base = machine.step(x, 1.0)[1].base
+    turns = 1 + np.flatnonzero(np.diff(np.sign(np.diff(base))))
+    found = [e for e in find_extrema(machine, ('base',)) if x[0] < e.theta1 < x[-1] and not e.side]
+    assert len(found) == len(turns) == 4
+    assert np.abs([e.theta1 for e in found] - x[turns]).max() <= 1e-6
+    assert abs(found[1].value - base[turns[1]]) <= 1e-4 * found[1].value
+
+
+@pytest.mark.parametrize('place', [-0.33, 0.5, 1.234, 2.0, 3.0])
+def test_zeros_of_a_quantity_that_dips_below_zero_between_samples_are_no_extrema(place):
+    """
+    1 - cos(theta1 - place) - 1e-6.
+
+    It is least, -1e-6, at the place; its zeros 1.4e-3 rad away are none.
+    """
+    found = find_extrema(FourBar(*PAPER), lambda motion, loads: 1.0 - 1e-6 - np.cos(
+        motion.theta1 - place))
+    low, high = sorted(found, key=lambda e: e.value)
+    assert len(found) == 2 and abs(low.value + 1e-6) < 4 * 2.0**-52
+    assert abs(np.remainder(low.theta1 - place + 1.0, 2 * np.pi) - 1.0) < 1e-12
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('seed', [1, 2, 3])
+def test_searches_of_random_machines_find_what_their_proofs_find(seed):
+    """Masses over six decades, up to three dyads."""
+    rng, proved = np.random.default_rng(seed), 0
+    for _ in range(12):
+        machine = None
+        while machine is None:
+            dyads = random_dyads(rng, 'crank', int(rng.integers(1, 4)))
+            bodies = {link: Body(10.0**rng.uniform(-3.0, 3.0), *rng.uniform(-0.5, 0.5, 2).tolist(),
+                                 10.0**rng.uniform(-4.0, 2.0)) for link in dyads[-1].links}
+            with suppress(FourBarError):
+                machine = Machine(dyads, bodies=bodies)
+        methods = Methods(machine, select((), machine), (1.0, 0.0))
+        found = methods.search(1, False)
+        for proof, part in zip(methods.prove(found, lambda share: None, 0.2), found):
+            verdict = proof.verdict(part)
+            proved += verdict.text.startswith('interval bounds')
+            assert not verdict.is_contradicted, (machine, verdict.text)
+    assert proved > 100
 
 
 def test_sturm_counts_like_descartes():
