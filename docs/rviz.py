@@ -32,7 +32,7 @@ import numpy as np  # noqa: E402
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from fourbar_ros.bag.read.reader import Bag  # noqa: E402, I100
+from fourbar_ros.bag.reader import Bag  # noqa: E402, I100
 from fourbar_ros.scene.files import read_values  # noqa: E402
 from fourbar_ros.scene.topics import PICTURES  # noqa: E402
 

@@ -15,7 +15,7 @@ FIELDS = ('driving_torque', 'shaking_force', 'shaking_moment')
 blocks = list(Bag(sys.argv[1]).columns(['/fourbar/loads']))     # arrays, block by block
 columns = {'stamp': np.concatenate([block.stamps for block in blocks])}
 for field in FIELDS:
-    columns[field] = np.concatenate([getattr(block.tree, field) for block in blocks])
+    columns[field] = np.concatenate([block.records[field] for block in blocks])
 frame = pandas.DataFrame(columns)
 frame.to_csv('loads.csv', index=False)
 print(frame.head())

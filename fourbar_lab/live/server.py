@@ -17,10 +17,9 @@ from typing import Any, TYPE_CHECKING
 
 from fourbar_lab.live.page import Page
 from fourbar_lab.live.playback import NodePlayback, Run
-from fourbar_ros.bag.read.origin import origin_of
-from fourbar_ros.bag.read.reader import Bag
+from fourbar_ros.bag.origin import origin_of
+from fourbar_ros.bag.reader import Bag
 from fourbar_ros.errors import FourBarError
-from fourbar_ros.scene.message_fields import driven_of
 from fourbar_ros.scene.parameters import ParameterValues
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import DRIVEN
@@ -231,11 +230,12 @@ def read_run(path: str | Path, node: str | None = None) -> tuple[Scene, Run]:
     bag = Bag(path)
     origin = origin_of(bag, node)
     topic = origin.topics.get(DRIVEN.name)
-    stamps, states = [], []
-    for block in bag.blocks(topics=[topic] if topic else []):
-        for messages in block:
-            stamps.append(messages.stamps)
-            states.append(np.stack(driven_of(messages.tree)))
+    stamps: list[Any] = []
+    states = []
+    for columns in bag.columns([topic] if topic else []):
+        stamps.append(columns.stamps)
+        states.append(np.stack([columns.records[name]
+                                for name in ('position', 'velocity', 'acceleration')]))
     if not stamps:
         raise NoRun(f'{path}: no motion of the input in it ({DRIVEN.topic})')
     times = np.concatenate(stamps)

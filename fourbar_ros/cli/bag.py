@@ -1,14 +1,12 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""``fourbar bag``: inspect, repair, check and convert recorded runs."""
+"""``fourbar bag``: inspect, repair, check and convert a recorded run."""
 from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from functools import partial
-from pathlib import Path
-from typing import Generic, TYPE_CHECKING, TypeVar
+from datetime import datetime
+import json
+from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.cli.common import (
     add_json,
@@ -18,39 +16,36 @@ from fourbar_ros.cli.common import (
     add_verb,
     BAD,
     BAG_HELP,
-    bar,
-    Json,
     json_line,
-    PICTURE_HELP,
     reading,
     Verbs,
 )
 
 if TYPE_CHECKING:      # verbs import when they run
-    from fourbar_ros.bag.comparison.difference import Recomputed
+    from fourbar_ros.bag.diff import TopicDiff
+    from fourbar_ros.bag.info import Info
+    from fourbar_ros.bag.recompute import Recomputed
+    from fourbar_ros.report.terminal import PlainTable
 
-Result = TypeVar('Result')
 PLACES = 50     # damaged places that are printed one by one
 DESCRIPTION = """\
-Inspect, repair, check and convert recorded runs. BAG is the folder of a bag or its .mcap file:
+Inspect, repair, check and convert a recorded run. BAG is the folder of a bag or its .mcap file:
 finished, cut off by a crash, or still being written. No action changes a bag or overwrites a
-file. info and recompute accept several bags and folders of bags, and process them in parallel.
+file.
 """
 EPILOG = """\
 examples:
   fourbar bag info bags/run --check
   fourbar bag recover bags/run                        writes bags/run_recovered
   fourbar bag recompute bags/run
-  fourbar bag info bags --check                       all bags below a folder
-  fourbar bag recompute bags --json                   one line of JSON per bag
   fourbar bag export bags/run -o run.npz
-  fourbar bag plot bags/run state.theta4 loads.f41 -o run.png
   fourbar bag diff bags/run bags/other --tolerance 1e-12
+  ls -d bags/* | xargs -n1 -P2 fourbar bag recompute --json      many bags, one line each
 
 exit codes: 0 good; 1 an error, reported in one line; 2 bad arguments; 130, 143 interrupted by
 Ctrl-C or SIGTERM, with no partial output left; 3 done, but
   info       the bag is unfinished or damaged, or messages are missing
-  recover    data were lost or damaged
+  recover    something could not be read
   recompute  a value differs by more than the tolerance, an output is missing,
              duplicated or without its input, or nothing could be compared
   diff       the bags differ
@@ -59,89 +54,32 @@ Ctrl-C or SIGTERM, with no partial output left; 3 done, but
 
 def add(verbs: Verbs) -> None:
     """Add the verb and its actions."""
-    bag = add_verb(verbs, 'bag', 'info, recover, recompute, export, plot, diff, scene: work with '
-                                 'recorded runs',
-                   DESCRIPTION, EPILOG)
+    bag = add_verb(verbs, 'bag', 'info, recover, recompute, export, diff, scene: work with a '
+                                 'recorded run', DESCRIPTION, EPILOG)
     actions = bag.add_subparsers(dest='action', required=True, metavar='ACTION')
-    for add_action in (_add_info, _add_recover, _add_recompute, _add_export, _add_plot, _add_diff,
+    for add_action in (_add_info, _add_recover, _add_recompute, _add_export, _add_diff,
                        _add_scene):
         add_action(actions)
 
 
-# --- several bags at once ------------------------------------------------------------------------
-
-@dataclass(frozen=True)
-class Report(Generic[Result]):
-    """How results of an action on bags are printed: one in full, several as rows of a table."""
-
-    to_json: Callable[[Path, Result], Json]
-    print_in_full: Callable[[Result], None]
-    columns: Sequence[str]                   # of the table, behind the bag
-    to_row: Callable[[Result], Sequence[str]]
-    is_good: Callable[[Result], bool]
+def _action(actions: Verbs, name: str, text: str, description: str) -> ArgumentParser:
+    """Add an action on one bag; return its parser."""
+    parser: ArgumentParser = actions.add_parser(name, help=text, description=description)
+    parser.add_argument('bag', metavar='BAG', help=BAG_HELP)
+    return parser
 
 
-def _add_bags(parser: ArgumentParser) -> None:
-    """Add the arguments BAG ..., one or several, and ``--jobs``."""
-    parser.add_argument('bags', metavar='BAG', nargs='+',
-                        help='folder of a bag, .mcap file, or folder of bags')
-    parser.add_argument('--jobs', type=int, default=0, metavar='N',
-                        help='number of bags to process in parallel; default: one per processor')
+def _print(*tables: PlainTable) -> None:
+    from fourbar_ros.report.terminal import make_console
+    for table in tables:
+        make_console().print(table)
 
 
-def _run(arguments: Namespace, work: Callable[..., Result], text: str, report: Report[Result]
-         ) -> int:
-    """
-    Run ``work(bag, progress=...)`` on all bags of the command line, print the results.
-
-    ``text`` stands at the progress bar. Returns the exit code: 1 if a bag cannot be read, BAD if
-    a result is not good, else 0.
-    """
-    from fourbar_ros.bag.read.collection import bags_below, each
-    from fourbar_ros.errors import BagError
-    bags = bags_below(arguments.bags)
-    results: list[Result | BagError]
-    if len(bags) == 1:
-        with reading(bags[0], text) as step:
-            results = [work(bags[0], progress=step)]
-    else:
-        with bar(f'{text} {len(bags)} bags', len(bags)) as step:
-            results = each(work, bags, arguments.jobs, step)
-    good = [result for result in results if not isinstance(result, BagError)]
-    if arguments.json:
-        from fourbar_ros.cli.bag_report import json_of_error
-        for bag, result in zip(bags, results):
-            print(json_line(json_of_error(bag, result) if isinstance(result, BagError)
-                            else report.to_json(bag, result)))
-    elif len(bags) == 1:
-        report.print_in_full(good[0])
-    else:
-        _print_table(bags, results, report)
-    if len(good) < len(results):
-        return 1
-    return 0 if all(map(report.is_good, good)) else BAD
-
-
-def _print_table(bags: Sequence[Path], results: Sequence[Result | Exception],
-                 report: Report[Result]) -> None:
-    """Print a row for each bag, with its result or why it could not be read."""
-    from fourbar_ros.report.terminal import make_console, PlainTable
-    table = PlainTable('', ('bag', *report.columns))
-    for bag, result in zip(bags, results):
-        if isinstance(result, Exception):
-            table.add_row(str(bag), *[''] * (len(report.columns) - 1), f'error: {result}')
-        else:
-            table.add_row(str(bag), *report.to_row(result))
-    make_console().print(table)
-
-
-# --- the actions ---------------------------------------------------------------------------------
+# --- info ----------------------------------------------------------------------------------------
 
 def _add_info(actions: Verbs) -> None:
-    """Add ``fourbar bag info`` with its arguments."""
-    info = actions.add_parser('info', help='show what a bag contains and whether it is sound',
-                              description='Show what a bag contains and whether it is sound.')
-    _add_bags(info)
+    info = _action(actions, 'info', 'show what a bag contains and whether it is sound',
+                   'Show what a bag contains and whether it is sound.')
     add_json(info)
     info.add_argument('--check', action='store_true',
                       help='read every message: verify checksums, and sequence numbers to find '
@@ -150,58 +88,90 @@ def _add_info(actions: Verbs) -> None:
 
 
 def _info(arguments: Namespace) -> int:
-    """Print what bags contain; return BAD if one is not sound."""
-    from fourbar_ros.bag.read.info import info
-    from fourbar_ros.cli.bag_report import INFO_COLUMNS, info_row, json_of_info, print_info
-    return _run(arguments, partial(info, check=arguments.check), 'reading', Report(
-        json_of_info, partial(print_info, was_checked=arguments.check), INFO_COLUMNS, info_row,
-        lambda info: info.is_sound))
+    """Print what a bag contains; return BAD if it is not sound."""
+    from fourbar_ros.bag.info import info
+    with reading(arguments.bag, 'reading') as step:
+        found = info(arguments.bag, arguments.check, step)
+    if arguments.json:
+        print(json_line({
+            'bag': str(arguments.bag), 'sound': found.is_sound, 'finished': found.is_finished,
+            'size': found.size, 'files': found.files, 'start': found.start, 'end': found.end,
+            'messages': sum(topic.messages for topic in found.topics), 'missing': found.missing,
+            'dropped': found.dropped, 'ended': found.ended, 'damage': found.damage,
+            'about': found.about, 'topics': [topic._asdict() for topic in found.topics]}))
+    else:
+        _print(*_info_tables(found))
+        if not found.is_finished or found.damage:
+            print('fourbar bag recover makes a whole bag of what can be read')
+    return 0 if found.is_sound else BAD
 
+
+def _info_tables(found: Info) -> tuple[PlainTable, PlainTable]:
+    """Return the tables of a bag's own properties and of its topics."""
+    from fourbar_ros.report.terminal import PlainTable
+    about = PlainTable(str(found.path), ('', ''))
+    about.show_header = False
+    about.add_row('state', 'finished' if found.is_finished else
+                  'unfinished: being written, or cut off by a crash or a full disk')
+    about.add_row('size', f'{found.size / 1e6:.3f} MB'
+                  + (f' in {found.files} files' if found.files > 1 else ''))
+    seconds = 0.0
+    if found.start is not None and found.end is not None:
+        seconds = (found.end - found.start) * 1e-9
+        start = datetime.fromtimestamp(found.start * 1e-9).astimezone()
+        about.add_row('start', start.isoformat(' ', 'milliseconds'))
+    about.add_row('duration', f'{seconds:.3f} s')
+    software = json.loads(found.about.get('software', '{}'))
+    for label, text in (('made by', ', '.join(f'{name} {version}'
+                                              for name, version in software.items())),
+                        ('node', found.about.get('node')), ('ended', found.ended),
+                        ('dropped', found.dropped and f'{found.dropped} messages'),
+                        ('damage', found.damage)):
+        if text:
+            about.add_row(label, text)
+    topics = PlainTable('', ('topic', 'type', 'messages>', 'Hz>', 'missing>'))
+    for topic in found.topics:
+        rate = f'{(topic.messages - 1) / seconds:.2f}' if seconds and topic.messages > 1 else ''
+        topics.add_row(topic.topic, topic.type, str(topic.messages), rate,
+                       '' if topic.missing is None else str(topic.missing))
+    return about, topics
+
+
+# --- recover -------------------------------------------------------------------------------------
 
 def _add_recover(actions: Verbs) -> None:
-    """Add ``fourbar bag recover`` with its arguments."""
-    recover = actions.add_parser('recover', help='make a whole bag of a cut or damaged one',
-                                 description='Make a whole bag of a cut or damaged one. Every '
-                                             'intact record is copied, verified by its checksum; '
-                                             'the old bag is only read.')
-    recover.add_argument('bag', metavar='BAG', help=BAG_HELP)
+    recover = _action(actions, 'recover', 'make a whole bag of a cut or damaged one',
+                      'Make a whole bag of a cut or damaged one. Every readable message is '
+                      'copied, verified by its checksum; the old bag is only read.')
     recover.add_argument('-o', '--out', metavar='DIR',
                          help='folder of the new bag; default NAME_recovered')
     recover.set_defaults(run=_recover)
 
 
 def _recover(arguments: Namespace) -> int:
-    """Copy the intact messages of a bag; print what is lost. Return BAD if anything is."""
-    from fourbar_ros.bag.repair import recover
+    """Copy the readable messages of a bag; print what is lost. Return BAD if anything is."""
+    from fourbar_ros.bag.recover import recover
     with reading(arguments.bag, 'recovering') as step:
         recovered = recover(arguments.bag, arguments.out, step)
-    print(f'{recovered.path}: {recovered.messages} messages, '
-          + (f'{recovered.lost} bytes lost' if recovered.lost else 'nothing lost'))
-    for damage in recovered.damaged[:PLACES]:
+    print(f'{recovered.path}: {recovered.messages} messages'
+          + ('' if recovered.damage else ', nothing lost'))
+    for damage in recovered.damage[:PLACES]:
         print(f'damaged: {damage}')
-    if len(recovered.damaged) > PLACES:
-        print(f'damaged: and {len(recovered.damaged) - PLACES} more places')
-    for topic, count in recovered.missing.items():
-        print(f'missing: {count} messages of {topic}')
-    return BAD if recovered.lost or recovered.damaged or recovered.missing else 0
+    if len(recovered.damage) > PLACES:
+        print(f'damaged: and {len(recovered.damage) - PLACES} more places')
+    return BAD if recovered.damage else 0
 
+
+# --- recompute -----------------------------------------------------------------------------------
 
 def _add_recompute(actions: Verbs) -> None:
-    """Add ``fourbar bag recompute`` with its arguments."""
-    recompute = actions.add_parser(
-        'recompute', help='recompute every recorded output and compare',
-        description='Recompute every recorded output from the driven motion and the scene, both '
-                    'of which are in the bag, and compare. Bags of this version of the software '
-                    'differ by exactly 0. Those of another version may differ by rounding: the '
-                    'last line says whether that explains all differences, by a bound computed '
-                    'for each value.',
-        epilog='Exit code 3 if anything differs by more than the tolerance, is missing, doubled '
-               'or without its input, or if nothing can be compared; 1 if a bag cannot be read.')
-    _add_bags(recompute)
+    recompute = _action(
+        actions, 'recompute', 'recompute every recorded output and compare',
+        'Recompute every recorded output from the driven motion and the scene, both of which are '
+        'in the bag, and compare. Bags of this version of the software differ by exactly 0; those '
+        'of another version may differ by rounding: accept that with --tolerance.')
     add_json(recompute)
     add_tolerance(recompute)
-    recompute.add_argument('--rounding', action='store_true',
-                           help='accept differences that rounding explains (exit code 0)')
     add_node(recompute)
     recompute.add_argument('--with', dest='by', metavar='DIR',
                            help='compute motion, loads and steps with the C code of this folder, '
@@ -210,36 +180,58 @@ def _add_recompute(actions: Verbs) -> None:
 
 
 def _recompute(arguments: Namespace) -> int:
-    """Recompute the outputs of bags, by the library or by generated C code (``--with``)."""
-    from fourbar_ros.bag.comparison.recompute import compare
-    from fourbar_ros.cli.bag_report import (
-        json_of_recomputed,
-        print_recomputed,
-        RECOMPUTED_COLUMNS,
-        recomputed_row,
-    )
-    tolerance, accept_rounding = arguments.tolerance, arguments.rounding
-    work = partial(compare, node=arguments.node)
+    """Recompute the outputs of a bag, by the library or by generated C code (``--with``)."""
+    from fourbar_ros.bag.recompute import recompute
+    code: dict[str, Any] = {}
     if arguments.by:
         from fourbar_ros.generated import Compiled
-        code = Compiled(arguments.by)
-        work = partial(work, by=code.evaluate, moved_by=code.mover)
+        compiled = Compiled(arguments.by)
+        code = {'by': compiled.evaluate, 'moved_by': compiled.mover}
+    with reading(arguments.bag, 'recomputing') as step:
+        found = recompute(arguments.bag, arguments.node, step, **code)
+    problems = found.problems(arguments.tolerance)
+    if arguments.json:
+        print(json_line({
+            'bag': str(arguments.bag), 'good': not problems, 'problems': problems,
+            'largest': found.largest, 'tolerance': arguments.tolerance, 'cut': found.is_cut,
+            'inputs': found.inputs, 'compared': found.compared, 'unmatched': found.unmatched,
+            'missing': found.missing, 'doubled': found.doubled, 'skipped': found.skipped,
+            'stepped': found.stepped, 'differences': [difference._asdict() for difference in found.differences]}))
+    else:
+        if found.differences:
+            _print(_differences(found, arguments.tolerance))
+        print(f'{found.inputs} driven motions, {found.compared} outputs compared; largest '
+              f'difference {found.largest:g}' + ('; the bag is cut' if found.is_cut else ''))
+        if found.stepped:
+            print(f'{found.stepped} states of the drive stepped again from the one before')
+        for why, count in found.skipped.items():
+            print(f'not compared: {count} outputs {why}')
+        for problem in problems:
+            print(f'bad: {problem}')
+    return BAD if problems else 0
 
-    def problems(result: Recomputed) -> list[str]:
-        return result.problems(tolerance, accept_rounding)
-    return _run(arguments, work, 'recomputing', Report(
-        lambda bag, result: json_of_recomputed(bag, result, tolerance, accept_rounding),
-        lambda result: print_recomputed(result, tolerance, problems(result)), RECOMPUTED_COLUMNS,
-        lambda result: recomputed_row(result, problems(result)),
-        lambda result: not problems(result)))
 
+def _differences(found: Recomputed, tolerance: float) -> PlainTable:
+    """Return a table of the fields beyond the tolerance; of other topics, one row for all."""
+    from fourbar_ros.report.terminal import PlainTable
+    table = PlainTable('', ('topic', 'field', 'messages>', 'largest difference>'))
+    for topic in dict.fromkeys(difference.topic for difference in found.differences):
+        of_topic = [difference for difference in found.differences if difference.topic == topic]
+        shown = [difference for difference in of_topic if difference.largest > tolerance]
+        for difference in shown:
+            table.add_row(topic, difference.field, str(difference.messages),
+                          f'{difference.largest:g}')
+        if not shown:
+            table.add_row(topic, f'all {len(of_topic)}', str(of_topic[0].messages),
+                          f'{max(difference.largest for difference in of_topic):g}')
+    return table
+
+
+# --- export, diff, scene -------------------------------------------------------------------------
 
 def _add_export(actions: Verbs) -> None:
-    """Add ``fourbar bag export`` with its arguments."""
-    export = actions.add_parser('export', help='write the numbers in a bag as tables',
-                                description='Write the numbers in a bag as tables: CSV, NumPy '
-                                            '(.npz) or Parquet.')
-    export.add_argument('bag', metavar='BAG', help=BAG_HELP)
+    export = _action(actions, 'export', 'write the numbers in a bag as tables',
+                     'Write the numbers in a bag as tables: CSV, NumPy (.npz) or Parquet.')
     export.add_argument('-o', '--out', metavar='PATH', required=True,
                         help='new folder for the tables, new .npz file, or new .csv or .parquet '
                              'file for one topic')
@@ -252,44 +244,17 @@ def _add_export(actions: Verbs) -> None:
 
 def _export(arguments: Namespace) -> None:
     """Write the topics of a bag as tables; print the number of rows in each."""
-    from fourbar_ros.bag.exports.export import export
+    from fourbar_ros.bag.export import export
     with reading(arguments.bag, 'exporting') as step:
         written = export(arguments.bag, arguments.out, arguments.format, arguments.topics, step)
     for name, rows in written.items():
         print(f'{arguments.out}: {name}, {rows} rows')
 
 
-def _add_plot(actions: Verbs) -> None:
-    """Add ``fourbar bag plot`` with its arguments."""
-    plot = actions.add_parser('plot', help='plot fields over time or over another field',
-                              description='Plot fields over time, or over the field --x; fields '
-                                          'of the same unit share an axis. Requires matplotlib.')
-    plot.add_argument('bag', metavar='BAG', help=BAG_HELP)
-    plot.add_argument('fields', metavar='TOPIC.FIELD', nargs='+',
-                      help='e.g. state.theta4, /joint_states.position[crank] or '
-                           'joint_states.position[0]')
-    plot.add_argument('--x', metavar='TOPIC.FIELD',
-                      help='field of the horizontal axis, e.g. state.theta1; values of the same '
-                           'stamp belong together (default: time)')
-    plot.add_argument('-o', '--out', metavar='FILE', required=True, help=PICTURE_HELP)
-    plot.set_defaults(run=_plot)
-
-
-def _plot(arguments: Namespace) -> None:
-    """Plot fields of a bag into a picture; print its path."""
-    from fourbar_ros.bag.exports.plot import plot
-    with reading(arguments.bag, 'reading') as step:
-        plot(arguments.bag, arguments.fields, arguments.out, step, arguments.x)
-    print(arguments.out)
-
-
 def _add_diff(actions: Verbs) -> None:
-    """Add ``fourbar bag diff`` with its arguments."""
-    diff = actions.add_parser('diff', help='compare two bags message by message',
-                              description='Compare two bags: messages with the same stamp, field '
-                                          'by field.')
-    diff.add_argument('first', metavar='FIRST', help=BAG_HELP)
-    diff.add_argument('second', metavar='SECOND', help=BAG_HELP)
+    diff = _action(actions, 'diff', 'compare two bags message by message',
+                   'Compare two bags: messages with the same stamp, field by field.')
+    diff.add_argument('second', metavar='OTHER', help=BAG_HELP)
     add_tolerance(diff)
     add_topics(diff, 'compare only these topics')
     add_json(diff)
@@ -298,26 +263,41 @@ def _add_diff(actions: Verbs) -> None:
 
 def _diff(arguments: Namespace) -> int:
     """Compare two bags topic by topic; return BAD if they differ by more than the tolerance."""
-    from fourbar_ros.bag.comparison.diff import diff
-    from fourbar_ros.cli.bag_report import diff_table, json_of_diff
-    first, second, tolerance = arguments.first, arguments.second, arguments.tolerance
+    from fourbar_ros.bag.diff import diff
+    first, second, tolerance = arguments.bag, arguments.second, arguments.tolerance
     with reading(first, 'comparing topic by topic') as step:
         topics = diff(first, second, arguments.topics, step)
+    is_same = all(topic.is_same(tolerance) for topic in topics)
     if arguments.json:
-        print(json_line(json_of_diff(first, second, topics, tolerance)))
+        print(json_line({'first': first, 'second': second, 'tolerance': tolerance,
+                         'same': is_same, 'topics': [
+                             {**topic._asdict(), 'same': topic.is_same(tolerance)}
+                             for topic in topics]}))
     else:
-        from fourbar_ros.report.terminal import make_console
-        make_console().print(diff_table(topics, tolerance))
-    return 0 if all(topic.is_same(tolerance) for topic in topics) else BAD
+        _print(_diff_table(topics, tolerance))
+    return 0 if is_same else BAD
+
+
+def _diff_table(topics: list[TopicDiff], tolerance: float) -> PlainTable:
+    """Return the table of all topics, with the fields that differ by more than the tolerance."""
+    from fourbar_ros.report.terminal import PlainTable
+    table = PlainTable('', ('topic', 'in both>', 'only first>', 'only second>', 'field',
+                            'largest difference>'))
+    for topic in topics:
+        worst = [(field, apart) for field, apart in topic.largest.items() if apart > tolerance]
+        field, apart = worst[0] if worst else ('', 0.0)
+        table.add_row(topic.topic, str(topic.messages), str(topic.only_first),
+                      str(topic.only_second), field, f'{apart:g}')
+        for field, apart in worst[1:]:
+            table.add_row('', '', '', '', field, f'{apart:g}')
+    return table
 
 
 def _add_scene(actions: Verbs) -> None:
-    """Add ``fourbar bag scene`` with its arguments."""
-    scene = actions.add_parser(
-        'scene', help='print the scene of a bag as a parameter file',
-        description='Print the scene of a bag as a parameter file, for a node that the bag is to '
-                    'drive (drive.source: motion): see fourbar replay --inputs-only.')
-    scene.add_argument('bag', metavar='BAG', help=BAG_HELP)
+    scene = _action(
+        actions, 'scene', 'print the scene of a bag as a parameter file',
+        'Print the scene of a bag as a parameter file, for a node that the bag is to drive '
+        '(drive.source: motion): see fourbar replay --inputs-only.')
     scene.add_argument('--drive', choices=('motion', 'timer'), default='motion',
                        help='drive.source in the parameter file (default motion)')
     add_node(scene)
@@ -326,5 +306,5 @@ def _add_scene(actions: Verbs) -> None:
 
 def _scene(arguments: Namespace) -> None:
     """Print the scene of a bag as a parameter file."""
-    from fourbar_ros.bag.read.info import parameter_file
+    from fourbar_ros.bag.info import parameter_file
     print(parameter_file(arguments.bag, arguments.drive, arguments.node), end='')

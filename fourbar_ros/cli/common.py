@@ -172,8 +172,8 @@ def bar(text: str, total: int) -> Iterator[Callable[[int], None]]:
 @contextmanager
 def reading(path: str | Path, text: str) -> Iterator[Callable[[int], None]]:
     """Show how much of a bag is read; give the function to call with the bytes read."""
-    from fourbar_ros.bag.rosbag2 import files_of
-    with bar(text, sum(file.stat().st_size for file in files_of(path))) as step:
+    from fourbar_ros.bag.metadata import files_of
+    with bar(text, sum(file.stat().st_size for file in files_of(Path(path)))) as step:
         yield step
 
 

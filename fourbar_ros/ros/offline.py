@@ -8,7 +8,7 @@ from math import isnan, nan
 from pathlib import Path
 import time
 
-from fourbar_ros.bag.write.recorder import BagWriter, SteadyClock
+from fourbar_ros.bag.recorder import BagWriter
 from fourbar_ros.dynamics.step.mover import KEY, SILENT
 from fourbar_ros.dynamics.step.mover import OK as MOVES
 from fourbar_ros.errors import BagError
@@ -29,16 +29,6 @@ from rclpy.serialization import serialize_message
 
 Messages = list[tuple[str, bytes]]      # (short name of the topic, bytes)
 FULL = 20_000          # messages that may wait for the disk
-
-
-class RunClock(SteadyClock):
-    """A clock for the bag that shows the simulated time [ns], set by its owner in ``time``."""
-
-    def __init__(self, start: int) -> None:
-        self.time = start
-
-    def now(self) -> int:
-        return self.time
 
 
 def write_bag(simulated: SimulatedScene, path: Path, progress: Callable[[int], None]) -> Path:
@@ -64,14 +54,14 @@ def write_bag(simulated: SimulatedScene, path: Path, progress: Callable[[int], N
     names = {topic.name: _resolved(topic.topic) for topic in topics}
     how = f'{run.method}, tolerance {run.tolerance:g}, {run.status}, error {run.error:.3g}'
     about = {**about_of(scene, names, NODE), KEY: how}
-    clock = RunClock(time.time_ns())
+    start = now = time.time_ns()        # log times are those of the run
     writer = BagWriter(str(path.parent), path.name,
-                       [channel(topic, names[topic.name]) for topic in topics], about)
-    writer.clock = clock
+                       [channel(topic, names[topic.name]) for topic in topics], about,
+                       clock=lambda: now)
     channels = {topic.name: number for number, topic in enumerate(topics)}
     try:
-        for done, (stamp, messages) in enumerate(_messages(simulated, topics, clock.time), 1):
-            clock.time = stamp
+        for done, (stamp, messages) in enumerate(_messages(simulated, topics, start), 1):
+            now = stamp
             while writer.waiting > FULL and not writer.error:
                 time.sleep(0.01)         # the disk is slower than we: do not fill the memory
             writer.write_all([(channels[name], data) for name, data in messages])

@@ -5,10 +5,11 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+import re
 
 from ament_index_python.packages import get_package_share_directory
-from fourbar_ros.bag.cdr import types_in
-from fourbar_ros.bag.rosbag2 import Channel
+from fourbar_ros.bag.metadata import Channel
+from fourbar_ros.ros.messages import resolve
 from fourbar_ros.scene.topics import INPUT_DEPTH, INPUTS, QUEUE_DEPTH, Topic, TORQUE, WRENCH
 
 
@@ -37,7 +38,7 @@ def definition(type_name: str) -> str:
     MCAP asks for this form: 80 equals signs and ``MSG: package/Name`` before each further one.
     """
     text = _installed_file(type_name, 'msg')
-    parts, done, todo = [text], {type_name}, types_in(type_name, text)
+    parts, done, todo = [text], {type_name}, types_in(type_name)
     while todo:
         name = todo.pop(0)
         if name in done:
@@ -46,8 +47,15 @@ def definition(type_name: str) -> str:
         text = _installed_file(name, 'msg')
         package, _, short = name.split('/')
         parts.append(f'{"=" * 80}\nMSG: {package}/{short}\n{text}')
-        todo += types_in(name, text)
+        todo += types_in(name)
     return '\n'.join(parts)
+
+
+def types_in(type_name: str) -> list[str]:
+    """Return the message types, ``package/msg/Name``, of the fields of a type."""
+    return [f'{package}/msg/{name}'
+            for field in resolve(type_name).get_fields_and_field_types().values()
+            for package, name in re.findall(r'(\w+)/(\w+)', field)]
 
 
 def _installed_file(type_name: str, suffix: str) -> str:

@@ -361,10 +361,6 @@ PARAMETERS = _table(
     Parameter('recording.split_duration', 'double', 0.0, 's',
               'continue a bag in a new file when the current one exceeds this duration; 0: never',
               low=0.0, live=False, least=0.1),
-    Parameter('recording.keep', 'double', 0.0, 's',
-              'keep only the files that hold the last so many seconds; 0: keep all (a file covers '
-              'a tenth of this, unless split_size or split_duration is given)', low=0.0,
-              live=False, least=1.0),
 )
 
 

@@ -75,14 +75,13 @@ class DriveSettings(NamedTuple):
 
 
 class RecordingSettings(NamedTuple):
-    """The parameters recording.*: when to split a bag [MB], [s], how much of it to keep [s]."""
+    """The parameters recording.*: where a bag goes, when it is split [MB], [s]."""
 
     start: bool
     directory: str
     name: str
     split_size: float
     split_duration: float
-    keep: float
 
 
 class Wrenches(NamedTuple):

@@ -15,10 +15,10 @@ import tempfile
 import time
 
 from bag.test_recorder import assert_every_reader_takes, numbers, PATIENCE
-from fourbar_ros.bag.read.info import info
-from fourbar_ros.bag.read.reader import Bag
-from fourbar_ros.bag.repair import recover
-from fourbar_ros.bag.write.recorder import FLUSH_PERIOD
+from fourbar_ros.bag.info import info
+from fourbar_ros.bag.reader import Bag
+from fourbar_ros.bag.recover import recover
+from fourbar_ros.bag.recorder import FLUSH_PERIOD
 import pytest
 from support import TEST
 from support.samples import some
@@ -35,7 +35,7 @@ CHILD = """
 import mmap, struct, sys, time
 sys.path.insert(0, {test!r})
 from support import bags
-from fourbar_ros.bag.write.recorder import BagWriter
+from fourbar_ros.bag.recorder import BagWriter
 kind, rate = {kind!r}, {rate!r}
 with open({log!r}, 'r+b') as file:
     log = mmap.mmap(file.fileno(), 0)

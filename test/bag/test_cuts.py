@@ -13,10 +13,10 @@ from bag.test_recorder import assert_every_reader_takes, numbers
 from fourbar_ros.bag import rosbag2
 from fourbar_ros.bag.mcap.records import encoded, HEAD, MAGIC
 from fourbar_ros.bag.mcap.writer import Container
-from fourbar_ros.bag.read.info import info
-from fourbar_ros.bag.read.reader import Bag
-from fourbar_ros.bag.repair import recover
-from fourbar_ros.bag.write.recorder import BagWriter
+from fourbar_ros.bag.info import info
+from fourbar_ros.bag.reader import Bag
+from fourbar_ros.bag.recover import recover
+from fourbar_ros.bag.recorder import BagWriter
 from fourbar_ros.errors import BagError
 from mcap.opcode import Opcode
 from mcap.records import Channel, Schema

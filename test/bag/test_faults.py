@@ -13,11 +13,11 @@ import subprocess
 import sys
 import time
 
-from fourbar_ros.bag.exports.export import export
+from fourbar_ros.bag.export import export
 from fourbar_ros.bag.mcap import writer as container
-from fourbar_ros.bag.read.info import info
-from fourbar_ros.bag.read.reader import Bag
-from fourbar_ros.bag.write.recorder import BagWriter
+from fourbar_ros.bag.info import info
+from fourbar_ros.bag.reader import Bag
+from fourbar_ros.bag.recorder import BagWriter
 from fourbar_ros.cli.main import main
 import pytest
 from support import bags, TEST
@@ -211,7 +211,7 @@ def test_why_a_bag_ended_is_in_it_even_where_there_is_no_room_for_its_end(tmp_pa
 import resource, sys, time
 sys.path[:0] = [{str(TEST)!r}]
 from support import bags
-from fourbar_ros.bag.write.recorder import BagError, BagWriter
+from fourbar_ros.bag.recorder import BagError, BagWriter
 writer = BagWriter({str(tmp_path)!r}, 'run', [bags.MOTION], dict(), flush_period=0.01)
 resource.setrlimit(resource.RLIMIT_FSIZE, (SIZE, SIZE))
 end = time.monotonic() + {PATIENCE}

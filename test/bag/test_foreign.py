@@ -12,12 +12,12 @@ import sys
 import time
 
 from fourbar_ros.bag import rosbag2
-from fourbar_ros.bag.comparison.diff import diff
-from fourbar_ros.bag.exports.export import export
+from fourbar_ros.bag.diff import diff
+from fourbar_ros.bag.export import export
 from fourbar_ros.bag.mcap.records import encoded, HEAD, MAGIC
-from fourbar_ros.bag.read.info import info
-from fourbar_ros.bag.read.reader import Bag, records
-from fourbar_ros.bag.repair import recover
+from fourbar_ros.bag.info import info
+from fourbar_ros.bag.reader import Bag, records
+from fourbar_ros.bag.recover import recover
 from fourbar_ros.cli.main import main
 import lz4.frame
 from mcap.records import Channel, Chunk, Header, Schema
@@ -131,7 +131,7 @@ def test_pictures_are_one_column_of_bytes_and_texts_one_column_however_long(tmp_
 LIMITED = """
 import resource, sys
 from fourbar_ros.bag.comparison import diff
-from fourbar_ros.bag.exports.export import export
+from fourbar_ros.bag.export import export
 from fourbar_ros.bag.read import info
 from fourbar_ros.bag.exports import plot
 from fourbar_ros.bag.comparison import recompute

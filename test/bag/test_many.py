@@ -7,8 +7,8 @@ import subprocess
 import sys
 
 from fourbar_ros.bag.read.collection import bags_below, each
-from fourbar_ros.bag.read.info import info
-from fourbar_ros.bag.write.recorder import Split
+from fourbar_ros.bag.info import info
+from fourbar_ros.bag.recorder import Split
 from fourbar_ros.cli.main import main
 from fourbar_ros.errors import BagError
 import pytest

@@ -1,26 +1,15 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Bags recorded before the code was restructured compute again to the last bit."""
-import json
 from pathlib import Path
-import re
 
-from fourbar_ros.cli.main import main
+from fourbar_ros.bag.recompute import recompute
 import pytest
 
 RECORDED = Path(__file__).parent.parent / 'support' / 'data' / 'recorded'
 SCENES = {'paper': 5, 'slides_7_6': 3, 'slides_7_7': 3, 'slider_crank': 6, 'cylinder': 5}
-# Driven by torque, recorded by the node of 3b58381; rocker and pushed pass two toggles each. The
-# steps of the engine passed over places of its table: they are others now.
+# Driven by torque, recorded by the node of 3b58381; rocker and pushed pass two toggles each.
 BY_TORQUE = {'motor': 2, 'controlled': 2, 'engine': 2, 'released': 3, 'rocker': 2, 'pushed': 2}
-
-
-def recomputed(scene, capsys):
-    code = main(['bag', 'recompute', str(RECORDED / scene), '--json'])
-    found = json.loads(capsys.readouterr().out)
-    assert code in (0, None) and found['problems'] == [], found['problems']
-    assert found['largest'] == 0.0
-    return found
 
 
 def test_there_is_a_bag_of_every_scene():
@@ -28,16 +17,16 @@ def test_there_is_a_bag_of_every_scene():
 
 
 @pytest.mark.parametrize('scene', SCENES)
-def test_a_bag_recorded_before_computes_again_exactly(scene, capsys):
-    found = recomputed(scene, capsys)
-    assert found['inputs'] > 90
-    assert found['compared'] == SCENES[scene] * found['inputs']
+def test_a_bag_recorded_before_computes_again_exactly(scene):
+    found = recompute(RECORDED / scene)
+    assert found.inputs > 90
+    assert found.compared == SCENES[scene] * found.inputs
+    assert found.problems() == []
 
 
 @pytest.mark.parametrize('scene', BY_TORQUE)
-def test_a_motion_that_followed_from_torque_computes_again_exactly(scene, capsys):
-    found = recomputed(scene, capsys)
-    assert found['inputs'] >= 300
-    assert found['compared'] == BY_TORQUE[scene] * found['inputs']
-    again = re.search(r'(\d+) of these states stepped again', found['driven'])
-    assert int(again[1]) == (0 if scene == 'engine' else found['inputs'] - 1)
+def test_a_motion_that_followed_from_torque_is_stepped_again_exactly(scene):
+    found = recompute(RECORDED / scene)
+    assert found.inputs >= 300
+    assert found.compared == BY_TORQUE[scene] * found.inputs
+    assert found.stepped == found.inputs - 1 and found.problems() == []

@@ -11,12 +11,12 @@ import sys
 import threading
 import time
 
-from fourbar_ros.bag.read.info import info
-from fourbar_ros.bag.read.reader import Bag
-from fourbar_ros.bag.repair import recover
+from fourbar_ros.bag.info import info
+from fourbar_ros.bag.reader import Bag
+from fourbar_ros.bag.recover import recover
 from fourbar_ros.bag.write import recorder as intake
 from fourbar_ros.bag.write import recorder as writer_module
-from fourbar_ros.bag.write.recorder import BagError, BagWriter
+from fourbar_ros.bag.recorder import BagError, BagWriter
 from mcap.reader import make_reader
 import pytest
 from rosbags.highlevel import AnyReader
@@ -296,7 +296,7 @@ FULL = """
 import resource, sys, time
 sys.path[:0] = [{test!r}]
 from support import bags
-from fourbar_ros.bag.write.recorder import BagError, BagWriter
+from fourbar_ros.bag.recorder import BagError, BagWriter
 import os
 resource.setrlimit(resource.RLIMIT_FSIZE, (60_000, 60_000))
 told = []

@@ -5,15 +5,15 @@ import json
 import math
 import struct
 
-from fourbar_ros.bag.comparison.difference import (
+from fourbar_ros.bag.difference import (
     Condition,
     EPS,
     LIMIT,
     needs_condition,
     rounding_units,
 )
-from fourbar_ros.bag.comparison.recompute import compare
-from fourbar_ros.bag.read.reader import Bag
+from fourbar_ros.bag.recompute import recompute
+from fourbar_ros.bag.reader import Bag
 from fourbar_ros.cli.main import main
 from fourbar_ros.scene.scene import from_values
 import mpmath
@@ -62,7 +62,7 @@ def shaking_moment_condition(number):
 def test_values_off_by_a_few_last_bits_differ_by_rounding(bag, tmp_path, capsys, field):
     path = changed(bag, tmp_path, 'run', '/fourbar/loads', field,
                    lambda value, k: value * (1.0 + 4.0 * EPS * (k % 3)))
-    found = compare(path)
+    found = recompute(path)
     assert found.is_rounding and 0.0 < found.units <= LIMIT
     assert main(['bag', 'recompute', str(path)]) == 3
     assert 'differences by rounding only: at most' in capsys.readouterr().out
@@ -79,7 +79,7 @@ def test_the_bound_is_that_of_each_value_not_of_the_largest(bag, tmp_path, sizes
     condition = shaking_moment_condition(number)
     path = changed(bag, tmp_path, 'run', '/fourbar/loads', 'shaking_moment',
                    lambda value, k: value + sizes[-1] * EPS * condition if k == number else value)
-    assert compare(path).is_rounding is is_rounding
+    assert recompute(path).is_rounding is is_rounding
 
 
 def test_values_that_are_held_have_the_condition_of_the_motion_they_are_of(tmp_path):

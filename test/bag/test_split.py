@@ -9,16 +9,16 @@ import threading
 import time
 
 from fourbar_ros.bag import rosbag2 as rosbag2_folder
-from fourbar_ros.bag.comparison.diff import diff
-from fourbar_ros.bag.comparison.recompute import compare
+from fourbar_ros.bag.diff import diff
+from fourbar_ros.bag.recompute import recompute
 from fourbar_ros.bag.mcap import scan
-from fourbar_ros.bag.read.info import info
-from fourbar_ros.bag.read.origin import origin_of
+from fourbar_ros.bag.info import info
+from fourbar_ros.bag.origin import origin_of
 from fourbar_ros.bag.read.playback import play
-from fourbar_ros.bag.read.reader import Bag
-from fourbar_ros.bag.repair import recover
+from fourbar_ros.bag.reader import Bag
+from fourbar_ros.bag.recover import recover
 from fourbar_ros.bag.write import recorder as intake
-from fourbar_ros.bag.write.recorder import BagWriter, Split
+from fourbar_ros.bag.recorder import BagWriter, Split
 from fourbar_ros.cli.main import main
 from fourbar_ros.errors import BagError
 from mcap.reader import make_reader
@@ -96,7 +96,7 @@ def test_a_bag_split_by_rosbag2_is_read_as_one(bag, tmp_path):
     assert {topic.topic: topic.messages for topic in info(split).topics} == {
         topic.topic: topic.messages for topic in info(bag, check=True).topics}
     assert all(topic.is_same() for topic in diff(bag, split))
-    found = compare(split)
+    found = recompute(split)
     assert (found.inputs == STEPS and found.unmatched == 0
             and max(d.largest for d in found.differences) == 0.0)
     assert [raw.data for raw in play(split, rate=math.inf)] == [raw.data for raw in Bag(bag).raw()]
@@ -191,7 +191,7 @@ def test_a_bag_is_split_without_losing_a_message(tmp_path, split):
                 == 'stopped')
         assert {topic.topic: topic.messages for topic in found.topics} == {
             topic.topic: topic.messages for topic in info(whole).topics}
-    found = compare(path)
+    found = recompute(path)
     assert not found.problems() and found.inputs == 600 and found.uncertain == 0
 
 
@@ -205,14 +205,14 @@ def test_each_part_can_be_read_alone(tmp_path):
                                                   else 'split'), file
         first = next(Bag(file).raw())
         assert first.topic == '/fourbar/scene'
-        recomputed = compare(file)
+        recomputed = recompute(file)
         assert (not recomputed.problems() and recomputed.inputs >= 100 - (k == 0)
                 and recomputed.largest == 0.0)
         assert origin_of(file).scene.linkage.lengths[0] == (0.35 if k > 2 else 0.4)
         begun = [raw.topic for raw in list(Bag(file).raw())[:len(OUTPUTS) + 2]]
         assert sorted(begun) == sorted({raw.topic for raw in Bag(path).raw()})
         assert_every_reader_takes(file, sum(1 for _ in Bag(file).raw()))
-    assert not compare(path).problems()
+    assert not recompute(path).problems()
 
 
 def assert_every_reader_takes(path, count):
@@ -256,7 +256,7 @@ def test_only_the_newest_parts_are_kept(tmp_path):
     assert [b - a for a, b in zip(stamps[1:], stamps[2:])] == [10**6] * (len(stamps) - 2)
     found = info(path, check=True)
     assert found.is_sound and info(path).is_sound and found.missing == 0
-    assert not compare(path).problems()
+    assert not recompute(path).problems()
     told = yaml.safe_load((path / 'metadata.yaml').read_text())['rosbag2_bagfile_information']
     assert told['relative_file_paths'] == [file.name for file in files]
     with Reader(path) as reader:
@@ -284,9 +284,9 @@ def test_values_held_from_before_a_part_are_not_called_wrong(tmp_path):
     cranks = [(0.3 if k < 50 else 3.0, 1.0, 0.0) for k in range(400)]
     path = bags.run(tmp_path, 'run', values, cranks, paced=True, sync_period=0.0,
                     split=Split(duration=0.1, head=0))
-    assert not compare(path).problems() and compare(path).uncertain == 0
+    assert not recompute(path).problems() and recompute(path).uncertain == 0
     for file in Bag(path).files[1:]:
-        found = compare(file)
+        found = recompute(file)
         assert found.uncertain > 100 and found.problems() == ['nothing could be compared']
 
 
@@ -313,7 +313,7 @@ def test_a_killed_recorder_leaves_whole_parts_and_a_cut_one(tmp_path):
 import sys, time
 sys.path.insert(0, {str(bags.ROOT / 'test')!r})
 from support import bags
-from fourbar_ros.bag.write.recorder import BagWriter, Split
+from fourbar_ros.bag.recorder import BagWriter, Split
 writer = BagWriter({str(tmp_path)!r}, 'run', [bags.MOTION], {{}}, split=Split(duration=0.15))
 k = 0
 while True:
@@ -374,7 +374,7 @@ def test_a_split_bag_that_was_killed_is_recovered_part_by_part(tmp_path):
     assert info(made.path).state == 'finished' and info(made.path, check=True).missing == 0
     assert info(made.path / f'run_recovered_{len(Bag(path).files) - 1}.mcap',
                 check=True).missing == 0
-    assert not compare(made.path).problems() or len(there) < len(before)
+    assert not recompute(made.path).problems() or len(there) < len(before)
     with Reader(made.path) as reader:
         assert reader.message_count == sum(1 for _ in reader.messages())
     with pytest.raises(BagError, match='exists already'):

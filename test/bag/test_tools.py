@@ -12,17 +12,17 @@ import sys
 import time
 
 from fourbar_ros.bag.cdr import Decoder
-from fourbar_ros.bag.comparison.diff import diff
-from fourbar_ros.bag.comparison.difference import distance
-from fourbar_ros.bag.comparison.recompute import compare
-from fourbar_ros.bag.exports.export import export
+from fourbar_ros.bag.diff import diff
+from fourbar_ros.bag.difference import distance
+from fourbar_ros.bag.recompute import recompute
+from fourbar_ros.bag.export import export
 from fourbar_ros.bag.exports.plot import over, plot, series, thinned
 from fourbar_ros.bag.mcap import writer as container
 from fourbar_ros.bag.mcap.records import MAGIC
 from fourbar_ros.bag.read import reader
 from fourbar_ros.bag.read.playback import Pace, play, span
-from fourbar_ros.bag.read.reader import Bag, records
-from fourbar_ros.bag.write.recorder import BagWriter
+from fourbar_ros.bag.reader import Bag, records
+from fourbar_ros.bag.recorder import BagWriter
 from fourbar_ros.cli.main import main
 from fourbar_ros.cli.replay import status_line
 from fourbar_ros.errors import BagError
@@ -45,7 +45,7 @@ def bag(tmp_path_factory):
 # --- recompute -----------------------------------------------------------------------------------
 
 def test_a_fresh_bag_recomputes_without_any_difference(bag):
-    found = compare(bag)
+    found = recompute(bag)
     assert found.inputs == STEPS and found.unmatched == 0 and not found.cut
     assert {(d.messages, d.largest) for d in found.differences} == {(STEPS, 0.0)}
     assert len(found.differences) > 45
@@ -58,7 +58,7 @@ def test_bad_inputs_and_every_policy_recompute_exactly(tmp_path, policy):
                    (0.2, math.nan, math.nan)]
     path = bags.run(tmp_path, 'run', {**ROCKER, **RODS, **TIP, 'outputs': OUTPUTS,
                                       'drive.out_of_range': policy}, cranks)
-    found = compare(path)
+    found = recompute(path)
     assert max(d.largest for d in found.differences) == 0.0 and found.inputs == 200
 
 
@@ -66,7 +66,7 @@ def test_scenes_changed_on_the_way_are_followed(tmp_path):
     path = bags.run(tmp_path, 'run', FULL, TURNS,
                     {100: {'linkage.a1': 0.35}, 101: {'linkage.mode': 1},
                      333: {'bodies.rods.density': 2700.0}})
-    found = compare(path)
+    found = recompute(path)
     assert max(d.largest for d in found.differences) == 0.0 and found.inputs == STEPS
     assert len(list(records(path, ['/fourbar/scene']))) == 4
 
@@ -83,7 +83,7 @@ def test_outputs_without_their_input_are_counted_not_compared(tmp_path):
     for i, raw in enumerate(r for r in Bag(path).raw(topics)):
         if not (raw.topic == topics[0] and raw.sequence in (0, 7, 8)):
             writer.write(topics.index(raw.topic), raw.data)
-    found = compare(writer.close())
+    found = recompute(writer.close())
     assert (found.unmatched == 3 and found.inputs == 17
             and max(d.largest for d in found.differences) == 0.0)
 
@@ -95,7 +95,7 @@ def test_one_changed_bit_is_found(bag, tmp_path):
             data[-32] ^= 1                                  # the last bit of shaking_moment
         return data
     path = bags.copy(bag, tmp_path, 'bit', change)
-    differing = [d for d in compare(path).differences if d.largest]
+    differing = [d for d in recompute(path).differences if d.largest]
     assert [(d.topic, d.field) for d in differing] == [('/fourbar/loads', 'shaking_moment')]
     assert 0.0 < differing[0].largest < 1e-9
     assert main(['bag', 'recompute', str(path)]) == 3
@@ -134,7 +134,7 @@ def test_old_memory_in_the_padding_between_texts_changes_nothing(bag, tmp_path):
     times, values, _ = series(path, [name])[name]
     assert (np.diff(times) > 0).all() and values.tolist() == [
         r.message.position[3] for r in records(bag, ['/joint_states'])]
-    found = compare(path)
+    found = recompute(path)
     assert (found.inputs == STEPS and found.unmatched == 0
             and {d.largest for d in found.differences} == {0.0})
 
@@ -434,7 +434,7 @@ def test_a_foreign_bag_is_not_recomputed_but_reported_as_foreign(tmp_path):
     writer = BagWriter(tmp_path, 'foreign', [bags.MOTION], {})
     writer.write(0, bags.motion(1))
     with pytest.raises(BagError, match='holds no run of a fourbar_node'):
-        compare(writer.close())
+        recompute(writer.close())
 
 
 def test_the_scene_of_a_bag_is_a_parameter_file_again(bag, tmp_path, capsys):

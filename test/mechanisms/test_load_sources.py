@@ -13,7 +13,7 @@ out as zero.
 
 from fourbar_ros import Applied, Bodies, Body, External, FourBar, FourBarError
 from fourbar_ros.bag import recompute
-from fourbar_ros.bag.read.origin import origin_of
+from fourbar_ros.bag.origin import origin_of
 import mpmath as mp
 import numpy as np
 import pytest

@@ -7,8 +7,8 @@ import time
 from builtin_interfaces.msg import Time
 from fourbar_msgs.msg import LinkageState, Motion
 from fourbar_ros import Applied, External
-from fourbar_ros.bag.comparison.recompute import compare
-from fourbar_ros.bag.read.reader import records
+from fourbar_ros.bag.recompute import recompute
+from fourbar_ros.bag.reader import records
 from fourbar_ros.ros.clients.client import name_on
 from fourbar_ros.scene import scene
 from fourbar_ros.scene.topics import applied_topic, wrench_topic
@@ -206,7 +206,7 @@ def test_loads_go_back_along_a_chain_and_both_bags_compute_again(run_node, clien
     for node in nodes:
         assert node.stop() == 0
     for name in ('one', 'two'):
-        found = compare(tmp_path / 'bags' / name)
+        found = recompute(tmp_path / 'bags' / name)
         assert found.inputs > 8 and max(d.largest for d in found.differences) == 0.0
     topics = {record.topic for record in records(tmp_path / 'bags/one')}
     assert {'/two/drive_wrench', '/one/applied/output'} <= topics
@@ -237,7 +237,7 @@ def test_a_bag_with_wrenches_silences_and_changes_computes_again(run_node, clien
     assert node.node.stop() == 0
     assert len(set(map(repr, torques))) == {'unknown': 5, 'hold': 4,
                                             'constant': 6}[policy], torques
-    found = compare(tmp_path / 'bags/run')
+    found = recompute(tmp_path / 'bags/run')
     assert found.inputs == 6 and max(d.largest for d in found.differences) == 0.0
     torque, = [d for d in found.differences if d.field == 'driving_torque']
     assert torque.messages == 6
@@ -270,7 +270,7 @@ def test_each_part_of_a_split_bag_says_what_acts(run_node, client, tmp_path):
     parts = sorted((tmp_path / 'bags/run').glob('*.mcap'))
     assert len(parts) > 1
     for part in parts:
-        found = compare(part)
+        found = recompute(part)
         assert found.inputs and found.compared and found.largest == 0.0, part
 
 
@@ -286,7 +286,7 @@ def test_what_is_no_wrench_is_in_no_bag(run_node, client, tmp_path):
     assert loaded.node.stop() == 0
     kept = [r.message for r in records(tmp_path / 'run') if r.topic == '/fourbar/external/output']
     assert kept and all(message.wrench.force.x == 3.0 for message in kept)
-    assert max(d.largest for d in compare(tmp_path / 'run').differences) == 0.0
+    assert max(d.largest for d in recompute(tmp_path / 'run').differences) == 0.0
 
 
 @pytest.mark.slow
@@ -307,4 +307,4 @@ def test_a_wrench_of_a_chain_can_be_taken_a_step_further(run_node, client, tmp_p
     _, loads = loaded.answer(0.7)
     assert loads.driving_torque == loaded.under(0.7, 0.0, 0.0, 4.0)
     assert loaded.node.stop() == 0
-    assert max(d.largest for d in compare(tmp_path / 'run').differences) == 0.0
+    assert max(d.largest for d in recompute(tmp_path / 'run').differences) == 0.0

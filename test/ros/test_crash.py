@@ -5,11 +5,11 @@ import time
 
 from bag.test_crash import SLACK
 from bag.test_recorder import assert_every_reader_takes
-from fourbar_ros.bag.comparison.recompute import compare
-from fourbar_ros.bag.read.info import info
-from fourbar_ros.bag.read.reader import Bag, records
-from fourbar_ros.bag.repair import recover
-from fourbar_ros.bag.write.recorder import FLUSH_PERIOD
+from fourbar_ros.bag.recompute import recompute
+from fourbar_ros.bag.info import info
+from fourbar_ros.bag.reader import Bag, records
+from fourbar_ros.bag.recover import recover
+from fourbar_ros.bag.recorder import FLUSH_PERIOD
 import pytest
 from support.harness import ALL_OUTPUTS
 from support.samples import some
@@ -65,7 +65,7 @@ def kill_node(run_node, client, tmp_path, seed):
     # on the grid, none missing
     assert all(abs(step - period) < 1e-6 for step in steps)
     recovered = recover(path)
-    found = compare(recovered.path)
+    found = recompute(recovered.path)
     assert max(d.largest for d in found.differences) == 0.0 and found.inputs == len(
         stamps) and not found.cut
     assert_every_reader_takes(recovered.path, recovered.messages)
@@ -93,7 +93,7 @@ def test_a_signal_closes_the_bag_whole(run_node, client, tmp_path, number):
     assert found.is_sound and len(
         {t.messages for t in found.topics if t.topic != '/fourbar/scene'}) == 1
     assert_every_reader_takes(tmp_path / 'bags/run', sum(t.messages for t in found.topics))
-    assert max(d.largest for d in compare(tmp_path / 'bags/run').differences) == 0.0
+    assert max(d.largest for d in recompute(tmp_path / 'bags/run').differences) == 0.0
 
 
 def test_a_bag_can_be_read_while_the_node_writes_it(run_node, client, tmp_path):
@@ -102,7 +102,7 @@ def test_a_bag_can_be_read_while_the_node_writes_it(run_node, client, tmp_path):
     client.until(lambda: len(client.received['driven']) > 300, 'the stream')
     path = tmp_path / 'bags/run'
     assert info(path).state == 'being written'
-    found = compare(path)
+    found = recompute(path)
     assert found.cut and found.inputs > 100 and max(d.largest for d in found.differences) == 0.0
     assert Bag(path).metadata()['custom_data']['node'] == '/fourbar'
 
@@ -123,7 +123,7 @@ def test_a_recording_that_dies_is_reported_and_the_stream_goes_on(run_node, clie
     answer = client.call('stop_recording')
     assert not answer.success and 'recording stopped' in answer.message
     path = tmp_path / 'bags/run'
-    assert max(d.largest for d in compare(path).differences) == 0.0 and compare(path).inputs > 50
+    assert max(d.largest for d in recompute(path).differences) == 0.0 and recompute(path).inputs > 50
     assert recover(path, tmp_path / 'again').messages > 300
     assert client.call(
         'start_recording',
@@ -171,6 +171,6 @@ def test_a_million_joints_on_the_input_neither_stop_the_node_nor_spoil_the_bag(
     client.until(is_answered, 'the next input')
     assert node.stop() == 0
     path = tmp_path / 'bags/run'
-    found = compare(path)
+    found = recompute(path)
     assert info(path, check=True).state == 'finished' and max(
         d.largest for d in found.differences) == 0.0

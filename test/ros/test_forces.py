@@ -6,9 +6,9 @@ import subprocess
 import sys
 
 from fourbar_msgs.msg import DriveState, LinkageLoads
-from fourbar_ros.bag.comparison.recompute import compare
-from fourbar_ros.bag.read.info import info
-from fourbar_ros.bag.read.reader import Bag
+from fourbar_ros.bag.recompute import recompute
+from fourbar_ros.bag.info import info
+from fourbar_ros.bag.reader import Bag
 from fourbar_ros.scene import scene
 from fourbar_ros.scene.files import folder
 import numpy as np
@@ -57,7 +57,7 @@ def test_gas_over_two_turns_loads_a_given_motion(run_node, client, tmp_path):
     heard = listen(client, LinkageLoads, 'loads')
     client.until(lambda: len(heard) > 80, 'loads')
     assert node.stop() == 0
-    found = compare(tmp_path / 'run')
+    found = recompute(tmp_path / 'run')
     assert not found.problems() and found.largest == 0.0
     assert info(tmp_path / 'run', check=True).is_sound
     loads = in_bag(tmp_path / 'run', '/fourbar/loads')
@@ -87,7 +87,7 @@ def test_an_engine_turns_by_its_gas_and_is_stepped_again(run_node, client, tmp_p
     mark = len(heard)
     client.until(lambda: len(heard) > mark + 50, 'states after the change')
     assert node.stop() == 0
-    found = compare(tmp_path / 'run')
+    found = recompute(tmp_path / 'run')
     assert not found.problems() and found.largest == 0.0
     assert 'stepped again from the one before' in found.driven
     gas, system = there.forces[0], there.dynamics.system(there.bare_linkage)

@@ -4,7 +4,7 @@
 import math
 
 from fourbar_msgs.msg import LinkageState, Motion
-from fourbar_ros.bag.comparison.recompute import compare
+from fourbar_ros.bag.recompute import recompute
 from fourbar_ros.scene import scene
 import pytest
 from sensor_msgs.msg import JointState
@@ -124,7 +124,7 @@ def test_a_bag_that_begins_while_positions_are_held_computes_again(run_node, cli
     client.until(lambda: len(client.received['state']) >= 9, 'the answers')
     assert client.call('stop_recording').message == str(tmp_path / 'runs/held')
     assert node.stop() == 0
-    found = compare(tmp_path / 'runs/held')
+    found = recompute(tmp_path / 'runs/held')
     assert found.inputs == 7 and not found.unmatched
     assert {d.field for d in found.differences
             if d.topic == '/joint_states'} >= {'position', 'velocity', 'effort'}

@@ -7,7 +7,7 @@ from xml.etree import ElementTree
 
 from builtin_interfaces.msg import Time
 from fourbar_msgs.msg import Motion
-from fourbar_ros.bag.read.reader import Bag
+from fourbar_ros.bag.reader import Bag
 from fourbar_ros.cli.main import main
 from fourbar_ros.scene.scene import load
 from fourbar_ros.scene.topics import PICTURES

@@ -1,9 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Bags of simulated runs: as a node would write them."""
-from fourbar_ros.bag.comparison.recompute import compare, Modes
-from fourbar_ros.bag.read.info import info
-from fourbar_ros.bag.read.reader import Bag
+from fourbar_ros.bag.recompute import recompute, Modes
+from fourbar_ros.bag.info import info
+from fourbar_ros.bag.reader import Bag
 from fourbar_ros.cli.main import main
 from fourbar_ros.errors import BagError
 from fourbar_ros.ros.offline import write_bag
@@ -26,7 +26,7 @@ def test_the_bag_of_a_run_recomputes_to_zero_and_has_its_own_time(tmp_path):
     found = simulate_scene(scene.from_values(MOTOR), 0.4, 1e-7)
     done = []
     path = write_bag(found, tmp_path / 'run', done.append)
-    again = compare(path)
+    again = recompute(path)
     assert not again.problems() and again.largest == 0.0 and again.inputs == 201
     assert again.compared == 201 * 7 and done[-1] == 201
     assert 'tolerance' in again.driven and '0 of these states stepped' in again.driven
@@ -42,7 +42,7 @@ def test_a_constant_torque_is_in_the_bag_and_is_checked(tmp_path, capsys):
     assert f'wrote {tmp_path / "run"}' in capsys.readouterr().out
     torque, = (record.message for record in Bag(tmp_path / 'run').records(['/fourbar/torque']))
     assert torque.wrench.torque.z == 20.0
-    assert not compare(tmp_path / 'run').problems()
+    assert not recompute(tmp_path / 'run').problems()
     assert main(['bag', 'recompute', str(tmp_path / 'run')]) == 0
 
 
@@ -64,7 +64,7 @@ def test_a_run_through_both_modes_has_a_bag_of_both(name, tmp_path, monkeypatch)
     found = simulate_scene(scene.from_values(values), 2.0, 1e-7)
     assert set(found.run.modes.tolist()) == {1, 2}
     path = write_bag(found, tmp_path / 'run', id)
-    again = compare(path)
+    again = recompute(path)
     assert not again.problems() and again.largest == 0.0 and again.inputs == 2001
     assert info(path, check=True).is_sound
     states = [record.message for record in Bag(path).records(['/fourbar/state'])]
@@ -83,7 +83,7 @@ def test_a_run_through_both_modes_has_a_bag_of_both(name, tmp_path, monkeypatch)
     open_by = loops[0] * ends[0] + loops[1] * ends[1] - loops[2] * ends[2] - [loops[3], 0.0]
     assert np.abs(open_by).max() < 1e-14
     monkeypatch.setattr(Modes, 'of', lambda modes, stamps, own: np.full(len(stamps), own))
-    assert compare(path).problems()
+    assert recompute(path).problems()
 
 
 def test_a_machine_through_toggles_has_a_bag_of_both_modes(tmp_path):
@@ -96,7 +96,7 @@ def test_a_machine_through_toggles_has_a_bag_of_both_modes(tmp_path):
                                and not name.startswith('points.')})
     found = simulate_scene(there, 1.5, 1e-6)
     assert set(found.run.modes.tolist()) == {3, 4}
-    again = compare(write_bag(found, tmp_path / 'run', id))
+    again = recompute(write_bag(found, tmp_path / 'run', id))
     assert not again.problems() and again.largest == 0.0 and again.inputs == 301
 
 

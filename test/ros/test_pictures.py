@@ -6,8 +6,8 @@ from math import atan2, hypot
 
 from builtin_interfaces.msg import Time
 from fourbar_msgs.msg import Motion
-from fourbar_ros.bag.comparison.recompute import compare
-from fourbar_ros.bag.read.reader import Bag
+from fourbar_ros.bag.recompute import recompute
+from fourbar_ros.bag.reader import Bag
 from fourbar_ros.description.formats import describe
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.ros.node import traces
@@ -142,7 +142,7 @@ def test_the_bag_alone_shows_the_machine(run_node, client, tmp_path):
     assert by_topic['/robot_description'][0].data == describe(from_values(values))
     assert len(by_topic['/tf']) == len(by_topic['/fourbar/markers']) == 20
     assert len(by_topic['/fourbar/traces']) == 1
-    found = compare(path)
+    found = recompute(path)
     assert found.inputs == 20 and max(d.largest for d in found.differences) == 0.0
 
 

@@ -4,9 +4,9 @@
 import math
 
 from fourbar_msgs.msg import Motion
-from fourbar_ros.bag.comparison.recompute import compare
-from fourbar_ros.bag.read.info import info
-from fourbar_ros.bag.read.reader import Bag
+from fourbar_ros.bag.recompute import recompute
+from fourbar_ros.bag.info import info
+from fourbar_ros.bag.reader import Bag
 from rosbags.rosbag2 import Reader
 from support.harness import ALL_OUTPUTS
 from support.samples import some
@@ -27,10 +27,10 @@ def test_a_node_splits_its_bag_by_its_parameters(run_node, client, tmp_path, spl
     path = tmp_path / 'bags/run'
     found = info(path, check=True)
     assert found.is_sound and found.missing == 0 and found.parts >= 3 and info(path).is_sound
-    recomputed = compare(path)
+    recomputed = recompute(path)
     assert not recomputed.problems() and recomputed.inputs > 100 and recomputed.uncertain == 0
     for file in Bag(path).files[:3]:
-        assert not compare(file).problems() and info(file, check=True).is_sound
+        assert not recompute(file).problems() and info(file, check=True).is_sound
     assert (path / 'run_0.mcap').exists() == ('recording.keep' not in split)
     with Reader(path) as reader:
         assert reader.message_count == sum(1 for _ in reader.messages())
@@ -69,7 +69,7 @@ def test_the_driven_joint_is_computed_again_from_what_came_in(run_node, client, 
     assert client.call('start_recording', name='late').success
     step(30)
     assert node.stop() == 0
-    whole, late = compare(tmp_path / 'whole'), compare(tmp_path / 'late')
+    whole, late = recompute(tmp_path / 'whole'), recompute(tmp_path / 'late')
     for found in (whole, late):
         assert not found.problems() and found.largest == 0.0, found
         assert f'{found.inputs} recomputed from /fourbar/input' in found.driven

@@ -17,7 +17,7 @@ from types import SimpleNamespace
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray
 from fourbar_msgs.msg import LinkageLoads, Motion
-from fourbar_ros.bag.comparison.recompute import compare
+from fourbar_ros.bag.recompute import recompute
 from fourbar_ros.description.formats import describe
 from fourbar_ros.description.model import model_of
 from fourbar_ros.ros.clients.client import NoAnswer
@@ -178,7 +178,7 @@ def test_a_bag_of_a_relay_computes_again(run_node, client, tmp_path):
         robot.move('motor', 0.1 + 0.1 * k, 1.0, lambda r: newest(r.answers, r.stamp))
     client.call('stop_recording')
     assert node.stop() == 0
-    found = compare(path)
+    found = recompute(path)
     assert found.inputs >= 10 and not found.unmatched
     assert {d.topic for d in found.differences} >= {'/joint_states', '/fourbar/loads'}
     assert max(d.largest for d in found.differences) == 0.0

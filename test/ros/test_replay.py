@@ -10,9 +10,9 @@ import sys
 import time
 
 from fourbar_msgs.msg import Motion
-from fourbar_ros.bag.comparison.recompute import compare
-from fourbar_ros.bag.read.reader import Bag, records
-from fourbar_ros.bag.write.recorder import BagWriter
+from fourbar_ros.bag.recompute import recompute
+from fourbar_ros.bag.reader import Bag, records
+from fourbar_ros.bag.recorder import BagWriter
 from fourbar_ros.ros.clients.rerun import stamp_of
 from fourbar_ros.ros.messages import resolve
 import pytest
@@ -263,7 +263,7 @@ def test_a_bag_of_rosbag2_drives_a_live_node_from_its_topics(run_node, client, b
         writer.clock.now = lambda raw=raw: raw.time
         writer.write(numbers[raw.topic], raw.data)
     path = writer.close()
-    assert not compare(path).problems()
+    assert not recompute(path).problems()
     run_node(FULL)
     code, said = finished(fourbar('replay', path, '--inputs-only'), client)
     lines = [line.split() for line in said.splitlines() if line.startswith('/')]
@@ -332,7 +332,7 @@ def test_recording_from_the_command_line(run_node, client, tmp_path):
     client.until(lambda: len(client.received['state']) > count + 20, 'samples')
     code, said = finished(fourbar('record', 'stop', '--wait', '120'), client)
     assert code == 0 and said.strip() == str(tmp_path / 'bags/named')
-    found = compare(tmp_path / 'bags/named')
+    found = recompute(tmp_path / 'bags/named')
     assert found.inputs > 20 and max(d.largest for d in found.differences) == 0.0
     code, said = finished(fourbar('record', 'stop', '--wait', '120'), client)
     assert code == 1 and 'not recording' in said

@@ -10,8 +10,8 @@ import shutil
 import subprocess
 import tempfile
 
-from fourbar_ros.bag.read.reader import records
-from fourbar_ros.bag.write.recorder import BagWriter
+from fourbar_ros.bag.reader import records
+from fourbar_ros.bag.recorder import BagWriter
 from fourbar_ros.ros.messages import resolve
 from fourbar_ros.ros.schemas import channel
 from fourbar_ros.scene.topics import DRIVEN, INPUTS, OUTPUTS, SCENE

@@ -18,8 +18,8 @@ import time
 
 from builtin_interfaces.msg import Time
 from fourbar_msgs.msg import LinkageState, Motion
-from fourbar_ros.bag.comparison.recompute import compare
-from fourbar_ros.bag.read.info import info
+from fourbar_ros.bag.recompute import recompute
+from fourbar_ros.bag.info import info
 from fourbar_ros.ros.node import trajectories as points
 from fourbar_ros.scene import scene
 from geometry_msgs.msg import WrenchStamped
@@ -379,7 +379,7 @@ class Soak:
         assert found.ended == ended, found
         assert found.missing == found.dropped, found
         if not found.missing:
-            compared = compare(path)
+            compared = recompute(path)
             assert compared.inputs and not any(d.largest for d in compared.differences), (
                 compared.differences)
         self.messages += sum(topic.messages for topic in found.topics)

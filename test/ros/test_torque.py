@@ -9,9 +9,9 @@ from types import SimpleNamespace
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray
 from fourbar_msgs.msg import DriveState, LinkageState
-from fourbar_ros.bag.comparison.recompute import compare
-from fourbar_ros.bag.read.info import info
-from fourbar_ros.bag.read.reader import Bag
+from fourbar_ros.bag.recompute import recompute
+from fourbar_ros.bag.info import info
+from fourbar_ros.bag.reader import Bag
 from fourbar_ros.dynamics.model.drives import MotorLine
 from fourbar_ros.dynamics.model.equation import Equation
 from fourbar_ros.dynamics.solve.simulate import simulate
@@ -91,7 +91,7 @@ def test_a_motor_turns_the_paper_linkage_as_scipy_says(run_node, client, tmp_pat
     client.until(lambda: len(heard) > 200, 'states of the drive')
     assert node.stop() == 0
     path = tmp_path / 'run'
-    found = compare(path)
+    found = recompute(path)
     assert not found.problems() and found.largest == 0.0 and info(path, check=True).is_sound
     assert 'stepped again from the one before' in found.driven and found.inputs > 100
     there = in_bag(path, '/fourbar/drive_state')
@@ -136,7 +136,7 @@ def test_a_torque_topic_with_gaps_nan_and_jumps(run_node, client, tmp_path):
     assert {m.command for m in heard} <= {0.0, 5.0, 50.0, -50.0, -20.0, 3.0}
     assert all(np.isfinite([m.position, m.velocity, m.acceleration]).all() for m in heard)
     assert 'not finite' in node.said and 'drive.torque_limit' in node.said
-    found = compare(tmp_path / 'run')
+    found = recompute(tmp_path / 'run')
     assert not found.problems() and found.largest == 0.0, found
     assert len(in_bag(tmp_path / 'run', '/fourbar/torque')) >= 7
 
@@ -152,7 +152,7 @@ def test_a_torque_that_changes_as_often_as_samples(run_node, client, tmp_path):
         time.sleep(0.0007)
     client.until(lambda: heard[-1].command == 0.5 or not send(0.5), 'the last torque')
     assert node.stop() == 0
-    found = compare(tmp_path / 'run')
+    found = recompute(tmp_path / 'run')
     assert not found.problems() and found.largest == 0.0
     assert len({m.command for m in in_bag(tmp_path / 'run', '/fourbar/drive_state')}) > 50
 
@@ -173,10 +173,10 @@ def test_a_bag_of_another_motor_is_found_out(run_node, client, tmp_path, monkeyp
     heard = states(client)
     client.until(lambda: len(heard) > 20, 'states')
     assert node.stop() == 0
-    assert not compare(tmp_path / 'run').problems()
+    assert not recompute(tmp_path / 'run').problems()
     monkeypatch.setattr(MotorLine, '__post_init__', lambda line: object.__setattr__(
         line, 'stall_torque', 1.000001 * line.stall_torque))
-    found = compare(tmp_path / 'run')
+    found = recompute(tmp_path / 'run')
     assert {d.field for d in found.differences if d.largest} >= {'position', 'motor_torque'}
 
 
@@ -198,7 +198,7 @@ def test_parameters_change_while_it_runs_and_the_state_goes_on(run_node, client,
     assert node.stop() == 0
     steps = [b.position - a.position for a, b in zip(heard, heard[1:])]
     assert max(map(abs, steps)) < 26.0 * 2 * 0.001       # nowhere a jump
-    assert not compare(tmp_path / 'run').problems()
+    assert not recompute(tmp_path / 'run').problems()
 
 
 def test_the_equation_of_another_scene_is_made_before_it_holds(client, monkeypatch):
@@ -258,7 +258,7 @@ def test_a_released_rocker_swings_through_its_toggles_as_simulate_says(
     client.until(lambda: toggles(heard) > 3 and toggles(outputs) > 3, 'four toggles')
     assert node.stop() == 0
     path = tmp_path / 'run'
-    found = compare(path)
+    found = recompute(path)
     assert not found.problems() and found.largest == 0.0, found
     assert info(path, check=True).is_sound
     there = in_bag(path, '/fourbar/drive_state')
@@ -293,7 +293,7 @@ def test_a_bag_that_begins_anywhere_in_a_swing_recomputes(run_node, client, tmp_
         client.until(lambda: len(heard) > mark + 150, 'states in the bag')
         client.call('stop_recording')
         mark = len(heard)
-        found = compare(bag)
+        found = recompute(bag)
         assert not found.problems() and found.largest == 0.0, found
     assert node.stop() == 0
 
@@ -336,7 +336,7 @@ def test_at_an_end_of_its_stroke_the_input_is_held_until_the_force_pulls_it_back
                              for status in array.status), 'diagnostics that say so')
     assert node.stop() == 0
     assert 'drive: held at a limit' in node.said
-    found = compare(tmp_path / 'run')
+    found = recompute(tmp_path / 'run')
     assert not found.problems() and found.largest == 0.0, found
 
 
@@ -366,7 +366,7 @@ def test_simulated_time_moves_the_state_and_starts_again_when_it_goes_back(run_n
                  'a start in time that goes back')
     assert all(m.position == 0.0 for m in heard[count:] if m.step == 0.0)
     assert node.stop() == 0 and 'went back' in node.said
-    assert not compare(tmp_path / 'run').problems()
+    assert not recompute(tmp_path / 'run').problems()
     start = in_bag(tmp_path / 'run', '/fourbar/drive_state')[0]
     assert start.step == start.position == 0.0
 
@@ -412,7 +412,7 @@ def test_silence_runs_on_simulated_time_that_may_pause_and_go_back(run_node, cli
     client.until(lambda: ticked(None, silent), 'a start in time that goes back')
     assert heard[count].step == 0.0 and node.stop() == 0
     assert {(m.status, m.torque) for m in heard[count:]} == {(silent, 0.0)}
-    found = compare(tmp_path / 'run')
+    found = recompute(tmp_path / 'run')
     assert not found.problems() and found.largest == 0.0, found
 
 

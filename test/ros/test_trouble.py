@@ -17,7 +17,7 @@ import time
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from fourbar_msgs.msg import LinkageState, Motion
-from fourbar_ros.bag.comparison.recompute import compare
+from fourbar_ros.bag.recompute import recompute
 from fourbar_ros.ros.node.quiet_log import QuietLog
 from fourbar_ros.ros.node.sequence import SequenceNumbers
 import pytest
@@ -266,7 +266,7 @@ def test_a_simulation_that_is_reset_by_less_than_the_timeout_has_rates_at_once(
         assert state.omega1 == pytest.approx(2.0, rel=1e-6)
         assert state.alpha1 == pytest.approx(0.0, abs=1e-4)
     assert node.stop() == 0
-    found = compare(tmp_path / 'run')
+    found = recompute(tmp_path / 'run')
     assert not found.problems() and found.largest == 0.0 and found.inputs >= 30
 
 

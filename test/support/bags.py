@@ -3,8 +3,9 @@
 """Bags without ROS: messages made by rosbags, a codec that shares no line with ours."""
 import json
 
-from fourbar_ros.bag.read.reader import Bag
-from fourbar_ros.bag.write.recorder import BagWriter, Channel
+from fourbar_ros.bag.reader import Bag
+from fourbar_ros.bag.metadata import Channel
+from fourbar_ros.bag.recorder import BagWriter
 from fourbar_ros.pipeline.stepper import Stepper
 from fourbar_ros.pipeline.wrenches import Wrench
 from fourbar_ros.scene import scene as scenes
@@ -103,11 +104,10 @@ def copy(bag, directory, name, change):
 
     Return the new bag's path.
     """
-    metadata = Bag(bag).metadata()
-    topics = [told['topic_metadata'] for told in metadata['topics_with_message_count']]
-    writer = BagWriter(directory, name, [channel(t['name'], t['type']) for t in topics],
-                       metadata['custom_data'], sync_period=0.0)
-    numbers = {topic['name']: i for i, topic in enumerate(topics)}
+    old = Bag(bag)
+    writer = BagWriter(directory, name, [channel(*topic) for topic in old.types.items()],
+                       old.about)
+    numbers = {topic: i for i, topic in enumerate(old.types)}
     for raw in Bag(bag).raw():
         writer.write(numbers[raw.topic], bytes(change(raw)))
     return writer.close()
@@ -144,10 +144,10 @@ def run(directory, name, values, cranks, changes=(), step_ns=10**6, paced=False,
     def say_scene():
         writer.write(number['scene'], encode('std_msgs/msg/String', data=json.dumps(scene.values)))
         return Stepper(scene)
-    stepper, changes, begun = say_scene(), dict(changes), writer.clock.now()
+    stepper, changes, begun = say_scene(), dict(changes), writer.clock()
     for k, crank in enumerate(cranks):
         if paced:
-            writer.clock.now = lambda k=k: begun + k * step_ns
+            writer.clock = lambda k=k: begun + k * step_ns
         if k in changes:
             scene = scenes.from_values({**scene.values, **changes[k]})
             stepper = say_scene()

@@ -4,7 +4,7 @@
 import random
 
 from fourbar_msgs.msg import LinkageState, Motion
-from fourbar_ros.bag.comparison.recompute import compare
+from fourbar_ros.bag.recompute import recompute
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.pipeline.stepper import Stepper
 from fourbar_ros.ros.clients.client import name_on
@@ -68,7 +68,7 @@ def check_extrema(client, linkage, expected_of, **request):
 
 def check_bag(folder, its, count):
     """Recompute the bag: every topic is in it, more inputs than ``count``, no difference."""
-    found = compare(folder)
+    found = recompute(folder)
     topics = {name_on('fourbar', topic) if topic.topic[0] == '~' else f'/{topic.topic}'
               for topic in its.topics.values()}
     assert found.inputs > count and found.unmatched == 0

@@ -14,7 +14,7 @@ import time
 from typing import Any
 
 from fourbar_msgs.msg import Extremum
-from fourbar_ros.bag.comparison.recompute import recompute
+from fourbar_ros.bag.recompute import recompute
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.quantities import select
 from fourbar_ros.pipeline.status import STATUS_NAMES
@@ -205,7 +205,7 @@ def check_bag(path: str | Path, console: Console) -> bool:
 
     Returns whether there are outputs and none differs.
     """
-    differences = recompute(path)
+    differences = recompute(path).differences
     messages = {difference.topic: difference.messages for difference in differences}
     worst = max((difference.largest for difference in differences), default=0.0)
     console.print(f'bag recomputed: {sum(messages.values())} outputs on {len(messages)} topics '
@@ -220,8 +220,8 @@ def write_page_of(scene: Scene, extrema: Sequence[Message], bag: Path) -> Path:
 
     It shows the mechanism, its curves with the extrema of the node, and the recorded run.
     """
-    from fourbar_ros.bag.exports import plot
     from fourbar_ros.report import curves, drawing
+    from fourbar_ros.report import recorded as recording
     linkage, speed = scene.linkage, scene.drive.speed
     position = scene.drive.start if linkage.turns_fully else 0.5 * sum(linkage.input_ranges[-1])
     motion = linkage.motion(position, speed, 0.0)
@@ -239,7 +239,7 @@ def write_page_of(scene: Scene, extrema: Sequence[Message], bag: Path) -> Path:
     figures = {'Mechanism': drawing.make_figure(linkage, motion, loads, points=scene.points),
                'Over the input, with all extrema': curves.make_figure(over_input, marks)}
     if recorded:
-        figures['Recorded'] = plot.make_figure(bag, recorded)
+        figures['Recorded'] = recording.make_figure(bag, recorded)
     return drawing.write_page(bag / 'page.html', bag.name, figures)
 
 

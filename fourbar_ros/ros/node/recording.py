@@ -20,7 +20,7 @@ from fourbar_ros.scene.topics import DRIVEN, INPUTS, SCENE
 from rclpy.node import Node
 
 if TYPE_CHECKING:      # only scenes that record need the mcap library
-    from fourbar_ros.bag.write.recorder import BagWriter
+    from fourbar_ros.bag.recorder import BagWriter
 
 SOFTWARE = ('numpy', 'mcap', 'rclpy')       # whose versions a bag keeps, beside our own
 
@@ -58,7 +58,7 @@ class Recording:
     def active(self) -> bool:
         """Return whether messages are being recorded."""
         writer = self._writer
-        return writer is not None and writer.error is None
+        return writer is not None and not writer.error
 
     def begin(self, scene: Scene, start: Callable[[str], object]) -> None:
         """
@@ -66,11 +66,11 @@ class Recording:
 
         If that fails the node runs all the same; the log and the diagnostics give the reason.
         """
-        from fourbar_ros.bag.rosbag2 import free_name
+        from fourbar_ros.bag.metadata import free_name
         log, wanted = self._node.get_logger(), scene.recording.name
         try:
             name = free_name(directory_of(scene), wanted)
-            if name != wanted:
+            if wanted and name != wanted:
                 log.warning(f'{directory_of(scene) / wanted}: exists already; recording to {name}')
             start(name)
         except FourBarError as error:
@@ -92,7 +92,7 @@ class Recording:
 
         """
         try:
-            from fourbar_ros.bag.write.recorder import BagWriter, Split
+            from fourbar_ros.bag.recorder import BagWriter
         except ModuleNotFoundError as error:
             raise MissingPackage('recording', error) from None
         from fourbar_ros.ros.schemas import channel
@@ -119,10 +119,8 @@ class Recording:
                                              scene.dynamics.elements)
         writer = BagWriter(directory_of(scene), name,
                            [channel(topic, names[topic.name]) for topic in topics], about,
-                           tell=self._node.get_logger().error,
-                           split=Split(round(scene.recording.split_size * 1e6),
-                                       scene.recording.split_duration,
-                                       scene.recording.keep, head=topics.index(DRIVEN)))
+                           scene.recording.split_size * 1e6, scene.recording.split_duration,
+                           tell=self._node.get_logger().error)
         return OpenBag(writer, {topic.name: number for number, topic in enumerate(topics)})
 
     def attach(self, bag: OpenBag) -> Path:
@@ -163,6 +161,11 @@ class Recording:
         writer = self._writer            # another thread may stop the recording meanwhile
         if writer and topic in self._channels:
             writer.write(self._channels[topic], data)
+
+    def note(self, key: str, text: str) -> None:
+        """Let later files of a split bag keep another text under a key of their metadata."""
+        if writer := self._writer:
+            writer.note(key, text)
 
     def write_all(self, messages: Iterable[tuple[str, bytes]]) -> None:
         """Record the messages of a step, (topic, bytes), in one call: it costs less than many."""

@@ -87,6 +87,7 @@ class Stream:
             self.pictures.apply(scene, prepared.drawn)
             self._scene_publisher.publish(prepared.data)
             self._recording.write(SCENE.name, prepared.data)
+            self._recording.note(SCENE.name, scene.as_json)
 
     def act(self, link: str, wrench: Wrench, stamp: Time) -> None:
         """Apply a Wrench [N, N m] to a link from the next step on; publish and record it."""

@@ -19,7 +19,7 @@ from fourbar_ros import (
     MovingJointFourBar,
     OutOfRange,
 )
-from fourbar_ros.bag.comparison.recompute import compare
+from fourbar_ros.bag.recompute import recompute
 from fourbar_ros.dynamics import simulate, System
 from fourbar_ros.mechanisms.quantities import known
 from fourbar_ros.report.drawing import make_figure
@@ -185,7 +185,7 @@ def test_a_bag_of_it_recomputes_without_a_difference(joint, tmp_path):
     low, high = MovingJointFourBar(0.4, 1.2, 0.8, 1.0, input=joint).input_ranges[0]
     inputs = [(float(x), 2.0, 0.5) for x in np.linspace(low, high, 50)[1:-1]]
     path = bags.run(tmp_path, 'run', values, inputs)
-    found = compare(path)
+    found = recompute(path)
     assert not found.problems() and len(found.differences) > 60
     assert not any(difference.largest for difference in found.differences)
 

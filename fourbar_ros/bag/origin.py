@@ -12,11 +12,13 @@ import json
 from pathlib import Path
 from typing import NamedTuple
 
-from fourbar_ros.bag import rosbag2
-from fourbar_ros.bag.read.reader import Bag
+from fourbar_ros.bag.metadata import number_of
+from fourbar_ros.bag.reader import Bag
 from fourbar_ros.errors import BagError, FourBarError
 from fourbar_ros.scene.scene import from_values, Scene
 from fourbar_ros.scene.topics import DRIVEN, INPUTS, SCENE
+
+GONE = ('recording.keep',)      # parameters of version 1 on which no value depends
 
 
 class Origin(NamedTuple):
@@ -25,13 +27,14 @@ class Origin(NamedTuple):
 
     ``topics``: {short name of an input or output: topic in the bag}. ``in_order``: messages stand
     in the order in which things happened, as our recorder keeps it; others note messages as they
-    come in.
+    come in. ``is_later``: it is a later file of a split bag, alone.
     """
 
     scene: Scene
     topics: dict[str, str]
     node: str
     in_order: bool
+    is_later: bool
 
 
 def origin_of(path: str | Path | Bag, node: str | None = None) -> Origin:
@@ -41,7 +44,7 @@ def origin_of(path: str | Path | Bag, node: str | None = None) -> Origin:
     ``node``: which one, if the bag has several. Raises BagError if it holds no scene, or several.
     """
     bag = path if isinstance(path, Bag) else Bag(path)
-    about = bag.about()
+    about = bag.about
     try:
         topics = json.loads(about['topics'])
         is_ours = isinstance(topics, dict) and DRIVEN.name in topics and 'scene' in about
@@ -49,16 +52,17 @@ def origin_of(path: str | Path | Bag, node: str | None = None) -> Origin:
         is_ours = False
     if is_ours:
         scene = about['scene']
-        if rosbag2.REPEATS in about:      # a later part of a split bag begins with its own scene
+        if 'repeats' in about:      # version 1 began a later file with the scene in force
             scene = next((record.message.data for record in bag.records([topics.get('scene')])),
                          scene)
-        return Origin(_scene(bag, scene), topics, about.get('node', '/fourbar'), True)
+        return Origin(scene_of(bag, scene), topics, about.get('node', '/fourbar'), True,
+                      number_of(bag.files[0]) > 0)
     return _from_topics(bag, node)
 
 
 def _from_topics(bag: Bag, wanted: str | None) -> Origin:
     """Return the Origin of a bag of ``ros2 bag``: of the node with topics ~/scene and ~/driven."""
-    types = topic_types(bag)
+    types = bag.types
     nodes = sorted(topic.removesuffix('/scene') for topic, type_name in types.items()
                    if type_name == SCENE.type and topic.endswith('/scene')
                    and f'{topic.removesuffix("/scene")}/driven' in types)
@@ -73,25 +77,8 @@ def _from_topics(bag: Bag, wanted: str | None) -> Origin:
     first = next(bag.records([f'{node}/scene']), None)
     if first is None:
         raise BagError(f'{bag.path}: has no message on {node}/scene')
-    scene = _scene(bag, first.message.data)
-    return Origin(scene, _resolved(scene, node, types), node, False)
-
-
-def topic_types(bag: Bag) -> dict[str, str]:
-    """Return {topic: type} of all topics of a bag; a type is empty where its schema is missing."""
-    types: dict[str, str] = {}
-    for part in bag.parts:
-        summary = part.summary()
-        if summary and summary.channels:
-            names = {number: schema.name for number, schema in summary.schemas.items()}
-            types |= {channel.topic: names.get(channel.schema_id, '')
-                      for channel in summary.channels.values()}
-        else:                       # not finished: reading all chunks meets all channels
-            for _ in part.chunks():
-                pass
-            types |= {channel.topic: part.type_if_known(number)
-                      for number, channel in part.channels.items()}
-    return types
+    scene = scene_of(bag, first.message.data)
+    return Origin(scene, _resolved(scene, node, types), node, False, False)
 
 
 def _resolved(scene: Scene, node: str, types: Mapping[str, str]) -> dict[str, str]:
@@ -115,9 +102,12 @@ def _resolved(scene: Scene, node: str, types: Mapping[str, str]) -> dict[str, st
     return topics
 
 
-def _scene(bag: Bag, text: str) -> Scene:
+def scene_of(bag: Bag, text: str) -> Scene:
     """Return the Scene of a JSON text in a bag; BagError if it has none of ours."""
     try:
-        return from_values(json.loads(text))
+        values = json.loads(text)
+        for name in GONE:
+            values.pop(name, None)
+        return from_values(values)
     except (ValueError, TypeError, AttributeError, RecursionError, FourBarError) as error:
         raise BagError(f'{bag.path}: its scene cannot be read: {error}') from None

@@ -1,0 +1,127 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Compare two bags message by message: the same stamp on the same topic is the same message."""
+from __future__ import annotations
+
+from collections.abc import Sequence
+import json
+from math import inf
+from pathlib import Path
+from typing import NamedTuple
+
+from fourbar_ros.bag.reader import Bag, Columns, Progress
+from fourbar_ros.bag.recompute import largest_difference
+from fourbar_ros.errors import BagError
+from fourbar_ros.numerics.arrays import Array
+import numpy as np
+
+
+class TopicDiff(NamedTuple):
+    """
+    One topic in both bags.
+
+    ``messages`` are in both; ``largest`` is {field: largest difference}, infinite for texts and
+    for fields that only one of two messages has. If scenes differ, their parameters stand in place
+    of the field.
+    """
+
+    topic: str
+    messages: int
+    only_first: int
+    only_second: int
+    largest: dict[str, float]
+
+    def is_same(self, tolerance: float = 0.0) -> bool:
+        """Return whether all messages are in both bags and no field differs by more."""
+        return (not self.only_first and not self.only_second
+                and max(self.largest.values(), default=0.0) <= tolerance)
+
+
+def diff(first: str | Path, second: str | Path, topics: Sequence[str] | None = None,
+         progress: Progress | None = None) -> list[TopicDiff]:
+    """
+    Return a :class:`TopicDiff` for every topic in either bag, or only for ``topics``.
+
+    Messages are matched by the stamp of their header, those of equal stamp in their order.
+    Messages without a stamp, or with stamp 0, are matched by their place in the topic.
+    ``progress`` is called with the bytes read of the first bag, once more for every topic.
+    """
+    bags = Bag(first), Bag(second)
+    names = sorted({topic for bag in bags for topic in bag.types})
+    for topic in topics or ():
+        if topic not in names:
+            raise BagError(f'{topic}: in neither bag; they have {", ".join(names)}')
+    found = []
+    for topic in topics or names:
+        parts = [list(bag.columns([topic], progress if bag is bags[0] else None)) for bag in bags]
+        for bag in bags:
+            if bag.damage:
+                raise BagError(f'{bag.path}: {bag.damage[0]}')
+        found.append(_of_topic(topic, *parts))
+    return found
+
+
+def _of_topic(topic: str, first: Sequence[Columns], second: Sequence[Columns]) -> TopicDiff:
+    """Compare the messages of a topic."""
+    largest: dict[str, float] = {}
+    of_first, of_second = _keyed(first), _keyed(second)
+    common = of_first.keys() & of_second.keys()
+    rows: dict[tuple[int, int], list[tuple[int, int]]] = {}     # by the columns on both sides
+    for key in common:
+        (i, row), (j, other) = of_first[key], of_second[key]
+        rows.setdefault((i, j), []).append((row, other))
+    for (i, j), pairs in rows.items():
+        one, two = np.array(pairs).T
+        for field, apart in _differences(first[i].records[one], second[j].records[two]).items():
+            largest[field] = max(largest.get(field, 0.0), apart)
+    return TopicDiff(topic, len(common), len(of_first) - len(common),
+                     len(of_second) - len(common), largest)
+
+
+def _keyed(parts: Sequence[Columns]) -> dict[tuple[int, int], tuple[int, int]]:
+    """Return {(stamp [ns], how many had it before): (number of the columns, row)}."""
+    found: dict[tuple[int, int], tuple[int, int]] = {}
+    seen: dict[int, int] = {}
+    for number, columns in enumerate(parts):
+        stamps = columns.stamps
+        for row, stamp in enumerate([0] * len(columns.times) if stamps is None
+                                    else stamps.tolist()):
+            found[stamp, seen.get(stamp, 0)] = number, row
+            seen[stamp] = seen.get(stamp, 0) + 1
+    return found
+
+
+def _differences(one: Array, two: Array) -> dict[str, float]:
+    """Return the largest difference of each field of matched messages, row by row."""
+    fields, others = one.dtype.names or (), two.dtype.names or ()
+    largest: dict[str, float] = {}
+    for field in dict.fromkeys((*fields, *others)):
+        if field not in fields or field not in others:
+            largest[field] = inf
+            continue
+        largest[field] = largest_difference(one[field], two[field])
+        if largest[field] and one[field].dtype.kind == 'S':
+            parameters = _parameter_differences(one[field], two[field])
+            if parameters is not None:
+                del largest[field]
+                largest.update(parameters)
+    return largest
+
+
+def _parameter_differences(one: Array, two: Array) -> dict[str, float] | None:
+    """Return {parameter: largest difference} of scenes, which are JSON; None of other texts."""
+    largest: dict[str, float] = {}
+    for pair in zip(one.tolist(), two.tolist()):
+        try:
+            a, b = map(json.loads, pair)
+            for name in sorted(a.keys() | b.keys()):
+                values = [np.array(texts.get(name)) for texts in (a, b)]
+                if values[0].dtype.kind not in 'biuf' or values[1].dtype.kind not in 'biuf':
+                    apart = 0.0 if a.get(name) == b.get(name) else inf
+                else:
+                    apart = largest_difference(*values)
+                if apart:
+                    largest[name] = max(largest.get(name, 0.0), apart)
+        except (ValueError, AttributeError):
+            return None
+    return largest

@@ -1,0 +1,138 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Step a drive again from each of its recorded states to the next, as the node's mover does."""
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from math import inf, isfinite, isnan
+from typing import Any, Union
+
+from fourbar_ros.dynamics.step.mover import DriveValues, KEY, Mover, name_of, OK, SILENT
+from fourbar_ros.scene.scene import Scene
+from fourbar_ros.scene.topics import TORQUE
+
+MoverOf = Callable[[Scene, Union[int, None]], Mover]      # as mover_of()
+
+
+def mover_of(scene: Scene, mode: int | None = None) -> Mover:
+    """Return the integrator of a scene driven by torque, of a mode beyond a toggle if given."""
+    return scene.mover if mode is None else scene.mover_in(mode)
+
+
+class DriveStates:
+    """
+    Compares the recorded states of a drive with steps from the state before.
+
+    If another version of the integrator made the bag, accelerations and torques alone are computed
+    again, from the states. Next to a toggle, input and rate do not determine the state; a mover
+    that came there by its own steps knows it. If a bag begins there, the states up to the first
+    one past the toggle are not compared. ``about``: custom_data of the bag; ``moved_by`` makes the
+    mover that steps again, from a scene and a mode (None: its own).
+
+    Attributes
+    ----------
+    largest : dict
+        {field: largest difference}.
+    stepped, alone, unknown : int
+        States that were stepped again from the one before; that had none, at a start, after a gap,
+        or from another integrator; that were not compared, as the bag begins next to a toggle.
+
+    """
+
+    def __init__(self, scene: Scene, about: Mapping[str, str], moved_by: MoverOf = mover_of
+                 ) -> None:
+        """Begin before the first message, with no state to step from."""
+        drive = scene.dynamics and scene.dynamics.drive
+        self._moved_by = moved_by
+        self._has_our_integrator = about.get(KEY) == name_of(scene.linkage,
+                                                             drive.source if drive else None)
+        self.largest: dict[str, float] = {}
+        self.stepped = self.alone = self.unknown = 0
+        self._before: DriveValues | None = None     # None: there is none to step from
+        self._mode = self._stamp = 0                # of the state before; stamp in ns
+        self._torque: float | None = None           # of the newest message; None: not known
+        self.change(scene)
+
+    @property
+    def compared(self) -> int:
+        """Return how many states were compared."""
+        return self.stepped + self.alone
+
+    def change(self, scene: Scene) -> None:
+        """Take another scene; the state stays."""
+        self._scene, self._mover = scene, self._moved_by(scene, None)
+        self._movers: dict[int, Mover] = {}              # by mode
+
+    def command(self, message: Any) -> None:
+        """Take a message of the torque topic, cut to the torque limit as the node does."""
+        limit = self._scene.drive.torque_limit
+        limit = inf if isnan(limit) else limit
+        is_slide = self._scene.linkage.is_driven_by_slide
+        torque = message.wrench.force.x if is_slide else message.wrench.torque.z
+        if isfinite(torque):
+            self._torque = min(max(torque, -limit), limit)
+
+    def take(self, stamp: int, message: Any) -> None:
+        """Compare a state, with its stamp [ns], with a step from the one before or by itself."""
+        values = DriveValues(*(getattr(message, name) for name in DriveValues._fields))
+        status, mode = message.status, message.mode
+        self._note('command', self._command_difference(status, values.command))
+        # the stamps are a step apart: no message between them is missing
+        follows = 0.5 < (stamp - self._stamp) * 1e-9 / (values.step or inf) < 1.5
+        known: DriveValues | None = values
+        if self._before is not None and follows and self._has_our_integrator:
+            expected_status, expected = self._mover.next(
+                self._before, values.step, values.command, status == SILENT, self._mode)
+            self._note('status', 0.0 if expected_status == status else inf)
+            self._note('mode', 0.0 if self._mover.mode == mode else inf)
+            self.stepped += 1
+            if self._note_values(values, expected) == 0.0:
+                known = expected     # the mover also keeps what a message next to a toggle lacks
+        elif self._has_our_integrator and values.step and not self._mover.tells_all(
+                self._mover.place(self._mover.state(values), mode)):
+            known = None
+            self.unknown += 1
+        else:
+            if mode not in self._movers:
+                self._movers[mode] = self._moved_by(self._scene, mode)
+            mover = self._movers[mode]
+            self._note_values(values, mover.values(mover.place(mover.state(values)), values.step,
+                                                   values.command, values.evaluations))
+            self.alone += 1
+        self._before, self._mode, self._stamp = known, mode, stamp
+
+    def _note_values(self, values: DriveValues, expected: DriveValues) -> float:
+        """Note the differences of all values; return the largest."""
+        apart = [_distance(*pair) for pair in zip(values, expected)]
+        for field, difference in zip(DriveValues._fields, apart):
+            self._note(field, difference)
+        return max(apart)
+
+    def _command_difference(self, status: int, command: float) -> float:
+        """
+        Return |torque in effect - torque by the topic and its policy| [N m]; 0 if not known.
+
+        ``command`` is recorded with each state; NaN for a drive without a torque topic.
+        """
+        if self._scene.drive.source != TORQUE.name:
+            return 0.0 if isnan(command) else inf
+        has_zero = self._scene.drive.when_silent == 'zero'
+        if status == SILENT and has_zero:
+            return _distance(command, 0.0)
+        if self._torque is None:                         # sent before the bag began
+            return 0.0
+        # At a limit or out of budget the status says that, though the topic may be silent too.
+        may_be_silent = has_zero and status not in (OK, SILENT)
+        return min(_distance(command, self._torque),
+                   _distance(command, 0.0) if may_be_silent else inf)
+
+    def _note(self, field: str, difference: float) -> None:
+        """Keep a difference of a field if it is the largest so far."""
+        self.largest[field] = max(self.largest.get(field, 0.0), difference)
+
+
+def _distance(a: float, b: float) -> float:
+    """Return |a - b|; NaN equals NaN and is infinitely far from a number."""
+    if a == b or (isnan(a) and isnan(b)):
+        return 0.0
+    return inf if isnan(a - b) else abs(a - b)

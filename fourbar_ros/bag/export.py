@@ -1,0 +1,131 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Write the numbers in a bag as tables: CSV, NumPy (.npz) or Parquet."""
+from __future__ import annotations
+
+from collections.abc import Callable, Collection
+import csv
+from pathlib import Path
+import shutil
+import tempfile
+from typing import Any
+
+from fourbar_ros.bag.reader import Bag, Columns, Progress
+from fourbar_ros.errors import BagError
+from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.optional import MissingPackage
+import numpy as np
+
+FORMATS = ('csv', 'npz', 'parquet')
+Table = dict[str, Array]
+
+
+def export(path: str | Path, out: str | Path, kind: str | None = None,
+           topics: Collection[str] | None = None, progress: Progress | None = None
+           ) -> dict[str, int]:
+    """
+    Write each topic of a bag as a table; return {table: rows}.
+
+    ``out``: a new folder for tables, a new .npz file for all, or a new .csv or .parquet file for
+    one topic; ``kind``: one of FORMATS, by default by the ending of ``out``, csv for a folder. The
+    columns are log_time [ns], header.stamp [ns] and the fields, an array's one by one, but not
+    arrays of bytes. ``out`` stands there only when it is complete. Raises BagError; MissingPackage without pyarrow.
+    """
+    bag, out = Bag(path), Path(out)
+    ending = out.suffix.removeprefix('.')
+    kind = kind or (ending if ending in FORMATS else 'csv')
+    names = list(topics or bag.types)
+    for topic in names:
+        if topic not in bag.types:
+            raise BagError(f'{topic}: not in the bag; it has {", ".join(sorted(bag.types))}')
+    is_file = ending == kind
+    if is_file and kind != 'npz' and len(names) != 1:
+        raise BagError(f'{out}: a .{kind} file holds one topic; name it, or give a folder')
+    if out.exists():
+        raise BagError(f'{out}: exists already')
+    tables = _tables(bag, names, progress)
+    if bag.damage:
+        raise BagError(f'{bag.path}: {bag.damage[0]}; fourbar bag recover keeps the rest')
+    try:
+        out.parent.mkdir(parents=True, exist_ok=True)
+        folder = Path(tempfile.mkdtemp(prefix=f'.{out.name}.', dir=out.parent))
+        folder.chmod(0o755)
+    except OSError as error:
+        raise BagError(f'{out}: {error.strerror}') from None
+    try:
+        if kind == 'npz':
+            arrays: Any = {f'{name}/{column}': values for name, table in tables.items()
+                           for column, values in table.items()}
+            np.savez(folder / 'all.npz', **arrays)
+        else:
+            for name, table in tables.items():
+                _WRITERS[kind](folder / f'{name}.{kind}', table)
+        (next(folder.iterdir()) if is_file else folder).rename(out)
+    except OSError as error:
+        raise BagError(f'{out}: {error.strerror}') from None
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+    return {name: len(table['log_time']) for name, table in tables.items()}
+
+
+def _tables(bag: Bag, topics: Collection[str], progress: Progress | None) -> dict[str, Table]:
+    """Return {table: its columns}; ``fourbar.state`` is the topic /fourbar/state."""
+    parts: dict[str, list[Table]] = {}
+    for columns in bag.columns(topics, progress):
+        parts.setdefault(columns.topic, []).append(table_of(columns))
+    return {topic.strip('/').replace('/', '.'): _joined(tables) for topic, tables in parts.items()}
+
+
+def table_of(columns: Columns) -> Table:
+    """Return the columns of messages: log time, stamp, each number and each text."""
+    table, stamps = {'log_time': columns.times}, columns.stamps
+    # of a JointState: position[crank]; without names, or if they change, position[0]
+    joints = [columns.records[field][0].decode() for field in columns.records.dtype.names or ()
+              if field.startswith('name[') and len(set(columns.records[field].tolist())) == 1]
+    if stamps is not None:
+        table['header.stamp'] = stamps
+    for field in columns.records.dtype.names or ():
+        values = columns.records[field]
+        if field.startswith('header.stamp.') or (values.ndim > 1 and values.dtype.itemsize == 1):
+            continue            # bytes of a picture are no columns
+        if values.dtype.kind == 'S':
+            table[field] = np.array([text.decode(errors='replace') for text in values.tolist()])
+        elif values.ndim == 1:
+            table[field] = values
+        else:
+            names = joints if len(joints) == values.shape[1] else range(values.shape[1])
+            table |= {f'{field}[{name}]': values[:, i] for i, name in enumerate(names)}
+    return table
+
+
+def _joined(parts: list[Table]) -> Table:
+    """Return tables below each other, by log times; NaN or '' where one lacks a column."""
+    names = list(dict.fromkeys(name for part in parts for name in part))
+    joined = {}
+    for name in names:
+        some = next(part[name] for part in parts if name in part)
+        nothing = np.full(1, '' if some.dtype.kind == 'U' else np.nan)
+        joined[name] = np.concatenate([part.get(name, np.repeat(nothing, len(part['log_time'])))
+                                       for part in parts])
+    order = np.argsort(joined['log_time'], kind='stable')
+    return {name: values[order] for name, values in joined.items()}
+
+
+def _write_csv(path: Path, table: Table) -> None:
+    with open(path, 'x', newline='', encoding='utf-8') as file:
+        writer = csv.writer(file)
+        writer.writerow(table)
+        writer.writerows(zip(*(values.tolist() for values in table.values())))
+
+
+def _write_parquet(path: Path, table: Table) -> None:
+    try:
+        import pyarrow as pa
+        from pyarrow import parquet
+    except ModuleNotFoundError as error:
+        raise MissingPackage('parquet', error) from None
+    parquet.write_table(pa.table(table), path)
+
+
+_WRITERS: dict[str, Callable[[Path, Table], None]] = {'csv': _write_csv,
+                                                      'parquet': _write_parquet}

@@ -1,0 +1,137 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Topics, times and state of a bag, and whether it is sound."""
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+from typing import NamedTuple
+
+from fourbar_ros.bag.origin import origin_of
+from fourbar_ros.bag.reader import Bag, Progress
+from fourbar_ros.scene.files import as_text
+
+
+class TopicInfo(NamedTuple):
+    """A topic: messages in the bag; those missing by sequence numbers, None if nobody looked."""
+
+    topic: str
+    type: str
+    messages: int
+    missing: int | None
+
+
+class Info(NamedTuple):
+    """
+    A bag in short.
+
+    Attributes
+    ----------
+    path : Path
+    is_finished : bool
+        Whether it has its end: not after a crash, nor while it is being written.
+    size, files : int
+        Bytes of all files, number of files.
+    start, end : int or None
+        Log times of the first and the last message [ns].
+    topics : list of TopicInfo
+    about : dict
+        What the recorder noted: scene, software, units, ...
+    damage : str
+        Empty, or the first fault and how many there are; a finished bag that was not read is
+        taken for whole.
+
+    """
+
+    path: Path
+    is_finished: bool
+    size: int
+    files: int
+    start: int | None
+    end: int | None
+    topics: list[TopicInfo]
+    about: dict[str, str]
+    damage: str
+
+    @property
+    def ended(self) -> str:
+        """Return why the recording ended, if the bag states it."""
+        return self.about.get('ended', '')
+
+    @property
+    def dropped(self) -> int:
+        """Return how many messages the recorder had to drop, by its own notes."""
+        noted = self.about.get('dropped', '0')
+        return int(noted) if noted.isdecimal() else 0
+
+    @property
+    def missing(self) -> int:
+        """Return how many messages are missing by their sequence numbers."""
+        return sum(topic.missing or 0 for topic in self.topics)
+
+    @property
+    def is_sound(self) -> bool:
+        """Return whether the bag is finished, undamaged and lacks no message that is known."""
+        return self.is_finished and not (self.damage or self.missing or self.dropped)
+
+
+def info(path: str | Path, check: bool = False, progress: Progress | None = None) -> Info:
+    """
+    Return the :class:`Info` of a bag.
+
+    A finished bag is only asked for the numbers at its end; with ``check``, or if it has none,
+    every message is read. ``progress`` is called with the number of bytes read.
+    """
+    bag = Bag(path)
+    if check or not bag.is_finished:
+        topics, times = _by_reading(bag, progress)
+        if check:
+            bag.check()
+    else:
+        topics, times = _by_summaries(bag)
+    damage = bag.damage[0] if bag.damage else ''
+    if len(bag.damage) > 1:
+        damage += f', and {len(bag.damage) - 1} more places'
+    return Info(bag.path, bag.is_finished, bag.size, len(bag.files), min(times, default=None),
+                max(times, default=None), topics, bag.about, damage)
+
+
+def _by_summaries(bag: Bag) -> tuple[list[TopicInfo], list[int]]:
+    """Return topics and log times by the statistics at the end of each file."""
+    counts: Counter[str] = Counter()
+    times: list[int] = []
+    for summary in bag.summaries:
+        statistics = summary.statistics if summary else None
+        if summary and statistics:
+            for number, channel in summary.channels.items():
+                counts[channel.topic] += statistics.channel_message_counts.get(number, 0)
+            if statistics.message_count:
+                times += statistics.message_start_time, statistics.message_end_time
+    return [TopicInfo(topic, type_name, counts[topic], None)
+            for topic, type_name in bag.types.items()], times
+
+
+def _by_reading(bag: Bag, progress: Progress | None) -> tuple[list[TopicInfo], list[int]]:
+    """Return topics and log times by reading every message; count gaps in the numbers."""
+    counts: Counter[str] = Counter()
+    missing: Counter[str] = Counter()
+    last: dict[str, int] = {}
+    start = end = None
+    for raw in bag.raw(progress=progress):
+        gap = (raw.sequence - last.get(raw.topic, raw.sequence - 1) - 1) & 0xFFFFFFFF
+        missing[raw.topic] += gap if gap < 1 << 31 else 0       # numbers of 32 bits go round
+        counts[raw.topic] += 1
+        last[raw.topic] = raw.sequence
+        start = raw.time if start is None else min(start, raw.time)
+        end = raw.time if end is None else max(end, raw.time)
+    return [TopicInfo(topic, type_name, counts[topic], missing[topic])
+            for topic, type_name in bag.types.items()], [
+                time for time in (start, end) if time is not None]
+
+
+def parameter_file(path: str | Path, source: str, node: str | None = None) -> str:
+    """Return the scene of a bag as the text of a ROS 2 parameter file, driven by ``source``."""
+    values = {name: value for name, value in origin_of(path, node).scene.values.items()
+              if value == value and value not in ('', [])}
+    values.update({'drive.source': source, 'recording.start': False})
+    return as_text(values)

@@ -1,0 +1,143 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Where the fields of serialised messages are, so that numpy reads many at once.
+
+``rosbags`` decodes one message at a time; an array of messages of equal layout takes a tenth of
+that for each.
+"""
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any, Literal
+
+from fourbar_ros.errors import BagError
+from fourbar_ros.numerics.arrays import Array
+import numpy as np
+from rosbags.interfaces import Nodetype
+from rosbags.typesys.store import Typestore
+
+HEADER = 4          # [bytes] before the data of a message
+MOST = 100_000      # fields in a message: a wrong length must not fill the memory
+_OTHER_NAMES = {'bool': '?', 'byte': 'u1', 'octet': 'u1', 'char': 'u1'}
+
+
+class Layout:
+    """
+    The fields of one serialised message and of all that have texts and sequences of its lengths.
+
+    Attributes
+    ----------
+    dtype : numpy dtype
+        One field for each number, text or array of numbers. It is named by its path:
+        ``header.stamp.sec``, ``position``, ``name[0]``.
+
+    """
+
+    def __init__(self, store: Typestore, type_name: str, data: bytes) -> None:
+        """Walk through a message by its definition; raises BagError if they do not fit."""
+        self._store, self._data, self._at = store, data, HEADER
+        if len(data) < HEADER or data[0] or data[1] > 1:
+            raise BagError(f'{type_name}: not a CDR message')
+        self._order: Literal['<', '>'] = '<' if data[1] else '>'
+        # (begin, end) of the bytes that all messages of the layout share: byte order, lengths
+        self._shared = [(0, 2)]
+        self._fields: dict[str, tuple[Any, int]] = {}       # {path: (format, offset)}
+        try:
+            self._walk(type_name, '')
+            if self._at > len(data):
+                raise IndexError
+        except (IndexError, KeyError, ValueError):
+            raise BagError(f'{type_name}: a message does not fit its definition') from None
+        formats, offsets = zip(*self._fields.values()) if self._fields else ((), ())
+        self.dtype = np.dtype({'names': list(self._fields), 'formats': list(formats),
+                               'offsets': list(offsets), 'itemsize': len(data)})
+
+    def matching(self, block: Array) -> Array:
+        """Return which rows of a block of messages, uint8 of shape (n, size), have this layout."""
+        good = np.ones(len(block), bool)
+        for begin, end in self._shared:
+            own = np.frombuffer(self._data, np.uint8, end - begin, begin)
+            good &= (block[:, begin:end] == own).all(axis=1)
+        return good
+
+    def _walk(self, type_name: str, path: str) -> None:
+        """Read a message at the current byte."""
+        for name, (kind, what) in self._store.fielddefs[type_name][1]:
+            self._field(kind, what, path + name)
+
+    def _field(self, kind: Nodetype, what: Any, path: str) -> None:
+        """Read one field; ``kind`` and ``what`` as in the field definitions of rosbags."""
+        if len(self._fields) > MOST:
+            raise IndexError
+        if kind == Nodetype.NAME:
+            self._walk(what, f'{path}.')
+        elif kind == Nodetype.BASE:
+            self._base(what[0], path, None)
+        else:
+            (kind_of_one, one), count = what
+            if kind == Nodetype.SEQUENCE:
+                count = self._length()
+            if kind_of_one == Nodetype.BASE and 'string' not in one[0]:
+                self._base(one[0], path, count)
+            else:
+                for place in range(count):
+                    self._field(kind_of_one, one, f'{path}[{place}]')
+
+    def _base(self, kind: str, path: str, count: int | None) -> None:
+        """Read a number, an array of ``count`` numbers, or a text."""
+        if kind == 'string':
+            length = self._length()
+            self._fields[path] = f'S{max(length - 1, 0)}', self._at     # without its final zero
+            self._at += length
+            return
+        dtype = np.dtype(_OTHER_NAMES.get(kind, kind)).newbyteorder(self._order)
+        if count != 0:
+            self._align(dtype.itemsize)
+        self._fields[path] = dtype if count is None else (dtype, (count,)), self._at
+        self._at += dtype.itemsize * (1 if count is None else count)
+        if self._at > len(self._data):
+            raise IndexError
+
+    def _length(self) -> int:
+        """Read the length of a text or sequence: other lengths are another layout."""
+        self._align(4)
+        begin, self._at = self._at, self._at + 4
+        self._shared.append((begin, self._at))
+        length = int.from_bytes(self._data[begin:self._at],
+                                'little' if self._order == '<' else 'big')
+        if length > len(self._data):
+            raise IndexError
+        return length
+
+    def _align(self, size: int) -> None:
+        self._at += -(self._at - HEADER) % size
+
+
+class Layouts:
+    """The layouts of one type that were met so far."""
+
+    def __init__(self, store: Typestore, type_name: str) -> None:
+        self._store, self._type = store, type_name
+        self._known: list[Layout] = []
+
+    def arrays(self, messages: Sequence[bytes]) -> Iterator[tuple[Array, Array]]:
+        """
+        Yield (rows, records) of serialised messages, layout by layout.
+
+        ``rows`` are their places in the list, ascending; ``records`` is a structured array.
+        """
+        sizes = np.fromiter(map(len, messages), np.int64, len(messages))
+        for size in np.unique(sizes).tolist():
+            rows = np.flatnonzero(sizes == size)
+            block: Array = np.frombuffer(b''.join([messages[row] for row in rows]),
+                                         np.uint8).reshape(len(rows), size)
+            while len(rows):
+                layout = next((known for known in self._known if known.dtype.itemsize == size
+                               and known.matching(block[:1])[0]), None)
+                if layout is None:
+                    layout = Layout(self._store, self._type, block[0].tobytes())
+                    self._known.append(layout)
+                good = layout.matching(block)
+                yield rows[good], np.ascontiguousarray(block[good]).view(layout.dtype)[:, 0]
+                rows, block = rows[~good], block[~good]

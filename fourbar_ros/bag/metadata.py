@@ -1,0 +1,183 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Bags as rosbag2 of Jazzy lays them out: a folder, its files, metadata of version 9.
+
+The folder NAME holds NAME_0.mcap, NAME_1.mcap, ... and metadata.yaml, whose content each file
+also holds for itself. (``rosbags`` writes the same only when a bag is closed.)
+"""
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+import os
+from pathlib import Path
+import time
+from typing import Any, NamedTuple
+
+from fourbar_ros.errors import BagError
+import yaml
+
+RECORD, KEY = 'rosbag2', 'serialized_metadata'      # of the metadata record in a file
+QOS, HASH = 'offered_qos_profiles', 'topic_type_hash'       # of the metadata of a channel
+NOT_STARTED = 2**63 - 1     # rosbag2's starting time of a bag without messages
+FOREVER = {'sec': 9223372036, 'nsec': 854775807}            # its "no deadline"
+Metadata = dict[str, Any]
+
+
+class Channel(NamedTuple):
+    """A topic to record: name, type, text and hash of its definition, queue depth, latched."""
+
+    topic: str
+    type: str
+    schema: str
+    hash: str
+    depth: int
+    latched: bool = False
+
+    @property
+    def metadata(self) -> dict[str, str]:
+        """Return the metadata of the channel in a file: quality of service, type hash."""
+        qos = {'history': 'keep_last', 'depth': self.depth, 'reliability': 'reliable',
+               'durability': 'transient_local' if self.latched else 'volatile',
+               'deadline': FOREVER, 'lifespan': FOREVER, 'liveliness': 'automatic',
+               'liveliness_lease_duration': FOREVER, 'avoid_ros_namespace_conventions': False}
+        return {QOS: dumped([qos]), HASH: self.hash}
+
+
+class TopicCount(NamedTuple):
+    """A topic in a file: name, type, encoding, metadata of its channel, number of messages."""
+
+    topic: str
+    type: str
+    encoding: str
+    metadata: Mapping[str, str]
+    messages: int
+
+
+class _Plain(getattr(yaml, 'CSafeDumper', yaml.SafeDumper)):    # type: ignore[misc] # C's if any
+
+    def ignore_aliases(self, data: Any) -> bool:
+        return True         # rosbag2 reads none: equal profiles are written out twice
+
+
+def dumped(value: Any) -> str:
+    """Return a value as YAML."""
+    return yaml.dump(value, Dumper=_Plain, sort_keys=False, width=2**30)
+
+
+def of_file(name: str, topics: Sequence[TopicCount], span: tuple[int, int] | None,
+            about: Mapping[str, str]) -> Metadata:
+    """
+    Return the metadata of a file as rosbag2 writes it.
+
+    ``span``: log times of its first and last message [ns], None without messages; ``about``: its
+    custom_data.
+    """
+    start, end = span or (NOT_STARTED, NOT_STARTED)
+    begin, duration = {'nanoseconds_since_epoch': start}, {'nanoseconds': end - start}
+    count = sum(topic.messages for topic in topics)
+    return {
+        'version': 9, 'storage_identifier': 'mcap', 'duration': duration, 'starting_time': begin,
+        'message_count': count,
+        'topics_with_message_count': [
+            {'topic_metadata': {
+                'name': topic.topic, 'type': topic.type, 'serialization_format': topic.encoding,
+                'offered_qos_profiles': yaml.safe_load(topic.metadata.get(QOS) or '[]'),
+                'type_description_hash': topic.metadata.get(HASH, '')},
+             'message_count': topic.messages} for topic in topics],
+        'compression_format': '', 'compression_mode': '', 'relative_file_paths': [name],
+        'files': [{'path': name, 'starting_time': begin, 'duration': duration,
+                   'message_count': count}],
+        'custom_data': dict(about), 'ros_distro': os.environ.get('ROS_DISTRO', 'jazzy')}
+
+
+def of_bag(files: Sequence[Metadata]) -> Metadata:
+    """Return the metadata of a split bag from those of its files, in order."""
+    if len(files) == 1:
+        return files[0]
+    parts = [part for file in files for part in file['files']]
+    begun = [part for part in parts if part['message_count']] or parts[:1]
+    starts = [part['starting_time']['nanoseconds_since_epoch'] for part in begun]
+    end = max(start + part['duration']['nanoseconds'] for start, part in zip(starts, begun))
+    topics: dict[str, Metadata] = {}
+    for topic in (topic for file in files for topic in file['topics_with_message_count']):
+        name = topic['topic_metadata']['name']
+        before = topics[name]['message_count'] if name in topics else 0
+        topics[name] = {**topic, 'message_count': before + topic['message_count']}
+    return {**files[-1], 'starting_time': {'nanoseconds_since_epoch': min(starts)},
+            'duration': {'nanoseconds': end - min(starts)},
+            'message_count': sum(file['message_count'] for file in files),
+            'topics_with_message_count': list(topics.values()), 'files': parts,
+            'relative_file_paths': [part['path'] for part in parts],
+            'custom_data': {**files[-1]['custom_data'], 'scene': files[0]['custom_data']['scene']}
+            if 'scene' in files[0]['custom_data'] else files[-1]['custom_data']}
+
+
+def write(folder: Path, metadata: Metadata) -> None:
+    """Write metadata.yaml by a rename: whenever it is read, it is the old or the new one."""
+    part = folder / 'metadata.yaml.part'
+    part.write_text(dumped({'rosbag2_bagfile_information': metadata}), encoding='utf-8')
+    part.replace(folder / 'metadata.yaml')
+
+
+# --- names and files -----------------------------------------------------------------------------
+
+def checked_name(name: Any) -> str:
+    """Return the name of a bag; raises BagError if it could lead out of the recording folder."""
+    if (not isinstance(name, str) or name in ('.', '..') or '/' in name
+            or not (name + 'x').isprintable()):
+        raise BagError(f'bag name {name!r}: must be a plain name inside the recording directory')
+    return name
+
+
+def fresh_name() -> str:
+    """Return a name from the clock with milliseconds: fourbar_2026_11_23-18_26_05_123."""
+    seconds, rest = divmod(time.time_ns(), 10**9)
+    return time.strftime('fourbar_%Y_%m_%d-%H_%M_%S', time.localtime(seconds)) \
+        + f'_{rest // 10**6:03d}'
+
+
+def free_name(directory: Path, name: str) -> str:
+    """Return ``name`` or, if a bag has it, NAME_2, NAME_3, ...; empty: one from the clock."""
+    free = name = checked_name(name) or fresh_name()
+    number = 1
+    while os.path.lexists(directory / free):
+        number += 1
+        free = f'{name}_{number}'
+    return free
+
+
+def files_of(path: Path) -> list[Path]:
+    """
+    Return the .mcap files of a bag in order: one file, or NAME_0.mcap, NAME_1.mcap, ... .
+
+    The folder decides, not metadata.yaml: after a crash that may lack the newest file.
+    """
+    if path.is_file():
+        return [path]
+    if not path.exists():
+        raise BagError(f'{path}: no such bag')
+    files = sorted(path.glob('*.mcap'), key=number_of)
+    if not files:
+        raise BagError(f'{path}: holds no .mcap files{_how_to_convert(path)}')
+    if len({file.stem.rpartition('_')[0] for file in files}) > 1:
+        raise BagError(f'{path}: holds {len(files)} .mcap files of different bags, name one')
+    return files
+
+
+def number_of(file: Path) -> int:
+    """Return N of a file NAME_N.mcap; 0 for any other name."""
+    number = file.stem.rpartition('_')[2]
+    return int(number) if number.isdecimal() else 0
+
+
+def _how_to_convert(path: Path) -> str:
+    """Return advice on how to convert a bag of another kind, empty if there is none."""
+    if packed := sorted(path.glob('*.mcap.*')):
+        return f': {packed[0].name} is compressed as a whole; unpack it first'
+    if list(path.glob('*.db3*')):
+        return (f': this is an sqlite3 bag; first: rosbags-convert --src {path} --dst {path}_mcap '
+                '--dst-storage mcap')
+    if list(path.glob('*.bag')):
+        return ': this is a bag of ROS 1; rosbags-convert makes one of ROS 2'
+    return ''

@@ -1,0 +1,402 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Read a bag without ROS: finished, cut by a crash, still being written, or damaged.
+
+The mcap library reads, chunk by chunk; a chunk that is damaged costs its own messages alone.
+
+>>> for record in records('bags/run', ['/fourbar/state']):
+...     print(record.time, record.message.theta4)
+"""
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator, Mapping
+from contextlib import suppress
+from functools import cached_property
+import json
+from os import SEEK_END
+from pathlib import Path
+from struct import Struct, unpack
+from typing import Any, BinaryIO, NamedTuple
+from zlib import crc32
+
+from fourbar_ros.bag import metadata
+from fourbar_ros.bag.layout import Layouts
+from fourbar_ros.errors import BagError
+from fourbar_ros.numerics.arrays import Array
+from mcap.data_stream import ReadDataStream
+from mcap.opcode import Opcode
+from mcap.reader import make_reader
+from mcap.records import Channel, Chunk, McapRecord, Message, Metadata, Schema
+from mcap.stream_reader import get_chunk_data_stream, StreamReader
+from mcap.summary import Summary
+import numpy as np
+from rosbags.typesys import get_types_from_msg, get_typestore, Stores
+from rosbags.typesys.store import Typestore
+import yaml
+
+BLOCK = 20_000              # messages that are decoded together
+LARGEST = 2**28             # [bytes] of a chunk, packed and unpacked
+HEAD = Struct('<BQ')        # of a record: opcode, length
+MESSAGE = Struct('<HIQQ')   # channel, sequence number, log time, publish time
+Progress = Callable[[int], object]      # called with the number of bytes read
+
+
+class Raw(NamedTuple):
+    """One recorded message as it was sent; log time in ns."""
+
+    topic: str
+    type: str
+    time: int
+    sequence: int
+    data: bytes
+
+
+class Record(NamedTuple):
+    """One recorded message, decoded; log time in ns."""
+
+    topic: str
+    time: int
+    message: Any
+
+
+class Columns(NamedTuple):
+    """
+    Messages of one topic, in order: n log times [ns] and a structured array of shape (n,).
+
+    The fields of ``records`` are named by their paths: ``records['header.stamp.sec']``.
+    """
+
+    topic: str
+    times: Array
+    records: Array
+
+    @property
+    def stamps(self) -> Array | None:
+        """Return header.stamp of each message [ns], None for a type without a header."""
+        return stamps_of(self.records)
+
+
+def stamps_of(records: Array) -> Array | None:
+    """Return header.stamp [ns] of records of messages, None for a type without a header."""
+    if 'header.stamp.sec' not in (records.dtype.names or ()):
+        return None
+    return np.asarray(records['header.stamp.sec'].astype(np.int64) * 10**9
+                      + records['header.stamp.nanosec'])
+
+
+class Bag:
+    """
+    A bag to be read, any number of times.
+
+    Parameters
+    ----------
+    path : str or Path
+        Folder of a bag, split or not, or an .mcap file.
+
+    Attributes
+    ----------
+    files : list of Path
+        The .mcap files; one for each part of a split bag.
+    is_finished : bool
+        Whether every file has its end: no crash, and no recorder at work.
+    damage : list of str
+        What the last reading could not read: where and why.
+
+    """
+
+    def __init__(self, path: str | Path) -> None:
+        self.path = Path(path)
+        self.files = metadata.files_of(self.path)
+        self.damage: list[str] = []
+        self._stores: dict[tuple[str, bytes], Typestore] = {}    # by type and definition
+        self._schemas: dict[str, Schema] = {}       # the newest of each topic
+        self._channel_metadata: dict[str, dict[str, str]] = {}      # by topic
+        self._layouts: dict[tuple[str, bytes], Layouts] = {}
+
+    @property
+    def size(self) -> int:
+        """Return the size of all files [bytes]."""
+        return sum(file.stat().st_size for file in self.files)
+
+    @property
+    def is_finished(self) -> bool:
+        """Return whether every file has its end."""
+        return None not in self.summaries
+
+    @cached_property
+    def summaries(self) -> list[Summary | None]:
+        """Return the Summary of each file; None without an end, or with a damaged one."""
+        return [_summary(file) for file in self.files]
+
+    @cached_property
+    def about(self) -> dict[str, str]:
+        """
+        Return the custom_data of the bag: scene, node, versions; empty if it has none.
+
+        Of a split bag they are those of the first file; the last one says why recording ended.
+        """
+        first = self.about_of(0)
+        last = self.about_of(-1) if len(self.files) > 1 else first
+        of_the_end = 'ended', 'dropped'
+        return {**last, **{key: text for key, text in first.items() if key not in of_the_end}}
+
+    def about_of(self, place: int) -> dict[str, str]:
+        """Return the custom_data of one of the files."""
+        return _about(self.files[place], self.summaries[place])
+
+    @cached_property
+    def types(self) -> dict[str, str]:
+        """Return {topic: type} of all topics."""
+        found = {}
+        for summary in self.summaries:
+            if summary is None:
+                for _ in self.raw():
+                    pass
+                return {topic: schema.name for topic, schema in self._schemas.items()}
+            for channel in summary.channels.values():
+                schema = summary.schemas.get(channel.schema_id)
+                found[channel.topic] = schema.name if schema else ''
+        return found
+
+    # --- messages -------------------------------------------------------------------------------
+
+    def raw(self, topics: Collection[str] | None = None, start: int = 0,
+            progress: Progress | None = None) -> Iterator[Raw]:
+        """
+        Yield every message in the order of writing.
+
+        ``topics``: only these; ``start``: only from this log time [ns] on; ``progress`` is called
+        with the number of bytes read so far.
+        """
+        self.damage, before = [], 0
+        for file, summary in zip(self.files, self.summaries):
+            repeated = _repeated(_about(file, summary)) if file != self.files[0] else {}
+            report = (lambda read, before=before: progress(before + read)) if progress else None
+            for message in self._messages(file, summary, topics, report):
+                if message.time >= start and message.sequence >= repeated.get(message.topic, 0):
+                    yield message
+            before += file.stat().st_size
+
+    def records(self, topics: Collection[str] | None = None, start: int = 0) -> Iterator[Record]:
+        """Yield every :class:`Record` in the order of writing; arguments as of :meth:`raw`."""
+        for raw in self.raw(topics, start):
+            yield Record(raw.topic, raw.time, self.decode(raw))
+
+    def columns(self, topics: Collection[str] | None = None, progress: Progress | None = None
+                ) -> Iterator[Columns]:
+        """
+        Yield :class:`Columns`: the messages of each topic, many at once.
+
+        Messages with texts or sequences of other lengths come in Columns of their own.
+        """
+        waiting: dict[str, list[Raw]] = {}
+        for raw in self.raw(topics, progress=progress):
+            of_topic = waiting.setdefault(raw.topic, [])
+            of_topic.append(raw)
+            if len(of_topic) >= BLOCK:
+                yield from self._columns(waiting.pop(raw.topic))
+        for of_topic in waiting.values():
+            yield from self._columns(of_topic)
+
+    def _columns(self, messages: list[Raw]) -> Iterator[Columns]:
+        times = np.array([raw.time for raw in messages], np.int64)
+        for rows, records in self.arrays(messages[0].topic, [raw.data for raw in messages]):
+            yield Columns(messages[0].topic, times[rows], records)
+
+    def arrays(self, topic: str, messages: list[bytes]) -> Iterator[tuple[Array, Array]]:
+        """Yield (rows, records) of messages of a topic, as :meth:`Layouts.arrays`."""
+        schema = self._schemas[topic]
+        key = schema.name, schema.data
+        if key not in self._layouts:
+            self._layouts[key] = Layouts(self._store(schema), schema.name)
+        return self._layouts[key].arrays(messages)
+
+    def decode(self, raw: Raw) -> Any:
+        """Return a message as an object of its fields; raises BagError."""
+        schema = self._schemas[raw.topic]
+        try:
+            return self._store(schema).deserialize_cdr(raw.data, schema.name)
+        except (ValueError, IndexError, AssertionError, KeyError) as error:
+            raise BagError(f'{self.path}: {raw.topic}: a message does not fit its '
+                           f'definition: {error!r}') from None
+
+    def _store(self, schema: Schema) -> Typestore:
+        """Return the types that a schema defines; raises BagError."""
+        key = schema.name, schema.data
+        if key not in self._stores:
+            if schema.encoding != 'ros2msg':
+                raise BagError(f'{self.path}: {schema.name} is defined in {schema.encoding!r}; '
+                               'only ros2msg is decoded: rosbags-convert makes that')
+            store = get_typestore(Stores.EMPTY)
+            try:
+                store.register(get_types_from_msg(schema.data.decode(), schema.name))
+            except Exception as error:      # the library has no class of its own for bad texts
+                raise BagError(f'{self.path}: the definition of {schema.name} cannot be read: '
+                               f'{error}') from None
+            self._stores[key] = store
+        return self._stores[key]
+
+    def definition_of(self, topic: str) -> str:
+        """Return the text that defines the type of a topic met so far."""
+        return str(self._schemas[topic].data.decode(errors='replace'))
+
+    def qos_of(self, topic: str) -> list[dict[str, Any]]:
+        """Return the QoS profiles under which a topic was offered; empty if not known."""
+        profiles = yaml.safe_load(self._metadata_of(topic).get(metadata.QOS, '')) or []
+        return [profile for profile in profiles if isinstance(profile, dict)]
+
+    def hash_of(self, topic: str) -> str:
+        """Return the type hash of a topic, empty if the bag does not say."""
+        return self._metadata_of(topic).get(metadata.HASH, '')
+
+    def _metadata_of(self, topic: str) -> dict[str, str]:
+        if topic not in self._channel_metadata:
+            next(self.raw([topic]), None)
+        return self._channel_metadata.get(topic, {})
+
+    def check(self) -> None:
+        """Compare all bytes of each finished file with its checksum; add to ``damage``."""
+        for file, summary in zip(self.files, self.summaries):
+            with open(file, 'rb') as stream:
+                try:
+                    for _ in StreamReader(stream, emit_chunks=True,
+                                          validate_crcs=True).records if summary else ():
+                        pass
+                except Exception as error:      # of any kind, for wrong bytes
+                    self.damage.append(f'{file.name}: {error}')
+
+    # --- a file ---------------------------------------------------------------------------------
+
+    def _messages(self, file: Path, summary: Summary | None, topics: Collection[str] | None,
+                  progress: Progress | None) -> Iterator[Raw]:
+        """Yield the messages of a file on these topics; note its channels."""
+        schemas: dict[int, Schema] = {}
+        channels: dict[int, tuple[Channel, Schema]] = {}
+        for record in self.contents(file, summary, progress):
+            if isinstance(record, Schema):
+                schemas[record.id] = record
+            elif isinstance(record, Channel):
+                schema = schemas.get(record.schema_id) or Schema(0, b'', 'none', '')
+                channels[record.id] = record, schema
+                self._schemas[record.topic] = schema
+                self._channel_metadata[record.topic] = record.metadata
+            elif isinstance(record, Message):
+                if record.channel_id not in channels:
+                    self.damage.append(f'{file.name}: a message of an unknown channel')
+                    continue
+                channel, schema = channels[record.channel_id]
+                if topics is None or channel.topic in topics:
+                    yield Raw(channel.topic, schema.name, record.log_time, record.sequence,
+                              record.data)
+
+    def contents(self, file: Path, summary: Summary | None, progress: Progress | None = None
+                 ) -> Iterator[McapRecord]:
+        """Yield the records of a file, those of a chunk in its place; note damage and go on."""
+        with open(file, 'rb') as stream:
+            if summary:             # says where each chunk is, whatever happened to another
+                yield from (*summary.schemas.values(), *summary.channels.values())
+                places = [(index.chunk_start_offset, Chunk) for index in summary.chunk_indexes]
+                places += [(index.offset, Metadata) for index in summary.metadata_indexes]
+                records = _at(stream, sorted(places, key=lambda place: place[0]))
+            else:
+                records = StreamReader(stream, emit_chunks=True,
+                                       record_size_limit=LARGEST).records
+            end = file.stat().st_size
+            while True:
+                record = None
+                try:
+                    record = next(records, None)
+                    content = _unpacked(record) if isinstance(record, Chunk) else [record]
+                except Exception as error:      # whatever a library makes of wrong bytes
+                    if not summary and stream.tell() >= end:
+                        return                  # the last record was cut
+                    self.damage.append(f'{file.name}, before byte {stream.tell()}: {error!r}')
+                    if record is None and not summary:
+                        return                  # behind a damaged head nothing can be found
+                    continue
+                if record is None:
+                    return
+                if progress:
+                    progress(stream.tell())
+                yield from content
+
+
+def records(path: str | Path, topics: Collection[str] | None = None, start: int = 0
+            ) -> Iterator[Record]:
+    """Yield every :class:`Record` of a bag; arguments as of :meth:`Bag.raw`."""
+    return Bag(path).records(topics, start)
+
+
+def _unpacked(chunk: Chunk) -> list[McapRecord]:
+    """Return the records in a chunk, checked by its CRC; messages are most of them."""
+    if chunk.uncompressed_size > LARGEST:
+        raise ValueError(f'a chunk of {chunk.uncompressed_size} bytes')
+    stream, size = get_chunk_data_stream(chunk, validate_crc=True)
+    content, found, at = stream.read(size), [], 0
+    while at < size:
+        opcode, length = HEAD.unpack_from(content, at)
+        at += HEAD.size
+        if opcode == Opcode.MESSAGE:
+            channel, sequence, time, published = MESSAGE.unpack_from(content, at)
+            data = content[at + MESSAGE.size:at + length]
+            found.append(Message(channel, time, data, published, sequence))
+        elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
+            kind = Schema if opcode == Opcode.SCHEMA else Channel
+            found.append(kind.read(_stream_of(content[at:at + length])))
+        at += length
+    return found
+
+
+def _stream_of(data: bytes) -> ReadDataStream:
+    from io import BytesIO
+    return ReadDataStream(BytesIO(data))
+
+
+def _at(stream: BinaryIO, places: list[tuple[int, Any]]) -> Iterator[McapRecord]:
+    """Yield the records at offsets."""
+    for offset, kind in places:
+        stream.seek(offset + HEAD.size)
+        yield kind.read(ReadDataStream(stream))
+
+
+def _summary(file: Path) -> Summary | None:
+    """Return the end of a finished file if its checksum is right, else None."""
+    with open(file, 'rb') as stream, suppress(Exception):       # of any kind, for wrong bytes
+        stream.seek(-37, SEEK_END)      # opcode and length, footer, magic
+        start, _, stated = unpack('<QQI', stream.read(29)[HEAD.size:])
+        stream.seek(start)
+        if not stated or crc32(stream.read()[:-12]) == stated:
+            stream.seek(0)
+            return make_reader(stream).get_summary()
+    return None
+
+
+def _about(file: Path, summary: Summary | None) -> dict[str, str]:
+    """Return the custom_data in the last metadata of a file, in the first one if it was cut."""
+    found: dict[str, str] = {}
+    with open(file, 'rb') as stream, suppress(Exception):
+        found_records = StreamReader(stream, emit_chunks=True).records
+        if summary:
+            found_records = _at(stream, [(index.offset, Metadata)
+                                         for index in summary.metadata_indexes])
+        for record in found_records:
+            if isinstance(record, Metadata) and record.name == metadata.RECORD:
+                custom = yaml.safe_load(record.metadata[metadata.KEY]).get('custom_data') or {}
+                found = {str(key): str(value) for key, value in custom.items()}
+                if not summary:
+                    break
+    return found
+
+
+def _repeated(about: Mapping[str, str]) -> dict[str, int]:
+    """
+    Return {topic: number of its first new message} of a later file of a split bag.
+
+    Version 1 began each file with the newest message of every topic, under its old number.
+    """
+    try:
+        numbers = json.loads(about['numbers'])
+        return {topic: int(numbers[topic][0]) for topic in json.loads(about['repeats'])}
+    except (KeyError, TypeError, ValueError, IndexError):
+        return {}

@@ -1,0 +1,367 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Record serialised messages to a rosbag2 bag: the mcap library writes, a thread waits for the disk.
+
+A message waits in a bounded queue until the thread takes it. Every ``FLUSH`` seconds the thread
+ends the chunk and hands it to the kernel, so a killed process loses no more than that; every
+``SYNC`` seconds the file is synced, so a power cut loses no more than that.
+"""
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Mapping, Sequence
+import contextlib
+import os
+from pathlib import Path
+import shutil
+import threading
+import time
+from typing import NamedTuple
+
+from fourbar_ros.bag import metadata
+from fourbar_ros.bag.metadata import Channel, TopicCount
+from fourbar_ros.errors import BagError
+from mcap.writer import Writer
+
+FLUSH, SYNC, LOOK = 0.1, 1.0, 1.0       # [s]; LOOK: at the free space and at the file
+ROOM = 32 * 2**20                       # [bytes] of free disk below which a bag is finished
+MOST_MESSAGES, MOST_BYTES = 100_000, 128 * 2**20    # that may wait; then the newest are dropped
+CDR_HEADER = 4      # [bytes] the shortest message
+BITE = 50           # messages after which the thread lets others run
+SPLIT = 'split'     # why a file ended: another one follows
+
+
+class _Waiting(NamedTuple):
+    """A message in the queue: channel (from 0), sequence number, log time [ns], bytes."""
+
+    channel: int
+    sequence: int
+    time: int
+    data: bytes
+
+
+class BagWriter:
+    """
+    One bag being written; :meth:`write` from any thread, :meth:`close` when done.
+
+    Parameters
+    ----------
+    directory, name : str
+        The bag is directory/name; an empty name takes a fresh one from the clock. An existing bag
+        is never touched.
+    channels : list of Channel
+    about : dict of str
+        Kept with the bag (custom_data), so that it explains itself.
+    split_size, split_duration : float
+        The bag goes on in a new file beyond so many bytes or seconds; 0: never.
+    tell : callable, optional
+        Called with one line of text when recording stops by itself and when messages are first
+        dropped.
+    clock : callable, optional
+        Returns the log time [ns]; by default one that never goes back.
+
+    Attributes
+    ----------
+    path : Path
+        The folder of the bag.
+    accepted, dropped : int
+        Messages that are or will be in the bag, and that found the queue full. The dropped ones
+        leave gaps in the sequence numbers of their channels.
+    error : str
+        Why recording stopped by itself; empty while it goes on.
+
+    Raises
+    ------
+    BagError
+        The name is taken or leaves the directory, the directory cannot be written, or an argument
+        is bad.
+
+    """
+
+    def __init__(self, directory: str | os.PathLike[str], name: str, channels: Sequence[Channel],
+                 about: Mapping[str, object], split_size: float = 0.0,
+                 split_duration: float = 0.0, tell: Callable[[str], object] | None = None,
+                 clock: Callable[[], int] | None = None) -> None:
+        """Create the folder and its first file; start the threads that write and sync it."""
+        if len({channel.topic for channel in channels}) < len(channels):
+            raise BagError('a topic is given twice')
+        offset = time.time_ns() - time.monotonic_ns()
+        self.clock = clock or (lambda: offset + time.monotonic_ns())
+        self.path = Path(directory) / (metadata.checked_name(name) or metadata.fresh_name())
+        self.accepted = self.dropped = 0
+        self.error = ''
+        self._channels, self._tell = channels, tell or (lambda text: None)
+        self._about = {str(key): str(value) for key, value in about.items()}
+        self._split_size, self._split_duration = split_size, split_duration
+        self._sequence = [0] * len(channels)        # numbers given, to dropped messages too
+        self._queue: deque[_Waiting | tuple[str, str]] = deque()    # the tuples: of note()
+        self._bytes_in = self._bytes_out = 0        # each is changed by one thread alone
+        self._lock, self._is_closed = threading.Lock(), threading.Event()
+        self._before: list[metadata.Metadata] = []  # of the files before
+        self._make_folder()
+        self._threads = [threading.Thread(target=job, name=title, daemon=True)
+                         for title, job in (('bag', self._run), ('bag sync', self._keep_synced))]
+        for thread in self._threads:
+            thread.start()
+
+    def _make_folder(self) -> None:
+        """Make the folder with its first file, or leave nothing behind."""
+        try:
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            self.path.mkdir()
+        except FileExistsError as error:
+            raise BagError(f'{error.filename}: exists already; recordings never '
+                           'overwrite') from None
+        except OSError as error:
+            raise BagError(f'{self.path}: {error.strerror}') from None
+        try:
+            if shutil.disk_usage(self.path).free < ROOM:
+                raise BagError(f'less than {ROOM >> 20} MiB free')
+            self._part = Part(self.path, 0, self._channels, self._about)
+            metadata.write(self.path, self._part.metadata())
+        except (OSError, BagError) as error:
+            shutil.rmtree(self.path)
+            raise BagError(f'{self.path}: {getattr(error, "strerror", None) or error}') from None
+
+    @property
+    def waiting(self) -> int:
+        """Return how many messages wait for the disk."""
+        return len(self._queue)
+
+    def write(self, channel: int, data: bytes | bytearray | memoryview) -> bool:
+        """
+        Take one serialised message of a channel, by its number, as :meth:`write_all`.
+
+        Raises BagError for an argument that would spoil the file, and leaves the bag as it was.
+        """
+        count = len(self._channels)
+        if type(channel) is not int or not 0 <= channel < count:
+            raise BagError(f'channel {channel!r}: must be a number from 0 to {count - 1}')
+        if not isinstance(data, (bytes, bytearray, memoryview)) or len(data) < CDR_HEADER:
+            raise BagError(f'data {type(data).__name__}: must be the bytes of a message')
+        return self.write_all([(channel, bytes(data))])     # a copy: its owner may change it
+
+    def write_all(self, messages: Sequence[tuple[int, bytes]]) -> bool:
+        """
+        Take the messages, (number of the channel, bytes), of one step, or drop them all.
+
+        It never waits, and checks no argument: a node calls it at every step. Return whether they
+        were taken: not if the queue is full, recording has stopped by an error, or the bag is
+        closed.
+        """
+        with self._lock:
+            if self._is_closed.is_set() or self.error:
+                return False
+            now = self.clock()
+            numbered = []
+            for channel, data in messages:
+                numbered.append(_Waiting(channel, self._sequence[channel], now, data))
+                self._sequence[channel] = (self._sequence[channel] + 1) & 0xFFFFFFFF    # 32 bits
+            size = sum(len(data) for _, data in messages)
+            is_full = (len(self._queue) + len(messages) > MOST_MESSAGES
+                       or self._bytes_in - self._bytes_out + size > MOST_BYTES)
+            is_first = is_full and not self.dropped
+            if is_full:
+                self.dropped += len(messages)
+            else:
+                self.accepted += len(messages)
+                self._bytes_in += size
+                self._queue.extend(numbered)
+        if is_first:
+            self._tell(f'{self.path}: the disk is too slow, messages are dropped')
+        return not is_full
+
+    def note(self, key: str, text: str) -> None:
+        """Let the files that follow keep another text under a key of ``about``."""
+        self._queue.append((key, text))
+
+    def close(self, why: str = 'stopped') -> Path:
+        """
+        Write the waiting messages and finish the file; its metadata say why recording ended.
+
+        Return the path of the bag; raises BagError if recording had stopped by an error.
+        """
+        with self._lock:
+            is_first = not self._is_closed.is_set()
+            self._is_closed.set()
+        for thread in self._threads:
+            thread.join()
+        if is_first and not self.error:
+            self._guarded(lambda: self._finish(why))
+        self._part.file.close()
+        if self.error:
+            raise BagError(f'{self.path}: {self.error}')
+        return self.path
+
+    # --- in the threads -------------------------------------------------------------------------
+
+    def _run(self) -> None:
+        """Take messages from the queue to the file and flush it, until closed."""
+        looked = time.monotonic()
+        while not self._is_closed.wait(FLUSH) and not self.error:
+            self._guarded(self._flush)
+            if time.monotonic() - looked >= LOOK and not self.error:
+                looked = time.monotonic()
+                if why := self._why_to_end():
+                    self._guarded(lambda why=why: self._finish(why))    # type: ignore[misc]
+                    self._give_up(f'{why}; the bag is whole, {self.accepted} messages')
+
+    def _keep_synced(self) -> None:
+        """Bring new data to the disk every second, until closed."""
+        while not self._is_closed.wait(SYNC) and not self.error:
+            with contextlib.suppress(ValueError):       # the file has just been closed by a split
+                self._guarded(lambda: os.fdatasync(self._part.file.fileno()))
+
+    def _flush(self) -> None:
+        """Hand all waiting messages to the kernel, as whole chunks."""
+        is_first = self._part.span is None
+        for place in range(len(self._queue)):
+            item = self._queue.popleft()
+            if not isinstance(item, _Waiting):
+                self._about[item[0]] = item[1]
+                continue
+            if self._is_full(item.time):
+                self._next_part()
+            self._part.add(item)
+            self._bytes_out += len(item.data)
+            if place % BITE == 0:
+                time.sleep(0.0)
+        self._part.flush()
+        if is_first and self._part.span:        # rosbag2 plays from the start in metadata.yaml
+            self._write_metadata()
+
+    def _is_full(self, now: int) -> bool:
+        """Return whether a message of this time [ns] belongs into a new file."""
+        part = self._part
+        return bool(part.span and (
+            self._split_size and part.size > self._split_size
+            or self._split_duration and now - part.span[0] >= self._split_duration * 1e9))
+
+    def _next_part(self) -> None:
+        """Finish the file and go on in a new one."""
+        old = self._part
+        old.about['dropped'] = str(self.dropped)
+        old.finish(SPLIT)
+        self._before.append(old.metadata())
+        self._part = Part(self.path, len(self._before), self._channels, self._about)
+        old.file.close()
+        self._write_metadata()
+
+    def _finish(self, why: str) -> None:
+        """Write the waiting messages and the end of the bag."""
+        self._flush()
+        self._part.about['dropped'] = str(self.dropped)
+        self._part.finish(why)
+        self._write_metadata()
+
+    def _write_metadata(self) -> None:
+        metadata.write(self.path, metadata.of_bag([*self._before, self._part.metadata()]))
+
+    def _why_to_end(self) -> str:
+        """Return why the bag must end now: too little space, a lost file; empty if it need not."""
+        part = self._part
+        with contextlib.suppress(OSError):
+            if os.path.samestat(os.stat(part.path), os.fstat(part.file.fileno())):
+                free = shutil.disk_usage(self.path).free
+                return f'less than {ROOM >> 20} MiB free' if free < ROOM else ''
+        return 'its file was removed or replaced'
+
+    def _guarded(self, action: Callable[[], object]) -> None:
+        """Run an action on the file; an error ends the file at its last whole chunk."""
+        try:
+            action()
+        except OSError as error:
+            self._part.cut()
+            self._give_up(f'{error.strerror}; what was flushed is in the file: fourbar bag '
+                          'recover')
+
+    def _give_up(self, why: str) -> None:
+        """Take no more messages; say why."""
+        with self._lock:
+            is_first, self.error = not self.error, self.error or f'recording stopped: {why}'
+        if is_first:
+            self._tell(f'{self.path}: {self.error}')
+
+
+class _File:
+    """A file without a buffer: after a failed write nothing is left that could come later."""
+
+    def __init__(self, path: Path) -> None:
+        self._file = open(path, 'xb', buffering=0)
+        self.tell, self.fileno, self.close = self._file.tell, self._file.fileno, self._file.close
+
+    def write(self, data: bytes) -> None:
+        """Write all bytes or raise OSError."""
+        rest = memoryview(data)
+        while rest:
+            rest = rest[self._file.write(rest):]
+
+    def flush(self) -> None:
+        """Do nothing: all is written."""
+
+
+class Part:
+    """
+    One file of a bag being written: ``size`` [bytes], ``span`` of log times [ns], or None.
+
+    ``about`` is its custom_data.
+    """
+
+    def __init__(self, folder: Path, number: int, channels: Sequence[Channel],
+                 about: Mapping[str, str]) -> None:
+        self.path = folder / f'{folder.name}_{number}.mcap'
+        self.file = _File(self.path)
+        self.about, self._channels = dict(about), channels
+        self._counts, self._pending = [0] * len(channels), 0
+        self.span: tuple[int, int] | None = None
+        self._writer = Writer(self.file, enable_data_crcs=True)
+        self._writer.start('ros2', 'fourbar_ros')
+        self._ids = [self._writer.register_channel(
+            channel.topic, 'cdr', self._writer.register_schema(
+                channel.type, 'ros2msg', channel.schema.encode()), channel.metadata)
+            for channel in channels]
+        self._describe()
+
+    @property
+    def size(self) -> int:
+        """Return the size of the file with what is not flushed yet, uncompressed [bytes]."""
+        return self._whole + self._pending
+
+    def add(self, message: _Waiting) -> None:
+        """Add a message to the chunk that the next :meth:`flush` writes."""
+        time = message.time
+        self._writer.add_message(self._ids[message.channel], time, message.data, time,
+                                 message.sequence)
+        self._counts[message.channel] += 1
+        self._pending += len(message.data)
+        self.span = (self.span or (time, time))[0], time
+
+    def flush(self) -> None:
+        """Hand the chunk to the kernel."""
+        self._writer.flush()
+        self._whole, self._pending = self.file.tell(), 0
+
+    def finish(self, why: str) -> None:
+        """Write the end of the file, which says why it ended, and sync it."""
+        self.about['ended'] = why
+        self._describe()
+        self._writer.finish()
+        os.fsync(self.file.fileno())
+
+    def cut(self) -> None:
+        """Take back what is not whole, and write no more."""
+        with contextlib.suppress(OSError):
+            os.ftruncate(self.file.fileno(), self._whole)
+
+    def metadata(self) -> metadata.Metadata:
+        """Return the metadata of the file so far."""
+        return metadata.of_file(self.path.name, [
+            TopicCount(channel.topic, channel.type, 'cdr', channel.metadata, count)
+            for channel, count in zip(self._channels, self._counts)], self.span, self.about)
+
+    def _describe(self) -> None:
+        """Write the metadata so far into the file."""
+        text = metadata.dumped(self.metadata())
+        self._writer.add_metadata(metadata.RECORD, {metadata.KEY: text})
+        self._whole = self.file.tell()

@@ -1,0 +1,115 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Make a whole bag from the rest that a crash, a full disk or a bad copy left."""
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+import shutil
+import tempfile
+from typing import NamedTuple
+
+from fourbar_ros.bag import metadata
+from fourbar_ros.bag.metadata import TopicCount
+from fourbar_ros.bag.reader import Bag, Progress
+from fourbar_ros.errors import BagError
+from mcap.records import Channel, Message, Metadata, Schema
+from mcap.writer import Writer
+
+NO_END = 'without an end: a crash, a kill, a power cut or a full disk'
+
+
+class Recovered(NamedTuple):
+    """The new bag, its number of messages, what could not be read, whether the old was whole."""
+
+    path: Path
+    messages: int
+    damage: list[str]
+    was_whole: bool
+
+
+def recover(path: str | Path, out: str | Path | None = None, progress: Progress | None = None
+            ) -> Recovered:
+    """
+    Copy every readable message of a bag into a new bag with index, statistics and metadata.
+
+    ``path`` is a folder or .mcap file, cut or not; ``out`` the folder of the new bag, by default
+    ``NAME_recovered`` beside the old one. It stands there only when it is whole; the old bag is
+    only read. ``progress`` is called with the number of bytes read. Raises BagError if nothing can
+    be read, or the new bag exists.
+    """
+    bag = Bag(path)
+    out = Path(out) if out else beside(bag.path)
+    if out.exists():
+        raise BagError(f'{out}: exists already')
+    try:
+        out.parent.mkdir(parents=True, exist_ok=True)
+        folder = Path(tempfile.mkdtemp(prefix=f'.{out.name}.', dir=out.parent))
+    except OSError as error:
+        raise BagError(f'{out}: {error.strerror}') from None
+    try:
+        files, read = [], 0
+        for place, file in enumerate(bag.files):
+            report = (lambda now, read=read: progress(read + now)) if progress else None
+            name = f'{out.name}_{metadata.number_of(file)}.mcap'
+            files.append(_copied(bag, place, folder / name, report))
+            read += file.stat().st_size
+        bag.check()
+        if not any(file['topics_with_message_count'] for file in files):
+            raise BagError(f'{path}: nothing to recover: it holds no topic that can be read')
+        whole = metadata.of_bag(files)
+        metadata.write(folder, whole)
+        folder.chmod(0o755)
+        folder.rename(out)
+    except OSError as error:
+        raise BagError(f'{out}: {error.strerror}') from None
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+    return Recovered(out, whole['message_count'], bag.damage,
+                     bag.is_finished and not bag.damage)
+
+
+def beside(path: Path) -> Path:
+    """Return the default path of the new bag: NAME_recovered beside NAME or NAME_0.mcap."""
+    path = path.absolute()
+    return path.with_name((path.name if path.is_dir() else path.stem.removesuffix('_0'))
+                          + '_recovered')
+
+
+def _copied(bag: Bag, place: int, path: Path, progress: Progress | None) -> metadata.Metadata:
+    """Copy the readable records of a file to a new one; return its metadata."""
+    file, summary = bag.files[place], bag.summaries[place]
+    about = dict(bag.about_of(place))
+    counts: Counter[int] = Counter()
+    schemas: dict[int, tuple[Schema, int]] = {}         # by number in the old file: new number
+    channels: dict[int, tuple[Channel, int]] = {}
+    span: tuple[int, int] | None = None
+    with open(path, 'xb') as stream:
+        writer = Writer(stream, enable_data_crcs=True)
+        writer.start('ros2', 'fourbar_ros recover')
+        for record in bag.contents(file, summary, progress):
+            if isinstance(record, Schema) and record.id not in schemas:
+                schemas[record.id] = record, writer.register_schema(
+                    record.name, record.encoding, record.data)
+            elif isinstance(record, Channel) and record.id not in channels:
+                new = schemas[record.schema_id][1] if record.schema_id in schemas else 0
+                channels[record.id] = record, writer.register_channel(
+                    record.topic, record.message_encoding, new, record.metadata)
+            elif isinstance(record, Message) and record.channel_id in channels:
+                writer.add_message(channels[record.channel_id][1], record.log_time, record.data,
+                                   record.publish_time, record.sequence)
+                counts[record.channel_id] += 1
+                time = record.log_time
+                span = (min(span[0], time), max(span[1], time)) if span else (time, time)
+            elif isinstance(record, Metadata) and record.name != metadata.RECORD:
+                writer.add_metadata(record.name, record.metadata)
+        if summary is None:
+            about['ended'] = NO_END
+        topics = [TopicCount(channel.topic, schemas[channel.schema_id][0].name
+                             if channel.schema_id in schemas else '', channel.message_encoding,
+                             channel.metadata, counts[number])
+                  for number, (channel, _) in channels.items()]
+        made = metadata.of_file(path.name, topics, span, about)
+        writer.add_metadata(metadata.RECORD, {metadata.KEY: metadata.dumped(made)})
+        writer.finish()
+    return made

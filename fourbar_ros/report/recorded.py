@@ -1,0 +1,139 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Fields of a bag over time or over a field, as a picture; requires matplotlib when used."""
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+import re
+from typing import TYPE_CHECKING
+
+from fourbar_ros.bag.export import table_of
+from fourbar_ros.bag.reader import Bag, Progress
+from fourbar_ros.errors import BagError, nearest
+from fourbar_ros.numerics.arrays import Array
+import numpy as np
+
+if TYPE_CHECKING:      # drawings alone need it
+    from matplotlib.figure import Figure
+
+WIDTH, HEIGHT, DPI = 9.0, 2.4, 100      # [in] a picture, and each of its axes; pixels an inch
+STRETCHES = int(2 * WIDTH * DPI)        # of a curve, each drawn by its extrema: two a pixel
+_UNIT = re.compile(r'^\s*\S+\s+(\w+)\s*#\s*\[([^\]]+)\]', re.M)    # float64 f41  # [N] ...
+
+
+def make_figure(path: str | Path, names: Sequence[str], progress: Progress | None = None,
+                x: str | None = None) -> Figure:
+    """
+    Return a figure of fields over time [s] or over the field ``x``; one unit is one axis.
+
+    ``names`` are ``TOPIC.FIELD``, the topic in full or its last part: ``state.theta4``,
+    ``/joint_states.position[crank]``. A value belongs to the x of the same stamp; an angle x of
+    more than a turn is taken modulo 2 pi. ``progress`` is called with the number of bytes read.
+    """
+    try:
+        from matplotlib.figure import Figure
+    except ImportError:
+        raise BagError('plot requires matplotlib: pip install matplotlib') from None
+    bag = Bag(path)
+    curves = _read(bag, dict.fromkeys([*names, *([x] if x else [])]), progress)
+    start = min(stamps[0] for stamps, _, _ in curves.values())
+    label = 'time since the first message [s]' if x is None else f'{x} [{curves[x][2]}]'
+    units = list(dict.fromkeys(curves[name][2] for name in names))
+    figure = Figure(figsize=(WIDTH, HEIGHT * len(units) + 0.6), dpi=DPI, layout='constrained')
+    axes = figure.subplots(len(units), 1, sharex=True, squeeze=False)[:, 0]
+    for axis, unit in zip(axes, units):
+        for name in (name for name in names if curves[name][2] == unit):
+            stamps, values, _ = curves[name]
+            if x is None:
+                keep = thinned(values, STRETCHES)
+                axis.plot((stamps[keep] - start) * 1e-9, values[keep], label=name, linewidth=1.0)
+            else:
+                axis.plot(*_over(curves[x], stamps, values), label=name, linewidth=1.0)
+        axis.set_ylabel(f'[{unit}]' if unit else '')
+        axis.legend(loc='lower left', bbox_to_anchor=(0.0, 0.98), ncols=4, frameon=False,
+                    fontsize='small')
+        axis.grid(True, alpha=0.3)
+    axes[-1].set_xlabel(label)
+    figure.suptitle(str(path), fontsize='medium')
+    return figure
+
+
+def plot(path: str | Path, names: Sequence[str], out: str | Path, progress: Progress | None = None,
+         x: str | None = None) -> None:
+    """Draw fields into a file (.png, .svg, .pdf), as :func:`make_figure`."""
+    figure = make_figure(path, names, progress, x)
+    try:
+        figure.savefig(out)
+    except (OSError, ValueError) as error:
+        raise BagError(f'{out}: {error}') from None
+
+
+Curve = tuple[Array, Array, str]        # stamps [ns], values, unit
+
+
+def _read(bag: Bag, names: Sequence[str] | dict[str, None], progress: Progress | None
+          ) -> dict[str, Curve]:
+    """Return the Curve of each TOPIC.FIELD; raises BagError for one that is not there."""
+    topics = {name: _topic(name.partition('.')[0], bag) for name in names}
+    parts: dict[str, list[tuple[Array, Array]]] = {name: [] for name in names}
+    fields: set[str] = set()
+    for columns in bag.columns(sorted(set(topics.values())), progress):
+        table, stamps = table_of(columns), columns.stamps
+        short = columns.topic.rsplit('/', 1)[-1]
+        fields |= {f'{short}.{field}' for field, values in table.items()
+                   if values.dtype.kind in 'iufb'}
+        for name in (name for name in names if topics[name] == columns.topic):
+            if (values := table.get(name.partition('.')[2])) is not None:
+                parts[name].append((columns.times if stamps is None else stamps, values))
+    curves = {}
+    for name, found in parts.items():
+        if not found:
+            raise BagError(f'{name}: no such field{nearest(name, sorted(fields))}')
+        stamps, values = map(np.concatenate, zip(*found))
+        order = np.argsort(stamps, kind='stable')
+        units = dict(_UNIT.findall(bag.definition_of(topics[name])))
+        curves[name] = (stamps[order], values[order],
+                        units.get(name.rpartition('.')[2].partition('[')[0], ''))
+    return curves
+
+
+def _topic(name: str, bag: Bag) -> str:
+    """Return the topic, given in full or by its last part."""
+    fitting = [topic for topic in bag.types if name in (topic, topic.rsplit('/', 1)[-1])]
+    if len(fitting) > 1 and name not in fitting:
+        raise BagError(f'{name}: which of {", ".join(fitting)}? write the topic in full')
+    if not fitting:
+        raise BagError(f'{name}: no such topic{nearest(name, sorted(bag.types))}')
+    return name if name in fitting else fitting[0]
+
+
+def _over(x: Curve, stamps: Array, values: Array) -> tuple[Array, Array]:
+    """Return (x, values) of equal stamps; a NaN interrupts the curve where an angle jumps."""
+    common, rows, own = np.intersect1d(x[0], stamps, return_indices=True)
+    if not len(common):
+        raise BagError('no message has the stamp of one with x')
+    at, values = x[1][rows], values[own].astype(float)
+    if x[2] != 'rad' or not np.nanmax(at) - np.nanmin(at) > 2.0 * np.pi:
+        return at, values
+    at = np.mod(at, 2.0 * np.pi)
+    jumps = np.flatnonzero(abs(np.diff(at)) > np.pi) + 1
+    return np.insert(at, jumps, np.nan), np.insert(values, jumps, np.nan)
+
+
+def thinned(values: Array, stretches: int) -> Array:
+    """
+    Return the indices of the points of a curve to keep: no peak and no gap is lost.
+
+    A curve over n pixels looks the same if each of 2 n stretches keeps its smallest and largest
+    value and a NaN, which interrupts the line.
+    """
+    if len(values) <= 2 * stretches:
+        return np.arange(len(values))
+    keep = {0, len(values) - 1}
+    for rows in np.array_split(np.arange(len(values)), stretches):
+        unknown = np.isnan(values[rows].astype(float))
+        keep |= {int(rows[unknown.argmax()])} if unknown.any() else set()
+        if not unknown.all():
+            keep |= {int(rows[np.nanargmin(values[rows])]), int(rows[np.nanargmax(values[rows])])}
+    return np.array(sorted(keep))
