@@ -12,8 +12,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import suppress
-from functools import cached_property
+from functools import cached_property, partial
+from io import BytesIO
 import json
+from operator import itemgetter
 from os import SEEK_END
 from pathlib import Path
 from struct import Struct, unpack
@@ -33,7 +35,6 @@ from mcap.summary import Summary
 import numpy as np
 from rosbags.typesys import get_types_from_msg, get_typestore, Stores
 from rosbags.typesys.store import Typestore
-import yaml
 
 BLOCK = 20_000              # messages that are decoded together
 LARGEST = 2**28             # [bytes] of a chunk, packed and unpacked
@@ -243,7 +244,7 @@ class Bag:
 
     def qos_of(self, topic: str) -> list[dict[str, Any]]:
         """Return the QoS profiles under which a topic was offered; empty if not known."""
-        profiles = yaml.safe_load(self._metadata_of(topic).get(metadata.QOS, '')) or []
+        profiles = metadata.loaded(self._metadata_of(topic).get(metadata.QOS, '')) or []
         return [profile for profile in profiles if isinstance(profile, dict)]
 
     def hash_of(self, topic: str) -> str:
@@ -283,12 +284,18 @@ class Bag:
                 self._channel_metadata[record.topic] = record.metadata
             elif isinstance(record, Message):
                 if record.channel_id not in channels:
-                    self.damage.append(f'{file.name}: a message of an unknown channel')
+                    self.note_unknown(file, record.channel_id)
                     continue
                 channel, schema = channels[record.channel_id]
                 if topics is None or channel.topic in topics:
                     yield Raw(channel.topic, schema.name, record.log_time, record.sequence,
                               record.data)
+
+    def note_unknown(self, file: Path, channel: int) -> None:
+        """Note once as damage that a channel is not described: its messages have no topic."""
+        text = f'{file.name}: messages of channel {channel}, which is not described'
+        if text not in self.damage:
+            self.damage.append(text)
 
     def contents(self, file: Path, summary: Summary | None, progress: Progress | None = None
                  ) -> Iterator[McapRecord]:
@@ -296,9 +303,10 @@ class Bag:
         with open(file, 'rb') as stream:
             if summary:             # says where each chunk is, whatever happened to another
                 yield from (*summary.schemas.values(), *summary.channels.values())
-                places = [(index.chunk_start_offset, Chunk) for index in summary.chunk_indexes]
+                places: list[tuple[int, Any]] = [(index.chunk_start_offset, Chunk) for index in summary.chunk_indexes]
                 places += [(index.offset, Metadata) for index in summary.metadata_indexes]
-                records = _at(stream, sorted(places, key=lambda place: place[0]))
+                # not a generator: that ends at its first error
+                records = map(partial(_read_at, stream), sorted(places, key=itemgetter(0)))
             else:
                 records = StreamReader(stream, emit_chunks=True,
                                        record_size_limit=LARGEST).records
@@ -309,7 +317,7 @@ class Bag:
                     record = next(records, None)
                     content = _unpacked(record) if isinstance(record, Chunk) else [record]
                 except Exception as error:      # whatever a library makes of wrong bytes
-                    if not summary and stream.tell() >= end:
+                    if record is None and not summary and stream.tell() >= end:
                         return                  # the last record was cut
                     self.damage.append(f'{file.name}, before byte {stream.tell()}: {error!r}')
                     if record is None and not summary:
@@ -343,21 +351,17 @@ def _unpacked(chunk: Chunk) -> list[McapRecord]:
             found.append(Message(channel, time, data, published, sequence))
         elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
             kind = Schema if opcode == Opcode.SCHEMA else Channel
-            found.append(kind.read(_stream_of(content[at:at + length])))
+            found.append(kind.read(ReadDataStream(BytesIO(content[at:at + length]))))
         at += length
     return found
 
 
-def _stream_of(data: bytes) -> ReadDataStream:
-    from io import BytesIO
-    return ReadDataStream(BytesIO(data))
-
-
-def _at(stream: BinaryIO, places: list[tuple[int, Any]]) -> Iterator[McapRecord]:
-    """Yield the records at offsets."""
-    for offset, kind in places:
-        stream.seek(offset + HEAD.size)
-        yield kind.read(ReadDataStream(stream))
+def _read_at(stream: BinaryIO, place: tuple[int, Any]) -> McapRecord:
+    """Read the record at an offset, of a kind."""
+    offset, kind = place
+    stream.seek(offset + HEAD.size)
+    record: McapRecord = kind.read(ReadDataStream(stream))
+    return record
 
 
 def _summary(file: Path) -> Summary | None:
@@ -378,11 +382,11 @@ def _about(file: Path, summary: Summary | None) -> dict[str, str]:
     with open(file, 'rb') as stream, suppress(Exception):
         found_records = StreamReader(stream, emit_chunks=True).records
         if summary:
-            found_records = _at(stream, [(index.offset, Metadata)
-                                         for index in summary.metadata_indexes])
+            found_records = (_read_at(stream, (index.offset, Metadata))
+                             for index in summary.metadata_indexes)
         for record in found_records:
             if isinstance(record, Metadata) and record.name == metadata.RECORD:
-                custom = yaml.safe_load(record.metadata[metadata.KEY]).get('custom_data') or {}
+                custom = metadata.loaded(record.metadata[metadata.KEY]).get('custom_data') or {}
                 found = {str(key): str(value) for key, value in custom.items()}
                 if not summary:
                     break

@@ -26,6 +26,8 @@ from mcap.writer import Writer
 
 FLUSH, SYNC, LOOK = 0.1, 1.0, 1.0       # [s]; LOOK: at the free space and at the file
 ROOM = 32 * 2**20                       # [bytes] of free disk below which a bag is finished
+NO_ROOM = f'less than {ROOM >> 20} MiB free'
+LEFT = 'what was flushed is in the file: fourbar bag recover'
 MOST_MESSAGES, MOST_BYTES = 100_000, 128 * 2**20    # that may wait; then the newest are dropped
 CDR_HEADER = 4      # [bytes] the shortest message
 BITE = 50           # messages after which the thread lets others run
@@ -98,6 +100,7 @@ class BagWriter:
         self._queue: deque[_Waiting | tuple[str, str]] = deque()    # the tuples: of note()
         self._bytes_in = self._bytes_out = 0        # each is changed by one thread alone
         self._lock, self._is_closed = threading.Lock(), threading.Event()
+        self._is_taking = True
         self._before: list[metadata.Metadata] = []  # of the files before
         self._make_folder()
         self._threads = [threading.Thread(target=job, name=title, daemon=True)
@@ -117,7 +120,7 @@ class BagWriter:
             raise BagError(f'{self.path}: {error.strerror}') from None
         try:
             if shutil.disk_usage(self.path).free < ROOM:
-                raise BagError(f'less than {ROOM >> 20} MiB free')
+                raise BagError(NO_ROOM)
             self._part = Part(self.path, 0, self._channels, self._about)
             metadata.write(self.path, self._part.metadata())
         except (OSError, BagError) as error:
@@ -151,7 +154,7 @@ class BagWriter:
         closed.
         """
         with self._lock:
-            if self._is_closed.is_set() or self.error:
+            if not self._is_taking:
                 return False
             now = self.clock()
             numbered = []
@@ -184,6 +187,7 @@ class BagWriter:
         """
         with self._lock:
             is_first = not self._is_closed.is_set()
+            self._is_taking = False
             self._is_closed.set()
         for thread in self._threads:
             thread.join()
@@ -203,15 +207,17 @@ class BagWriter:
             self._guarded(self._flush)
             if time.monotonic() - looked >= LOOK and not self.error:
                 looked = time.monotonic()
-                if why := self._why_to_end():
-                    self._guarded(lambda why=why: self._finish(why))    # type: ignore[misc]
-                    self._give_up(f'{why}; the bag is whole, {self.accepted} messages')
+                self._guarded(self._look)
 
     def _keep_synced(self) -> None:
         """Bring new data to the disk every second, until closed."""
         while not self._is_closed.wait(SYNC) and not self.error:
-            with contextlib.suppress(ValueError):       # the file has just been closed by a split
-                self._guarded(lambda: os.fdatasync(self._part.file.fileno()))
+            part = self._part
+            try:
+                os.fdatasync(part.file.fileno())
+            except (OSError, ValueError) as error:
+                if part is self._part:          # else it has just been closed by a split
+                    self._give_up(f'{error}; {LEFT}')
 
     def _flush(self) -> None:
         """Hand all waiting messages to the kernel, as whole chunks."""
@@ -234,7 +240,7 @@ class BagWriter:
     def _is_full(self, now: int) -> bool:
         """Return whether a message of this time [ns] belongs into a new file."""
         part = self._part
-        return bool(part.span and (
+        return bool(part.span and not self._is_closed.is_set() and (      # close() waits for us
             self._split_size and part.size > self._split_size
             or self._split_duration and now - part.span[0] >= self._split_duration * 1e9))
 
@@ -258,28 +264,31 @@ class BagWriter:
     def _write_metadata(self) -> None:
         metadata.write(self.path, metadata.of_bag([*self._before, self._part.metadata()]))
 
-    def _why_to_end(self) -> str:
-        """Return why the bag must end now: too little space, a lost file; empty if it need not."""
+    def _look(self) -> None:
+        """Stop if the file was lost; end the bag while there is still room for its end."""
         part = self._part
-        with contextlib.suppress(OSError):
-            if os.path.samestat(os.stat(part.path), os.fstat(part.file.fileno())):
-                free = shutil.disk_usage(self.path).free
-                return f'less than {ROOM >> 20} MiB free' if free < ROOM else ''
-        return 'its file was removed or replaced'
+        if not part.path.exists() or not os.path.samestat(os.stat(part.path),
+                                                          os.fstat(part.file.fileno())):
+            self._give_up('its file was removed or replaced')
+        elif shutil.disk_usage(self.path).free < ROOM:
+            with self._lock:
+                self._is_taking = False
+            self._finish(NO_ROOM)
+            self._give_up(f'{NO_ROOM}; the bag is whole, {self.accepted} messages')
 
     def _guarded(self, action: Callable[[], object]) -> None:
         """Run an action on the file; an error ends the file at its last whole chunk."""
         try:
             action()
-        except OSError as error:
+        except Exception as error:      # of any kind: the thread must not end without a word
             self._part.cut()
-            self._give_up(f'{error.strerror}; what was flushed is in the file: fourbar bag '
-                          'recover')
+            self._give_up(f'{getattr(error, "strerror", None) or repr(error)}; {LEFT}')
 
     def _give_up(self, why: str) -> None:
         """Take no more messages; say why."""
         with self._lock:
             is_first, self.error = not self.error, self.error or f'recording stopped: {why}'
+            self._is_taking = False
         if is_first:
             self._tell(f'{self.path}: {self.error}')
 
@@ -347,6 +356,7 @@ class Part:
         self.about['ended'] = why
         self._describe()
         self._writer.finish()
+        self._whole = self.file.tell()
         os.fsync(self.file.fileno())
 
     def cut(self) -> None:

@@ -95,7 +95,9 @@ def _copied(bag: Bag, place: int, path: Path, progress: Progress | None) -> meta
                 new = schemas[record.schema_id][1] if record.schema_id in schemas else 0
                 channels[record.id] = record, writer.register_channel(
                     record.topic, record.message_encoding, new, record.metadata)
-            elif isinstance(record, Message) and record.channel_id in channels:
+            elif isinstance(record, Message) and record.channel_id not in channels:
+                bag.note_unknown(file, record.channel_id)
+            elif isinstance(record, Message):
                 writer.add_message(channels[record.channel_id][1], record.log_time, record.data,
                                    record.publish_time, record.sequence)
                 counts[record.channel_id] += 1

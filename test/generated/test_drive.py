@@ -6,8 +6,8 @@ import math
 import subprocess
 
 from fourbar_ros import load_scene
-from fourbar_ros.bag.comparison.inputs import DriveStates
-from fourbar_ros.dynamics.step.mover import name_of, NOT_FINITE, OK, OUT_OF_BUDGET
+from fourbar_ros.bag.drive_states import DriveStates
+from fourbar_ros.dynamics.step.mover import KEY, name_of, NOT_FINITE, OK, OUT_OF_BUDGET
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.generated import Compiled, generate
 from fourbar_ros.generated.compiled import build, CompiledMover
@@ -17,7 +17,7 @@ from fourbar_ros.scene.message_fields import mode_number
 from fourbar_ros.scene.scene import from_values
 import numpy as np
 import pytest
-from support.drive_states import columns_of
+from support.drive_states import take_all
 from support.generated import COMPILERS, STRICT
 from support.scenes import PAPER, RODS
 
@@ -171,9 +171,9 @@ def test_states_of_a_bag_are_stepped_by_the_code(rocker):
         rows.append((status, mover.mode, values))
     assert {mode for _, mode, _ in rows} == {1, 2}
     for first in (0, 60):               # a bag may begin anywhere
-        found = DriveStates(scene, name_of(scene.linkage), code.mover)
-        found.compare([columns_of(rows[first:], first)])
-        assert found.compared > 200 and set(found.largest.values()) == {0.0}
+        found = DriveStates(scene, {KEY: name_of(scene.linkage, 'motor')}, code.mover)
+        take_all(found, rows[first:], first)
+        assert found.stepped > 200 and set(found.largest.values()) == {0.0}
     # motion and loads in both modes
     one, other = InModes(scene), InModes(scene, by=code.evaluate)
     for _, mode, values in rows[::5]:
