@@ -39,8 +39,8 @@ from pathlib import Path
 from support import bags
 from support.scenes import PAPER
 
-from fourbar_ros.bag.recompute import recompute
-from fourbar_ros.bag.info import info
+from fourbar_ros.bag.recomputation import recompute
+from fourbar_ros.bag.overview import info
 
 path = bags.run(Path('.'), 'bag', PAPER, [(0.05 * k, 25.0, 0.0) for k in range(100)])
 assert info(path, check=True).is_sound

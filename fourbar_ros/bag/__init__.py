@@ -17,14 +17,14 @@ from fourbar_ros.errors import BagError
 from fourbar_ros.optional import lazily
 
 if TYPE_CHECKING:
-    from fourbar_ros.bag.diff import diff, TopicDiff
-    from fourbar_ros.bag.export import export
-    from fourbar_ros.bag.info import Info, info
+    from fourbar_ros.bag.comparison import diff, TopicDiff
+    from fourbar_ros.bag.tables import export
+    from fourbar_ros.bag.overview import Info, info
     from fourbar_ros.bag.metadata import Channel
     from fourbar_ros.bag.reader import Bag, records
-    from fourbar_ros.bag.recompute import Difference, recompute, Recomputed
+    from fourbar_ros.bag.recomputation import Difference, recompute, Recomputed
     from fourbar_ros.bag.recorder import BagWriter
-    from fourbar_ros.bag.recover import recover, Recovered
+    from fourbar_ros.bag.recovery import recover, Recovered
 
 __all__ = [
     'Bag', 'BagError', 'BagWriter', 'Channel', 'Difference', 'Info', 'Recomputed', 'Recovered',
@@ -32,12 +32,12 @@ __all__ = [
 ]
 
 __getattr__, __dir__ = lazily(__name__, {
-    'fourbar_ros.bag.diff': 'diff, TopicDiff',
-    'fourbar_ros.bag.export': 'export',
-    'fourbar_ros.bag.info': 'Info, info',
+    'fourbar_ros.bag.comparison': 'diff, TopicDiff',
+    'fourbar_ros.bag.tables': 'export',
+    'fourbar_ros.bag.overview': 'Info, info',
     'fourbar_ros.bag.metadata': 'Channel',
     'fourbar_ros.bag.reader': 'Bag, records',
-    'fourbar_ros.bag.recompute': 'Difference, recompute, Recomputed',
+    'fourbar_ros.bag.recomputation': 'Difference, recompute, Recomputed',
     'fourbar_ros.bag.recorder': 'BagWriter',
-    'fourbar_ros.bag.recover': 'recover, Recovered',
+    'fourbar_ros.bag.recovery': 'recover, Recovered',
 })

@@ -12,12 +12,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import suppress
+from dataclasses import replace
 from functools import cached_property, partial
 from io import BytesIO
 import json
 from operator import itemgetter
 from os import SEEK_END
 from pathlib import Path
+import re
 from struct import Struct, unpack
 from typing import Any, BinaryIO, NamedTuple
 from zlib import crc32
@@ -33,8 +35,10 @@ from mcap.records import Channel, Chunk, McapRecord, Message, Metadata, Schema
 from mcap.stream_reader import get_chunk_data_stream, StreamReader
 from mcap.summary import Summary
 import numpy as np
+from rosbags.serde.errors import SerdeError
 from rosbags.typesys import get_types_from_msg, get_typestore, Stores
 from rosbags.typesys.store import Typestore
+import zstandard
 
 BLOCK = 20_000              # messages that are decoded together
 LARGEST = 2**28             # [bytes] of a chunk, packed and unpacked
@@ -218,9 +222,9 @@ class Bag:
         schema = self._schemas[raw.topic]
         try:
             return self._store(schema).deserialize_cdr(raw.data, schema.name)
-        except (ValueError, IndexError, AssertionError, KeyError) as error:
+        except (SerdeError, ValueError, IndexError, AssertionError, KeyError) as error:
             raise BagError(f'{self.path}: {raw.topic}: a message does not fit its '
-                           f'definition: {error!r}') from None
+                           f'definition: {error}') from None
 
     def _store(self, schema: Schema) -> Typestore:
         """Return the types that a schema defines; raises BagError."""
@@ -234,7 +238,7 @@ class Bag:
                 store.register(get_types_from_msg(schema.data.decode(), schema.name))
             except Exception as error:      # the library has no class of its own for bad texts
                 raise BagError(f'{self.path}: the definition of {schema.name} cannot be read: '
-                               f'{error}') from None
+                               + ' '.join(str(error).split())) from None
             self._stores[key] = store
         return self._stores[key]
 
@@ -280,6 +284,9 @@ class Bag:
             elif isinstance(record, Channel):
                 schema = schemas.get(record.schema_id) or Schema(0, b'', 'none', '')
                 channels[record.id] = record, schema
+                if self._schemas.get(record.topic, schema).name != schema.name:
+                    raise BagError(f'{file}: {record.topic} has two types, {schema.name} and '
+                                   f'{self._schemas[record.topic].name}')
                 self._schemas[record.topic] = schema
                 self._channel_metadata[record.topic] = record.metadata
             elif isinstance(record, Message):
@@ -290,6 +297,14 @@ class Bag:
                 if topics is None or channel.topic in topics:
                     yield Raw(channel.topic, schema.name, record.log_time, record.sequence,
                               record.data)
+
+    @cached_property
+    def _is_packed(self) -> bool:
+        """Return whether rosbag2 compressed each message, as metadata.yaml says."""
+        with suppress(OSError, ValueError):
+            text = (self.files[0].parent / 'metadata.yaml').read_text(encoding='utf-8')
+            return bool(re.search(r'^\s+compression_mode: ["\']?message', text, re.M | re.I))
+        return False
 
     def note_unknown(self, file: Path, channel: int) -> None:
         """Note once as damage that a channel is not described: its messages have no topic."""
@@ -316,6 +331,9 @@ class Bag:
                 try:
                     record = next(records, None)
                     content = _unpacked(record) if isinstance(record, Chunk) else [record]
+                    if self._is_packed:
+                        content = [replace(each, data=zstandard.decompress(each.data))
+                                   if isinstance(each, Message) else each for each in content]
                 except Exception as error:      # whatever a library makes of wrong bytes
                     if record is None and not summary and stream.tell() >= end:
                         return                  # the last record was cut

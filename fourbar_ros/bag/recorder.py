@@ -238,11 +238,13 @@ class BagWriter:
             self._write_metadata()
 
     def _is_full(self, now: int) -> bool:
-        """Return whether a message of this time [ns] belongs into a new file."""
+        """Return whether a message of this time [ns] belongs into a new file: no step is torn."""
         part = self._part
-        return bool(part.span and not self._is_closed.is_set() and (      # close() waits for us
+        if not part.span or part.span[1] == now or self._is_closed.is_set():    # close() waits
+            return False
+        return bool(
             self._split_size and part.size > self._split_size
-            or self._split_duration and now - part.span[0] >= self._split_duration * 1e9))
+            or self._split_duration and now - part.span[0] >= self._split_duration * 1e9)
 
     def _next_part(self) -> None:
         """Finish the file and go on in a new one."""

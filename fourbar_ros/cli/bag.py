@@ -22,9 +22,9 @@ from fourbar_ros.cli.common import (
 )
 
 if TYPE_CHECKING:      # verbs import when they run
-    from fourbar_ros.bag.diff import TopicDiff
-    from fourbar_ros.bag.info import Info
-    from fourbar_ros.bag.recompute import Recomputed
+    from fourbar_ros.bag.comparison import TopicDiff
+    from fourbar_ros.bag.overview import Info
+    from fourbar_ros.bag.recomputation import Recomputed
     from fourbar_ros.report.terminal import PlainTable
 
 PLACES = 50     # damaged places that are printed one by one
@@ -89,7 +89,7 @@ def _add_info(actions: Verbs) -> None:
 
 def _info(arguments: Namespace) -> int:
     """Print what a bag contains; return BAD if it is not sound."""
-    from fourbar_ros.bag.info import info
+    from fourbar_ros.bag.overview import info
     with reading(arguments.bag, 'reading') as step:
         found = info(arguments.bag, arguments.check, step)
     if arguments.json:
@@ -150,7 +150,7 @@ def _add_recover(actions: Verbs) -> None:
 
 def _recover(arguments: Namespace) -> int:
     """Copy the readable messages of a bag; print what is lost. Return BAD if anything is."""
-    from fourbar_ros.bag.recover import recover
+    from fourbar_ros.bag.recovery import recover
     with reading(arguments.bag, 'recovering') as step:
         recovered = recover(arguments.bag, arguments.out, step)
     print(f'{recovered.path}: {recovered.messages} messages'
@@ -181,7 +181,7 @@ def _add_recompute(actions: Verbs) -> None:
 
 def _recompute(arguments: Namespace) -> int:
     """Recompute the outputs of a bag, by the library or by generated C code (``--with``)."""
-    from fourbar_ros.bag.recompute import recompute
+    from fourbar_ros.bag.recomputation import recompute
     code: dict[str, Any] = {}
     if arguments.by:
         from fourbar_ros.generated import Compiled
@@ -244,7 +244,7 @@ def _add_export(actions: Verbs) -> None:
 
 def _export(arguments: Namespace) -> None:
     """Write the topics of a bag as tables; print the number of rows in each."""
-    from fourbar_ros.bag.export import export
+    from fourbar_ros.bag.tables import export
     with reading(arguments.bag, 'exporting') as step:
         written = export(arguments.bag, arguments.out, arguments.format, arguments.topics, step)
     for name, rows in written.items():
@@ -263,7 +263,7 @@ def _add_diff(actions: Verbs) -> None:
 
 def _diff(arguments: Namespace) -> int:
     """Compare two bags topic by topic; return BAD if they differ by more than the tolerance."""
-    from fourbar_ros.bag.diff import diff
+    from fourbar_ros.bag.comparison import diff
     first, second, tolerance = arguments.bag, arguments.second, arguments.tolerance
     with reading(first, 'comparing topic by topic') as step:
         topics = diff(first, second, arguments.topics, step)
@@ -306,5 +306,5 @@ def _add_scene(actions: Verbs) -> None:
 
 def _scene(arguments: Namespace) -> None:
     """Print the scene of a bag as a parameter file."""
-    from fourbar_ros.bag.info import parameter_file
+    from fourbar_ros.bag.overview import parameter_file
     print(parameter_file(arguments.bag, arguments.drive, arguments.node), end='')

@@ -8,7 +8,7 @@ from pathlib import Path
 import re
 from typing import TYPE_CHECKING
 
-from fourbar_ros.bag.export import table_of
+from fourbar_ros.bag.tables import table_of
 from fourbar_ros.bag.reader import Bag, Progress
 from fourbar_ros.errors import BagError, nearest
 from fourbar_ros.numerics.arrays import Array

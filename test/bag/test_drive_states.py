@@ -98,7 +98,7 @@ def test_the_torque_in_effect_is_that_of_the_topic_cut_to_the_limit():
     def command(torque):
         return SimpleNamespace(wrench=SimpleNamespace(torque=SimpleNamespace(z=torque)))
     for wrong in (0.0, 0.125):
-        found = DriveStates(scene, {KEY: name_of(scene.linkage, 'torque')})
+        found = DriveStates(scene, {KEY: name_of(scene.linkage)})
         take_all(found, rows[:1])
         for k, torque in enumerate(torques):
             found.command(command(torque + wrong))

@@ -8,7 +8,7 @@ In bags of rosbag2 as well.
 import json
 import math
 
-from fourbar_ros.bag.recompute import recompute, STOPPED, UNTOLD
+from fourbar_ros.bag.recomputation import recompute, STOPPED, UNTOLD
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recorder import BagWriter
 from fourbar_ros.cli.main import main

@@ -3,7 +3,7 @@
 """Bags recorded before the code was restructured compute again to the last bit."""
 from pathlib import Path
 
-from fourbar_ros.bag.recompute import recompute
+from fourbar_ros.bag.recomputation import recompute
 import pytest
 
 RECORDED = Path(__file__).parent.parent / 'support' / 'data' / 'recorded'

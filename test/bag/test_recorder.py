@@ -12,10 +12,10 @@ import threading
 import time
 
 from fourbar_ros.bag import recorder
-from fourbar_ros.bag.info import info
+from fourbar_ros.bag.overview import info
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recorder import BagWriter
-from fourbar_ros.bag.recover import recover
+from fourbar_ros.bag.recovery import recover
 from fourbar_ros.errors import BagError
 from mcap.reader import make_reader
 import pytest

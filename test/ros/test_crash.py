@@ -5,10 +5,10 @@ import time
 
 from bag.test_crash import SLACK
 from bag.test_recorder import assert_every_reader_takes
-from fourbar_ros.bag.recompute import recompute
-from fourbar_ros.bag.info import info
+from fourbar_ros.bag.recomputation import recompute
+from fourbar_ros.bag.overview import info
 from fourbar_ros.bag.reader import Bag, records
-from fourbar_ros.bag.recover import recover
+from fourbar_ros.bag.recovery import recover
 from fourbar_ros.bag.recorder import FLUSH_PERIOD
 import pytest
 from support.harness import ALL_OUTPUTS

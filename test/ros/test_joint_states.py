@@ -4,7 +4,7 @@
 import math
 
 from fourbar_msgs.msg import LinkageState, Motion
-from fourbar_ros.bag.recompute import recompute
+from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.scene import scene
 import pytest
 from sensor_msgs.msg import JointState

@@ -4,8 +4,8 @@
 import math
 
 from fourbar_msgs.msg import Motion
-from fourbar_ros.bag.recompute import recompute
-from fourbar_ros.bag.info import info
+from fourbar_ros.bag.recomputation import recompute
+from fourbar_ros.bag.overview import info
 from fourbar_ros.bag.reader import Bag
 from rosbags.rosbag2 import Reader
 from support.harness import ALL_OUTPUTS

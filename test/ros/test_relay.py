@@ -17,7 +17,7 @@ from types import SimpleNamespace
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray
 from fourbar_msgs.msg import LinkageLoads, Motion
-from fourbar_ros.bag.recompute import recompute
+from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.description.formats import describe
 from fourbar_ros.description.model import model_of
 from fourbar_ros.ros.clients.client import NoAnswer

@@ -10,7 +10,7 @@ import sys
 import time
 
 from fourbar_msgs.msg import Motion
-from fourbar_ros.bag.recompute import recompute
+from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.bag.reader import Bag, records
 from fourbar_ros.bag.recorder import BagWriter
 from fourbar_ros.ros.clients.rerun import stamp_of

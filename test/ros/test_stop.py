@@ -17,7 +17,7 @@ import time
 from builtin_interfaces.msg import Time
 from fourbar_msgs.msg import Motion
 from fourbar_ros import load_scene
-from fourbar_ros.bag.info import info
+from fourbar_ros.bag.overview import info
 from fourbar_ros.ros.messages import resolve
 from fourbar_ros.ros.node.worker import Abandoned, Worker
 from fourbar_ros.ros.stop import SIGNALS, Stop

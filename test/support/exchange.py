@@ -4,7 +4,7 @@
 import random
 
 from fourbar_msgs.msg import LinkageState, Motion
-from fourbar_ros.bag.recompute import recompute
+from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.pipeline.stepper import Stepper
 from fourbar_ros.ros.clients.client import name_on

@@ -14,7 +14,7 @@ import time
 from typing import Any
 
 from fourbar_msgs.msg import Extremum
-from fourbar_ros.bag.recompute import recompute
+from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.quantities import select
 from fourbar_ros.pipeline.status import STATUS_NAMES

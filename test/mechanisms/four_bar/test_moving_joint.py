@@ -19,7 +19,7 @@ from fourbar_ros import (
     MovingJointFourBar,
     OutOfRange,
 )
-from fourbar_ros.bag.recompute import recompute
+from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.dynamics import simulate, System
 from fourbar_ros.mechanisms.quantities import known
 from fourbar_ros.report.drawing import make_figure

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from fourbar_ros.bag.reader import Bag, Columns, Progress
-from fourbar_ros.bag.recompute import largest_difference
+from fourbar_ros.bag.recomputation import largest_difference
 from fourbar_ros.errors import BagError
 from fourbar_ros.numerics.arrays import Array
 import numpy as np

@@ -38,6 +38,8 @@ def export(path: str | Path, out: str | Path, kind: str | None = None,
     for topic in names:
         if topic not in bag.types:
             raise BagError(f'{topic}: not in the bag; it has {", ".join(sorted(bag.types))}')
+    if not names:
+        raise BagError(f'{path}: holds no topic that can be read')
     is_file = ending == kind
     if is_file and kind != 'npz' and len(names) != 1:
         raise BagError(f'{out}: a .{kind} file holds one topic; name it, or give a folder')

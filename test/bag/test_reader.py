@@ -1,0 +1,445 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+What is left of a bag: whole, cut anywhere, with flipped bits, by other writers, of version 1.
+
+Every case is read, checked and recovered.
+"""
+from pathlib import Path
+import random
+import shutil
+from struct import pack, unpack_from
+
+from bag.test_recorder import assert_every_reader_takes, numbers, told_by
+from fourbar_ros.bag import metadata
+from fourbar_ros.bag.overview import info
+from fourbar_ros.bag.reader import Bag
+from fourbar_ros.bag.recomputation import recompute
+from fourbar_ros.bag.recorder import BagWriter
+from fourbar_ros.bag.recovery import NO_END, recover
+from fourbar_ros.cli.main import main
+from fourbar_ros.errors import BagError
+from mcap.opcode import Opcode
+from mcap.writer import CompressionType, Writer
+import numpy as np
+import pytest
+from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin
+from rosbags.rosbag2 import Writer as RosbagsWriter
+from support import bags
+from support.bags import MOTION, motion
+from support.samples import some
+
+STRING, COUNT, CHUNK = 'std_msgs/msg/String', 400, 11
+CRC = 33        # where the checksum of a chunk stands in its record
+BEFORE = Path(__file__).parent.parent / 'support' / 'data' / 'split_before'
+
+
+def text(value):
+    return bags.encode(STRING, data=value)
+
+
+@pytest.fixture(scope='module')
+def whole(tmp_path_factory):
+    """Return the path of a bag of many chunks, each of 11 messages."""
+    writer = BagWriter(tmp_path_factory.mktemp('whole'), 'run',
+                       [MOTION, bags.channel('/text', STRING)], {'who': 'test'})
+    writer._is_closed.set()
+    for thread in writer._threads:                        # what they do is done here
+        thread.join()
+    for k in range(COUNT):
+        writer.write(0, motion(k))
+        if k % 10 == 9:
+            writer.write(1, text(f'number {k}'))
+            writer._flush()
+    writer._finish('stopped')
+    writer._part.file.close()
+    return writer.path
+
+
+def raws(path):
+    return [(raw.topic, raw.sequence, raw.time, raw.data) for raw in Bag(path).raw()]
+
+
+def is_part(few, all_of_them):
+    rest = iter(all_of_them)
+    return all(item in rest for item in few)
+
+
+def records_of(data):
+    """Return [(opcode, begin, end)] of the records of a file."""
+    at, found = 8, []
+    while at + 9 < len(data):
+        opcode, length = unpack_from('<BQ', data, at)
+        found.append((opcode, at, at + 9 + length))
+        at += 9 + length
+    return found
+
+
+# --- cut -----------------------------------------------------------------------------------------
+
+@some('step, first', [(1997, 0), (97, 0), (97, 48)], 1)
+def test_a_cut_leaves_an_exact_prefix_that_recover_makes_whole(whole, tmp_path, step, first):
+    data, everything = (whole / 'run_0.mcap').read_bytes(), raws(whole)
+    lengths, cut_file = [], tmp_path / 'cut_0.mcap'
+    end = next(begin for opcode, begin, _ in records_of(data) if opcode == Opcode.DATA_END)
+    for cut in [0, 1, 7, 8, 9, *range(first, len(data), step), end, len(data) - 1, len(data)]:
+        cut_file.write_bytes(data[:cut])
+        found, state = raws(cut_file), info(cut_file, check=True)
+        assert found == everything[:len(found)] and not state.damage, cut
+        assert state.is_finished == (cut == len(data)) and not state.missing
+        assert sum(topic.messages for topic in state.topics) == len(found)
+        lengths.append(len(found))
+        if not state.topics:
+            with pytest.raises(BagError, match='nothing to recover'):
+                recover(cut_file, tmp_path / 'out')
+            continue
+        recovered = recover(cut_file, tmp_path / 'out')
+        assert raws(recovered.path) == found and recovered.messages == len(found)
+        assert not recovered.damage and recovered.was_whole == state.is_finished
+        assert_every_reader_takes(recovered.path, len(found))
+        shutil.rmtree(recovered.path)
+        assert [path.name for path in tmp_path.iterdir()] == ['cut_0.mcap']
+    assert lengths[-1] == len(everything) and len(set(lengths)) > 5
+    # what is lost is less than a chunk: its index alone may follow it
+    chunks = [end for opcode, _, end in records_of(data) if opcode == Opcode.CHUNK]
+    for cut, length in zip(range(first, len(data), step), lengths[5:]):
+        assert length == CHUNK * sum(end <= cut for end in chunks)
+
+
+def test_a_recovered_bag_keeps_what_the_recorder_noted(whole, tmp_path):
+    (tmp_path / 'run_0.mcap').write_bytes((whole / 'run_0.mcap').read_bytes()[:20_000])
+    recovered = recover(tmp_path / 'run_0.mcap')
+    assert recovered.path == tmp_path / 'run_recovered' and not recovered.was_whole
+    told, kept = told_by(recovered.path), raws(recovered.path)
+    assert told['custom_data'] == {'who': 'test', 'ended': NO_END}
+    assert told['starting_time']['nanoseconds_since_epoch'] == kept[0][2]
+    assert told['duration']['nanoseconds'] == kept[-1][2] - kept[0][2]
+    bag, old = Bag(recovered.path), Bag(whole)
+    assert (bag.types, bag.qos_of('/text'), bag.hash_of('/text')) == (
+        old.types, old.qos_of('/text'), old.hash_of('/text'))
+    with pytest.raises(BagError, match='exists already'):
+        recover(tmp_path / 'run_0.mcap')
+
+
+def test_zeros_behind_the_data_as_a_power_cut_leaves_them_cost_nothing(whole, tmp_path):
+    data, file = (whole / 'run_0.mcap').read_bytes(), tmp_path / 'zeros.mcap'
+    for length in (30_000, records_of(data)[40][2]):
+        file.write_bytes(data[:length] + bytes(50_000))
+        found = raws(file)
+        file.write_bytes(data[:length])
+        assert found == raws(file) and len(found) > 50
+    file.write_bytes(data[:30_000] + bytes(50_000))
+    assert recover(file).messages == len(raws(file)) and not info(file, check=True).is_sound
+
+
+# --- flipped bits --------------------------------------------------------------------------------
+
+def flip(file, data, place, bit, everything):
+    """Flip a bit; assert that nothing read is wrong; return (whether it was seen, kept)."""
+    spoiled = bytearray(data)
+    spoiled[place] ^= 1 << bit
+    file.write_bytes(spoiled)
+    state, read = info(file, check=True), raws(file)
+    assert is_part(read, everything), (place, bit)
+    recovered = recover(file, file.parent / 'out')
+    kept = raws(recovered.path)
+    assert kept == read and info(recovered.path, check=True).is_finished
+    assert_every_reader_takes(recovered.path, len(kept))
+    shutil.rmtree(recovered.path)
+    return not state.is_sound, kept
+
+
+@some('seed', range(50), 1)
+def test_a_flipped_bit_is_seen_and_costs_its_chunk_at_most(whole, tmp_path, seed):
+    data, everything, rng = ((whole / 'run_0.mcap').read_bytes(), raws(whole),
+                             random.Random(seed))
+    for _ in range(8):
+        place, bit = rng.randrange(len(data)), rng.randrange(8)
+        seen, kept = flip(tmp_path / 'spoiled.mcap', data, place, bit, everything)
+        assert seen and len(everything) - len(kept) in (0, CHUNK), (place, bit)
+
+
+def test_the_head_of_a_chunk_may_be_hit_anywhere(whole, tmp_path):
+    """Its length, its sizes, the name of its compression: the index at the end knows better."""
+    data, everything = (whole / 'run_0.mcap').read_bytes(), raws(whole)
+    _, begin, _ = [record for record in records_of(data) if record[0] == Opcode.CHUNK][20]
+    for place in range(begin, begin + 61, 9):
+        for bit in (place % 8, 7):
+            seen, kept = flip(tmp_path / 'spoiled.mcap', data, place, bit, everything)
+            assert seen and len(everything) - len(kept) in (0, CHUNK), (place, bit)
+
+
+def test_a_chunk_hit_in_a_cut_file_is_named_and_the_others_are_kept(whole, tmp_path, capsys):
+    data, everything = (whole / 'run_0.mcap').read_bytes(), raws(whole)
+    chunks = [record for record in records_of(data) if record[0] == Opcode.CHUNK]
+    for which in (1, 20, 29):           # 29: the last one
+        spoiled, file = bytearray(data[:chunks[29][2]]), tmp_path / 'cut_0.mcap'
+        spoiled[chunks[which][1] + CRC] ^= 1
+        file.write_bytes(spoiled)
+        expected = everything[:which * CHUNK] + everything[(which + 1) * CHUNK:30 * CHUNK]
+        assert raws(file) == expected, which
+        assert info(file).damage and not info(file).is_sound
+        assert main(['bag', 'recover', str(file), '-o', str(tmp_path / f'out{which}')]) == 3
+        said = capsys.readouterr().out
+        assert said.count('damaged: cut_0.mcap, before byte') == 1 and 'nothing lost' not in said
+        assert raws(tmp_path / f'out{which}') == expected
+    # the first one describes the topics: without it, and without an end, messages have none
+    spoiled = bytearray(data[:chunks[29][2]])
+    spoiled[chunks[0][1] + CRC] ^= 1
+    file.write_bytes(spoiled)
+    assert not raws(file) and len(info(file, check=True).damage.split(', and 2 more places')) == 2
+
+
+def test_larger_damage_costs_what_it_hits(whole, tmp_path):
+    data, everything = bytearray((whole / 'run_0.mcap').read_bytes()), raws(whole)
+    data[10_000:14_000] = bytes(4000)
+    (tmp_path / 'hit.mcap').write_bytes(data)
+    kept = raws(tmp_path / 'hit.mcap')
+    assert is_part(kept, everything) and info(tmp_path / 'hit.mcap', check=True).damage
+    hit = [begin for opcode, begin, end in records_of((whole / 'run_0.mcap').read_bytes())
+           if opcode == Opcode.CHUNK and begin < 14_000 and end > 10_000]
+    assert len(everything) - len(kept) == CHUNK * len(hit) > CHUNK
+    with pytest.raises(BagError, match='fourbar bag recover keeps the rest'):
+        recompute(_with_scene(tmp_path, data))
+
+
+def _with_scene(folder, data):
+    """Return a damaged bag of a scene."""
+    path = bags.run(folder, 'scene', {**bags_scene(), 'drive.source': 'motion'},
+                    [(0.05 * k, 25.0, 0.1) for k in range(30)])
+    file = path / 'scene_0.mcap'
+    data = bytearray(file.read_bytes())
+    _, begin, _ = [record for record in records_of(data) if record[0] == Opcode.CHUNK][0]
+    data[begin + CRC] ^= 1
+    file.write_bytes(data)
+    return path
+
+
+def bags_scene():
+    from support.scenes import PAPER
+    return {**PAPER, 'outputs': ['state']}
+
+
+@pytest.mark.parametrize('content', [b'', b'\x89MCAP', b'not a bag' * 100, bytes(1000),
+                                     b'\x89MCAP0\r\n' + b'\xff' * 500], ids=range(5))
+def test_files_that_are_no_bags_are_one_line_for_every_verb(tmp_path, capsys, content):
+    file = tmp_path / 'a.mcap'
+    file.write_bytes(content)
+    for verb in (['recover'], ['recompute'], ['scene'], ['export', '-o', str(tmp_path / 'out')]):
+        code = main(['bag', verb[0], str(file), *verb[1:]])
+        said = capsys.readouterr()
+        assert code == 1 and said.err.startswith('fourbar: ') and said.err.count('\n') == 1, verb
+    assert main(['bag', 'info', str(file)]) == 3
+    assert [path.name for path in tmp_path.iterdir()] == ['a.mcap']
+
+
+# --- other writers -------------------------------------------------------------------------------
+
+def by_rosbags(folder, mode):
+    """Write a bag of three topics with the library rosbags."""
+    writer = RosbagsWriter(folder, version=9, storage_plugin=StoragePlugin.MCAP)
+    writer.set_compression(mode, CompressionFormat.ZSTD)
+    with writer:
+        connections = {name: writer.add_connection(name, kind, typestore=bags.STORE)
+                       for name, kind in (('/a', STRING), ('/b', MOTION.type), ('/c', STRING))}
+        for k in range(60):
+            for name, connection in connections.items():
+                writer.write(connection, 10**9 + k,
+                             motion(k) if name == '/b' else text(f'{name} {k}'))
+    return folder
+
+
+@pytest.mark.parametrize('mode', [CompressionMode.NONE, CompressionMode.MESSAGE,
+                                  CompressionMode.STORAGE])
+def test_bags_of_the_library_rosbags_are_read_as_written(tmp_path, mode):
+    path = by_rosbags(tmp_path / 'foreign', mode)
+    bag = Bag(path)
+    found = list(bag.records())
+    assert len(found) == 180 and not bag.damage and info(path, check=True).is_sound
+    assert [record.message.position for record in found if record.topic == '/b'] == list(range(60))
+    assert [record.message.data for record in found if record.topic == '/c'] == [
+        f'/c {k}' for k in range(60)]
+    assert raws(recover(path, tmp_path / 'new').path) == raws(path)
+    assert main(['bag', 'diff', str(path), str(tmp_path / 'new')]) == 0
+
+
+@pytest.mark.parametrize('compression', CompressionType)
+def test_bags_of_the_library_mcap_are_read_as_written_and_cut(tmp_path, compression):
+    """Two publishers of one topic are two channels."""
+    file = tmp_path / 'foreign.mcap'
+    with open(file, 'wb') as stream:
+        writer = Writer(stream, chunk_size=500, compression=compression)
+        writer.start('ros2', 'test')
+        kinds = {kind: writer.register_schema(kind, 'ros2msg', bags.text_of(kind).encode())
+                 for kind in (STRING, MOTION.type)}
+        channels = [writer.register_channel(topic, 'cdr', kinds[kind], {'by': by})
+                    for topic, kind, by in (('/a', STRING, 'one'), ('/b', MOTION.type, ''),
+                                            ('/a', STRING, 'two'))]
+        for k in range(90):
+            writer.add_message(channels[k % 3], k, motion(k) if k % 3 == 1 else text(str(k)), k)
+        writer.finish()
+    assert [raw.time for raw in Bag(file).raw()] == list(range(90))
+    assert [record.message.data for record in Bag(file).records(['/a'])] == [
+        str(k) for k in range(90) if k % 3 != 1]
+    assert [record.message.position for record in Bag(file).records(['/b'])] == [
+        k for k in range(90) if k % 3 == 1]
+    assert sum(len(columns.times) for columns in Bag(file).columns()) == 90
+    new = recover(file).path
+    assert raws(new) == raws(file) and told_by(new)['message_count'] == 90
+    data, everything = file.read_bytes(), raws(file)
+    file.write_bytes(data[:len(data) // 2])
+    assert raws(file) == everything[:len(raws(file))] and len(raws(file)) > 10
+
+
+def test_two_types_on_one_topic_are_one_line(tmp_path, capsys):
+    file = tmp_path / 'two.mcap'
+    with open(file, 'wb') as stream:
+        writer = Writer(stream)
+        writer.start('ros2', 'test')
+        for k, kind in enumerate((STRING, MOTION.type)):
+            writer.add_message(writer.register_channel('/a', 'cdr', writer.register_schema(
+                kind, 'ros2msg', bags.text_of(kind).encode())), k, motion(k), k)
+        writer.finish()
+    assert main(['bag', 'export', str(file), '-o', str(tmp_path / 'out')]) == 1
+    assert '/a has two types, ' in capsys.readouterr().err
+
+
+def test_bags_of_other_kinds_say_what_to_do_first(tmp_path, capsys):
+    for name, said in (('a.db3', 'rosbags-convert'), ('a.bag', 'ROS 1'),
+                       ('a.mcap.zst', 'unpack it first'), ('a.txt', 'holds no .mcap files')):
+        folder = tmp_path / name.replace('.', '_')
+        folder.mkdir()
+        (folder / name).write_bytes(b'some')
+        assert main(['bag', 'info', str(folder)]) == 1
+        assert said in capsys.readouterr().err
+    with pytest.raises(BagError, match='no such bag'):
+        Bag(tmp_path / 'nothing')
+    for name in ('a_0.mcap', 'b_0.mcap'):
+        (tmp_path / name).write_bytes(b'')
+    with pytest.raises(BagError, match='different bags, name one'):
+        Bag(tmp_path)
+
+
+def test_definitions_that_cannot_be_read_and_messages_that_do_not_fit_are_one_line(
+        tmp_path, capsys):
+    for number, (encoding, definition, data) in enumerate((
+            ('ros2msg', 'no/Such[ x\n', text('a')), ('ros2idl', 'struct', text('a')),
+            ('ros2msg', 'string data\n', text('a')[:9]), ('ros2msg', 'float64 x\n', text('a')[:7]),
+            ('ros2msg', 'string data\n', b'\0\1\0\0' + pack('<I', 2**31) + b'abc\0'),
+            ('ros2msg', 'float64[] x\n', b'\0\1\0\0' + pack('<I', 2**31) + bytes(8)),
+            ('ros2msg', 'string[] x\n', b'\0\1\0\0' + pack('<I', 2**31) + bytes(8)),
+            ('ros2msg', 'wstring data\n', text('a')))):
+        file = tmp_path / f'{number}.mcap'
+        with open(file, 'wb') as stream:
+            writer = Writer(stream)
+            writer.start('ros2', 'test')
+            channel = writer.register_channel('/a', 'cdr', writer.register_schema(
+                'a/msg/T', encoding, definition.encode()))
+            writer.add_message(channel, 1, data, 1)
+            writer.finish()
+        assert main(['bag', 'export', str(file), '-o', str(tmp_path / 'out')]) == 1, definition
+        said = capsys.readouterr().err
+        assert said.startswith('fourbar: ') and said.count('\n') == 1, said
+        with pytest.raises(BagError):
+            list(Bag(file).records())
+        assert main(['bag', 'info', str(file), '--check']) == 0
+        assert recover(file, tmp_path / f'new{number}').messages == 1
+    capsys.readouterr()
+
+
+@pytest.mark.parametrize('kind', ['zstd', 'lz4', ''])
+def test_a_chunk_that_says_it_is_huge_is_refused(tmp_path, kind):
+    import lz4.frame
+    import zstandard
+    zeros = bytes(2**29)
+    packed = {'zstd': lambda: zstandard.compress(zeros), '': lambda: bytes(100),
+              'lz4': lambda: lz4.frame.compress(zeros)}[kind]()
+    name = kind.encode()
+    body = (pack('<QQQII', 0, 0, 2**29, 0, len(name)) + name + pack('<Q', len(packed)) + packed)
+    (tmp_path / 'bomb.mcap').write_bytes(
+        b'\x89MCAP0\r\n' + pack('<BQ', Opcode.HEADER, 8) + bytes(8)
+        + pack('<BQ', Opcode.CHUNK, len(body)) + body)
+    bag = Bag(tmp_path / 'bomb.mcap')
+    assert not list(bag.raw()) and 'a chunk of 536870912 bytes' in bag.damage[0]
+
+
+# --- of version 1 --------------------------------------------------------------------------------
+
+def test_a_split_bag_of_version_1_is_read_without_the_messages_it_repeats():
+    bag = Bag(BEFORE)
+    assert [sum(1 for _ in Bag(file).raw()) for file in bag.files] == [91, 95, 94]
+    of_topic = [raw.sequence for raw in bag.raw(['/fourbar/state'])]
+    assert of_topic == list(range(90)) and info(BEFORE, check=True).is_sound
+    found = recompute(BEFORE)
+    assert (found.inputs, found.compared, found.problems()) == (90, 180, [])
+    for place, file in enumerate(bag.files):        # each begins with the scene in force
+        found = recompute(file)
+        assert (found.compared, found.problems()) == (60 + 2 * (place > 0), [])
+
+
+def test_a_killed_split_bag_of_version_1_is_recovered_without_losing_or_doubling_one(tmp_path):
+    killed = tmp_path / 'split'
+    shutil.copytree(BEFORE, killed)
+    data = (killed / 'split_2.mcap').read_bytes()
+    end = [end for opcode, _, end in records_of(data) if opcode == Opcode.CHUNK][-1]
+    (killed / 'split_2.mcap').write_bytes(data[:end])
+    (killed / 'metadata.yaml').unlink()
+    for path in (killed, recover(killed).path):
+        assert [raw.sequence for raw in Bag(path).raw(['/fourbar/state'])] == list(range(90))
+        assert not info(path, check=True).missing and not info(path).damage
+        found = recompute(path)
+        assert (found.inputs, found.compared, found.problems()) == (90, 180, [])
+    assert Bag(tmp_path / 'split_recovered').about['ended'] == NO_END
+
+
+# --- split bags ----------------------------------------------------------------------------------
+
+def test_files_are_in_the_order_of_their_numbers_and_metadata_may_be_lost(tmp_path):
+    scene = bags_scene() | {'drive.source': 'motion'}
+    path = bags.run(tmp_path, 'run', scene, [(0.05 * k, 25.0, 0.1) for k in range(300)],
+                    {150: {'linkage.a1': 0.35}}, paced=True, step_ns=10**7)
+    new = _resplit(path, tmp_path / 'new', 12)
+    assert [metadata.number_of(file) for file in Bag(new).files] == list(range(12))
+    for _ in range(2):
+        found = recompute(new)
+        assert (found.inputs, found.compared, found.problems()) == (300, 300, [])
+        assert info(new, check=True).is_sound and raws(new) == raws(path)
+        (new / 'metadata.yaml').unlink(missing_ok=True)
+    # one is lost, and one is cut
+    (new / 'new_4.mcap').unlink()
+    data = (new / 'new_7.mcap').read_bytes()
+    (new / 'new_7.mcap').write_bytes(data[:len(data) - 40])
+    state = info(new, check=True)
+    assert not state.is_finished and state.missing == 50
+    again = recover(new)
+    assert raws(again.path) == raws(new) and not again.damage and not again.was_whole
+    assert [file.name for file in Bag(again.path).files] == [
+        f'new_recovered_{k}.mcap' for k in range(12) if k != 4]
+
+
+def _resplit(path, new, parts):
+    """Write a bag again as one of so many files."""
+    old, everything = Bag(path), list(Bag(path).raw())
+    new.mkdir()
+    for k, rows in enumerate(np.array_split(np.arange(len(everything)), parts)):
+        with open(new / f'{new.name}_{k}.mcap', 'wb') as stream:
+            writer = Writer(stream, enable_data_crcs=True)
+            writer.start('ros2', 'test')
+            channels = {topic: writer.register_channel(topic, 'cdr', writer.register_schema(
+                kind, 'ros2msg', bags.text_of(kind).encode())) for topic, kind in
+                        sorted(old.types.items(), reverse=k % 2)}
+            for raw in (everything[row] for row in rows):
+                writer.add_message(channels[raw.topic], raw.time, raw.data, raw.time, raw.sequence)
+            writer.add_metadata(metadata.RECORD, {metadata.KEY: metadata.dumped(
+                {'custom_data': old.about})})
+            writer.finish()
+    (new / 'metadata.yaml').write_text('')
+    return new
+
+
+def test_a_bag_from_a_time_on(whole):
+    everything = raws(whole)
+    assert numbers(whole) == list(range(COUNT))
+    start = everything[300][2]
+    assert [raw.sequence for raw in Bag(whole).raw(['/text'], start)] == [
+        sequence for topic, sequence, time, _ in everything if topic == '/text' and time >= start]
