@@ -1,0 +1,129 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Arrays of serialised messages against the decoder of rosbags, message by message."""
+from fourbar_ros.bag.layout import Layouts
+from fourbar_ros.errors import BagError
+import numpy as np
+import pytest
+from rosbags.interfaces import Nodetype
+from rosbags.typesys import get_types_from_msg, get_typestore, Stores
+from support import bags
+from support.samples import some
+
+TYPES = ['fourbar_msgs/msg/Motion', 'fourbar_msgs/msg/LinkageState', 'std_msgs/msg/String',
+         'fourbar_msgs/msg/LinkageLoads', 'sensor_msgs/msg/JointState', 'std_msgs/msg/Empty',
+         'geometry_msgs/msg/WrenchStamped', 'visualization_msgs/msg/MarkerArray',
+         'diagnostic_msgs/msg/DiagnosticArray', 'sensor_msgs/msg/Imu', 'tf2_msgs/msg/TFMessage',
+         'sensor_msgs/msg/PointCloud2']
+BASES = ('bool', 'int8', 'uint8', 'int16', 'uint16', 'int32', 'uint32', 'int64', 'uint64',
+         'float32', 'float64', 'string')
+MANY = ('', '', '[]', '[3]', '[<=4]')       # of a field
+
+
+def filled(store, type_name, rng):
+    """Return a message of random content; texts and sequences are of random length."""
+    return store.types[type_name](**{name: value_of(store, kind, what, rng)
+                                     for name, (kind, what) in store.fielddefs[type_name][1]})
+
+
+def value_of(store, kind, what, rng):
+    if kind == Nodetype.NAME:
+        return filled(store, what, rng)
+    if kind == Nodetype.BASE:
+        if what[0] == 'string':
+            return ''.join(rng.choice(list('abcä/ '), rng.integers(0, 6)))
+        return numbers(what[0], rng, 1)[0].item()
+    one, count = what
+    count = count if kind == Nodetype.ARRAY else int(rng.integers(0, 4))
+    if one[0] == Nodetype.BASE and one[1][0] != 'string':
+        return numbers(one[1][0], rng, count)
+    return [value_of(store, *one, rng) for _ in range(count)]
+
+
+def numbers(kind, rng, count):
+    if kind == 'bool':
+        return rng.integers(0, 2, count).astype(bool)
+    if kind.startswith('float'):
+        return rng.normal(size=count).astype(kind)
+    kind = {'byte': 'uint8', 'octet': 'uint8', 'char': 'uint8'}.get(kind, kind)
+    return rng.integers(0, 100, count).astype(kind)
+
+
+def flat(store, type_name, message, path=''):
+    """Yield (path, value) of all fields, as Layout names them."""
+    for name, (kind, what) in store.fielddefs[type_name][1]:
+        yield from flat_of(store, kind, what, getattr(message, name), path + name)
+
+
+def flat_of(store, kind, what, value, path):
+    if kind == Nodetype.NAME:
+        yield from flat(store, what, value, f'{path}.')
+    elif kind == Nodetype.BASE:
+        yield path, value
+    elif what[0][0] == Nodetype.BASE and what[0][1][0] != 'string':
+        yield path, np.asarray(value)
+    else:
+        for place, each in enumerate(value):
+            yield from flat_of(store, *what[0], each, f'{path}[{place}]')
+
+
+def check(store, type_name, messages, little):
+    encoded = [bytes(store.serialize_cdr(message, type_name, little_endian=little))
+               for message in messages]
+    rows_seen = []
+    for rows, records in Layouts(store, type_name).arrays(encoded):
+        assert rows.tolist() == sorted(rows.tolist()) and records.shape == rows.shape
+        rows_seen += rows.tolist()
+        for row, record in zip(rows.tolist(), records):
+            decoded = store.deserialize_cdr(encoded[row], type_name)
+            expected = dict(flat(store, type_name, decoded))
+            assert list(records.dtype.names or ()) == list(expected)
+            for name, value in expected.items():
+                if isinstance(value, str):
+                    assert record[name].decode() == value
+                else:
+                    assert np.array_equal(record[name], value), name
+    assert sorted(rows_seen) == list(range(len(messages)))
+
+
+@pytest.mark.parametrize('little', [True, False])
+@pytest.mark.parametrize('type_name', TYPES)
+def test_messages_are_read_as_rosbags_decodes_them(type_name, little):
+    rng = np.random.default_rng(7)
+    check(bags.STORE, type_name, [filled(bags.STORE, type_name, rng) for _ in range(20)], little)
+
+
+@some('seed', range(300), 30)
+def test_types_of_any_shape_are_read_as_rosbags_decodes_them(seed):
+    rng = np.random.default_rng(seed)
+
+    def lines(kinds, most):
+        return ''.join(f'{rng.choice(kinds)}{rng.choice(MANY)} f{k}\n'
+                       for k in range(rng.integers(1, most)))
+    store = get_typestore(Stores.EMPTY)
+    store.register(get_types_from_msg(
+        f'{lines([*BASES, "a/Inner", "a/Inner", "a/Inner"], 8)}{"=" * 80}\nMSG: a/Inner\n'
+        + lines(BASES, 5), 'a/msg/Outer'))
+    messages = [filled(store, 'a/msg/Outer', rng) for _ in range(6)]
+    for little in (True, False):
+        check(store, 'a/msg/Outer', messages, little)
+
+
+def test_a_message_that_is_shorter_than_its_type_is_an_error_not_a_number():
+    data = bags.motion(1)
+    for length in range(len(data)):
+        with pytest.raises(BagError, match='fit its definition|not a CDR message'):
+            list(Layouts(bags.STORE, 'fourbar_msgs/msg/Motion').arrays([data, data[:length]]))
+
+
+def test_the_bytes_between_fields_do_not_matter():
+    """Fast CDR leaves old memory there."""
+    values = dict(header=bags.stamp(1, 'abcde'), name=['a', 'bc', 'def'], position=np.arange(3.0),
+                  velocity=np.arange(3.0), effort=np.zeros(0))
+    data = bags.encode('sensor_msgs/msg/JointState', **values)
+    rng = np.random.default_rng(1)
+    dirty = bags.with_old_memory(data, ['abcde', 'a', 'bc', 'def'], rng)
+    assert dirty != data
+    (rows, records), = Layouts(bags.STORE, 'sensor_msgs/msg/JointState').arrays([data, dirty])
+    assert rows.tolist() == [0, 1]
+    assert all(np.array_equal(records[name][0], records[name][1]) for name in records.dtype.names)
