@@ -10,8 +10,9 @@ from typing import Any
 
 from fourbar_ros.errors import FourBarError
 
-BAGS = 'pip install mcap lz4 zstandard'
-INSTALL = {'mcap': BAGS, 'lz4': BAGS, 'zstandard': BAGS, 'matplotlib': 'pip install matplotlib',
+BAGS = 'pip install mcap rosbags'
+INSTALL = {**dict.fromkeys(('mcap', 'rosbags', 'lz4', 'zstandard'), BAGS),
+           'matplotlib': 'pip install matplotlib',
            'pyarrow': 'pip install pyarrow', 'openpyxl': 'pip install openpyxl',
            'flint': 'pip install python-flint',
            'scipy': 'pip install scipy', 'distributed': 'pip install distributed',

@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import replace
-from functools import cached_property, partial
+from functools import cached_property, lru_cache, partial
 from io import BytesIO
 import json
 from operator import itemgetter
@@ -114,10 +114,9 @@ class Bag:
         self.path = Path(path)
         self.files = metadata.files_of(self.path)
         self.damage: list[str] = []
-        self._stores: dict[tuple[str, bytes], Typestore] = {}    # by type and definition
         self._schemas: dict[str, Schema] = {}       # the newest of each topic
         self._channel_metadata: dict[str, dict[str, str]] = {}      # by topic
-        self._layouts: dict[tuple[str, bytes], Layouts] = {}
+        self._layouts: dict[tuple[str, bytes], Layouts] = {}    # by type and definition
 
     @property
     def size(self) -> int:
@@ -228,19 +227,14 @@ class Bag:
 
     def _store(self, schema: Schema) -> Typestore:
         """Return the types that a schema defines; raises BagError."""
-        key = schema.name, schema.data
-        if key not in self._stores:
-            if schema.encoding != 'ros2msg':
-                raise BagError(f'{self.path}: {schema.name} is defined in {schema.encoding!r}; '
-                               'only ros2msg is decoded: rosbags-convert makes that')
-            store = get_typestore(Stores.EMPTY)
-            try:
-                store.register(get_types_from_msg(schema.data.decode(), schema.name))
-            except Exception as error:      # the library has no class of its own for bad texts
-                raise BagError(f'{self.path}: the definition of {schema.name} cannot be read: '
-                               + ' '.join(str(error).split())) from None
-            self._stores[key] = store
-        return self._stores[key]
+        if schema.encoding != 'ros2msg':
+            raise BagError(f'{self.path}: {schema.name} is defined in {schema.encoding!r}; '
+                           'only ros2msg is decoded: rosbags-convert makes that')
+        try:
+            return _types(schema.name, schema.data)
+        except Exception as error:      # the library has no class of its own for bad texts
+            raise BagError(f'{self.path}: the definition of {schema.name} cannot be read: '
+                           + ' '.join(str(error).split())) from None
 
     def definition_of(self, topic: str) -> str:
         """Return the text that defines the type of a topic met so far."""
@@ -352,6 +346,14 @@ def records(path: str | Path, topics: Collection[str] | None = None, start: int 
             ) -> Iterator[Record]:
     """Yield every :class:`Record` of a bag; arguments as of :meth:`Bag.raw`."""
     return Bag(path).records(topics, start)
+
+
+@lru_cache
+def _types(name: str, definition: bytes) -> Typestore:
+    """Return the types that a definition gives; to read it takes 10 ms and more."""
+    store = get_typestore(Stores.EMPTY)
+    store.register(get_types_from_msg(definition.decode(), name))
+    return store
 
 
 def _unpacked(chunk: Chunk) -> list[McapRecord]:

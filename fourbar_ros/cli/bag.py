@@ -17,6 +17,7 @@ from fourbar_ros.cli.common import (
     BAD,
     BAG_HELP,
     json_line,
+    PICTURE_HELP,
     reading,
     Verbs,
 )
@@ -39,6 +40,7 @@ examples:
   fourbar bag recover bags/run                        writes bags/run_recovered
   fourbar bag recompute bags/run
   fourbar bag export bags/run -o run.npz
+  fourbar bag plot bags/run state.theta4 loads.f41 -o run.png
   fourbar bag diff bags/run bags/other --tolerance 1e-12
   ls -d bags/* | xargs -n1 -P2 fourbar bag recompute --json      many bags, one line each
 
@@ -54,11 +56,11 @@ Ctrl-C or SIGTERM, with no partial output left; 3 done, but
 
 def add(verbs: Verbs) -> None:
     """Add the verb and its actions."""
-    bag = add_verb(verbs, 'bag', 'info, recover, recompute, export, diff, scene: work with a '
-                                 'recorded run', DESCRIPTION, EPILOG)
+    bag = add_verb(verbs, 'bag', 'info, recover, recompute, export, plot, diff, scene: work with '
+                                 'a recorded run', DESCRIPTION, EPILOG)
     actions = bag.add_subparsers(dest='action', required=True, metavar='ACTION')
-    for add_action in (_add_info, _add_recover, _add_recompute, _add_export, _add_diff,
-                       _add_scene):
+    for add_action in (_add_info, _add_recover, _add_recompute, _add_export, _add_plot,
+                       _add_diff, _add_scene):
         add_action(actions)
 
 
@@ -154,7 +156,8 @@ def _recover(arguments: Namespace) -> int:
     with reading(arguments.bag, 'recovering') as step:
         recovered = recover(arguments.bag, arguments.out, step)
     print(f'{recovered.path}: {recovered.messages} messages'
-          + ('' if recovered.damage else ', nothing lost'))
+          + ('' if recovered.damage else ', nothing lost' if recovered.was_whole else
+             ', all that the bag holds; it is without its end'))
     for damage in recovered.damage[:PLACES]:
         print(f'damaged: {damage}')
     if len(recovered.damage) > PLACES:
@@ -227,7 +230,7 @@ def _differences(found: Recomputed, tolerance: float) -> PlainTable:
     return table
 
 
-# --- export, diff, scene -------------------------------------------------------------------------
+# --- export, plot, diff, scene -------------------------------------------------------------------
 
 def _add_export(actions: Verbs) -> None:
     export = _action(actions, 'export', 'write the numbers in a bag as tables',
@@ -249,6 +252,27 @@ def _export(arguments: Namespace) -> None:
         written = export(arguments.bag, arguments.out, arguments.format, arguments.topics, step)
     for name, rows in written.items():
         print(f'{arguments.out}: {name}, {rows} rows')
+
+
+def _add_plot(actions: Verbs) -> None:
+    plot = _action(actions, 'plot', 'plot fields over time or over another field',
+                   'Plot fields over time, or over the field --x; fields of the same unit share '
+                   'an axis. Requires matplotlib.')
+    plot.add_argument('fields', metavar='TOPIC.FIELD', nargs='+',
+                      help='e.g. state.theta4 or /joint_states.position[crank]')
+    plot.add_argument('--x', metavar='TOPIC.FIELD',
+                      help='field of the horizontal axis, e.g. state.theta1; values of the same '
+                           'stamp belong together (default: time)')
+    plot.add_argument('-o', '--out', metavar='FILE', required=True, help=PICTURE_HELP)
+    plot.set_defaults(run=_plot)
+
+
+def _plot(arguments: Namespace) -> None:
+    """Plot fields of a bag into a picture; print its path."""
+    from fourbar_ros.report.recorded import plot
+    with reading(arguments.bag, 'reading') as step:
+        plot(arguments.bag, arguments.fields, arguments.out, step, arguments.x)
+    print(arguments.out)
 
 
 def _add_diff(actions: Verbs) -> None:

@@ -85,7 +85,9 @@ def _read(bag: Bag, names: Sequence[str] | dict[str, None], progress: Progress |
                    if values.dtype.kind in 'iufb'}
         for name in (name for name in names if topics[name] == columns.topic):
             if (values := table.get(name.partition('.')[2])) is not None:
-                parts[name].append((columns.times if stamps is None else stamps, values))
+                # those that nobody stamped are where they were recorded
+                parts[name].append((columns.times if stamps is None else
+                                    np.where(stamps == 0, columns.times, stamps), values))
     curves = {}
     for name, found in parts.items():
         if not found:
