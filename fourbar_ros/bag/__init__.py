@@ -18,13 +18,13 @@ from fourbar_ros.optional import lazily
 
 if TYPE_CHECKING:
     from fourbar_ros.bag.comparison import diff, TopicDiff
-    from fourbar_ros.bag.tables import export
-    from fourbar_ros.bag.overview import Info, info
     from fourbar_ros.bag.metadata import Channel
+    from fourbar_ros.bag.overview import Info, info
     from fourbar_ros.bag.reader import Bag, records
     from fourbar_ros.bag.recomputation import Difference, recompute, Recomputed
     from fourbar_ros.bag.recorder import BagWriter
     from fourbar_ros.bag.recovery import recover, Recovered
+    from fourbar_ros.bag.tables import export
 
 __all__ = [
     'Bag', 'BagError', 'BagWriter', 'Channel', 'Difference', 'Info', 'Recomputed', 'Recovered',

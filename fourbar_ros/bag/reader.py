@@ -312,8 +312,9 @@ class Bag:
         with open(file, 'rb') as stream:
             if summary:             # says where each chunk is, whatever happened to another
                 yield from (*summary.schemas.values(), *summary.channels.values())
-                places: list[tuple[int, Any]] = [(index.chunk_start_offset, Chunk) for index in summary.chunk_indexes]
-                places += [(index.offset, Metadata) for index in summary.metadata_indexes]
+                places: list[tuple[int, Any]] = [
+                    *((index.chunk_start_offset, Chunk) for index in summary.chunk_indexes),
+                    *((index.offset, Metadata) for index in summary.metadata_indexes)]
                 # not a generator: that ends at its first error
                 records = map(partial(_read_at, stream), sorted(places, key=itemgetter(0)))
             else:

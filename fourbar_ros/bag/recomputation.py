@@ -34,7 +34,8 @@ DUST = 1e-90, 1e-60     # of this size are what version 1.0.0 recorded for 0, om
 PLANAR = ('wrench.force.z', 'wrench.torque.x', 'wrench.torque.y')
 STOPPED, NEAR_A_CHANGE, BEFORE_THE_FILE, UNTOLD = (
     'say that the input had stopped', 'near a change of the scene or of a wrench',
-    'depend on what came before this file', 'depend on a wrench that is not in the bag (~/applied)')
+    'depend on what came before this file',
+    'depend on a wrench that is not in the bag (~/applied)')
 
 
 class Difference(NamedTuple):
@@ -253,9 +254,8 @@ class Recomputation:
         self._inputs += len(rows)
         if not rows:
             return None
-        *columns, values = zip(*rows)
-        places, stamps, times, modes, status, why = map(np.array, columns)
-        return Window(places, stamps, times, modes, status, why, np.array(values).T)
+        *columns, found = zip(*rows)
+        return Window(*map(np.array, columns), values=np.array(found).T)
 
     def _why_skipped(self, time: int) -> str:
         """Return why the outputs of a motion cannot be compared; empty if they can."""

@@ -29,7 +29,8 @@ def export(path: str | Path, out: str | Path, kind: str | None = None,
     ``out``: a new folder for tables, a new .npz file for all, or a new .csv or .parquet file for
     one topic; ``kind``: one of FORMATS, by default by the ending of ``out``, csv for a folder. The
     columns are log_time [ns], header.stamp [ns] and the fields, an array's one by one, but not
-    arrays of bytes. ``out`` stands there only when it is complete. Raises BagError; MissingPackage without pyarrow.
+    arrays of bytes. ``out`` stands there only when it is complete. Raises BagError;
+    MissingPackage without pyarrow.
     """
     bag, out = Bag(path), Path(out)
     ending = out.suffix.removeprefix('.')

@@ -199,7 +199,8 @@ def _recompute(arguments: Namespace) -> int:
             'largest': found.largest, 'tolerance': arguments.tolerance, 'cut': found.is_cut,
             'inputs': found.inputs, 'compared': found.compared, 'unmatched': found.unmatched,
             'missing': found.missing, 'doubled': found.doubled, 'skipped': found.skipped,
-            'stepped': found.stepped, 'differences': [difference._asdict() for difference in found.differences]}))
+            'stepped': found.stepped,
+            'differences': [difference._asdict() for difference in found.differences]}))
     else:
         if found.differences:
             _print(_differences(found, arguments.tolerance))

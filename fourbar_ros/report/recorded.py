@@ -8,8 +8,8 @@ from pathlib import Path
 import re
 from typing import TYPE_CHECKING
 
-from fourbar_ros.bag.tables import table_of
 from fourbar_ros.bag.reader import Bag, Progress
+from fourbar_ros.bag.tables import table_of
 from fourbar_ros.errors import BagError, nearest
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
@@ -84,7 +84,8 @@ def _read(bag: Bag, names: Sequence[str] | dict[str, None], progress: Progress |
         fields |= {f'{short}.{field}' for field, values in table.items()
                    if values.dtype.kind in 'iufb'}
         for name in (name for name in names if topics[name] == columns.topic):
-            if (values := table.get(name.partition('.')[2])) is not None:
+            values = table.get(name.partition('.')[2])
+            if values is not None and values.dtype.kind in 'iufb':
                 # those that nobody stamped are where they were recorded
                 parts[name].append((columns.times if stamps is None else
                                     np.where(stamps == 0, columns.times, stamps), values))

@@ -9,9 +9,9 @@ from types import SimpleNamespace
 
 from ament_index_python.packages import get_package_share_directory
 from diagnostic_msgs.msg import DiagnosticArray
-from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.bag.overview import info
 from fourbar_ros.bag.reader import records
+from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.ros.schemas import definition, type_hash
 from mcap.reader import make_reader
 from mcap.writer import Writer

@@ -6,9 +6,9 @@ import subprocess
 import sys
 
 from fourbar_msgs.msg import DriveState, LinkageLoads
-from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.bag.overview import info
 from fourbar_ros.bag.reader import Bag
+from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.scene import scene
 from fourbar_ros.scene.files import folder
 import numpy as np

@@ -291,8 +291,8 @@ def test_the_timer_goes_on_from_its_angle_at_a_new_speed(run_node, client):
 
 
 def test_a_change_is_in_the_bag_and_recompute_follows_it(run_node, client, tmp_path):
-    from fourbar_ros.bag.recomputation import recompute
     from fourbar_ros.bag.reader import records
+    from fourbar_ros.bag.recomputation import recompute
     node = run_node({**PAPER, 'drive.rate': 200.0, 'outputs': ['state'], 'recording.start': True,
                      'recording.name': 'changed'})
     client.listen(['state'])

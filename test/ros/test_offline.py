@@ -1,9 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Bags of simulated runs: as a node would write them."""
-from fourbar_ros.bag.recomputation import recompute, Modes
 from fourbar_ros.bag.overview import info
 from fourbar_ros.bag.reader import Bag
+from fourbar_ros.bag.recomputation import Modes, recompute
 from fourbar_ros.cli.main import main
 from fourbar_ros.errors import BagError
 from fourbar_ros.ros.offline import write_bag

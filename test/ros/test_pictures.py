@@ -6,8 +6,8 @@ from math import atan2, hypot
 
 from builtin_interfaces.msg import Time
 from fourbar_msgs.msg import Motion
-from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.bag.reader import Bag
+from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.description.formats import describe
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.ros.node import traces

@@ -4,9 +4,9 @@
 import math
 
 from fourbar_msgs.msg import Motion
-from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.bag.overview import info
 from fourbar_ros.bag.reader import Bag
+from fourbar_ros.bag.recomputation import recompute
 from rosbags.rosbag2 import Reader
 from support.harness import ALL_OUTPUTS
 from support.samples import some

@@ -10,8 +10,8 @@ import sys
 import time
 
 from fourbar_msgs.msg import Motion
-from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.bag.reader import Bag, records
+from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.bag.recorder import BagWriter
 from fourbar_ros.ros.clients.rerun import stamp_of
 from fourbar_ros.ros.messages import resolve

@@ -18,8 +18,8 @@ import time
 
 from builtin_interfaces.msg import Time
 from fourbar_msgs.msg import LinkageState, Motion
-from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.bag.overview import info
+from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.ros.node import trajectories as points
 from fourbar_ros.scene import scene
 from geometry_msgs.msg import WrenchStamped

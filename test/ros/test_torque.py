@@ -9,9 +9,9 @@ from types import SimpleNamespace
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray
 from fourbar_msgs.msg import DriveState, LinkageState
-from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.bag.overview import info
 from fourbar_ros.bag.reader import Bag
+from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.dynamics.model.drives import MotorLine
 from fourbar_ros.dynamics.model.equation import Equation
 from fourbar_ros.dynamics.solve.simulate import simulate

@@ -3,8 +3,8 @@
 """Bags without ROS: messages made by rosbags, a codec that shares no line with ours."""
 import json
 
-from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.metadata import Channel
+from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recorder import BagWriter
 from fourbar_ros.pipeline.stepper import Stepper
 from fourbar_ros.pipeline.wrenches import Wrench
