@@ -29,7 +29,7 @@ setup(
         ('share/' + NAME + '/launch', glob('launch/*.launch.py')),
     ],
     python_requires='>=3.10',
-    install_requires=['numpy>=1.26', 'scipy>=1.11', 'mcap>=1.5,<2', 'lz4', 'zstandard',
+    install_requires=['numpy>=1.26', 'scipy>=1.11', 'mcap>=1.5,<2', 'rosbags>=0.11,<1',
                       'pyyaml>=6', 'rich>=13'],
     extras_require={
         'parquet': ['pyarrow'],
@@ -39,7 +39,7 @@ setup(
         'proof': ['python-flint'],
         'study': ['pyarrow>=15', 'matplotlib', 'distributed'],
         'live': ['nicegui>=3.5,<4'],
-        'test': ['pytest<9', 'mpmath', 'rosbags', 'mcap-ros2-support>=0.6,<1', 'matplotlib',
+        'test': ['pytest<9', 'mpmath', 'mcap-ros2-support>=0.6,<1', 'matplotlib',
                  'python-flint',
                  'yourdfpy', 'mujoco', 'openpyxl', 'pyarrow', 'distributed', 'coverage', 'FMPy',
                  'argcomplete>=3'],

@@ -55,7 +55,10 @@ def origin_of(path: str | Path | Bag, node: str | None = None) -> Origin:
         if 'repeats' in about:      # version 1 began a later file with the scene in force
             scene = next((record.message.data for record in bag.records([topics.get('scene')])),
                          scene)
-        return Origin(scene_of(bag, scene), topics, about.get('node', '/fourbar'), True,
+        name = about.get('node', '/fourbar')
+        if node not in (None, name):
+            raise BagError(f'{bag.path}: holds no run of {node}, but of {name}')
+        return Origin(scene_of(bag, scene), topics, name, True,
                       number_of(bag.files[0]) > 0)
     return _from_topics(bag, node)
 

@@ -254,8 +254,8 @@ class Recomputation:
         self._inputs += len(rows)
         if not rows:
             return None
-        *columns, found = zip(*rows)
-        return Window(*map(np.array, columns), values=np.array(found).T)
+        window = Window(*map(np.array, zip(*rows)))
+        return window._replace(values=window.values.T)
 
     def _why_skipped(self, time: int) -> str:
         """Return why the outputs of a motion cannot be compared; empty if they can."""

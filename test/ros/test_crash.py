@@ -8,7 +8,7 @@ from bag.test_recorder import assert_every_reader_takes
 from fourbar_ros.bag.overview import info
 from fourbar_ros.bag.reader import Bag, records
 from fourbar_ros.bag.recomputation import recompute
-from fourbar_ros.bag.recorder import FLUSH_PERIOD
+from fourbar_ros.bag.recorder import FLUSH
 from fourbar_ros.bag.recovery import recover
 import pytest
 from support.harness import ALL_OUTPUTS
@@ -55,11 +55,11 @@ def kill_node(run_node, client, tmp_path, seed):
     node.process.wait()
     last = heard[-1].header.stamp
     path = tmp_path / 'bags/run'
-    assert info(path, check=True).state == 'cut'
+    assert not info(path, check=True).is_finished
     stamps = whole_steps(path)
     # what was heard is in the bag, but for the newest
     lost = (last.sec - stamps[-1][0]) + (last.nanosec - stamps[-1][1]) * 1e-9
-    assert lost <= FLUSH_PERIOD + SLACK
+    assert lost <= FLUSH + SLACK
     period = 1.0 / 500.0
     steps = [(b[0] - a[0]) + (b[1] - a[1]) * 1e-9 for a, b in zip(stamps, stamps[1:])]
     # on the grid, none missing
@@ -67,7 +67,7 @@ def kill_node(run_node, client, tmp_path, seed):
     recovered = recover(path)
     found = recompute(recovered.path)
     assert max(d.largest for d in found.differences) == 0.0 and found.inputs == len(
-        stamps) and not found.cut
+        stamps) and not found.is_cut
     assert_every_reader_takes(recovered.path, recovered.messages)
 
 
@@ -101,10 +101,10 @@ def test_a_bag_can_be_read_while_the_node_writes_it(run_node, client, tmp_path):
     client.listen(['driven'])
     client.until(lambda: len(client.received['driven']) > 300, 'the stream')
     path = tmp_path / 'bags/run'
-    assert info(path).state == 'being written'
+    assert not info(path).is_finished
     found = recompute(path)
-    assert found.cut and found.inputs > 100 and max(d.largest for d in found.differences) == 0.0
-    assert Bag(path).metadata()['custom_data']['node'] == '/fourbar'
+    assert found.is_cut and found.inputs > 100 and max(d.largest for d in found.differences) == 0.0
+    assert Bag(path).about['node'] == '/fourbar'
 
 
 def test_a_recording_that_dies_is_reported_and_the_stream_goes_on(run_node, client, tmp_path):
@@ -172,5 +172,5 @@ def test_a_million_joints_on_the_input_neither_stop_the_node_nor_spoil_the_bag(
     assert node.stop() == 0
     path = tmp_path / 'bags/run'
     found = recompute(path)
-    assert info(path, check=True).state == 'finished' and max(
+    assert info(path, check=True).is_finished and max(
         d.largest for d in found.differences) == 0.0

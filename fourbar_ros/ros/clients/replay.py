@@ -3,7 +3,7 @@
 """Publish a bag again: the recorded bytes, as they are, by the times of their recording."""
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 import time
 
@@ -21,7 +21,7 @@ from rclpy.signals import SignalHandlerOptions
 from rosgraph_msgs.msg import Clock
 
 DEPTH = 1000        # queue of a publisher: a late replay sends bursts, unlike the original
-TICK = 0.02         # [s] longest sleep
+TICK = 0.002        # [s] longest sleep
 FAREWELL = 2.0      # [s] for reliable readers to get the last messages
 
 
@@ -45,25 +45,31 @@ def replay(path: str | Path, topics: Mapping[str, str] | None = None, rate: floa
     publishers = {topic: made for topic, name in names.items()
                   if (made := _publisher(node, bag, topic, name))}
     clock = node.create_publisher(Clock, '/clock', 10) if clock_rate else None
-    ticked = -1
+    first, ticked = 0, -1
+
+    def tick() -> None:
+        """Publish the time of the bag if that is due."""
+        nonlocal ticked
+        passed = time.monotonic() - begun
+        if clock and (number := int(passed * clock_rate)) != ticked:
+            ticked = number
+            clock.publish(Clock(clock=to_stamp(first + round((start + passed * rate) * 1e9))))
+
     try:
         _sleep_until(time.monotonic() + delay, stop)
         while not stop.requested:
-            first, begun = None, time.monotonic()
+            first, begun = 0, time.monotonic()
             for raw in bag.raw(set(publishers)):
-                first = raw.time if first is None else first
+                first = first or raw.time
                 passed = (raw.time - first) * 1e-9 - start
                 if passed < 0.0:
                     continue
-                _sleep_until(begun + passed / rate, stop)
+                _sleep_until(begun + passed / rate, stop, tick)
                 if stop.requested:
                     break
-                if clock and (tick := int(passed / rate * clock_rate)) != ticked:
-                    ticked = tick
-                    clock.publish(Clock(clock=to_stamp(raw.time)))
                 publishers[raw.topic].publish(raw.data)
                 count += 1
-            if not loop or first is None:
+            if not loop or not first:
                 break
         for publisher in publishers.values():
             publisher.wait_for_all_acked(Duration(seconds=FAREWELL))
@@ -76,9 +82,10 @@ def replay(path: str | Path, topics: Mapping[str, str] | None = None, rate: floa
     return count, stop.name
 
 
-def _sleep_until(moment: float, stop: Stop) -> None:
-    """Wait for a moment of the monotonic clock [s], or for a signal."""
+def _sleep_until(moment: float, stop: Stop, tick: Callable[[], object] = lambda: None) -> None:
+    """Wait for a moment of the monotonic clock [s], or for a signal; call ``tick`` meanwhile."""
     while not stop.requested and (left := moment - time.monotonic()) > 0.0:
+        tick()
         time.sleep(min(left, TICK))
 
 
