@@ -259,7 +259,7 @@ def imports():
                'rclpy': 'rclpy',
                'the node': 'fourbar_ros.ros.node.node',
                'the node and its recorder': 'fourbar_ros.ros.node.node, '
-                                            'fourbar_ros.bag.write.recorder'}
+                                            'fourbar_ros.bag.recorder'}
     took = {what: [] for what in modules}
     for _ in range(2 * ROUNDS + 1):
         for what, module in modules.items():

@@ -16,7 +16,7 @@ RATE = 1000                                         # [Hz] all outputs
 PERIOD = 5                                          # [s] after which the recorded motion repeats
 ROUNDS = 5
 KILLS = 4
-KINDS = ('busy', 'slow')
+KINDS = {'fast': '6 kHz', 'slow': '50 Hz'}
 STAMP = struct.Struct('<iI')
 
 
@@ -29,13 +29,12 @@ def steps():
     """Return (values, channels, about, [[bytes of every topic] of every step of a period])."""
     from fourbar_ros.pipeline.stepper import Stepper
     from fourbar_ros.scene import scene as scenes
-    from fourbar_ros.scene import topics as interfaces
+    from fourbar_ros.scene.topics import DRIVEN
     from support import bags
-    from support.scenes import PAPER, RODS
-    scene = (scenes.from_values({**PAPER, **RODS, 'drive.speed': 25.0,
-                                 'outputs': [name for name in interfaces.OUTPUTS
-                                             if name not in ('points', 'links', 'reactions')]}))
-    topics = [interfaces.DRIVEN, *scene.topics.values()]
+    from support.scenes import OUTPUTS, PAPER, RODS
+    scene = scenes.from_values({**PAPER, **RODS, 'drive.speed': 25.0,
+                                'outputs': [name for name in OUTPUTS if name != 'points']})
+    topics = [DRIVEN, *scene.topics.values()]
     names = {topic.name: f'/{topic.topic.replace("~", "fourbar")}' for topic in topics}
     about = {'scene': json.dumps(scene.values), 'topics': json.dumps(names)}
     stepper, messages = Stepper(scene), []
@@ -55,13 +54,12 @@ def stamped(step, k):
 
 def fill_ours(folder, channels, about, messages):
     """Write messages as the node does; return CPU seconds a message: in the caller, in all."""
-    from fourbar_ros.bag.write.recorder import BagWriter
-    writer = BagWriter(folder, '', channels, about, sync_period=0.0)
+    from fourbar_ros.bag.recorder import BagWriter
+    writer = BagWriter(folder, '', channels, about)
     begin, caller = time.process_time(), 0.0
     for step in messages:
         before = time.thread_time()
-        for channel, data in enumerate(step):
-            writer.write(channel, data)
+        writer.write_all(list(enumerate(step)))
         caller += time.thread_time() - before
     assert not writer.dropped
     writer.close()
@@ -137,8 +135,7 @@ def kill_table():
     print('| recorder | median [ms] | worst [ms] |\n| --- | --- | --- |')
     for kind in KINDS:
         lost = [1e3 * kill_once(kind, 5000 + seed) for seed in range(KILLS)]
-        print(f'| {"1 kHz" if kind == "busy" else "50 Hz"} | {median(lost):.0f} | {max(lost):.0f} '
-              '|')
+        print(f'| {KINDS[kind]} | {median(lost):.0f} | {max(lost):.0f} |')
 
 
 @contextmanager
@@ -153,28 +150,24 @@ def measured(what, count, rows):
 
 def write_long(folder, channels, about, messages, total):
     """Write a long bag as fast as it goes; return (path, memory at each tenth [MB])."""
-    from fourbar_ros.bag.write.recorder import BagWriter, QUEUE_MESSAGES
-    # A chunk in 5 ms here is about one in 0.1 s of the run.
-    writer = BagWriter(folder, 'long', channels, about, flush_period=0.005, sync_period=0.0)
+    from fourbar_ros.bag import recorder
+    recorder.FLUSH = 0.005      # [s] here: a chunk is then about that of 0.1 s of the run
+    writer = recorder.BagWriter(folder, 'long', channels, about)
     memory = []
     for k in range(total):
         if k % 1000 == 0:
-            while writer.waiting > QUEUE_MESSAGES // 10:
+            while writer.waiting > recorder.MOST_MESSAGES // 10:
                 time.sleep(0.001)
         if k % (total // 10) == 0:
             memory.append(rss())
-        for channel, data in enumerate(stamped(messages[k % len(messages)], k)):
-            writer.write(channel, data)
+        writer.write_all(list(enumerate(stamped(messages[k % len(messages)], k))))
     assert not writer.dropped
     return writer.close(), memory
 
 
 def long_table(channels, about, messages):
     """Print speed and memory of a long bag: written, read, checked, recomputed, exported."""
-    from fourbar_ros.bag.comparison.recompute import compare
-    from fourbar_ros.bag.exports.export import export
-    from fourbar_ros.bag.read.info import info
-    from fourbar_ros.bag.repair import recover
+    from fourbar_ros.bag import export, info, recompute, recover
     total, rows = int(60 * MINUTES * RATE), []
     count = total * len(channels)
     with tempfile.TemporaryDirectory() as name:
@@ -188,8 +181,8 @@ def long_table(channels, about, messages):
         with measured('`recover`', count, rows):
             recover(path, folder / 'again')
         with measured('`recompute`', count, rows):
-            found = compare(path)
-            assert found.inputs == total and max(d.largest for d in found.differences) == 0.0
+            found = recompute(path)
+            assert found.inputs == total and found.largest == 0.0
         with measured('`export` npz', count, rows):
             export(path, folder / 'long.npz', 'npz')
         (folder / 'long.npz').unlink()

@@ -273,7 +273,15 @@ class Bag:
         schemas: dict[int, Schema] = {}
         channels: dict[int, tuple[Channel, Schema]] = {}
         for record in self.contents(file, summary, progress):
-            if isinstance(record, Schema):
+            if isinstance(record, Message):         # most are
+                if record.channel_id not in channels:
+                    self.note_unknown(file, record.channel_id)
+                    continue
+                channel, schema = channels[record.channel_id]
+                if topics is None or channel.topic in topics:
+                    yield Raw(channel.topic, schema.name, record.log_time, record.sequence,
+                              record.data)
+            elif isinstance(record, Schema):
                 schemas[record.id] = record
             elif isinstance(record, Channel):
                 schema = schemas.get(record.schema_id) or Schema(0, b'', 'none', '')
@@ -283,14 +291,6 @@ class Bag:
                                    f'{self._schemas[record.topic].name}')
                 self._schemas[record.topic] = schema
                 self._channel_metadata[record.topic] = record.metadata
-            elif isinstance(record, Message):
-                if record.channel_id not in channels:
-                    self.note_unknown(file, record.channel_id)
-                    continue
-                channel, schema = channels[record.channel_id]
-                if topics is None or channel.topic in topics:
-                    yield Raw(channel.topic, schema.name, record.log_time, record.sequence,
-                              record.data)
 
     @cached_property
     def _is_packed(self) -> bool:

@@ -165,7 +165,7 @@ class Recomputation:
         self._begin(origin.scene)
 
     def _begin(self, scene: Scene) -> None:
-        self._scene = scene
+        self._scene, self._topics = scene, scene.topics       # it makes them anew each time
         wrenches = self._steppers.wrenches if self._steppers else None
         self._steppers = InModes(scene, wrenches, self._by)
         # links whose wrench the bag does not tell yet
@@ -182,7 +182,7 @@ class Recomputation:
     def take(self, place: int, raw: Raw) -> None:
         """Take the next message of the bag; ``place``: how many came before it."""
         name = self._names[raw.topic]
-        if name in self._scene.topics:
+        if name in self._topics:
             self._outputs[name].append(_Output(place, raw.time, raw.data))
         elif name == DRIVEN.name:
             message = self._bag.decode(raw)
@@ -226,7 +226,7 @@ class Recomputation:
         window = self._evaluated(events) if events else None
         later = [event.stamp for event in self._events if isinstance(event, _Motion)]
         until = self._events[0].place if self._events else inf
-        for name in self._scene.topics:
+        for name in self._topics:
             self._compare_output(name, window, later, until)
         newest = window.times[-1] if window else 0
         self._changes = [-inf, *(time for time in self._changes if time > newest - UNSETTLED)]
