@@ -65,7 +65,8 @@ def _replay(arguments: argparse.Namespace) -> int:
         topics = {origin.topics[DRIVEN.name]: f'{origin.node}/input'}
     count, stopped_by = replay(
         arguments.bag, topics, arguments.rate, arguments.start, arguments.loop, arguments.clock,
-        arguments.delay, ['--ros-args', *arguments.ros_args] if arguments.ros_args else [])
+        arguments.delay, ['--ros-args', *arguments.ros_args] if arguments.ros_args else [],
+        waits_for_node=arguments.inputs_only)
     print(f'{count} messages published')
     if stopped_by:
         return 128 + signal.Signals[stopped_by]

@@ -64,7 +64,7 @@ def folder(tmp_path, monkeypatch):
         **RODS,
         'outputs': ['state', 'output', 'loads', 'joint_states', 'shaking_wrench'],
     }
-    for name in ('run', 'NAME', 'other', 'grip'):
+    for name in ('run', 'NAME', 'other', 'again', 'grip'):
         bags.run(tmp_path / 'bags', name, values, [(0.01 * k, 25.0, 0.0) for k in range(1, 20)])
     for name in ('my.yaml', 'scene.yaml'):
         (tmp_path / name).write_text((ROOT / 'config' / 'paper.yaml').read_text())

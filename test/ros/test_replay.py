@@ -139,6 +139,8 @@ def test_what_cannot_be_replayed_is_one_line(client, bag, tmp_path):
         code, text = finished(fourbar('replay', bag, *arguments), client)
         last = text.splitlines()[-1]
         assert code == 1 and last.startswith('fourbar: ') and said in last, text
+    code, text = finished(fourbar('replay', bag, '--inputs-only'), client)
+    assert code == 1 and 'no node listens on /fourbar/input' in text, text
     code, text = finished(fourbar('record', 'start', '--node', '/nobody'), client)
     assert code == 1 and text.startswith('fourbar: ') and text.count('\n') == 1, text
 

@@ -3,7 +3,7 @@
 """Publish a bag again: the recorded bytes, as they are, by the times of their recording."""
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 import time
 
@@ -22,18 +22,20 @@ from rosgraph_msgs.msg import Clock
 
 DEPTH = 1000        # queue of a publisher: a late replay sends bursts, unlike the original
 TICK = 0.002        # [s] longest sleep
+PATIENCE = 10.0     # [s] for a node to be found
 FAREWELL = 2.0      # [s] for reliable readers to get the last messages
 
 
 def replay(path: str | Path, topics: Mapping[str, str] | None = None, rate: float = 1.0,
            start: float = 0.0, loop: bool = False, clock_rate: float = 0.0, delay: float = 1.0,
-           ros_args: Sequence[str] = ()) -> tuple[int, str]:
+           ros_args: Sequence[str] = (), waits_for_node: bool = False) -> tuple[int, str]:
     """
     Publish a bag until its end or a signal; return how many messages, and the signal's name.
 
     ``topics``: {topic in the bag: topic to publish on}, default all; ``rate``: so many times as
     fast; ``start``: skip so many seconds; ``clock_rate``: how often a second to publish the bag's
-    time on /clock, 0: never; ``delay``: time for readers to find the topics [s]. Raises BagError.
+    time on /clock, 0: never; ``delay``: time for readers to find the topics [s];
+    ``waits_for_node``: begin when all topics have a reader. Raises BagError.
     """
     bag, count, stop = Bag(path), 0, Stop().catch()
     missing = [topic for topic in topics or () if topic not in bag.types]
@@ -56,7 +58,7 @@ def replay(path: str | Path, topics: Mapping[str, str] | None = None, rate: floa
             clock.publish(Clock(clock=to_stamp(first + round((start + passed * rate) * 1e9))))
 
     try:
-        _sleep_until(time.monotonic() + delay, stop)
+        _wait_for_readers(publishers.values() if waits_for_node else (), delay, stop)
         while not stop.requested:
             first, begun = 0, time.monotonic()
             for raw in bag.raw(set(publishers)):
@@ -80,6 +82,17 @@ def replay(path: str | Path, topics: Mapping[str, str] | None = None, rate: floa
     if bag.damage:
         raise BagError(f'{path}: {bag.damage[0]}')
     return count, stop.name
+
+
+def _wait_for_readers(publishers: Iterable[Publisher], delay: float, stop: Stop) -> None:
+    """Wait until each has a reader, which must be soon, else BagError; then so long [s]."""
+    end = time.monotonic() + PATIENCE
+    for publisher in publishers:
+        while not stop.requested and not publisher.get_subscription_count():
+            if time.monotonic() > end:
+                raise BagError(f'no node listens on {publisher.topic_name}')
+            time.sleep(TICK)
+    _sleep_until(time.monotonic() + delay, stop)
 
 
 def _sleep_until(moment: float, stop: Stop, tick: Callable[[], object] = lambda: None) -> None:
