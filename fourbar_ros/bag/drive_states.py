@@ -42,10 +42,10 @@ class DriveStates:
     def __init__(self, scene: Scene, about: Mapping[str, str], moved_by: MoverOf = mover_of
                  ) -> None:
         """Begin before the first message, with no state to step from."""
-        drive = scene.dynamics and scene.dynamics.drive
+        dynamics = scene.dynamics
         self._moved_by = moved_by
-        self._has_our_integrator = about.get(KEY) == name_of(scene.linkage,
-                                                             drive.source if drive else None)
+        self._has_our_integrator = dynamics is not None and about.get(KEY) == name_of(
+            scene.bare_linkage, dynamics.drive.source, dynamics.elements)
         self.largest: dict[str, float] = {}
         self.stepped = self.alone = self.unknown = 0
         self._before: DriveValues | None = None     # None: there is none to step from

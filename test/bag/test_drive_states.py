@@ -40,7 +40,7 @@ def swing():
 def moved(*parts, values=ROCKER, key=None):
     """Return the DriveStates that has compared parts, each (rows, number of the first)."""
     scene = from_values(values)
-    found = DriveStates(scene, {KEY: key or name_of(scene.linkage,
+    found = DriveStates(scene, {KEY: key or name_of(scene.bare_linkage,
                                                     scene.dynamics.drive.source)})
     for rows, first in parts:
         take_all(found, rows, first)
@@ -98,7 +98,7 @@ def test_the_torque_in_effect_is_that_of_the_topic_cut_to_the_limit():
     def command(torque):
         return SimpleNamespace(wrench=SimpleNamespace(torque=SimpleNamespace(z=torque)))
     for wrong in (0.0, 0.125):
-        found = DriveStates(scene, {KEY: name_of(scene.linkage)})
+        found = DriveStates(scene, {KEY: name_of(scene.bare_linkage)})
         take_all(found, rows[:1])
         for k, torque in enumerate(torques):
             found.command(command(torque + wrong))

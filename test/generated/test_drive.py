@@ -171,7 +171,7 @@ def test_states_of_a_bag_are_stepped_by_the_code(rocker):
         rows.append((status, mover.mode, values))
     assert {mode for _, mode, _ in rows} == {1, 2}
     for first in (0, 60):               # a bag may begin anywhere
-        found = DriveStates(scene, {KEY: name_of(scene.linkage)}, code.mover)
+        found = DriveStates(scene, {KEY: name_of(scene.bare_linkage)}, code.mover)
         take_all(found, rows[first:], first)
         assert found.stepped > 200 and set(found.largest.values()) == {0.0}
     # motion and loads in both modes

@@ -3,11 +3,13 @@
 """Publish a bag again: the recorded bytes, as they are, by the times of their recording."""
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from math import isfinite, isnan
 from pathlib import Path
+from struct import unpack_from
 import time
 
-from fourbar_ros.bag.reader import Bag
+from fourbar_ros.bag.reader import Bag, Raw
 from fourbar_ros.errors import BagError
 from fourbar_ros.ros.messages import resolve, to_stamp
 from fourbar_ros.ros.schemas import type_hash
@@ -20,6 +22,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.signals import SignalHandlerOptions
 from rosgraph_msgs.msg import Clock
 
+FAR = 3600 * 10**9  # [ns] a stamp so long before its log time is of simulated time
 DEPTH = 1000        # queue of a publisher: a late replay sends bursts, unlike the original
 TICK = 0.002        # [s] longest sleep
 PATIENCE = 10.0     # [s] for a node to be found
@@ -38,16 +41,15 @@ def replay(path: str | Path, topics: Mapping[str, str] | None = None, rate: floa
     ``waits_for_node``: begin when all topics have a reader. Raises BagError.
     """
     bag, count, stop = Bag(path), 0, Stop().catch()
-    missing = [topic for topic in topics or () if topic not in bag.types]
-    if missing:
-        raise BagError(f'{path}: no message on {", ".join(missing)}')
+    if missing := set(topics or ()) - bag.types.keys():
+        raise BagError(f'{path}: no message on {", ".join(sorted(missing))}')
     rclpy.init(args=list(ros_args), signal_handler_options=SignalHandlerOptions.NO)
     node = rclpy.create_node('fourbar_replay')
     names = topics or {topic: topic for topic in bag.types}
     publishers = {topic: made for topic, name in names.items()
                   if (made := _publisher(node, bag, topic, name))}
     clock = node.create_publisher(Clock, '/clock', 10) if clock_rate else None
-    first, ticked = 0, -1
+    first, ahead, ticked = 0, 0, -1
 
     def tick() -> None:
         """Publish the time of the bag if that is due."""
@@ -55,13 +57,14 @@ def replay(path: str | Path, topics: Mapping[str, str] | None = None, rate: floa
         passed = time.monotonic() - begun
         if clock and (number := int(passed * clock_rate)) != ticked:
             ticked = number
-            clock.publish(Clock(clock=to_stamp(first + round((start + passed * rate) * 1e9))))
+            now = first + round((start + passed * rate) * 1e9)
+            clock.publish(Clock(clock=to_stamp(now - ahead)))
 
     try:
         _wait_for_readers(publishers.values() if waits_for_node else (), delay, stop)
         while not stop.requested:
             first, begun = 0, time.monotonic()
-            for raw in bag.raw(set(publishers)):
+            for raw, ahead in _messages(bag, publishers, waits_for_node):  # noqa: B007 (tick)
                 first = first or raw.time
                 passed = (raw.time - first) * 1e-9 - start
                 if passed < 0.0:
@@ -82,6 +85,35 @@ def replay(path: str | Path, topics: Mapping[str, str] | None = None, rate: floa
     if bag.damage:
         raise BagError(f'{path}: {bag.damage[0]}')
     return count, stop.name
+
+
+def _messages(bag: Bag, publishers: Mapping[str, Publisher], for_a_node: bool
+              ) -> Iterator[tuple[Raw, int]]:
+    """
+    Yield each message, and how far log times are ahead of simulated time [ns].
+
+    ``for_a_node``: they are driven motions; those whose rates were unknown, which a node would
+    estimate, are left out.
+    """
+    ahead = unknown = 0
+    for raw in bag.raw(set(publishers)):
+        motion = bag.decode(raw) if for_a_node else None
+        if motion and isfinite(motion.position) and isnan(motion.velocity + motion.acceleration):
+            unknown += 1
+            continue
+        ahead = _ahead(publishers[raw.topic], raw) or ahead
+        yield raw, ahead
+    if unknown:
+        print(f'{unknown} motions left out: their rates were unknown')
+
+
+def _ahead(publisher: Publisher, raw: Raw) -> int:
+    """Return how far the log time is ahead of a stamp of simulated time [ns]; else 0."""
+    if not hasattr(publisher.msg_type, 'header') or len(raw.data) < 12:
+        return 0
+    sec, nanosec = unpack_from('<iI' if raw.data[1] & 1 else '>iI', raw.data, 4)
+    stamp: int = sec * 10**9 + nanosec
+    return raw.time - stamp if 0 < stamp < raw.time - FAR else 0
 
 
 def _wait_for_readers(publishers: Iterable[Publisher], delay: float, stop: Stop) -> None:
