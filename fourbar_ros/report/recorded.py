@@ -107,7 +107,8 @@ def _topic(name: str, bag: Bag) -> str:
     if len(fitting) > 1 and name not in fitting:
         raise BagError(f'{name}: which of {", ".join(fitting)}? write the topic in full')
     if not fitting:
-        raise BagError(f'{name}: no such topic{nearest(name, sorted(bag.types))}')
+        known = sorted(topic.rsplit('/', 1)[-1] for topic in bag.types)
+        raise BagError(f'{name}: no such topic{nearest(name, known)}')
     return name if name in fitting else fitting[0]
 
 

@@ -165,7 +165,7 @@ def test_a_plot_over_a_field_pairs_values_of_one_stamp(bag, tmp_path, capsys, mo
                  str(out)]) == 0
     assert 'state.theta1 [rad]' in out.read_text()
     for field, said in (('state.thetaX', 'no such field'),
-                        ('stat.theta1', 'no such topic; nearest: '),
+                        ('stat.theta1', 'no such topic; did you mean state?'),
                         ('state', 'no such field'), ('state.header.frame_id', 'no such field')):
         assert main(['bag', 'plot', str(bag), field, '-o', str(tmp_path / 'no.svg')]) == 1
         text = capsys.readouterr().err

@@ -135,7 +135,7 @@ def test_the_nearest_word_is_named(arguments, suggestion, capsys):
 
 
 @pytest.mark.parametrize('field, suggestion', [('state.omga4', 'state.omega4'),
-                                               ('stat.theta4', 'state.theta4'),
+                                               ('stat.theta4', 'state'),
                                                ('loads.driving_torq', 'loads.driving_torque')])
 def test_the_nearest_field_of_a_bag_is_named(field, suggestion, tmp_path, capsys):
     pytest.importorskip('matplotlib')
@@ -156,7 +156,7 @@ def test_the_nearest_quantity_is_named(name, suggestion):
 @pytest.mark.parametrize('arguments', [
     ('bag', 'recompute', 'x', '--tolerance', '-1'), ('bag', 'diff', 'x', 'y', '--tolerance',
                                                      'nan'),
-    ('replay', 'x', '--tolerance', '-1e-9'), ('replay', 'x', '--rate', '0'),
+    ('replay', 'x', '--start', '-1e-9'), ('replay', 'x', '--rate', '0'),
     ('show', 'paper', '--speed', 'nan'),
     ('show', 'paper', '--at', 'inf'), ('draw', 'paper', '--at', 'x', '-o', 'x.png'),
     ('show', 'paper', '--acceleration', 'nan')])
@@ -280,7 +280,7 @@ def test_a_picture_is_where_the_output_says(tmp_path, capsys):
 # --- without what is optional --------------------------------------------------------------------
 
 @some('command, blocked, hint', [
-    (['bag', 'info', 'x'], 'mcap', 'fourbar: bag requires mcap: pip install mcap lz4 zstandard'),
+    (['bag', 'info', 'x'], 'mcap', 'fourbar: bag requires mcap: pip install mcap rosbags'),
     (['bag', 'info', 'x'], 'lz4', 'fourbar: bag requires lz4: pip install'),
     (['bag', 'recover', 'x'], 'zstandard', 'fourbar: bag requires zstandard: pip install'),
     (['record', 'start'], 'rclpy', 'fourbar: record requires ROS 2: source a ROS 2'),
