@@ -281,7 +281,6 @@ def test_a_picture_is_where_the_output_says(tmp_path, capsys):
 
 @some('command, blocked, hint', [
     (['bag', 'info', 'x'], 'mcap', 'fourbar: bag requires mcap: pip install mcap rosbags'),
-    (['bag', 'info', 'x'], 'lz4', 'fourbar: bag requires lz4: pip install'),
     (['bag', 'recover', 'x'], 'zstandard', 'fourbar: bag requires zstandard: pip install'),
     (['record', 'start'], 'rclpy', 'fourbar: record requires ROS 2: source a ROS 2'),
     (['replay', 'x'], 'rclpy', 'fourbar: replay requires ROS 2: source a ROS 2')], 1)
