@@ -220,7 +220,10 @@ class Bag:
         """Return a message as an object of its fields; raises BagError."""
         schema = self._schemas[raw.topic]
         try:
-            return self._store(schema).deserialize_cdr(raw.data, schema.name)
+            with suppress(SerdeError):
+                return self._store(schema).deserialize_cdr(raw.data, schema.name)
+            # behind an empty sequence of doubles at its end Fast CDR aligns: 4 bytes too many
+            return self._store(schema).deserialize_cdr(raw.data[:-4], schema.name)
         except (SerdeError, ValueError, IndexError, AssertionError, KeyError) as error:
             raise BagError(f'{self.path}: {raw.topic}: a message does not fit its '
                            f'definition: {error}') from None

@@ -437,6 +437,19 @@ def _resplit(path, new, parts):
     return new
 
 
+def test_bytes_that_fast_cdr_leaves_behind_an_empty_sequence_do_no_harm(tmp_path):
+    kind = 'sensor_msgs/msg/JointState'
+    writer = BagWriter(tmp_path, 'run', [bags.channel('/joints', kind)], {})
+    for names in (['a'], ['a', 'b']):
+        data = bags.encode(kind, header=bags.stamp(1), name=names, effort=np.zeros(0),
+                           position=np.ones(len(names)), velocity=np.zeros(len(names)))
+        writer.write(0, data + b'\x20\xc6\x7d\xbd')
+    path = writer.close()
+    assert [record.message.name for record in Bag(path).records()] == [['a'], ['a', 'b']]
+    assert [columns.records['position'].tolist() for columns in Bag(path).columns()] == [
+        [[1.0]], [[1.0, 1.0]]]
+
+
 def test_a_bag_from_a_time_on(whole):
     everything = raws(whole)
     assert numbers(whole) == list(range(COUNT))
