@@ -72,8 +72,9 @@ def test_bags_are_written_checked_and_recovered(run):
     assert done.returncode == 0, done.stderr
     done = run('-m', 'fourbar_ros', 'bag', 'recover', 'bag', '-o', 'again')
     assert done.returncode == 0, done.stderr
-    done = run('-m', 'fourbar_ros', 'bag', 'recompute', 'bag', 'again', '--jobs', 2)
-    assert done.returncode == 0, done.stderr
+    for bag in ('bag', 'again'):
+        done = run('-m', 'fourbar_ros', 'bag', 'recompute', bag)
+        assert done.returncode == 0, done.stderr
 
 
 def test_verbs_run(run):
@@ -94,8 +95,5 @@ def test_studies_run_in_two_workers(run, tmp_path):
 
 def test_the_modules_of_the_node_import(run):
     pytest.importorskip('rclpy')
-    done = run('-c', 'import fourbar_ros.ros.node.node\n'
-               'from fourbar_ros.cli.replay import Keyboard\n'
-               'with Keyboard() as keys:\n'
-               '    assert not keys.is_there and not keys.pressed()')
+    done = run('-c', 'import fourbar_ros.ros.node.node')
     assert done.returncode == 0, done.stderr

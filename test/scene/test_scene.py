@@ -203,7 +203,7 @@ def test_hostile_values_are_taken_or_refused(file):
 
 
 @pytest.mark.parametrize('name, least', [
-    ('recording.split_size', 0.01), ('recording.split_duration', 0.1), ('recording.keep', 1.0)])
+    ('recording.split_size', 0.01), ('recording.split_duration', 0.1)])
 def test_a_file_of_a_bag_has_a_least_size(name, least):
     for value in (0.0, least):
         assert scene.from_values({**PAPER, name: value}).values[name] == value
