@@ -67,9 +67,7 @@ def _replay(arguments: argparse.Namespace) -> int:
         arguments.bag, topics, arguments.rate, arguments.start, arguments.loop, arguments.clock,
         arguments.delay, ['--ros-args', *arguments.ros_args] if arguments.ros_args else [],
         waits_for_node=arguments.inputs_only)
-    print(f'{count} messages published')
-    if stopped_by:
-        return 128 + signal.Signals[stopped_by]
-    if not count:
+    if not count and not stopped_by:
         raise BagError(f'{arguments.bag}: no message after {arguments.start:g} s')
-    return 0
+    print(f'{count} messages published')
+    return 128 + signal.Signals[stopped_by] if stopped_by else 0

@@ -18,7 +18,7 @@ from fourbar_ros.scene.parameter_table import LENGTHS, MACHINE, PARAMETERS
 from fourbar_ros.scene.parameters import member_of, of_name, ParameterValues
 
 if TYPE_CHECKING:      # only scenes of machines need it
-    from fourbar_ros.mechanisms.machine.machine import Machine
+    from fourbar_ros.machine import Machine
 
 OWN_NAMES = 'dyads.', 'cylinder', 'bodies.', 'external.'      # of parameters, as errors have them
 RODS = 'bodies.rods.'

@@ -118,8 +118,8 @@ def test_a_message_that_is_shorter_than_its_type_is_an_error_not_a_number():
 
 def test_the_bytes_between_fields_do_not_matter():
     """Fast CDR leaves old memory there."""
-    values = dict(header=bags.stamp(1, 'abcde'), name=['a', 'bc', 'def'], position=np.arange(3.0),
-                  velocity=np.arange(3.0), effort=np.zeros(0))
+    values = {'header': bags.stamp(1, 'abcde'), 'name': ['a', 'bc', 'def'],
+              'position': np.arange(3.0), 'velocity': np.arange(3.0), 'effort': np.zeros(0)}
     data = bags.encode('sensor_msgs/msg/JointState', **values)
     rng = np.random.default_rng(1)
     dirty = bags.with_old_memory(data, ['abcde', 'a', 'bc', 'def'], rng)

@@ -71,7 +71,7 @@ def test_csv_npz_and_parquet_hold_every_number_exactly(bag, tmp_path):
     export(bag, tmp_path / 'pq', 'parquet')
     arrays = np.load(tmp_path / 'all.npz')
     from pyarrow.parquet import read_table
-    state = [record for record in records(bag, ['/fourbar/state'])]
+    state = list(records(bag, ['/fourbar/state']))
     for name, topic in (('theta4', '/fourbar/state'), ('point_b.x', '/fourbar/state')):
         table = topic.strip('/').replace('/', '.')
         with open(tmp_path / 'tables' / f'{table}.csv', newline='') as file:

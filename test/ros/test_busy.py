@@ -5,15 +5,14 @@ from fourbar_msgs.srv import FindExtrema
 from fourbar_ros.ros.node.worker import WAITING
 from fourbar_ros.scene.files import read_values
 import pytest
-from support.scenes import PAPER, RODS
 
 PROOF = FindExtrema.Request(mode=0, velocity=10.0, certify=True)     # of every quantity
-LOADED = {**PAPER, **RODS, 'outputs': ['state']}
+JANSEN = {**read_values('config/jansen.yaml'), 'outputs': ['state']}
 V8 = {**read_values('config/classics/v8.yaml'), 'outputs': ['state']}
 
 
 @pytest.mark.parametrize('scene, asked, quantity', [
-    (LOADED, 14, 'shaking_force'),
+    (JANSEN, 14, 'driving_torque'),
     pytest.param(V8, 30, 'driving_torque', marks=pytest.mark.slow)])
 def test_only_proofs_wait_for_a_proof_and_eight_of_them(run_node, client, scene, asked, quantity):
     """
