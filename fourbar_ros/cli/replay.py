@@ -12,7 +12,7 @@ from fourbar_ros.scene.arguments import not_negative, positive
 DESCRIPTION = """\
 Publish the messages of a bag again, with their original timing, topics and quality of service.
 Requires ROS 2 and the packages of the message types; topics whose type is not installed are left
-out with a warning. ros2 bag play does more: pauses, keys, remapping, ....
+out with a warning. ros2 bag play does more: it pauses, remaps and takes keys.
 """
 EPILOG = """\
 examples:
