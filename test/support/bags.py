@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Bags without ROS: messages made by rosbags, a codec that shares no line with ours."""
+"""Bags without ROS: messages made by rosbags, which also decodes them for the reader."""
 import json
 
 from fourbar_ros.bag.metadata import Channel
