@@ -240,6 +240,7 @@ class Recomputation:
         assert self._steppers
         scene, steppers, rows = self._scene, self._steppers, []
         own, known = steppers.own_mode, scene.linkage.modes_passed
+        needs_loads = scene.needs_loads     # it looks through all outputs each time
         for event in events:
             if isinstance(event, _Push):
                 steppers.act(event.link, event.wrench)
@@ -247,7 +248,7 @@ class Recomputation:
                 continue
             mode = self._modes.pop(event.stamp, own)
             mode = mode if mode in known else own
-            status, values = steppers.step(mode, *event.motion, scene.needs_loads, True)
+            status, values = steppers.step(mode, *event.motion, needs_loads, True)
             self._holds_unknown &= status != OK
             rows.append((event.place, event.stamp, event.time, mode, status,
                          self._why_skipped(event.time), values))
