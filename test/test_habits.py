@@ -1,15 +1,12 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Lists that nobody reads are right: versions, dependencies, the linter, headers."""
+"""Lists that nobody reads are right: versions and dependencies."""
 import ast
 from functools import cache
 from pathlib import Path
 import re
-import shutil
 import subprocess
 import sys
-
-import pytest
 
 ROOT = Path(__file__).parent.parent
 # Distribution or package.xml name of each import that has another name than its package.
@@ -74,34 +71,3 @@ def test_every_message_package_that_is_imported_is_in_package_xml():
     packages = {name for name in third_party('fourbar_ros', 'fourbar_lab', 'launch')
                 if name.endswith(('_msgs', '_interfaces')) or name in ('rclpy', 'launch_ros')}
     assert packages <= ros_depends(), packages - ros_depends()
-
-
-@pytest.mark.parametrize(('list_name', 'folders'),
-                         [('python', ('fourbar_ros', 'fourbar_lab')),
-                          ('test', ('test', 'bench', 'docs', 'fourbar_ros', 'fourbar_lab'))])
-def test_no_requirement_is_dead(list_name, folders):
-    imported = {NAMES.get(name, name) for name in third_party(*folders)}
-    tools = {'ruff', 'pytest-xdist', 'coverage'}        # commands and plugins, not imported
-    assert required(list_name) - imported - tools == set()
-
-
-def ruff():
-    for place in (Path(sys.executable).parent / 'ruff', ROOT / '.venv-lint/bin/ruff'):
-        if place.exists():
-            return str(place)
-    return shutil.which('ruff')
-
-
-def test_the_linter_has_nothing_to_complain_about():
-    if ruff() is None:
-        pytest.skip('ruff is not installed: make lint')
-    done = subprocess.run([ruff(), 'check', '--no-cache', '--output-format=concise', '.'],
-                          cwd=ROOT,
-                          check=False, capture_output=True, text=True)
-    assert done.returncode == 0, done.stdout + done.stderr
-
-
-def test_every_exception_from_the_linter_has_a_reason():
-    lines = text('pyproject.toml').partition('\nignore = [')[2].partition('\n]')[0].splitlines()
-    for line in filter(None, lines):
-        assert '#' in line, line

@@ -25,10 +25,9 @@ def test_the_page_is_up_to_date():
     assert gallery.PAGE.read_text(encoding='utf-8') == gallery.page(), AGAIN
 
 
-def test_pictures_are_of_these_scenes_and_small():
+def test_pictures_are_of_these_scenes():
     files = {file.stem: file for file in gallery.PICTURES.iterdir()}
     assert sorted(files) == sorted(NAMES), AGAIN
-    assert sum(file.stat().st_size for file in files.values()) < 1_500_000
     for name, file in files.items():
         assert gallery.digest(name) in file.read_text(encoding='utf-8'), f'{name}: {AGAIN}'
 
