@@ -23,11 +23,7 @@ from . import pages, ROOT
 MODULES = {file.stem: file for file in sorted(Path(__file__).parent.glob('[a-z]*.py'))
            if 'def main(' in file.read_text()}
 # the page of a measurement, where it is not a page of its own
-PAGE_OF = {'atlas': 'studies', 'before': 'speed', 'chains': 'node', 'compiled': 'speed',
-           'coupled': 'speed', 'engines': 'dynamics', 'generated': 'speed',
-           'large_study': 'studies', 'live_memory': 'live', 'machines': 'speed',
-           'motor': 'dynamics', 'real_time': 'dynamics', 'relay': 'node',
-           'rivals_balancing': 'studies', 'shaking': 'studies', 'units': 'speed'}
+PAGE_OF = {'before': 'speed', 'live_changes': 'node'}
 
 
 class Tee(io.StringIO):

@@ -23,7 +23,6 @@ from .errors import (
 )
 from .near_toggle import draw_toggles, MARGINS, print_toggles, toggle_errors
 from .pages import figure, save, table
-from .streams import print_streams
 
 # poses a family; one in 6 with loads; random: 4 times
 SAMPLES, LOAD_SHARE, RANDOM_TIMES, WORKERS = 600, 6, 4, 2
@@ -136,4 +135,3 @@ def main(samples=SAMPLES):
     print_others(found)
     print_toggles(near)
     draw_toggles(near)
-    print_streams()

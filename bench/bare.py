@@ -18,10 +18,9 @@ import rclpy
 from rclpy.experimental import EventsExecutor
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.signals import SignalHandlerOptions
-from sensor_msgs.msg import JointState
 
 
-def messages_of(node, kind, outputs):
+def messages_of(node, outputs):
     """Return (message, publisher) of each output, with as many bytes as the real ones."""
     messages = []
     for name in outputs:
@@ -29,26 +28,20 @@ def messages_of(node, kind, outputs):
         message = kind_of()
         message.header.frame_id = 'fourbar'
         if name == 'joint_states':
-            message.name = ['crank', 'coupler', 'coupler_output', 'output'][kind == 'relay':]
-            message.position = message.velocity = [0.0] * len(message.name)
-            if kind != 'relay' or 'loads' in outputs:
-                message.effort = message.position
+            message.name = ['crank', 'coupler', 'coupler_output', 'output']
+            message.position = message.velocity = message.effort = [0.0] * len(message.name)
         messages.append((message, node.create_publisher(kind_of, f'~/{name}', 10)))
     return messages
 
 
 def run(kind, rate, outputs):
-    """
-    Publish these outputs at ``rate`` Hz ('timer'), or for each input that comes.
-
-    'echo': a Motion; 'relay': a JointState of the crank on the topic of the answers.
-    """
+    """Publish these outputs at ``rate`` Hz ('timer'), or for each Motion that comes ('echo')."""
     stop = threading.Event()
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, lambda *_: stop.set())
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     node = rclpy.create_node('bare')
-    messages = messages_of(node, kind, outputs)
+    messages = messages_of(node, outputs)
 
     def send(stamp):
         for message, publisher in messages:
@@ -70,9 +63,8 @@ def run(kind, rate, outputs):
         threading.Thread(target=tick, daemon=True).start()
     else:
         qos = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
-        topic, of = (('~/joint_states', JointState) if kind == 'relay' else ('~/input', Motion))
-        node.create_subscription(of, topic, lambda message: send(message.header.stamp)
-                                 if kind == 'echo' or 'crank' in message.name else None, qos)
+        node.create_subscription(Motion, '~/input',
+                                 lambda message: send(message.header.stamp), qos)
     executor = EventsExecutor()
     executor.add_node(node)
     while not stop.is_set():

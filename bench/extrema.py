@@ -16,17 +16,27 @@ from rich.progress import track
 from support.extrema_reference import exact_roots
 
 from . import rivals
-from .shaking import crank_rockers
 
 # the paper's linkage; the slides' Example 7.7
 SEEDS = ((0.4, 1.2, 0.8, 1.0), (2.0, 6.0, 7.0, 5.0))
 LOADS = ('shaking_force', 'shaking_moment', 'driving_torque', 'f41', 'f21', 'f32', 'f43')
-ROUNDS, PER_FAMILY, ONLY, MANY = 5, 20, 3, 100_000
+ROUNDS, PER_FAMILY, MANY = 5, 20, 100_000
 LEAST = 0.1              # [s] of CPU time for one figure
 PROGRESS = Console(stderr=True)
 
 
 # --- linkages ------------------------------------------------------------------------------------
+
+def crank_rockers(count, rng):
+    """Return lengths, shape (count, 4): uniform in [0.1, 1] m, kept if a Grashof crank-rocker."""
+    kept = []
+    while sum(map(len, kept)) < count:
+        a = rng.uniform(0.1, 1.0, (4 * count, 4))
+        a1, a2, a3, a4 = a.T
+        margins = np.array([a4 - a1 + a3 - a2, a4 - a1 - a3 + a2, a2 + a3 - a4 - a1])
+        kept.append(a[(margins > 0.0).all(axis=0)])
+    return np.concatenate(kept)[:count]
+
 
 def near_change_point(rng, gap):
     """
@@ -62,10 +72,10 @@ def families(rng):
 
 # --- ours ----------------------------------------------------------------------------------------
 
-def ours(lengths, conditions=True):
+def ours(lengths):
     """Return theta1 of the extrema of omega4 and of alpha4."""
     found = [], []
-    for extremum in find_extrema(FourBar(*lengths), RATES, conditions=conditions):
+    for extremum in find_extrema(FourBar(*lengths), RATES, conditions=False):
         found[RATES.index(extremum.quantity)].append(extremum.theta1)
     return found
 
@@ -79,34 +89,17 @@ def ours_with_loads(lengths):
     return find_extrema(FourBar(*lengths, bodies=bodies), (*RATES, *LOADS))
 
 
-def at_change_point(way, lengths):
-    """Search a linkage with a1 + a4 = a2 + a3 exactly: lengths of 20 bits have exact sums."""
-    a1, a2, a3 = (round(length * 2.0**20) / 2.0**20 for length in lengths[:3])
-    way((a1, a2, a3, a2 + a3 - a1))
-
-
-OURS, BARE = 'find_extrema', 'find_extrema, conditions=False'
-QUICK = {
+OURS = 'find_extrema'
+WAYS = {
     OURS: ours,
-    BARE: partial(ours, conditions=False),
     'find_extrema, certify': ours_proved,
     'find_extrema, and seven loads': ours_with_loads,
-    '720 points + brentq, plain Python, differences': rivals.grid_with_differences,
-    '720 points + brentq, plain Python, formulas': rivals.grid_with_formulas,
-    '720 points + brentq, numpy, formulas': rivals.grid_in_numpy,
+    '720 points + brentq, plain Python': rivals.grid_with_formulas,
+    '720 points + brentq, numpy': rivals.grid_in_numpy,
     'the same, half a step on': rivals.shifted_grid,
     'Chebyshev colleague matrix + Newton': rivals.chebyshev_colleague,
-    'numpy.roots, degree 12 and 22': rivals.half_angle_roots,
 }
-SLOW = {
-    'find_extrema, exact change point': partial(at_change_point, ours),
-    'find_extrema, and seven loads, exact change point': partial(at_change_point, ours_with_loads),
-    'scipy shgo, 64 Sobol points': rivals.by_shgo,
-    'scipy differential_evolution, global only': rivals.by_evolution,
-    'scipy dual_annealing, 250 iterations, global only': rivals.by_annealing,
-}
-FINDERS = {name: way for name, way in {**QUICK, **SLOW}.items()
-           if way not in (ours_proved, ours_with_loads) and 'change point' not in name}
+FINDERS = {name: way for name, way in WAYS.items() if way not in (ours_proved, ours_with_loads)}
 
 
 # --- time ----------------------------------------------------------------------------------------
@@ -132,32 +125,24 @@ def each(way, linkages):
 
 
 def measure(linkages, many):
-    """
-    Return {name: CPU times per linkage [s], one a round}.
-
-    The slow ones in few rounds, with some linkages.
-    """
-    times = {name: [] for name in (*QUICK, *SLOW, 'batch')}
+    """Return {name: CPU times per linkage [s], one a round}."""
+    times = {name: [] for name in (*WAYS, 'batch')}
     each(ours, linkages)
     for _ in track(range(ROUNDS), 'rounds', transient=True, console=PROGRESS):
-        for name, way in QUICK.items():
+        for name, way in WAYS.items():
             times[name].append(time_of(each, way, linkages) / len(linkages))
         times['batch'].append(time_of(find_extrema_many, *many) / many.shape[1])
-        for name, way in SLOW.items():
-            times[name].append(time_of(each, way, linkages[:ONLY]) / ONLY)
     return times
 
 
 def table_of_times(times):
     """Print CPU times and their ratios to ours, each the median over the rounds."""
-    print(f"| theta4' and theta4'' of one linkage | CPU time [ms] | over {OURS} | over {BARE} |\n"
-          '| --- | --- | --- | --- |')
-    for name in (*QUICK, *SLOW):
-        print(f'| {name} | {1e3 * median(times[name]):.3g} | {ratio(times, name, OURS):.3g} '
-              f'| {ratio(times, name, BARE):.3g} |')
+    print(f"| theta4' and theta4'' of one linkage | CPU time [ms] | over {OURS} |\n"
+          '| --- | --- | --- |')
+    for name in WAYS:
+        print(f'| {name} | {1e3 * median(times[name]):.3g} | {ratio(times, name, OURS):.3g} |')
     print(f'\nA batch of {MANY} linkages (`find_extrema_many`): '
-          f'{1.0 / median(times["batch"]):.3g} linkages per second of CPU time, '
-          f'{ratio(times, BARE, "batch"):.0f} times the rate of {BARE}.\n')
+          f'{1.0 / median(times["batch"]):.3g} linkages per second of CPU time.\n')
 
 
 def ratio(times, one, other):
@@ -214,44 +199,19 @@ def column(family, linkages):
     return {name: cell(rows, number) for name, rows in results.items()}
 
 
-def table_of_algebra(lengths):
-    """Print what sympy needs for, and finds of, one linkage."""
-    try:
-        algebra = rivals.Algebra()
-    except ImportError:
-        print('sympy: skipped, not installed (it is not among the requirements: `pip install '
-              'sympy`).')
-        return
-    with mpmath.workdps(40):
-        exact = [[x for x, _ in exact_roots(lengths, order)] for order in (0, 1)]
-        print("| theta4' and theta4'' of the paper's linkage | CPU time [ms] | missed; error of "
-              'theta1 [rad] |\n'
-              '| --- | --- | --- |')
-        for name, way in ((OURS, ours), ('sympy, derivatives + nsolve from eight starts',
-                                         algebra.nsolve),
-                          ('sympy, resultants + nroots', algebra.elimination)):
-            found = []
-            used = time_of(lambda: found.extend(way(lengths)))
-            print(f'| {name} | {1e3 * used:.3g} | '
-                  f'{cell(list(map(judge, found, exact)), sum(map(len, exact)))} |')
-    print()
-
-
 def main():
     """Print run times, misses and errors."""
     rng = np.random.default_rng(1)
     known = families(rng)
-    print(f'CPU time of the process; {PER_FAMILY} random crank-rockers ({ONLY} of them for global '
-          f'optimisers), {ROUNDS} rounds, in each all ways in turn; medians.\n')
+    print(f'CPU time of the process; {PER_FAMILY} random crank-rockers, {ROUNDS} rounds, in each '
+          'all ways in turn; medians.\n')
     table_of_times(measure(known['random'], crank_rockers(MANY, rng).T))
-    table_of_algebra(SEEDS[0])
     print("Crank-rockers; seeds: the paper's linkage and the slides' Example 7.7; "
           f'others: {PER_FAMILY} linkages each. Exact: polynomials of degree 6 and 11 with '
           'rational coefficients, their roots isolated in integers. A root counts as found if '
           'nearer than a quarter of the distance to the next one, and than 0.01 rad; what is '
-          'found beside is spurious. The grids have 0 and pi '
-          'among their points, where near change points all happens; one is without. Those for '
-          'global extrema miss the others by design.\n')
+          'found beside is spurious. The grids have 0 and pi among their points, where near '
+          'change points all happens; one is without.\n')
     table_of_misses(known)
 
 

@@ -3,8 +3,6 @@
 """The node beside a bare rclpy node that publishes or echoes the same bytes."""
 from contextlib import contextmanager, ExitStack
 from statistics import median
-import subprocess
-import sys
 import tempfile
 import time
 
@@ -15,14 +13,12 @@ from bench.processes import (
     Listener,
     ours,
     percentile,
-    ROOT,
     sent,
     Slice,
     undisturbed,
 )
 
 ROUNDS, SLICES, SECONDS = 3, 2, 3.0
-FLOOD = 5000                    # [Hz]
 
 
 @contextmanager
@@ -95,24 +91,6 @@ def timers():
     print()
 
 
-def highest():
-    """Print the highest rate each holds alone (99.5 % of the samples heard)."""
-    print('| stream | bare [Hz] | fourbar [Hz] |\n| --- | --- | --- |')
-    for what, outputs in (('kinematics only', KINEMATICS), ('full loads, 5 topics', FULL)):
-        held = {'bare': 0, 'fourbar': 0}
-        for name in held:
-            for rate in (1000.0, 2000.0, 5000.0):
-                child = (bare('timer', outputs, rate) if name == 'bare'
-                         else ours(outputs, drive__rate=rate))
-                with running(child, outputs=outputs) as [pair], Slice(*pair) as part:
-                    time.sleep(2.0)
-                if len(part.late) < 0.995 * rate * part.seconds:
-                    break
-                held[name] = int(rate)
-        print(f'| {what} | {held["bare"]} | {held["fourbar"]} |')
-    print()
-
-
 def echoes():
     """Print the latency table: inputs go to both in turns, half a millisecond apart."""
     print('| input to output, 1 kHz | node | lost [%] | p50 [us] | p99 [us] | CPU a message [us] '
@@ -139,35 +117,6 @@ def echoes():
                   + ' | '.join(f'{v:.1f}' for v in values) + ' |')
         print('| | ratio | | ' + ' | '.join(f'{v:.2f}' for v in columns[2]) + ' |')
     print()
-
-
-def floods():
-    """Print what is lost of inputs that come faster than a node may be able to answer."""
-    print(f'| input at {FLOOD} Hz | bare: lost [%] | CPU a message [us] | fourbar: lost [%] | CPU '
-          'a message [us] |')
-    print('| --- | --- | --- | --- | --- |')
-    for outputs in (KINEMATICS, FULL):
-        with running(bare('echo', outputs), ours(outputs, drive__source='motion'), outputs=outputs,
-                     poked=True) as pairs:
-            cells = []
-            lost, cpu, total = [0, 0], [0.0, 0.0], 0
-            for _ in range(ROUNDS):                     # in turn: one at a time
-                total += int(FLOOD * 2.0)
-                for i, pair in enumerate(pairs):
-                    with Slice(*pair) as part:
-                        sent(FLOOD, 2.0, [pair[1].send])
-                        time.sleep(0.3)
-                    lost[i] += int(FLOOD * 2.0) - len(part.late)
-                    cpu[i] += part.cpu
-            for i in range(2):
-                cells += [f'{100.0 * lost[i] / total:.2f}',
-                          f'{cpu[i] / (total - lost[i]) * 1e6:.1f}']
-        print(f'| {len(outputs)} output{"s" * (len(outputs) > 1)} | ' + ' | '.join(cells) + ' |')
-    with running(ours(drive__source='motion'), poked=True) as [pair], Slice(*pair) as part:
-        total = sent(1000.0, 30.0, [pair[1].send])
-        time.sleep(0.5)
-    print(f'\nHalf a minute at 1 kHz, publisher depth 10: {total - len(part.late)} of {total} '
-          'lost.\n')
 
 
 def recorder(rate=500.0):
@@ -198,84 +147,10 @@ def recorder(rate=500.0):
     print()
 
 
-def scenes():
-    """Print what scenes cost."""
-    print('| scene at 200 Hz | CPU a step [us] | memory [MB] | start to first message [s] | '
-          'SIGTERM to exit [s] |')
-    print('| --- | --- | --- | --- | --- |')
-    motion = ['state', 'output', 'joint_states']
-    for what, outputs, heard in (('all outputs', FULL, FULL), ('kinematics only', motion, motion),
-                                 ('state only', KINEMATICS, KINEMATICS),
-                                 ('all outputs, only state heard', FULL, KINEMATICS),
-                                 ('all outputs, nobody listening', FULL, [])):
-        child = ours(outputs, drive__rate=200.0)
-        listener = Listener('fourbar' if heard else 'nobody', heard)
-        if heard:
-            listener.wait()
-        else:
-            time.sleep(2.0)
-        cpu = child.cpu()
-        time.sleep(5.0)
-        cpu, rss = child.cpu() - cpu, child.rss()
-        left = child.stop()
-        listener.close()
-        first = f'{listener.arrived[0][0] * 1e-9 - child.started:.2f}' if heard else '-'
-        print(f'| {what} | {cpu / 1000 * 1e6:.0f} | {rss:.0f} | {first} | {left:.2f} |')
-    print()
-
-
-def requests():
-    """Print how a request for all extrema with proof disturbs a stream of 200 Hz."""
-    from fourbar_msgs.srv import FindExtrema
-    print('| stream of 200 Hz | answered in [s] | rate got [Hz] | largest gap [ms] | gap p99 [ms] '
-          '|')
-    print('| --- | --- | --- | --- | --- |')
-    with running(ours(drive__rate=200.0)) as [pair]:
-        client = pair[1].node.create_client(FindExtrema, '/fourbar/find_extrema')
-        client.wait_for_service(20.0)
-
-        def ask_all():
-            future = client.call_async(FindExtrema.Request(velocity=25.0,
-                                                           mode=FindExtrema.Request.MODE_BOTH,
-                                                           certify=True))
-            while not future.done():
-                time.sleep(0.002)
-
-        for what, ask in (('nothing asked', lambda: time.sleep(SECONDS)), ('everything asked, '
-                                                                           'with proof', ask_all)):
-            with Slice(*pair) as part:
-                ask()
-            gaps = [(b - a) * 1e-6 for a, b in zip(part.arrived, part.arrived[1:])]
-            print(f'| {what} | {part.seconds:.1f} | {len(gaps) / part.seconds:.1f} | '
-                  f'{max(gaps):.1f} | {percentile(gaps, 0.99):.1f} |')
-    print()
-
-
-def imports():
-    """Print how long imports take in a fresh Python."""
-    print('| import, in a fresh Python | wall time [ms] | over that of rclpy |')
-    print('| --- | --- | --- |')
-    modules = {'nothing': 'sys', 'fourbar_ros and numpy (no ROS)': 'fourbar_ros.mechanisms.kinds',
-               'rclpy': 'rclpy',
-               'the node': 'fourbar_ros.ros.node.node',
-               'the node and its recorder': 'fourbar_ros.ros.node.node, '
-                                            'fourbar_ros.bag.recorder'}
-    took = {what: [] for what in modules}
-    for _ in range(2 * ROUNDS + 1):
-        for what, module in modules.items():
-            began = time.monotonic()
-            subprocess.run([sys.executable, '-c', f'import {module}'], check=True, cwd=ROOT)
-            took[what].append((time.monotonic() - began) * 1e3)
-    whole = median(took['rclpy'])
-    for what, times in took.items():
-        print(f'| {what} | {median(times):.0f} | {median(times) / whole:.2f} |')
-    print()
-
-
 def main():
     """Print all tables of the node."""
     with undisturbed():
-        for table in (timers, highest, echoes, floods, recorder, scenes, requests, imports):
+        for table in (timers, echoes, recorder):
             table()
 
 

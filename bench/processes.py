@@ -59,15 +59,14 @@ class Child:
         return time.monotonic() - began
 
 
-def ours(outputs=KINEMATICS, remaps=(), **parameters):
+def ours(outputs=KINEMATICS, **parameters):
     """Start fourbar_node with these outputs and parameters (dots written as two underscores)."""
     values = {**PAPER, 'outputs': outputs,
               **{name.replace('__', '.'): value for name, value in parameters.items()}}
     file = Path(tempfile.mkdtemp()) / 'scene.yaml'
     file.write_text(json.dumps({'/**': {'ros__parameters': values}}))
     return Child('fourbar', '-m', 'fourbar_ros.ros.node.node', '--ros-args', '--params-file',
-                 str(file), *(part for rule in ('joint_states:=/fourbar/joint_states', *remaps)
-                              for part in ('-r', rule)))
+                 str(file), '-r', 'joint_states:=/fourbar/joint_states')
 
 
 def bare(kind, outputs=KINEMATICS, rate=1.0):
@@ -81,12 +80,9 @@ class Listener:
 
     Its other outputs have a reader too, but of a node that nobody spins: they are delivered, and
     cost this process as little as can be.
-
-    ``heard``: the output; ``given``: (topic below the child, message) of the input, by default
-    a Motion. If it is the topic of the answers, the inputs are told from them by their length.
     """
 
-    def __init__(self, name, outputs=KINEMATICS, heard='state', given=None):
+    def __init__(self, name, outputs=KINEMATICS, heard='state'):
         from fourbar_msgs.msg import Motion
         import rclpy
         from rclpy.experimental import EventsExecutor
@@ -95,11 +91,10 @@ class Listener:
         self.node = rclpy.create_node(f'listener_of_{name}')
         self._deaf = rclpy.create_node(f'reader_of_{name}')
         self.arrived = []                               # (time of arrival, stamp) [ns]
-        topic, message = given or ('input', Motion(position=0.3, velocity=25.0))
-        self._given = bytearray(serialize_message(message))
+        self._given = bytearray(serialize_message(Motion(position=0.3, velocity=25.0)))
         for output in outputs:
             self._subscribe(output, f'/{name}/{output}', output == heard)
-        self._input = self.node.create_publisher(type(message), f'/{name}/{topic}', 10)
+        self._input = self.node.create_publisher(Motion, f'/{name}/input', 10)
         self._executor = EventsExecutor()
         self._executor.add_node(self.node)
         self._running = True
@@ -121,8 +116,6 @@ class Listener:
 
     def _take(self, data):
         now = time.time_ns()
-        if len(data) == len(self._given):
-            return
         sec, nanosec = STAMP.unpack_from(data, 4)       # behind the 4 bytes of the encapsulation
         self.arrived.append((now, sec * 10**9 + nanosec))
 

@@ -5,24 +5,16 @@ Other ways to the extrema of theta4' and theta4'' of a crank-rocker at constant 
 
 Each takes the four lengths and returns two lists of theta1 [rad], of theta4' and of theta4''.
 """
-from math import acos, atan, cos, pi
+from math import acos, pi
 
 import numpy as np
 from numpy.polynomial import chebyshev, Polynomial
-from scipy.optimize import brentq, differential_evolution, dual_annealing, shgo
+from scipy.optimize import brentq
 
 from .naive import ARRAY, coordinates, SCALAR
 
 GRID = [2.0 * pi * i / 720 for i in range(721)]
-STEP = 1e-4                    # [rad] of differences
 IMAGINARY = 1e-6               # part of 1 + |root| up to which a root is taken for real
-BOUNDS = [(0.0, 2.0 * pi)]
-RUNS = [(order, sign) for order in (1, 2) for sign in (1.0, -1.0)]
-
-
-def rate(lengths, x, order, m=SCALAR):
-    """Return theta4' or theta4''."""
-    return coordinates(lengths, 1.0, x, m)[2 * order]
 
 
 def slopes(lengths, x, m=SCALAR):
@@ -35,16 +27,6 @@ def slopes(lengths, x, m=SCALAR):
 
 
 # --- grids ---------------------------------------------------------------------------------------
-
-def grid_with_differences(lengths):
-    """720 points in plain Python; theta4''' by differences."""
-    def first(x):
-        return rate(lengths, x, 2)
-
-    def second(x):
-        return (first(x + STEP) - first(x - STEP)) / (2.0 * STEP)
-    return [refined(f, [f(x) for x in GRID]) for f in (first, second)]
-
 
 def grid_with_formulas(lengths):
     """720 points in plain Python; theta4'' and theta4''' together from formulas."""
@@ -126,21 +108,6 @@ def chebyshev_colleague(lengths):
     return found
 
 
-def half_angle_roots(lengths):
-    """numpy.roots of the polynomials of degree 12 and 22 in v1 = tan(theta1/2)."""
-    equations = Equations(lengths)
-    low, high = equations.ends
-    found = []
-    for order, degree, power in ((0, 6, 2), (1, 11, 3)):
-        square = sum(c * Polynomial((low, high))**i * Polynomial((1.0, 1.0))**(degree - i)
-                     for i, c in enumerate(equations.of(order).coef[power:power + degree + 1]))
-        both = np.zeros(2 * degree + 1)
-        both[::-2][:square.coef.size] = square.coef
-        pairs = [(2.0 * atan(v), v) for v in real(np.roots(both))]
-        found.append([x for x, v in pairs if equations.angle(order, cos(x)) * v > 0.0])
-    return found
-
-
 def real(roots):
     return roots.real[np.abs(roots.imag) <= IMAGINARY * (1.0 + np.abs(roots))].tolist()
 
@@ -164,92 +131,3 @@ def third(lengths, x, step=1e-7):
     """Return theta4''' and its slope."""
     low, value, high = (slopes(lengths, v)[1] for v in (x - step, x, x + step))
     return value, (high - low) / (2.0 * step)
-
-
-# --- global optimisers ---------------------------------------------------------------------------
-
-def by_optimiser(run):
-    """Return a rival: ``run(function)`` returns the angle at which a function is least."""
-    def rival(lengths):
-        found = [], []
-        for order, sign in RUNS:
-            found[order - 1].extend(run(lambda x: sign * rate(lengths, float(x[0]), order)))
-        return found
-    return rival
-
-
-by_evolution = by_optimiser(lambda f: [differential_evolution(f, BOUNDS, seed=1).x[0]])
-by_annealing = by_optimiser(lambda f: [dual_annealing(f, BOUNDS, seed=1, maxiter=250).x[0]])
-
-
-@by_optimiser
-def by_shgo(function):
-    """All local minima inside the bounds, each once."""
-    found = []
-    for x in np.ravel(shgo(function, BOUNDS, n=64,
-                           sampling_method='sobol').get('xl', ())).tolist():
-        if 1e-9 < x < BOUNDS[0][1] - 1e-9 and all(abs(x - other) > 1e-5 for other in found):
-            found.append(x)
-    return found
-
-
-# --- computer algebra ----------------------------------------------------------------------------
-
-class Algebra:
-    """
-    sympy, with the loop in half-angles v, w = tan(theta1/2), tan(theta4/2).
-
-    Raises ImportError without it.
-    """
-
-    def __init__(self):
-        import sympy
-        self.sympy = sympy
-
-    def nsolve(self, lengths):
-        """Symbolic derivatives of theta4(theta1), nsolve from eight starts each."""
-        sp, (a1, a2, a3, a4) = self.sympy, lengths
-        x = sp.Symbol('x')
-        q = a1**2 + a4**2 - 2 * a1 * a4 * sp.cos(x)
-        y = (sp.atan2(a1 * sp.sin(x), a1 * sp.cos(x) - a4)
-             - sp.acos((a3**2 + q - a2**2) / (2 * a3 * sp.sqrt(q))))
-        found = []
-        for order in (2, 3):
-            roots, slope = [], sp.diff(y, x, order)
-            for start in range(8):
-                try:
-                    root = float(sp.nsolve(slope, x, start * pi / 4.0 + 0.1))
-                except (ValueError, ZeroDivisionError, TypeError):
-                    continue
-                if all(abs((root - other + pi) % (2.0 * pi) - pi) > 1e-9 for other in roots):
-                    roots.append(root)
-            found.append(roots)
-        return found
-
-    def elimination(self, lengths):
-        """
-        Resultants in rational numbers, nroots.
-
-        Those of these roots where theta4'' or theta4''' is zero.
-        """
-        sp = self.sympy
-        a1, a2, a3, a4 = (sp.Rational(str(length)) for length in lengths)
-        v, w = sp.symbols('v w')
-        loop = sp.expand(((a1 - a4)**2 + a3**2 - a2**2 + ((a1 + a4)**2 + a3**2 - a2**2) * v**2)
-                         * (1 + w**2)
-                         + 2 * a3 * (a4 * (1 + v**2) - a1 * (1 - v**2)) * (1 - w**2)
-                         - 8 * a1 * a3 * v * w)
-        # theta4' = up / down
-        down, up = sp.diff(loop, w) * (1 + w**2), -sp.diff(loop, v) * (1 + v**2)
-        found, numerator, power = [], up, 1
-        for order in (0, 1):
-            turn = [sp.diff(p, v) * (1 + v**2) * down + sp.diff(p, w) * (1 + w**2) * up
-                    for p in (numerator, down)]
-            numerator, power = sp.expand(turn[0] * down - power * numerator * turn[1]), power + 2
-            reduced = sp.numer(sp.together(sp.rem(numerator, loop, w)))
-            polynomial = sp.Poly(sp.resultant(loop, reduced, w), v)
-            angles = [2.0 * atan(float(root)) for factor, _ in polynomial.factor_list()[1]
-                      for root in factor.nroots(n=30, maxsteps=200) if root.is_real]
-            sizes = [abs(slopes(lengths, x)[order]) for x in GRID]
-            found.append([x for x in angles if abs(slopes(lengths, x)[order]) < 1e-9 * max(sizes)])
-        return found

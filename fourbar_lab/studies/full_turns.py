@@ -9,8 +9,7 @@ guesses, and all extrema of all quantities of all mechanisms are refined togethe
 derivatives by a complex step: most need one step. What this cannot do safely is reported as
 doubtful, for :func:`.find_extrema` to search one by one: a mechanism that does not turn fully,
 samples that do not resolve it (near a change point), a pair of extrema between two samples, a
-root that does not converge. It is 30 to 40 times as fast as that search
-(docs/bench/studies.md).
+root that does not converge. It is 30 to 40 times as fast as that search.
 
 Sampled functions are arrays of shape (samples, m), a column for each; the first sample follows
 the last.
