@@ -31,7 +31,8 @@ help:
 	@echo '  make check-oldest  the same with numpy 1.26 and scipy 1.11, as in Ubuntu 24.04'
 	@echo '  make check-loaded  make test three times while six busy loops take the processor'
 	@echo '  make check-arm64   the tests without ROS on an emulated arm64; takes root and an hour    FOLDER=$(FOLDER)'
-	@echo '  make soak       flood the node: garbage, clock steps, a slow disk, restarts    MINUTES=60'
+	@echo '  make soak       flood the node: garbage, clock steps, a slow disk, restarts; then hostile'
+	@echo '                  parameters of every scene    MINUTES=60 of each'
 	@echo '  make bench      measure accuracy, speed, extrema, node and recorder   ARGS="speed"'
 	@echo '  make docs       build the site into build/site; a broken link or an undocumented name fails'
 	@echo '  make setup      only set up: .venv, ROS 2, build'
@@ -89,7 +90,7 @@ check-arm64:
 
 soak:
 	@scripts/setup.sh test
-	@$(env) && SOAK_MINUTES=$(MINUTES) python -m pytest test/ros/test_soak.py -x -s $(ARGS)
+	@$(env) && SOAK_MINUTES=$(MINUTES) python -m pytest test/ros/test_soak.py test/ros/test_hostile_parameters.py -x -s $(ARGS)
 
 bench:
 	@scripts/setup.sh test

@@ -102,7 +102,7 @@ def test_a_kill_loses_at_most_what_was_not_yet_flushed(kind):
 
 
 @pytest.mark.slow
-def test_30_kills_lose_at_most_what_was_not_yet_flushed():
-    ages = sorted(kill_once('fast', seed) for seed in range(30))
-    print(f'\n30 kills at 6000 messages a second: median {1e3 * median(ages):.0f} ms, '
+def test_12_kills_lose_at_most_what_was_not_yet_flushed():
+    ages = sorted(kill_once('fast', seed) for seed in range(12))
+    print(f'\n12 kills at 6000 messages a second: median {1e3 * median(ages):.0f} ms, '
           f'worst {1e3 * ages[-1]:.0f} ms lost')

@@ -77,7 +77,7 @@ def records_of(data):
 
 # --- cut -----------------------------------------------------------------------------------------
 
-@some('step, first', [(1997, 0), (97, 0), (97, 48)], 1)
+@some('step, first', [(1997, 0), (397, 48)], 1)
 def test_a_cut_leaves_an_exact_prefix_that_recover_makes_whole(whole, tmp_path, step, first):
     data, everything = (whole / 'run_0.mcap').read_bytes(), raws(whole)
     lengths, cut_file = [], tmp_path / 'cut_0.mcap'
@@ -149,7 +149,7 @@ def flip(file, data, place, bit, everything):
     return not state.is_sound, kept
 
 
-@some('seed', range(50), 1)
+@some('seed', range(6), 1)
 def test_a_flipped_bit_is_seen_and_costs_its_chunk_at_most(whole, tmp_path, seed):
     data, everything, rng = ((whole / 'run_0.mcap').read_bytes(), raws(whole),
                              random.Random(seed))

@@ -25,6 +25,7 @@ import mpmath
 import numpy as np
 import pytest
 from support.extrema_reference import exact_roots, families
+from support.samples import some
 
 EPS = 2.0**-52
 PAPER = (0.4, 1.2, 0.8, 1.0)
@@ -127,16 +128,10 @@ def draw(family, number):
             yield lengths
 
 
+@some('count', [2, 25], 1)
 @pytest.mark.parametrize('family', families())
-def test_rates_complete_and_accurate(family):
-    for lengths in draw(family, 2):
-        check_against_exact_roots(lengths)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize('family', families())
-def test_rates_complete_and_accurate_150(family):
-    for lengths in draw(family, 150):
+def test_rates_complete_and_accurate(family, count):
+    for lengths in draw(family, count):
         check_against_exact_roots(lengths)
 
 
@@ -251,27 +246,18 @@ def random_linkage(rng, kind):
             return linkage
 
 
+@some('count', [8, 50], 1)
 @pytest.mark.parametrize('kind', ['crank', 'rocker'])
-def test_all_quantities_against_a_scan(kind):
+def test_all_quantities_against_a_scan(kind, count):
     rng = np.random.default_rng(4)
     number = 0
-    for _ in range(8):
+    for _ in range(count):
         linkage = random_linkage(rng, kind)
         quantities = [*QUANTITIES, point_speed(linkage, 'coupler', *rng.uniform(-0.5, 0.5, 2)),
                       point_acceleration(linkage, 'coupler', *rng.uniform(-0.5, 0.5, 2))]
         number += check_against_scan(linkage, quantities, rng.normal(0.0, 10.0),
                                      rng.normal(0.0, 50.0), 20000)
     assert number > 100
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize('kind', ['crank', 'rocker'])
-@pytest.mark.parametrize('seed', range(5))
-def test_loads_of_500_linkages_against_a_scan(kind, seed):
-    rng = np.random.default_rng(seed)
-    for _ in range(50):
-        check_against_scan(random_linkage(rng, kind), [*QUANTITIES], rng.normal(0.0, 10.0), 0.0,
-                           60000)
 
 
 def test_input_acceleration_moves_the_extrema():

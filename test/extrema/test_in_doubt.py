@@ -15,6 +15,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 from support.dyad_reference import exact_values
+from support.samples import some
 
 EPS = 2.0**-52
 PAPER = (0.4, 1.2, 0.8, 1.0)
@@ -190,17 +191,11 @@ def check_against_graded_scan(machine, points):
     return number
 
 
-def test_machines_near_two_toggles_against_a_graded_scan():
+@some('count, points', [(3, 4000), (20, 50000)], 1)
+def test_machines_near_two_toggles_against_a_graded_scan(count, points):
     rng = np.random.default_rng(902)
-    assert sum(check_against_graded_scan(near_two_toggles(rng), 4000) for _ in range(3)) > 40
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize('seed', range(8))
-def test_100_machines_near_two_toggles(seed):
-    rng = np.random.default_rng(910 + seed)
-    for _ in range(25):
-        check_against_graded_scan(near_two_toggles(rng), 100000)
+    assert sum(check_against_graded_scan(near_two_toggles(rng), points)
+               for _ in range(count)) > 40
 
 
 # --- what is refused -----------------------------------------------------------------------------

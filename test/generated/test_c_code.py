@@ -32,9 +32,12 @@ from support.generated import (
     SCENES,
     STRICT,
 )
+from support.samples import some
 
 pytestmark = pytest.mark.skipif(not COMPILERS, reason='no C compiler')
 C = (COMPILERS[0], '-std=c99', '-O2') if COMPILERS else ()
+EVERY = [(compiler, '-std=c99', level) for compiler in COMPILERS
+         for level in ('-O0', '-O1', '-O2', '-O3')]
 
 
 def compared(scene, folder, name, count, commands, seed=1, is_strict=True):
@@ -61,10 +64,12 @@ def test_results_and_statuses_have_the_bits_of_the_node(name, tmp_path):
     compared(load_scene(name), tmp_path, name, 1000, [(*C, *STRICT)])
 
 
-def test_machines_at_random_have_them_too(tmp_path):
-    for i, (machine, _) in enumerate(random_machines(11, 3, dyads=(1, 4), least_sine=0.2)):
-        folder = tmp_path / str(i)
-        compared(with_linkage(machine), folder, f'random_{i}', 500, [C])
+@some('seed, count, dyads, rows', [(11, 3, 4, 500), (12, 20, 5, 10_000)], 1)
+def test_machines_at_random_have_them_too(seed, count, dyads, rows, tmp_path):
+    for i, (machine, _) in enumerate(random_machines(seed, count, dyads=(1, dyads),
+                                                     least_sine=0.1)):
+        compared(with_linkage(machine), tmp_path / str(i), f'random_{i}', rows,
+                 [C] if rows < 1000 else EVERY[i % 4::4], is_strict=rows < 1000)
 
 
 @pytest.mark.skipif('fma' not in Path('/proc/cpuinfo').read_text(), reason='no fused operations')
@@ -72,10 +77,6 @@ def test_fused_operations_change_no_bit(tmp_path):
     """The vectorizer of gcc contracts a * b + c beside a * b - c, whatever the pragma says."""
     slider = SliderCrank(0.05, 0.2, 0.01, input='slide')
     compared(with_linkage(slider), tmp_path, 'fused', 1000, [(*C, '-mfma')])
-
-
-EVERY = [(compiler, '-std=c99', level) for compiler in COMPILERS
-         for level in ('-O0', '-O1', '-O2', '-O3')]
 
 
 @pytest.mark.slow
@@ -88,14 +89,6 @@ def test_every_shipped_scene_with_every_compiler(path, tmp_path):
         subprocess.run([compiler.replace('gcc', 'g++').replace('clang', 'clang++'), '-x', 'c++',
                         '-std=c++11', '-O2', *STRICT, '-c', f'{code.name}.c', '-o', 'a.o'],
                        check=True, cwd=tmp_path)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize('seed', range(20))
-def test_200_machines_at_random(seed, tmp_path):
-    for i, (machine, _) in enumerate(random_machines(seed, 10, dyads=(1, 5), least_sine=0.1)):
-        compared(with_linkage(machine), tmp_path / str(i), f'random_{i}', 100_000,
-                 EVERY[i % 4::4], seed, is_strict=False)      # each compiler, a level in turn
 
 
 @pytest.mark.slow

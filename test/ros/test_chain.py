@@ -258,7 +258,7 @@ def test_wrenches_are_counted_in_the_diagnostics(run_node, client):
 
 
 @pytest.mark.slow
-def test_each_part_of_a_split_bag_says_what_acts(run_node, client, tmp_path):
+def test_a_split_bag_recomputes_and_a_later_file_alone_says_why_not(run_node, client, tmp_path):
     node = Loaded(run_node, client, external__timeout=0.0, recording__split_duration=0.5)
     node.load(5.0, 1.0, -1.0)                            # once, before the bag
     assert client.call('start_recording', name='run').success
@@ -269,9 +269,11 @@ def test_each_part_of_a_split_bag_says_what_acts(run_node, client, tmp_path):
     assert node.node.stop() == 0
     parts = sorted((tmp_path / 'bags/run').glob('*.mcap'))
     assert len(parts) > 1
-    for part in parts:
-        found = recompute(part)
-        assert found.inputs and found.compared and found.largest == 0.0, part
+    for bag in (tmp_path / 'bags/run', parts[0]):
+        found = recompute(bag)
+        assert found.compared and found.largest == 0.0 and not found.skipped, bag
+    assert recompute(parts[1]).skipped == {'depend on what came before this file':
+                                           2 * recompute(parts[1]).inputs}
 
 
 @pytest.mark.slow

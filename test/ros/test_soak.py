@@ -375,7 +375,7 @@ class Soak:
         A full queue may leave gaps that it tells of.
         """
         found = info(path, check=True)
-        assert (found.state, found.damage) == ('finished', ''), found
+        assert found.is_sound and found.is_finished, found
         assert found.ended == ended, found
         assert found.missing == found.dropped, found
         if not found.missing:

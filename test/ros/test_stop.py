@@ -34,7 +34,7 @@ RECORDING = {**PAPER, **RODS, 'drive.speed': 25.0, 'drive.rate': 200.0, 'outputs
 LAUNCH = 5.0
 # [s] of CPU time from the signal to the end; the search takes some ten
 ABANDONED = 2.0
-FLOODS, MANY_FLOODS = 2, 25
+FLOODS = 8
 TICKS = os.sysconf('SC_CLK_TCK')
 
 
@@ -89,7 +89,8 @@ def test_a_certified_search_is_abandoned_and_the_bag_closed(run_node, client, tm
     assert not asked.done() or 'the node stops' in asked.result().message
 
 
-def flooded(run_node, client, tmp_path, seed):
+@some('seed', range(FLOODS), 1)
+def test_a_flood_of_signals_ends_it_like_one(run_node, client, tmp_path, seed):
     rng = random.Random(seed)
     node = run_node(RECORDING)
     client.listen(['state'])
@@ -98,17 +99,6 @@ def flooded(run_node, client, tmp_path, seed):
     node.wait()
     assert 'Traceback' not in node.said
     assert info(tmp_path / 'bags/run', check=True).is_sound
-
-
-@some('seed', range(FLOODS), 1)
-def test_a_flood_of_signals_ends_it_like_one(run_node, client, tmp_path, seed):
-    flooded(run_node, client, tmp_path, seed)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize('seed', range(MANY_FLOODS))
-def test_many_floods_of_signals(run_node, client, tmp_path, seed):
-    flooded(run_node, client, tmp_path, 100 + seed)
 
 
 @some('wait', [0.0, 0.1, 0.3], (0.1,))

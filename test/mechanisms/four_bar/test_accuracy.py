@@ -6,8 +6,7 @@ The error of every output in units of eps times its condition.
 Over families of ordinary and extreme cases.
 
 The condition is exact to first order: what the result moves by when each given number is rounded.
-About one eps cond is what no algorithm can avoid; see :func:`reference.condition`. The counts of
-the default run are a sample, ``-m slow`` runs the full ones.
+About one eps cond is what no algorithm can avoid; see :func:`reference.condition`.
 """
 from math import nextafter, pi, remainder
 
@@ -89,26 +88,16 @@ def check_loads(family, seed, count):
     assert {name: error for name, error in zip(LOAD_NAMES, errors) if not error <= bound} == {}
 
 
+@some('count', [20, 200], 1)
 @pytest.mark.parametrize('family', FAMILIES)
-def test_motion_of_a_sample(family):
-    check_motion(family, 31, 20)
+def test_motion(family, count):
+    check_motion(family, 31, count)
 
 
+@some('count', [3, 20], 1)
 @pytest.mark.parametrize('family', FAMILIES)
-def test_loads_of_a_sample(family):
-    check_loads(family, 32, 3)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize('family', FAMILIES)
-def test_motion_in_full(family):
-    check_motion(family, 33, 20000 if family == 'random' else 3000)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize('family', FAMILIES)
-def test_loads_in_full(family):
-    check_loads(family, 34, 20000 if family == 'random' else 300)
+def test_loads(family, count):
+    check_loads(family, 32, count)
 
 
 # --- near a toggle, relative to the peak ---------------------------------------------------------

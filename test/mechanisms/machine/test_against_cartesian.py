@@ -14,6 +14,7 @@ import pytest
 from support.cartesian import BITS, Cartesian, errors, exact, kept_at, MANY_BITS, NoWay, toward
 from support.dyad_reference import exact_values
 from support.machine_families import BEGIN, FAMILIES
+from support.samples import some
 from support.scans import check_against_scan
 
 MOTION_BOUND, LOADS_BOUND = 5.0, 10.0       # in eps times condition
@@ -75,30 +76,14 @@ def failures(family, seed, count):
     return lines
 
 
+@some('count', [3, 25], 1)
 @pytest.mark.parametrize('family', FAMILIES)
-def test_some_random_machines(family):
-    assert not failures(family, 411, 3)
+def test_random_machines(family, count):
+    assert not failures(family, 411, count)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize('family', FAMILIES)
-def test_many_random_machines(family):
-    assert not failures(family, 412, 200)
-
-
-def test_extrema_at_change_points():
-    for drawn in islice(FAMILIES['at a change point'](413), 3):
-        assert check(drawn.machine, 4000)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize('family', FAMILIES)
-def test_extrema_of_many(family):
-    for drawn in islice(FAMILIES[family](414), 40):
-        check(drawn.machine, 100_000)
-
-
-def check(machine, points):
-    """Compare the extrema of all quantities with a scan; return how many that has."""
-    quantities = list(known(machine, machine.input).values())
-    return check_against_scan(machine, quantities, 1.3, -0.7, points, exact_values)
+@some('family', FAMILIES, ['at a change point'])
+def test_extrema_of_all_quantities_against_a_scan(family):
+    for drawn in islice(FAMILIES[family](413), 3):
+        quantities = list(known(drawn.machine, drawn.machine.input).values())
+        assert check_against_scan(drawn.machine, quantities, 1.3, -0.7, 4000, exact_values)

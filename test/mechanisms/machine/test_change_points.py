@@ -14,6 +14,7 @@ from fourbar_ros.mechanisms.machine.machine import Machine
 import mpmath as mp
 import numpy as np
 import pytest
+from support.samples import some
 
 EPS = 2.0**-52
 # Each is within 5 eps times condition of the exact one; the conditions of accelerations and loads
@@ -118,14 +119,9 @@ def check_poses(maker, lengths):
                     BOUND * condition**2 * size), (lengths, x, name)
 
 
-def test_poses_at_change_points():
-    for maker, lengths in sample(12, 60):
-        check_poses(maker, lengths)
-
-
-@pytest.mark.slow
-def test_poses_at_all_change_points():
-    for maker, lengths in whole_numbers(12):
+@some('count', [60, 400], 1)
+def test_poses_at_change_points(count):
+    for maker, lengths in sample(12, count):
         check_poses(maker, lengths)
 
 
@@ -150,14 +146,9 @@ def check_extrema(maker, lengths):
                    for apart, its in near), (lengths, name, sort, x, value, near)
 
 
-def test_extrema_at_change_points():
-    for maker, lengths in sample(6, 8):
-        check_extrema(maker, lengths)
-
-
-@pytest.mark.slow
-def test_extrema_at_many_change_points():
-    for maker, lengths in sample(12, 400):
+@some('most, count', [(6, 8), (12, 60)], 1)
+def test_extrema_at_change_points(most, count):
+    for maker, lengths in sample(most, count):
         check_extrema(maker, lengths)
 
 

@@ -10,6 +10,7 @@ from fourbar_ros.mechanisms.quantities import known, positions
 import numpy as np
 import pytest
 from support.dyad_reference import exact_values, random_machines
+from support.samples import some
 from support.scans import check_against_scan
 
 EPS = 2.0**-52
@@ -51,18 +52,13 @@ def check_limit(machine, limit, side, stage):
     assert sine[0] < 0.2 * sine[1] < 0.02
 
 
-def test_ranges_of_random_machines():
+@some('machines, points', [(16, 4001), (100, 40001)], 1)
+def test_ranges_of_random_machines(machines, points):
     count = 0
-    for machine, _ in random_machines(601, 16, dyads=(1, 5)):
-        check_ranges(machine, 4001)
+    for machine, _ in random_machines(601, machines, dyads=(1, 5)):
+        check_ranges(machine, points)
         count += sum(bound is not None for bound in machine.limits)
     assert count >= 6
-
-
-@pytest.mark.slow
-def test_ranges_of_many_machines():
-    for machine, _ in random_machines(602, 500):
-        check_ranges(machine, 40001)
 
 
 @pytest.mark.parametrize('rod, share', [(5456.6, 0.0), (5456.7, 0.21), (5456.71, 0.25)])
@@ -136,20 +132,13 @@ def test_extrema_are_those_of_a_four_bar():
         assert 0.1 < one.condition / other.condition < 10.0
 
 
-@pytest.mark.parametrize('seed', [611, 612])
-def test_extrema_of_random_machines(seed):
+@some('most, machines, points', [(4, 8, 4000), (5, 30, 20000)], 1)
+def test_extrema_of_random_machines(most, machines, points):
     number = 0
-    for machine, _ in random_machines(seed, 6, dyads=(1, 4)):
-        number += check_against_scan(machine, everything(machine), 1.3, -0.7, 4000)
-    assert number > 100
-
-
-@pytest.mark.slow
-def test_extrema_of_many_machines():
-    number = 0
-    for machine, _ in random_machines(613, 150, dyads=(1, 5)):
-        number += check_against_scan(machine, everything(machine), 1.3, -0.7, 20000, exact_values)
-    assert number > 3000
+    for machine, _ in random_machines(611, machines, dyads=(1, most)):
+        number += check_against_scan(machine, everything(machine), 1.3, -0.7, points,
+                                     exact_values)
+    assert number > 12 * machines
 
 
 def test_where_slides_become_parallel_is_no_complex_toggle():
