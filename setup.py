@@ -17,7 +17,7 @@ setup(
     version=re.search("__version__ = '(.+)'", (HERE / NAME / '__init__.py').read_text())[1],
     packages=[*find_packages(include=[NAME, NAME + '.*', LAB, LAB + '.*']), *SCENES],
     package_dir=SCENES,
-    package_data={NAME: ['py.typed'], f'{NAME}.generated': ['c/*'], LAB: ['py.typed'],
+    package_data={NAME: ['py.typed'], LAB: ['py.typed'], f'{LAB}.export': ['c/*'],
                   f'{LAB}.reproduction': ['*.yaml'],
                   f'{LAB}.live': ['*.js', '*.css'],
                   **dict.fromkeys(SCENES, ['*.yaml', '*.csv'])},
@@ -72,7 +72,12 @@ setup(
             'fourbar_node = fourbar_ros.optional:node',
             'fourbar_demo = fourbar_ros.optional:demo',
         ],
+        # What fourbar_ros finds of the lab without importing it: verbs, and tools by name.
         'fourbar.verbs': [f'{verb} = {LAB}.cli.{verb}'
-                          for verb in ('balance', 'live', 'reproduce', 'study')],
+                          for verb in ('balance', 'draw', 'generate', 'layout', 'list', 'live',
+                                       'new', 'record', 'reproduce', 'show', 'study', 'table')],
+        'fourbar.lab': [f'sdf = {LAB}.export.sdf:sdf', f'mjcf = {LAB}.export.mjcf:mjcf',
+                        f'compiled = {LAB}.export.compiled:Compiled',
+                        f'plot = {LAB}.drawing.recorded:plot'],
     },
 )

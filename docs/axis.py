@@ -3,9 +3,9 @@
 """Draw the collineation axis of the examples of both documents where their output is extreme."""
 from math import degrees
 
+from fourbar_lab.drawing.axis import draw_axis
 from fourbar_lab.reproduction import published
 from fourbar_ros import find_extrema
-from fourbar_ros.report.axis import draw_axis
 
 SIZE = (11.0, 8.6)                  # [inch]
 EXAMPLES = (('7.2', published.EXAMPLE_7_2, 'maximum'), ('7.6', published.EXAMPLE_7_6, 'maximum'),

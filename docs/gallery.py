@@ -15,11 +15,11 @@ import sys
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from fourbar_ros.cli.catalogue import about  # noqa: E402
+from fourbar_lab.cli.list import about  # noqa: E402
+from fourbar_lab.drawing.cycles import cycles  # noqa: E402
+from fourbar_lab.drawing.figure import STYLE  # noqa: E402
+from fourbar_lab.drawing.mechanism_panel import draw_plainly  # noqa: E402
 from fourbar_ros.mechanisms.points import point_motion  # noqa: E402, I100
-from fourbar_ros.report.cycles import cycles  # noqa: E402
-from fourbar_ros.report.drawing import STYLE  # noqa: E402
-from fourbar_ros.report.mechanism_panel import draw_plainly  # noqa: E402
 from fourbar_ros.scene.files import find  # noqa: E402
 from fourbar_ros.scene.scene import load  # noqa: E402
 

@@ -19,7 +19,7 @@ sys.path[:0] = [str(ROOT), str(ROOT / 'docs')]
 
 import axis  # noqa: E402, I100
 import conventions  # noqa: E402
-from fourbar_ros.report.mobility import octahedron_svg  # noqa: E402, I100
+from fourbar_lab.drawing.mobility import octahedron_svg  # noqa: E402, I100
 import sliders  # noqa: E402
 
 STYLE = {'font.family': 'STIXGeneral', 'mathtext.fontset': 'stix', 'font.size': 12,

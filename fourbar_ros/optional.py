@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from importlib import import_module
+from importlib.metadata import entry_points
 import sys
 from typing import Any
 
@@ -17,7 +18,8 @@ INSTALL = {**dict.fromkeys(('mcap', 'rosbags', 'lz4', 'zstandard'), BAGS),
            'flint': 'pip install python-flint',
            'scipy': 'pip install scipy', 'distributed': 'pip install distributed',
            'nicegui': 'pip install nicegui',
-           'rich': 'pip install rich', 'yaml': 'pip install pyyaml'}
+           'rich': 'pip install rich', 'yaml': 'pip install pyyaml',
+           'fourbar_lab': 'pip install .  in the source of fourbar_ros installs it too'}
 ROS = ('rclpy', 'rcl_interfaces', 'rosidl_runtime_py', 'rpyutils', 'ament_index_python')
 ROS_HINT = 'source a ROS 2 workspace that contains fourbar_ros, or run  make run  in its source'
 
@@ -36,6 +38,13 @@ class MissingPackage(FourBarError):
         """Return whether an import error is one of a package that may be missing."""
         name = (error.name or '').partition('.')[0]
         return name in INSTALL or name in ROS or name.endswith(('_msgs', '_srvs', '_interfaces'))
+
+
+def lab(tool: str) -> Any:
+    """Return a tool of fourbar_lab by its entry point; raises ModuleNotFoundError without it."""
+    for entry in entry_points(group='fourbar.lab', name=tool):
+        return entry.load()
+    raise ModuleNotFoundError(f'no entry point {tool} of fourbar_lab', name='fourbar_lab')
 
 
 def _command(name: str, module: str) -> int:
@@ -60,7 +69,7 @@ def node() -> int:
 
 def demo() -> int:
     """``fourbar_demo``."""
-    return _command('fourbar_demo', 'fourbar_ros.ros.clients.demo')
+    return _command('fourbar_demo', 'fourbar_lab.clients.demo')
 
 
 # --- names of a public face, imported when they are asked for ------------------------------------

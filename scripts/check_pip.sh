@@ -83,6 +83,6 @@ tar xzf "$sdist"
 "$pip" -q install "$wheel[test]"
 cd fourbar_ros-*
 # with the newest numpy and scipy, which `make test` does not take
-python -m pytest -q test/scene test/cli test/test_fence.py test/docs test/report/test_tables.py test/dynamics \
+python -m pytest -q test/scene test/cli test/test_fence.py test/docs test/drawing/test_tables.py test/dynamics \
   test/balancing test/numerics -m 'not slow' || fail 'the sdist cannot be tested'
 step good

@@ -10,8 +10,8 @@ from typing import NamedTuple
 from fourbar_lab.balancing.loads import body_of, Loads, NUMBERS
 from fourbar_lab.balancing.peak import peak
 from fourbar_lab.balancing.rms import Balance
+from fourbar_lab.drawing.figure import save
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.report.drawing import save
 from fourbar_ros.scene.files import as_text
 from fourbar_ros.scene.parameters import find
 from fourbar_ros.scene.scene import Scene

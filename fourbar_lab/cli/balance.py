@@ -14,7 +14,7 @@ if TYPE_CHECKING:      # verbs import when they run
     from fourbar_lab.balancing.loads import Loads
     from fourbar_lab.balancing.rms import Balance, Places
     from fourbar_ros.mechanisms.mechanism import Mechanism
-    from fourbar_ros.report.terminal import PlainTable
+    from fourbar_ros.terminal import PlainTable
 
 DESCRIPTION = """\
 Find counterweights that take shaking force, shaking moment, driving torque or joint reactions of
@@ -82,8 +82,8 @@ def _run(arguments: argparse.Namespace) -> None:
     from fourbar_lab.balancing.loads import Loads
     from fourbar_lab.balancing.result import draw_changes, scene_text
     from fourbar_lab.balancing.rms import Places
-    from fourbar_ros.report.terminal import make_console
     from fourbar_ros.scene.scene import load
+    from fourbar_ros.terminal import make_console
     scene = load(arguments.scene)
     loads = Loads(scene.bare_linkage, scene.drive.speed)
     places = Places(loads, _radii(scene.linkage, arguments.radius))
@@ -152,7 +152,7 @@ PLATE_COLUMNS = {'radius': 'radius [m]>', 'half_angle': 'half-angle [rad]>'}
 def _tables(loads: Loads, balance: Balance) -> tuple[PlainTable, PlainTable]:
     """Return the tables of the counterweights and of the loads before and after."""
     from fourbar_lab.balancing import changes
-    from fourbar_ros.report.terminal import PlainTable
+    from fourbar_ros.terminal import PlainTable
     weights = balance.counterweights
     # after link, mass, along and across come the dimensions of a plate
     dimensions: tuple[str, ...] = weights[0]._fields[4:] if weights else ()

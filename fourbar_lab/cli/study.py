@@ -107,7 +107,7 @@ def _show(arguments: argparse.Namespace) -> None:
     """Print the tables of a study, as far as it is computed."""
     from fourbar_lab.studies import report
     from fourbar_lab.studies.results import Results
-    from fourbar_ros.report.terminal import make_console, PlainTable
+    from fourbar_ros.terminal import make_console, PlainTable
     results, console = Results(arguments.study), make_console()
     console.print(report.about(results))
     tables: list[tuple[str, Sequence[str], Sequence[Sequence[str]]]] = [

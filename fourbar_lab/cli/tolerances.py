@@ -47,7 +47,7 @@ def _run(arguments: argparse.Namespace) -> None:
     """Print three tables: the box, the bounds of each measure, its derivatives."""
     from fourbar_lab.studies.study import read
     from fourbar_lab.studies.tolerance_analysis import box_of, tolerances
-    from fourbar_ros.report.terminal import make_console, PlainTable
+    from fourbar_ros.terminal import make_console, PlainTable
     study = read(arguments.study)
     if arguments.rows:
         study = replace(study, rows=arguments.rows)

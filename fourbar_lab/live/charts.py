@@ -7,12 +7,12 @@ from collections.abc import Sequence
 from math import ceil, floor, isfinite, log10, radians
 from typing import Any
 
+from fourbar_lab.drawing.cycles import ground_forces
+from fourbar_lab.drawing.labels import significant
 from fourbar_lab.live.model import LIMIT, Shown, written
 from fourbar_ros.extrema.find import CONSTANT, Extremum, INTERIOR, MAXIMUM
 from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.report.cycles import ground_forces
-from fourbar_ros.report.labels import significant
 import numpy as np
 
 COLOURS = ('#2463a8', '#a3501c', '#1e6b37', '#7b3294', '#8a1538', '#4d5b00')

@@ -9,12 +9,12 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
+from fourbar_lab.drawing.curves import csv_of, curves_of
 from fourbar_lab.live.model import Shown
 from fourbar_lab.live.picture import document, Layers, mechanism_svg, traces_svg
 from fourbar_lab.live.svg import HEIGHT, STYLE, WIDTH
 from fourbar_lab.live.tables import extrema_rows
 from fourbar_ros.errors import FourBarError
-from fourbar_ros.report.curves import csv_of, curves_of
 from nicegui import run, ui
 
 if TYPE_CHECKING:
@@ -114,7 +114,7 @@ setInterval(()=>{{if(on){{i=(i+1)%frames.length;show()}}}},40);show()</script></
 
 def gif(shown: Shown) -> bytes:
     """Return an animation of a cycle."""
-    from fourbar_ros.report.animation import animate
+    from fourbar_lab.drawing.animation import animate
     with TemporaryDirectory() as folder:
         path = Path(folder) / 'mechanism.gif'
         animate(shown.linkage, shown.rate, shown.points, path)

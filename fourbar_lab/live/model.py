@@ -9,6 +9,9 @@ from functools import cached_property
 from math import ceil, degrees, isfinite, remainder, tau
 from typing import Any, NamedTuple
 
+from fourbar_lab.drawing.axis import AXIS_ANGLE, axis_angle, with_gaps
+from fourbar_lab.drawing.cycles import cycles, usual_points
+from fourbar_lab.drawing.labels import Labels, labels_of
 from fourbar_ros.extrema.find import Extremum, find_extrema
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields, Quantity
@@ -16,9 +19,6 @@ from fourbar_ros.mechanisms.points import point_motion, PointMotion
 from fourbar_ros.mechanisms.quantities import Function, is_published, positions, select
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.pipeline.status import evaluate
-from fourbar_ros.report.axis import AXIS_ANGLE, axis_angle, with_gaps
-from fourbar_ros.report.cycles import cycles, usual_points
-from fourbar_ros.report.labels import Labels, labels_of
 from fourbar_ros.scene.parameters import ParameterValues
 from fourbar_ros.scene.scene import from_values, Scene
 import numpy as np

@@ -17,6 +17,9 @@ import time
 from typing import Any, NamedTuple
 from urllib.parse import urlencode
 
+from fourbar_lab.drawing.axis import AXIS_ANGLE
+from fourbar_lab.drawing.mobility import octahedron_svg
+from fourbar_lab.drawing.tables import facts
 from fourbar_lab.live import charts
 from fourbar_lab.live.model import Pose, Shown
 from fourbar_lab.live.model import shown as shown_of
@@ -38,9 +41,6 @@ from fourbar_lab.live.widgets import CURVES, Elements, EXTREMA, FACTS, FORCES, P
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.extrema.find import Extremum
 from fourbar_ros.pipeline.status import INVALID_INPUT, OK, OUT_OF_RANGE, STATUS_NAMES
-from fourbar_ros.report.axis import AXIS_ANGLE
-from fourbar_ros.report.mobility import octahedron_svg
-from fourbar_ros.report.tables import facts
 from fourbar_ros.scene import files, parameters
 from fourbar_ros.scene.parameters import ParameterValues
 from nicegui import background_tasks, ui

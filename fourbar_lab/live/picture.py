@@ -10,6 +10,9 @@ from math import hypot, inf, isfinite
 from types import MappingProxyType
 from typing import NamedTuple
 
+from fourbar_lab.drawing.axis import axis_angle, axis_parts
+from fourbar_lab.drawing.labels import significant
+from fourbar_lab.drawing.mechanism_panel import renamed
 from fourbar_lab.live import svg
 from fourbar_lab.live.model import Pose, Shown
 from fourbar_lab.live.svg import HEIGHT, MARGIN, STYLE, View, view_of, WIDTH
@@ -18,9 +21,6 @@ from fourbar_ros.mechanisms.parts import Arrow, Diagram, NamedFields, without_re
 from fourbar_ros.mechanisms.picture import Arm, forces_of, of_kind, picture, Pivot
 from fourbar_ros.mechanisms.points import instant_centre, link_motion, LinkMotion
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.report.axis import axis_angle, axis_parts
-from fourbar_ros.report.labels import significant
-from fourbar_ros.report.mechanism_panel import renamed
 import numpy as np
 
 LONGEST_FORCE = 105.0              # [px]

@@ -27,7 +27,7 @@ from nicegui import app, run, ui
 import numpy as np
 
 if TYPE_CHECKING:      # needs ROS 2
-    from fourbar_ros.ros.clients.watched import Watched
+    from fourbar_lab.clients.watched import Watched
 
 HOST = '127.0.0.1'
 NAMES = (HOST, 'localhost')
@@ -140,7 +140,7 @@ def _short(path: str, paths: Sequence[str]) -> str:
 
 def serve_node(node: str, patience: float, port: int, is_opened: bool) -> None:
     """Serve the page of a running node: it moves as the node does, parameters are set in it."""
-    from fourbar_ros.ros.clients.watched import Watched
+    from fourbar_lab.clients.watched import Watched
     watched = Watched(node, patience)
     app.on_shutdown(watched.close)
     _serve(watched.node, lambda query: NodePage(watched, query), port, is_opened)

@@ -6,10 +6,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 
+from fourbar_lab.drawing.poses import number
 from fourbar_lab.live.model import Shown, written
 from fourbar_lab.live.svg import plain
 from fourbar_ros.extrema.find import Extremum
-from fourbar_ros.report.poses import number
 
 
 def _column(name: str, label: str, align: str = 'left') -> dict[str, str]:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, TYPE_CHECKING, Union
 
 from fourbar_lab.reproduction import published, statements, verdicts
-from fourbar_ros.report.terminal import make_console, PlainTable
+from fourbar_ros.terminal import make_console, PlainTable
 import yaml
 
 if TYPE_CHECKING:

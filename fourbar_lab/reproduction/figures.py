@@ -12,6 +12,7 @@ from pathlib import Path
 import re
 from typing import TYPE_CHECKING
 
+from fourbar_lab.drawing.figure import CannotDraw, make_figure, need_matplotlib, STYLE, Units
 from fourbar_lab.reproduction import published, verdicts
 from fourbar_lab.reproduction.documents import cells, COLUMNS, footnotes, Section, summary
 from fourbar_ros import __version__
@@ -21,7 +22,6 @@ from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.mechanisms.picture import Points
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.report.drawing import CannotDraw, make_figure, need_matplotlib, STYLE, Units
 import numpy as np
 
 if TYPE_CHECKING:      # drawings alone need it

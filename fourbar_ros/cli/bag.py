@@ -21,12 +21,13 @@ from fourbar_ros.cli.common import (
     reading,
     Verbs,
 )
+from fourbar_ros.optional import lab
 
 if TYPE_CHECKING:      # verbs import when they run
     from fourbar_ros.bag.comparison import TopicDiff
     from fourbar_ros.bag.overview import Info
     from fourbar_ros.bag.recomputation import Recomputed
-    from fourbar_ros.report.terminal import PlainTable
+    from fourbar_ros.terminal import PlainTable
 
 PLACES = 50     # damaged places that are printed one by one
 DESCRIPTION = """\
@@ -72,7 +73,7 @@ def _action(actions: Verbs, name: str, text: str, description: str) -> ArgumentP
 
 
 def _print(*tables: PlainTable) -> None:
-    from fourbar_ros.report.terminal import make_console
+    from fourbar_ros.terminal import make_console
     for table in tables:
         make_console().print(table)
 
@@ -110,7 +111,7 @@ def _info(arguments: Namespace) -> int:
 
 def _info_tables(found: Info) -> tuple[PlainTable, PlainTable]:
     """Return the tables of a bag's own properties and of its topics."""
-    from fourbar_ros.report.terminal import PlainTable
+    from fourbar_ros.terminal import PlainTable
     about = PlainTable(str(found.path), ('', ''))
     about.show_header = False
     about.add_row('state', 'finished' if found.is_finished else
@@ -187,8 +188,7 @@ def _recompute(arguments: Namespace) -> int:
     from fourbar_ros.bag.recomputation import recompute
     code: dict[str, Any] = {}
     if arguments.by:
-        from fourbar_ros.generated import Compiled
-        compiled = Compiled(arguments.by)
+        compiled = lab('compiled')(arguments.by)
         code = {'by': compiled.evaluate, 'moved_by': compiled.mover}
     with reading(arguments.bag, 'recomputing') as step:
         found = recompute(arguments.bag, arguments.node, step, **code)
@@ -217,7 +217,7 @@ def _recompute(arguments: Namespace) -> int:
 
 def _differences(found: Recomputed, tolerance: float) -> PlainTable:
     """Return a table of the fields beyond the tolerance; of other topics, one row for all."""
-    from fourbar_ros.report.terminal import PlainTable
+    from fourbar_ros.terminal import PlainTable
     table = PlainTable('', ('topic', 'field', 'messages>', 'largest difference>'))
     for topic in dict.fromkeys(difference.topic for difference in found.differences):
         of_topic = [difference for difference in found.differences if difference.topic == topic]
@@ -270,9 +270,8 @@ def _add_plot(actions: Verbs) -> None:
 
 def _plot(arguments: Namespace) -> None:
     """Plot fields of a bag into a picture; print its path."""
-    from fourbar_ros.report.recorded import plot
     with reading(arguments.bag, 'reading') as step:
-        plot(arguments.bag, arguments.fields, arguments.out, step, arguments.x)
+        lab('plot')(arguments.bag, arguments.fields, arguments.out, step, arguments.x)
     print(arguments.out)
 
 
@@ -305,7 +304,7 @@ def _diff(arguments: Namespace) -> int:
 
 def _diff_table(topics: list[TopicDiff], tolerance: float) -> PlainTable:
     """Return the table of all topics, with the fields that differ by more than the tolerance."""
-    from fourbar_ros.report.terminal import PlainTable
+    from fourbar_ros.terminal import PlainTable
     table = PlainTable('', ('topic', 'in both>', 'only first>', 'only second>', 'field',
                             'largest difference>'))
     for topic in topics:

@@ -2,10 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 # PYTHON_ARGCOMPLETE_OK
 """
-The ``fourbar`` command: each verb is a module of :mod:`fourbar_ros.cli`, or an entry point.
+The ``fourbar`` command: a verb is a module of :mod:`fourbar_ros.cli`, or comes from fourbar_lab.
 
-Another package adds a verb by an entry point of the group ``fourbar.verbs`` that names a module
-with ``add(verbs)``, as ``fourbar_lab`` does.
+An entry point of the group ``fourbar.verbs`` names a module with ``add(verbs)``.
 """
 from __future__ import annotations
 
@@ -17,32 +16,17 @@ import os
 import signal
 import sys
 import threading
-from typing import Any, NoReturn
+from typing import NoReturn
 
 from fourbar_ros import __version__
-from fourbar_ros.cli import (
-    bag,
-    catalogue,
-    describe,
-    draw,
-    generate,
-    layout,
-    new,
-    record,
-    replay,
-    scene,
-    show,
-    simulate,
-    table,
-)
+from fourbar_ros.cli import bag, describe, replay, scene, simulate
 from fourbar_ros.cli.common import HelpFormatter
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.optional import MissingPackage
 from fourbar_ros.scene.arguments import Parser
 
 GROUP = 'fourbar.verbs'
-VERBS = (show, catalogue, new, table, draw, scene, simulate, bag, record, replay, describe,
-         generate, layout)
+OWN = {'bag': bag, 'describe': describe, 'replay': replay, 'scene': scene, 'simulate': simulate}
 DESCRIPTION = """\
 Motion, loads and extrema of planar linkages, and tools for recorded runs: four-bars,
 slider-cranks, inverted slider-cranks, Scotch yokes and machines of dyads. Works without ROS,
@@ -83,19 +67,16 @@ def parser() -> argparse.ArgumentParser:
                  formatter_class=HelpFormatter)
     top.add_argument('--version', action='version', version=f'fourbar {__version__}')
     verbs = top.add_subparsers(dest='verb', required=True, metavar='VERB')
-    for verb in (*VERBS, *_of_other_packages()):
-        verb.add(verbs)
-    return top
-
-
-def _of_other_packages() -> Iterator[Any]:
-    """Yield the modules of other packages' verbs, by name; report one that cannot be imported."""
-    entries = {entry.name: entry for entry in entry_points(group=GROUP)}
-    for name in sorted(entries):
+    others = {entry.name: entry for entry in entry_points(group=GROUP)}
+    missing: dict[str, list[str]] = {}      # {why: verbs}
+    for name in sorted({*OWN, *others}):
         try:
-            yield entries[name].load()
+            (OWN[name] if name in OWN else others[name].load()).add(verbs)
         except ImportError as error:
-            print(f'fourbar: no verb {name}: {error}', file=sys.stderr)
+            missing.setdefault(str(error), []).append(name)
+    for why, names in missing.items():
+        print(f'fourbar: no verb {", ".join(names)}: {why}', file=sys.stderr)
+    return top
 
 
 def main(args: Sequence[str] | None = None) -> int:

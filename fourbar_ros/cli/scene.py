@@ -24,8 +24,8 @@ from fourbar_ros.scene.topics import (
 
 if TYPE_CHECKING:
     from fourbar_ros.mechanisms.mechanism import Mechanism
-    from fourbar_ros.report.terminal import PlainTable
     from fourbar_ros.scene.scene import DriveSettings
+    from fourbar_ros.terminal import PlainTable
 
 STEPS, ROUNDS = 2000, 5        # of the measured computing time: some 50 ms in all
 LONG = 20                      # numbers above which a table is shown by its ends
@@ -63,8 +63,8 @@ def _policy(arguments: Namespace) -> None:
 
 def _check(arguments: Namespace) -> None:
     """Load a scene as a node would, with its pictures, and print what the node will do."""
-    from fourbar_ros.report.terminal import make_console
     from fourbar_ros.scene.scene import load
+    from fourbar_ros.terminal import make_console
     scene, console = load(arguments.scene), make_console()
     linkage, drive = scene.linkage, scene.drive
     if scene.pictures:
@@ -114,7 +114,7 @@ def _drive_in_words(scene: Scene) -> str:
 
 def _outputs_table(scene: Scene) -> PlainTable:
     """Return the table of the outputs of a scene, and of outputs that it could add."""
-    from fourbar_ros.report.terminal import PlainTable
+    from fourbar_ros.terminal import PlainTable
     table = PlainTable('outputs', ('name', 'topic', 'type', ''))
     for topic in (*scene.topics.values(), *scene.pictures.values()):
         table.add_row(topic.name, topic.topic, topic.type, 'loads' if topic.needs_loads else '')
@@ -126,8 +126,8 @@ def _outputs_table(scene: Scene) -> PlainTable:
 
 def _changed_table(scene: Scene) -> PlainTable:
     """Return the table of parameters that are not at their default; NaN stands for not given."""
-    from fourbar_ros.report.terminal import PlainTable
     from fourbar_ros.scene.parameters import of_name
+    from fourbar_ros.terminal import PlainTable
     table = PlainTable('parameters that differ from their default',
                        ('parameter', 'value', 'unit'))
     for name, value in scene.values.items():

@@ -12,8 +12,8 @@ import time
 from typing import TYPE_CHECKING
 
 from fourbar_ros.cli.common import add_scene, add_verb, BAD, bar, Verbs
-from fourbar_ros.report.terminal import make_console, PlainTable
 from fourbar_ros.scene.arguments import finite, positive
+from fourbar_ros.terminal import make_console, PlainTable
 
 if TYPE_CHECKING:
     from fourbar_ros.scene.simulated import SimulatedScene

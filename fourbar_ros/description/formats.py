@@ -1,16 +1,15 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""One scene in one of the formats."""
+"""One scene in one of the formats: URDF here, SDF and MJCF by fourbar_lab."""
 from __future__ import annotations
 
-from fourbar_ros.description.mjcf import mjcf
 from fourbar_ros.description.model import model_of, NoDescription
-from fourbar_ros.description.sdf import sdf
 from fourbar_ros.description.urdf import urdf
 from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.optional import lab
 from fourbar_ros.scene.scene import Scene
 
-FORMATS = {'urdf': urdf, 'sdf': sdf, 'mjcf': mjcf}
+FORMATS = 'urdf', 'sdf', 'mjcf'
 
 
 def check_pictures(scene: Scene) -> None:
@@ -31,6 +30,8 @@ def describe(scene: Scene, format_: str = 'urdf') -> str:
         For an unknown format.
     NoDescription
         If the format cannot hold the scene.
+    ModuleNotFoundError
+        For SDF and MJCF without fourbar_lab.
 
     """
     if format_ not in FORMATS:
@@ -39,4 +40,5 @@ def describe(scene: Scene, format_: str = 'urdf') -> str:
         if abs(ratio) != 1.0:
             raise NoDescription('joint_states.ratios: a description has no gears, so the ratio '
                                 f'of {name} must be 1 or -1, not {ratio:g}')
-    return FORMATS[format_](model_of(scene))
+    write = urdf if format_ == 'urdf' else lab(format_)
+    return str(write(model_of(scene)))

@@ -7,12 +7,12 @@ import math
 import subprocess
 import sys
 
+from fourbar_lab.drawing.recorded import make_figure, thinned
 from fourbar_ros.bag import diff, export, info, recompute, recover
 from fourbar_ros.bag.reader import Bag, records
 from fourbar_ros.bag.recorder import BagWriter
 from fourbar_ros.cli.main import main
 from fourbar_ros.errors import BagError
-from fourbar_ros.report.recorded import make_figure, thinned
 import matplotlib
 import numpy as np
 import pytest

@@ -6,9 +6,9 @@ import os
 import subprocess
 import sys
 
+from fourbar_lab.drawing.tables import output_ranges
 from fourbar_ros import FourBar
 from fourbar_ros.cli.main import main
-from fourbar_ros.report.tables import output_ranges
 from fourbar_ros.scene import files as scene_file
 from fourbar_ros.scene import scene
 from fourbar_ros.scene.arguments import check_node_arguments, UsageError
@@ -289,6 +289,18 @@ def test_what_to_install_is_reported_in_one_line(command, blocked, hint):
                            f'from fourbar_ros.cli.main import main; sys.exit(main({command}))'],
                           capture_output=True, text=True, cwd=ROOT, check=False)
     assert done.returncode == 1 and hint in done.stderr and len(done.stderr.splitlines()) == 1, (
+        done.stderr)
+
+
+@pytest.mark.parametrize('command, code, line', [
+    (['scene', 'check', 'paper'], 0, 'fourbar: no verb balance, draw, generate'),
+    (['describe', 'paper', '--as', 'sdf'], 1, 'fourbar: describe requires fourbar_lab: pip')])
+def test_a_missing_lab_is_said_in_one_line(command, code, line):
+    done = subprocess.run([sys.executable, '-c', 'import sys; sys.modules["fourbar_lab"] = None\n'
+                           f'from fourbar_ros.cli.main import main; sys.exit(main({command}))'],
+                          capture_output=True, text=True, cwd=ROOT, check=False)
+    assert done.returncode == code, done.stderr
+    assert len([said for said in done.stderr.splitlines() if said.startswith(line)]) == 1, (
         done.stderr)
 
 

@@ -4,13 +4,13 @@
 import csv
 from math import radians
 
+from fourbar_lab.drawing.curves import csv_of, curves_of, make_figure, marks_of
+from fourbar_lab.drawing.tables import facts
 from fourbar_lab.live.downloads import cycle_csv
 from fourbar_lab.live.model import shown
 from fourbar_ros import load_scene
 from fourbar_ros.cli.main import main
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.report.curves import csv_of, curves_of, make_figure, marks_of
-from fourbar_ros.report.tables import facts
 from fourbar_ros.scene import from_values
 import numpy as np
 import pytest

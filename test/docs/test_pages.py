@@ -58,7 +58,7 @@ def folder(tmp_path, monkeypatch):
     """Change to a folder in which the pages' file names exist."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv('MPLBACKEND', 'agg')
-    monkeypatch.setattr('fourbar_ros.report.animation.FRAMES', 8)       # of 90
+    monkeypatch.setattr('fourbar_lab.drawing.animation.FRAMES', 8)       # of 90
     values = {
         **PAPER,
         **RODS,

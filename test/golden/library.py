@@ -15,8 +15,8 @@ from pathlib import Path
 import re
 import tempfile
 
+from fourbar_lab.export import generate
 from fourbar_ros import find_extrema, load_scene
-from fourbar_ros.generated import generate
 from fourbar_ros.scene import read_values, simulate_scene
 import numpy as np
 from support import ROOT

@@ -12,9 +12,9 @@ import threading
 import urllib.error
 import urllib.request
 
+from fourbar_lab.drawing.poses import number
 from fourbar_lab.live.svg import HEIGHT, WIDTH
 from fourbar_ros.cli.main import main
-from fourbar_ros.report.poses import number
 from fourbar_ros.scene.files import find, folder
 from fourbar_ros.scene.scene import load
 import pytest

@@ -4,11 +4,11 @@
 import csv
 import itertools
 
+from fourbar_lab.clients.node_client import NodeClient, opened
+from fourbar_lab.drawing.poses import number
 from fourbar_lab.live.server import read_run
 from fourbar_msgs.msg import Motion
 from fourbar_ros.cli.main import main
-from fourbar_ros.report.poses import number
-from fourbar_ros.ros.clients.client import Client, opened
 import numpy as np
 import pytest
 from rcl_interfaces.srv import SetParameters
@@ -113,7 +113,7 @@ def test_a_node_is_followed_and_set(driver, tmp_path):
 
 def set_elsewhere(node, name, value):
     """Set a parameter of a node as any other program does."""
-    with opened(lambda own: Client(own, PATIENCE), 'somebody_else') as client:
+    with opened(lambda own: NodeClient(own, PATIENCE), 'somebody_else') as client:
         setter = client.node.create_client(SetParameters, f'/{node}/set_parameters')
         client.until(setter.service_is_ready, 'the node')
         request = SetParameters.Request(
@@ -140,7 +140,7 @@ def test_a_speed_beyond_all_pictures_does_not_stop_the_page(driver, tmp_path):
     turned = itertools.count()
     try:
         with live('--node', '/flung', '--wait', PATIENCE) as address, opened(
-                lambda own: Client(own, PATIENCE), 'flinging') as client:
+                lambda own: NodeClient(own, PATIENCE), 'flinging') as client:
             publisher = client.node.create_publisher(Motion, '/flung/input', 10)
 
             def send(speed):

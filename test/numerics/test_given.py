@@ -9,6 +9,7 @@ from math import inf, nan
 from multiprocessing import get_context
 import pickle
 
+from fourbar_lab.drawing.figure import CannotDraw
 from fourbar_ros import (
     Applied,
     Bodies,
@@ -36,7 +37,6 @@ from fourbar_ros.mechanisms.quantities import (
     point_speed,
     UnknownQuantity,
 )
-from fourbar_ros.report.drawing import CannotDraw
 from fourbar_ros.scene.files import SceneError
 from fourbar_ros.transmission import Transmission
 import numpy as np

@@ -11,6 +11,7 @@ import re
 import subprocess
 import sys
 
+from fourbar_lab.drawing.labels import significant
 from fourbar_lab.reproduction import published
 from fourbar_lab.reproduction.documents import (
     agrees,
@@ -37,7 +38,6 @@ from fourbar_lab.reproduction.verdicts import (
 )
 from fourbar_ros import __version__
 from fourbar_ros.mechanisms.points import point_motion
-from fourbar_ros.report.labels import significant
 import numpy as np
 import pytest
 from support import ROOT, slider_reference
@@ -374,6 +374,6 @@ def test_the_tables_number_their_reasons(sections, capsys):
 def test_the_tables_need_no_matplotlib():
     done = subprocess.run([sys.executable, '-c', 'import sys; sys.modules["matplotlib"] = None\n'
                            'from fourbar_lab.reproduction.documents import reproduce; import '
-                           'fourbar_ros.report.drawing; reproduce()'],
+                           'fourbar_lab.drawing.figure; reproduce()'],
                           capture_output=True, text=True, cwd=ROOT, check=False)
     assert done.returncode == 0, done.stderr

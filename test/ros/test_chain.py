@@ -5,11 +5,11 @@ import math
 import time
 
 from builtin_interfaces.msg import Time
+from fourbar_lab.clients.node_client import name_on
 from fourbar_msgs.msg import LinkageState, Motion
 from fourbar_ros import Applied, External
 from fourbar_ros.bag.reader import records
 from fourbar_ros.bag.recomputation import recompute
-from fourbar_ros.ros.clients.client import name_on
 from fourbar_ros.scene import scene
 from fourbar_ros.scene.topics import applied_topic, wrench_topic
 from geometry_msgs.msg import WrenchStamped

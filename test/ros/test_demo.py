@@ -12,7 +12,7 @@ from support.terminals import NUMBER, shown
     (80, 'slides_7_6', ['84.568895', '7.178078', '125.510873', '84.5689', '7.1781', '125.5109'])
 ], 1)
 def test_numbers_of_the_demonstration_are_whole(width, scene, expected, tmp_path):
-    text, code = shown([sys.executable, '-m', 'fourbar_ros.ros.clients.demo',
+    text, code = shown([sys.executable, '-m', 'fourbar_lab.clients.demo',
                         f'config/{scene}.yaml', '--seconds', '1',
                         '--directory', str(tmp_path)], width)
     assert code == 0 and '…' not in text, text

@@ -9,7 +9,7 @@ import os
 import random
 import time
 
-from fourbar_ros.ros.clients.client import name_on
+from fourbar_lab.clients.node_client import name_on
 from fourbar_ros.ros.messages import resolve
 from fourbar_ros.scene.files import folder
 from fourbar_ros.scene.parameters import find, of_name

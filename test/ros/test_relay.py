@@ -16,11 +16,11 @@ from types import SimpleNamespace
 
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray
+from fourbar_lab.clients.node_client import NoAnswer
 from fourbar_msgs.msg import LinkageLoads, Motion
 from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.description.formats import describe
 from fourbar_ros.description.model import model_of
-from fourbar_ros.ros.clients.client import NoAnswer
 from fourbar_ros.ros.node.circles import through
 from fourbar_ros.scene.files import read_values
 from fourbar_ros.scene.scene import from_values, load

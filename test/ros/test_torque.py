@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray
+from fourbar_lab.clients.node_client import NoAnswer
 from fourbar_msgs.msg import DriveState, LinkageState
 from fourbar_ros.bag.overview import info
 from fourbar_ros.bag.reader import Bag
@@ -15,7 +16,6 @@ from fourbar_ros.dynamics.model.drives import MotorLine
 from fourbar_ros.dynamics.model.equation import Equation
 from fourbar_ros.dynamics.solve.simulate import simulate
 from fourbar_ros.dynamics.step import mover
-from fourbar_ros.ros.clients.client import NoAnswer
 from fourbar_ros.ros.node.circles import Circles
 from fourbar_ros.ros.node.drives import TimerDrive
 from fourbar_ros.ros.node.torque import TorqueDrive

@@ -3,7 +3,7 @@
 """The client behind the page of a node: what it sets arrives, even if an answer is lost."""
 import time
 
-from fourbar_ros.ros.clients.watched import Watched
+from fourbar_lab.clients.watched import Watched
 import pytest
 from rclpy.task import Future
 from support.harness import NodeProcess, PATIENCE

@@ -12,18 +12,18 @@ import json
 from math import radians
 
 from fourbar_lab.balancing.loads import BalanceError, Loads
+from fourbar_lab.drawing.curves import curves_of, marks_of
+from fourbar_lab.drawing.cycles import make_cycle_figure
 from fourbar_lab.live.model import shown
 from fourbar_lab.studies.measures import Measures
 from fourbar_ros import find_extrema, load_scene
 from fourbar_ros.cli.main import main
 from fourbar_ros.errors import InvalidParameter, MissingBodies
 from fourbar_ros.pipeline.stepper import Stepper
-from fourbar_ros.report.curves import curves_of, marks_of
-from fourbar_ros.report.cycles import make_cycle_figure
 from fourbar_ros.scene import scene
 import numpy as np
 import pytest
-from support.generated import Code, COMPILERS
+from support.exported import Code, COMPILERS
 
 AT, SPEED = 10.0, 157.0                         # [deg], [rad/s]
 AREA, PRESSURE = 5e-3, 6.4e5                    # [m^2], [Pa] at 10 degrees

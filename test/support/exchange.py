@@ -3,11 +3,11 @@
 """Inputs sent to a real node, and all that it answers and records compared with the core."""
 import random
 
+from fourbar_lab.clients.node_client import name_on
 from fourbar_msgs.msg import LinkageState, Motion
 from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.pipeline.stepper import Stepper
-from fourbar_ros.ros.clients.client import name_on
 from support.harness import fields_of
 
 # what makes a node answer messages and record

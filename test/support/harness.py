@@ -10,8 +10,7 @@ import sys
 import threading
 import time
 
-from fourbar_ros.ros.clients import client
-from fourbar_ros.ros.clients.client import NoAnswer
+from fourbar_lab.clients.node_client import NoAnswer, NodeClient
 from fourbar_ros.scene.topics import DRIVEN, FAMILIES, OUTPUTS
 import rclpy
 
@@ -75,7 +74,7 @@ class NodeProcess:
         return self.wait()
 
 
-class Client(client.Client):
+class Client(NodeClient):
     """The product's own client, with the patience of a test; collects what it hears."""
 
     def __init__(self):

@@ -8,6 +8,7 @@ rates and accelerations for which the relative angle moves as given.
 """
 from math import pi
 
+from fourbar_lab.drawing.figure import make_figure
 from fourbar_ros import (
     Applied,
     Bodies,
@@ -22,7 +23,6 @@ from fourbar_ros import (
 from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.dynamics import simulate, System
 from fourbar_ros.mechanisms.quantities import known
-from fourbar_ros.report.drawing import make_figure
 from fourbar_ros.scene.parameters import check
 import mpmath as mp
 import numpy as np

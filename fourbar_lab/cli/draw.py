@@ -1,0 +1,89 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""``fourbar draw``: a scene in one pose, with forces and polygons."""
+from __future__ import annotations
+
+from argparse import Namespace
+from functools import partial
+from typing import TYPE_CHECKING
+
+from fourbar_ros.cli.common import add_pose, add_scene, add_verb, PICTURE_HELP, Verbs
+
+if TYPE_CHECKING:      # verbs import when they run
+    from fourbar_ros.mechanisms.mechanism import Mechanism
+    from fourbar_ros.mechanisms.picture import Points
+
+EPILOG = """\
+examples:
+  fourbar draw paper --at 60 -o pose.pdf
+  fourbar draw slides_7_6 --at 60 --speed 10 --acceleration 100 -o example_7_6.svg
+  fourbar draw paper --animate -o paper.gif          the linkage moving through a cycle
+  fourbar draw paper --over paths -o paths.pdf       coupler curves of the points
+  fourbar draw paper --over hodographs -o hodographs.pdf
+  fourbar draw paper --over forces -o polar.svg      shaking force and bearing loads as vectors
+  fourbar draw slides_7_7 --over axis -o axis.svg    why omega4 is extreme: the collineation axis
+"""
+
+
+def add(verbs: Verbs) -> None:
+    """Add ``fourbar draw`` with its arguments."""
+    draw = add_verb(verbs, 'draw', 'draw a scene in one pose: linkage with forces, velocity and '
+                                   'acceleration polygons',
+                    'Draw the linkage with its joint forces and its velocity and acceleration '
+                    'polygons, to scale.\nRequires matplotlib.', EPILOG)
+    add_scene(draw)
+    add_pose(draw, 'input angle [degrees], or slide [m]')
+    draw.add_argument('--animate', action='store_true',
+                      help='instead of one pose: a cycle, as .gif, or as .mp4 if ffmpeg is there')
+    draw.add_argument('--over', choices=('paths', 'hodographs', 'forces', 'axis'),
+                      help='instead of one pose, over a cycle: the paths of the points, their '
+                           'velocities as vectors, or the forces on the ground as vectors; axis: '
+                           'the collineation axis with its poles, at --at or where the output is '
+                           'fastest, and its angle to the coupler over a cycle')
+    draw.add_argument('-o', '--out', metavar='FILE', required=True, help=PICTURE_HELP)
+    draw.set_defaults(run=_draw)
+
+
+def _draw(arguments: Namespace) -> None:
+    """Draw a cycle as a film, curves over a cycle, or one pose, as the options say."""
+    from fourbar_lab.drawing.figure import save
+    from fourbar_lab.drawing.poses import position_of, require_units
+    from fourbar_ros.errors import InvalidParameter
+    from fourbar_ros.scene.scene import load
+    scene = load(arguments.scene)
+    linkage = scene.in_mode(arguments.mode)
+    require_units(linkage, arguments.at, arguments.speed, arguments.acceleration)
+    speed = scene.drive.speed if arguments.speed is None else arguments.speed
+    position = None if arguments.at is None else position_of(linkage, arguments.at)
+    if arguments.animate:
+        from fourbar_lab.drawing.animation import animate
+        print(animate(linkage, speed, scene.points, arguments.out))
+    elif arguments.over == 'axis':
+        from fourbar_lab.drawing.axis import make_axis_figure
+        print(save(make_axis_figure(linkage, speed, position), arguments.out))
+    elif arguments.over:
+        from fourbar_lab.drawing.cycles import make_cycle_figure
+        loads = partial(scene.loads, mode=linkage.mode) if scene.has_loads else None
+        print(save(make_cycle_figure(arguments.over, linkage, speed, arguments.acceleration,
+                                     scene.points, loads, scene.turns), arguments.out))
+    elif position is None:
+        raise InvalidParameter('--at', None, 'must be given, or --animate, or --over')
+    else:
+        # springs and other forces of the scene that act in this pose
+        _draw_pose(arguments, scene.linkage_at(position, speed, linkage.mode), speed, scene.points)
+
+
+def _draw_pose(arguments: Namespace, linkage: Mechanism, speed: float, points: Points) -> None:
+    """Draw one pose with its forces and polygons; its title names class, input and rates."""
+    from fourbar_lab.drawing.figure import make_figure, save
+    from fourbar_lab.drawing.poses import step_at
+    from fourbar_lab.drawing.tables import mode_name, rate_unit
+    _, motion, loads = step_at(linkage, arguments.at, speed, arguments.acceleration)
+    pose = (f'{linkage.input_coordinate.position} {arguments.at:.8g} '
+            f'{"m" if linkage.is_driven_by_slide else "deg"}')
+    unit = rate_unit(linkage)
+    title = ', '.join([linkage.description, pose, f'{speed:g} {unit}',
+                       *([f'{arguments.acceleration:g} {unit}^2']
+                         if arguments.acceleration else []),
+                       f'assembly mode {mode_name(linkage)}'])
+    print(save(make_figure(linkage, motion, loads, title, points), arguments.out))

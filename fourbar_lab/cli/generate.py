@@ -1,0 +1,51 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""``fourbar generate``: a scene as C code or an FMU."""
+from __future__ import annotations
+
+from argparse import Namespace
+from pathlib import Path
+import sys
+
+from fourbar_ros.cli.common import add_scene, add_verb, Verbs
+
+EPILOG = """\
+examples:
+  fourbar generate paper -o code                     C99 and a C++ wrapper
+  fourbar generate paper -o code --outputs theta4 omega4 driving_torque --parameters a1 a2
+  fourbar generate jansen -o code --parameters       all numbers folded in
+  fourbar generate paper -o fmu --as fmu2            for Simulink, OpenModelica, fmi_adapter
+
+The results have the bits of the node, with the same libm. docs/generated.md has the rest.
+"""
+
+
+def add(verbs: Verbs) -> None:
+    """Add ``fourbar generate`` with its arguments."""
+    verb = add_verb(verbs, 'generate', 'write a scene as C code or an FMU',
+                    'Write the formulas of a scene, for its input, as C99 with a C++ wrapper, or '
+                    'as an FMU for co-simulation.', EPILOG)
+    add_scene(verb)
+    verb.add_argument('-o', '--out', metavar='DIR', type=Path, required=True,
+                      help='folder to write to; made if it is not there')
+    verb.add_argument('--as', dest='format', choices=('c', 'fmu2', 'fmu3'), default='c',
+                      help='C, or an FMU of FMI 2.0 or 3.0; default: c')
+    verb.add_argument('--outputs', metavar='FIELD', nargs='+',
+                      help='fields of motion and loads, POINT.FIELD of points; default: all, of '
+                           'an FMU all with a unit')
+    verb.add_argument('--parameters', metavar='NAME', nargs='*',
+                      help='numbers that can be changed at run time, e.g. a1 bodies.crank.mass; '
+                           'default: all but those that are left out, as zero; none: without NAME')
+    verb.set_defaults(run=_generate)
+
+
+def _generate(arguments: Namespace) -> None:
+    """Write the code of a scene; print its files and cost, and notes on stderr."""
+    from fourbar_lab.export import generate
+    written = generate(arguments.scene, arguments.out, arguments.format, arguments.outputs,
+                       arguments.parameters)
+    for path in written.files:
+        print(path)
+    print(f'{written.operations} operations a sample')
+    for note in written.notes:
+        print(f'fourbar: note: {note}', file=sys.stderr)

@@ -1,0 +1,45 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""``fourbar list``: the scenes that come with the package."""
+from __future__ import annotations
+
+from argparse import Namespace
+import re
+
+from fourbar_ros.cli.common import add_verb, Verbs
+
+EPILOG = """\
+examples:
+  fourbar list
+  fourbar show peaucellier
+"""
+
+
+def add(verbs: Verbs) -> None:
+    """Add ``fourbar list`` with its arguments."""
+    every = add_verb(verbs, 'list', 'the scenes that come with the package',
+                     'List the scenes that every verb takes by name, and the studies.', EPILOG)
+    every.set_defaults(run=_list)
+
+
+def _list(arguments: Namespace) -> None:
+    """Print tables of the shipped scenes and studies: name, first sentence of the file."""
+    from fourbar_ros.scene.files import folder
+    from fourbar_ros.terminal import make_console, PlainTable
+    console = make_console()
+    for title, below in (('scenes', ''), ('classics', 'classics'), ('studies', 'studies')):
+        table = PlainTable(title, ['name', 'text'])
+        for path in sorted((folder() / below).glob('*.yaml')):
+            table.add_row(path.stem, about(path.read_text(encoding='utf-8')))
+        console.print(table)
+        console.print()
+
+
+def about(text: str) -> str:
+    """Return the first sentence of the comment at the top of a scene file."""
+    words = []
+    for line in text.splitlines():
+        if not line.startswith('#'):
+            break
+        words.append(line.lstrip('# '))
+    return re.split(r'(?<=\S)\. ', ' '.join(words))[0].rstrip('.')      # not the dot of a product

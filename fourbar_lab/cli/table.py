@@ -1,0 +1,95 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""``fourbar table`` and ``fourbar plot``: quantities over the input, without ROS or a bag."""
+from __future__ import annotations
+
+from argparse import ArgumentParser, Namespace
+import sys
+from typing import TYPE_CHECKING
+
+from fourbar_ros.cli.common import add_rates, add_scene, add_verb, Verbs
+from fourbar_ros.scene.arguments import positive_integer
+
+if TYPE_CHECKING:      # verbs import when they run
+    from fourbar_lab.drawing.curves import Curves
+    from fourbar_ros.mechanisms.mechanism import Mechanism
+    from fourbar_ros.scene.scene import Scene
+
+TABLE = """\
+examples:
+  fourbar table paper f41 shaking_force -o paper.csv     for a spreadsheet
+  fourbar table paper -o paper.xlsx                      all that has a name
+  fourbar table paper theta4 --speed 300rpm --samples 73 -o every_5_degrees.csv
+"""
+PLOT = """\
+examples:
+  fourbar plot paper f41 shaking_force -o paper.png
+  fourbar plot my.yaml omega4 alpha4 --speed 300rpm -o page.html
+"""
+
+
+def add(verbs: Verbs) -> None:
+    """Add ``fourbar table`` and ``fourbar plot`` with their arguments."""
+    table = add_verb(verbs, 'table', 'quantities over the input as CSV, Excel or Parquet',
+                     'Write quantities over all of the input, a row for each sample. Angles are '
+                     'in degrees,\nall else is in SI.', TABLE)
+    _add_arguments(table, 'table to write: .csv, .xlsx or .parquet', 'default all')
+    table.set_defaults(run=_table)
+    plot = add_verb(verbs, 'plot', 'quantities over the input as a picture or a page',
+                    'Draw quantities over all of the input, one pair of axes for each unit.\n'
+                    'Requires matplotlib.', PLOT)
+    _add_arguments(plot, 'picture to write: .png, .svg or .pdf; or a page: .html',
+                   'default: rates, accelerations and loads')
+    plot.set_defaults(run=_plot)
+
+
+def _add_arguments(verb: ArgumentParser, out: str, default: str) -> None:
+    """Add what both verbs take; ``out``: help of ``--out``, ``default``: of no QUANTITY."""
+    add_scene(verb)
+    verb.add_argument('names', nargs='*', metavar='QUANTITY',
+                      help=f'e.g. omega4, f41, shaking_force, middle.speed of a point; {default}')
+    add_rates(verb)
+    verb.add_argument('--samples', type=positive_integer, default=361, metavar='N',
+                      help='inputs in each range (default 361: a degree apart in a full turn)')
+    verb.add_argument('-o', '--out', metavar='FILE', required=True, help=out)
+
+
+def _given(arguments: Namespace) -> tuple[Scene, Mechanism, float]:
+    """Return the scene, its linkage in the mode asked for, and the speed of the input."""
+    from fourbar_lab.drawing.poses import require_units
+    from fourbar_ros.scene.scene import load
+    scene = load(arguments.scene)
+    linkage = scene.in_mode(arguments.mode)
+    require_units(linkage, None, arguments.speed, arguments.acceleration)
+    return scene, linkage, scene.drive.speed if arguments.speed is None else arguments.speed
+
+
+def _table(arguments: Namespace) -> None:
+    """Write all quantities, or those asked for."""
+    from fourbar_lab.drawing.curves import curves_of, write_table
+    scene, linkage, speed = _given(arguments)
+    curves = curves_of(scene, linkage, arguments.names, speed, arguments.acceleration,
+                       arguments.samples)
+    print(write_table(curves, arguments.out))
+    _tell_weight(scene, curves)
+
+
+def _plot(arguments: Namespace) -> None:
+    """Draw the quantities asked for, or all but components, which would crowd a picture."""
+    from fourbar_lab.drawing.curves import curves_of, marks_of, write_picture
+    from fourbar_ros.mechanisms.quantities import select
+    scene, linkage, speed = _given(arguments)
+    names = arguments.names or [quantity.name for quantity in select(
+        (), scene.bare_linkage, scene.point_quantities)]
+    given = scene, linkage, names, speed, arguments.acceleration
+    curves = curves_of(*given, arguments.samples)
+    print(write_picture(curves, arguments.out, marks_of(*given)))
+    _tell_weight(scene, curves)
+
+
+def _tell_weight(scene: Scene, curves: Curves) -> None:
+    """Say on stderr that loads among curves lack the weight of the links."""
+    from fourbar_lab.drawing.tables import NO_WEIGHT
+    linkage = scene.bare_linkage
+    if not any(linkage.gravity) and any(name in linkage.LOADS._fields for name in curves.names):
+        print(': '.join(NO_WEIGHT), file=sys.stderr)

@@ -1,0 +1,303 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Run a scene on a real node: live table, extrema by service, a bag, and its recomputation."""
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from math import cos, degrees, isnan, remainder, sin
+from pathlib import Path
+import signal
+import subprocess
+import sys
+import time
+from typing import Any
+
+from fourbar_lab.clients.node_client import NodeClient, opened
+from fourbar_lab.drawing.tables import mode_name, rate_unit, what_it_is
+from fourbar_msgs.msg import Extremum
+from fourbar_ros.bag.recomputation import recompute
+from fourbar_ros.errors import FourBarError
+from fourbar_ros.mechanisms.quantities import select
+from fourbar_ros.pipeline.status import STATUS_NAMES
+from fourbar_ros.ros.messages import Message, resolve, to_stamp
+from fourbar_ros.scene.arguments import Parser, positive
+from fourbar_ros.scene.files import find, NODE
+from fourbar_ros.scene.scene import load, Scene
+from fourbar_ros.scene.topics import INPUTS, OUTPUTS
+from fourbar_ros.terminal import make_console, PlainTable
+from rclpy.node import Node
+from rich.console import Console
+from rich.live import Live
+import yaml
+
+PATIENCE = 20.0        # [s] for the node to start, be found and answer
+SWING = 0.95           # share of a limited input range that the demonstration swings through
+REFRESH = 8            # live tables per second
+KINDS = {Extremum.KIND_MINIMUM: 'minimum', Extremum.KIND_MAXIMUM: 'maximum',
+         Extremum.KIND_CONSTANT: 'constant'}
+SHORT = {'minimum': 'min', 'maximum': 'max', 'constant': 'const'}
+ANGLES = ('theta1', 'theta4', 'transmission_angle')
+RATES = {'slide': 'm', 'omega4': 'rad/s', 'alpha4': 'rad/s^2', 'slide_velocity': 'm/s',
+         'slide_acceleration': 'm/s^2'}
+LOADS = {'f41': 'N', 'f21': 'N', 'f32': 'N', 'f43': 'N', 'driving_torque': 'N m',
+         'driving_force': 'N', 'guide_force': 'N', 'shaking_force': 'N', 'shaking_moment': 'N m'}
+
+
+class DemoError(FourBarError):
+    """The demonstration cannot go on; the message says why."""
+
+
+class Driver(NodeClient):
+    """Drives the node of a scene, unless the timer does, and keeps its latest outputs."""
+
+    def __init__(self, node: Node, scene: Scene) -> None:
+        super().__init__(node, PATIENCE)
+        self.scene = scene
+        self.latest: dict[str, Message] = {}         # newest message of each output, by its name
+        self.received: dict[str, int] = {}           # how many came
+        for name, topic in scene.topics.items():
+            self.subscribe(topic, partial(self._take, name))
+        self.input = self.publisher(scene.drive.source) if scene.drive.source in INPUTS else None
+
+    def _take(self, name: str, message: Message) -> None:
+        self.latest[name] = message
+        self.received[name] = self.received.get(name, 0) + 1
+
+    def given(self, seconds: float) -> tuple[float, float, float]:
+        """
+        Return position, rate and acceleration of the input to send at a time.
+
+        The input turns at the scene's speed. Where it cannot turn fully, it swings as a sine
+        through 0.95 of its last range, with the scene's speed in the middle.
+        """
+        drive, linkage = self.scene.drive, self.scene.linkage
+        if linkage.turns_fully:
+            return drive.start + drive.speed * seconds, drive.speed, 0.0
+        low, high = linkage.input_ranges[-1]
+        middle, reach = 0.5 * (low + high), SWING * 0.5 * (high - low)
+        frequency = drive.speed / reach                                  # [rad/s]
+        sine, cosine = reach * sin(frequency * seconds), reach * cos(frequency * seconds)
+        return middle + sine, frequency * cosine, -frequency * frequency * sine
+
+    def drive(self, seconds: float) -> None:
+        """Send the input of a time [s] after the start, unless the timer drives the node."""
+        if not self.input:
+            return
+        drive = self.scene.drive
+        message = self.input.msg_type()
+        message.header.stamp = to_stamp(self.node.get_clock().now().nanoseconds)
+        position, rate, acceleration = self.given(seconds)
+        if drive.source == 'joint_state':
+            message.name, message.position, message.velocity = [drive.joint], [position], [rate]
+        else:
+            message.position, message.velocity, message.acceleration = position, rate, acceleration
+        self.input.publish(message)
+
+
+Entry = dict[str, Any]      # a printed extremum or pose: published/SCENE.yaml has a list of them
+
+
+def live_table(client: Driver, seconds: float) -> PlainTable:
+    """Return a table: the latest state and loads, how many messages came on each topic."""
+    table = PlainTable(f'{NODE} at {seconds:4.1f} s', ('', '        value>', 'unit'))
+    state, loads = client.latest.get('state'), client.latest.get('loads')
+    rows = []
+    if state:
+        table.add_row('status', STATUS_NAMES[state.status], '')
+        rows = [(name, remainder(degrees(getattr(state, name)), 360.0), '.3f', 'deg')
+                for name in ANGLES]
+        rows += [(name, getattr(state, name), '.5g', unit) for name, unit in RATES.items()]
+    if loads:
+        rows += [(name, getattr(loads, name), '.3f', unit) for name, unit in LOADS.items()]
+    for name, value, form, unit in rows:
+        if not isnan(value):                             # NaN: a field of other mechanisms
+            table.add_row(name.replace('_', ' '), format(value, form), unit)
+    for name, count in client.received.items():
+        table.add_row(f'received {name}', str(count), 'messages')
+    return table
+
+
+def watch(client: Driver, node: subprocess.Popen[bytes], seconds: float, console: Console) -> None:
+    """Show the stream for some seconds; raises DemoError if no message comes or the node ends."""
+    began = first = time.monotonic()
+    with Live(console=console, refresh_per_second=REFRESH, transient=False) as live:
+        while time.monotonic() - first < seconds:
+            if node.poll() is not None:
+                raise DemoError(f'the node ended with exit code {node.returncode}')
+            if not client.received:
+                first = time.monotonic()
+                if first - began > PATIENCE:
+                    raise DemoError(f'no message from {NODE} within {PATIENCE:g} s')
+            client.drive(time.monotonic() - first)
+            client.spin(0.01 if client.input else 1.0 / REFRESH)
+            live.update(live_table(client, time.monotonic() - first))
+    if not console.is_terminal:          # rich ends the last table only on a terminal
+        console.print()
+
+
+def published_for(path: str | Path) -> list[Entry]:
+    """Return the published values for a scene file: the entries of published/NAME beside it."""
+    file = Path(path).parent / 'published' / Path(path).name
+    return yaml.safe_load(file.read_text(encoding='utf-8')) if file.exists() else []
+
+
+def compare_extrema(client: Driver, published: Sequence[Entry],
+                    console: Console) -> Sequence[Message]:
+    """
+    Ask the node for all extrema; print the global ones beside the values printed in the paper.
+
+    Returns the messages of all extrema; none if the node refused.
+    """
+    linkage, speed = client.scene.linkage, client.scene.drive.speed
+    answer = client.call('find_extrema', velocity=speed)
+    if answer.result != answer.RESULT_OK:
+        console.print(f'find_extrema: {answer.message}')
+        return ()
+    table = PlainTable(f'global extrema at {speed:g} {rate_unit(linkage)}, mode '
+                       f'{mode_name(linkage)}, from {NODE}/find_extrema',
+                       ('quantity', '', 'value>', 'unit', f'{linkage.input_coordinate.position}>',
+                        *(('published>', 'at>') if published else ())))
+    notes: list[str] = []
+    for extremum in answer.extrema:
+        if not extremum.is_global:
+            continue
+        kind = KINDS[extremum.kind]
+        place = extremum.theta1 if isnan(extremum.slide) else extremum.slide
+        row = [extremum.quantity, SHORT[kind], f'{extremum.value:.9g}', extremum.unit,
+               f'{place:.7f}']
+        for entry in published:
+            if (entry['quantity'], entry['kind']) == (extremum.quantity, kind):
+                mark = ''
+                if 'note' in entry:
+                    notes.append(f'({len(notes) + 1}) {entry["source"]}: {entry["note"]}')
+                    mark = f'({len(notes)}) '
+                row += [f'{mark}{entry["value"]!r}', f'{entry["theta1"]!r}']
+        table.add_row(*row)
+    console.print(table)
+    for note in notes:
+        console.print(note)
+    console.print()
+    extrema: Sequence[Message] = answer.extrema
+    return extrema
+
+
+def compare_poses(client: Driver, published: Sequence[Entry], console: Console) -> None:
+    """Have the node evaluate the published poses; print its values beside the published ones."""
+    for entry in published:
+        if 'at' not in entry:
+            continue
+        answer = client.call('evaluate', mode=entry['mode'], **entry['at'])
+        table = PlainTable(f'{entry["source"]}, mode '
+                           f'{client.scene.linkage.MODES[entry["mode"]]}, from {NODE}/evaluate',
+                           ('', 'ours>', 'published>'))
+        for name, value in entry['values'].items():
+            ours = getattr(answer.state, name.removesuffix('_deg'))
+            table.add_row(name, f'{degrees(ours) if name.endswith("_deg") else ours:.6f}',
+                          f'{value!r}')
+        console.print(table)
+        console.print()
+
+
+def check_bag(path: str | Path, console: Console) -> bool:
+    """
+    Recompute every output in a bag from the recorded input and print the largest difference.
+
+    Returns whether there are outputs and none differs.
+    """
+    differences = recompute(path).differences
+    messages = {difference.topic: difference.messages for difference in differences}
+    worst = max((difference.largest for difference in differences), default=0.0)
+    console.print(f'bag recomputed: {sum(messages.values())} outputs on {len(messages)} topics '
+                  f'from their recorded input, {len(differences)} fields, largest difference '
+                  f'{worst:g}', soft_wrap=True)
+    return bool(messages) and worst == 0.0
+
+
+def write_page_of(scene: Scene, extrema: Sequence[Message], bag: Path) -> Path:
+    """
+    Write page.html into a bag's folder and return its path.
+
+    It shows the mechanism, its curves with the extrema of the node, and the recorded run.
+    """
+    from fourbar_lab.drawing import curves, figure
+    from fourbar_lab.drawing import recorded as recording
+    linkage, speed = scene.linkage, scene.drive.speed
+    position = scene.drive.start if linkage.turns_fully else 0.5 * sum(linkage.input_ranges[-1])
+    motion = linkage.motion(position, speed, 0.0)
+    names = [quantity.name for quantity in select((), linkage, scene.point_quantities)]
+    over_input = curves.curves_of(scene, linkage, names, speed)
+    scale = degrees(1.0) if linkage.input_coordinate.unit == 'rad' else 1.0   # as curves have it
+    marks = [(extremum.quantity,
+              scale * (extremum.theta1 if isnan(extremum.slide) else extremum.slide),
+              extremum.value)
+             for extremum in extrema if extremum.kind != Extremum.KIND_CONSTANT]
+    recorded = [f'{topic}.{name}' for name in names for topic in ('state', 'loads')
+                if topic in scene.outputs
+                and name in resolve(OUTPUTS[topic].type).get_fields_and_field_types()]
+    loads = scene.loads(position, speed, 0.0) if scene.has_loads else None
+    figures = {'Mechanism': figure.make_figure(linkage, motion, loads, points=scene.points),
+               'Over the input, with all extrema': curves.make_figure(over_input, marks)}
+    if recorded:
+        figures['Recorded'] = recording.make_figure(bag, recorded)
+    return figure.write_page(bag / 'page.html', bag.name, figures)
+
+
+def run(path: str | Path, seconds: float, directory: str | Path, console: Console) -> bool:
+    """
+    Start a node with a scene, show its stream, compare it with print, check its bag.
+
+    ``seconds``: how long the stream is shown; ``directory``: where the bag goes. Returns whether
+    the node ended well and its bag recomputes without a difference.
+    """
+    path = find(path)
+    scene = load(path)
+    published = published_for(path)
+    console.print(what_it_is(scene.linkage, path))
+    name = f'{Path(path).stem}_{time.strftime("%Y_%m_%d-%H_%M_%S")}'
+    node = subprocess.Popen([sys.executable, '-m', 'fourbar_ros.ros.node.start', '--ros-args',
+                             '--params-file', str(path), '-p', 'recording.start:=true',
+                             '-p', f'recording.directory:={directory}',
+                             '-p', f'recording.name:={name}'])
+    try:
+        with opened(lambda own: Driver(own, scene), 'fourbar_demo') as client:
+            watch(client, node, seconds, console)
+            compare_poses(client, published, console)
+            extrema = compare_extrema(client, [p for p in published if 'quantity' in p], console)
+    finally:
+        node.send_signal(signal.SIGTERM)
+        code = node.wait()
+    console.print(f'the node was stopped by SIGTERM: exit code {code}')
+    bag = Path(directory) / name
+    good = check_bag(bag, console)
+    console.print(f'bag: {bag}\nfor Foxglove and PlotJuggler: {bag / (name + "_0.mcap")}',
+                  soft_wrap=True)
+    try:
+        console.print(f'to look at: {write_page_of(scene, extrema, bag)}', soft_wrap=True)
+    except FourBarError as error:
+        console.print(f'no page: {error}', soft_wrap=True)
+    return good and code == 0
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Parse the arguments and run; exit code 0 only if the node and its bag are good."""
+    parser = Parser(prog='fourbar_demo', description=__doc__)
+    parser.add_argument('scene',
+                        help='parameter file (YAML) or name of a shipped scene, e.g. paper')
+    parser.add_argument('--seconds', type=positive, default=5.0, metavar='S',
+                        help='duration of the stream [s] (default 5)')
+    parser.add_argument('--directory', default='bags', metavar='DIR',
+                        help='directory for the bag (default bags)')
+    arguments = parser.parse_args(args)
+    try:
+        good = run(arguments.scene, arguments.seconds, arguments.directory, make_console())
+    except FourBarError as error:
+        print(f'fourbar_demo: {error}', file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        return 130
+    return 0 if good else 1
+
+
+if __name__ == '__main__':
+    sys.exit(main())

@@ -1,0 +1,134 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""A client of a running node: finds it, listens to it, drives it, calls its services."""
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+import time
+from typing import Any, TypeVar
+
+from fourbar_ros.errors import FourBarError
+from fourbar_ros.ros.messages import Message, resolve
+from fourbar_ros.scene.files import NODE
+from fourbar_ros.scene.topics import INPUT_DEPTH, INPUTS, Service, SERVICES, Topic
+import rclpy
+import rclpy.client
+from rclpy.experimental import EventsExecutor
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.qos import QoSProfile
+from rclpy.subscription import Subscription
+from rclpy.task import Future
+
+PATIENCE = 10.0             # [s] to find a node or get an answer; discovery may take 4 s
+POLL = 0.02                 # [s] between two looks at a condition
+
+
+class NoAnswer(FourBarError):
+    """A node was not found, did not answer, or refused."""
+
+
+def name_on(node: str, entity: Topic | Service) -> str:
+    """Return the absolute name: '~/input' of the node fourbar, or /fourbar, is /fourbar/input."""
+    name = entity.service if isinstance(entity, Service) else entity.topic
+    return name.replace('~', f'/{node.strip("/")}')
+
+
+class NodeClient:
+    """
+    Talks to nodes through an rclpy node of its own, which the caller makes and destroys.
+
+    ``patience``: how long to wait for anything by default [s].
+    """
+
+    def __init__(self, node: Node, patience: float = PATIENCE) -> None:
+        self.node, self.patience = node, patience
+        self.executor = EventsExecutor()
+        self.executor.add_node(node)
+        self._services: dict[str, rclpy.client.Client] = {}
+
+    def spin(self, seconds: float) -> None:
+        """Handle incoming messages for some seconds."""
+        end = time.monotonic() + seconds
+        while (left := end - time.monotonic()) > 0.0:
+            self.executor.spin_once(timeout_sec=left)
+
+    def until(self, condition: Callable[[], bool], what: str,
+              patience: float | None = None) -> None:
+        """Handle messages until the condition holds; after ``patience`` raise NoAnswer(what)."""
+        patience = self.patience if patience is None else patience
+        end = time.monotonic() + patience
+        while not condition():
+            if time.monotonic() > end:
+                raise NoAnswer(f'{what} (waited {patience:g} s)')
+            self.executor.spin_once(timeout_sec=POLL)
+
+    def subscribe(self, topic: Topic, take: Callable[[Message], None], node: str = NODE,
+                  depth: int = INPUT_DEPTH) -> Subscription:
+        """Return a subscription that calls ``take(message)``."""
+        return self.node.create_subscription(resolve(topic.type), name_on(node, topic), take,
+                                             QoSProfile(depth=depth))
+
+    def publisher(self, source: str, node: str = NODE) -> Publisher:
+        """Return a publisher on an input topic of a node: ``motion`` or ``joint_state``."""
+        topic = INPUTS[source]
+        return self.node.create_publisher(resolve(topic.type), name_on(node, topic), INPUT_DEPTH)
+
+    def call(self, service_name: str, /, node: str = NODE, **request: Any) -> Message:
+        """Call a service of a node with the fields of its request; return the response."""
+        service = self.service(service_name, node)
+        return self.result_of(service.call_async(service.srv_type.Request(**request)),
+                              service.service_name)
+
+    def service(self, service_name: str, node: str = NODE) -> rclpy.client.Client:
+        """Return the rclpy client of a service, once its server is found."""
+        name = name_on(node, SERVICES[service_name])
+        if name not in self._services:
+            service = self.node.create_client(resolve(SERVICES[service_name].type), name)
+            self.until(service.service_is_ready, f'{name}: not found; is the node running?')
+            self.introduce(service, service_name)
+            self._services[name] = service
+        return self._services[name]
+
+    def introduce(self, service: rclpy.client.Client, service_name: str) -> None:
+        """Prepare the first request to a service: for subclasses, nothing here."""
+
+    def result_of(self, future: Future, name: str, patience: float | None = None) -> Any:
+        """Return the result of a future, once it is there."""
+        self.until(future.done, f'{name}: no answer', patience)
+        return future.result()
+
+    def close(self) -> None:
+        """Stop handling messages."""
+        self.executor.shutdown()
+
+
+AnyClient = TypeVar('AnyClient', bound=NodeClient)
+
+
+@contextmanager
+def opened(make: Callable[[Node], AnyClient], name: str) -> Iterator[AnyClient]:
+    """Initialise ROS for a ``with`` block; give ``make(a new node of this name)``, close all."""
+    rclpy.init()
+    try:
+        client = make(rclpy.create_node(name))
+        try:
+            yield client
+        finally:
+            client.close()
+            client.node.destroy_node()
+    finally:
+        rclpy.try_shutdown()
+
+
+def record(what: str, name: str, node: str, patience: float = PATIENCE) -> str:
+    """Start or stop (``what``) recording in a node; return the path of the bag."""
+    with opened(lambda own: NodeClient(own, patience), 'fourbar_record') as client:
+        if what == 'start':
+            answer = client.call('start_recording', node, name=name)
+        else:
+            answer = client.call('stop_recording', node)
+    if not answer.success:
+        raise NoAnswer(answer.message)
+    return str(answer.path if what == 'start' else answer.message)

@@ -1,0 +1,172 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+The collineation axis of a linkage as a picture, clipped to a window, and its angle to the coupler.
+
+It passes through the poles P13 and P24; where it is square to the coupler, the output is fastest
+or slowest. Only the functions that draw import matplotlib.
+"""
+from __future__ import annotations
+
+from math import degrees, hypot, inf
+from typing import NamedTuple, TYPE_CHECKING
+
+from fourbar_lab.drawing.cycles import cycles
+from fourbar_lab.drawing.figure import CannotDraw, need_matplotlib, STYLE
+from fourbar_lab.drawing.mechanism_panel import draw_plainly
+from fourbar_lab.drawing.tables import counted
+from fourbar_ros.extrema.collineation import collineation_axis
+from fourbar_ros.extrema.find import find_extrema, INTERIOR
+from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.parts import NamedFields
+from fourbar_ros.mechanisms.quantities import Function
+from fourbar_ros.numerics.arrays import Array
+import numpy as np
+
+if TYPE_CHECKING:      # drawings alone need it
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+NEAR = 1.6       # sizes of the mechanism from its middle: farther poles are left out
+POLES = {'p13': 'P_{13}', 'p24': 'P_{24}'}
+AXIS_ANGLE = 'axis_angle'       # it jumps by a half turn, so it has no extrema to search for
+AXIS, LINE = '#1f4e8c', '0.55'      # colours
+
+
+class AxisParts(NamedTuple):
+    """The parts of the axis in a window [m]."""
+
+    lines: dict[str, Array]         # {name: two ends at the edges of the window, shape (2, 2)}
+    poles: dict[str, Array]         # {letter: place}
+
+
+def axis_parts(linkage: Mechanism, motion: NamedFields, low: Array, high: Array) -> AxisParts:
+    """Return the :class:`AxisParts` in one pose; ``low``, ``high``: corners of the window [m]."""
+    axis, unit = collineation_axis(linkage, motion), max(map(abs, linkage.lengths))
+    clipped = {name: _clipped(line, low / unit, high / unit) for name, line in axis.lines.items()}
+    with np.errstate(divide='ignore', invalid='ignore'):
+        places = {letter: unit * getattr(axis, name)[:2] / getattr(axis, name)[2]
+                  for name, letter in POLES.items()}
+    return AxisParts({name: unit * ends for name, ends in clipped.items() if ends is not None},
+                     {letter: place for letter, place in places.items()
+                      if (low <= place).all() and (place <= high).all()})
+
+
+def _clipped(line: Array, low: Array, high: Array) -> Array | None:
+    """
+    Return the ends, shape (2, 2), of the line a x + b y + c = 0 in a window, or None.
+
+    The line is foot + s direction, with its foot nearest to the origin; each pair of edges bounds
+    s (Liang and Barsky). ``line``: (a, b, c); ``low``, ``high``: corners of the window.
+    """
+    size = hypot(line[0], line[1])
+    if not size > 0.0:               # the line at infinity, or NaN
+        return None
+    foot, direction = -line[2] / size**2 * line[:2], np.array([-line[1], line[0]]) / size
+    first, last = -inf, inf
+    for start, slope, bottom, top in zip(foot, direction, low, high):
+        if slope == 0.0 and not bottom <= start <= top:
+            return None
+        if slope != 0.0:
+            enters, leaves = sorted(((bottom - start) / slope, (top - start) / slope))
+            first, last = max(first, enters), min(last, leaves)
+    return np.array([foot + first * direction, foot + last * direction]) if first < last else None
+
+
+def axis_angle(linkage: Mechanism) -> Function:
+    """
+    Return the quantity 'angle from coupler to axis', in [0, 180) deg.
+
+    There it is smooth at 90 deg, the place that matters; it jumps where the axis is along the
+    coupler.
+    """
+    def angle(motion: NamedFields, loads: NamedFields) -> Array:
+        return np.asarray(np.degrees(collineation_axis(linkage, motion).angle) % 180.0)
+    return Function(AXIS_ANGLE, 'deg', 'angle from the coupler to the collineation axis', angle)
+
+
+def with_gaps(angle: Array) -> Array:
+    """Return angles [deg] over the input, NaN where they jump by 180: a curve has gaps there."""
+    return np.where(np.abs(np.diff(angle, prepend=angle[0])) > 90.0, np.nan, angle)
+
+
+def draw_axis(axes: Axes, linkage: Mechanism, motion: NamedFields, title: str = '') -> None:
+    """
+    Draw a linkage in a pose with its collineation axis, in blue, and the lines that make it.
+
+    The axis passes through the poles P13 and P24, each where two of the four other lines cross.
+    """
+    places = np.array(list(linkage.diagram(motion).joints.values()))
+    size, middle = max(np.ptp(places, axis=0)), 0.5 * (places.min(axis=0) + places.max(axis=0))
+    reach = NEAR * np.array([size, size])
+    # twice: poles near enough make room on the sheet, whose window then clips the lines
+    poles = axis_parts(linkage, motion, middle - reach, middle + reach).poles
+    sheet = draw_plainly(axes, linkage, motion, {}, [], list(poles.values()))
+    axes.set_title(title, loc='left', fontsize=12, fontweight='bold')
+    lines, poles = axis_parts(linkage, motion, np.array([sheet.left, sheet.bottom]), sheet.high)
+    for name, ends in lines.items():
+        axes.plot(*ends.T, color=AXIS if name == 'axis' else LINE, zorder=1,
+                  lw=1.8 if name == 'axis' else 0.8, ls='-' if name == 'axis' else (0, (5, 3)))
+        sheet.occupy(*ends)
+    for letter, place in poles.items():
+        axes.plot(*place, 'o', ms=5, color=AXIS, zorder=7)
+        sheet.label(letter, sheet.around(place), AXIS)
+    angle = axis_angle(linkage).of(motion, None)
+    axes.annotate(f'axis at {angle:.4f}\N{DEGREE SIGN} to the coupler', (0.98, 0.01), ha='right',
+                  xycoords='axes fraction', color=AXIS, fontsize=11, zorder=8,
+                  bbox={'fc': 'w', 'ec': 'none', 'pad': 1.0})
+
+
+def largest_rate(linkage: Mechanism, rate: float) -> float:
+    """Return the input [rad] at which the output is fastest, among extrema inside a range."""
+    name = linkage.outputs[0].coordinate.rate
+    extrema = [extremum for extremum in find_extrema(linkage, (name,), rate)
+               if extremum.place == INTERIOR]
+    if not extrema:
+        raise CannotDraw(f'{name} has no extremum inside a range: give --at')
+    return max(extrema, key=lambda extremum: abs(extremum.value)).theta1
+
+
+def make_axis_figure(linkage: Mechanism, rate: float, position: float | None = None) -> Figure:
+    """
+    Return a matplotlib Figure: the axis in a pose; the output's rate and the angle over the input.
+
+    ``rate`` is the crank's [rad/s], ``position`` its angle in the pose [rad], by default where the
+    output is fastest.
+
+    Raises
+    ------
+    InvalidParameter
+        The mechanism is no four-bar or slider-crank, or it is driven by its slide.
+
+    """
+    need_matplotlib('draw')
+    import matplotlib
+    from matplotlib.figure import Figure
+    coordinate = linkage.outputs[0].coordinate
+    collineation_axis(linkage, linkage.motion(cycles(linkage)[0][1], rate))     # refuses others
+    at = largest_rate(linkage, rate) if position is None else position
+    with matplotlib.rc_context(STYLE):
+        figure = Figure(figsize=(12.6, 5.6))
+        left = figure.add_axes((0.01, 0.02, 0.5, 0.9))
+        draw_axis(left, linkage, linkage.motion(at, rate),
+                  f'{linkage.description}, theta1 {degrees(at):.4f} deg')
+        upper, lower = (figure.add_axes((0.6, bottom, 0.38, 0.38)) for bottom in (0.56, 0.1))
+        for inputs in cycles(linkage, from_zero=True):
+            motion = linkage.motion(inputs, rate)
+            angle = with_gaps(axis_angle(linkage).of(motion, None))
+            upper.plot(np.degrees(inputs), getattr(motion, coordinate.rate), color='C0')
+            lower.plot(np.degrees(inputs), angle, color=AXIS)
+        for extremum in find_extrema(linkage, (coordinate.rate,), rate):
+            if extremum.place == INTERIOR:
+                x = degrees(counted(linkage, extremum.theta1))
+                upper.plot(x, extremum.value, 'o', ms=6, mfc='none', mec='k')
+                lower.plot(x, 90.0, 'o', ms=6, mfc='none', mec='k')
+        unit = 'm/s' if coordinate.unit == 'm' else 'rad/s'
+        upper.set(ylabel=f'{coordinate.rate} [{unit}]')
+        lower.set(ylabel='coupler to axis [deg]', xlabel='theta1 [deg]', ylim=(0.0, 180.0),
+                  yticks=(0, 45, 90, 135, 180))
+        for axes in (upper, lower):
+            axes.grid(alpha=0.3)
+            axes.axvline(degrees(counted(linkage, at)), color='0.6', lw=0.8)
+    return figure

@@ -1,0 +1,255 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Quantities over the input of a mechanism, as a table with a row for each input, or a figure."""
+from __future__ import annotations
+
+from collections.abc import Sequence
+import csv
+import io
+from math import degrees, isfinite
+from pathlib import Path
+from typing import NamedTuple, TYPE_CHECKING
+
+from fourbar_lab.drawing.cycles import cycles
+from fourbar_lab.drawing.figure import CannotDraw, need_matplotlib, save, STYLE, write_page
+from fourbar_lab.drawing.labels import symbols_of
+from fourbar_lab.drawing.tables import counted
+from fourbar_ros.errors import InvalidParameter, nearest
+from fourbar_ros.extrema.find import CONSTANT, find_extrema
+from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.quantities import Asked, known, positions, UnknownQuantity
+from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.optional import MissingPackage
+import numpy as np
+
+if TYPE_CHECKING:
+    from fourbar_ros.scene.scene import Scene
+    from matplotlib.figure import Figure
+
+# what a vertical axis of a unit shows
+AXES = {'deg': 'angle', 'rad/s': 'angular velocity', 'rad/s^2': 'angular acceleration',
+        'm': 'position', 'm/s': 'velocity', 'm/s^2': 'acceleration', 'N': 'force',
+        'N m': 'torque, moment'}
+TABLES, PICTURES = ('.csv', '.xlsx', '.parquet'), ('.png', '.svg', '.pdf', '.html')
+
+
+class Curves(NamedTuple):
+    """Quantities over the input: columns, the first is the input."""
+
+    title: str
+    names: tuple[str, ...]
+    units: tuple[str, ...]      # angles in degrees
+    values: Array               # (columns, rows); a row of NaN between two ranges of the input
+    symbols: tuple[str, ...]    # of the columns, as in pictures: mathtext
+
+
+def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: float,
+              acceleration: float = 0.0, samples: int = 361) -> Curves:
+    """
+    Return quantities of a scene over all ranges of its input, at one speed and acceleration.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its points have the quantities ``NAME.speed`` and ``NAME.acceleration``.
+    linkage : Mechanism
+        The scene's, in the assembly mode wanted; its loads are those of the scene.
+    names : sequence of str
+        Fields of motion or loads, or quantities of points; empty: all, loads only with masses.
+    speed, acceleration : float
+        Of the input [rad/s, rad/s^2] or [m/s, m/s^2].
+    samples : int
+        Inputs in each range.
+
+    Raises
+    ------
+    UnknownQuantity
+        The mechanism has none of this name; the message has the nearest.
+    MissingBodies
+        A load was asked for without masses.
+    InvalidParameter
+        Speed or acceleration are so large that a quantity overflows.
+
+    """
+    units, coordinate, parts = _units(linkage, scene), linkage.input_coordinate, []
+    wanted = [name for name in dict.fromkeys(names) if name != coordinate.position]
+    for name in wanted:
+        if name not in units:
+            raise UnknownQuantity(name, units)
+    wanted = wanted or [name for name in units if name not in linkage.LOADS._fields
+                        or scene.has_loads]
+    of_points = {quantity.name: quantity for quantity in scene.point_quantities}
+    needs_loads = any(name in linkage.LOADS._fields for name in wanted)
+    for inputs in cycles(linkage, samples, True, scene.turns if needs_loads else 1):
+        motion = linkage.motion(inputs, speed, acceleration)
+        loads = (scene.loads(inputs, speed, acceleration, linkage.mode) if needs_loads
+                 else None)
+        rows = [inputs] + [
+            of_points[name].of(motion, loads) if name in of_points
+            else getattr(loads if name in linkage.LOADS._fields else motion, name)
+            for name in wanted]
+        parts += [np.full((len(rows), 1), np.nan), np.array([
+            np.broadcast_to(row, inputs.shape) for row in rows])]
+    values = np.concatenate(parts[1:], axis=1)
+    columns = coordinate.position, *wanted
+    for name, column in zip(columns, values):
+        if not np.isfinite(column).any():
+            raise InvalidParameter('speed', speed, f'too large: {name} overflows')
+    its_units = coordinate.unit, *(units[name] for name in wanted)
+    is_angle = np.array([unit == 'rad' for unit in its_units])
+    values[is_angle] = np.degrees(values[is_angle])
+    if linkage.turns_fully:
+        values[0] = values[0].round(10)         # whole degrees, for who looks up 60
+    rate = f'{speed:g} {coordinate.unit}/s'
+    if acceleration:
+        rate += f', {acceleration:g} {coordinate.unit}/s^2'
+    return Curves(f'{linkage.description} at {rate}', columns,
+                  tuple('deg' if unit == 'rad' else unit for unit in its_units), values,
+                  symbols_of(linkage, columns))
+
+
+def marks_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: float,
+             acceleration: float = 0.0) -> list[tuple[str, float, float]]:
+    """
+    Return (name, input, value) of the finite extrema of quantities, in the units of the curves.
+
+    Arguments as of :func:`curves_of`. A component of a force is not searched, nor are loads that
+    springs or forces over a position add to: these have no marks.
+    """
+    searched: dict[str, Asked] = {
+        **positions(linkage, linkage.input), **known(linkage, linkage.input),
+        **{quantity.name: quantity for quantity in scene.point_quantities}}
+    wanted = [searched[name] for name in names if name in searched
+              and not (searched[name].is_load and linkage.bodies is None)]
+    turned = degrees(1.0)
+    by_input = 1.0 if linkage.is_driven_by_slide else turned
+    return [(one.quantity, by_input * counted(linkage, one.input),
+             one.value * (turned if one.unit == 'rad' else 1.0))
+            for one in find_extrema(linkage, wanted, speed, acceleration, conditions=False)
+            if one.kind != CONSTANT and isfinite(one.value)] if wanted else []
+
+
+def _units(linkage: Mechanism, scene: Scene) -> dict[str, str]:
+    """Return {name: unit} of all quantities that a user may name, components of forces too."""
+    quantities = {**positions(linkage, linkage.input), **known(linkage, linkage.input)}
+    units = {name: quantity.unit for name, quantity in quantities.items()}
+    units.update((quantity.name, quantity.unit) for quantity in scene.point_quantities)
+    for part in linkage.PARTS:
+        if part != linkage.input_coordinate:
+            units |= {name: part.unit + tail for name, tail in
+                      zip(part, ('', '/s', '/s^2')) if name in linkage.MOTION._fields}
+    for name in linkage.LOADS._fields:
+        if name not in units and name.endswith(('_x', '_y')):
+            units[name] = 'N'
+    return units
+
+
+def write_table(curves: Curves, path: str | Path) -> Path:
+    """
+    Write a table in the format of the suffix: .csv, .xlsx or .parquet; return its path.
+
+    Raises
+    ------
+    CannotDraw
+        The suffix is another one, or the file cannot be written.
+    MissingPackage
+        openpyxl or pyarrow is not installed.
+
+    """
+    path = _checked(path, TABLES)
+    heads, rows = _heads_and_rows(curves)
+    try:
+        if path.suffix == '.csv':
+            path.write_text(csv_of(curves), encoding='utf-8', newline='')
+        elif path.suffix == '.xlsx':
+            _write_sheet(path, heads, rows)
+        else:
+            import pyarrow
+            import pyarrow.parquet
+            pyarrow.parquet.write_table(pyarrow.table(dict(zip(heads, rows.T))), path)
+    except ModuleNotFoundError as error:
+        raise MissingPackage(f'a table as {path.suffix}', error) from None
+    except OSError as error:
+        raise CannotDraw(f'{path}: {error.strerror or error}') from None
+    return path
+
+
+def csv_of(curves: Curves) -> str:
+    """Return a table as the text of a CSV file: names with units, then a row for each input."""
+    text = io.StringIO()
+    heads, rows = _heads_and_rows(curves)
+    csv.writer(text).writerows([heads, *rows.tolist()])
+    return text.getvalue()
+
+
+def _heads_and_rows(curves: Curves) -> tuple[list[str], Array]:
+    """Return the heads of a table, and its rows without the gaps between ranges."""
+    return ([f'{name} [{unit}]' for name, unit in zip(curves.names, curves.units)],
+            curves.values.T[np.isfinite(curves.values[0])])
+
+
+def _write_sheet(path: Path, heads: list[str], rows: Array) -> None:
+    """Write an Excel file; NaN is an empty cell."""
+    from openpyxl import Workbook
+    book = Workbook(write_only=True)
+    sheet = book.create_sheet('over the input')
+    sheet.append(heads)
+    for row in rows.tolist():
+        sheet.append([value if value == value else None for value in row])
+    book.save(path)
+
+
+def _checked(path: str | Path, suffixes: Sequence[str]) -> Path:
+    """Return a path; raise CannotDraw unless its suffix is one of these."""
+    path = Path(path)
+    if path.suffix not in suffixes:
+        raise CannotDraw(f'{path}: must end in {", ".join(suffixes[:-1])} or {suffixes[-1]}'
+                         + nearest(path.suffix, suffixes))
+    return path
+
+
+def make_figure(curves: Curves, extrema: Sequence[tuple[str, float, float]] = ()) -> Figure:
+    """
+    Return a figure with one pair of axes for each unit, over the same input.
+
+    ``extrema``: (name, input, value) of points to mark, in the units of the curves; angles of the
+    input are brought into the turn that the curves show.
+    """
+    need_matplotlib('plot')
+    import matplotlib
+    from matplotlib.figure import Figure
+    from matplotlib.ticker import MultipleLocator
+    units, low = list(dict.fromkeys(curves.units[1:])), np.nanmin(curves.values[0])
+    high = np.nanmax(curves.values[0])
+    if curves.units[0] == 'deg':
+        extrema = [(name, place, value) for name, first, value in extrema
+                   for place in np.arange(low + (first - low) % 360.0, high + 1e-9, 360.0)]
+    with matplotlib.rc_context(STYLE):
+        figure = Figure(figsize=(9.0, 0.6 + 2.4 * len(units)), layout='constrained')
+        axes = figure.subplots(len(units), 1, sharex=True, squeeze=False)[:, 0]
+        for axis, unit in zip(axes, units):
+            for name, symbol, its_unit, values in list(zip(
+                    curves.names, curves.symbols, curves.units, curves.values))[1:]:
+                if its_unit == unit:
+                    line, = axis.plot(curves.values[0], values, label=symbol)
+                    marked = [(place, value) for of, place, value in extrema if of == name]
+                    if marked:
+                        axis.plot(*zip(*marked), 'o', color=line.get_color(), markersize=4)
+            axis.set_ylabel(f'{AXES.get(unit, "value")} [{unit}]')
+            axis.grid(alpha=0.3)
+            axis.legend(loc='center left', bbox_to_anchor=(1.0, 0.5), frameon=False)
+        axes[0].set_title(curves.title)
+        axes[-1].set_xlabel(f'{curves.symbols[0]} [{curves.units[0]}]')
+        if curves.units[0] == 'deg' and high - low > 180.0:
+            axes[-1].xaxis.set_major_locator(MultipleLocator(90.0))
+    return figure
+
+
+def write_picture(curves: Curves, path: str | Path,
+                  extrema: Sequence[tuple[str, float, float]] = ()) -> Path:
+    """Write the figure as .png, .svg or .pdf, or as a page, .html; return its path."""
+    path = _checked(path, PICTURES)
+    figure = make_figure(curves, extrema)
+    if path.suffix != '.html':
+        return save(figure, path)
+    return write_page(path, curves.title, {'': figure})

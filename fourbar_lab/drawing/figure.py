@@ -1,0 +1,166 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+A mechanism in a pose with its forces, and its velocity and acceleration polygons, to scale.
+
+Only the functions that draw import matplotlib.
+"""
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from html import escape
+from io import StringIO
+from math import hypot
+from pathlib import Path
+from typing import NamedTuple, TYPE_CHECKING
+
+from fourbar_lab.drawing.labels import labels_of, significant
+from fourbar_lab.drawing.mechanism_panel import draw_mechanism, renamed
+from fourbar_lab.drawing.sheet import Sheet
+from fourbar_ros.errors import FourBarError
+from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.parts import Arrow, NamedFields, ORIGIN, without_repeats
+from fourbar_ros.mechanisms.picture import Points
+
+if TYPE_CHECKING:      # drawings alone need it
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+STYLE = {'font.family': 'STIXGeneral', 'mathtext.fontset': 'stix', 'font.size': 11,
+         'svg.hashsalt': 'fourbar_ros', 'svg.fonttype': 'path'}
+LEAST = 0.004          # arrows shorter than this share of the longest are left out
+PAGE = """\
+<!DOCTYPE html>
+<html lang="en">
+<head><meta charset="utf-8"><title>{title}</title>
+<style>body {{ font-family: sans-serif; margin: 2em auto; max-width: 60em }} svg {{ width: 100% }}
+</style></head>
+<body><h1>{title}</h1>
+{body}
+</body></html>
+"""
+PART, SUM = '#a02c2c', '#1f4e8c'      # dark enough for print in grey
+
+
+class Units(NamedTuple):
+    """Units of a drawing, each as (text, size in SI)."""
+
+    length: tuple[str, float] = ('m', 1.0)
+    speed: tuple[str, float] = ('m/s', 1.0)
+    acceleration: tuple[str, float] = ('m/s$^2$', 1.0)
+
+
+class CannotDraw(FourBarError, ValueError):
+    """A picture or a table cannot be made or written; the message says why."""
+
+
+def need_matplotlib(what: str) -> None:
+    """Raise CannotDraw, 'WHAT requires matplotlib', if that is not installed."""
+    try:
+        import matplotlib  # noqa: F401
+    except ImportError:
+        raise CannotDraw(f'{what} requires matplotlib: pip install matplotlib') from None
+
+
+def draw_polygon(axes: Axes, arrows: Sequence[Arrow], title: str, unit: tuple[str, float],
+                 names: Mapping[str, str] | None = None) -> None:
+    """
+    Draw a velocity or acceleration polygon to scale, and every magnitude as text below it.
+
+    Absolute vectors (sums) start at the pole o, relative ones form chains between their ends.
+    ``unit``: (text, size in SI); ``names``: other letters for joints.
+    """
+    text, size = unit
+    arrows = [arrow._replace(start=arrow.start / size, vector=arrow.vector / size,
+                             label=renamed(arrow.label, names or {}))
+              for arrow in arrows]
+    # joints at one place have one letter: of equal labels the first is drawn
+    arrows = list({(arrow.label, arrow.is_sum): arrow for arrow in reversed(arrows)}.values())
+    arrows.reverse()
+    longest = max(hypot(*arrow.vector) for arrow in arrows)
+    shown = [arrow for arrow in without_repeats(arrows, LEAST * longest)
+             if hypot(*arrow.vector) > LEAST * longest]
+    sheet = Sheet(axes, [ORIGIN] + [point for arrow in shown
+                                    for point in (arrow.start, arrow.start + arrow.vector)],
+                  f'{title} [{text}]')
+    for arrow in shown:
+        sheet.arrow(arrow.start, arrow.vector, *((SUM, 2.0) if arrow.is_sum else (PART, 1.4)))
+        sheet.occupy(arrow.start, arrow.start + arrow.vector)
+    axes.plot(0.0, 0.0, 'o', ms=5, mfc='w', mec='k', zorder=7)
+    if not shown:
+        axes.annotate('all zero', ORIGIN, (8, 0), textcoords='offset points', va='center')
+        return
+    sheet.label('o', sheet.around(ORIGIN), 'k')
+    for arrow in shown:
+        sheet.label(arrow.label, sheet.beside(arrow.start, arrow.vector), SUM if arrow.is_sum
+                    else PART)
+    sheet.scale(text)
+    sheet.write([f'${arrow.label}$ = {significant(hypot(*arrow.vector))}' for arrow in shown])
+
+
+def make_figure(mechanism: Mechanism, motion: NamedFields, loads: NamedFields | None = None,
+                title: str = '', points: Points | None = None,
+                names: Mapping[str, str] | None = None, units: Units = Units()) -> Figure:
+    """
+    Return a matplotlib Figure of three panels: mechanism, velocity and acceleration polygon.
+
+    ``points``, ``names``: see :func:`~fourbar_lab.drawing.mechanism_panel.draw_mechanism`;
+    ``units`` of lengths and polygons.
+    """
+    need_matplotlib('draw')
+    import matplotlib
+    from matplotlib.figure import Figure
+    with matplotlib.rc_context(STYLE):
+        figure = Figure(figsize=(12.6, 6.2 if loads else 5.6))
+        axes = figure.subplots(1, 3)
+        figure.subplots_adjust(left=0.01, right=0.99, bottom=0.34 if loads else 0.24, top=0.89,
+                               wspace=0.06)
+        figure.suptitle(title, x=0.012, y=0.98, ha='left', fontsize=13, fontweight='bold')
+        labels = labels_of(mechanism.diagram(motion))
+        names = {**(names or {}), **labels.letters}
+        of_whom = ('on the link that hangs at the joint' if labels.letters
+                   else 'of link $i$ on link $j$')
+        symbol = 'F' if labels.letters else 'F_{ij}'
+        below = f'   ${symbol}$: force {of_whom}' if loads else ''
+        draw_mechanism(axes[0], mechanism, motion, loads, points, names, units.length,
+                       f'mechanism{below}')
+        draw_polygon(axes[1], mechanism.velocity_polygon(motion), 'velocities', units.speed, names)
+        draw_polygon(axes[2], mechanism.acceleration_polygon(motion), 'accelerations',
+                     units.acceleration, names)
+    return figure
+
+
+def save(figure: Figure, path: str | Path) -> Path:
+    """
+    Write a figure as .svg, .pdf, .png (also without a suffix), ... and return the path.
+
+    One figure gives the same bytes each time, so an SVG has no date.
+    """
+    import matplotlib
+    path = Path(path)
+    if not path.suffix:
+        path = path.with_name(path.name + '.png')
+    options = {'metadata': {'Date': None}} if path.suffix == '.svg' else {}
+    try:
+        with matplotlib.rc_context(STYLE):
+            figure.savefig(path, dpi=200, **options)
+    except OSError as error:
+        raise CannotDraw(f'{path}: {error.strerror}') from None
+    except ValueError as error:
+        raise CannotDraw(f'{path}: {error}') from None
+    return path
+
+
+def write_page(path: Path, title: str, figures: Mapping[str, Figure]) -> Path:
+    """Write figures, {heading: figure}, as SVG in a page; return its path or raise CannotDraw."""
+    parts = []
+    for heading, figure in figures.items():
+        text = StringIO()
+        figure.savefig(text, format='svg')
+        svg = text.getvalue().partition('<!DOCTYPE')[2].partition('>')[2]
+        parts += [f'<h2>{escape(heading)}</h2>' if heading else '', svg]
+    try:
+        path.write_text(PAGE.format(title=escape(title), body='\n'.join(parts)), encoding='utf-8')
+    except OSError as error:
+        raise CannotDraw(f'{path}: {error.strerror or error}') from None
+    return path

@@ -1,0 +1,173 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""One pose of a linkage, for ``fourbar show`` and ``fourbar draw``: angles in degrees."""
+from __future__ import annotations
+
+from math import degrees, hypot, radians
+import re
+from typing import NamedTuple
+
+from fourbar_ros.errors import FourBarError
+from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.parts import Coordinate, NamedFields, reaction
+from fourbar_ros.mechanisms.picture import Points
+from fourbar_ros.mechanisms.points import point_motion
+from fourbar_ros.mechanisms.quantities import known
+from fourbar_ros.pipeline.status import (
+    evaluate,
+    INVALID_INPUT,
+    OUT_OF_RANGE,
+    STATUS_NAMES,
+    TOGGLE,
+)
+from fourbar_ros.scene.units import require
+from fourbar_ros.terminal import PlainTable
+
+FORCES = (reaction('shaking force', 'linkage on ground', 'shaking_force'),)
+MOMENTS = {'driving_torque': ('driving torque T41', 'N m'),
+           'driving_force': ('driving force', 'N'),
+           'guide_force': ('guide force', 'N'), 'guide_couple': ('guide couple', 'N m'),
+           'shaking_moment': ('shaking moment about O1', 'N m')}
+
+
+class NoPose(FourBarError, ValueError):
+    """The linkage has no pose at an input, which the message gives in the user's units."""
+
+
+class Pose(NamedTuple):
+    """Motion and loads (None without masses) at one input; status as in pipeline.status."""
+
+    status: int
+    motion: NamedFields
+    loads: NamedFields | None
+
+
+def position_of(linkage: Mechanism, at: float) -> float:
+    """Return the input [rad or m] for a ``--at`` in degrees or m."""
+    require_units(linkage, at)
+    return at if linkage.is_driven_by_slide else radians(at)
+
+
+def require_units(linkage: Mechanism, at: float | None = None, speed: float | None = None,
+                  acceleration: float | None = None) -> None:
+    """Raise WrongUnit if a number of a command line has the unit of another kind of input."""
+    turns = '' if linkage.is_driven_by_slide else 'angular '
+    for name, value, dimension in (
+            ('--at', at, 'angle' if turns else 'length'), ('--speed', speed, f'{turns}speed'),
+            ('--acceleration', acceleration, f'{turns}acceleration')):
+        if value is not None:
+            require(name, value, dimension)
+
+
+def evaluate_at(linkage: Mechanism, at: float, speed: float, acceleration: float) -> Pose:
+    """
+    Return the pose at an input [degrees or m], its speed and acceleration [rad or m, /s, /s^2].
+
+    Raises
+    ------
+    NoPose
+        The input is out of range.
+    InvalidParameter
+        It is no finite number.
+
+    """
+    require_units(linkage, at, speed, acceleration)
+    given = position_of(linkage, at), speed, acceleration
+    status, motion, loads = evaluate(linkage, *given, linkage.bodies is not None)
+    if status == OUT_OF_RANGE:
+        raise no_pose(linkage, at, f'is outside the input range {ranges_in_words(linkage)}')
+    if status == INVALID_INPUT:
+        linkage.motion(*given)       # raises where the input is not finite
+    return Pose(status, motion, loads if linkage.bodies else None)
+
+
+def step_at(linkage: Mechanism, at: float, speed: float, acceleration: float) -> Pose:
+    """Return the pose as :func:`evaluate_at`; raise NoPose at a toggle too: loads are infinite."""
+    pose = evaluate_at(linkage, at, speed, acceleration)
+    if pose.status == TOGGLE:
+        raise no_pose(linkage, at, 'is a toggle position: rates and loads are unbounded')
+    return pose
+
+
+def no_pose(linkage: Mechanism, at: float, why: str) -> NoPose:
+    """Return the error of an input [degrees] or [m]."""
+    unit = 'm' if linkage.is_driven_by_slide else 'deg'
+    return NoPose(f'{linkage.input_coordinate.position} = {at:.12g} {unit} {why}')
+
+
+def shown(coordinate: Coordinate, value: float) -> str:
+    """Return a position as text: angles in degrees."""
+    return f'{value:.6g} m' if coordinate.unit == 'm' else in_degrees(value)
+
+
+def in_degrees(angle: float) -> str:
+    """Return an angle as text, in degrees."""
+    return f'{degrees(angle):.4f} deg'
+
+
+def ranges_in_words(linkage: Mechanism) -> str:
+    """Return the range of the input as text, angles in degrees."""
+    if linkage.input_coordinate.unit == 'm':
+        return ' or '.join(f'{low:.9g} to {high:.9g}' for low, high in linkage.input_ranges) + ' m'
+    return ' or '.join(f'{degrees(low):.4f} to {degrees(high):.4f}'
+                       for low, high in linkage.input_ranges) + ' deg'
+
+
+def number(value: float) -> str:
+    """Return a value as text, with ten digits."""
+    return f'{value + 0.0:.10g}'
+
+
+# --- tables --------------------------------------------------------------------------------------
+
+def motion_table(linkage: Mechanism, pose: Pose) -> PlainTable:
+    """Return the table of all joints: position, rate, acceleration."""
+    driven = linkage.input_coordinate
+    given = (f'at {driven.position} = {shown(driven, getattr(pose.motion, driven.position))}, '
+             f'{getattr(pose.motion, driven.rate):g} {driven.unit}/s, '
+             f'{getattr(pose.motion, driven.acceleration):g} {driven.unit}/s^2: '
+             f'{STATUS_NAMES[pose.status]}')
+    table = PlainTable(given, ('', 'position>', 'unit', 'rate>', 'acceleration>', 'unit', 'of'))
+    for coordinate, part in linkage.PARTS.items():
+        value, unit = shown(coordinate, getattr(pose.motion, coordinate.position)).split()
+        rates = coordinate.unit
+        table.add_row(coordinate.position, value, unit,
+                      number(getattr(pose.motion, coordinate.rate)),
+                      number(getattr(pose.motion, coordinate.acceleration)),
+                      f'{rates}/s, {rates}/s^2', part)
+    transmission_angle = pose.motion._asdict()['transmission_angle']
+    table.add_row('transmission angle', *in_degrees(transmission_angle).split())
+    return table
+
+
+def loads_table(linkage: Mechanism, loads: NamedFields) -> PlainTable:
+    """Return the table of all forces with their components, then of torques and the rest."""
+    table = PlainTable('loads', ('', 'x>', 'y>', 'magnitude>', 'unit', 'of'))
+    values = loads._asdict()
+    forces = (*linkage.REACTIONS, *FORCES)
+    in_forces = {force.magnitude for force in forces}
+    for force in forces:
+        table.add_row(force.symbol, *(number(values[field])
+                                      for field in (force.x, force.y, force.magnitude)), 'N',
+                      force.text)
+    torque = re.sub('[_{}]', '', linkage.TORQUE)             # mathtext: T_{41} becomes T41
+    for name, (text, unit) in MOMENTS.items():
+        if name in values:
+            table.add_row(text.replace('T41', torque), '', '', number(values[name]), unit)
+    quantities = known(linkage, linkage.input)
+    for name, value in values.items():               # loads that only one kind of mechanism has
+        if name in quantities and name not in in_forces and name not in MOMENTS:
+            table.add_row(name.replace('_', ' '), '', '', number(value), quantities[name].unit)
+    return table
+
+
+def points_table(linkage: Mechanism, motion: NamedFields, points: Points) -> PlainTable:
+    """Return the table of the points of a scene: place, velocity, acceleration."""
+    table = PlainTable('points', ('', '', 'x>', 'y>', 'magnitude>', 'unit'))
+    for name, point in points.items():
+        state = point_motion(linkage, motion, *point)
+        for label, what, (x, y), unit in ((name, 'place', state.place, 'm'),
+                                          ('', 'velocity', state.velocity, 'm/s'),
+                                          ('', 'acceleration', state.acceleration, 'm/s^2')):
+            table.add_row(label, what, number(x), number(y), number(hypot(x, y)), unit)
+    return table

@@ -1,0 +1,19 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""A scene as C, C++ or an FMU, with the bits of the node; as SDF, MJCF and layouts."""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from fourbar_ros.optional import lazily
+
+if TYPE_CHECKING:
+    from fourbar_lab.export.compiled import Compiled
+    from fourbar_lab.export.files import generate, Generated
+
+__all__ = ['Compiled', 'Generated', 'generate']
+
+__getattr__, __dir__ = lazily(__name__, {
+    'fourbar_lab.export.compiled': 'Compiled',
+    'fourbar_lab.export.files': 'generate, Generated',
+})

@@ -1,0 +1,401 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+A model as C99: one header, one source; one statement per operation, so none is contracted.
+
+``NAME_prepare`` computes once all that depends on parameters alone.
+"""
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from math import inf
+from textwrap import wrap
+
+from fourbar_lab.export.drive import DriveCode, tables
+from fourbar_lab.export.model import Model, Named
+from fourbar_lab.export.statements import JUDGED, literal, snippet, Statements
+from fourbar_ros import __version__
+from fourbar_ros.numerics.trace import Step
+
+FLAGS = '-std=c99 -O2'
+CALLS = {'motion': 'motion_at', 'loads': 'loads_at', 'step': 'step'}
+STATUS = ('ok', 'out_of_range', 'invalid_input', 'toggle', 'rates_unknown')    # as in messages
+
+
+class Formulas:
+    """The statements of a model: those of its parameters alone, and those of its inputs."""
+
+    def __init__(self, model: Model, writer: Statements) -> None:
+        """Find the steps that depend on tunable parameters; a step's place is its number."""
+        trace = model.trace
+        self.writer = writer
+        self._model, self._steps = model, trace.steps
+        self.varies = trace.varies                       # places that depend on the inputs
+        self._values = trace.constants(model.data)       # of all other places, in this scene
+        first = trace.count                              # place of the first number of the data
+        data = {one.place: one for one in model.tunable}
+        # places that depend on tunable parameters and not on the inputs
+        self._tuned = {first + i for i in data} | {
+            first + i for i, pair in model.derived.items() if set(pair) & data.keys()}
+        for place, step in enumerate(trace.steps):
+            if not (step.is_given or place in trace.varies) and self._tuned & set(step.arguments):
+                self._tuned.add(place)
+        # place of a tunable parameter -> its C expression
+        self._data = {first + i: f'from->{one.field}' for i, one in data.items()}
+        self.kept: dict[int, int] = {}       # places of prepared values, and their numbers
+
+    def line(self, with_loads: bool) -> list[str]:
+        """Return the statements of motion, or of motion and loads."""
+        steps, found = self._steps, list[str]()
+        needed = {place for place in self._model.needed(with_loads)
+                  if place in self.varies and not steps[place].is_given}
+        for place in sorted(needed.union(self._model.refusing(with_loads))):
+            if place in needed:
+                found += self._statement(place, self.of_line)
+            refusal = self._refusal(steps[place])
+            if refusal and refusal not in found:
+                found.append(refusal)
+        return found
+
+    def of_line(self, place: int) -> str:
+        """Return a number as the statements of the inputs name it."""
+        if place in self.varies:
+            return f'{"x" if self._steps[place].operation == "input" else "v"}{place}'
+        if place not in self._tuned:
+            return self._literal(place)
+        return f'k[{self.kept.setdefault(place, len(self.kept))}]'
+
+    def preparation(self) -> list[str]:
+        """Return the statements of parameters alone; after all lines were made."""
+        trace, first = self._model.trace, self._model.trace.count
+        places = [place for place in trace.needed(self.kept) if place in self._tuned]
+        pairs = {first + i: pair for i, pair in self._model.derived.items()}
+        found = []
+        for place in places:
+            if place in pairs:
+                self.writer.used.add('hypot')
+                x, y = (self._datum(first + i) for i in pairs[place])
+                found.append(f'const double d{place} = hypot_of({x}, {y});')
+            elif place not in self._data:
+                found += self._statement(place, self._datum)
+        return found + [f'made->k[{i}] = {self._datum(place)};'
+                        for place, i in self.kept.items()]
+
+    def _datum(self, place: int) -> str:
+        if place in self._tuned:
+            return self._data.get(place, f'd{place}')
+        return self._literal(place)
+
+    def _literal(self, place: int) -> str:
+        value = self._values[place]
+        assert value is not None, 'it depends on an input'
+        return literal(value)
+
+    def _statement(self, place: int, name_of: Callable[[int], str]) -> list[str]:
+        step, is_line = self._steps[place], place in self.varies
+        return self.writer.define(
+            f'{"v" if is_line else "d"}{place}', step, [name_of(i) for i in step.arguments],
+            is_line, bool(step.arguments) and step.arguments[0] in self.varies)
+
+    def _refusal(self, step: Step) -> str:
+        """Return the statement that notes a refusal by floats in Python, or nothing."""
+        if step.operation not in JUDGED:
+            return ''
+        last = step.arguments[-1]
+        name, is_root = self.of_line(last), step.operation == 'sqrt'
+        if last not in self.varies and last not in self._tuned and self._values[last] != 0.0:
+            return ''
+        return f'refused |= {name} {"<" if is_root else "=="} 0.0;'
+
+
+class Code:
+    """Header and source of a model."""
+
+    def __init__(self, model: Model) -> None:
+        """Write the formulas, once of motion alone (key False), once with loads (key True)."""
+        self.model, self.name, self.writer = model, model.name, Statements()
+        self.formulas = Formulas(model, self.writer)
+        self.lines = {with_loads: self.formulas.line(with_loads)
+                      for with_loads in ((False, True) if model.loads else (False,))}
+        self.operations = {with_loads: sum(text.startswith('const') for text in lines)
+                           for with_loads, lines in self.lines.items()}
+        self._results = {with_loads: self._body(with_loads) for with_loads in self.lines}
+        self.preparation = self.formulas.preparation()
+        self.drive = DriveCode(model, self.writer) if model.moves_by_torque else None
+
+    @property
+    def stack(self) -> int:
+        """Return a bound of the bytes of stack of any call: each name in a place of its own."""
+        results = len(self.model.motion) + len(self.model.loads)
+        own = 16 * max(map(len, (*self.lines.values(), self.preparation))) + 8 * results + 1024
+        return max(own, self.drive.stack if self.drive else 0)
+
+    # --- header ---------------------------------------------------------------------------------
+
+    def header(self) -> str:
+        """Return the text of NAME.h."""
+        name, model = self.name, self.model
+        records = [('input', model.inputs, 'What drives it.'),
+                   ('parameters', model.tunable, 'What can be changed at run time.'),
+                   ('motion', model.motion, 'Motion; fields as in Python.')]
+        if model.loads:
+            records.append(('loads', model.loads, 'Loads; fields as in Python.'))
+        guard = f'FOURBAR_{name.upper()}_H'
+        kept = max(1, len(self.formulas.kept))
+        return '\n'.join([
+            *self._about(), f'#ifndef {guard}', f'#define {guard}', '',
+            '#ifdef __cplusplus', 'extern "C" {', '#endif', '',
+            f'/* {self._meaning()} */',
+            'typedef enum {',
+            ',\n'.join(f'  {name}_{text} = {i}' for i, text in enumerate(STATUS)),
+            f'}} {name}_status;', '',
+            *(text for record in records for text in self._struct(*record)),
+            f'/* What follows from parameters alone; {name}_prepare makes it. */',
+            f'typedef struct {{ double k[{kept}]; }} {name}_constants;', '',
+            *self._declarations(), '', *(self.drive.declarations() if self.drive else ()),
+            '#ifdef __cplusplus', '}', '#endif', '#endif', ''])
+
+    def _about(self) -> list[str]:
+        """Return the comment at the head of both files: results, costs and omissions."""
+        model, scene = self.model, self.model.scene
+        mechanism = model.mechanism
+        text = (f'{self.name}: {mechanism.description}, mode {mechanism.mode}. Generated by '
+                f'fourbar_ros {__version__} from the scene {model.name}; not to be edited.')
+        both = self.operations.get(True)
+        count = (f'Motion takes {self.operations[False]} operations'
+                 + (f', motion and loads {both}' if both else '')
+                 + '; they are one line without loops, so the worst case is every case. Stack: at '
+                 f'most {self.stack} bytes. No allocation, no global, no recursion; libm alone.')
+        signs = ('SI units. Angles from x, counter-clockwise positive, [rad]; x from O1 to O4 or '
+                 'along the guide, y up. Fij, fij: force of link i on link j, along x and y; '
+                 'torques and couples counter-clockwise. docs/conventions.md has all signs.')
+        bits = ('The bits are those of Python with the same libm, if no operations are '
+                f'contracted or reordered: {FLAGS} keeps them, -ffp-contract=off elsewhere, '
+                '-ffast-math loses them.')
+        fixed = ('Parameters are independent numbers here: a new length leaves masses, stroke and '
+                 f'the limits that tell {STATUS[3]} from {STATUS[1]} as they are.')
+        zeros = [name for i, (name, _) in enumerate(model.names)
+                 if name and model.trace.steps[3 + i].operation == 'constant']
+        left_out = f'Left out, as zero in the scene: {", ".join(zeros)}.' if zeros else ''
+        loads = (f'No loads: {scene.why_no_loads}.' if not model.mechanism.bodies else '')
+        renamed = f'Changed names: {", ".join(model.renamed)}.' if model.renamed else ''
+        return ['/*', *(f' * {line}' for part in (text, count, signs, bits, fixed, left_out,
+                                                  loads, renamed) if part
+                        for line in wrap(part, 92)), ' */']
+
+    @staticmethod
+    def _meaning() -> str:
+        return ('As in the node: a sample out of range has no pose, all but the input is NaN; '
+                'invalid\n   input is not finite, or so fast that a result overflows; at a toggle '
+                'rates are unbounded,\n   NaN, the pose is valid; where the rate or acceleration '
+                'is NaN, all that depends on it is. Loads\n   are NaN unless ok.')
+
+    def _struct(self, which: str, named: Sequence[Named], about: str) -> list[str]:
+        """
+        Return the C text of the struct NAME_``which``: a double for each of ``named``.
+
+        ``about``: comment above it. C has no empty struct: without fields it gets the field none.
+        """
+        if not named:
+            return [f'/* {about} Nothing. */', f'typedef struct {{ double none; }} '
+                    f'{self.name}_{which};', '']
+        width = max(len(one.field) for one in named)
+        return [f'/* {about} */', 'typedef struct {',
+                *(f'  double {one.field};{" " * (width - len(one.field))}  /* '
+                  f'[{one.unit or "-"}] {one.text}'.rstrip() + ' */' for one in named),
+                f'}} {self.name}_{which};', '']
+
+    def _declarations(self) -> list[str]:
+        """Return the prototypes of all public functions but those of the drive, for the header."""
+        name = self.name
+        return [f'/* Parameters of the scene. */\nvoid {name}_defaults({name}_parameters *to);',
+                f'/* Once, and after each change of a parameter. */\nvoid {name}_prepare('
+                f'const {name}_parameters *from, {name}_constants *made);',
+                *(f'/* {about} */\n{self._signature(which)};'
+                  for which, about in (('motion', 'The motion.'), ('loads', 'The loads.'),
+                                       ('step', 'Both, at the cost of the loads.'))
+                  if which == 'motion' or self.model.loads),
+                *([f'/* Take an assembly mode, as of a drive that has passed a toggle. */\n'
+                   f'void {name}_set_mode({name}_parameters *to, double mode);']
+                  if self.model.signs else []),
+                '/* Return how many results differ in any bit from those of Python: 0. */\n'
+                f'int {name}_self_check(void);']
+
+    def _signature(self, which: str) -> str:
+        name = self.name
+        to = [part for part in ('motion', 'loads') if which in (part, 'step')]
+        return (f'{name}_status {name}_{CALLS[which]}(const {name}_constants *with, '
+                f'const {name}_input *input,\n'
+                f'    {", ".join(f"{name}_{part} *{part}" for part in to)})')
+
+    # --- source ---------------------------------------------------------------------------------
+
+    def source(self) -> str:
+        """Return the text of NAME.c."""
+        name, model = self.name, self.model
+        defaults = ([f'  to->{one.field} = {literal(one.value)};' for one in model.tunable]
+                    or ['  to->none = 0.0;'])
+        prepared = [f'  {text}' for text in self.preparation] or ['  made->k[0] = 0.0;']
+        unused = [] if model.tunable and self.preparation else ['  (void)from;']
+        counts = len(model.motion), len(model.loads)
+        return '\n'.join([
+            *self._about(), '#ifdef __FAST_MATH__', '#error "-ffast-math changes the results"',
+            '#endif', '#ifdef __clang__', '#pragma STDC FP_CONTRACT OFF',
+            # gcc's vectorizer contracts a * b + c beside a * b - c all the same
+            '#elif defined(__GNUC__)',
+            '#pragma GCC optimize ("fp-contract=off", "no-tree-slp-vectorize")', '#endif',
+            f'#include "{name}.h"', '#include <float.h>', '#include <math.h>',
+            '#include <stdint.h>', '#include <string.h>', '',
+            *self._runtime(),
+            '/* Doubles alone: a struct is as long as its list of numbers. */',
+            *(f'typedef char {which}_has_no_gap[sizeof({name}_{which}) == {count} * sizeof(double)'
+              ' ? 1 : -1];' for which, count in zip(('motion', 'loads'), counts) if count), '',
+            f'void {name}_defaults({name}_parameters *to)\n{{', *defaults, '}', '',
+            f'void {name}_prepare(const {name}_parameters *from, {name}_constants *made)\n{{',
+            *unused, *prepared, '}', '', *self._set_mode(), *self._guards(), *self._functions(),
+            *(self.drive.source() if self.drive else ()),
+            *self._self_check(), ''])
+
+    def _set_mode(self) -> list[str]:
+        """
+        Return the C text of the function that sets the signs of an assembly mode, if any.
+
+        ``model.signs``: place of a sign among the data -> {mode: its number, +-1}.
+        """
+        fields = {one.place: one.field for one in self.model.tunable}
+        lines = [f'  to->{fields[place]} = mode == {literal(modes[1])} ? {literal(numbers[1])} : '
+                 f'{literal(numbers[0])};' for place, of in self.model.signs.items()
+                 for modes, numbers in [(list(of), list(of.values()))]]
+        return [f'void {self.name}_set_mode({self.name}_parameters *to, double mode)\n{{', *lines,
+                '}', ''] if lines else []
+
+    def _runtime(self) -> list[str]:
+        used = sorted(self.writer.used)
+        return [*([f'enum {{ MOST_TERMS = {self.writer.most_terms} }};', '']
+                  if 'exact_sum' in used else []),
+                *[snippet('functions.c', name) for name in used],
+                *tables(self.writer.called, self.name)]
+
+    def _body(self, with_loads: bool) -> list[str]:
+        """
+        Return the statements that compute and store all results.
+
+        ``*closes`` gets the sine of the transmission angle: 0 at a toggle, NaN out of range.
+        """
+        model, of = self.model, self.formulas.of_line
+        results = [*model.motion, *(model.loads if with_loads else ())]
+        return [*self.lines[with_loads],
+                *(f'values[{i}] = {of(one.place)};' for i, one in enumerate(results)),
+                f'*closes = {of(model.transmission)};',
+                *(f'if ({of(place)} < 0.0) *closes = NAN;' for place in model.roots_left_out)]
+
+    def _guards(self) -> list[str]:
+        """Return the functions that judge inputs and results; the same for all models."""
+        model, mechanism = self.model, self.model.mechanism
+        low, high = mechanism.stroke or (-inf, inf)
+        reach = [f'x >= {literal(low)} && x <= {literal(high)}'] if mechanism.stroke else []
+        near = 2.0**-17 * mechanism.input_unit
+        reach += [f'!(fabs({self._apart(literal(flat))}) <= {literal(near)})'
+                  for flat in sorted(set(mechanism.flat_limits))]
+        ends = sorted({end for bounds in model.toggles for end in bounds})
+        at_ends = ' || '.join([f'fabs({self._apart(literal(end))}) <= near' for end in ends]
+                              + ['x == 0.0'] * mechanism.is_flat_at_zero)
+        summed = sum(one.name in mechanism.MOTION._fields for one in model.motion)
+        depends = ', '.join(map(str, model.depends))
+        return [f'enum {{ MOTIONS = {len(model.motion)}, SUMMED = {summed} }};', '',
+                f'static const unsigned char depends[] = {{{depends}}};', '',
+                'static int reaches(double x)\n{', '  (void)x;',
+                f'  return {" && ".join(reach) or "1"};', '}', '',
+                'static int is_at_limit(double x)\n{',
+                '  const double near = 4.0 * DBL_EPSILON * fabs(x);', '  (void)near;',
+                f'  return {at_ends or "0"};', '}', '', snippet('judge.c'),
+                *([snippet('functions.c', 'limit')] if mechanism.is_flat_at_zero else [])]
+
+    def _apart(self, end: str) -> str:
+        """Return the distance of x from a limit, the short way round of angles."""
+        return (f'x - {end}' if self.model.mechanism.is_driven_by_slide else
+                f'remainder(x - {end}, 6.283185307179586)')
+
+    def _functions(self) -> list[str]:
+        """
+        Return the C text of NAME_motion, NAME_step and NAME_loads, each around its formula.
+
+        The formula, a static function, is called for finite inputs alone. Without an answer
+        results are NaN, but for the inputs, which are copied.
+        """
+        name, model, found = self.name, self.model, list[str]()
+        given = [f'    values[{i}] = input->{mine.field};' for i, its in enumerate(model.motion)
+                 for mine in model.inputs if its.name == mine.name]
+        for with_loads, which in ((False, 'motion'), (True, 'step')):
+            if with_loads not in self.lines:
+                continue
+            has_both = with_loads and model.loads
+            loads = len(model.loads) if with_loads else 0
+            found += [
+                f'static int {which}_of(const double *k, double x0, double x1, double x2, '
+                'double *values,\n    double *closes)\n{', '  int refused = 0;', '  (void)k;',
+                *(f'  (void)x{i};' for i in range(3)),
+                *(f'  {text}' for text in self._results[with_loads]), '  return refused;', '}', '',
+                self._signature(which) + '\n{', f'  double values[{len(model.motion) + loads}];',
+                '  const double x0 = input->{}, x1 = input->{}, x2 = input->{};'.format(
+                    *(one.field for one in model.inputs)),
+                '  double closes = NAN;', '  int status = first_look(x0, x1, x2);',
+                f'  if (status != {STATUS.index("invalid_input")}) {{',
+                f'    int refused = {which}_of(with->k, x0, x1, x2, values, &closes);',
+                *self._at_zero(with_loads),
+                f'    status = judged(status, refused, closes, x0, values, {loads});', '  }',
+                f'  if (status != 0) without_answer(status, x1, x2, values, {loads});',
+                '  if (status == 1 || status == 2) {', *given, '  }',
+                '  memcpy(motion, values, sizeof *motion);',
+                *(['  memcpy(loads, values + MOTIONS, sizeof *loads);'] if has_both else []),
+                f'  return ({name}_status)status;', '}', '']
+        if model.loads:
+            found += [self._signature('loads') + '\n{', f'  {name}_motion motion;',
+                      f'  return {name}_step(with, input, &motion, loads);', '}', '']
+        return found
+
+    def _at_zero(self, with_loads: bool) -> list[str]:
+        """Return the C text of the limits at a flat position at 0, which the formulas lack."""
+        model = self.model
+        if not model.limits_at_zero:
+            return []
+        names = [*model.mechanism.MOTION._fields, *model.mechanism.LOADS._fields]
+        rows = list(zip(*model.limits_at_zero))
+        wanted = [names.index(one.name) for one in (*model.motion, *model.loads * with_loads)
+                  if one.name in names]
+        closes = names.index('transmission_angle')
+        return ['    if (x0 == 0.0) {', '      int i;', '      refused = 0;',
+                *(f'      values[{i}] = limit_of({", ".join(map(literal, rows[place]))}, x1, x2);'
+                  for i, place in enumerate(wanted)),
+                f'      closes = {literal(rows[closes][0])};',
+                '      for (i = MOTIONS; i < MOTIONS + ' f'{len(model.loads) * with_loads}; ++i)',
+                '        refused |= !is_finite(values[i]);', '    }']
+
+    def _self_check(self) -> list[str]:
+        """
+        Return the C text of NAME_self_check: it counts results whose bits differ from Python's.
+
+        Python computes the results of one sample now; they go into the text as numbers.
+        """
+        name, model = self.name, self.model
+        given, values = model.sample()
+        parts = [part for part in ('motion', 'loads') if getattr(model, part)]
+        expected = {part: [values[one.name] for one in getattr(model, part)] for part in parts}
+        which = 'step' if model.loads else 'motion'
+        return [
+            f'int {name}_self_check(void)\n{{',
+            *(f'  static const double {part}_of_python[] = {{' + self._list(expected[part]) + '};'
+              for part in parts),
+            f'  {name}_parameters parameters;', f'  {name}_constants constants;',
+            f'  {name}_input input;', *(f'  {name}_{part} {part};' for part in parts),
+            '  int differ = 0;', *(f'  input.{one.field} = {literal(value)};'
+                                   for one, value in zip(model.inputs, given)),
+            f'  {name}_defaults(&parameters);', f'  {name}_prepare(&parameters, &constants);',
+            f'  (void){name}_{CALLS[which]}(&constants, &input, &{", &".join(parts)});',
+            *(f'  differ += differing(&{part}, {part}_of_python, '
+              f'{len(expected[part])});' for part in parts),
+            *(self.drive.self_check() if self.drive else ()), '  return differ;', '}']
+
+    @staticmethod
+    def _list(values: Iterable[float]) -> str:
+        return '\n    '.join(['', *wrap(', '.join(map(literal, values)), 92)])

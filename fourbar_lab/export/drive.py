@@ -1,0 +1,459 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+The torque-driven step of a scene as C, with the bits of the node's.
+
+Formulas (terms of the equation of motion, the Rosenbrock step, the law of a smooth source) are
+written from their traces. The decisions (length of steps, kinks, limits) are C of this package.
+"""
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from functools import cached_property, partial
+from math import inf, tau
+from typing import Any, NamedTuple
+
+from fourbar_lab.export.model import Model, NotGenerated
+from fourbar_lab.export.statements import literal, snippet, Statements
+from fourbar_ros.dynamics.model import drives
+from fourbar_ros.dynamics.model.drives import (
+    CommandedLaw,
+    Drive,
+    Law,
+    Piece,
+    Regime,
+    SpeedController,
+)
+from fourbar_ros.dynamics.model.elements import LinkAngle, PositionForce, TableForce
+from fourbar_ros.dynamics.model.equation import Equation, make_reading, REACH
+from fourbar_ros.dynamics.model.system import NEAR_TOGGLE, System
+from fourbar_ros.dynamics.solve.phase import LONGEST, make_pose, Phase
+from fourbar_ros.dynamics.step import phase_steps
+from fourbar_ros.dynamics.step.mover import modes_of
+from fourbar_ros.dynamics.step.rosenbrock import EVALUATIONS, GIVEN, Rosenbrock
+from fourbar_ros.dynamics.step.step_equations import Elastic, Rigid
+from fourbar_ros.numerics.arrays import EPS
+from fourbar_ros.numerics.given import quantities_of
+from fourbar_ros.numerics.number_types import Function
+from fourbar_ros.numerics.trace import flat, Trace
+from fourbar_ros.scene.topics import TORQUE
+
+CHECKED = 3            # steps of the self-check
+STATUS_OF_DRIVE = ('ok', 'silent', 'out_of_budget', 'at_limit', 'not_finite')  # as DriveState
+TEXTS = {
+    'step': ('s', 'length of the step'), 'command': ('N m', 'torque given from outside'),
+    'position': ('rad', 'of the input'), 'velocity': ('rad/s', 'of the input'),
+    'acceleration': ('rad/s^2', 'of the input'),
+    'twist': ('rad', 'of the shaft: motor less input'),
+    'motor_position': ('rad', 'of the motor behind its gear'),
+    'motor_velocity': ('rad/s', 'of the motor behind its gear'),
+    'motor_torque': ('N m', 'of the motor behind its gear'), 'torque': ('N m', 'on the input'),
+    'current': ('A', 'of a DC motor'), 'speed_error_integral': ('rad', 'of a controller'),
+    'evaluations': ('', 'of the equation of motion')}
+OF_SLIDES = {'rad': 'm', 'rad/s': 'm/s', 'rad/s^2': 'm/s^2', 'N m': 'N'}
+
+
+class Command(NamedTuple):
+    """A number that a torque source takes at each step."""
+
+    name: str           # of the input of an FMU
+    unit: str
+    text: str
+    start: float
+    place: str          # in C
+    field: str = ''     # of the state in C; '': it is an argument
+
+
+class DriveCode:
+    """
+    The C text of the step of a scene that is driven by torque.
+
+    Raises
+    ------
+    NotGenerated
+
+    """
+
+    def __init__(self, model: Model, writer: Statements) -> None:
+        """Write the formulas that a step calls, as C functions, into ``writer``."""
+        scene = model.scene
+        assert scene.dynamics is not None
+        self._model, self._scene, self._writer = model, scene, writer
+        self._system = System(scene.bare_linkage, scene.dynamics.position, scene.dynamics.rate,
+                              scene.dynamics.elements, scene.dynamics.drive)
+        self.takes_torque = scene.drive.source == TORQUE.name
+        self._drive: Drive = scene.dynamics.drive
+        self._source: Law = self._drive.source        # type: ignore[assignment]  # of scenes
+        self._check()
+        writer.used |= {'power'}
+        self._functions = self._formulas()
+
+    def _check(self) -> None:
+        """Refuse a scene for whose steps there is no C text."""
+        name = self._model.name
+        if any(phase.equation.changes_mode for phase in self._phases):
+            raise NotGenerated(f'{name}: motion by torque through a change point')
+        if self._regime.margins and not isinstance(self._source, SpeedController):
+            raise NotGenerated(f'{name}: a torque source of several laws, '
+                               f'{type(self._source).__name__}')
+
+    @property
+    def _regime(self) -> Regime:
+        return self._source.make_regime_at()(0.0, 0.0)
+
+    @cached_property
+    def modes(self) -> tuple[int, ...]:
+        """Return the two assembly modes between which it passes toggles; () if it passes none."""
+        return modes_of(self._system.mechanism)
+
+    @cached_property
+    def _phases(self) -> list[Phase]:
+        """Return the phases of its motion: first those in the input."""
+        course = self._system.course
+        return course.prepare() if self.modes else [course.first]
+
+    # --- its formulas ---------------------------------------------------------------------------
+
+    def _formulas(self) -> list[str]:
+        """
+        Return the C functions of one step: equations of shaft and source, terms, Rosenbrock step.
+
+        Each is a Python formula, recorded as a trace. Motion through toggles needs the readings
+        of the other coordinate too, motion with limits the sine that is zero at a toggle.
+        """
+        writer, drive = self._writer, self._drive
+        equations: Elastic | Rigid = (Elastic(drive.shaft, drive.rotor) if drive.shaft
+                                      else Rigid())
+        has_own, tangent = bool(self._source.start), self._regime.tangent
+
+        def euler(*x: Any) -> Any:
+            terms, state, piece = x[:7], x[7:12], Piece(*x[12:18])
+            return equations.linear(terms, state, piece, x[18])(x[19])(x[20:])
+        found = [writer.function('derivative', _plain(lambda *x: equations.derivative(
+                     x[:7], x[7:12], Piece(*x[12:])), 18)),
+                 writer.function('torque_on_input', _plain(lambda *x: (equations.on_input(
+                     x[:7], x[7:12], Piece(*x[12:])),), 18)),
+                 writer.function('implicit_euler', _plain(euler, 25)),
+                 *self._of_phases('terms_of', lambda equation, phase: partial(
+                     equation.make_with_ratio, equation.coordinate)),
+                 *self._of_phases('rosenbrock', lambda equation, phase: Rosenbrock(
+                     equation, equations, has_own, tangent).make, GIVEN)]
+        if self._tables:
+            found += self._of_phases('places_of', lambda equation, phase: partial(
+                equation.make_places, equation.coordinate))
+        if tangent:
+            found.append(writer.function('tangent', _plain(tangent, 1)))
+        if isinstance(self._source, CommandedLaw) and not self._regime.margins:
+            found.append(writer.function('piece_of', _plain(self._source.piece, 1)))
+        if self.modes:
+            found += [*self._of_phases('reading', lambda equation, phase: partial(
+                          phase.make_other, equation.coordinate)),
+                      *self._of_phases('input_from', lambda equation, phase: partial(
+                          make_reading(equation.mechanism), equation.coordinate)),
+                      *self._of_phases('pose_of', lambda equation, phase: partial(
+                          make_pose, equation.coordinate))]
+        elif self.has_limits:
+            mechanism = self._system.mechanism
+
+            def make_sine(n: Any) -> Function:
+                motion_of = mechanism.motion_formula(n, mechanism.constants)
+                return lambda x: (mechanism.transmission_sine(
+                    mechanism.MOTION._make(motion_of(x, 0.0, 0.0))),)
+            found.append(writer.function('sine_of', Trace(lambda n, _: make_sine(n), 1)))
+        return found
+
+    def _of_phases(self, its_name: str, make: Callable[[Equation, Phase], Function],
+                   count: int = 1) -> list[str]:
+        """Return the functions of all phases, and the function that chooses one by its number."""
+        found, cases = [], []
+        for i, phase in enumerate(self._phases):
+            make_formula = make(phase.equation, phase)
+            trace = Trace(lambda n, _: make_formula(n), count)       # noqa: B023  # called at once
+            found.append(self._writer.function(f'{its_name}_{i}',
+                                               trace.simplified(trace.literals())))
+            cases.append(f'  {f"if (phase == {i}) " if i + 1 < len(self._phases) else ""}'
+                         f'return {its_name}_{i}(x, to);')
+        return [*found, f'static int {its_name}(int phase, const double *x, double *to)\n{{',
+                *['  (void)phase;'] * (len(cases) == 1), *cases, '}', '']
+
+    @property
+    def has_limits(self) -> bool:
+        """Return whether the input cannot go on for ever."""
+        return not self._system.has_no_limits
+
+    @property
+    def stack(self) -> int:
+        """Return a bound of the bytes of stack of a step."""
+        return 16 * max(text.count('\n') for text in self._functions) + 4096
+
+    # --- its text -------------------------------------------------------------------------------
+
+    @cached_property
+    def fields(self) -> list[tuple[str, str, str]]:
+        """Return name, unit and text of all fields of a state."""
+        is_slide = self._system.mechanism.is_driven_by_slide
+        return [(name, OF_SLIDES.get(unit, unit) if is_slide else unit, text)
+                for name, (unit, text) in TEXTS.items()]
+
+    @property
+    def numbers(self) -> list[tuple[str, str, str]]:
+        """Return name, unit and text of the numbers of a state as they follow each other."""
+        return [*self.fields, *([('mode', '', 'assembly mode')] if self.modes else [])]
+
+    @cached_property
+    def command(self) -> Command | None:
+        """Return the number that the source takes at each step; None: it takes none."""
+        source, is_slide = self._source, self._system.mechanism.is_driven_by_slide
+        if self.takes_torque:
+            return Command('torque', self.numbers[1][1], 'of the source, during the next step',
+                           0.0, 'torque')
+        if not isinstance(source, CommandedLaw):
+            return None
+        what = next(what for name, _, what in quantities_of(source) if name == source.command)
+        field = f'motor_{source.command}'
+        return Command(f'motor.{source.command}', what.unit.rpartition(' or ')[2] if is_slide
+                       else what.unit.partition(' or ')[0], f'{what.text}, during the next step',
+                       getattr(source, source.command), f'drive->{field}', field)
+
+    @property
+    def there(self) -> set[str]:
+        """Return the names of its fields, besides position, velocity and acceleration."""
+        own = {self._source.own} if self._source.start else set()
+        return ({'torque', 'motor_torque', 'evaluations'} | own
+                | ({'mode'} if self.modes else set())
+                | ({'twist', 'motor_position', 'motor_velocity'} if self._drive.shaft else set()))
+
+    def declarations(self) -> list[str]:
+        """Return the C declarations of the drive for the header."""
+        name, drive, command = self._model.name, self._scene.drive, self.command
+        torque = ', double torque' * self.takes_torque
+        what = ('; torque: that of the source during it' if self.takes_torque else '')
+        width = max(len(field) for field, *_ in self.fields)
+        return [
+            '/* Motion by torque. Whatever its length, a step takes at most '
+            f'{drive.budget} evaluations of the\n   equation of motion; the node makes steps of '
+            f'{literal(1.0 / drive.rate)} s. */',
+            'typedef enum {', ',\n'.join(f'  {name}_drive_{text} = {i}'
+                                         for i, text in enumerate(STATUS_OF_DRIVE)),
+            f'}} {name}_drive_status;', '',
+            '/* As fourbar_msgs/DriveState; NaN: it has none. */', 'typedef struct {',
+            *(f'  double {field};{" " * (width - len(field))}  /* [{unit or "-"}] {text} */'
+              for field, unit, text in self.fields),
+            *([f'  double mode;{" " * (width - 4)}  /* assembly mode */',
+               f'  double place[8];{" " * (width - 8)}  /* near a toggle, where position and '
+               'velocity do not tell it */'] if self.modes else []),
+            f'  double known[8];{" " * (width - 8)}  /* of the last step, to save work */',
+            *([f'  double {command.field};{" " * (width - len(command.field))}  '
+               f'/* [{command.unit}] {command.text}: may be set anew */']
+              if command and command.field else []),
+            f'}} {name}_drive;', '',
+            f'/* The state at the start of the scene{what}. */',
+            f'void {name}_start({name}_drive *drive{torque});',
+            '/* Acceleration and torques of a state that was set: position, velocity, twist,\n   '
+            f'motor_velocity, current, speed_error_integral{", mode" * bool(self.modes)}. */',
+            f'void {name}_complete({name}_drive *drive{torque});',
+            f'/* Move on by a step [s]{what}. At a limit, and where\n   numbers overflow, it is '
+            'held at rest. */',
+            f'{name}_drive_status {name}_advance({name}_drive *drive, double step{torque});', '']
+
+    def source(self) -> list[str]:
+        """Return the text behind the functions of motion and loads."""
+        own, name = self._source.own if self._source.start else '', self._model.name
+        command = self.command
+        start = [*self._system.start[:2], self._source.start[0] if self._source.start else 0.0]
+        starts = [f'  drive->position = {literal(start[0])};',
+                  f'  drive->velocity = drive->motor_velocity = {literal(start[1])};',
+                  *([f'  drive->{own} = {literal(start[2])};'] if own else []),
+                  *([f'  drive->mode = {literal(self._system.mechanism.mode)};']
+                    if self.modes else []),
+                  *([f'  {command.place} = {literal(command.start)};']
+                    if command and command.field else [])]
+        text = snippet('drive.c')
+        for word, meaning in (
+                (' ARGUMENT', ', double torque' * self.takes_torque),
+                (' PASSED', ', torque' * self.takes_torque),
+                ('GIVEN_TORQUE', command.place if command else '0.0'),
+                ('OWN_FIELD', f'from->{own}' if own else '0.0'),
+                ('  GIVE_OWN\n', f'  to->{own} = own;\n' if own else ''),
+                ('MODE_FIELD', 'from->mode' if self.modes else '0.0'),
+                ('  TAKE_PLACE\n', snippet('places.c', 'take_place') if self.modes else ''),
+                ('  GIVE_PLACE\n', snippet('places.c', 'give_place') if self.modes else ''),
+                ('  FORGET_PLACE\n', '  drive->place[0] = 0.0;\n' if self.modes else ''),
+                ('STARTS', '\n'.join(starts)), ('NAME', name)):
+            text = text.replace(word, meaning)
+        return [*self._constants(), *self._functions, snippet('source.c'),
+                *self._law(), *self._limits(),
+                *(self._of_toggles() if self.modes else [snippet('places.c', 'no_toggles')]),
+                *self._of_tables(), snippet('step.c'),
+                snippet('places.c', 'toggles' if self.modes else 'held'), text]
+
+    def self_check(self) -> list[str]:
+        """Return the C text that compares the state after some steps with Python's."""
+        mover, step, name = self._scene.mover, 1.0 / self._scene.drive.rate, self._model.name
+        values, torque = mover.start(), ', 0.0' * self.takes_torque
+        for _ in range(CHECKED):
+            _, values = mover.next(values, step)
+        return ['  {', f'    static const double drive_of_python[] = {{{_list(values)}}};',
+                f'    {name}_drive drive;', '    int i;', f'    {name}_start(&drive{torque});',
+                f'    for (i = 0; i < {CHECKED}; ++i) '
+                f'(void){name}_advance(&drive, {literal(step)}{torque});',
+                f'    differ += differing(&drive, drive_of_python, {len(values)});', '  }']
+
+    def _constants(self) -> list[str]:
+        """Return the C constants of the step: phases, budget, tolerances [rad] or [m], factors."""
+        units = [phase.equation.coordinate.input_unit for phase in self._phases]
+        settings = self._scene.drive
+        flags = {'STAGES': EVALUATIONS, 'PHASES': len(units), 'TABLES': len(self._tables),
+                 'PASSES': int(bool(self.modes)),
+                 'BUDGET': settings.budget - phase_steps.RESERVE * bool(self.modes),
+                 'HAS_SHAFT': int(self._drive.shaft is not None),
+                 'HAS_LIMITS': int(self.has_limits), 'TAKES_TORQUE': int(self.takes_torque)}
+        return ['enum { LIMIT = 1, DIVISION = 2 };      /* why a formula refuses, as bits */',
+                *(f'enum {{ {name} = {value} }};' for name, value in flags.items()),
+                f'static const int IS_INPUT[] = '
+                f'{{{", ".join(str(int(phase.is_input)) for phase in self._phases)}}};',
+                f'static const double TOLERANCE[] = '
+                f'{{{_list(settings.tolerance * unit for unit in units)}}};',
+                f'static const double DIFFERENCE[] = '
+                f'{{{_list(phase_steps.DIFFERENCE * unit for unit in units)}}};',
+                *_definitions({name: getattr(phase_steps, name) for name in (
+                    'SMALLEST', 'LARGEST', 'SAFETY', 'CLOSEST', 'DEEPEST', 'SHORTER')}), '']
+
+    @property
+    def _tables(self) -> list[tuple[PositionForce, TableForce]]:
+        return self._system.equation.tables
+
+    def _of_tables(self) -> list[str]:
+        """Return the C text that ends steps at the places of force tables."""
+        tables = self._tables
+        if not tables:
+            return [snippet('source.c', 'no_tables')]
+        reaches = (REACH * phase.equation.coordinate.input_unit for phase in self._phases)
+        counts = ', '.join(str(len(table.ends)) for _, table in tables)
+        is_angle = ', '.join(str(int(isinstance(force.over, LinkAngle))) for force, _ in tables)
+        return [*(f'static const double ENDS_{i}[] = {{{_list(table.ends)}}};'
+                  for i, (_, table) in enumerate(tables)),
+                'static const double *const ENDS[] = '
+                f'{{{", ".join(f"ENDS_{i}" for i in range(len(tables)))}}};',
+                f'static const int COUNTS[] = {{{counts}}};',
+                f'static const int IS_ANGLE[] = {{{is_angle}}};',
+                f'static const double REACHES[] = {{{_list(reaches)}}};',
+                f'enum {{ HALVINGS = {phase_steps.BISECTIONS} }};',
+                *_definitions({'AT_PLACE': drives.NEAREST, 'LEAST_PART': phase_steps.SHORTEST,
+                               'WHOLE_TURN': tau}), '',
+                '/* A place within a table, turns and periods taken off. */',
+                'static double base_of(int table, double place)\n{', '  (void)table;',
+                *(f'  if (table == {i}) return {_base(table)};'
+                  for i, (_, table) in enumerate(tables) if _base(table)),
+                '  return place;', '}', '', snippet('source.c', 'tables')]
+
+    def _of_toggles(self) -> list[str]:
+        """Return the C text for steps through toggles: modes, ratios of units, whole turns."""
+        mechanism, course = self._system.mechanism, self._system.course
+        links = len(self._pose)
+        middle = literal(course.middle)
+        return [f'enum {{ POSE = {links}, OWN_PHASE = {self.modes.index(mechanism.mode)} }};',
+                f'static const double MODES[] = {{{_list(map(float, self.modes))}}};',
+                f'static const double RATIO[] = '
+                f'{{{_list(phase.unit_of_ratio for phase in self._phases)}}};',
+                *_definitions({'LONGEST': LONGEST, 'TURN': tau}), '',
+                '/* An input, known but for whole turns, in the range of this motion. */',
+                'static double continuous(double value)\n{',
+                '  return value;' if mechanism.is_driven_by_slide else
+                f'  return {middle} + remainder(value - {middle}, TURN);', '}', '',
+                snippet('places.c', 'excess')]
+
+    @property
+    def _pose(self) -> tuple[int, ...]:
+        coordinate = self._system.equation.coordinate
+        trace = Trace(lambda n, _: make_pose(coordinate, n), 1)
+        return tuple(flat(trace.results))
+
+    def _law(self) -> list[str]:
+        """
+        Return the C text of the source: ``law`` sets the piece (M1) that holds at a speed.
+
+        A controller has a text of its own, as its law changes at the limits of the torque.
+        """
+        source, regime = self._source, self._regime
+        if regime.margins:
+            assert isinstance(source, SpeedController)
+            numbers = {'KP': source.proportional, 'KI': source.integral,
+                       'TORQUE_LIMIT': source.limit, 'NEAREST': drives.NEAREST,
+                       'NEAR': drives.NEAR, 'EIGHT_EPS': 8.0 * EPS,
+                       'SHORTEST': phase_steps.SHORTEST}
+            return [f'enum {{ BISECTIONS = {phase_steps.BISECTIONS} }};', *_definitions(numbers),
+                    '', snippet('source.c', 'controller')]
+        if self.takes_torque:
+            lines = ['  piece[0] = command;']
+        elif regime.tangent:
+            lines = ['  (void)tangent(&speed, piece);']
+        elif isinstance(source, CommandedLaw):
+            lines = ['  (void)piece_of(&command, piece);']
+        else:
+            lines = [f'  piece[{i}] = {literal(value)};' for i, value in enumerate(regime.piece)
+                     if value]
+        unused = [f'  (void){word};' for word in ('speed', 'command', 'piece')
+                  if not any(word in line for line in lines)]
+        return ['static void law(double speed, double command, double *piece)\n{', *unused,
+                *lines, '}', '', snippet('source.c', 'law')]
+
+    def _limits(self) -> list[str]:
+        """Return the function that tells whether an input is at an end or near a toggle."""
+        low, high = self._scene.linkage.stroke or (-inf, inf)
+        ends = [f'x <= {literal(low)} || x >= {literal(high)}'] * (low > -inf and self.has_limits)
+        lines = list[str]()
+        if self.has_limits and not self.modes:
+            lines = ['  double sine;', '  if (sine_of(&x, &sine)) return 1;']
+            ends.append(f'fabs(sine) - {literal(NEAR_TOGGLE)} <= 0.0')
+        return ['static int is_at_end(double x)\n{', *lines, *['  (void)x;'] * (not ends),
+                f'  return {" || ".join(ends) or "0"};', '}', '']
+
+
+def tables(forces: Sequence[Any], name: str) -> list[str]:
+    """Return the functions of forces over a position, from their tables."""
+    if any(not isinstance(force, TableForce) for force in forces):
+        raise NotGenerated(f'{name}: a force that is a Python function')
+    names = {'wrapped' if force.table.is_periodic else 'clamped' for force in forces}
+    found = [snippet('functions.c', name) for name in sorted(names)]
+    found += [snippet('functions.c', 'table')] * bool(forces)
+    for i, force in enumerate(forces):
+        table = force.table
+        inner, first = table.places[1:-1], table.places[0]
+        second = table.span if table.is_periodic else table.places[-1]
+        turned = ([f'  place = {literal(force.middle)} + remainder(place - '
+                   f'{literal(force.middle)}, {literal(tau)});']
+                  if force.middle is not None else [])
+        found += [
+            f'static double called_{i}(double place)\n{{',
+            f'  static const double inner[] = {{{_list(inner or (0.0,))}}};',
+            '  static const double pieces[][5] = {',
+            ',\n'.join(f'    {{{_list(row)}}}' for row in table.pieces), '  };', *turned,
+            f'  place = {"wrapped" if table.is_periodic else "clamped"}(place, '
+            f'{literal(first)}, {literal(second)});',
+            f'  return {literal(force.factor)} * cubic(pieces[piece_at(place, inner, '
+            f'{len(inner)})], place);', '}', '']
+    return found
+
+
+def _base(force: TableForce) -> str:
+    """Return the C text of a place without whole turns or periods; '': it has none."""
+    if force.middle is not None:
+        middle = literal(force.middle)
+        return f'{middle} + remainder(place - {middle}, WHOLE_TURN)'
+    if force.table.is_periodic:
+        return f'wrapped(place, {literal(force.table.places[0])}, {literal(force.table.span)})'
+    return ''
+
+
+def _definitions(numbers: dict[str, float]) -> list[str]:
+    return [f'static const double {name} = {literal(value)};' for name, value in numbers.items()]
+
+
+def _list(values: Iterable[float]) -> str:
+    return ', '.join(map(literal, values))
+
+
+def _plain(formula: Function, count: int) -> Trace:
+    """Return the trace of a formula of numbers that the node computes as it stands."""
+    return Trace(lambda n, _: formula, count)

@@ -1,0 +1,122 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""A scene as files: C with a C++ wrapper, or an FMU."""
+from __future__ import annotations
+
+from collections.abc import Sequence
+import json
+from pathlib import Path
+from typing import NamedTuple
+
+from fourbar_lab.export.c_code import Code
+from fourbar_lab.export.model import Model, word
+from fourbar_lab.export.statements import snippet
+from fourbar_ros import __version__
+from fourbar_ros.errors import InvalidParameter, one_of
+from fourbar_ros.scene.scene import load, Scene
+from fourbar_ros.scene.topics import TORQUE
+
+FORMATS = ('c', 'fmu2', 'fmu3')
+
+
+class Generated(NamedTuple):
+    """
+    The written files, with notes.
+
+    Parameters
+    ----------
+    files : tuple of Path
+    operations : int
+        Operations of the longest function, per sample.
+    notes : tuple of str
+        Notes for the user: changed names and omissions; a line each.
+
+    """
+
+    files: tuple[Path, ...]
+    operations: int
+    notes: tuple[str, ...]
+
+
+def generate(scene: str | Path | Scene, directory: str | Path, as_: str = 'c',
+             outputs: Sequence[str] | None = None, parameters: Sequence[str] | None = None,
+             name: str = '') -> Generated:
+    """
+    Write a scene as C code or an FMU that has the bits of ``step``; return what was written.
+
+    Parameters
+    ----------
+    scene : str, Path or Scene
+        A scene, its file, or the name of a shipped one.
+    directory : str or Path
+        Made if it is not there.
+    as_ : str
+        'c': NAME.h and NAME.c, C99, a wrapper NAME.hpp, and NAME.json, which says what was
+        generated of what; 'fmu2', 'fmu3': NAME.fmu of FMI 2.0 or 3.0, co-simulation.
+    outputs : sequence of str, optional
+        Fields of motion and loads, and POINT.FIELD of points; not given: all, of an FMU all with
+        a unit.
+    parameters : sequence of str, optional
+        What can be changed at run time, as ``a1``, ``bodies.crank.mass``; not given: all numbers
+        that are not left out; empty: none.
+    name : str, optional
+        Prefix of all names; not given: the name of the scene's file.
+
+    Raises
+    ------
+    NotGenerated
+        The scene, or what is asked of it, cannot be generated.
+    InvalidParameter
+        An output, a parameter or the format is not known.
+
+    """
+    if as_ not in FORMATS:
+        raise InvalidParameter('as', as_, one_of(FORMATS))
+    found = scene if isinstance(scene, Scene) else load(scene)
+    stem = name or ('linkage' if isinstance(scene, Scene) else Path(scene).stem)
+    model = Model(found, word(stem), outputs, parameters)
+    model.check()
+    directory = Path(directory)
+    directory.mkdir(parents=True, exist_ok=True)
+    notes = list(model.renamed)
+    if model.name != stem:
+        notes.append(f'{stem} is {model.name}')
+    if not model.loads and outputs is None:
+        notes.append(f'no loads: {found.why_no_loads}')
+    if as_ != 'c':
+        from fourbar_lab.export.fmu import write
+        path, more, operations = write(model, directory, int(as_[-1]))
+        return Generated((path,), operations, (*notes, *more))
+    code = Code(model)
+    texts = {'.h': code.header(), '.c': code.source(), '.hpp': wrapper(model),
+             '.json': json.dumps(manifest(model), indent=1) + '\n'}
+    paths = [directory / (model.name + ending) for ending in texts]
+    for path, text in zip(paths, texts.values()):
+        path.write_text(text, encoding='utf-8')
+    return Generated(tuple(paths), max(code.operations.values()), tuple(notes))
+
+
+def manifest(model: Model) -> dict[str, object]:
+    """Return names of inputs, parameters and outputs, with their scene, ready for JSON."""
+    return {'fourbar_ros': __version__, 'name': model.name,
+            'scene': json.loads(model.scene.as_json),
+            'input': [one.field for one in model.inputs],
+            'parameters': {one.field: one.value for one in model.tunable},
+            'outputs': None if model.outputs is None else list(model.outputs),
+            'tunable': None if model.parameters is None else list(model.parameters)}
+
+
+def wrapper(model: Model) -> str:
+    """Return the C++ header around a generated C header."""
+    torque = 'double torque' * (model.scene.drive.source == TORQUE.name)
+    drive = snippet('wrapper.hpp', 'drive') if model.moves_by_torque else ''
+    for place, meaning in (('FIRST', torque), (' ARGUMENT', torque and f', {torque}'),
+                           (' PASSED', ', torque' if torque else '')):
+        drive = drive.replace(place, meaning)
+    text = snippet('wrapper.hpp').replace('DRIVE\n', drive).replace('NAME', model.name).replace(
+        'GUARD', f'FOURBAR_{model.name.upper()}_HPP')
+    if not model.loads:
+        start, end = text.index('  Status step'), text.index('\nprivate:')
+        text = '\n'.join(line for line in (text[:start] + text[end:]).split('\n')
+                         if 'oads' not in line)
+    return text

@@ -1,0 +1,331 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+A model as an FMU, FMI 2.0 or 3.0: description, sources, binary of this platform.
+
+The input and, of links that topics load, the external forces are inputs; parameters are tunable.
+A sample out of range is no error: its outputs are NaN, and ``status`` says why.
+"""
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from math import pi
+from pathlib import Path
+import platform
+import sys
+from tempfile import TemporaryDirectory
+from typing import NamedTuple
+import uuid
+from xml.etree import ElementTree
+import zipfile
+
+from fourbar_lab.export.c_code import Code, FLAGS, STATUS
+from fourbar_lab.export.compiled import build, NoCompiler
+from fourbar_lab.export.drive import DriveCode, STATUS_OF_DRIVE
+from fourbar_lab.export.model import Model, Named, NotGenerated
+from fourbar_lab.export.statements import snippet
+from fourbar_ros import __version__
+
+# Exponents of kg, m, s, rad, A.
+BASES = {'rad': (0, 0, 0, 1), 'rad/s': (0, 0, -1, 1), 'rad/s^2': (0, 0, -2, 1),
+         'm': (0, 1, 0, 0), 'm/s': (0, 1, -1, 0), 'm/s^2': (0, 1, -2, 0), '1/m': (0, -1, 0, 0),
+         'kg': (1, 0, 0, 0), 'kg m^2': (1, 2, 0, 0), 'N': (1, 1, -2, 0), 'N m': (1, 2, -2, 0),
+         's': (0, 0, 1, 0), 'A': (0, 0, 0, 0, 1), 'V': (1, 2, -3, 0, -1)}
+PLATFORMS = {'linux': ('linux64', '{}-linux', 'so'), 'darwin': ('darwin64', '{}-darwin', 'dylib'),
+             'win32': ('win64', '{}-windows', 'dll')}
+MADE = (1980, 1, 1, 0, 0, 0)     # of all files of the archive: the same scene, the same bytes
+DRIVE_TEXT = ', '.join(f'{i} {text.replace("_", " ")}' for i, text in enumerate(STATUS_OF_DRIVE))
+STATUS_TEXT = ', '.join(f'{i} {text.replace("_", " ")}' for i, text in enumerate(STATUS))
+
+
+class Variable(NamedTuple):
+    """A variable of an FMU; ``reference``: its place among the numbers of the instance."""
+
+    name: str
+    reference: int
+    causality: str
+    unit: str
+    text: str
+    start: float
+
+
+def write(model: Model, directory: Path, version: int) -> tuple[Path, list[str], int]:
+    """
+    Write NAME.fmu; return it, notes for its user, and the operations per sample.
+
+    Without a compiler it has sources alone, which many masters build.
+    """
+    if model.outputs is None:
+        texts = model.texts
+        model = replace(model, outputs=[one.name for one in (*model.motion, *model.loads)
+                                        if texts.get(one.name, ('', ''))[0]])
+    code = Code(model)
+    variables = _variables(model, code.drive)
+    _check_names(model, variables)
+    text = _source(code, version)
+    guid = str(uuid.uuid5(uuid.NAMESPACE_URL, text + repr(variables)))
+    source = text.replace('GUID', f'{{{guid}}}')
+    description = (_description_2 if version == 2 else _description_3)(model, variables,
+                                                                       f'{{{guid}}}')
+    inside = {'modelDescription.xml': _as_text(description),
+              f'sources/{model.name}.c': source.encode()}
+    if version == 3:
+        inside['sources/buildDescription.xml'] = _as_text(_build_description(model))
+    notes = []
+    try:
+        inside.update(_binary(model.name, source, version))
+    except (NoCompiler, NotGenerated) as error:
+        notes.append(f'{error}: the FMU has sources alone')
+    path = directory / f'{model.name}.fmu'
+    with zipfile.ZipFile(path, 'w', zipfile.ZIP_DEFLATED) as archive:
+        for name, content in inside.items():
+            archive.writestr(zipfile.ZipInfo(name, MADE), content, zipfile.ZIP_DEFLATED)
+    return path, notes, max(code.operations.values())
+
+
+def _variables(model: Model, drive: DriveCode | None) -> list[Variable]:
+    """
+    Return the variables of the FMU, in the order of the description.
+
+    Value references: inputs from 0, then parameters, motion, loads, status and time. With a drive
+    its values follow, and no motion is prescribed: a torque, if commanded, is the input.
+    """
+    topics = {f'external.{link}' for link in model.scene.wrenches.links}
+    given = {one.name for one in model.inputs}
+    start = model.sample()[0][0]      # a pose that exists
+
+    def of(named: tuple[Named, ...], first: int, causality: str) -> Iterator[Variable]:
+        """Yield variables with references from ``first``; external forces are inputs."""
+        for i, one in enumerate(named):
+            is_topic = one.name.rpartition('.')[0] in topics
+            yield Variable(one.name, first + i, 'input' if is_topic else causality, one.unit,
+                           one.text, one.value)
+    inputs = [one._replace(value=start * (not i)) for i, one in enumerate(model.inputs)]
+    places = [0, len(inputs), len(inputs) + len(model.tunable)]
+    found = [*of(tuple(inputs), 0, 'input'), *of(model.tunable, places[1], 'parameter'),
+             *of(model.motion, places[2], 'output'),
+             *of(model.loads, places[2] + len(model.motion), 'output')]
+    last = places[2] + len(model.motion) + len(model.loads)
+    status = Variable('status', last, 'output', '', STATUS_TEXT, 0.0)
+    if drive is None:
+        return [*(one for one in found if one.causality != 'output' or one.name not in given),
+                status]
+    signs = {f'sign_{i + 1}' for i in range(len(model.signs))} | {'sign'}
+    first = last + 2                      # behind the time
+    of_drive = [Variable(f'drive.{name}', first + i, 'output', unit, text, 0.0)
+                for i, (name, unit, text) in enumerate(drive.numbers) if name in drive.there]
+    last = first + len(drive.numbers)
+    command = drive.command
+    own_input = [Variable(command.name, last + 1, 'input', command.unit, command.text,
+                          command.start)] if command else []
+    kept = [one for one in found if one.reference >= len(inputs) and one.name not in signs]
+    return [*own_input, *kept, status,
+            *of_drive, Variable('drive.status', last, 'output', '', DRIVE_TEXT, 0.0)]
+
+
+def _check_names(model: Model, variables: list[Variable]) -> None:
+    """Refuse two names that differ in dots alone: ROS makes one topic of both."""
+    seen: dict[str, str] = {}
+    for one in variables:
+        other = seen.setdefault(one.name.replace('.', '_'), one.name)
+        if other != one.name:
+            raise NotGenerated(f'{model.name}: {one.name} and {other} would be one topic')
+
+
+def _source(code: Code, version: int) -> str:
+    """Return header, formulas and the functions of FMI as one file."""
+    model, name = code.model, code.name
+    header = code.header().replace('extern "C" {', '').replace('#ifdef __cplusplus\n}\n#endif\n',
+                                                               '')
+    loads, drive = len(model.loads), code.drive
+    command = drive.command if drive else None
+    torque = ', state->torque' * bool(drive and drive.takes_torque)
+    derivatives = (code.writer.function('derivatives_of', model.derivatives, refuses=False)
+                   if model.derivatives else '')
+    call = (f'{name}_{"step" if loads else "motion_at"}(&state->constants, &state->input, '
+            f'&state->motion{", &state->loads" if loads else ""});')
+    meanings = {
+        'DERIVATIVES_OF\n': derivatives,
+        'DERIVATIVES\n': snippet('fmu.c', 'derivatives' if derivatives else 'no_derivatives'),
+        'LOADS_FIELD\n': f'  {name}_loads loads;\n' if loads else '',
+        'LOADS_NUMBER\n': '  if (reference < RESULTS)\n    return (char *)&state->loads + '
+                          '(reference - GIVEN - MOTIONS) * sizeof(double);\n' if loads else '',
+        'DRIVE_FIELD\n': f'  {name}_drive drive;\n  double drive_status, torque, mode;\n  '
+                         'int has_moved;\n' if drive else '',
+        'DRIVE_NUMBERS': f', DRIVE = TIME + 1, DRIVE_STATUS = DRIVE + {len(drive.numbers)}, TORQUE'
+                         if drive else '',
+        'DRIVE_NUMBER\n': snippet('fmu.c', 'number') if drive else '',
+        '      INPUT_OF_DRIVE\n': _input_of_drive(code) if drive else '',
+        '    SET_COMMAND\n': snippet('fmu.c', 'command') if command else '',
+        '  ADVANCE\n': snippet('fmu.c', 'advance') if drive else '',
+        'STEP;': call,
+        'COMMAND': (f'state->drive.{command.field}' if command and command.field
+                    else 'state->torque'),
+        'BEGIN': f'{name}_{"start" if torque else "complete"}(&state->drive{torque})',
+        'STARTS': f'{name}_start(&state->drive{torque});' if drive else
+                  f'state->input.{model.inputs[0].field} = {model.sample()[0][0]!r};',
+        ' GIVEN_TORQUE': torque,
+        'enum { GIVEN': f'enum {{ EXCHANGES = {int(not drive)} }};\n'
+                        f'enum {{ INPUTS = {len(model.inputs)}, PARAMETERS = '
+                        f'{len(model.tunable)}, LOADS = {loads} }};\nenum {{ GIVEN'}
+    shared = snippet('fmu.c') + snippet(f'fmu{version}.c')
+    for word, meaning in meanings.items():
+        shared = shared.replace(word, meaning)
+    text = code.source().replace(f'#include "{name}.h"\n', header)
+    return text + shared.replace('NAME', name)
+
+
+def _input_of_drive(code: Code) -> str:
+    """Return the statements that take the input of the formulas from the drive."""
+    fields, indent = [one.field for one in code.model.inputs], ' ' * 6
+    text = ''.join(f'{indent}state->input.{field} = state->drive.{of};\n' for field, of in zip(
+        fields, ('position', 'velocity', 'acceleration')))
+    return text + snippet('fmu.c', 'mode') * bool(code.model.signs)
+
+
+def _binary(name: str, source: str, version: int) -> dict[str, bytes]:
+    """Return {place in the archive: bytes} of the library for this platform."""
+    if sys.platform not in PLATFORMS:
+        raise NotGenerated(f'FMI has no name for a binary of {sys.platform}')
+    two, three, ending = PLATFORMS[sys.platform]
+    machine = {'AMD64': 'x86_64', 'arm64': 'aarch64'}.get(platform.machine(), platform.machine())
+    if version == 2 and machine != 'x86_64':
+        raise NotGenerated(f'FMI 2.0 has no name for a binary of {machine}')
+    with TemporaryDirectory() as folder:
+        path, library = Path(folder) / f'{name}.c', Path(folder) / f'{name}.{ending}'
+        path.write_text(source, encoding='utf-8')
+        build([path], library, flags=[*FLAGS.split(), '-fvisibility=hidden', '-s'])
+        where = two if version == 2 else three.format(machine)
+        return {f'binaries/{where}/{library.name}': library.read_bytes()}
+
+
+# --- descriptions --------------------------------------------------------------------------------
+
+def _as_text(element: ElementTree.Element) -> bytes:
+    ElementTree.indent(element)
+    text: bytes = ElementTree.tostring(element, 'utf-8', xml_declaration=True)
+    return text
+
+
+def _element(under: ElementTree.Element | None, tag: str, **attributes: object
+             ) -> ElementTree.Element:
+    given = {name: str(value) for name, value in attributes.items() if value != ''}
+    return (ElementTree.Element(tag, given) if under is None
+            else ElementTree.SubElement(under, tag, given))
+
+
+def _unit(unit: str) -> str:
+    """Return a unit as FMI writes it: N.m, rad/s2."""
+    return unit.replace(' ', '.').replace('^', '')
+
+
+def _head(model: Model, version: str, **attributes: str) -> ElementTree.Element:
+    return _element(None, 'fmiModelDescription', fmiVersion=version, modelName=model.name,
+                    description=f'{model.mechanism.description}, mode {model.mechanism.mode}',
+                    version=__version__, generationTool=f'fourbar_ros {__version__}',
+                    variableNamingConvention='structured', **attributes)
+
+
+def _units(root: ElementTree.Element, variables: list[Variable]) -> None:
+    """Add the definitions of all units in use, by exponents of kg, m, s, rad and A."""
+    units = _element(root, 'UnitDefinitions')
+    for unit in sorted({one.unit for one in variables if one.unit} | {'s'}):
+        own = _element(units, 'Unit', name=_unit(unit))
+        exponents = zip(('kg', 'm', 's', 'rad', 'A'), BASES[unit])
+        _element(own, 'BaseUnit', **{name: value for name, value in exponents if value})
+        if unit == 'rad':
+            _element(own, 'DisplayUnit', name='deg', factor=repr(180.0 / pi))
+
+
+def _attributes(one: Variable) -> dict[str, object]:
+    return {'name': one.name, 'valueReference': one.reference, 'description': one.text,
+            'causality': one.causality,
+            'variability': 'tunable' if one.causality == 'parameter' else 'continuous'}
+
+
+def _real(one: Variable) -> dict[str, object]:
+    start = {} if one.causality == 'output' else {'start': repr(one.start)}
+    return {'unit': _unit(one.unit), **start}
+
+
+def _step_of(model: Model) -> str:
+    """Return the step of the default experiment [s]: that of a node that moves by torque."""
+    return repr(1.0 / model.scene.drive.rate if model.moves_by_torque else 0.001)
+
+
+def _interfaces(model: Model, ending: str = '') -> list[tuple[str, dict[str, str]]]:
+    """
+    Return the interfaces of an FMU and their own attributes.
+
+    Model exchange is for motion by its inputs, which has no state: it is solved with the model
+    around it, without the delay of a step. Motion by torque has steps of its own. ``ending``: of
+    the attribute that offers derivatives, which FMI 3.0 writes in the plural.
+    """
+    slopes = {f'providesDirectionalDerivative{ending}': 'true'} if model.derivatives else {}
+    co_simulation = 'CoSimulation', {'canHandleVariableCommunicationStepSize': 'true', **slopes}
+    return [co_simulation] if model.moves_by_torque else [('ModelExchange', slopes), co_simulation]
+
+
+def _feeds_through(one: Variable) -> bool:
+    """Return whether outputs depend on it at once: on torque or voltage only by steps."""
+    return (one.causality == 'input' and one.name != 'torque'
+            and not one.name.startswith('motor.'))
+
+
+def _description_2(model: Model, variables: list[Variable], guid: str) -> ElementTree.Element:
+    """Return modelDescription.xml of FMI 2.0: dependencies name variables by order, from 1."""
+    root = _head(model, '2.0', guid=guid)
+    for tag, more in _interfaces(model):
+        kind = _element(root, tag, modelIdentifier=model.name, canGetAndSetFMUstate='true',
+                        canSerializeFMUstate='true', **more)
+        _element(_element(kind, 'SourceFiles'), 'File', name=f'{model.name}.c')
+    _units(root, variables)
+    _element(root, 'DefaultExperiment', startTime='0', stopTime='1', stepSize=_step_of(model))
+    listed = _element(root, 'ModelVariables')
+    for one in variables:
+        variable = _element(listed, 'ScalarVariable', **_attributes(one))
+        _element(variable, 'Real', **_real(one))
+    structure = _element(root, 'ModelStructure')
+    inputs = ' '.join(str(i + 1) for i, one in enumerate(variables) if _feeds_through(one))
+    known = ' '.join(str(i + 1) for i, one in enumerate(variables) if one.causality != 'output')
+    for tag, on in (('Outputs', inputs), ('InitialUnknowns', known)):
+        group = _element(structure, tag)
+        for i, one in enumerate(variables):
+            if one.causality == 'output':
+                _element(group, 'Unknown', index=i + 1).set('dependencies', on)
+    return root
+
+
+def _description_3(model: Model, variables: list[Variable], token: str) -> ElementTree.Element:
+    """Return modelDescription.xml of FMI 3.0: dependencies name variables by value references."""
+    root = _head(model, '3.0', instantiationToken=token)
+    for tag, more in _interfaces(model, 's'):
+        _element(root, tag, modelIdentifier=model.name, canGetAndSetFMUState='true',
+                 canSerializeFMUState='true', **more)
+    _units(root, variables)
+    _element(root, 'DefaultExperiment', startTime='0', stopTime='1', stepSize=_step_of(model))
+    listed = _element(root, 'ModelVariables')
+    status = next(one for one in variables if one.name == 'status')
+    _element(listed, 'Float64', name='time', valueReference=status.reference + 1,
+             causality='independent', variability='continuous', unit='s')
+    for one in variables:
+        _element(listed, 'Float64', **_attributes(one), **_real(one))
+    structure = _element(root, 'ModelStructure')
+    for tag, is_on in (('Output', _feeds_through),
+                       ('InitialUnknown', lambda one: one.causality != 'output')):
+        on = ' '.join(str(one.reference) for one in variables if is_on(one))
+        for one in variables:
+            if one.causality == 'output':
+                _element(structure, tag, valueReference=one.reference).set('dependencies', on)
+    return root
+
+
+def _build_description(model: Model) -> ElementTree.Element:
+    """Return buildDescription.xml of FMI 3.0: which C file is compiled, and how."""
+    root = _element(None, 'fmiBuildDescription', fmiVersion='3.0')
+    own = _element(root, 'BuildConfiguration', modelIdentifier=model.name)
+    files = _element(own, 'SourceFileSet', language='C99', compiler='gcc',
+                     compilerOptions=FLAGS)
+    _element(files, 'SourceFile', name=f'{model.name}.c')
+    return root

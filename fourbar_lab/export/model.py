@@ -1,0 +1,522 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""The generated content of a scene: its trace, and a name, a unit and a text for each number."""
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
+from math import isfinite
+import re
+from typing import Any, NamedTuple
+
+from fourbar_lab.export.statements import JUDGED
+from fourbar_ros.dynamics.model.element_forces import make_external
+from fourbar_ros.errors import FourBarError, InvalidParameter, one_of
+from fourbar_ros.mechanisms import quantities
+from fourbar_ros.mechanisms.evaluation import limits_at_zero
+from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.parts import Ranges
+from fourbar_ros.mechanisms.points import make_point, PointMotion
+from fourbar_ros.numerics.duals import derivatives_of, Dual, duals_of
+from fourbar_ros.numerics.number_types import (
+    converted,
+    Function,
+    numbers_of,
+    NumberType,
+    REAL,
+)
+from fourbar_ros.numerics.trace import flat, REFUSING, Trace
+from fourbar_ros.scene.scene import Scene
+
+UNITS_OF_BODIES = {'mass': 'kg', 'inertia': 'kg m^2', 'force_x': 'N', 'force_y': 'N',
+                   'couple': 'N m'}
+UNITS_OF_POINTS = dict(zip(PointMotion._fields, ('m', 'm', 'm/s', 'm/s', 'm/s^2', 'm/s^2', 'm/s',
+                                                 'm/s^2', 'm/s^2', '1/m')))
+_WORDS = """
+    alignas alignof and and_eq asm auto bitand bitor bool break case catch char class compl const
+    constexpr continue decltype default delete do double else enum explicit export extern false
+    float for friend goto if inline int long mutable namespace new noexcept not not_eq nullptr
+    operator or or_eq private protected public register reinterpret_cast requires restrict return
+    short signed sizeof static static_assert static_cast struct switch template this thread_local
+    throw true try typedef typeid typename typeof union unsigned using virtual void volatile
+    wchar_t while xor xor_eq linux unix errno NAN INFINITY NULL EOF"""
+RESERVED = frozenset(_WORDS.split())
+
+
+class NotGenerated(FourBarError):
+    """A scene, or what is asked of it, cannot be generated; the message says why."""
+
+
+class Named(NamedTuple):
+    """
+    A number of the generated code.
+
+    Parameters
+    ----------
+    name : str
+        As in Python: ``bodies.crank.mass``, ``theta4``, ``foot.x``.
+    field : str
+        Its field of a struct.
+    unit, text : str
+        Empty: none is known.
+    value : float
+        Of a parameter: its value in the scene.
+    place : int
+        Of a parameter among the data of the trace, of a result among its steps.
+
+    """
+
+    name: str
+    field: str
+    unit: str
+    text: str
+    value: float
+    place: int
+
+
+@dataclass(frozen=True)
+class Model:
+    """
+    A scene prepared for generation.
+
+    Parameters
+    ----------
+    scene : Scene
+    name : str
+        A word in C: prefix of all names.
+    outputs, parameters : sequence of str, optional
+        What is wanted, and what can be changed at run time; None: all.
+
+    Raises
+    ------
+    NotGenerated, InvalidParameter
+
+    """
+
+    scene: Scene
+    name: str
+    outputs: Sequence[str] | None = None
+    parameters: Sequence[str] | None = None
+
+    @cached_property
+    def mechanism(self) -> Mechanism:
+        """Return the linkage; without masses where its loads have limits besides springs."""
+        bare = self.scene.bare_linkage
+        return self.scene.linkage if bare.is_flat_at_zero else bare
+
+    @cached_property
+    def signs(self) -> dict[int, dict[int, float]]:
+        """Return {place among the data: {mode: number}}: differences of the modes passed."""
+        mechanism, modes = self.mechanism, tuple[int, ...]()
+        if self.moves_by_torque:
+            from fourbar_ros.dynamics.step.mover import modes_of
+            modes = modes_of(mechanism)
+        rows = {mode: numbers_of(mechanism.in_mode(mode).constants) for mode in modes}
+        return {place: dict(zip(rows, column)) for place, column in enumerate(zip(*rows.values()))
+                if len(set(column)) > 1}
+
+    @cached_property
+    def is_fixed(self) -> bool:
+        """Return whether it has change points, whose limits belong to its own numbers."""
+        return self.mechanism.is_flat_at_zero or bool(self.mechanism.flat_limits)
+
+    @property
+    def moves_by_torque(self) -> bool:
+        """Return whether its motion follows from torque."""
+        return self.scene.dynamics is not None
+
+    # --- its trace ------------------------------------------------------------------------------
+
+    @cached_property
+    def trace(self) -> Trace:
+        """Return the trace of motion, loads and points, with the operations of ``step``."""
+        mechanism, found = self.mechanism, self._traced
+        zeros = {found.count + i: 0.0 for i, value in enumerate(self.data)
+                 if value == 0.0 and i not in self._asked and i < self._own
+                 } if mechanism.LEAVES_OUT_ZEROS else {}
+        # of points a node leaves nothing out
+        return (found.simplified({**found.literals(), **zeros}, self.end_of_loads) if zeros
+                else found)
+
+    @cached_property
+    def _traced(self) -> Trace:
+        return Trace(self._formula, 3, (self.constants, self._places))
+
+    @property
+    def _places(self) -> tuple[tuple[float, ...], ...]:
+        """Return (along, across) of each point [m]."""
+        return tuple([tuple(map(float, point[1:])) for point in self.scene.points.values()])
+
+    @cached_property
+    def constants(self) -> Any:
+        """Return the data of the mechanism's formulas."""
+        constants = self.mechanism.constants
+        return constants if self.mechanism.bodies else constants._replace(bodies=None)
+
+    @cached_property
+    def data(self) -> list[float]:
+        """Return the numbers of the data, in the order of the trace."""
+        return [float(value) for value in numbers_of((self.constants, self._places))]
+
+    @cached_property
+    def _own(self) -> int:
+        return len(numbers_of(self.constants))
+
+    def _formula(self, n: NumberType, data: Any) -> Function:
+        """
+        Return the formula (three inputs) -> (motion, loads, points) that the trace records.
+
+        ``data``: constants of the mechanism and places of the points, of the number type ``n``.
+        """
+        motion_of, loads_of, points_of = self._parts_of_formula(n, data)
+
+        def formula(*given: Any) -> Any:
+            """Return all results, and note where in the trace motion and loads end."""
+            motion = self.mechanism.MOTION._make(motion_of(*given))
+            trace = given[0].trace
+            object.__setattr__(self, 'end_of_motion', len(trace.steps))
+            loads = loads_of(motion, given[0])
+            object.__setattr__(self, 'end_of_loads', trace.begin_apart())
+            return tuple(motion), loads, points_of(motion)
+        return formula
+
+    def _parts_of_formula(self, n: NumberType, data: Any) -> tuple[Function, Function, Function]:
+        """Return inputs -> motion, (motion, position) -> loads and motion -> points."""
+        constants, places = data
+        mechanism, points = self.mechanism, self.scene.points.values()
+        elements = self.scene.elements
+        external = make_external(n, mechanism, elements) if elements else None
+
+        def loads_of(motion: Any, position: Any) -> Any:
+            """Return the loads with the forces of all elements; without bodies there are none."""
+            if not mechanism.bodies:
+                return ()
+            mine = constants if external is None else constants._replace(
+                external=external(motion, position, constants.external))
+            return mechanism.loads_formula(n, mine)(motion)
+        made = [make_point(n, mechanism, point.link, *place)
+                for point, place in zip(points, places)]
+        return (mechanism.motion_formula(n, constants), loads_of,
+                lambda motion: tuple([point(motion) for point in made]))
+
+    @cached_property
+    def derivatives(self) -> Trace | None:
+        """
+        Return the trace of the exact derivatives of all wanted results along one direction.
+
+        Its inputs: those of the model and the tunable parameters, then the direction in both; its
+        results: of :attr:`motion`, then :attr:`loads`. A magnitude that is zero, as of most loads
+        at rest, has the derivative towards this side. None where the motion has steps, where
+        limits take the place of formulas, or where a function is no formula.
+        """
+        if (self.moves_by_torque or self.mechanism.is_flat_at_zero
+                or any(step.operation == 'call' for step in self.trace.steps)):
+            return None
+
+        def make(n: NumberType, _: Any) -> Function:
+            duals = duals_of(n)
+
+            def hypot(*parts: Dual) -> Dual:
+                """Return a magnitude; where it is zero, with the magnitude of the change."""
+                size: Dual = duals.hypot(*parts)
+                change = n.hypot(*(derivatives_of(part).get('', 0.0) for part in parts))
+                return Dual(size.value, {'': n.where(size.value > 0.0, size.by.get('', 0.0),
+                                                     change)})
+            numbers = replace(duals, hypot=hypot)
+
+            def formula(*given: Any) -> Any:
+                """Return the derivatives, flat; a result that does not change has none."""
+                moved = [Dual(value, {'': along}) for value, along in zip(
+                    given, given[len(given) // 2:])]
+                values: list[Any] = list(self.data)
+                for one, dual in zip(self.tunable, moved[3:]):
+                    values[one.place] = dual
+                for place, (x, y) in self.derived.items():
+                    if isinstance(values[x], Dual) or isinstance(values[y], Dual):
+                        values[place] = numbers.hypot(values[x], values[y])
+                left = iter(values)
+                data = converted((self.constants, self._places), lambda _: next(left))
+                motion_of, loads_of, points_of = self._parts_of_formula(numbers, data)
+                motion = self.mechanism.MOTION._make(motion_of(*moved[:3]))
+                found = dict(zip(self.names_of_motion, (
+                    *motion, *(value for point in points_of(motion) for value in point))))
+                found |= zip(self.mechanism.LOADS._fields, loads_of(motion, moved[0]))
+                return [derivatives_of(found[one.name]).get('', 0.0)
+                        for one in (*self.motion, *self.loads)]
+            return formula
+        trace = Trace(make, 2 * (len(self.inputs) + len(self.tunable)))
+        return trace.simplified(trace.literals())
+
+    # places of the first steps that are not of the motion, not of motion and loads
+    end_of_motion = end_of_loads = 0
+
+    # --- names ----------------------------------------------------------------------------------
+
+    @cached_property
+    def inputs(self) -> tuple[Named, ...]:
+        """Return position, rate and acceleration of the input."""
+        coordinate = self.mechanism.input_coordinate
+        texts = 'position of the input', 'its rate', 'its acceleration'
+        return self._with_fields([Named(name, '', unit, text, 0.0, i) for i, (name, unit, text)
+                                  in enumerate(zip(coordinate, units_of(coordinate.unit), texts))])
+
+    @cached_property
+    def _asked(self) -> frozenset[int]:
+        """Return which data are parameters, zero or not: by their names, or as topics set them."""
+        names = [name for name, _ in self.names]
+        wanted = self.parameters or ()
+        topics = {f'external.{link}' for link in self.scene.wrenches.links}
+        for name in wanted:
+            if name not in names:
+                raise InvalidParameter('parameters', name, one_of(filter(None, names), name))
+            if self.moves_by_torque and name.rpartition('.')[0] not in topics:
+                raise NotGenerated(f'{self.name}: parameter {name} cannot be changed, as the '
+                                   'motion by torque has the numbers of the scene')
+            if self.is_fixed:
+                raise NotGenerated(f'{self.name}: parameter {name} cannot be changed, as its '
+                                   'limits at change points belong to the lengths of the scene')
+        return frozenset([*self.signs, *(names.index(name) for name in (
+            *wanted, *(name for name in names if name.rpartition('.')[0] in topics)))])
+
+    @cached_property
+    def names(self) -> list[tuple[str, str]]:
+        """Return name and unit of each number of the data; no name: it is fixed."""
+        constants = self.constants
+        found = [(name if isinstance(name, str) else '', 'm')
+                 for name in self.mechanism.numbers_of_lengths]
+        signs = list(self.signs)
+        found += [((f'sign_{signs.index(place) + 1}' if len(signs) > 1 else 'sign')
+                   if place in signs else '', '')
+                  for place in range(len(found), len(found) + len(numbers_of(constants.sign)))]
+        found += _of_links('bodies', constants.bodies)
+        found += [('gravity.x', 'm/s^2'), ('gravity.y', 'm/s^2')]
+        found += _of_links('external', constants.external)
+        found += [(f'points.{name}.{what}', 'm') for name in self.scene.points
+                  for what in ('along', 'across')]
+        assert len(found) == len(self.data)
+        return found
+
+    @cached_property
+    def tunable(self) -> tuple[Named, ...]:
+        """Return the parameters that can be changed at run time."""
+        trace, first = self.trace, self.trace.count
+        used = {i - first for i in trace.needed(self.needed(True))}
+        used |= {i for datum in used & self.derived.keys() for i in self.derived[datum]}
+        return self._with_fields([
+            Named(name, '', unit, '', self.data[i], i)
+            for i, (name, unit) in enumerate(self.names)
+            if name and (i in self._asked or self.parameters is None and not self.is_fixed
+                         and not self.moves_by_torque
+                         and i in used and trace.steps[first + i].operation == 'datum')])
+
+    @cached_property
+    def derived(self) -> dict[int, tuple[int, int]]:
+        """Return {place among the data: two others} of sizes of vectors."""
+        return {i: name for i, name in enumerate(self.mechanism.numbers_of_lengths)
+                if not isinstance(name, str)}
+
+    @cached_property
+    def motion(self) -> tuple[Named, ...]:
+        """Return the wanted fields of the motion, and those of points."""
+        return self._wanted(self.names_of_motion,
+                            [*_parts(self.trace)[0], *_parts(self.trace)[2]], False)
+
+    @property
+    def names_of_motion(self) -> list[str]:
+        """Return the names of all results of the motion, and of points."""
+        return [*self.mechanism.MOTION._fields, *(
+            f'{point}.{what}' for point in self.scene.points for what in PointMotion._fields)]
+
+    @cached_property
+    def loads(self) -> tuple[Named, ...]:
+        """Return the wanted fields of the loads."""
+        return self._wanted(self.mechanism.LOADS._fields if self.mechanism.bodies else (),
+                            _parts(self.trace)[1], True)
+
+    def _wanted(self, names: Sequence[str], places: Sequence[int], are_loads: bool
+                ) -> tuple[Named, ...]:
+        """
+        Return the results that the user asked for, as C fields.
+
+        ``places``: their places in the trace. The motion always includes the input with its rates.
+        """
+        texts = self.texts
+        given = dict.fromkeys(self.mechanism.input_coordinate)
+        return self._with_fields([
+            Named(name, '', *texts.get(name, ('', '')), 0.0, place)
+            for name, place in zip(names, places)
+            if self.outputs is None or name in self.outputs
+            or name in given and not are_loads])
+
+    def check(self) -> None:
+        """Raise NotGenerated or InvalidParameter where it cannot be generated."""
+        mechanism, outputs = self.mechanism, list(self.outputs or ())
+        known = self.names_of_motion
+        for name in outputs:
+            if name in mechanism.LOADS._fields and mechanism.bodies is None:
+                raise NotGenerated(f'{self.name}: no loads, so no {name}: '
+                                   f'{self.scene.why_no_loads}')
+            if name not in (*known, *mechanism.LOADS._fields):
+                raise InvalidParameter('outputs', name,
+                                       one_of((*known, *mechanism.LOADS._fields), name))
+        _ = self._asked
+
+    @cached_property
+    def texts(self) -> Mapping[str, tuple[str, str]]:
+        """Return {name of a field: (unit, text)} as far as they are known."""
+        mechanism = self.mechanism
+        found = {f'{point}.{what}': (unit, f'{what.replace("_", " along ", 1)} of point {point}'
+                                     if what[-2:] in ('_x', '_y') else
+                                     f'{what.replace("_", " ")} of point {point}')
+                 for point in self.scene.points for what, unit in UNITS_OF_POINTS.items()}
+        for name in mechanism.LOADS._fields:
+            is_moment = name.endswith(('_couple', 'torque', 'moment'))
+            found[name] = 'N m' if is_moment else 'N', ''
+        for reaction in mechanism.REACTIONS:
+            for name, which in zip(reaction[2:5], ('magnitude of', 'x of', 'y of')):
+                found[name] = 'N', f'{which} the force of {reaction.text}, at {reaction.joint}'
+        for axis in 'xy':
+            found[f'shaking_force_{axis}'] = 'N', f'{axis} of the force on the ground'
+        for coordinate in (*(joint.coordinate for joint in mechanism.JOINTS), *mechanism.PARTS,
+                           mechanism.input_coordinate):
+            for name, unit, what in zip(coordinate, units_of(coordinate.unit),
+                                        ('position', 'rate', 'acceleration')):
+                found[name] = unit, f'{what} of {coordinate.position}'
+        known = quantities.QUANTITIES | quantities.POSITIONS | {
+            quantity.name: quantity for quantity in mechanism.QUANTITIES}
+        given = set(mechanism.input_coordinate)
+        for name, quantity in known.items():
+            if name not in given and (name in found or name in mechanism.MOTION._fields):
+                found[name] = quantity.unit, quantity.text
+        return found
+
+    def _with_fields(self, named: Iterable[Named]) -> tuple[Named, ...]:
+        """Return them with fields that are words of C and differ."""
+        taken, found = set[str](), []
+        for one in named:
+            field = word(one.name)
+            while field in taken:
+                field += '_'
+            taken.add(field)
+            found.append(one._replace(field=field))
+        return tuple(found)
+
+    @property
+    def renamed(self) -> list[str]:
+        """Return the changes of names besides dots, as text."""
+        return [f'{one.name} is {one.field}'
+                for one in (*self.tunable, *self.motion, *self.loads)
+                if one.field != one.name.replace('.', '_')]
+
+    # --- when there is no answer ----------------------------------------------------------------
+
+    @property
+    def toggles(self) -> Ranges:
+        """Return the ranges whose ends are toggle positions."""
+        mechanism = self.mechanism
+        return mechanism.input_ranges if mechanism.stroke is None else mechanism.closing_ranges
+
+    @cached_property
+    def limits_at_zero(self) -> tuple[list[float], ...]:
+        """
+        Return the fields at a flat position at 0 as coefficients, four lists.
+
+        Of 1, the rate, its square, the acceleration.
+        """
+        if not self.mechanism.is_flat_at_zero:
+            return ()
+        with_loads = self.mechanism.bodies is not None
+        at, forward, back, faster = (
+            limits_at_zero(self.mechanism, *given, with_loads)
+            for given in ((0.0, 0.0), (1.0, 0.0), (-1.0, 0.0), (0.0, 1.0)))
+        return (at, [0.5 * (a - b) for a, b in zip(forward, back)],
+                [0.5 * (a + b) - c for a, b, c in zip(forward, back, at)],
+                [a - b if isfinite(b) else b for a, b in zip(faster, at)])
+
+    @property
+    def depends(self) -> list[int]:
+        """
+        Return for each field of :attr:`motion` what it needs: 1 rate, 2 acceleration, 3 both.
+
+        Terms that are zero in this scene count too.
+        """
+        trace = self._traced
+        found = [{0: 0, 1: 1, 2: 2}.get(place, 0) for place in range(len(trace.steps))]
+        for place, step in enumerate(trace.steps):
+            for i in step.arguments:
+                found[place] |= found[i]
+        places = dict(zip(self.names_of_motion, _parts(trace)[0] + _parts(trace)[2]))
+        return [found[places[one.name]] for one in self.motion]
+
+    def sample(self) -> tuple[tuple[float, float, float], dict[str, float]]:
+        """Return one input, and all results of Python there by name."""
+        mechanism, points = self.mechanism, self.scene.points
+        low, high = mechanism.input_ranges[0]
+        given = low + 0.6180339887 * (high - low), 1.5, -0.5
+        loaded = self.scene.linkage_at(*given[:2]) if mechanism.bodies else mechanism
+        motion, loads = loaded.motion_and_loads(*given)
+        found = {**motion._asdict(), **(loads._asdict() if loads else {})}
+        for name, point in points.items():
+            values = make_point(REAL, mechanism, *point)(motion)
+            found.update((f'{name}.{what}', value)
+                         for what, value in zip(PointMotion._fields, values))
+        return given, found
+
+    def needed(self, with_loads: bool) -> list[int]:
+        """Return the places of the steps that the wanted results and the status need."""
+        steps = self.trace.steps
+        wanted = [self.transmission, *(one.place for one in (
+            *self.motion, *(self.loads if with_loads else ())))]
+        for place in self.refusing(with_loads):
+            wanted.append(steps[place].arguments[-1] if steps[place].operation in JUDGED
+                          else place)
+        return self.trace.needed(wanted)
+
+    def refusing(self, with_loads: bool) -> list[int]:
+        """Return the places of the steps that refuse some inputs."""
+        trace = self.trace
+        end = len(trace.steps) if with_loads and self.loads else self.end_of_motion
+        return [place for place, step in enumerate(trace.steps[:end])
+                if step.operation in REFUSING and place in trace.varies]
+
+    @property
+    def roots_left_out(self) -> list[int]:
+        """Return the arguments of roots that the transmission angle has but for zeros."""
+        whole, trace = self._traced, self.trace
+        place = _parts(whole)[0][self.mechanism.MOTION._fields.index('transmission_angle')]
+        lost = set(whole.needed([place])) - set(trace.needed([self.transmission]))
+        return [trace.steps[i].arguments[0] for i in sorted(lost)
+                if trace.steps[i].operation == 'sqrt' and i in trace.varies]
+
+    @property
+    def transmission(self) -> int:
+        """Return the place of the transmission angle, which is a number where the links close."""
+        names: Sequence[str] = self.mechanism.MOTION._fields
+        return _parts(self.trace)[0][names.index('transmission_angle')]
+
+
+def _parts(trace: Trace) -> list[list[int]]:
+    """Return the places of the fields of motion, loads and points."""
+    assert not isinstance(trace.results, int)
+    return [flat(part) for part in trace.results]
+
+
+def word(name: str) -> str:
+    """Return a name as a word of C and C++."""
+    found = re.sub(r'\W', '_', name, flags=re.ASCII)
+    if found[:1].isdigit() or found[:1] == '_' or not found:
+        found = 'n' + found
+    return found + '_' if found in RESERVED else found
+
+
+def units_of(unit: str) -> tuple[str, str, str]:
+    """Return the units of a position, its rate and its acceleration."""
+    return unit, f'{unit}/s', f'{unit}/s^2'
+
+
+def _of_links(group: str, record: Any) -> list[tuple[str, str]]:
+    """Return name and unit of all numbers of bodies or external loads."""
+    return [(f'{group}.{link}.{field.name}', UNITS_OF_BODIES.get(field.name, 'm'))
+            for link in (record._fields if record else ())
+            for field in fields(getattr(record, link))]

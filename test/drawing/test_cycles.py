@@ -1,0 +1,72 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Pictures over cycles and moving ones: their curves are the core's, mistakes are refused."""
+from fourbar_lab.drawing.animation import animate
+from fourbar_lab.drawing.cycles import make_cycle_figure, usual_points
+from fourbar_lab.drawing.figure import CannotDraw
+from fourbar_ros.cli.main import main
+from fourbar_ros.mechanisms.points import point_motion
+from fourbar_ros.scene.files import find
+from fourbar_ros.scene.scene import load
+import numpy as np
+import pytest
+
+SCENES = ['paper', 'slider_crank', 'scotch_yoke', 'cylinder']
+
+
+def lines_of(figure):
+    return [line.get_xydata() for line in figure.axes[0].get_lines() if len(line.get_xdata()) > 2]
+
+
+@pytest.mark.parametrize('name', SCENES)
+def test_curves_lie_on_those_of_single_poses(name):
+    linkage, rate = load(find(name)).linkage, 3.0
+    points = usual_points(linkage, {}) or {'at': (linkage.LINKS[0].name, 0.1, 0.05)}
+    low, high = linkage.input_ranges[0]
+    size = max(map(abs, linkage.lengths))
+    for what, field in (('paths', 'place'), ('hodographs', 'velocity')):
+        curve = lines_of(make_cycle_figure(what, linkage, rate, points=points))[0]
+        for share in (0.25, 0.5, 0.75):
+            motion = linkage.motion(low + share * (high - low), rate)
+            vector = getattr(point_motion(linkage, motion, *next(iter(points.values()))), field)
+            nearest = np.nanmin(np.hypot(*(curve - vector).T))
+            assert nearest <= 1e-2 * max(size, np.hypot(*vector))       # spacing of the samples
+
+
+def test_the_polar_diagram_of_forces_reaches_the_peak_of_the_shaking_force():
+    linkage = load(find('paper')).linkage
+    curve = lines_of(make_cycle_figure('forces', linkage, 25.0))[0]
+    angles = np.linspace(-np.pi, np.pi, 20001)
+    peak = linkage.loads(angles, 25.0).shaking_force.max()
+    assert np.hypot(*curve.T).max() == pytest.approx(peak, rel=1e-4)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('name', SCENES)
+def test_an_animation_has_its_frames_and_they_differ(name, tmp_path):
+    from PIL import Image
+    scene = load(find(name))
+    path = animate(scene.linkage, scene.drive.speed, {}, tmp_path / 'moving.gif')
+    with Image.open(path) as film:
+        assert film.n_frames >= 40
+        film.seek(0)
+        first = np.asarray(film.convert('L'), int)
+        film.seek(film.n_frames // 2)
+        assert abs(np.asarray(film.convert('L'), int) - first).max() > 100
+
+
+@pytest.mark.parametrize(('arguments', 'why'), [
+    (['paper', '-o', 'x.png'], '--at'), (['paper', '--animate', '-o', 'x.png'], '.gif or an .mp4'),
+    (['slides_7_6', '--over', 'forces', '-o', 'x.png'], 'masses'),
+    (['paper', '--animate', '-o', 'none/x.gif'], 'none/x.gif')])
+def test_wrong_requests_are_one_line(arguments, why, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(['draw', *arguments]) == 1
+    said = capsys.readouterr().err
+    assert why in said and said.count('\n') == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_an_unknown_suffix_is_refused(tmp_path):
+    with pytest.raises(CannotDraw, match='gif'):
+        animate(load(find('paper')).linkage, 1.0, {}, tmp_path / 'moving.txt')

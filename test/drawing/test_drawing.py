@@ -1,0 +1,189 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Polygons close and are to scale; pictures say what is in them."""
+from math import hypot
+import sys
+
+from fourbar_lab.drawing.figure import renamed, significant
+from fourbar_lab.drawing.sheet import nice
+from fourbar_ros import Bodies, Body, FourBar
+from fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank import InvertedSlider
+from fourbar_ros.mechanisms.points import point_motion
+from fourbar_ros.mechanisms.slider_crank.slider_crank import SliderCrank
+from fourbar_ros.scene.scene import load
+from mechanisms.test_points import four_bars
+import numpy as np
+import pytest
+from support import ROOT, slider_reference
+from support.samples import some
+
+
+def cases(count):
+    yield from list(four_bars(131, count))[:count]
+    for kind in slider_reference.KINDS:
+        yield from slider_reference.random_loaded(kind, 132, count)
+
+
+def test_polygons_close():
+    """Parts in a chain end where a sum from the pole ends; to 1e-12 of the longest arrow."""
+    for mechanism, given in cases(15):
+        motion = mechanism.motion(*given)
+        for arrows in (mechanism.velocity_polygon(motion), mechanism.acceleration_polygon(motion)):
+            longest = max(hypot(*arrow.vector) for arrow in arrows)
+            ends = [arrow.vector for arrow in arrows if arrow.is_sum]
+            starts = [arrow.start for arrow in arrows]
+            assert all(np.array_equal(arrow.start, (0.0, 0.0)) for arrow in arrows if arrow.is_sum)
+            for arrow in arrows:
+                end = arrow.start + arrow.vector
+                assert min(hypot(*(end - other)) for other in ends
+                           + starts) <= 1e-12 * longest, arrow.label
+
+
+def test_sums_are_the_motion_of_the_joints():
+    motion = SliderCrank(0.1, 0.3, 0.02).motion(0.7, 30.0, 4.0)
+    velocity = {arrow.label: arrow.vector
+                for arrow in SliderCrank(0.1, 0.3, 0.02).velocity_polygon(motion)}
+    assert velocity['V_B'] == pytest.approx((motion.slide_velocity, 0.0), abs=1e-14)
+    inverted = InvertedSlider(0.1, 0.3, 0.02)
+    motion = inverted.motion(0.7, 30.0, 4.0)
+    arrows = {arrow.label: arrow.vector for arrow in inverted.acceleration_polygon(motion)}
+    assert (hypot(*arrows['A_{Cor}'])
+            == pytest.approx(abs(2.0 * motion.omega4 * motion.slide_velocity), rel=1e-14))
+    assert hypot(*arrows['A_{rel}']) == pytest.approx(abs(motion.slide_acceleration), rel=1e-14)
+    assert hypot(*arrows['A_A']) == pytest.approx(0.1 * hypot(30.0**2, 4.0), rel=1e-14)
+
+
+def test_joints_keep_the_lengths():
+    for mechanism, given in cases(5):
+        places = mechanism.diagram(mechanism.motion(*given)).joints
+        assert hypot(*(places['A'] - places['O_1'])) == pytest.approx(mechanism.a1, rel=1e-14)
+        if hasattr(mechanism, 'a2'):
+            assert hypot(*(places['B'] - places['A'])) == pytest.approx(mechanism.a2, rel=1e-12)
+
+
+@pytest.mark.parametrize('value, expected', [(1.0, 1.0), (1.99, 1.0), (2.0, 2.0), (4.9, 2.0),
+                                             (73.0, 50.0), (0.3, 0.2),
+                                             (9e-7, 5e-7)])
+def test_scale_bars_are_round(value, expected):
+    assert nice(value) == pytest.approx(expected, rel=1e-14)
+
+
+BODIES = Bodies(Body(1.0, 0.1, 0.0, 0.01), Body(2.0, 0.2, 0.0, 0.02), Body(1.0, 0.1, 0.0, 0.01))
+
+
+@some('mechanism, value', [
+    (FourBar(0.4, 1.2, 0.8, 1.0, bodies=BODIES), 1.0), (SliderCrank(0.4, 1.2, -0.1, bodies=BODIES),
+                                                        1.0),
+    (InvertedSlider(0.4, 1.2, 0.1, bodies=BODIES), 1.0),
+    (SliderCrank(0.4, 1.2, input='slide', bodies=BODIES), 1.0)], 2)
+def test_pictures_have_equal_scales_and_all_labels(mechanism, value):
+    pytest.importorskip('matplotlib')
+    from fourbar_lab.drawing.figure import make_figure
+    motion, loads = mechanism.step(value, 5.0, 1.0)
+    figure = make_figure(mechanism, motion, loads, 'title')
+    figure.canvas.draw()
+    for axes in figure.axes:
+        (left, bottom), (right, top) = axes.transData.transform([(0.0, 0.0), (1.0, 1.0)])
+        assert (right - left) == pytest.approx(top - bottom, rel=1e-9)
+    words = [[text.get_text() for text in axes.texts] for axes in figure.axes]
+    assert {f'${name}$' for name in mechanism.diagram(motion).joints} <= set(words[0])
+    assert any(f'{significant(loads.f41)} N' in text for text in words[0])
+    for arrow in mechanism.velocity_polygon(motion):
+        size = significant(hypot(*arrow.vector))
+        assert f'${arrow.label}$' in words[1] and f'${arrow.label}$ = {size}' in words[1]
+
+
+def test_an_arrow_is_as_long_as_its_scale_bar_says():
+    pytest.importorskip('matplotlib')
+    from fourbar_lab.drawing.figure import make_figure
+    mechanism = FourBar(0.4, 1.2, 0.8, 1.0)
+    figure = make_figure(mechanism, mechanism.motion(1.0, 25.0))
+    velocities = figure.axes[1]
+    bar, = (line for line in velocities.lines if len(line.get_xdata()) == 2)
+    text, = (text.get_text() for text in velocities.texts if text.get_text().endswith(' m/s'))
+    # axes in m/s
+    assert np.ptp(bar.get_xdata()) == pytest.approx(float(text.split()[0]), rel=1e-12)
+
+
+@some('name, at, texts', [
+    ('paper', 1.0, (r'\theta_1', r'\theta_4', 'T_{41}', 'A', 'B', 'O_1', 'O_4')),
+    ('slider_crank', 1.0, (r'\theta_1', r'\mathrm{middle}', 'T_{41}')),
+    ('cylinder', 1.5, (r'\theta_1', r'\theta_4', r'\mathrm{tip}'))], 1)
+def test_a_scene_is_drawn_with_all_that_it_has(name, at, texts):
+    """
+    Angles, rates, torque, points, centres of gravity, both scales.
+
+    Arrows of forces over the pivots.
+    """
+    pytest.importorskip('matplotlib')
+    from fourbar_lab.drawing.figure import make_figure
+    from matplotlib.patches import Wedge
+    its = load(name)
+    motion, loads = its.linkage.step(at, its.drive.speed)
+    figure = make_figure(its.linkage, motion, loads, 'title',
+                         {n: tuple(p) for n, p in its.points.items()})
+    axes = figure.axes[0]
+    words = [text.get_text() for text in axes.texts]
+    assert {f'${text}$' for text in texts} <= set(words)
+    assert (any(word.endswith(' m') for word in words)
+            and sum(word.endswith(' N') and word[0].isdigit() for word in words) == 1)
+    assert any(f'{significant(motion.omega1)} rad/s' in word for word in words)
+    assert any(word == f'shaking force {significant(loads.shaking_force)} N' for word in words)
+    places = [point_motion(its.linkage, motion, link, body.cg_along, body.cg_across).place
+              for link, body in its.linkage.bodies._asdict().items() if body.mass]
+    drawn = {tuple(np.round(patch.center, 12)) for patch in axes.patches
+             if isinstance(patch, Wedge)}
+    assert drawn == {tuple(np.round(place, 12)) for place in places}
+    pivots = max(line.get_zorder() for line in axes.lines)
+    arrows = [text for text in axes.texts if getattr(text, 'arrow_patch', None)]
+    assert len(arrows) >= 3 and all(arrow.get_zorder() > pivots for arrow in arrows)
+    tips = [point_motion(its.linkage, motion, *point).place for point in its.points.values()]
+    low, high = np.transpose([axes.get_xlim(), axes.get_ylim()])
+    assert all((low < tip).all() and (tip < high).all() for tip in [*tips, *places])
+
+
+@pytest.mark.parametrize('label, expected', [('V_A', 'V_{B}'), ('V_{B/A}', 'V_{C/B}'),
+                                             ('A_{B/A}^n', 'A_{C/B}^n'), ('A', 'B'),
+                                             ('A_{Cor}', 'A_{Cor}'), ('V_{rel}', 'V_{rel}'),
+                                             ('O_1', 'O_2'), ('A_B^t', 'A_{C}^t')])
+def test_letters_of_another_document(label, expected):
+    assert renamed(label, {'O_1': 'O_2', 'A': 'B', 'B': 'C'}) == expected
+
+
+@pytest.mark.parametrize('value, text', [(18123.4, '18120'), (0.25, '0.25'), (-0.0, '0'),
+                                         (1e-5, '1e-05'), (3.14159, '3.142'),
+                                         (123456789.0, '1.235e+08'), (0.0012346, '0.001235')])
+def test_numbers_in_pictures_are_readable(value, text):
+    assert significant(value) == text
+
+
+def test_the_command(tmp_path, monkeypatch, capsys):
+    pytest.importorskip('matplotlib')
+    from fourbar_ros.cli.main import main
+    monkeypatch.chdir(ROOT)
+
+    def draw(name):
+        code = main(['draw', 'config/paper.yaml', '--at', '60', '-o', str(tmp_path / name)])
+        return code, *capsys.readouterr()
+
+    for name in ('pose.svg', 'pose.pdf'):
+        assert draw(name) == (0, f'{tmp_path / name}\n', '')
+        assert (tmp_path / name).stat().st_size > 10_000
+    code, _, error = draw('pose.xyz')
+    assert code == 1 and error.startswith('fourbar: ') and len(error.splitlines()) == 1
+    missing = tmp_path / 'missing' / 'pose.svg'
+    assert draw('missing/pose.svg')[::2] == (1, f'fourbar: {missing}: No such file or directory\n')
+
+
+@pytest.mark.parametrize('arguments',
+                         [('draw', 'config/paper.yaml', '--at', '60', '-o', 'pose.svg'),
+                          ('reproduce', '--html', 'page.html')],
+                         ids=lambda arguments: arguments[0])
+def test_without_matplotlib_one_line_says_what_to_install(monkeypatch, capsys, arguments):
+    from fourbar_ros.cli.main import main
+    monkeypatch.chdir(ROOT)
+    monkeypatch.setitem(sys.modules, 'matplotlib', None)
+    assert main(list(arguments)) == 1
+    said = capsys.readouterr().err
+    assert (said.endswith(' requires matplotlib: pip install matplotlib\n')
+            and len(said.splitlines()) == 1)

@@ -1,0 +1,337 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Generated C has the bits of Python: results, statuses, its ports of hypot and fsum."""
+import ctypes
+from dataclasses import replace
+import json
+import math
+import os
+from pathlib import Path
+import shutil
+import subprocess
+import sys
+
+from fourbar_lab.export import Compiled, generate
+from fourbar_lab.export.model import NotGenerated
+from fourbar_lab.export.statements import snippet
+from fourbar_ros import load_scene, SliderCrank
+from fourbar_ros.cli.main import main
+from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.mechanics.bodies import Applied
+from fourbar_ros.pipeline.status import evaluate
+import numpy as np
+import pytest
+from support import ROOT
+from support.dyad_reference import random_machines
+from support.exported import (
+    Code,
+    COMPILERS,
+    differences,
+    of_python,
+    random_inputs,
+    SCENES,
+    STRICT,
+)
+from support.samples import some
+
+pytestmark = pytest.mark.skipif(not COMPILERS, reason='no C compiler')
+C = (COMPILERS[0], '-std=c99', '-O2') if COMPILERS else ()
+EVERY = [(compiler, '-std=c99', level) for compiler in COMPILERS
+         for level in ('-O0', '-O1', '-O2', '-O3')]
+
+
+def compared(scene, folder, name, count, commands, seed=1, is_strict=True):
+    """Fail where the C of a scene differs from Python, for any of some compilers."""
+    code = Code(scene, folder, name)
+    mechanism = code.model.mechanism
+    inputs = random_inputs(mechanism, seed, count)
+    expected = of_python(mechanism, scene.points, inputs, scene.make_loaded(mechanism))
+    for command in commands:
+        said = differences(code.compiled(*command)(inputs), expected, len(code.model.motion),
+                           is_strict)
+        assert not said, f'{name}, {" ".join(command)}: {said}'
+    return code
+
+
+def with_linkage(machine):
+    """Return a scene with a machine in it."""
+    return load_scene('paper')._replace(linkage=machine, bare_linkage=machine, points={})
+
+
+@pytest.mark.parametrize('name', ['paper', 'cylinder', 'v_engine', 'bucket', 'parallelogram',
+                                  'released'])
+def test_results_and_statuses_have_the_bits_of_the_node(name, tmp_path):
+    compared(load_scene(name), tmp_path, name, 1000, [(*C, *STRICT)])
+
+
+@some('seed, count, dyads, rows', [(11, 3, 4, 500), (12, 20, 5, 10_000)], 1)
+def test_machines_at_random_have_them_too(seed, count, dyads, rows, tmp_path):
+    for i, (machine, _) in enumerate(random_machines(seed, count, dyads=(1, dyads),
+                                                     least_sine=0.1)):
+        compared(with_linkage(machine), tmp_path / str(i), f'random_{i}', rows,
+                 [C] if rows < 1000 else EVERY[i % 4::4], is_strict=rows < 1000)
+
+
+@pytest.mark.skipif('fma' not in Path('/proc/cpuinfo').read_text(), reason='no fused operations')
+def test_fused_operations_change_no_bit(tmp_path):
+    """The vectorizer of gcc contracts a * b + c beside a * b - c, whatever the pragma says."""
+    slider = SliderCrank(0.05, 0.2, 0.01, input='slide')
+    compared(with_linkage(slider), tmp_path, 'fused', 1000, [(*C, '-mfma')])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('path', SCENES, ids=lambda path: path.stem)
+def test_every_shipped_scene_with_every_compiler(path, tmp_path):
+    code = compared(load_scene(path), tmp_path, path.stem, 100_000, EVERY)
+    for compiler in COMPILERS:             # what would contract, and be checked for errors
+        subprocess.run([compiler, '-std=c99', '-O2', *STRICT, '-c', f'{code.name}.c', '-o', 'a.o'],
+                       check=True, cwd=tmp_path)
+        subprocess.run([compiler.replace('gcc', 'g++').replace('clang', 'clang++'), '-x', 'c++',
+                        '-std=c++11', '-O2', *STRICT, '-c', f'{code.name}.c', '-o', 'a.o'],
+                       check=True, cwd=tmp_path)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('name', ['paper', 'bucket', 'parallelogram', 'gripper'])
+def test_sanitizers_find_nothing(name, tmp_path):
+    code = Code(load_scene(name), tmp_path, name)
+    inputs = random_inputs(code.model.mechanism, 5, 2000)
+    inputs.tofile(tmp_path / 'inputs')
+    (tmp_path / 'main.c').write_text(f"""
+#include <stdio.h>
+#include "{name}.h"
+void many(const {name}_parameters *, const {name}_input *, int, double *, int *);
+static {name}_input inputs[2000];
+static double to[2000 * {code.width}];
+static int status[2000];
+int main(void)
+{{
+  FILE *file = fopen("inputs", "rb");
+  if (!file || fread(inputs, sizeof *inputs, 2000, file) != 2000) return 2;
+  many(0, inputs, 2000, to, status);
+  return {name}_self_check();
+}}
+""")
+    subprocess.run([*C, '-fsanitize=address,undefined', '-fno-sanitize-recover=all',
+                    f'{name}.c', 'many.c', 'main.c', '-o', 'checked', '-lm'], check=True,
+                   cwd=tmp_path)
+    subprocess.run([tmp_path / 'checked'], check=True, cwd=tmp_path)
+
+
+# --- what it is built of -------------------------------------------------------------------------
+
+@pytest.fixture(scope='module')
+def ports(tmp_path_factory):
+    folder = tmp_path_factory.mktemp('ports')
+    (folder / 'ports.c').write_text(
+        '#include <float.h>\n#include <math.h>\n#include <stdint.h>\n#include <string.h>\n'
+        'enum { MOST_TERMS = 8 };\n' + ''.join(
+            snippet('functions.c', name)
+            for name in ('hypot', 'exact_sum', 'power_of_two', 'power')) + """
+double h(double x, double y) { return hypot_of(x, y); }
+double s(int count, const double *terms) { return exact_sum(count, terms); }
+double p(int count, const double *terms) { return power_of_two(count, terms); }
+double w(double x, double y) { return power(x, y); }
+""")
+    subprocess.run([*C, '-O3', '-shared', '-fPIC', '-o', folder / 'ports.so', folder / 'ports.c',
+                    '-lm'], check=True)
+    library = ctypes.CDLL(str(folder / 'ports.so'))
+    for name in 'hspw':
+        getattr(library, name).restype = ctypes.c_double
+    library.h.argtypes = library.w.argtypes = [ctypes.c_double] * 2
+    return library
+
+
+def of_all_sizes(rng, shape):
+    return rng.normal(size=shape) * 2.0**rng.integers(-60, 60, shape)
+
+
+def test_hypot_has_the_bits_of_python(ports):
+    rng = np.random.default_rng(3)
+    pairs = [*rng.normal(size=(20_000, 2)).tolist(), *of_all_sizes(rng, (5000, 2)).tolist(),
+             *(rng.normal(size=(500, 2)) * 10.0**rng.uniform(-305, 308, (500, 2))).tolist(),
+             *((x, y) for x in (0.0, -0.0, math.inf, 1.0, 5e-324) for y in (0.0, -math.inf, 3.0))]
+    assert [pair for pair in pairs if ports.h(*pair) != math.hypot(*pair)] == []
+    assert math.isnan(ports.h(math.nan, 1.0)) and ports.h(math.nan, math.inf) == math.inf
+
+
+def test_hypot_of_tiny_numbers_is_that_of_python_3_12(ports):
+    tiny = [(x * 2.0**-1074, y * 2.0**-1074) for x in (1, 3, 77) for y in (0, 1, 40, 2**30)]
+    for pair in tiny:
+        if sys.version_info >= (3, 12):
+            assert ports.h(*pair) == math.hypot(*pair)
+        assert abs(ports.h(*pair) - math.hypot(*pair)) <= 2.0**-1074
+
+
+def test_exact_sums_and_powers_have_the_bits_of_python(ports):
+    rng = np.random.default_rng(4)
+    for terms in [*of_all_sizes(rng, (5000, 4)).tolist(), [0.0, -0.0, 0.0, 0.0],
+                  [1e16, 1.0, 1e-16, -1e16], [1.0, 2.0**-53, 2.0**-106, 0.0],
+                  [1.0, 2.0**-53, -2.0**-106, 0.0], [0.1, -0.1, 0.0, -0.0]]:
+        given = (ctypes.c_double * 4)(*terms)
+        assert ports.s(4, given).hex() == math.fsum(terms).hex()
+        if any(terms):
+            assert ports.p(4, given) == math.ldexp(1.0, math.frexp(max(map(abs, terms)))[1])
+    # a compiler makes x * x of pow(x, 2): another last bit in one of a thousand
+    values = np.random.default_rng(5).uniform(0.1, 3.0, 20_000).tolist()
+    assert [x for x in values if ports.w(x, 2.0) != x ** 2.0] == []
+    assert [x for x in values if x ** 2.0 != x * x], 'no such x was drawn'
+
+
+# --- parameters and outputs ----------------------------------------------------------------------
+
+def test_parameters_can_be_changed_and_have_the_bits_of_another_mechanism(tmp_path):
+    scene = load_scene('paper')
+    code = Code(scene, tmp_path, 'paper')
+    run, own = code.compiled(*C), scene.linkage
+    bodies = own.bodies._replace(coupler=replace(own.bodies.coupler, mass=5.5, cg_across=0.07))
+    external = own.external._replace(output=Applied(1.0, -2.0, 0.3, 0.01, 0.4))
+    other = replace(own, a1=0.37, a3=0.83, bodies=bodies, gravity=(0.3, -9.81), external=external)
+    inputs = random_inputs(other, 2, 500)
+    found = {'a1': 0.37, 'a3': 0.83, 'bodies.coupler.mass': 5.5, 'bodies.coupler.cg_across': 0.07,
+             'gravity.x': 0.3, 'gravity.y': -9.81, 'external.output.force_x': 1.0,
+             'external.output.force_y': -2.0, 'external.output.along': 0.3,
+             'external.output.across': 0.01, 'external.output.couple': 0.4}
+    values = [found.get(one.name, one.value) for one in code.model.tunable]
+    assert found.keys() <= {one.name for one in code.model.tunable}
+    assert not differences(run(inputs, values), of_python(other, {}, inputs), 27)
+    # impossible data: no plausible number, and nothing is kept of them
+    broken = [5.0 if one.name == 'a1' else one.value for one in code.model.tunable]
+    status, rows = run(inputs, broken)
+    assert not (status == 0).any() and np.isnan(rows[:, 3:15]).all()
+    assert not differences(run(inputs), of_python(own, {}, inputs), 27)
+
+
+def test_lengths_of_dyads_can_be_changed(tmp_path):
+    scene = load_scene('jansen')
+    code = Code(scene, tmp_path, 'jansen')
+    dyads = list(scene.linkage.dyads)
+    dyads[0] = replace(dyads[0], first=dyads[0].first._replace(along=0.16), length_2=0.42)
+    other = replace(scene.linkage, dyads=tuple(dyads))
+    inputs = random_inputs(other, 2, 300)
+    changed = {f'{dyads[0].name}.first.along': 0.16, f'{dyads[0].name}.length_2': 0.42}
+    values = [changed.get(one.name, one.value) for one in code.model.tunable]
+    assert values != [one.value for one in code.model.tunable]
+    said = differences(code.compiled(*C)(inputs, values), of_python(other, scene.points, inputs),
+                       len(code.model.motion))
+    assert not said, said
+
+
+def test_numbers_folded_in_have_the_same_bits_and_less_is_written(tmp_path):
+    scene = load_scene('paper')
+    whole, folded = (Code(scene, tmp_path / name, 'paper', **options) for name, options in (
+        ('whole', {}), ('folded', {'parameters': []})))
+    few = Code(scene, tmp_path / 'few', 'paper', outputs=['theta4', 'driving_torque'],
+               parameters=['a1'])
+    inputs = random_inputs(scene.linkage, 3, 500)
+    expected = whole.compiled(*C)(inputs)
+    found = folded.compiled(*C)(inputs)
+    assert not folded.model.tunable and [one.name for one in few.model.tunable] == ['a1']
+    assert all(np.array_equal(*pair, equal_nan=True) for pair in zip(found, expected))
+    places = [whole.model.mechanism.MOTION._fields.index('theta4'),
+              27 + whole.model.mechanism.LOADS._fields.index('driving_torque')]
+    status, rows = few.compiled(*C)(inputs)
+    # what overflows is judged by the outputs that are wanted
+    assert (status == expected[0])[abs(inputs).max(axis=1) < 1e60].all()
+    same = status == expected[0]
+    assert np.array_equal(rows[same][:, 3:], expected[1][same][:, places], equal_nan=True)
+    assert few.written.operations < 0.75 * whole.written.operations
+    assert 'hypot_of' not in (tmp_path / 'few' / 'paper.c').read_text()
+
+
+def test_the_code_checks_itself_and_says_what_it_is(tmp_path):
+    generate('jansen', tmp_path)
+    found = Compiled(tmp_path)
+    assert found.library.jansen_self_check() == 0
+    text = (tmp_path / 'jansen.h').read_text()
+    for word in ('jansen', 'operations', 'bytes', 'Left out, as zero', '-ffast-math loses'):
+        assert word in text
+    assert json.loads((tmp_path / 'jansen.json').read_text())['name'] == 'jansen'
+    for value in (0.3, math.nan, 2.0):
+        mine = found.evaluate(found.model.mechanism, 0.5, value, 0.1, True)
+        assert repr(mine[0]) == repr(evaluate(found.model.mechanism, 0.5, value, 0.1, True)[0])
+
+
+CALLED = [('step', 'step_of', 'hypot_of', 'scaled'), (
+    'advance', 'move', 'part_of_step', 'attempt', 'rosenbrock', 'rosenbrock_2', 'power')]
+
+
+@pytest.mark.skipif('gcc' not in COMPILERS, reason='gcc tells the size of a stack')
+@pytest.mark.parametrize('name', ['paper', 'gripper', 'door_closer'])
+def test_the_stack_is_bounded_as_the_header_says(name, tmp_path):
+    code = Code(load_scene(name), tmp_path, name)
+    for level in ('-O0', '-O2'):
+        subprocess.run(['gcc', '-std=c99', level, '-fstack-usage', '-c', f'{name}.c', '-o', 'a.o'],
+                       check=True, cwd=tmp_path)
+        used = sum(int(line.split('\t')[1]) for line in
+                   (tmp_path / 'a.su').read_text().splitlines()
+                   if line.split('\t')[0].endswith(CALLED[name == 'door_closer']))
+        said = int((tmp_path / f'{name}.h').read_text().split('most ')[1].split(' bytes')[0])
+        assert used <= said, level
+    assert code.width
+
+
+@pytest.mark.skipif('clang' not in COMPILERS, reason='needs clang and its contraction')
+def test_contraction_is_switched_off_in_the_source(tmp_path):
+    scene = load_scene('paper')
+    compared(scene, tmp_path, 'paper', 300, [(compiler, '-std=gnu99', '-O2', '-march=native')
+                                             for compiler in COMPILERS])
+
+
+# --- refused, renamed ----------------------------------------------------------------------------
+
+def test_what_cannot_be_generated_is_refused_by_name(tmp_path):
+    for options, words in (
+            ({'outputs': ['theta5']}, 'theta5'), ({'parameters': ['a9']}, 'a9'),
+            ({'as_': 'pascal'}, 'pascal')):
+        with pytest.raises(InvalidParameter, match=words):
+            generate('paper', tmp_path, **options)
+    with pytest.raises(NotGenerated, match='a1.*motion by torque'):
+        generate('released', tmp_path, parameters=['a1'])
+    with pytest.raises(InvalidParameter, match='parameters'):
+        generate('parallelogram', tmp_path, parameters=['loop.length_1'])
+    assert not list(tmp_path.iterdir())
+
+
+def test_words_of_c_are_changed_and_said(tmp_path, capsys):
+    text = (ROOT / 'config' / 'paper.yaml').read_text()
+    path = tmp_path / 'double.yaml'
+    indent = text[text.index('linkage'):].index('linkage')
+    assert not indent
+    lines = text.splitlines()
+    at = next(i for i, line in enumerate(lines) if line.strip().startswith('linkage'))
+    space = lines[at][:len(lines[at]) - len(lines[at].lstrip())]
+    lines[at:at] = [f'{space}points.int: {{link: coupler, along: 0.1}}']
+    path.write_text('\n'.join(lines) + '\n')
+    assert main(['generate', str(path), '-o', str(tmp_path / 'code')]) == 0
+    said = capsys.readouterr()
+    assert 'double is double_' in said.err and 'operations' in said.out
+    assert Compiled(tmp_path / 'code').library.double__self_check() == 0
+
+
+def test_the_command_refuses_in_one_line(tmp_path, capsys):
+    assert main(['generate', 'paper', '-o', str(tmp_path), '--outputs', 'f14']) == 1
+    said = capsys.readouterr().err
+    assert said.count('\n') == 1 and 'did you mean' in said or 'f41' in said
+
+
+def test_the_same_scene_gives_the_same_text_in_every_process(tmp_path):
+    texts = []
+    for seed in '13':              # of the order of sets of names
+        subprocess.run(
+            [sys.executable, '-m', 'fourbar_ros', 'generate', 'door_closer', '-o', seed],
+            check=True, cwd=tmp_path, env={**os.environ, 'PYTHONHASHSEED': seed})
+        texts.append([path.read_bytes() for path in sorted((tmp_path / seed).iterdir())])
+    assert texts[0] == texts[1]
+
+
+@pytest.mark.skipif(not shutil.which('c++'), reason='no C++ compiler')
+def test_the_example_of_a_transmission_goes_both_ways(tmp_path):
+    generate('paper', tmp_path)
+    subprocess.run([*C, *STRICT, '-c', 'paper.c'], check=True, cwd=tmp_path)
+    subprocess.run(['c++', '-std=c++17', *STRICT, '-I.', str(ROOT / 'examples/transmission.cpp'),
+                    'paper.o', '-o', 'transmission'], check=True, cwd=tmp_path)
+    said = subprocess.run(['./transmission'], check=True, cwd=tmp_path, capture_output=True,
+                          text=True).stdout
+    # position, velocity and effort of the motor again: 1e-12 is where Newton ends
+    assert np.abs(np.array(said.split(), float) - [1.0, 25.0, 3.0]).max() < 1e-9

@@ -1,0 +1,227 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Torque-driven steps as C have the bits of the node's, whatever drives; bags stepped by it."""
+import ctypes
+import math
+import subprocess
+
+from fourbar_lab.export import Compiled, generate
+from fourbar_lab.export.compiled import build, CompiledMover
+from fourbar_lab.export.model import NotGenerated
+from fourbar_ros import load_scene
+from fourbar_ros.bag.drive_states import DriveStates
+from fourbar_ros.dynamics.step.mover import KEY, name_of, NOT_FINITE, OK, OUT_OF_BUDGET
+from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.pipeline.stepper import InModes
+from fourbar_ros.scene.message_fields import mode_number
+from fourbar_ros.scene.scene import from_values
+import numpy as np
+import pytest
+from support.drive_states import take_all
+from support.exported import COMPILERS, STRICT
+from support.scenes import PAPER, RODS
+
+pytestmark = pytest.mark.skipif(not COMPILERS, reason='no C compiler')
+CRANK = {**PAPER, **RODS, 'drive.source': 'motor', 'drive.start': -0.5, 'drive.rate': 200.0,
+         'motor.rotor_inertia': 0.1, 'outputs': ['state']}
+ROCKER = {**CRANK, 'linkage.a1': 1.2, 'linkage.a2': 0.4}
+SHAFT = {'shaft.stiffness': 400.0, 'shaft.damping': 2.0}
+LINE = {'motor.stall_torque': 20.0, 'motor.free_speed': 30.0}
+DC = {'motor.kind': 'dc', 'motor.voltage': 24.0, 'motor.resistance': 0.5, 'motor.gear': 10.0,
+      'motor.torque_constant': 0.3, 'motor.inductance': 0.005}
+INDUCTION = {'motor.kind': 'induction', 'motor.breakdown_torque': 10.0, 'motor.gear': 20.0,
+             'motor.breakdown_slip': 0.2}
+CONTROLLER = {'motor.kind': 'controller', 'motor.speed': 4.0, 'motor.proportional': 20.0,
+              'motor.integral': 60.0, 'motor.torque_limit': 25.0}
+PUSHED = {name: value for name, value in ROCKER.items() if not name.startswith('motor.')} | {
+    'drive.source': 'torque'}
+CASES = {'controlled rocker': {**ROCKER, **CONTROLLER}, 'DC motor and shaft': {
+    **CRANK, **DC, **SHAFT}, 'engine': None}
+MORE = {
+    'line': {**CRANK, **LINE}, 'line and shaft': {**CRANK, **LINE, **SHAFT},
+    'stiff shaft': {**CRANK, **LINE, 'shaft.stiffness': 1e9, 'shaft.damping': 10.0},
+    'no inductance': {**CRANK, **DC, 'motor.inductance': 0.0},
+    'induction motor': {**CRANK, **INDUCTION}, 'induction, shaft': {
+        **CRANK, **INDUCTION, **SHAFT},
+    'controller, P': {**CRANK, **CONTROLLER, 'motor.integral': 0.0},
+    'controller, I': {**CRANK, **CONTROLLER, 'motor.proportional': 0.0},
+    'controller without limit': {**CRANK, **CONTROLLER, 'motor.torque_limit': math.nan},
+    'rocker': {**ROCKER, **LINE}, 'rocker, shaft': {**ROCKER, **LINE, **SHAFT},
+    'rocker, DC': {**ROCKER, **DC}, 'rocker, induction': {**ROCKER, **INDUCTION},
+    'rocker, controller, shaft': {**ROCKER, **CONTROLLER, **SHAFT}, 'pushed rocker': PUSHED,
+    'little budget': {**ROCKER, **LINE, **SHAFT, 'drive.budget': 16, 'drive.tolerance': 1e-9},
+    'huge torque': {**CRANK, 'motor.stall_torque': 1e300, 'motor.free_speed': 1.0},
+    'cylinder': {**load_scene('cylinder').values, 'drive.source': 'torque', 'drive.start': 1.3},
+    'bucket': {**load_scene('bucket').values, 'drive.source': 'torque', 'drive.start': 1.85},
+    'narrow tables': {**ROCKER, **LINE, 'outputs': ['state', 'loads'],
+                      'points.end.link': 'coupler', 'points.end.along': 1.0,
+                      **{f'forces.{name}.{key}': value
+                         for name, places, over in (('cut', [0.5, 0.501, 0.502], 'end.x'),
+                                                    ('stop', [1.2, 1.201, 1.202], 'theta4'))
+                         for key, value in (('link', 'output'), ('acts', 'couple'),
+                                            ('over', over), ('places', places),
+                                            ('values', [0.0, 30.0, 0.0]))}},
+    **dict.fromkeys(('motor', 'controlled', 'released', 'sundials', 'door_closer'))}
+
+
+def scene_of(name):
+    """Return the scene of a case: its values, or a shipped one."""
+    values = {**CASES, **MORE}[name]
+    return from_values(values) if values else load_scene(name)
+
+
+def bits(values):
+    """Return numbers as bytes; NaN is NaN."""
+    return np.where(np.isnan(values), math.nan, values).tobytes()
+
+
+def differing(mine, theirs, lengths, seed=1):
+    """Return (steps that differ in anything, statuses, modes) over steps of both movers."""
+    rng, wrong = np.random.default_rng(seed), []
+    statuses, modes = set(), set()
+    one, other = mine.start(), theirs.start()
+    for length in lengths:
+        torque = float(rng.normal(0.0, 30.0))
+        (status, one), (expected, other) = (mover.next(values, length, torque)
+                                            for mover, values in ((mine, one), (theirs, other)))
+        statuses.add(expected)
+        modes.add(theirs.mode)
+        if (status, mine.mode, bits(one)) != (expected, theirs.mode, bits(other)):
+            wrong.append((len(wrong), length, status, expected, one, other))
+    return wrong, statuses, modes
+
+
+def generated(scene, folder):
+    generate(scene, folder, name='code')
+    return Compiled(folder)
+
+
+@pytest.mark.parametrize('name', CASES)
+def test_steps_have_the_bits_of_the_node(name, tmp_path):
+    scene = scene_of(name)
+    code = generated(scene, tmp_path)
+    assert code.library.code_self_check() == 0
+    statuses = set()
+    for step, count in ((1.0 / scene.drive.rate, 300), (0.03, 60)):
+        wrong, found, _ = differing(code.mover(scene), scene.mover, [step] * count)
+        assert not wrong, wrong[0]
+        statuses |= found
+    assert {OK, OUT_OF_BUDGET} <= statuses
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('name', [*CASES, *MORE])
+def test_every_drive_with_every_compiler(name, tmp_path):
+    scene = scene_of(name)
+    generate(scene, tmp_path, name='code')
+    rng = np.random.default_rng(2)
+    lengths = [*[1.0 / scene.drive.rate] * 1000, *(10.0**rng.uniform(-7.0, 0.6, 400)).tolist()]
+    for compiler in COMPILERS:
+        for level in ('-O0', '-O1', '-O2', '-O3'):
+            library = tmp_path / f'{compiler}{level}.so'
+            build([tmp_path / 'code.c'], library, compiler, ('-std=c99', level, *STRICT))
+            mover = CompiledMover(scene, ctypes.CDLL(str(library)), 'code', None)
+            wrong, statuses, _ = differing(mover, scene.mover, lengths)
+            assert not wrong, (compiler, level, len(wrong), wrong[0])
+            assert statuses & {OK, NOT_FINITE}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('name', ['controlled rocker', 'engine', 'DC motor and shaft'])
+def test_sanitizers_find_nothing_in_steps(name, tmp_path):
+    scene = scene_of(name)
+    generate(scene, tmp_path, name='code')
+    (tmp_path / 'main.c').write_text("""
+#include "code.h"
+int main(void)
+{
+  code_drive drive;
+  int i, good = 0;
+  code_start(&drive);
+  for (i = 0; i < 3000; ++i)
+    good += code_advance(&drive, i % 100 == 99 ? 2.0 : 0.0001 * (1 + i % 37)) == code_drive_ok;
+  CHANGED;
+  drive.velocity = 1e200;
+  code_complete(&drive);
+  (void)code_advance(&drive, 0.01);
+  return good > 0 ? code_self_check() : 2;
+}
+""".replace('CHANGED', {'controlled rocker': 'drive.motor_speed = -3.0', 'DC motor and shaft':
+                        'drive.motor_voltage = -24.0'}.get(name, '(void)drive')))
+    for compiler in COMPILERS:
+        subprocess.run([compiler, '-std=c99', '-O1', '-fsanitize=address,undefined', *STRICT,
+                        '-fno-sanitize-recover=all', 'code.c', 'main.c', '-o', 'checked', '-lm'],
+                       check=True, cwd=tmp_path)
+        subprocess.run([tmp_path / 'checked'], check=True, cwd=tmp_path)
+
+
+@pytest.fixture(scope='module')
+def rocker(tmp_path_factory):
+    """Return scene and code of a rocker with a motor, which passes toggles."""
+    scene = from_values({**ROCKER, **LINE, 'outputs': ['state', 'loads']})
+    return scene, generated(scene, tmp_path_factory.mktemp('rocker'))
+
+
+def test_states_of_a_bag_are_stepped_by_the_code(rocker):
+    scene, code = rocker
+    mover, rows = scene.mover, []
+    rows.append((OK, mover.mode, mover.start()))
+    for _ in range(300):
+        status, values = mover.next(rows[-1][2], 0.005)
+        rows.append((status, mover.mode, values))
+    assert {mode for _, mode, _ in rows} == {1, 2}
+    for first in (0, 60):               # a bag may begin anywhere
+        found = DriveStates(scene, {KEY: name_of(scene.bare_linkage)}, code.mover)
+        take_all(found, rows[first:], first)
+        assert found.stepped > 200 and set(found.largest.values()) == {0.0}
+    # motion and loads in both modes
+    one, other = InModes(scene), InModes(scene, by=code.evaluate)
+    for _, mode, values in rows[::5]:
+        given = mode, values.position, values.velocity, values.acceleration, True, True
+        (status, expected), (said, found) = one.step(*given), other.step(*given)
+        assert status == said and bits(found) == bits(expected)
+
+
+def test_a_state_can_be_set_and_a_wrong_step_holds_it(rocker):
+    scene, code = rocker
+    mine, theirs = code.mover(scene), scene.mover
+    place = theirs.place((0.3, -2.0, 0.0, 0.0, 0.0), 1)
+    assert bits(mine.values(place, 0.0, 0.0, 0.0)) == bits(theirs.values(place, 0.0, math.nan, 0))
+    for step in (0.0, -1.0, math.nan, math.inf, -math.inf):
+        for mover in (mine, theirs):
+            status, values = mover.next(mover.start(), step)
+            assert (status, values.position, values.velocity) == (NOT_FINITE, -0.5, 0.0)
+        assert bits(values) == bits(mine.next(mine.start(), step)[1])
+
+
+@pytest.mark.parametrize('field', ['position', 'velocity'])
+@pytest.mark.parametrize('value', [math.nan, math.inf, -math.inf])
+def test_a_state_without_a_number_is_held_as_such(rocker, field, value):
+    scene, code = rocker
+    for mover in (code.mover(scene), scene.mover):
+        status, values = mover.next(mover.start()._replace(**{field: value}), 0.002)
+        assert status == NOT_FINITE and values.velocity == 0.0
+
+
+def test_loads_have_the_springs_in_them(tmp_path):
+    scene = load_scene('sundials')
+    code = generated(scene, tmp_path)
+    one, other = InModes(scene), InModes(scene, by=code.evaluate)
+    rng = np.random.default_rng(4)
+    for position, rate, acceleration in rng.normal(0.0, 3.0, (200, 3)).tolist():
+        given = mode_number(scene.linkage.mode), position, rate, acceleration, True, True
+        (status, expected), (said, found) = one.step(*given), other.step(*given)
+        assert status == said == OK and bits(found) == bits(expected)
+    assert not np.isnan(expected).any()
+
+
+def test_what_is_not_generated_is_refused_by_name(tmp_path):
+    parallelogram = from_values({**PUSHED, 'linkage.a1': 0.4, 'linkage.a2': 1.0,
+                                 'linkage.a3': 0.4, 'linkage.a4': 1.0})
+    with pytest.raises(NotGenerated, match='change point'):
+        generate(parallelogram, tmp_path)
+    with pytest.raises(NotGenerated, match='a1.*motion by torque'):
+        generate('motor', tmp_path, parameters=['a1'])
+    with pytest.raises(InvalidParameter, match='a9'):
+        generate('motor', tmp_path, parameters=['a9'])
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,370 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""FMUs: what they contain, their functions called as a master calls them."""
+import ctypes
+from ctypes import byref, c_char_p, c_double, c_int, c_size_t, c_void_p
+import math
+import sys
+from xml.etree import ElementTree
+import zipfile
+
+from fourbar_lab.export import compiled, generate
+from fourbar_ros import load_scene
+from fourbar_ros.dynamics.step.mover import NOT_FINITE, OK
+from fourbar_ros.numerics.number_types import COMPLEX_WITH_ANGLES
+from fourbar_ros.pipeline.status import evaluate
+from fourbar_ros.pipeline.stepper import InModes
+from fourbar_ros.scene.scene import from_values
+import numpy as np
+import pytest
+from support.exported import COMPILERS
+from support.scenes import PAPER, RODS
+
+needs_compiler = pytest.mark.skipif(not COMPILERS or sys.platform != 'linux',
+                                    reason='no C compiler, or a binary of another platform')
+
+
+class Unit:
+    """An FMU of FMI 2.0, its binary loaded."""
+
+    def __init__(self, path, folder):
+        with zipfile.ZipFile(path) as archive:
+            archive.extractall(folder)
+        self.root = ElementTree.parse(folder / 'modelDescription.xml').getroot()
+        variables = self.root.findall('ModelVariables/ScalarVariable')
+        self.reference = {one.get('name'): int(one.get('valueReference')) for one in variables}
+        self.causality = {one.get('name'): one.get('causality') for one in variables}
+        self.library = ctypes.CDLL(str(next((folder / 'binaries' / 'linux64').iterdir())))
+        self.library.fmi2Instantiate.restype = c_void_p
+        self.instance = self.instantiate(self.root.get('guid').encode())
+
+    def instantiate(self, guid, kind=1):
+        return self.library.fmi2Instantiate(b'one', kind, guid, b'', None, 0, 0)
+
+    def __call__(self, name, *arguments):
+        """Call a function of FMI with the instance; fail unless it returns OK."""
+        assert getattr(self.library, f'fmi2{name}')(c_void_p(self.instance), *arguments) == 0
+
+    def of(self, names):
+        references = (ctypes.c_uint * len(names))(*map(self.reference.get, names))
+        return references, c_size_t(len(names)), (c_double * len(names))()
+
+    def set(self, **values):
+        references, count, room = self.of(list(values))
+        room[:] = list(values.values())
+        self('SetReal', references, count, room)
+
+    def get(self, *names):
+        references, count, room = self.of(names)
+        self('GetReal', references, count, room)
+        return list(room)
+
+    def derivative(self, names, direction):
+        """Return the derivatives of outputs along a direction {input or parameter: part}."""
+        (of, many, to), (by, count, along) = self.of(names), self.of(list(direction))
+        along[:] = list(direction.values())
+        self('GetDirectionalDerivative', of, many, by, count, along, to)
+        return list(to)
+
+
+@pytest.fixture
+def paper(tmp_path):
+    return Unit(generate('paper', tmp_path, 'fmu2').files[0], tmp_path / 'paper')
+
+
+@needs_compiler
+def test_a_master_gets_the_bits_of_the_node(paper):
+    linkage = load_scene('paper').linkage
+    names = [name for name, cause in paper.causality.items()
+             if cause == 'output' and name != 'status']
+    paper('SetupExperiment', 1, c_double(1e-6), c_double(0.0), 0, c_double(0.0))
+    paper('EnterInitializationMode')
+    paper('ExitInitializationMode')
+    for i in range(300):
+        given = 0.02 * i, 2.0 * math.sin(i), 0.3 * i
+        paper.set(theta1=given[0], omega1=given[1], alpha1=given[2])
+        paper('DoStep', c_double(0.001 * i), c_double(0.001), 1)
+        _, motion, loads = evaluate(linkage, *given, True)
+        expected = {**motion._asdict(), **loads._asdict()}
+        assert paper.get('status', *names) == [0.0, *map(expected.get, names)]
+    paper('Terminate')
+
+
+@needs_compiler
+def test_in_model_exchange_outputs_follow_inputs_at_once(paper):
+    guid, zero, no_count = paper.root.get('guid').encode(), c_double(), c_size_t(0)
+    paper.instance = paper.instantiate(guid, kind=0)
+    paper('SetupExperiment', 0, zero, zero, 0, zero)
+    paper('EnterInitializationMode')
+    paper('ExitInitializationMode')
+    events = (c_double * 5)(*[math.nan] * 5)
+    paper('NewDiscreteStates', events)
+    assert bytes(events)[:20] == bytes(20)           # five flags, all false
+    paper('EnterContinuousTimeMode')
+    linkage, flags = load_scene('paper').linkage, (c_int(1), c_int(1))
+    for theta1 in np.linspace(-3.0, 3.0, 20).tolist():
+        paper('SetTime', c_double(theta1))
+        paper.set(theta1=theta1, omega1=2.0, alpha1=-1.0)
+        motion, loads = linkage.step(theta1, 2.0, -1.0)
+        assert paper.get('theta4', 'alpha4', 'f32') == [motion.theta4, motion.alpha4, loads.f32]
+        for states in ('GetDerivatives', 'GetEventIndicators', 'GetContinuousStates'):
+            paper(states, None, no_count)            # there are none
+        paper('CompletedIntegratorStep', 1, *map(byref, flags))
+        assert [flag.value for flag in flags] == [0, 0]
+    assert paper.library.fmi2GetDerivatives(c_void_p(paper.instance), byref(zero), c_size_t(1))
+
+
+@needs_compiler
+@pytest.mark.parametrize('name', ['paper', 'cylinder', 'bucket'])
+def test_derivatives_are_those_of_a_complex_step_and_of_other_parameters(name, tmp_path):
+    linkage = load_scene(name).linkage
+    unit = Unit(generate(name, tmp_path, 'fmu2').files[0], tmp_path / name)
+    assert unit.root.find('ModelExchange').get('providesDirectionalDerivative') == 'true'
+    outputs = [one for one, cause in unit.causality.items() if cause == 'output'
+               and one in (*linkage.MOTION._fields, *linkage.LOADS._fields)]
+    low, high = linkage.input_ranges[0]
+    given, direction = (low + 0.4 * (high - low), 3.0, -2.0), (0.7, -1.1, 0.4)
+    inputs = list(linkage.input_coordinate)
+    unit.set(**dict(zip(inputs, given)))
+    # an imaginary step is exact; terms are up to 2^12 times larger than their sums
+    motion = linkage.make_motion(COMPLEX_WITH_ANGLES)
+    moved = motion(*(np.array([x + 1e-30j * along]) for x, along in zip(given, direction)))
+    of_loads = linkage.make_loads(COMPLEX_WITH_ANGLES)(moved)
+    exact = {field: np.imag(np.asarray(value))[..., 0] / 1e-30 if np.ndim(value) else 0.0
+             for fields, part in ((linkage.MOTION, moved), (linkage.LOADS, of_loads))
+             for field, value in zip(fields._fields, part)}
+    found = dict(zip(outputs, unit.derivative(outputs, dict(zip(inputs, direction)))))
+    size = max(map(abs, found.values()))
+    for one in outputs:
+        error = abs(found[one] - exact[one])
+        assert error <= 2.0**-40 * max(abs(exact[one]), 2.0**-10 * size), one
+    # by parameters: differences of the unit itself, wrong by a rounding of the sizes over the step
+    # and by its square
+    for parameter in [one for one, cause in unit.causality.items() if cause == 'parameter']:
+        at, = unit.get(parameter)
+        part, sides = 2.0**-17, []
+        size = max(abs(at), 0.1)
+        for sign in (1.0, -1.0):
+            unit.set(**{parameter: at + sign * part * size})
+            sides.append(np.array(unit.get(*outputs)))
+        unit.set(**{parameter: at})
+        slopes = size * np.array(unit.derivative(outputs, {parameter: 1.0}))
+        error = np.abs((sides[0] - sides[1]) / (2.0 * part) - slopes)
+        scale = np.abs(sides[0]).max() + np.abs(slopes).max()
+        assert error.max() <= 16.0 * (2.0**-52 / part + part * part) * scale, parameter
+
+
+@needs_compiler
+@pytest.mark.parametrize('name', ['paper', 'jansen', 'slider_crank'])
+def test_at_rest_magnitudes_change_to_one_side(name, tmp_path):
+    unit = Unit(generate(name, tmp_path, 'fmu2').files[0], tmp_path / name)
+    inputs = load_scene(name).linkage.input_coordinate
+    at, along = dict(zip(inputs, (0.7, 0.0, 0.0))), dict(zip(inputs, (0.3, -2.0, 5.0)))
+    unit.set(**at)
+    outputs = [one for one, cause in unit.causality.items()     # a path at rest has no tangent
+               if cause == 'output' and math.isfinite(unit.get(one)[0])]
+    rest, slopes = np.array(unit.get(*outputs)), np.array(unit.derivative(outputs, along))
+    assert np.isfinite(slopes).all()
+    step = 2.0**-26        # wrong by the step, and by the rounding of what is not zero over it
+    unit.set(**{one: at[one] + step * along[one] for one in inputs})
+    error = np.abs((np.array(unit.get(*outputs)) - rest) / step - slopes)
+    assert (error <= 64.0 * (step + 2.0**-52 / step) * np.abs(slopes).max()).all()
+    assert ((rest == 0.0) & (slopes > 0.0)).any()
+
+
+@needs_compiler
+def test_forces_of_topics_have_derivatives(tmp_path):
+    scene = from_values({**load_scene('paper').values, 'external.output.from_topic': True})
+    unit = Unit(generate(scene, tmp_path, 'fmu2', name='loaded').files[0], tmp_path / 'loaded')
+    force = 'external.output.couple'
+    assert unit.causality[force] == 'input'
+    outputs = 'driving_torque', 'shaking_moment', 'f43_x', 'theta4'
+    before, slopes = unit.get(*outputs), unit.derivative(outputs, {force: 1.0})
+    unit.set(**{force: 1000.0})        # loads are linear in it
+    for a, b, slope in zip(before, unit.get(*outputs), slopes):
+        assert abs(b - a - 1000.0 * slope) <= 2.0**-46 * (1000.0 + abs(a))
+    assert slopes[3] == 0.0 and all(slopes[:3])
+
+
+@needs_compiler
+def test_derivatives_out_of_range_are_nan_and_of_unknown_numbers_refused(tmp_path, paper):
+    assert paper.derivative(['theta4', 'status'], {'omega1': 1.0}) == [0.0, 0.0]
+    paper.set(theta1=math.inf)
+    assert math.isnan(paper.derivative(['theta4'], {'theta1': 1.0})[0])
+    with pytest.raises(AssertionError):
+        paper.derivative(['theta4'], {'theta4': 1.0})
+    with pytest.raises(AssertionError):
+        paper.derivative(['theta1'], {'theta1': 1.0})
+    motor = Unit(generate('motor', tmp_path, 'fmu2').files[0], tmp_path / 'motor')
+    assert motor.root.find('CoSimulation').get('providesDirectionalDerivative') is None
+    with pytest.raises(AssertionError):
+        motor.derivative(['theta4'], {})
+
+
+@needs_compiler
+def test_motion_by_torque_is_for_co_simulation_only(tmp_path):
+    unit = Unit(generate('motor', tmp_path, 'fmu2').files[0], tmp_path / 'motor')
+    assert unit.instantiate(unit.root.get('guid').encode(), kind=0) is None
+    assert unit.root.find('ModelExchange') is None
+
+
+@needs_compiler
+def test_a_unit_moves_by_torque_as_the_node_does(tmp_path):
+    scene = load_scene('sundials')
+    unit = Unit(generate(scene, tmp_path, 'fmu2', name='sundials').files[0], tmp_path / 'unit')
+    mover, stepper, step = scene.mover, InModes(scene), 1.0 / scene.drive.rate
+    names = [name for name, cause in unit.causality.items() if cause == 'output']
+    assert {'torque'} == {name for name, cause in unit.causality.items() if cause == 'input'}
+    fields = [*scene.linkage.MOTION._fields, *scene.linkage.LOADS._fields]
+    unit('EnterInitializationMode')
+    unit('ExitInitializationMode')
+    values, status, saved = mover.start(), 0, c_void_p()
+    for i in range(60):
+        _, row = stepper.step(mover.mode, values.position, values.velocity, values.acceleration,
+                              True, True)
+        expected = {**dict(zip(fields, row)), 'status': 0.0, 'drive.status': float(status),
+                    **{f'drive.{name}': value for name, value in values._asdict().items()}}
+        assert unit.get(*names) == [expected[name] for name in names]
+        unit.set(torque=0.1 * i)
+        if i == 30:
+            unit('GetFMUstate', byref(saved))
+        unit('DoStep', c_double(i * step), c_double(step), 1)
+        status, values = mover.next(values, step, 0.1 * i)
+    end = unit.get(*names)
+    unit('SetFMUstate', saved)
+    for i in range(30, 60):
+        unit.set(torque=0.1 * i)
+        unit('DoStep', c_double(i * step), c_double(step), 1)
+    assert unit.get(*names) == end
+    for wrong in (-step, math.nan, math.inf):
+        assert unit.library.fmi2DoStep(c_void_p(unit.instance), c_double(0.0), c_double(wrong), 1)
+        assert unit.get(*names) == end
+    unit('FreeFMUstate', byref(saved))
+
+
+DC = {'motor.kind': 'dc', 'motor.voltage': 24.0, 'motor.resistance': 0.5, 'motor.gear': 10.0,
+      'motor.torque_constant': 0.3, 'motor.inductance': 0.005, 'shaft.stiffness': 400.0}
+CONTROLLER = {'motor.kind': 'controller', 'motor.speed': 4.0, 'motor.proportional': 20.0,
+              'motor.integral': 60.0, 'motor.torque_limit': 25.0}
+
+
+@needs_compiler
+@pytest.mark.parametrize('motor,given', [(DC, 'motor.voltage'), (CONTROLLER, 'motor.speed')],
+                         ids=['voltage', 'speed'])
+def test_voltage_and_speed_wanted_can_be_set_at_every_step(motor, given, tmp_path):
+    scene = from_values({**PAPER, **RODS, **motor, 'drive.source': 'motor',
+                         'motor.rotor_inertia': 0.1, 'outputs': ['state']})
+    unit = Unit(generate(scene, tmp_path, 'fmu2', name='unit').files[0], tmp_path / 'unit')
+    assert [given] == [name for name, cause in unit.causality.items() if cause == 'input']
+    assert unit.get(given) == [scene.values[given]]
+    unit('EnterInitializationMode')
+    unit('ExitInitializationMode')
+    names = [name for name in unit.causality if name.startswith('drive.')]
+    rng, step, values = np.random.default_rng(3), 0.005, scene.mover.start()
+    for _ in range(25):
+        number = float(rng.uniform(-40.0, 40.0))
+        mover = from_values({**scene.values, given: number}).mover       # a reference: anew
+        unit.set(**{given: number})
+        for _ in range(4):
+            status, values = mover.next(values, step)
+            unit('DoStep', c_double(0.0), c_double(step), 1)
+            expected = {**values._asdict(), 'status': float(status)}
+            assert unit.get(*names) == [expected[name[6:]] for name in names]
+    for wrong in (math.nan, math.inf):            # held at rest, and goes on afterwards
+        unit.set(**{given: wrong})
+        unit('DoStep', c_double(0.0), c_double(step), 1)
+        assert unit.get('drive.status', 'omega1') == [NOT_FINITE, 0.0]
+    unit.set(**{given: 5.0})
+    unit('DoStep', c_double(0.0), c_double(step), 1)
+    assert unit.get('drive.status') == [OK] and unit.get('omega1')[0] > 0.0
+
+
+@needs_compiler
+def test_out_of_range_is_a_status_and_parameters_change(paper):
+    paper.set(theta1=1.0, a1=5.0)
+    status, theta4 = paper.get('status', 'theta4')
+    assert status == 1.0 and math.isnan(theta4)
+    paper.set(a1=0.37)
+    other = load_scene('paper').linkage.with_lengths((0.37, 1.2, 0.8, 1.0))
+    assert paper.get('status', 'theta4', 'f32') == [0.0, other.motion(1.0).theta4,
+                                                    other.loads(1.0).f32]
+    paper.set(theta1=math.inf)
+    assert paper.get('status') == [2.0]
+
+
+@needs_compiler
+def test_states_are_kept_restored_and_serialised(paper):
+    kept, again, size = c_void_p(), c_void_p(), c_size_t()
+    paper.set(theta1=0.7, omega1=3.0, bodies_crank_mass=1.5) if 'bodies_crank_mass' in \
+        paper.reference else paper.set(**{'theta1': 0.7, 'omega1': 3.0, 'bodies.crank.mass': 1.5})
+    before = paper.get('f41', 'status')
+    paper('GetFMUstate', byref(kept))
+    paper('SerializedFMUstateSize', kept, byref(size))
+    room = ctypes.create_string_buffer(size.value)
+    paper('SerializeFMUstate', kept, room, size)
+    paper.set(theta1=2.0, a1=0.3)
+    assert paper.get('f41', 'status') != before
+    paper('SetFMUstate', kept)
+    assert paper.get('f41', 'status') == before
+    paper('Reset')
+    paper('DeSerializeFMUstate', room, size, byref(again))
+    paper('SetFMUstate', again)
+    assert paper.get('f41', 'status') == before
+    for state in (kept, again):
+        paper('FreeFMUstate', byref(state))
+        assert state.value is None
+
+
+@needs_compiler
+def test_what_is_not_there_is_refused(paper):
+    assert paper.instantiate(b'{another}') is None
+    references, room = (ctypes.c_uint * 1)(10_000), (c_double * 1)()
+    for name in ('GetReal', 'SetReal'):
+        function = getattr(paper.library, f'fmi2{name}')
+        assert function(c_void_p(paper.instance), references, c_size_t(1), room) == 3
+    text = c_char_p()
+    assert paper.library.fmi2GetStringStatus(c_void_p(paper.instance), c_int(0),
+                                             byref(text)) == 3
+    paper.library.fmi2FreeInstance(c_void_p(paper.instance))
+
+
+@pytest.mark.parametrize('as_', ['fmu2', 'fmu3'])
+def test_every_unit_has_a_definition_and_outputs_are_listed_once(as_, tmp_path):
+    path = generate('jansen', tmp_path, as_).files[0]
+    with zipfile.ZipFile(path) as archive:
+        root = ElementTree.fromstring(archive.read('modelDescription.xml'))
+    units = {one.get('name') for one in root.findall('UnitDefinitions/Unit')}
+    assert {'rad', 'rad/s2', 'N.m', 'kg.m2'} <= units
+    assert {one.get('unit') for one in root.iter() if one.get('unit')} <= units
+    variables = root.findall('ModelVariables/*')
+    outputs = [i for i, one in enumerate(variables) if one.get('causality') == 'output']
+    listed = root.findall('ModelStructure/Output') or root.findall(
+        'ModelStructure/Outputs/Unknown')
+    assert len(outputs) == len(listed)
+    assert {'foot.x', 'status', 'driving_torque'} <= {one.get('name') for one in variables}
+    names = [one.get('name').replace('.', '_') for one in variables]
+    assert len(set(names)) == len(names)
+
+
+def test_the_same_scene_gives_the_same_bytes(tmp_path):
+    one, two = (generate('cylinder', tmp_path / name, 'fmu2').files[0] for name in 'ab')
+    assert one.read_bytes() == two.read_bytes()
+
+
+def test_without_a_compiler_it_has_sources_and_says_so(tmp_path, monkeypatch):
+    monkeypatch.setattr(compiled, 'COMPILERS', ('no_such_compiler',))
+    found = generate('paper', tmp_path, 'fmu2')
+    assert any('no C compiler' in note for note in found.notes)
+    with zipfile.ZipFile(found.files[0]) as archive:
+        assert set(archive.namelist()) == {'modelDescription.xml', 'sources/paper.c'}
+
+
+def test_forces_of_topics_are_inputs(tmp_path):
+    values = {**load_scene('paper').values, 'external.output.from_topic': True}
+    path = generate(from_values(values), tmp_path, 'fmu2', name='loaded').files[0]
+    with zipfile.ZipFile(path) as archive:
+        root = ElementTree.fromstring(archive.read('modelDescription.xml'))
+    inputs = [one.get('name') for one in root.iter('ScalarVariable')
+              if one.get('causality') == 'input']
+    assert inputs[:3] == ['theta1', 'omega1', 'alpha1']
+    assert 'external.output.force_x' in inputs and 'external.coupler.force_x' not in inputs

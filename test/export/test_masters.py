@@ -1,0 +1,157 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""FMUs in two masters, FMPy and fmusim of the Modelica association: the bits that Python has."""
+import csv
+import math
+import shutil
+import subprocess
+
+from fourbar_lab.export import generate
+from fourbar_ros import load_scene
+from fourbar_ros.pipeline.status import evaluate
+from fourbar_ros.pipeline.stepper import InModes
+from fourbar_ros.scene.scene import from_values
+import numpy as np
+import pytest
+from support.exported import COMPILERS
+
+ROWS = 1000
+
+
+def by_fmpy(path, step, table, **options):
+    """Return the rows that FMPy samples; ``table``: {input: values at all steps}."""
+    from fmpy import simulate_fmu
+    from fmpy.validation import validate_fmu
+    assert validate_fmu(str(path)) == []
+    times = step * np.arange(ROWS + 1)
+    given = np.array(list(zip(times, *table.values())),
+                     dtype=[(name, float) for name in ('time', *table)]) if table else None
+    found = simulate_fmu(str(path), start_time=0.0, stop_time=times[-1], output_interval=step,
+                         input=given, **options)
+    return [dict(zip(found.dtype.names, row)) for row in found.tolist()]
+
+
+def by_fmusim(path, step, table):
+    """Return the rows that fmusim writes, in 16 digits."""
+    given, found = path.with_name('given.csv'), path.with_name('found.csv')
+    with given.open('w', newline='') as file:
+        writer = csv.writer(file)
+        writer.writerow(['time', *table])
+        writer.writerows((repr(i * step), *map(repr, values))
+                         for i, values in enumerate(zip(*table.values())))
+    done = subprocess.run(
+        ['fmusim', '--interface-type', 'cs', '--stop-time', repr(ROWS * step), '--output-interval',
+         repr(step), '--output-file', found, *(['--input-file', given] if table else []), path],
+        capture_output=True, text=True, check=True)
+    assert not done.stdout + done.stderr
+    with found.open(newline='') as file:
+        return [{name: float(text) for name, text in row.items()} for row in csv.DictReader(file)]
+
+
+@pytest.fixture(params=['FMPy', 'fmusim'])
+def master(request):
+    """Return a function to simulate by, and one that rounds as its rows are rounded."""
+    if request.param == 'FMPy':
+        pytest.importorskip('fmpy')
+        return by_fmpy, float
+    if shutil.which('fmusim') is None:
+        pytest.skip('no fmusim on the path: it is in '
+                    'https://github.com/modelica/Reference-FMUs/releases/tag/v0.0.39')
+    return by_fmusim, lambda value: float(f'{value:.16g}')
+
+
+pytestmark = [pytest.mark.slow, pytest.mark.skipif(not COMPILERS, reason='no C compiler'),
+              pytest.mark.parametrize('as_', ['fmu2', 'fmu3'])]
+
+
+def check(row, expected, rounded):
+    """Check the columns of a row that are expected: motion at least."""
+    known = [name for name in row if name in expected]
+    wanted = [rounded(expected[name]) for name in known]
+    assert np.array_equal([row[name] for name in known], wanted, equal_nan=True), row['time']
+    assert len(known) > 10
+
+
+@pytest.mark.parametrize('name', ['paper', 'jansen', 'parallelogram', 'slides_7_6'])
+def test_motion_and_loads(name, as_, master, tmp_path):
+    simulated, rounded = master
+    linkage, step = load_scene(name).linkage, 1e-3
+    low, high = linkage.input_ranges[0]
+    middle, size = 0.5 * (low + high), 0.4 * (high - low)
+    given = [(middle + size * math.sin(x), 9.0 * size * math.cos(x), -81.0 * size * math.sin(x))
+             for x in (9.0 * step * i + 0.1 for i in range(ROWS + 1))]
+    rows = simulated(generate(name, tmp_path, as_).files[0], step,
+                     dict(zip(linkage.input_coordinate, zip(*given))))
+    assert len(rows) == ROWS + 1
+    for row, sample in zip(rows[1:], given):      # a step sees the inputs of its beginning
+        status, motion, loads = evaluate(linkage, *sample, linkage.bodies is not None)
+        check(row, {**motion._asdict(), **loads._asdict(), 'status': status}, rounded)
+
+
+@pytest.mark.parametrize('solver', ['Euler', 'CVode'])
+def test_model_exchange_has_no_delay(solver, as_, tmp_path):
+    pytest.importorskip('fmpy')
+    linkage, step = load_scene('paper').linkage, 2.0**-10
+    given = [(6.0 * x, 6.0, 0.0) for x in (step * i for i in range(ROWS + 1))]
+    rows = by_fmpy(generate('paper', tmp_path, as_).files[0], step,
+                   dict(zip(linkage.input_coordinate, zip(*given))), fmi_type='ModelExchange',
+                   solver=solver, step_size=step)
+    assert len(rows) == ROWS + 1
+    for row, sample in zip(rows, given):
+        motion, loads = linkage.step(*sample)
+        check(row, {**motion._asdict(), **loads._asdict(), 'status': 0.0}, float)
+
+
+@pytest.mark.parametrize('name,changes', [
+    ('sundials', {}), ('motor', {}), ('motor', {'shaft.stiffness': 1e9, 'shaft.damping': 1e3})],
+    ids=['sundials', 'motor', 'stiff shaft'])
+def test_motion_by_torque(name, changes, as_, master, tmp_path):
+    simulated, rounded = master
+    scene = from_values({**load_scene(name).values, **changes})
+    step = 1.0 / scene.drive.rate
+    torques = [0.1 * math.sin(0.01 * i) for i in range(ROWS + 1)]
+    is_commanded = scene.drive.source == 'torque'
+    rows = simulated(generate(scene, tmp_path, as_, name='unit').files[0], step,
+                     {'torque': torques} if is_commanded else {})
+    assert len(rows) == ROWS + 1
+    mover, stepper = scene.mover, InModes(scene)
+    fields = [*scene.linkage.MOTION._fields, *scene.linkage.LOADS._fields]
+    values, status, time = mover.start(), 0, 0.0
+    for i, row in enumerate(rows):
+        _, numbers = stepper.step(mover.mode, values.position, values.velocity,
+                                  values.acceleration, True, True)
+        check(row, {**dict(zip(fields, numbers)), 'drive.status': status,
+                    **{f'drive.{name}': value for name, value in values._asdict().items()}},
+              rounded)
+        after = (i + 1) * step                    # steps of both are differences of times
+        status, values = mover.next(values, after - time, torques[i] * is_commanded)
+        time = after
+
+
+@pytest.mark.parametrize('name', ['paper', 'jansen', 'cylinder'])
+def test_derivatives_along_the_motion_are_rates(name, as_, tmp_path):
+    fmpy = pytest.importorskip('fmpy')
+    path, linkage = generate(name, tmp_path, as_).files[0], load_scene(name).linkage
+    about = fmpy.read_model_description(str(path))
+    place = {one.name: one.valueReference for one in about.modelVariables}
+    unit = fmpy.instantiate_fmu(fmpy.extract(str(path), str(tmp_path / 'unit')), about)
+    low, high = linkage.input_ranges[0]
+    at, rate, acceleration = low + 0.3 * (high - low), 25.0, -7.0
+    inputs = [place[one] for one in linkage.input_coordinate]
+    if as_ == 'fmu2':
+        unit.setupExperiment()
+    unit.enterInitializationMode()
+    unit.exitInitializationMode()
+    write, read = ((unit.setReal, unit.getReal) if as_ == 'fmu2' else
+                   (unit.setFloat64, unit.getFloat64))
+    write(inputs, [at, rate, acceleration])
+    pairs = [(one, one.replace(before, after)) for one in place if place[one] not in inputs
+             for before, after in (('theta', 'omega'), ('omega', 'alpha'))
+             if one.startswith(before) and one.replace(before, after) in place]
+    assert pairs
+    along = unit.getDirectionalDerivative([place[one] for one, _ in pairs], inputs,
+                                          [rate, acceleration, 0.0])
+    rates = read([place[after] for _, after in pairs])
+    assert np.abs(np.subtract(along, rates)).max() <= 2.0**-44 * np.abs(rates).max()
+    unit.terminate()
+    unit.freeInstance()
