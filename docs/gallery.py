@@ -3,8 +3,8 @@
 """
 Write gallery.md and its pictures: ``python docs/gallery.py``.
 
-Every shipped scene with a picture, a sentence, its YAML and the command that runs it. A test
-checks that nothing is out of date; a picture holds the digest of the scene that it shows.
+Every shipped scene with a picture and a sentence. A test checks that nothing is out of date; a
+picture holds the digest of the scene that it shows.
 """
 from hashlib import sha256
 from math import radians
@@ -25,7 +25,6 @@ from fourbar_ros.scene.scene import load  # noqa: E402
 
 PAGE, PICTURES = ROOT / 'docs' / 'gallery.md', ROOT / 'docs' / 'gallery'
 SIZE = 4.4, 3.3      # [inch]
-SHORT = 25           # lines of YAML that the page shows
 SAMPLES = 241        # of a path
 LONG = re.compile(r'(?<![(.\d])\d+\.\d{3,}|(?<=translate\()\d+\.\d{3,}')     # not of a scale
 # {heading: {scene: (title, input of the picture [degrees] or [m])}}
@@ -69,12 +68,9 @@ def digest(name):
 
 def entry(name, title):
     """Return the Markdown of a scene."""
-    text = find(name).read_text(encoding='utf-8')
-    file = find(name).relative_to(ROOT).as_posix()
-    lines = len(text.splitlines())
-    scene = (f'```yaml\n{text}```' if lines <= SHORT else f'[{file}](../{file}), {lines} lines.')
-    return (f'### {title}\n\n{about(text)}.\n\n![{title}](gallery/{name}.svg)\n\n'
-            f'```\nfourbar show {name}\n```\n\n{scene}\n')
+    text, file = find(name).read_text(encoding='utf-8'), find(name).relative_to(ROOT).as_posix()
+    return (f'### {title}\n\n[`{name}`](../{file}): {about(text)}.\n\n'
+            f'![{title}](gallery/{name}.svg)\n')
 
 
 def page():
@@ -84,8 +80,8 @@ def page():
              for heading, entries in ENTRIES.items()]
     return ('# Gallery\n\n<!-- gallery -->\n'
             'Every scene that comes with the package: `fourbar list` names them, and each verb '
-            'takes a name or a file. Brown curves are paths of points. To change one, save '
-            'its YAML.\n\n' + '\n'.join(parts) + '<!-- end -->\n')
+            'takes a name or a file (`fourbar show watt_line`). Brown curves are paths of points. '
+            'To change one, save its file.\n\n' + '\n'.join(parts) + '<!-- end -->\n')
 
 
 def draw(name, at):
