@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Labels of the pictures of shipped scenes lie beside each other, as matplotlib measures them."""
-from itertools import combinations
+from itertools import combinations, cycle
 
 from fourbar_ros.scene.files import shipped
 from fourbar_ros.scene.scene import load
@@ -10,12 +10,11 @@ from support.samples import some
 
 QUICK = 'klann', 'paper'
 SCENES = [*QUICK, *sorted(shipped().keys() - set(QUICK))]
-SHARES = 0.13, 0.41, 0.77           # poses, of the range of the input
+SHARES = 0.13, 0.41, 0.77           # poses, of the range of the input, in turn
 PIXEL = 1.0
 
 
-@some('share', SHARES, 1)
-@some('name', SCENES, len(QUICK))
+@some('name, share', zip(SCENES, cycle(SHARES)), len(QUICK))
 def test_labels_lie_beside_each_other(name, share):
     pytest.importorskip('matplotlib')
     from fourbar_lab.drawing.figure import make_figure

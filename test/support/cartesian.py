@@ -447,7 +447,7 @@ def errors(machine, given, found, kept=None):
     """
     columns = Cartesian(machine, given, found)
     motion, loads = ({name: value_and_condition(column, kept) for name, column in fields.items()}
-                     for fields in (columns.motion(), columns.loads()))
+                     for fields in (columns.motion(), columns.loads() if machine.bodies else {}))
     for pin, *pair in machine.layout.pins():
         for what in ('theta', 'omega', 'alpha'):
             truth, condition = motion[f'{what}_{pin}']
@@ -456,7 +456,7 @@ def errors(machine, given, found, kept=None):
     for link in {*machine.layout.slides()[machine.input == 'slide':]} - {GROUND}:
         (place, condition), (way, _) = motion[f'place_{link}'], motion[f'slide_{link}']
         motion[f'place_{link}'] = place, condition + float(abs(way))
-    for ours, fields in zip(machine.step(*given), (motion, loads)):
+    for ours, fields in zip(machine.motion_and_loads(*given), (motion, loads)):
         for name, (truth, condition) in fields.items():
             x, y = ((f'x{name[5:]}', f'y{name[5:]}') if name.startswith('place') else
                     (f'{name}_x', f'{name}_y'))

@@ -6,18 +6,11 @@ Machines of dyads to many digits, by other formulas, and random ones.
 Places and directions are complex numbers with two derivatives by time; the loads are the solution
 of one dense system of all bodies (Newton-Euler), whose unknowns are the forces of all joints.
 """
-from dataclasses import replace
-
 from fourbar_ros import Applied, Body, InvalidParameter
 from fourbar_ros.mechanisms.machine.describe.description import Cylinder, Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
-from fourbar_ros.mechanisms.machine.solve.pairs import shaped
-from fourbar_ros.numerics.number_types import COMPLEX_WITH_ANGLES, converted, power_of_two
 import mpmath as mp
 import numpy as np
-
-EPS = 2.0**-52
-STEP = 2.0**-200      # of the complex step that gives conditions
 
 
 class Jet:
@@ -323,56 +316,6 @@ def exact_values(machine, name, inputs, rates):
             value = found[name]
             values.append(abs(value) if isinstance(value, mp.mpc) else value)
     return values
-
-
-# --- conditions ----------------------------------------------------------------------------------
-
-# Complex steps of data: sums and units of lengths, too, are columns.
-SENSITIVE = replace(COMPLEX_WITH_ANGLES, exact_sum=sum, power_of_two=lambda *lengths: (
-    power_of_two(*[np.ravel(length)[0].real for length in lengths])))
-
-
-def conditions(machine, given, with_loads):
-    """Return {field: |value| + sum of |datum d field/d datum|}; x, y together."""
-    constants = machine.constants._replace(lengths=tuple([
-        dyad.numbers for dyad in machine.stages]))
-    if not with_loads:
-        constants = constants._replace(bodies=None, external=None)
-    data = []
-    converted((constants, given), data.append)
-    count = iter(range(len(data)))
-
-    def moved(value):
-        column = np.full(len(data), complex(value))
-        column[next(count)] += 1j * STEP * value
-        return column
-
-    own, at = converted((constants, tuple(given)), moved)
-    signs = tuple([np.asarray(sign).real for sign in own.sign])
-    with np.errstate(all='ignore'):
-        own = own._replace(sign=signs, lengths=shaped(machine.layout, own.lengths,
-                                                      SENSITIVE.hypot))
-        motion = machine.motion_formula(SENSITIVE, own)(*at)
-        fields = dict(zip(machine.MOTION._fields, motion))
-        if with_loads:
-            fields.update(zip(machine.LOADS._fields,
-                              machine.loads_formula(SENSITIVE, own)(motion)))
-    found = {}
-    for name, value in fields.items():
-        if f'{name}_x' in fields:
-            x, y = (np.asarray(fields[f'{name}_{axis}']) + 0j for axis in 'xy')
-            found[name] = (abs(complex(x.flat[0].real, y.flat[0].real))
-                           + np.hypot(x.imag, y.imag).sum() / STEP)
-        else:
-            value = np.asarray(value) + 0j
-            found[name] = abs(value.flat[0].real) + np.abs(value.imag).sum() / STEP
-    return found | _of_pins(machine, found)
-
-
-def _of_pins(machine, found):
-    """Return the conditions of relative angles and rates: those of both links together."""
-    return {f'{what}_{pin}': sum(found[f'{what}_{machine.layout.links[i]}'] for i in pair)
-            for pin, *pair in machine.layout.pins() for what in ('theta', 'omega', 'alpha')}
 
 
 # --- random machines -----------------------------------------------------------------------------

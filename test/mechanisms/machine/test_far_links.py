@@ -6,13 +6,14 @@ Bars on links that run to infinity, where the slides of a dyad PRP become parall
 They turn smoothly, but their rates are differences of terms that grow with the distance: what that
 costs is in docs/limitations.md.
 """
+from flint import ctx
 from fourbar_ros import Body, find_extrema
 from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 from fourbar_ros.mechanisms.quantities import known
-import mpmath as mp
 import pytest
-from support.dyad_reference import conditions, EPS, exact_values, motion_of
+from support.cartesian import BITS, errors, exact
+from support.dyad_reference import exact_values
 from support.scans import check_against_scan
 
 BOUND = 5.0        # in eps times condition, as of all motion
@@ -55,6 +56,12 @@ MACHINES = {
 }
 
 
+def errors_of(machine, given):
+    """Return {field: error in eps times condition}."""
+    with ctx.workprec(BITS):
+        return {field: error for field, error, _ in errors(machine, given, exact(machine, given))}
+
+
 @pytest.mark.parametrize('name', MACHINES)
 @pytest.mark.parametrize('side', [0, 1])
 def test_bars_on_links_that_run_to_infinity(name, side):
@@ -62,17 +69,11 @@ def test_bars_on_links_that_run_to_infinity(name, side):
     machine, given = Machine(MACHINES[name]), (1.3, -0.7)
     end = next(bound for bound in machine.limits if bound[side].dyad == 'far')[side].x
     for distance in (1e-2, 1e-3, 1e-4):
-        at = (end + (distance, -distance)[side], *given)
-        motion, cond = machine.motion(*at), conditions(machine, at, False)
+        found = errors_of(machine, (end + (distance, -distance)[side], *given))
         bounds = {'theta': BOUND, 'omega': 0.5 / distance, 'alpha': 0.5 / distance**2}
-        with mp.workdps(60):
-            truth = motion_of(machine, at)[0]
-            for what, bound in bounds.items():
-                for field in (f'{what}_bar_block', f'{what}_bar_bar'):
-                    error = mp.mpf(getattr(motion, field)) - truth[field]
-                    if what == 'theta':
-                        error = mp.arg(mp.expj(error))
-                    assert abs(error) <= bound * EPS * max(cond[field], 1.0), (field, distance)
+        for what, bound in bounds.items():
+            for field in (f'{what}_bar_block', f'{what}_bar_bar'):
+                assert found[field] <= bound, (field, distance)
 
 
 def test_what_slides_on_the_ground_beside_far_links_keeps_its_digits():
@@ -86,20 +87,15 @@ def test_what_slides_on_the_ground_beside_far_links_keeps_its_digits():
                 bar('bar', Point('s', -0.53, -0.8), Point('ground', 0.69, -0.86), 0.025)]
     machine = Machine(on_block)
     low, high = machine.input_ranges[0]
-    at = (low + 0.4 * (high - low), 1.3, -0.7)
-    motion, cond = machine.motion(*at), conditions(machine, at, False)
-    with mp.workdps(60):
-        truth = motion_of(machine, at)[0]
-        for field in ('omega_bar_bar', 'alpha_bar_bar', 'alpha_s'):
-            error = abs(mp.mpf(getattr(motion, field)) - truth[field])
-            assert error <= BOUND * EPS * max(cond[field], 1.0), field
+    found = errors_of(machine, (low + 0.4 * (high - low), 1.3, -0.7))
+    for field in ('omega_bar_bar', 'alpha_bar_bar', 'alpha_s'):
+        assert found[field] <= BOUND, field
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize('name', ['from the ground', 'from the crank'])
-def test_no_extrema_of_rounding_noise(name):
+def test_no_extrema_of_rounding_noise():
     """There were more than a hundred for each of these quantities, within 3e-6 of the limits."""
-    dyads = MACHINES[name]
+    dyads = MACHINES['from the ground']
     links = Machine(dyads).layout.moving
     machine = Machine(dyads, bodies=dict.fromkeys(links, Body(1.5, 0.3, -0.1, 0.4)),
                       gravity=(-4.0, -3.0))
