@@ -82,7 +82,8 @@ def test_fused_operations_change_no_bit(tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize('path', SCENES, ids=lambda path: path.stem)
 def test_every_shipped_scene_with_every_compiler(path, tmp_path):
-    code = compared(load_scene(path), tmp_path, path.stem, 100_000, EVERY)
+    code = compared(load_scene(path), tmp_path, path.stem, 10_000,
+                    EVERY[SCENES.index(path) % 4::4])        # a level in turn
     for compiler in COMPILERS:             # what would contract, and be checked for errors
         subprocess.run([compiler, '-std=c99', '-O2', *STRICT, '-c', f'{code.name}.c', '-o', 'a.o'],
                        check=True, cwd=tmp_path)

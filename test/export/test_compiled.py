@@ -13,7 +13,7 @@ from fourbar_ros.pipeline.status import evaluate
 import numpy as np
 import pytest
 from support.bags import run
-from support.exported import COMPILERS, SCENES
+from support.exported import COMPILERS
 
 pytestmark = pytest.mark.skipif(not COMPILERS, reason='no C compiler')
 
@@ -39,16 +39,6 @@ def test_a_bag_recomputes_with_differences_of_0(name, tmp_path, capsys):
     generate(scene, tmp_path / 'code', name=name)
     code, said = recomputed(bag, tmp_path / 'code', capsys)
     assert code == 0 and said['inputs'] == 60 and said['largest'] == 0.0
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize('path', SCENES, ids=lambda path: path.stem)
-def test_every_shipped_scene_that_records_does(path, tmp_path, capsys):
-    scene = load_scene(path)
-    bag = recorded(tmp_path, scene, 500)
-    generate(scene, tmp_path / 'code', name='code')
-    code, said = recomputed(bag, tmp_path / 'code', capsys)
-    assert code == 0 and said['inputs'] == 500 and said['largest'] == 0.0
 
 
 def test_code_of_another_scene_is_refused(tmp_path, capsys):

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from support.exported import COMPILERS
 
-ROWS = 1000
+ROWS = 200
 
 
 def by_fmpy(path, step, table, **options):
