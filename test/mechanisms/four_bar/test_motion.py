@@ -5,7 +5,7 @@ Position, velocity and acceleration.
 
 The seeds' numbers, the loop, the number types, the symmetries.
 """
-from math import cos, hypot, inf, nan, nextafter, pi, radians, sin
+from math import cos, inf, nan, nextafter, pi, radians, sin
 
 from fourbar_ros import CROSSED, FourBar, InvalidParameter, Motion, OPEN, OutOfRange, Toggle
 import mpmath as mp
@@ -79,31 +79,6 @@ def test_table_2_of_the_paper_as_corrected(mode, theta1, field, value):
 
 # --- against the reference -----------------------------------------------------------------------
 
-def test_motion_is_that_of_the_reference():
-    for linkage, theta1 in random_motions(1):
-        exact = pose(linkage.lengths, linkage.sign, mp.mpf(theta1))
-        motion = linkage.motion(theta1, 3.0, -2.0)
-        # first order: all errors are those of the angles times the condition of the position
-        tolerance = 32 * EPS * (1.0 + motion.condition)**2 * (1.0 + abs(motion.velocity_ratio))**2
-        assert abs(angle_difference(motion.theta4, float(exact.y))) <= tolerance
-        assert abs(angle_difference(motion.beta, float(exact.b))) <= tolerance
-        assert abs(motion.velocity_ratio - exact.dy) <= tolerance
-        assert abs(motion.omega_beta - 3 * exact.db) <= 3 * tolerance
-        assert abs(motion.alpha4
-                   - (9 * exact.ddy - 2 * exact.dy)) <= 11 * tolerance * motion.condition
-        assert abs(motion.alpha_beta
-                   - (9 * exact.ddb - 2 * exact.db)) <= 11 * tolerance * motion.condition
-
-
-def test_loop_closes_and_mode_holds():
-    for linkage, theta1 in random_motions(2):
-        a1, a2, a3, a4 = linkage.lengths
-        m = linkage.motion(theta1)
-        gap = hypot(a1 * cos(theta1) + a2 * m.cos_b - a4 - a3 * m.cos_y,
-                    a1 * sin(theta1) + a2 * m.sin_b - a3 * m.sin_y)
-        assert gap <= 4 * EPS * sum(linkage.lengths)
-        assert sin(m.theta4 - m.beta) * linkage.sign > 0.0
-
 
 def test_fields_are_consistent():
     for linkage, theta1 in random_motions(3, 50):
@@ -123,15 +98,6 @@ def test_fields_are_consistent():
 
 # --- one formula, several number types -----------------------------------------------------------
 
-def test_arrays_equal_single_values_to_rounding():
-    for linkage, theta1 in random_motions(4, 60):
-        single = linkage.motion(theta1, 3.0, -2.0)
-        for field, value, array in zip(Motion._fields, single,
-                                       linkage.motion([theta1], 3.0, -2.0)):
-            # numpy's vector sine may differ by a last bit, which the motion then amplifies
-            tolerance = 16 * EPS * single.condition**2 * max(1.0, abs(value))
-            assert array.shape == (1,) and abs(array[0] - value) <= tolerance, field
-
 
 @pytest.mark.parametrize('shape', [(), (1,), (0,), (3, 1, 2)])
 def test_shapes_are_those_of_the_broadcast_input(shape):
@@ -149,13 +115,6 @@ def test_numpy_scalars_and_integers_give_the_same_as_floats():
     linkage = FourBar(*PAPER)
     assert linkage.motion(np.float64(1.0), 2) == linkage.motion(1.0, 2.0)
     assert linkage.motion(1, 2, 0) == linkage.motion(1.0, 2.0, 0.0)
-
-
-def test_complex_step_is_the_derivative():
-    linkage, x, h = FourBar(*PAPER), np.linspace(-3.0, 3.0, 50), 1e-40
-    motion, moved = linkage.motion(x, 1.0), linkage.motion(x + 1j * h, 1.0)
-    np.testing.assert_allclose(moved.omega4.imag / h, motion.alpha4, rtol=1e-12, atol=1e-12)
-    np.testing.assert_allclose(moved.omega4.real, motion.omega4, rtol=1e-14, atol=1e-14)
 
 
 # --- where it cannot be --------------------------------------------------------------------------
@@ -203,23 +162,6 @@ def test_toggle_raises_for_one_value_and_is_nan_in_arrays():
 
 
 # --- symmetries ----------------------------------------------------------------------------------
-
-def test_mirror_image_is_the_other_mode():
-    for linkage, theta1 in random_motions(5, 60):
-        mirror = linkage.in_mode(3 - linkage.mode)
-        one, other = linkage.motion(theta1, 3.0, -2.0), mirror.motion(-theta1, -3.0, 2.0)
-        for field in ('theta2', 'theta3', 'theta4', 'beta', 'omega2', 'omega3', 'omega4',
-                      'omega_beta',
-                      'alpha2', 'alpha3', 'alpha4', 'alpha_beta', 'sin_y', 'sin_b', 'sin_mu'):
-            assert getattr(one, field) == -getattr(other, field), field
-        assert one.velocity_ratio == other.velocity_ratio
-
-
-@pytest.mark.parametrize('power', [-400, -3, 1, 500])
-def test_scaling_by_a_power_of_two_changes_no_bit(power):
-    for linkage, theta1 in random_motions(6, 20):
-        scaled = FourBar(*(length * 2.0**power for length in linkage.lengths), mode=linkage.mode)
-        assert scaled.motion(theta1, 3.0, -2.0) == linkage.motion(theta1, 3.0, -2.0)
 
 
 def test_no_angle_is_special():

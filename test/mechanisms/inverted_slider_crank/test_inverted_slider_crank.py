@@ -95,46 +95,6 @@ def test_the_cylinder_is_the_slider_crank_seen_from_its_bar():
         assert (m.omega4, m.alpha4, m.omega1) == (-seen.omega1, -seen.alpha1, seen.omega2)
 
 
-def test_either_input_gives_the_motion_of_the_other():
-    for mechanism, given in reference.random_loaded(KINDS[0], 111, 100):
-        m = mechanism.motion(*given)
-        if abs(m.sin_x) < 0.05:
-            continue
-        mode = 2 if m.sin_x > 0.0 else 1
-        other = InvertedSlider(*mechanism.lengths, mode=mode, input=SLIDE)
-        back = other.motion(m.slide, m.slide_velocity, m.slide_acceleration)
-        assert abs(remainder(back.theta1 - m.theta1, 2.0 * pi)) <= 1e-12
-        assert abs(remainder(back.theta4 - m.theta4, 2.0 * pi)) <= 1e-11
-        size = 1.0 + abs(m.alpha1) + abs(m.alpha4) + m.omega1**2 + m.omega4**2
-        assert (back.omega1, back.alpha1, back.omega4, back.alpha4) == pytest.approx(
-            (m.omega1, m.alpha1, m.omega4, m.alpha4), abs=1e-10 * size / m.sin_x**2)
-
-
-@both_inputs
-def test_mirror_images(kind):
-    """
-    Mirrored in x: offset, angles and what is across change sign.
-
-    Slide input: the other mode.
-    """
-    for mechanism, (value, rate, acceleration) in reference.random_loaded(kind, 112, 40):
-        a1, a4, h = mechanism.lengths
-        mode = mechanism.mode if kind[1] == CRANK else 3 - mechanism.mode
-        given = (-value, -rate, -acceleration) if kind[1] == CRANK else (value, rate, acceleration)
-        one = mechanism.motion(value, rate, acceleration)
-        other = InvertedSlider(a1, a4, -h, mode, kind[1]).motion(*given)
-        assert (other.theta4 == -one.theta4 and other.omega1 == -one.omega1 and other.slide
-                == one.slide)
-        assert other.slide_acceleration == one.slide_acceleration and other.alpha4 == -one.alpha4
-
-
-@both_inputs
-def test_the_mode_is_what_its_sign_says(kind):
-    for mechanism, given in reference.random_loaded(kind, 113, 40):
-        m = mechanism.motion(*given)
-        assert (m.slide if kind[1] == CRANK else m.sin_x) * mechanism.sign > 0.0
-
-
 # --- classes, limits, dead points ----------------------------------------------------------------
 
 @pytest.mark.parametrize('lengths, name', [

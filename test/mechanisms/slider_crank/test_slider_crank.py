@@ -83,47 +83,6 @@ def test_the_slider_moves_as_a_point_of_the_coupler(kind):
                                    (m.slide_acceleration, 0.0), rtol=0.0, atol=1e-12 * size)
 
 
-def test_either_input_gives_the_motion_of_the_other():
-    for mechanism, given in reference.random_loaded(KINDS[0], 91, 100):
-        m = mechanism.motion(*given)
-        mode = 2 if m.sin_2 > 0.0 else 1
-        other = SliderCrank(*mechanism.lengths, mode=mode, input=SLIDE)
-        if abs(m.sin_2) < 0.05:
-            continue
-        back = other.motion(m.slide, m.slide_velocity, m.slide_acceleration)
-        assert abs(remainder(back.theta1 - m.theta1, 2.0 * pi)) <= 1e-12
-        size = 1.0 + abs(m.alpha1) + abs(m.alpha_beta) + m.omega1**2 + m.omega_beta**2
-        assert (back.omega1, back.alpha1, back.omega_beta, back.alpha_beta) == pytest.approx(
-            (m.omega1, m.alpha1, m.omega_beta, m.alpha_beta), abs=1e-10 * size / m.sin_2**2)
-        assert remainder(back.theta1 + back.theta2 + back.theta3,
-                         2.0 * pi) == pytest.approx(0.0, abs=8 * EPS)
-
-
-@both_inputs
-def test_mirror_images(kind):
-    """
-    Mirrored in x: offset, angles and what is across change sign.
-
-    Slider input: the other mode.
-    """
-    for mechanism, (value, rate, acceleration) in reference.random_loaded(kind, 92, 40):
-        a1, a2, e = mechanism.lengths
-        mode = mechanism.mode if kind[1] == CRANK else 3 - mechanism.mode
-        given = (-value, -rate, -acceleration) if kind[1] == CRANK else (value, rate, acceleration)
-        one = mechanism.motion(value, rate, acceleration)
-        other = SliderCrank(a1, a2, -e, mode, kind[1]).motion(*given)
-        assert other.beta == -one.beta and other.omega1 == -one.omega1 and other.slide == one.slide
-        assert (other.slide_acceleration == one.slide_acceleration and other.alpha_beta
-                == -one.alpha_beta)
-
-
-def test_the_mode_is_what_its_sign_says():
-    for kind in KINDS:
-        for mechanism, given in reference.random_loaded(kind, 93, 40):
-            m = mechanism.motion(*given)
-            assert (m.cos_b if kind[1] == CRANK else m.sin_2) * mechanism.sign > 0.0
-
-
 # --- classes, limits, dead points ----------------------------------------------------------------
 
 @pytest.mark.parametrize('lengths, name', [
@@ -139,24 +98,6 @@ def test_classes(lengths, name):
 
 def reachable(mechanism, x):
     return np.abs(mechanism.offset - mechanism.a1 * np.sin(x)) <= mechanism.a2
-
-
-def test_input_ranges_by_brute_force():
-    rng, shapes = np.random.default_rng(94), set()
-    x = np.linspace(-1.5 * pi, 1.5 * pi, 3001)
-    for _ in range(300):
-        lengths, mode, _ = reference.draw(rng, KINDS[0], 'random')
-        mechanism = SliderCrank(*lengths, mode=mode)
-        shapes.add((len(mechanism.input_ranges), mechanism.turns_fully))
-        inside = np.zeros(x.shape, bool)
-        for low, high in mechanism.input_ranges:
-            assert low >= -1.5 * pi and high <= 1.5 * pi
-            for turn in (-2.0 * pi, 0.0, 2.0 * pi):
-                inside |= (low + turn <= x) & (x <= high + turn)
-        near = np.abs(np.abs(mechanism.offset - mechanism.a1 * np.sin(x)) - mechanism.a2) < 1e-9
-        np.testing.assert_array_equal((inside | near), (reachable(mechanism, x) | near))
-        np.testing.assert_array_equal(np.isfinite(mechanism.motion(x).slide) | near, inside | near)
-    assert shapes == {(1, True), (1, False), (2, False)}
 
 
 def test_limits_are_exact_to_the_last_bits():
