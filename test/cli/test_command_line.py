@@ -59,14 +59,6 @@ def test_scalars_are_read_as_ros_reads_them(text, value, tmp_path):
         assert found == value and type(found) is type(value)
 
 
-@pytest.mark.parametrize('more', ['    linkage.a1: 0.5\n', '    drive: {speed: 1.0, speed: 2.0}\n',
-                                  '    drive: {speed: 1.0}\n    drive: {rate: 2.0}\n',
-                                  '    gravity: {x: 0.0}\n    gravity.x: 1.0\n'])
-def test_a_key_twice_is_refused(more, tmp_path, capsys):
-    code, out, err = said(capsys, 'scene', 'check', scene_with(tmp_path, more))
-    assert (code, out) == (1, '') and 'is given twice' in err and len(err.splitlines()) == 1
-
-
 @pytest.mark.parametrize('key, is_good', [('/**', True), ('fourbar', True), ('/fourbar', True),
                                           ('/cell/fourbar', True),
                                           ('"/*"', True), ('/**/fourbar', True), ('other', False),
@@ -112,26 +104,7 @@ def test_scenes_are_found_by_name_anywhere(tmp_path, monkeypatch, capsys):
     assert 'not a scene' in said(capsys, 'show', 'paper')[2]
 
 
-@pytest.mark.parametrize('name', ['mid-dle', '1st', 'm d', 'ä-b'])
-def test_a_bad_name_of_a_point_is_explained(name, tmp_path, capsys):
-    points = f'    points: {{"{name}": {{link: crank}}}}\n'
-    _, _, err = said(capsys, 'scene', 'check', scene_with(tmp_path, points))
-    assert (f'{name!r} is not a valid point name: use letters, digits and _' in err and len(err)
-            < 200)
-
-
 # --- words and numbers ---------------------------------------------------------------------------
-
-@pytest.mark.parametrize('arguments, suggestion', [
-    (('shwo', 'paper'), 'show'), (('bag', 'inf', 'x'), 'info'),
-    (('show', 'paper', '--sped', '3'), '--speed'),
-    (('bag', 'info', 'x', '--chek'), '--check'), (('scene', 'chekc', 'x'), 'check')])
-def test_the_nearest_word_is_named(arguments, suggestion, capsys):
-    code, _, err = said(capsys, *arguments)
-    assert code == 2 and f'did you mean {suggestion}?' in err
-    if len(arguments) > 3:
-        assert err.startswith(f'fourbar {arguments[0]}')        # that of the verb
-    assert len(err.splitlines()) == 1
 
 
 @pytest.mark.parametrize('field, suggestion', [('state.omga4', 'state.omega4'),
@@ -151,19 +124,6 @@ def test_the_nearest_quantity_is_named(name, suggestion):
     from fourbar_ros.mechanisms.quantities import select, UnknownQuantity
     with pytest.raises(UnknownQuantity, match=f'did you mean {suggestion}'):
         select([name], FourBar(0.4, 1.2, 0.8, 1.0))
-
-
-@pytest.mark.parametrize('arguments', [
-    ('bag', 'recompute', 'x', '--tolerance', '-1'), ('bag', 'diff', 'x', 'y', '--tolerance',
-                                                     'nan'),
-    ('replay', 'x', '--start', '-1e-9'), ('replay', 'x', '--rate', '0'),
-    ('show', 'paper', '--speed', 'nan'),
-    ('show', 'paper', '--at', 'inf'), ('draw', 'paper', '--at', 'x', '-o', 'x.png'),
-    ('show', 'paper', '--acceleration', 'nan')])
-def test_numbers_that_make_no_sense_are_refused_at_once(arguments, capsys):
-    code, out, err = said(capsys, *arguments)
-    bad = arguments[-1 if arguments[0] != 'draw' else 3]
-    assert (code, out) == (2, '') and f'{bad!r} must be' in err
 
 
 @pytest.mark.parametrize('verb', [('show',), ('draw', '-o', 'x.png')])

@@ -151,7 +151,7 @@ def check(name, power, seed, count):
 @some('power', POWERS, 1)
 @pytest.mark.parametrize('name', KINDS)
 def test_each_source_alone(name, power):
-    check(name, power, 501, 1 if power == POWERS[0] else 4)
+    check(name, power, 501, 1)
 
 
 @pytest.mark.parametrize('name', [name for name in KINDS if 'slide' not in name.split()])
