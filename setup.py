@@ -10,7 +10,7 @@ NAME, LAB = 'fourbar_ros', 'fourbar_lab'
 HERE = Path(__file__).resolve().parent      # colcon runs it through a link
 # Scenes are installed in the package, to be found by name, and in share, as ROS does.
 SCENES = {f'{NAME}.config{sub.replace("/", ".")}': f'config{sub}' for sub in (
-    '', '/chains', '/classics', '/published', '/robots', '/studies')}
+    '', '/classics', '/published', '/studies')}
 
 setup(
     name=NAME,
@@ -20,12 +20,11 @@ setup(
     package_data={NAME: ['py.typed'], LAB: ['py.typed'], f'{LAB}.export': ['c/*'],
                   f'{LAB}.reproduction': ['*.yaml'],
                   f'{LAB}.live': ['*.js', '*.css'],
-                  **dict.fromkeys(SCENES, ['*.yaml', '*.csv'])},
+                  **dict.fromkeys(SCENES, ['*.yaml', '*.csv', '*.rviz', '*.json', '*.xml'])},
     data_files=[
         ('share/ament_index/resource_index/packages', ['resource/' + NAME]),
         ('share/' + NAME, ['package.xml']),
-        *[(f'share/{NAME}/{path}', glob(f'{path}/*.yaml') + glob(f'{path}/*.csv'))
-          for path in SCENES.values()],
+        *[(f'share/{NAME}/{path}', glob(f'{path}/*.*')) for path in SCENES.values()],
         ('share/' + NAME + '/launch', glob('launch/*.launch.py')),
     ],
     python_requires='>=3.10',
@@ -74,7 +73,7 @@ setup(
         ],
         # What fourbar_ros finds of the lab without importing it: verbs, and tools by name.
         'fourbar.verbs': [f'{verb} = {LAB}.cli.{verb}'
-                          for verb in ('balance', 'draw', 'generate', 'layout', 'list', 'live',
+                          for verb in ('balance', 'draw', 'generate', 'list', 'live',
                                        'new', 'record', 'reproduce', 'show', 'study', 'table')],
         'fourbar.lab': [f'sdf = {LAB}.export.sdf:sdf', f'mjcf = {LAB}.export.mjcf:mjcf',
                         f'compiled = {LAB}.export.compiled:Compiled',

@@ -14,7 +14,7 @@ if TYPE_CHECKING:      # verbs import when they run
     from fourbar_lab.balancing.loads import Loads
     from fourbar_lab.balancing.rms import Balance, Places
     from fourbar_ros.mechanisms.mechanism import Mechanism
-    from fourbar_ros.terminal import PlainTable
+    from rich.table import Table
 
 DESCRIPTION = """\
 Find counterweights that take shaking force, shaking moment, driving torque or joint reactions of
@@ -149,20 +149,20 @@ def _best(arguments: argparse.Namespace, places: Places) -> tuple[Balance, str]:
 PLATE_COLUMNS = {'radius': 'radius [m]>', 'half_angle': 'half-angle [rad]>'}
 
 
-def _tables(loads: Loads, balance: Balance) -> tuple[PlainTable, PlainTable]:
+def _tables(loads: Loads, balance: Balance) -> tuple[Table, Table]:
     """Return the tables of the counterweights and of the loads before and after."""
     from fourbar_lab.balancing import changes
-    from fourbar_ros.terminal import PlainTable
+    from fourbar_ros.terminal import make_table
     weights = balance.counterweights
     # after link, mass, along and across come the dimensions of a plate
     dimensions: tuple[str, ...] = weights[0]._fields[4:] if weights else ()
-    table = PlainTable('counterweights, from the first joint of their link',
+    table = make_table('counterweights, from the first joint of their link',
                        ('link', 'mass [kg]>', 'along [m]>', 'across [m]>',
                         *(PLATE_COLUMNS[name] for name in dimensions)))
     for weight in weights:
         # a workshop's digits; those behind them are the solver's, and the scene file's
         table.add_row(weight.link, *(f'{value:.7g}' for value in weight[1:]))
-    of_loads = PlainTable('loads of inertia', ('', 'unit', 'RMS before>', 'after>',
+    of_loads = make_table('loads of inertia', ('', 'unit', 'RMS before>', 'after>',
                                                'peak before>', 'after>'))
     for change in changes(loads, balance.numbers):
         of_loads.add_row(change.name, change.unit,

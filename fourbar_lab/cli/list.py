@@ -25,10 +25,10 @@ def add(verbs: Verbs) -> None:
 def _list(arguments: Namespace) -> None:
     """Print tables of the shipped scenes and studies: name, first sentence of the file."""
     from fourbar_ros.scene.files import folder
-    from fourbar_ros.terminal import make_console, PlainTable
+    from fourbar_ros.terminal import make_console, make_table
     console = make_console()
     for title, below in (('scenes', ''), ('classics', 'classics'), ('studies', 'studies')):
-        table = PlainTable(title, ['name', 'text'])
+        table = make_table(title, ['name', 'text'])
         for path in sorted((folder() / below).glob('*.yaml')):
             table.add_row(path.stem, about(path.read_text(encoding='utf-8')))
         console.print(table)

@@ -26,7 +26,7 @@ if TYPE_CHECKING:      # verbs import when they run
     from fourbar_ros.extrema.find import Extremum
     from fourbar_ros.mechanisms.mechanism import Mechanism
     from fourbar_ros.scene.scene import Scene
-    from fourbar_ros.terminal import PlainTable
+    from rich.table import Table
 
 SECONDS = 5.0
 EPILOG = """\
@@ -150,7 +150,7 @@ def _print(shown: Shown, extrema: list[Extremum], with_proofs: bool) -> None:
         rates += f' and {shown.acceleration:g} {rate_unit(linkage)}^2'
     if shown.within:
         rates += f' in {in_words([shown.within], linkage.input_coordinate.unit)}'
-    tables: list[PlainTable | str | None] = [
+    tables: list[Table | str | None] = [
         what_it_is(shown.with_masses, shown.path),
         extrema_table(linkage, extrema, f'extrema at {rates}, mode {mode_name(linkage)}'),
         proofs_in_words(extrema) if with_proofs else None, shown.why_no_loads]

@@ -107,7 +107,7 @@ def _show(arguments: argparse.Namespace) -> None:
     """Print the tables of a study, as far as it is computed."""
     from fourbar_lab.studies import report
     from fourbar_lab.studies.results import Results
-    from fourbar_ros.terminal import make_console, PlainTable
+    from fourbar_ros.terminal import make_console, make_table
     results, console = Results(arguments.study), make_console()
     console.print(report.about(results))
     tables: list[tuple[str, Sequence[str], Sequence[Sequence[str]]]] = [
@@ -122,7 +122,7 @@ def _show(arguments: argparse.Namespace) -> None:
             columns, front = report.front_rows(results)
             tables.append((report.FRONT, _right(columns, 0), front))
     for title, heads, lines in tables:
-        table = PlainTable(title, heads)
+        table = make_table(title, heads)
         for line in lines:
             table.add_row(*line)
         console.print()

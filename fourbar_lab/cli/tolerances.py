@@ -47,7 +47,7 @@ def _run(arguments: argparse.Namespace) -> None:
     """Print three tables: the box, the bounds of each measure, its derivatives."""
     from fourbar_lab.studies.study import read
     from fourbar_lab.studies.tolerance_analysis import box_of, tolerances
-    from fourbar_ros.terminal import make_console, PlainTable
+    from fourbar_ros.terminal import make_console, make_table
     study = read(arguments.study)
     if arguments.rows:
         study = replace(study, rows=arguments.rows)
@@ -66,7 +66,7 @@ def _run(arguments: argparse.Namespace) -> None:
             ('derivatives, and what each tolerance contributes',
              ('measure', 'parameter', 'derivative>', 'unit', '+->'),
              [row for one in results for row in _derivative_rows(one, box)])):
-        table = PlainTable(title, heads)
+        table = make_table(title, heads)
         for row in rows:
             table.add_row(*row)
         console.print(table)

@@ -25,10 +25,11 @@ from fourbar_ros.scene.arguments import Parser, positive
 from fourbar_ros.scene.files import find, NODE
 from fourbar_ros.scene.scene import load, Scene
 from fourbar_ros.scene.topics import INPUTS, OUTPUTS
-from fourbar_ros.terminal import make_console, PlainTable
+from fourbar_ros.terminal import make_console, make_table
 from rclpy.node import Node
 from rich.console import Console
 from rich.live import Live
+from rich.table import Table
 import yaml
 
 PATIENCE = 20.0        # [s] for the node to start, be found and answer
@@ -98,9 +99,9 @@ class Driver(NodeClient):
 Entry = dict[str, Any]      # a printed extremum or pose: published/SCENE.yaml has a list of them
 
 
-def live_table(client: Driver, seconds: float) -> PlainTable:
+def live_table(client: Driver, seconds: float) -> Table:
     """Return a table: the latest state and loads, how many messages came on each topic."""
-    table = PlainTable(f'{NODE} at {seconds:4.1f} s', ('', '        value>', 'unit'))
+    table = make_table(f'{NODE} at {seconds:4.1f} s', ('', '        value>', 'unit'))
     state, loads = client.latest.get('state'), client.latest.get('loads')
     rows = []
     if state:
@@ -154,7 +155,7 @@ def compare_extrema(client: Driver, published: Sequence[Entry],
     if answer.result != answer.RESULT_OK:
         console.print(f'find_extrema: {answer.message}')
         return ()
-    table = PlainTable(f'global extrema at {speed:g} {rate_unit(linkage)}, mode '
+    table = make_table(f'global extrema at {speed:g} {rate_unit(linkage)}, mode '
                        f'{mode_name(linkage)}, from {NODE}/find_extrema',
                        ('quantity', '', 'value>', 'unit', f'{linkage.input_coordinate.position}>',
                         *(('published>', 'at>') if published else ())))
@@ -188,7 +189,7 @@ def compare_poses(client: Driver, published: Sequence[Entry], console: Console) 
         if 'at' not in entry:
             continue
         answer = client.call('evaluate', mode=entry['mode'], **entry['at'])
-        table = PlainTable(f'{entry["source"]}, mode '
+        table = make_table(f'{entry["source"]}, mode '
                            f'{client.scene.linkage.MODES[entry["mode"]]}, from {NODE}/evaluate',
                            ('', 'ours>', 'published>'))
         for name, value in entry['values'].items():

@@ -21,7 +21,8 @@ from fourbar_ros.pipeline.status import (
     TOGGLE,
 )
 from fourbar_ros.scene.units import require
-from fourbar_ros.terminal import PlainTable
+from fourbar_ros.terminal import make_table
+from rich.table import Table
 
 FORCES = (reaction('shaking force', 'linkage on ground', 'shaking_force'),)
 MOMENTS = {'driving_torque': ('driving torque T41', 'N m'),
@@ -120,14 +121,14 @@ def number(value: float) -> str:
 
 # --- tables --------------------------------------------------------------------------------------
 
-def motion_table(linkage: Mechanism, pose: Pose) -> PlainTable:
+def motion_table(linkage: Mechanism, pose: Pose) -> Table:
     """Return the table of all joints: position, rate, acceleration."""
     driven = linkage.input_coordinate
     given = (f'at {driven.position} = {shown(driven, getattr(pose.motion, driven.position))}, '
              f'{getattr(pose.motion, driven.rate):g} {driven.unit}/s, '
              f'{getattr(pose.motion, driven.acceleration):g} {driven.unit}/s^2: '
              f'{STATUS_NAMES[pose.status]}')
-    table = PlainTable(given, ('', 'position>', 'unit', 'rate>', 'acceleration>', 'unit', 'of'))
+    table = make_table(given, ('', 'position>', 'unit', 'rate>', 'acceleration>', 'unit', 'of'))
     for coordinate, part in linkage.PARTS.items():
         value, unit = shown(coordinate, getattr(pose.motion, coordinate.position)).split()
         rates = coordinate.unit
@@ -140,9 +141,9 @@ def motion_table(linkage: Mechanism, pose: Pose) -> PlainTable:
     return table
 
 
-def loads_table(linkage: Mechanism, loads: NamedFields) -> PlainTable:
+def loads_table(linkage: Mechanism, loads: NamedFields) -> Table:
     """Return the table of all forces with their components, then of torques and the rest."""
-    table = PlainTable('loads', ('', 'x>', 'y>', 'magnitude>', 'unit', 'of'))
+    table = make_table('loads', ('', 'x>', 'y>', 'magnitude>', 'unit', 'of'))
     values = loads._asdict()
     forces = (*linkage.REACTIONS, *FORCES)
     in_forces = {force.magnitude for force in forces}
@@ -161,9 +162,9 @@ def loads_table(linkage: Mechanism, loads: NamedFields) -> PlainTable:
     return table
 
 
-def points_table(linkage: Mechanism, motion: NamedFields, points: Points) -> PlainTable:
+def points_table(linkage: Mechanism, motion: NamedFields, points: Points) -> Table:
     """Return the table of the points of a scene: place, velocity, acceleration."""
-    table = PlainTable('points', ('', '', 'x>', 'y>', 'magnitude>', 'unit'))
+    table = make_table('points', ('', '', 'x>', 'y>', 'magnitude>', 'unit'))
     for name, point in points.items():
         state = point_motion(linkage, motion, *point)
         for label, what, (x, y), unit in ((name, 'place', state.place, 'm'),

@@ -13,8 +13,9 @@ from fourbar_ros.extrema.find import CONSTANT, Extremum, find_extrema
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Coordinate
 from fourbar_ros.mechanisms.quantities import positions
-from fourbar_ros.terminal import PlainTable
+from fourbar_ros.terminal import make_table
 import numpy as np
+from rich.table import Table
 
 SAMPLES = 721
 END = 1e-14                         # step inside from an end of the input, in its unit
@@ -82,10 +83,10 @@ def known_output_ranges(linkage: Mechanism
             for coordinate, _ in linkage.outputs if coordinate.position in both]
 
 
-def what_it_is(linkage: Mechanism, title: object) -> PlainTable:
-    """Return the table of a linkage's own properties."""
-    table = PlainTable(str(title), ('', ''))
-    table.show_header = False
+def what_it_is(linkage: Mechanism, scene: object) -> Table:
+    """Return the table of a linkage's own properties; ``scene``: its file."""
+    table = make_table('', ('', ''))
+    table.add_row('scene', str(scene))
     for row in (*facts(linkage), *mobility_rows(linkage)):
         table.add_row(*row)
     return table
@@ -187,18 +188,18 @@ def transmission_angles(linkage: Mechanism) -> list[tuple[str, str]]:
     return rows
 
 
-def extrema_table(linkage: Mechanism, extrema: Sequence[Extremum], title: str) -> PlainTable:
+def extrema_table(linkage: Mechanism, extrema: Sequence[Extremum], title: str) -> Table:
     """Return the table of extrema: value, place in rad and degrees (and slide), a block each."""
     slides = any(extremum.slide == extremum.slide for extremum in extrema)
     driven = linkage.input_coordinate.position
     driven = driven if driven.startswith('theta') else 'theta1'
-    table = PlainTable(title, ('quantity', 'kind', '', 'value>', 'unit',
+    table = make_table(title, ('quantity', 'kind', '', 'value>', 'unit',
                                *(('slide [m]>',) if slides else ()),
                                f'{driven} [rad]>', '[deg]>', ''))
     last = None
     for extremum in extrema:
         if last not in (None, extremum.quantity):
-            table.add_section()
+            table.add_row()
         theta1 = counted(linkage, extremum.theta1)
         table.add_row('' if extremum.quantity == last else extremum.quantity, str(extremum.kind),
                       'global' if extremum.is_global else '', number(extremum.value),

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, TYPE_CHECKING, Union
 
 from fourbar_lab.reproduction import published, statements, verdicts
-from fourbar_ros.terminal import make_console, PlainTable
+from fourbar_ros.terminal import make_console, make_table
 import yaml
 
 if TYPE_CHECKING:
@@ -203,7 +203,7 @@ def print_tables(sections: Sequence[Section], console: Console | None = None) ->
     console = console or make_console()
     for section in sections:
         notes = footnotes(section)
-        table = PlainTable(section.title, COLUMNS)
+        table = make_table(section.title, COLUMNS)
         for row in section.rows:
             table.add_row(*cells(row), f'({notes[row.reason]})' if row.reason else '')
         console.print(table)

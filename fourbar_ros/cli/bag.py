@@ -27,7 +27,7 @@ if TYPE_CHECKING:      # verbs import when they run
     from fourbar_ros.bag.comparison import TopicDiff
     from fourbar_ros.bag.overview import Info
     from fourbar_ros.bag.recomputation import Recomputed
-    from fourbar_ros.terminal import PlainTable
+    from rich.table import Table
 
 PLACES = 50     # damaged places that are printed one by one
 DESCRIPTION = """\
@@ -72,7 +72,7 @@ def _action(actions: Verbs, name: str, text: str, description: str) -> ArgumentP
     return parser
 
 
-def _print(*tables: PlainTable) -> None:
+def _print(*tables: Table) -> None:
     from fourbar_ros.terminal import make_console
     for table in tables:
         make_console().print(table)
@@ -109,11 +109,11 @@ def _info(arguments: Namespace) -> int:
     return 0 if found.is_sound else BAD
 
 
-def _info_tables(found: Info) -> tuple[PlainTable, PlainTable]:
+def _info_tables(found: Info) -> tuple[Table, Table]:
     """Return the tables of a bag's own properties and of its topics."""
-    from fourbar_ros.terminal import PlainTable
-    about = PlainTable(str(found.path), ('', ''))
-    about.show_header = False
+    from fourbar_ros.terminal import make_table
+    about = make_table('', ('', ''))
+    about.add_row('bag', str(found.path))
     about.add_row('state', 'finished' if found.is_finished else
                   'unfinished: being written, or cut off by a crash or a full disk')
     about.add_row('size', f'{found.size / 1e6:.3f} MB'
@@ -132,7 +132,7 @@ def _info_tables(found: Info) -> tuple[PlainTable, PlainTable]:
                         ('damage', found.damage)):
         if text:
             about.add_row(label, text)
-    topics = PlainTable('', ('topic', 'type', 'messages>', 'Hz>', 'missing>'))
+    topics = make_table('', ('topic', 'type', 'messages>', 'Hz>', 'missing>'))
     for topic in found.topics:
         rate = f'{(topic.messages - 1) / seconds:.2f}' if seconds and topic.messages > 1 else ''
         topics.add_row(topic.topic, topic.type, str(topic.messages), rate,
@@ -215,10 +215,10 @@ def _recompute(arguments: Namespace) -> int:
     return BAD if problems else 0
 
 
-def _differences(found: Recomputed, tolerance: float) -> PlainTable:
+def _differences(found: Recomputed, tolerance: float) -> Table:
     """Return a table of the fields beyond the tolerance; of other topics, one row for all."""
-    from fourbar_ros.terminal import PlainTable
-    table = PlainTable('', ('topic', 'field', 'messages>', 'largest difference>'))
+    from fourbar_ros.terminal import make_table
+    table = make_table('', ('topic', 'field', 'messages>', 'largest difference>'))
     for topic in dict.fromkeys(difference.topic for difference in found.differences):
         of_topic = [difference for difference in found.differences if difference.topic == topic]
         shown = [difference for difference in of_topic if difference.largest > tolerance]
@@ -302,10 +302,10 @@ def _diff(arguments: Namespace) -> int:
     return 0 if is_same else BAD
 
 
-def _diff_table(topics: list[TopicDiff], tolerance: float) -> PlainTable:
+def _diff_table(topics: list[TopicDiff], tolerance: float) -> Table:
     """Return the table of all topics, with the fields that differ by more than the tolerance."""
-    from fourbar_ros.terminal import PlainTable
-    table = PlainTable('', ('topic', 'in both>', 'only first>', 'only second>', 'field',
+    from fourbar_ros.terminal import make_table
+    table = make_table('', ('topic', 'in both>', 'only first>', 'only second>', 'field',
                             'largest difference>'))
     for topic in topics:
         worst = [(field, apart) for field, apart in topic.largest.items() if apart > tolerance]

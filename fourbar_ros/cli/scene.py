@@ -1,38 +1,27 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""
-``fourbar scene``: ``check`` tells what the node of a scene does and costs, ``policy`` its rights.
-
-The SROS2 policy is made from the tables of topics and services, so it cannot fall behind them.
-"""
+"""``fourbar scene check``: what the node of a scene does and costs."""
 from __future__ import annotations
 
 from argparse import Namespace
 from timeit import repeat
 from typing import Any, TYPE_CHECKING
-from xml.etree import ElementTree
 
 from fourbar_ros.cli.common import add_scene, Verbs, warn
 from fourbar_ros.scene.scene import Scene
-from fourbar_ros.scene.topics import (
-    INPUTS,
-    OUTPUTS,
-    PICTURES,
-    SERVICES,
-    TORQUE,
-)
+from fourbar_ros.scene.topics import INPUTS, OUTPUTS, PICTURES, TORQUE
 
 if TYPE_CHECKING:
     from fourbar_ros.mechanisms.mechanism import Mechanism
     from fourbar_ros.scene.scene import DriveSettings
-    from fourbar_ros.terminal import PlainTable
+    from rich.table import Table
 
 STEPS, ROUNDS = 2000, 5        # of the measured computing time: some 50 ms in all
 LONG = 20                      # numbers above which a table is shown by its ends
 
 
 def add(verbs: Verbs) -> None:
-    """Add ``fourbar scene check`` and ``fourbar scene policy`` with their arguments."""
+    """Add ``fourbar scene check`` with its arguments."""
     verb = verbs.add_parser('scene', help='check a scene file; explain what its node does and '
                                           'costs',
                             description='Check a scene file without starting anything.')
@@ -44,21 +33,6 @@ def add(verbs: Verbs) -> None:
                     'parameter, exit code 1.')
     add_scene(check)
     check.set_defaults(run=_check)
-    policy = actions.add_parser(
-        'policy', help='print the SROS2 policy of a scene: what its node may publish and receive',
-        description='Print the SROS2 policy of the node of a scene: the topics, services and '
-                    'actions that it uses, and no others. For  ros2 security create_permission.')
-    add_scene(policy)
-    policy.add_argument('--node', metavar='NAME', default='/fourbar',
-                        help='full name of the node; default /fourbar')
-    policy.add_argument('--use-sim-time', action='store_true', help='the node follows /clock')
-    policy.set_defaults(run=_policy)
-
-
-def _policy(arguments: Namespace) -> None:
-    from fourbar_ros.scene.scene import load
-    print(policy(load(arguments.scene), '/' + arguments.node.strip('/'), arguments.use_sim_time),
-          end='')
 
 
 def _check(arguments: Namespace) -> None:
@@ -112,10 +86,10 @@ def _drive_in_words(scene: Scene) -> str:
             f'estimated from {drive.window} samples.')
 
 
-def _outputs_table(scene: Scene) -> PlainTable:
+def _outputs_table(scene: Scene) -> Table:
     """Return the table of the outputs of a scene, and of outputs that it could add."""
-    from fourbar_ros.terminal import PlainTable
-    table = PlainTable('outputs', ('name', 'topic', 'type', ''))
+    from fourbar_ros.terminal import make_table
+    table = make_table('outputs', ('name', 'topic', 'type', ''))
     for topic in (*scene.topics.values(), *scene.pictures.values()):
         table.add_row(topic.name, topic.topic, topic.type, 'loads' if topic.needs_loads else '')
     for name in (*OUTPUTS, *PICTURES):
@@ -124,11 +98,11 @@ def _outputs_table(scene: Scene) -> PlainTable:
     return table
 
 
-def _changed_table(scene: Scene) -> PlainTable:
+def _changed_table(scene: Scene) -> Table:
     """Return the table of parameters that are not at their default; NaN stands for not given."""
     from fourbar_ros.scene.parameters import of_name
-    from fourbar_ros.terminal import PlainTable
-    table = PlainTable('parameters that differ from their default',
+    from fourbar_ros.terminal import make_table
+    table = make_table('parameters that differ from their default',
                        ('parameter', 'value', 'unit'))
     for name, value in scene.values.items():
         parameter = of_name(name)
@@ -164,44 +138,3 @@ def _cost_in_words(scene: Scene) -> str:
     return (f'A step computes {computed}: {cost * 1e6:.1f} us on this machine{rate}. Each topic '
             'with a subscriber or a recorder costs more than that (see docs/bench/node.md), each '
             'one without costs nothing.')
-
-
-# What every rclpy node has: its log, its parameters' changes, its type descriptions.
-OF_ALL = ('/rosout', '/parameter_events')
-PARAMETER_SERVICES = ('describe_parameters', 'get_parameter_types', 'get_parameters',
-                      'list_parameters', 'set_parameters', 'set_parameters_atomically',
-                      'get_type_description')
-DIAGNOSTICS = '/diagnostics'
-
-
-def policy(scene: Scene, node: str = '/fourbar', use_sim_time: bool = False) -> str:
-    """
-    Return the SROS2 policy, XML, that lets a node (full name) do what its scene needs, no more.
-
-    ``use_sim_time``: the node may also subscribe to /clock.
-    """
-    namespace, _, name = node.rpartition('/')
-    root = ElementTree.Element('policy', version='0.2.0')
-    enclave = ElementTree.SubElement(ElementTree.SubElement(root, 'enclaves'), 'enclave',
-                                     path=node)
-    profile = ElementTree.SubElement(ElementTree.SubElement(enclave, 'profiles'), 'profile',
-                                     ns=namespace or '/', node=name)
-    for verb, names in _allowed(scene).items():
-        kind = 'service' if verb == 'reply' else 'topic'
-        if verb == 'subscribe' and use_sim_time:
-            names = [*names, '/clock']
-        if not names:
-            continue
-        group = ElementTree.SubElement(profile, f'{kind}s', {verb: 'ALLOW'})
-        for each in sorted(set(names)):
-            ElementTree.SubElement(group, kind).text = each.replace('~/', f'{name}/')
-    ElementTree.indent(root)
-    return '<?xml version="1.0"?>\n' + ElementTree.tostring(root, encoding='unicode') + '\n'
-
-
-def _allowed(scene: Scene) -> dict[str, list[str]]:
-    """Return {verb of SROS2: names of topics or services} that a node needs."""
-    return {'publish': [*OF_ALL, DIAGNOSTICS, *(topic.topic for topic in scene.published)],
-            'subscribe': [topic.topic for topic in scene.received],
-            'reply': [*(f'~/{name}' for name in PARAMETER_SERVICES),
-                      *(SERVICES[name].service for name in scene.values['services'])]}

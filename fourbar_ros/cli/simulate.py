@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from fourbar_ros.cli.common import add_scene, add_verb, BAD, bar, Verbs
 from fourbar_ros.scene.arguments import finite, positive
-from fourbar_ros.terminal import make_console, PlainTable
+from fourbar_ros.terminal import make_console, make_table
 
 if TYPE_CHECKING:
     from fourbar_ros.scene.simulated import SimulatedScene
@@ -148,7 +148,7 @@ def print_summary(simulated: SimulatedScene, name: str, tolerance: float, took: 
     if len(modes) > 1:
         console.print(f'The motion goes through both assembly modes, {modes[0]} and {modes[1]}.')
     console.print()
-    table = PlainTable('extrema at the samples', ('quantity', 'unit', 'lowest>', 'at [s]>',
+    table = make_table('extrema at the samples', ('quantity', 'unit', 'lowest>', 'at [s]>',
                                                   'highest>', 'at [s]>'))
     for peak in simulated.peaks():
         table.add_row(peak.name, peak.unit, f'{peak.low:.6g}', f'{peak.low_at:g}',

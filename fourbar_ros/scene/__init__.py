@@ -15,19 +15,17 @@ from typing import TYPE_CHECKING
 from fourbar_ros.optional import lazily
 
 if TYPE_CHECKING:
-    from fourbar_ros.scene.chain import remappings
     from fourbar_ros.scene.files import find, read_values, SceneError
     from fourbar_ros.scene.plausible import warnings_of
     from fourbar_ros.scene.scene import from_values, load, Scene
     from fourbar_ros.scene.simulated import simulate_scene
 
 __all__ = [
-    'Scene', 'SceneError', 'find', 'from_values', 'load', 'read_values', 'remappings',
-    'simulate_scene', 'warnings_of',
+    'Scene', 'SceneError', 'find', 'from_values', 'load', 'read_values', 'simulate_scene',
+    'warnings_of',
 ]
 
 __getattr__, __dir__ = lazily(__name__, {
-    'fourbar_ros.scene.chain': 'remappings',
     'fourbar_ros.scene.files': 'find, read_values, SceneError',
     'fourbar_ros.scene.plausible': 'warnings_of',
     'fourbar_ros.scene.scene': 'from_values, load, Scene',

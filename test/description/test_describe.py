@@ -215,9 +215,9 @@ def test_check_urdf_accepts_it(case, tmp_path):
 
 LIFT_TABLE = ROOT / 'config' / 'lift_table.yaml'
 SUPPLIED = [*sorted({*(ROOT / 'config').glob('*.yaml')} - {LIFT_TABLE}),
-            *(f'{file}:{node.strip("/*")}' for folder in ('robots', 'chains')
-              for file in sorted((ROOT / 'config' / folder).glob('*.yaml'))
-              for node in sections(file))]
+            *(f'{file}:{node.strip("/*")}'
+              for file in sorted((ROOT / 'examples' / 'nodes').glob('*.yaml'))
+              if not file.match('*.launch.yaml') for node in sections(file))]
 
 
 @some('name', SUPPLIED, 4, ids=lambda name: str(name).rpartition('/')[2])

@@ -19,10 +19,10 @@ LAUNCH = """
 import sys
 from launch import LaunchDescription, LaunchService
 from launch.actions import IncludeLaunchDescription
-from launch.launch_description_sources import PythonLaunchDescriptionSource
+from launch.launch_description_sources import AnyLaunchDescriptionSource
 service = LaunchService()
 service.include_launch_description(LaunchDescription([IncludeLaunchDescription(
-    PythonLaunchDescriptionSource(sys.argv[1]),
+    AnyLaunchDescriptionSource(sys.argv[1]),
     launch_arguments=[each.split(':=') for each in sys.argv[2:]])]))
 sys.exit(service.run())
 """
@@ -37,9 +37,9 @@ def launched(tmp_path):
     """
     running = []
 
-    def start(*arguments, name='fourbar'):
-        file = ROOT / 'launch' / f'{name}.launch.py'
-        running.append(subprocess.Popen([sys.executable, '-c', LAUNCH, str(file), *arguments],
+    def start(*arguments, file='launch/fourbar.launch.py'):
+        running.append(subprocess.Popen([sys.executable, '-c', LAUNCH, str(ROOT / file),
+                                         *arguments],
                                         cwd=tmp_path,
                                         stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                                         text=True))
@@ -93,25 +93,22 @@ def test_what_cannot_be_is_one_line(launched, arguments, reason):
 
 @pytest.mark.slow
 def test_a_robot_of_several_relays_in_one_process(launched, client):
-    launched('file:=arm', 'nodes:=boom, stick', 'namespace:=left',
-             'joint_states:=/joint_states', name='robot')
-    robot = Robot(client, 'left/boom')
+    launched(file='examples/nodes/arm.launch.yaml')
+    robot = Robot(client, 'boom')
     for name, position in (('boom', 1.4), ('stick', 1.5)):
         robot.move(f'{name}_cylinder', position, 0.1, lambda r, n=name: any(
             f'{n}_pivot' in m.name and m.header.stamp.sec == r.stamp for m in r.answers))
         answer = next(m for m in reversed(robot.answers) if f'{name}_pivot' in m.name)
         motion = load(f'{ARM}:{name}').linkage.motion(position, 0.1)
         assert list(answer.position) == [motion.theta1, motion.theta2, motion.theta4]
-    assert {('boom', '/left'), ('stick', '/left')} <= set(
-        client.node.get_node_names_and_namespaces())
+    assert {'boom', 'stick'} <= set(client.node.get_node_names())
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize('machine, nodes', [('watt', ('four_bar', 'dyad')),
                                             ('quick_return', ('lever', 'ram'))])
 def test_a_machine_of_nodes(launched, client, machine, nodes):
-    launched(f'file:={ROOT}/config/chains/{machine}.yaml', f'nodes:={",".join(nodes)}',
-             'namespace:=cell', name='chain')
+    launched('namespace:=cell', file=f'examples/nodes/{machine}.launch.yaml')
     first, last = (f'cell/{node}' for node in nodes)
     client.listen(['loads', 'driven'], node=first)
     client.listen(['output'], node=last)

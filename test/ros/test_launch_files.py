@@ -1,9 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Every launch file starts what it says, with real nodes, where launch itself is no wheel.
+The launch files start what they say, with real nodes, where launch itself is no wheel.
 
-Stand-ins record what a file asks of launch; the nodes start as launch_ros would start them.
+Stand-ins record what the one in Python asks of launch; the others are read as YAML.
 ``test_launch.py`` does the same with launch where it is.
 """
 import os
@@ -16,12 +16,14 @@ from types import ModuleType, SimpleNamespace
 import pytest
 from support import ROOT
 from support.harness import PATIENCE
+import yaml
 
+EXAMPLES = ROOT / 'examples' / 'nodes'
 LAUNCHED = {
-    'fourbar': ({'scene': 'motor', 'name': 'arm', 'namespace': '/left'}, ['/left/arm']),
-    'chain': ({'file': 'watt'}, ['/four_bar', '/dyad']),
-    'robot': ({'file': 'arm', 'nodes': 'boom,stick', 'namespace': '/right'},
-              ['/right/boom', '/right/stick'])}
+    'launch/fourbar.launch.py': ({'scene': 'motor', 'name': 'arm', 'namespace': '/left'},
+                                 ['/left/arm']),
+    'examples/nodes/watt.launch.yaml': ({}, ['/four_bar', '/dyad']),
+    'examples/nodes/arm.launch.yaml': ({'namespace': '/right'}, ['/right/boom', '/right/stick'])}
 
 
 class Configuration:
@@ -36,7 +38,7 @@ class Configuration:
 
 
 def stand_ins():
-    """Return {name: module} with what the launch files import."""
+    """Return {name: module} with what the launch file imports."""
     def record(**fields):
         return SimpleNamespace(**fields)
     names = {
@@ -55,21 +57,38 @@ def stand_ins():
     return modules
 
 
-def command_of(node, context):
-    """Return the command line of a node as launch_ros makes it."""
+def of_python(file, given):
+    """Return the command lines of a launch file in Python, as launch_ros makes them."""
+    described = runpy.run_path(str(file))['generate_launch_description']()
+    context = {one.name: one.default_value for one in described if hasattr(one, 'name')} | given
+    started, = (one.function(context) for one in described if hasattr(one, 'function'))
+
     def text(value):
         return value.perform(context) if isinstance(value, Configuration) else value
-    rules = [f'__ns:={text(node.namespace)}'] if text(node.namespace) else []
-    rules += [f'__node:={text(node.name)}'] if hasattr(node, 'name') else []
-    rules += [':='.join(rule) for rule in getattr(node, 'remappings', ())]
-    given = []
-    for one in getattr(node, 'parameters', ()):
-        given += (['--params-file', one] if isinstance(one, str) else
-                  [part for name, value in one.items()
-                   for part in ('-p', f'{name}:={text(value)}')])
-    assert (node.package, node.executable) == ('fourbar_ros', 'fourbar_node')
-    return [sys.executable, '-m', 'fourbar_ros.ros.node.start', *map(text, node.arguments),
-            '--ros-args', *(part for rule in rules for part in ('-r', rule)), *given]
+    for node in started:
+        file, others = node.parameters
+        yield [*map(text, node.arguments), '--ros-args', '-r', f'__ns:={text(node.namespace)}',
+               '-r', f'__node:={text(node.name)}', '--params-file', file,
+               *(part for name, value in others.items() for part in ('-p',
+                                                                     f'{name}:={text(value)}'))]
+
+
+def nodes_of(file):
+    """Return the nodes of a launch file in YAML."""
+    return [entry['node'] for entry in yaml.safe_load(file.read_text())['launch']
+            if 'node' in entry]
+
+
+def of_yaml(file, given):
+    """Return the command lines of a launch file in YAML."""
+    for node in nodes_of(file):
+        rules = [f'{rule["from"]}:={rule["to"]}' for rule in node['remap']]
+        rules += [f'__ns:={given["namespace"]}'] if given else []
+        rules += [f'__node:={node["name"]}'] if 'name' in node else []
+        parameters, = node['param']
+        yield [*node.get('args', '').split(), '--ros-args',
+               *(part for rule in rules for part in ('-r', rule)), '--params-file',
+               parameters['from'].replace('$(dirname)', str(file.parent))]
 
 
 @pytest.mark.parametrize('name', LAUNCHED)
@@ -77,18 +96,12 @@ def test_it_starts_its_nodes(name, client, monkeypatch, tmp_path):
     for module, made in stand_ins().items():
         monkeypatch.setitem(sys.modules, module, made)
     given, wanted = LAUNCHED[name]
-    described = runpy.run_path(str(ROOT / 'launch' / f'{name}.launch.py'))[
-        'generate_launch_description']()
-    declared = {one.name: getattr(one, 'default_value', None) for one in described
-                if hasattr(one, 'name')}
-    context = {**declared, **given}
-    assert set(given) <= set(declared) and None not in context.values()
+    commands = (of_yaml if name.endswith('yaml') else of_python)(ROOT / name, given)
     log = Path(tmp_path / 'log')
     with log.open('w') as out:
-        running = [subprocess.Popen(command_of(node, context), cwd=tmp_path, env=os.environ,
-                                    stdout=out, stderr=subprocess.STDOUT)
-                   for one in described if hasattr(one, 'function')
-                   for node in one.function(context)]
+        running = [subprocess.Popen([sys.executable, '-m', 'fourbar_ros.ros.node.start', *command],
+                                    cwd=tmp_path, env=os.environ, stdout=out,
+                                    stderr=subprocess.STDOUT) for command in commands]
     try:
         client.until(lambda: {f'{space.rstrip("/")}/{node}' for node, space in
                               client.node.get_node_names_and_namespaces()} >= set(wanted)

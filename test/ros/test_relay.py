@@ -185,7 +185,7 @@ def test_a_bag_of_a_relay_computes_again(run_node, client, tmp_path):
     assert 'without' not in node.said
 
 
-FILE = ROOT / 'config/robots/arm.yaml'
+FILE = ROOT / 'examples/nodes/arm.yaml'
 
 
 def start(*arguments, file=FILE):

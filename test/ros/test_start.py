@@ -7,10 +7,10 @@ import sys
 
 from fourbar_ros.scene import scene
 from fourbar_ros.scene.arguments import check_node_arguments, full_name, UsageError
-from fourbar_ros.scene.files import folder
 import pytest
 from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 from ros.test_inputs import set_parameters
+from support import ROOT
 from support.harness import PATIENCE
 from support.samples import some
 from support.scenes import PAPER
@@ -106,12 +106,11 @@ def test_empty_lists_of_a_file_are_empty(run_node, client):
 
 @some('arguments, where', [
     (['left/boom', 'right/boom', '--ros-args', '-r', '__ns:=/cell'], '/cell'),
-    # as robot.launch.py starts them
     (['left/boom', 'right/boom', '--ros-args', '-r', '__ns:=/'], '')], 1)
 def test_names_in_namespaces_stay_distinct(client, tmp_path, arguments, where):
     process = subprocess.Popen(
         [sys.executable, '-m', 'fourbar_ros.ros.node.start', *arguments, '--params-file',
-         str(folder() / 'robots/arm.yaml')], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+         str(ROOT / 'examples/nodes/arm.yaml')], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
         text=True, cwd=tmp_path)
     try:
         client.until(lambda: {('boom', f'{where}/left'), ('boom', f'{where}/right')} <= set(
