@@ -100,7 +100,7 @@ docs:
 	@scripts/setup.sh
 	@[ -x .venv-docs/bin/mkdocs ] || { .venv/bin/python -m venv .venv-docs && .venv-docs/bin/pip -q install -r requirements/docs.txt; }
 	@site=$$(.venv/bin/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))') && \
-	  PYTHONPATH=$(CURDIR):$$site NO_MKDOCS_2_WARNING=1 .venv-docs/bin/mkdocs build -q --strict -f scripts/mkdocs.yml
+	  PYTHONPATH=$(CURDIR):$$site NO_MKDOCS_2_WARNING=1 .venv-docs/bin/mkdocs build -q --strict -f docs/site/mkdocs.yml
 	@echo 'built: build/site/index.html'
 
 clean:

@@ -7,7 +7,7 @@ from support import ROOT
 import yaml
 
 NUMBER = re.compile(r'(?<![\w.])\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w])')
-PAPER = ROOT / 'paper.md'
+PAPER = ROOT / 'docs' / 'paper' / 'paper.md'
 
 
 def test_workflows_call_targets_that_there_are():

@@ -12,7 +12,8 @@ from support import bags, ROOT
 from support.scenes import PAPER, RODS
 
 PAGES = [ROOT / 'README.md', *sorted((ROOT / 'docs').glob('*.md'))]
-EVERY_PAGE = [*PAGES, *sorted(ROOT.glob('[A-Z]*.md')), *sorted((ROOT / 'docs').glob('*/*.md'))]
+EVERY_PAGE = [*PAGES, *sorted(ROOT.glob('[A-Z]*.md')),
+              *sorted((ROOT / '.github').glob('[A-Z]*.md')), *sorted((ROOT / 'docs').glob('*/*.md'))]
 FENCE = re.compile(r'^```(\w*)\n(.*?)^```$\n?', re.S | re.M)
 SHELL = ('', 'bash', 'sh', 'shell', 'console')
 SLOW = {'studies', 'balancing', 'gallery'}      # several seconds of processor time each
@@ -68,7 +69,8 @@ def folder(tmp_path, monkeypatch):
         bags.run(tmp_path / 'bags', name, values, [(0.01 * k, 25.0, 0.0) for k in range(1, 20)])
     for name in ('my.yaml', 'scene.yaml'):
         (tmp_path / name).write_text((ROOT / 'config' / 'paper.yaml').read_text())
-    (tmp_path / 'config').symlink_to(ROOT / 'config')
+    for name in ('config', 'examples'):
+        (tmp_path / name).symlink_to(ROOT / name)
     return tmp_path
 
 

@@ -15,10 +15,11 @@ import sys
 from mkdocs.exceptions import PluginError
 from mkdocs.structure.files import File
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / 'docs'
-PAGES = {ROOT / 'README.md': 'index.md', **{path: path.name for path in ROOT.glob('[A-Z]*.md')
-                                            if path.name != 'README.md'}}
+PAGES = {ROOT / 'README.md': 'index.md',
+         **{path: path.name for folder in (ROOT, ROOT / '.github')
+            for path in folder.glob('[A-Z]*.md') if path.name != 'README.md'}}
 LINK = re.compile(r'(?<=\]\()[^)\s#]+|(?<=src=")[^"#]+')
 FENCE = re.compile(r'^```.*?^```', re.S | re.M)
 sys.path.insert(0, str(ROOT / 'test'))
