@@ -19,7 +19,7 @@ SHOWN = {topic.topic.replace('~', '/fourbar') for topic in SCENE.pictures.values
 
 
 def check(curves):
-    assert len(curves) == len(set(curves)) == 27
+    assert len(curves) == len(set(curves)) == 26
     for topic, field in curves:
         types = resolve(TOPICS[topic].type).get_fields_and_field_types()
         assert types[field] == 'double', field
