@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Tables for terminals and pipes, by rich: wrapped on a narrow terminal, never cropped."""
+"""Tables for terminals and pipes, by rich: wrapped where they must be, never cropped."""
 from __future__ import annotations
 
 from collections.abc import Sequence
@@ -9,13 +9,14 @@ from rich.console import Console
 from rich.table import Table
 
 PIPE_WIDTH = 10_000     # columns of a pipe or file: nothing is wrapped there
+LEAST_WIDTH = 100       # below it a terminal breaks the lines of a table itself
 
 
 def make_console() -> Console:
     """Return the console that all verbs print to: as wide as the terminal, endless in a pipe."""
     console = Console(highlight=False, markup=False)
-    return console if console.is_terminal else Console(highlight=False, markup=False,
-                                                       width=PIPE_WIDTH)
+    console.width = max(console.width, LEAST_WIDTH) if console.is_terminal else PIPE_WIDTH
+    return console
 
 
 def make_table(title: str, columns: Sequence[str]) -> Table:

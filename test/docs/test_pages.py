@@ -13,7 +13,8 @@ from support.scenes import PAPER, RODS
 
 PAGES = [ROOT / 'README.md', *sorted((ROOT / 'docs').glob('*.md'))]
 EVERY_PAGE = [*PAGES, *sorted(ROOT.glob('[A-Z]*.md')),
-              *sorted((ROOT / '.github').glob('[A-Z]*.md')), *sorted((ROOT / 'docs').glob('*/*.md'))]
+              *sorted((ROOT / '.github').glob('[A-Z]*.md')),
+              *sorted((ROOT / 'docs').glob('*/*.md'))]
 FENCE = re.compile(r'^```(\w*)\n(.*?)^```$\n?', re.S | re.M)
 SHELL = ('', 'bash', 'sh', 'shell', 'console')
 SLOW = {'studies', 'balancing', 'gallery'}      # several seconds of processor time each
