@@ -3,6 +3,7 @@
 """What the commands answer to what people type: names, ranges, units, wrong words."""
 from math import degrees
 import os
+import re
 import subprocess
 import sys
 
@@ -29,12 +30,13 @@ def scene_with(tmp_path, text, key='/**'):
 
 
 def said(capsys, *arguments):
-    """Return (exit code, output, errors) of a command."""
+    """Return (exit code, output without blanks at the ends of lines, errors) of a command."""
     try:
         code = main(list(arguments))
     except SystemExit as done:
         code = done.code
-    return code, *capsys.readouterr()
+    out, err = capsys.readouterr()
+    return code, re.sub(' +$', '', out, flags=re.M), err
 
 
 # --- scene files ---------------------------------------------------------------------------------

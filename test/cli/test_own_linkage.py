@@ -71,7 +71,7 @@ def test_a_negative_number_may_have_a_unit(given, inside, capsys):
 
 
 @pytest.mark.parametrize('verb', ['', 'new', 'list', 'table', 'plot', 'show', 'draw', 'scene',
-                                  'simulate', 'bag', 'replay', 'describe', 'layout', 'study',
+                                  'simulate', 'bag', 'replay', 'describe', 'study',
                                   'balance', 'live', 'reproduce'])
 def test_help_fits_eighty_columns_without_a_lost_word(verb, capsys, monkeypatch):
     words = {}

@@ -202,7 +202,6 @@ WRONG_LINES = [
     ('replay x --rate 0', 2, "'0' must be"),
     ('describe paper --as udrf', 2, 'did you mean urdf?'),
     ('describe papr', 1, 'did you mean paper?'),
-    ('layout paper --for foxglov', 2, 'did you mean foxglove?'),
     ('study nosuch.yaml -o x', 1, 'nosuch.yaml'),
     ('balance papr', 1, 'did you mean paper?'),
 ]
