@@ -63,7 +63,8 @@ class Extremum(NamedTuple):
         [rad or m] and ``value`` by up to the relative eps * value_condition. NaN at ends.
     proof : str
         How it is known that no extremum inside the range is missing: '' if not asked, 'exact
-        count', 'interval bounds ...', or 'not proved: ...'.
+        count', 'interval bounds ...', or 'not proved: ...'. Of a constant whose rounding may hide
+        extrema always 'not certain: ...', with the bound of its errors.
     slide : float
         The driven slide [m], ``theta1`` is then the crank's angle; NaN if the crank is driven.
 
@@ -201,14 +202,16 @@ def _extrema(quantity: Asked, linkage: Mechanism, found: list[PathExtremum],
                default=nan)
     name, symbol, mode, unit = quantity.name, quantity.unit, linkage.mode, linkage.input_unit
     is_slide = linkage.is_driven_by_slide
+    doubts = [f'not certain: constant within {one.noise:.1e} {symbol}, its rounding errors'
+              if not one.sense and one.noise else '' for one in found]
     angles = _crank_angles(linkage, found) if is_slide else [one.place for one in found]
     return [Extremum(name, symbol, mode, _KINDS[one.sense], theta1, one.value,
                      one.sense <= 0 and bottom <= low or one.sense >= 0 and top >= high,
                      INTERIOR if not one.side or not one.sense else ONE_SIDED if one.is_flat
                      else LIMIT,
-                     one.side, unit * one.condition, one.value_condition, proof,
+                     one.side, unit * one.condition, one.value_condition, doubt or proof,
                      unit * one.place if is_slide else nan)
-            for one, theta1, (bottom, top) in zip(found, angles, bounds)]
+            for one, theta1, doubt, (bottom, top) in zip(found, angles, doubts, bounds)]
 
 
 def _bounds(one: PathExtremum) -> tuple[float, float]:

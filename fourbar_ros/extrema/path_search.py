@@ -18,7 +18,6 @@ from math import comb, inf, nan
 from typing import NamedTuple
 
 from fourbar_ros.extrema.difference_sampling import DifferenceSampler
-from fourbar_ros.extrema.digit_sampling import DigitSampler
 from fourbar_ros.extrema.input_paths import End, InputPath
 from fourbar_ros.extrema.sampling import Sampler, Samples
 from fourbar_ros.numerics.arrays import Array, EPS
@@ -32,14 +31,10 @@ import numpy as np
 POLE = 5
 # Samples on either side of an end from which the value there is interpolated.
 NEIGHBOURS = 12
-# A difference of so many errors, measured at some places, is none; the least bound of one.
-CLEAR, SMALLEST = 8.0, 2.0**-1000
+# The least error of a value, where no bound is known.
+SMALLEST = 2.0**-1022
 # Distance from a root at which slopes tell a kink from a smooth minimum, in samples.
 KINK = 2.0**-12
-# A limit whose error bound exceeds this part of it is computed in many digits.
-DOUBTFUL = 1e-9
-# The samples from which it is extrapolated, from the end on: some 1e-5 to 1e-4 of the range.
-NEAREST = slice(4, 8)
 # Step in theta1 for the curvature, in distances of samples, at least.
 TURN = 2.0**-12
 
@@ -79,8 +74,8 @@ def search_path(sampler: Sampler, path: InputPath, with_conditions: bool = True,
     samples = sampler.along(path)
     constant = _constant_values(sampler, samples)
     start, side = (0.0, 0) if path.low is None else (path.low.x, 1)
-    extrema = [PathExtremum(row, sampler.fold(start), value, 0, side)
-               for row, value in constant.items()]
+    extrema = [PathExtremum(row, sampler.fold(start), value, 0, side, noise=noise)
+               for row, (value, noise) in constant.items()]
     rows = np.array([row for row in range(len(samples.values)) if row not in constant], int)
     if rows.size:
         inside = sampler.along(path.with_points(np.array(more))) if more else samples
@@ -90,56 +85,27 @@ def search_path(sampler: Sampler, path: InputPath, with_conditions: bool = True,
     return extrema
 
 
-def _constant_values(sampler: Sampler, samples: Samples) -> dict[int, float]:
+def _constant_values(sampler: Sampler, samples: Samples) -> dict[int, tuple[float, float]]:
     """
-    Return {row: value} of the quantities that are constant along a path, up to rounding.
+    Return {row: (value, error)} of the quantities that are constant along a path.
 
-    Next to flat positions series tell; where a variation is within the bound of rounding errors,
-    many digits.
+    Next to flat positions series tell. Where a quantity varies by no more than its rounding errors
+    may, the error is their bound, and zero elsewhere; if it is itself less, its value is zero.
     """
     middle = np.median(samples.values, axis=1)
     away = np.abs(samples.values - middle[:, None])
     varies = (away > 64.0 * EPS * np.abs(middle)[:, None]).any(axis=1)
-    in_doubt = varies & (away <= samples.noise).all(axis=1)
+    is_noise = varies & (away <= samples.noise).all(axis=1)
+    is_zero = is_noise & (np.abs(samples.values) <= samples.noise).all(axis=1)
+    middle, varies = np.where(is_zero, 0.0, middle), varies & ~is_noise
     for side in sampler.flats:
         limits = sampler.same_turn(middle, sampler.limits(side), np.arange(middle.size))
         is_fixed = ~sampler.varies_next_to(side)
         middle, varies = np.where(is_fixed, limits, middle), varies & ~is_fixed
-    for row in np.flatnonzero(varies & in_doubt).tolist():
-        value = _constant_in_digits(sampler, samples, row)
-        if value is not None:
-            varies[row], middle[row] = False, value
-    return {row: float(middle[row]) for row in np.flatnonzero(~varies).tolist()}
-
-
-def _constant_in_digits(sampler: Sampler, samples: Samples, row: int) -> float | None:
-    """
-    Return the value of a quantity that may be all rounding, None if it varies.
-
-    It is computed in many digits where it seems least, middle and largest. It is constant if it
-    varies by less than a rounding of the data moves it, and zero if it is itself less than that.
-    """
-    values, exact = samples.values[row], _in_digits(sampler)
-    places = samples.path.x[[values.argmin(), values.size // 2, values.argmax()]]
-    least, middle, largest = three = exact.values_at(places, np.full(3, row))
-    if not np.isfinite(three).all():
-        return None
-    size, span = np.abs(three).max(), np.ptp(three)
-    if span <= 64.0 * EPS * size:
-        return float(middle)
-    rounding = exact.rounding_of_data(places[1], row)
-    if min(span, abs(middle)) > rounding:
-        return None
-    if all(abs(value) <= exact.rounding_of_data(x, row) for x, value in zip(places, three)):
-        return 0.0
-    return float(middle) if max(middle - least, largest - middle) <= rounding else None
-
-
-def _in_digits(sampler: Sampler) -> DigitSampler:
-    """Return the sampler of the same quantities in many digits, made once."""
-    if not isinstance(sampler.exact, DigitSampler):
-        sampler.exact = DigitSampler(sampler)
-    return sampler.exact
+        is_noise &= ~is_fixed
+    noise = np.where(is_noise, samples.noise.max(axis=1), 0.0)
+    return {row: (float(middle[row]), float(noise[row]))
+            for row in np.flatnonzero(~varies).tolist()}
 
 
 class Roots(NamedTuple):
@@ -190,8 +156,8 @@ def _interior(sampler: Sampler, samples: Samples, rows: Array,
     Example: |F32| of the paper's linkage at 25 rad/s, at 256 samples of a turn. Its slope is -3769
     N/rad at sample 105, theta1 = -0.3396, and +5327 at sample 106, -0.3236; so the root between
     them, -0.3338, is a minimum. Its value, 46.3 N, is 34 N below sample 106 and 12 below 105, and
-    rounding errors are at most 7e-11: it is accepted. Were the difference within them, or the
-    value itself, many digits would decide.
+    rounding errors are at most 7e-11: it is accepted. Were the difference within them, it would be
+    none.
     """
     roots = _roots(sampler, samples, rows)
     if not roots.row.size:
@@ -200,10 +166,8 @@ def _interior(sampler: Sampler, samples: Samples, rows: Array,
     is_small = np.flatnonzero((noise > 0.0) & (np.abs(value) <= noise))
     if is_small.size:
         value[is_small[_is_kink(sampler, roots, value, noise, is_small)]] = 0.0
-    in_doubt = ((_drop(samples, roots, value) <= noise) | (value != 0.0) & (np.abs(value) <= noise)
-                | samples.path.is_next_to_toggle(roots.before)) & (noise > 0.0)
-    if in_doubt.any():
-        roots, value, noise = _decided(sampler, samples, roots, value, noise, in_doubt)
+    kept = _beyond_noise(samples, roots, value, noise)
+    roots, value, noise = Roots(*(v[kept] for v in roots)), value[kept], noise[kept]
     if not roots.row.size:
         return []
     value = sampler.same_turn(samples.values[roots.row, roots.before], value, roots.row)
@@ -218,18 +182,14 @@ def _is_kink(sampler: Sampler, roots: Roots, value: Array, noise: Array, which: 
     """
     Return which magnitudes |F| at roots are small because F changes its sign: they are kinks.
 
-    |F| is zero there. Either the rounding of x explains the value, or slopes on both sides, in
-    many digits, are opposite and alike in size.
+    |F| is zero there: the rounding of x and of F explains the value.
     """
     x, turn, row = roots.x[which], KINK * roots.spacing[which], roots.row[which]
-    slope = _kink_slope(*_beside(sampler, x, turn, row), 2.0**-2)
+    before, after = _beside(sampler, x, turn, row)
+    size = np.maximum(np.abs(before), np.abs(after))
+    is_kink = (before * after < 0.0) & (np.abs(before + after) <= 0.25 * size)
     ulps = 4.0 * EPS * np.maximum(np.abs(x), SMALL)
-    is_kink: Array = np.abs(value[which]) <= ulps * slope
-    for k in np.flatnonzero(~is_kink & (slope > 0.0)).tolist():
-        turn = ulps[k:k + 1] + 2.0 * noise[which[k]] / slope[k]
-        slopes = _beside(_in_digits(sampler), x[k:k + 1], turn, row[k:k + 1])
-        is_kink[k] = _kink_slope(*slopes, 2.0**-20)[0] > 0.0
-    return is_kink
+    return np.asarray(is_kink & (np.abs(value[which]) <= ulps * size + noise[which]))
 
 
 def _beside(sampler: Sampler, x: Array, turn: Array, row: Array) -> tuple[Array, Array]:
@@ -239,78 +199,31 @@ def _beside(sampler: Sampler, x: Array, turn: Array, row: Array) -> tuple[Array,
     return before, after
 
 
-def _kink_slope(before: Array, after: Array, unlike: float) -> Array:
+def _beyond_noise(samples: Samples, roots: Roots, value: Array, noise: Array) -> Array:
     """
-    Return the size of the slope beside a kink of |F|, or 0 where there is no kink.
+    Return the indices of the roots that rounding errors cannot have made, in the order of rows.
 
-    At a kink slopes are opposite, and alike up to the part ``unlike`` of their size.
+    Maxima and minima take turns along a path. Two neighbours whose values differ by less than
+    their rounding errors are taken out together, the most alike first; so is one that does not
+    differ from the last sample at its end of the path. Values 3, 1, 2, 0 with an error of 1.5 each
+    leave 3 and 0.
     """
-    size = np.maximum(np.abs(before), np.abs(after))
-    return np.where((before * after < 0.0) & (np.abs(before + after) <= unlike * size), size, 0.0)
-
-
-def _drop(samples: Samples, roots: Roots, value: Array) -> Array:
-    """
-    Return by how much the values at roots differ from the samples around them, shape (n,).
-
-    On each side the larger difference of two samples counts, of both sides the smaller one. An
-    extremum whose drop is within rounding errors may be none.
-    """
-    count = samples.path.x.size
-    i = roots.before + np.array((-1, 0, 1, 2))[:, None]
-    i = i % count if samples.path.is_closed else np.clip(i, 0, count - 1)
-    away = np.abs(samples.values[roots.row, i] - value)
-    return np.asarray(np.minimum(np.maximum(*away[:2]), np.maximum(*away[2:])))
-
-
-def _decided(sampler: Sampler, samples: Samples, roots: Roots, value: Array, noise: Array,
-             in_doubt: Array) -> tuple[Roots, Array, Array]:
-    """
-    Return roots, values and bounds of their errors, those in doubt computed in many digits.
-
-    The errors are measured at the root and the samples next to it. A root that differs from its
-    neighbours by more stays where it is. Otherwise all slopes of its quantity that errors may hide
-    are computed in many digits, and its roots are searched again.
-    """
-    exact, x = _in_digits(sampler), samples.path.x
-    which = np.flatnonzero(in_doubt)
-    row, before = roots.row[which], roots.before[which]
-    values = exact.values_at(roots.x[which], row)
-    beside = [np.abs(exact.values_at(x[i], row) - samples.values[row, i])
-              for i in (before, (before + 1) % x.size)]
-    error = np.maximum(np.abs(values - value[which]), np.maximum(*beside))
-    which, row, error, values = (v[np.isfinite(error)] for v in (which, row, error, values))
-    bound = np.maximum(noise[which], SMALLEST)
-    value[which], noise[which] = values, 0.0
-    is_lost = _drop(samples, roots, value)[which] <= CLEAR * error
-    for lost in np.unique(row[is_lost]).tolist():
-        part = (error / bound)[is_lost & (row == lost)].max()
-        roots, value, noise = _searched_again(exact, samples, lost, CLEAR**2 * part,
-                                              (roots, value, noise))
-    return roots, value, noise
-
-
-def _searched_again(exact: DigitSampler, samples: Samples, row: int, part: float,
-                    found: tuple[Roots, Array, Array]) -> tuple[Roots, Array, Array]:
-    """
-    Return (roots, values, bounds of errors) with those of one quantity searched in many digits.
-
-    ``found``: the same, before. Slopes are computed anew where neighbouring samples differ by less
-    than ``part`` of the bound of their errors.
-    """
-    values, slopes, x = samples.values.copy(), samples.slopes.copy(), samples.path.x
-    is_hidden = np.abs(np.diff(values[row])) <= part * np.minimum(samples.noise[row, 1:],
-                                                                  samples.noise[row, :-1])
-    here = np.flatnonzero(np.append(is_hidden, False) | np.append(False, is_hidden))
-    true = exact.at(x[here], np.full(here.size, row))
-    is_known = np.isfinite(true).all(axis=0)
-    values[row, here[is_known]], slopes[row, here[is_known]] = (v[is_known] for v in true)
-    again = _roots(exact, samples._replace(values=values, slopes=slopes), np.array([row]))
-    others, (roots, *before) = found[0].row != row, found
-    added = *again, exact.values_at(again.x, again.row), np.zeros(again.x.size)
-    *fields, value, noise = [np.concatenate((old[others], new))
-                             for old, new in zip((*roots, *before), added)]
-    return Roots(*fields), value, noise
+    order, kept = np.lexsort((roots.x, roots.before, roots.row)), []
+    for own in np.split(order, np.flatnonzero(np.diff(roots.row[order])) + 1):
+        ends = [] if samples.path.is_closed else samples.values[roots.row[own[0]], [0, -1]].tolist()
+        left = [*zip(value[own].tolist(), noise[own].tolist(), own.tolist())]
+        if ends:
+            left = [(ends[0], 0.0, -1), *left, (ends[1], 0.0, -1)]
+        while len(left) > len(ends):
+            pairs = [(abs(one[0] - other[0]) / max(one[1], other[1], SMALLEST), k)
+                     for k, (one, other) in enumerate(zip(left, left[1:] + left[:1]))]
+            ratio, k = min(pairs[:-1] if ends else pairs)
+            if ratio > 1.0:
+                break
+            left = [one for i, one in enumerate(left)
+                    if i not in (k, (k + 1) % len(left)) or one[2] < 0]
+        kept += [k for *_, k in left if k >= 0]
+    return np.array(kept, int)
 
 
 def _smooth_slopes(sampler: Sampler, samples: Samples, rows: Array) -> Array:
@@ -344,12 +257,7 @@ def _at_end(sampler: Sampler, samples: Samples, where: tuple[int, End],
         limits = _limits_at_toggle(sampler, samples, where, rows)
     nearest = samples.path.inward(side)[0]
     limits = sampler.same_turn(samples.values[:, nearest], limits, np.arange(limits.size))
-    slopes, next_one = samples.slopes[:, nearest], samples.path.inward(side)[1]
-    step = np.abs(samples.values[:, nearest] - samples.values[:, next_one])
-    for row in rows[(step <= samples.noise[:, nearest])[rows] & ~np.isinf(limits)[rows]].tolist():
-        # the step is within rounding: many digits tell the slope
-        true = _in_digits(sampler).slope(samples.path.x[nearest:][:1], np.array([row]))[0]
-        slopes[row] = slopes[row] if np.isnan(true) else true
+    slopes = samples.slopes[:, nearest]
     falls = slopes * side > 0.0        # seen from inside
     sense = np.where(np.isinf(limits), np.sign(limits), np.where(falls, -1, 1)).astype(int)
     place = sampler.fold(end.x)
@@ -376,31 +284,14 @@ def _limits_at_toggle(sampler: Sampler, samples: Samples, where: tuple[int, End]
     mode = sampler.linkage.mode_beyond(sampler.unit * end.x)
     other = sampler.of(sampler.linkage.in_mode(mode))
     here = values[:, near]
-    bounded, goes_on = _continued(sampler, here, other.values(path.x[near]))
-    in_doubt = ~has_pole & ~sampler.is_angle & (
-        ~goes_on | (samples.noise[:, near[0]] > DOUBTFUL * np.abs(bounded)))
-    for row in rows[in_doubt[rows]].tolist():
-        i = inward[NEAREST]
-        true = _in_digits(sampler).values_at(path.x[i], np.full(i.size, row))
-        if np.isfinite(true).all():
-            bounded[row] = _weights_at_zero(np.sqrt(np.abs(path.x[i] - end.x))) @ true
+    bounded = _continued(sampler, here, other.values(path.x[near]))
     bounded[np.abs(bounded) <= 64.0 * EPS * np.abs(here).max(axis=1)] = 0.0
     return np.where(has_pole, limits, bounded)
 
 
-def _weights_at_zero(u: Array) -> Array:
+def _continued(sampler: Sampler, here: Array, beyond: Array) -> Array:
     """
-    Return the weights with which values at u extrapolate to 0, by the polynomial through them.
-
-    For u = (1, 2): 2 and -1, so that values 3 and 4 give 2.
-    """
-    parts = u / (u - u[:, None] + np.diag(u))       # of number j in the weight of number i
-    return np.asarray(np.prod(parts, axis=1))
-
-
-def _continued(sampler: Sampler, here: Array, beyond: Array) -> tuple[Array, Array]:
-    """
-    Return the limits of quantities at a toggle, and which quantities go on smoothly there.
+    Return the limits of quantities at a toggle.
 
     ``here``, ``beyond``: samples on the path and on that of the other assembly mode, each from the
     toggle on, shape (quantities, 12). One polynomial through both sides is three digits better
@@ -416,7 +307,7 @@ def _continued(sampler: Sampler, here: Array, beyond: Array) -> tuple[Array, Arr
     # Quantities that do not go on, such as some angles in functions, are extrapolated, at the loss
     # of three digits.
     goes_on = np.abs(one_sided - bounded) <= 1e-6 * np.ptp(here, axis=1)
-    return np.where(goes_on, bounded, one_sided), goes_on
+    return np.where(goes_on, bounded, one_sided)
 
 
 def sampled_conditions(sampler: Sampler, x: Array, row: Array,

@@ -85,7 +85,6 @@ class Sampler:
     IS_COMPLEX: ClassVar[bool] = True   # the steps by which quantities are differentiated
     # Step of real differences of derivatives, in samples: little enough for Newton's method.
     TURN: ClassVar[float] = 2.0**-24
-    exact: Sampler | None = None    # the same in many digits, once that was needed
 
     def __init__(self, linkage: Mechanism, quantities: Sequence[Asked],
                  rates: tuple[float, float]) -> None:
@@ -117,7 +116,7 @@ class Sampler:
         """Return a sampler of one of the quantities, with the formulas made already."""
         other = copy(self)
         other.quantities, other.is_angle = (self.quantities[row],), self.is_angle[[row]]
-        other.with_angles, other.exact = needs_angles(self.quantities[row]), None
+        other.with_angles = needs_angles(self.quantities[row])
         return other
 
     def along(self, path: InputPath) -> Samples:
