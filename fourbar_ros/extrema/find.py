@@ -108,10 +108,9 @@ def find_extrema(linkage: Mechanism, quantities: Wanted = (), rate: float = 1.0,
         FourBar, SliderCrank, InvertedSlider, ScotchYoke or Machine.
     quantities : sequence of str, Quantity or callable
         Names (see :data:`~fourbar_ros.mechanisms.quantities.QUANTITIES`), or functions (Motion,
-        Loads) -> value of plain arithmetic and numpy functions; with abs, comparisons or ``math``
-        they are slower and located to about 1e-10 rad. Attributes ``unit`` and ``__name__`` are
-        used. Empty: all rates, accelerations and loads for which the linkage has data; positions
-        only by name.
+        Loads) -> value, located to about 1e-10 rad by differences. Attributes ``unit`` and
+        ``__name__`` are used. Empty: all rates, accelerations and loads for which the linkage has
+        data; positions only by name.
     rate, acceleration : float
         Rate and acceleration of the input, the same everywhere: [rad/s] and [rad/s^2], or [m/s]
         and [m/s^2] of a driven slide; at most 1e100 in size.

@@ -11,8 +11,7 @@ constant input rate            at a change point as the others
 omega4 of it, any input        :mod:`.path_search`,                :mod:`.exact_count`
                                exact derivatives
 others with a name             the same                            :mod:`.interval_proof`
-functions                      the same, or with differences:      :mod:`.interval_proof`
-                               what a trial of them says
+functions                      the same, with differences          :mod:`.interval_proof`
 =============================  ==================================  ========================
 
 The sample points are those of :mod:`.four_bar_rates.input_paths` for a four-bar, of
@@ -33,15 +32,14 @@ from fourbar_ros.extrema.path_search import PathExtremum, sampled_conditions, se
 from fourbar_ros.extrema.sampling import Sampler, too_large
 from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.quantities import Asked, is_published
+from fourbar_ros.mechanisms.quantities import Asked, Function, is_published
 from fourbar_ros.numerics.roots import fold
 import numpy as np
 
 if TYPE_CHECKING:       # loaded when a proof is asked for
     from fourbar_ros.extrema.proof import Count, Enclosures
 
-# Points of a full turn, at least; those of a path that the trial of a function leaves out.
-SAMPLES, TRIAL = 256, 24
+SAMPLES = 256       # points of a full turn, at least
 RATES = ('omega4', 'alpha4')
 
 
@@ -78,35 +76,14 @@ class Methods:
 
     def _samplers(self, rows: list[int]) -> list[tuple[Sampler, list[int]]]:
         """Return samplers of the quantities ``rows``, by complex steps and by differences."""
-        rough = [row for row in rows if not is_published(self._quantities[row])
-                 and not self._has_complex_step(self._quantities[row])]
+        rough = [row for row, one in enumerate(self._quantities) if isinstance(one, Function)
+                 and not one.is_smooth and row in rows]
         smooth = [row for row in rows if row not in rough]
         return [(self._sampler(kind, group), group)
                 for kind, group in ((Sampler, smooth), (DifferenceSampler, rough)) if group]
 
     def _sampler(self, kind: type[Sampler], rows: list[int]) -> Sampler:
         return kind(self._linkage, [self._quantities[row] for row in rows], self._rates)
-
-    def _has_complex_step(self, quantity: Asked) -> bool:
-        """
-        Return whether the complex step gives the derivative of a function of a user.
-
-        It does not for abs or comparisons. Tried at every 24th sample, against differences.
-        """
-        path = self.paths()[0]
-        part = slice(path.first, path.last, TRIAL)
-        x, step = path.x[part], 2.0**-10 * np.gradient(path.x)[part]
-        sampler = Sampler(self._linkage, (quantity,), self._rates)
-        try:
-            values, slopes = sampler.sample(x)
-            differences = (sampler.values(x + step) - sampler.values(x - step)) / (2.0 * step)
-        except (TypeError, ValueError):
-            return False
-        # Next to a toggle slopes are huge: a point is compared with its own, or those of most.
-        size = np.abs(differences)
-        agrees = np.abs(slopes - differences) <= 1e-3 * np.maximum(size, np.median(size))
-        agrees &= np.abs(values - sampler.values(x)) <= 1e-6 * np.max(np.abs(values))
-        return bool(agrees.mean() > 0.8)      # an angle may jump by 2 pi at one of the points
 
     def search(self, density: int = 1, with_conditions: bool = True,
                more: Sequence[float] = ()) -> list[list[PathExtremum]]:

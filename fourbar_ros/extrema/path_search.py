@@ -14,6 +14,7 @@ of the absolute terms bounds both.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import cache
 from math import comb, inf, nan
 from typing import NamedTuple
 
@@ -166,8 +167,9 @@ def _interior(sampler: Sampler, samples: Samples, rows: Array,
     is_small = np.flatnonzero((noise > 0.0) & (np.abs(value) <= noise))
     if is_small.size:
         value[is_small[_is_kink(sampler, roots, value, noise, is_small)]] = 0.0
-    kept = _beyond_noise(samples, roots, value, noise)
-    roots, value, noise = Roots(*(v[kept] for v in roots)), value[kept], noise[kept]
+    if not sampler.flats:       # else no bound is known
+        kept = _beyond_noise(samples, roots, value, noise)
+        roots, value, noise = Roots(*(v[kept] for v in roots)), value[kept], noise[kept]
     if not roots.row.size:
         return []
     value = sampler.same_turn(samples.values[roots.row, roots.before], value, roots.row)
@@ -199,31 +201,54 @@ def _beside(sampler: Sampler, x: Array, turn: Array, row: Array) -> tuple[Array,
     return before, after
 
 
+# Of an extremum or an end: value, its error, the sample before it, number of the root or -1.
+_Place = tuple[float, float, int, int]
+
+
 def _beyond_noise(samples: Samples, roots: Roots, value: Array, noise: Array) -> Array:
     """
-    Return the indices of the roots that rounding errors cannot have made, in the order of rows.
+    Return the indices of the roots that rounding errors cannot have made.
 
-    Maxima and minima take turns along a path. Two neighbours whose values differ by less than
-    their rounding errors are taken out together, the most alike first; so is one that does not
-    differ from the last sample at its end of the path. Values 3, 1, 2, 0 with an error of 1.5 each
-    leave 3 and 0.
+    Maxima and minima take turns along a path. Two neighbours between which no fall is larger than
+    rounding errors are taken out together, the most alike first; so is one beside an end to which
+    there is none. Values 3, 1, 2, 0 with an error of 1.5 each leave 3 and 0.
     """
-    order, kept = np.lexsort((roots.x, roots.before, roots.row)), []
+    order, kept = np.lexsort((roots.x, roots.before, roots.row)), list[int]()
     for own in np.split(order, np.flatnonzero(np.diff(roots.row[order])) + 1):
-        ends = [] if samples.path.is_closed else samples.values[roots.row[own[0]], [0, -1]].tolist()
-        left = [*zip(value[own].tolist(), noise[own].tolist(), own.tolist())]
-        if ends:
-            left = [(ends[0], 0.0, -1), *left, (ends[1], 0.0, -1)]
-        while len(left) > len(ends):
-            pairs = [(abs(one[0] - other[0]) / max(one[1], other[1], SMALLEST), k)
-                     for k, (one, other) in enumerate(zip(left, left[1:] + left[:1]))]
-            ratio, k = min(pairs[:-1] if ends else pairs)
-            if ratio > 1.0:
-                break
-            left = [one for i, one in enumerate(left)
-                    if i not in (k, (k + 1) % len(left)) or one[2] < 0]
-        kept += [k for *_, k in left if k >= 0]
+        values, errors = samples.values[roots.row[own[0]]], 0.25 * samples.noise[roots.row[own[0]]]
+        left = [*zip(value[own].tolist(), noise[own].tolist(), roots.before[own].tolist(),
+                     own.tolist())]
+        if not samples.path.is_closed:
+            left = [(float(values[0]), float(errors[0]), -1, -1), *left,
+                    (float(values[-1]), float(errors[-1]), values.size - 1, -1)]
+        kept += [k for *_, k in _with_falls(left, values, errors) if k >= 0]
     return np.array(kept, int)
+
+
+def _with_falls(left: list[_Place], values: Array, errors: Array) -> list[_Place]:
+    """Return those of the extrema of a quantity, with any ends, that its rounding leaves."""
+    @cache
+    def fall(one: _Place, other: _Place) -> float:
+        """Return the largest fall between two neighbours, over its error."""
+        least = abs(one[0] - other[0]) / max(one[1], other[1], SMALLEST)
+        number = (other[2] - one[2]) % values.size
+        if least > 1.0 or not number:
+            return least
+        i = (one[2] + 1 + np.arange(number)) % values.size
+        with np.errstate(over='ignore'):
+            return float(max(least, *((np.abs(values[i] - value) / np.maximum(
+                errors[i], max(error, SMALLEST))).max() for value, error, *_ in (one, other))))
+
+    ends = 2 if left[0][3] < 0 else 0
+    while len(left) > ends:
+        falls = [fall(*pair) for pair in zip(left, left[1:] + left[:ends == 0])]
+        least = min(falls)
+        if least > 1.0:
+            break
+        k = falls.index(least)
+        left = [one for i, one in enumerate(left)
+                if i not in (k, (k + 1) % len(left)) or one[3] < 0]
+    return left
 
 
 def _smooth_slopes(sampler: Sampler, samples: Samples, rows: Array) -> Array:

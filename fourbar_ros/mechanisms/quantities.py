@@ -37,6 +37,7 @@ class Function(NamedTuple):
     text: str
     of: Callable[..., Any]
     is_load: bool = False     # nobody can tell; of a mechanism without masses loads raise an error
+    is_smooth: bool = False   # plain arithmetic and numpy: a complex step gives its derivative
 
 
 def point_speed(mechanism: Mechanism, link: str, along: float, across: float = 0.0,
@@ -44,7 +45,8 @@ def point_speed(mechanism: Mechanism, link: str, along: float, across: float = 0
     """Return the quantity ``name.speed`` [m/s] of a point fixed to a link."""
     return Function(f'{name}.speed', 'm/s',
                     f'speed of the point ({along:g}, {across:g}) m of the {link}',
-                    partial(_size, mechanism, link, along, across, slice(2, 4)))
+                    partial(_size, mechanism, link, along, across, slice(2, 4)),
+                    is_smooth=True)
 
 
 def point_acceleration(mechanism: Mechanism, link: str, along: float, across: float = 0.0,
@@ -52,7 +54,8 @@ def point_acceleration(mechanism: Mechanism, link: str, along: float, across: fl
     """Return the quantity ``name.acceleration``, its magnitude [m/s^2], of a point of a link."""
     return Function(f'{name}.acceleration', 'm/s^2',
                     f'acceleration of the point ({along:g}, {across:g}) m of the {link}',
-                    partial(_size, mechanism, link, along, across, slice(4, 6)))
+                    partial(_size, mechanism, link, along, across, slice(4, 6)),
+                    is_smooth=True)
 
 
 def _size(mechanism: Mechanism, link: str, along: float, across: float, fields: slice,
