@@ -31,7 +31,7 @@ from fourbar_ros.numerics.arrays import Array
 from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
 from mcap.reader import make_reader
-from mcap.records import Channel, Chunk, McapRecord, Message, Metadata, Schema
+from mcap.records import Channel, Chunk, DataEnd, McapRecord, Message, Metadata, Schema
 from mcap.stream_reader import get_chunk_data_stream, StreamReader
 from mcap.summary import Summary
 import numpy as np
@@ -323,7 +323,7 @@ class Bag:
             else:
                 records = StreamReader(stream, emit_chunks=True,
                                        record_size_limit=LARGEST).records
-            end = file.stat().st_size
+            end, is_behind = file.stat().st_size, False
             while True:
                 record = None
                 try:
@@ -343,7 +343,9 @@ class Bag:
                     return
                 if progress:
                     progress(stream.tell())
-                yield from content
+                is_behind |= isinstance(record, DataEnd)    # the summary repeats what was read
+                if not is_behind or isinstance(record, Chunk):
+                    yield from content
 
 
 def records(path: str | Path, topics: Collection[str] | None = None, start: int = 0

@@ -159,6 +159,13 @@ def test_a_flipped_bit_is_seen_and_costs_its_chunk_at_most(whole, tmp_path, seed
         assert seen and len(everything) - len(kept) in (0, CHUNK), (place, bit)
 
 
+def test_a_summary_that_is_hit_renames_no_type(whole, tmp_path):
+    data, everything = (whole / 'run_0.mcap').read_bytes(), raws(whole)
+    end = next(begin for opcode, begin, _ in records_of(data) if opcode == Opcode.DATA_END)
+    place = data.index(STRING.encode(), end)
+    assert flip(tmp_path / 'spoiled.mcap', data, place, 0, everything) == (True, everything)
+
+
 def test_the_head_of_a_chunk_may_be_hit_anywhere(whole, tmp_path):
     """Its length, its sizes, the name of its compression: the index at the end knows better."""
     data, everything = (whole / 'run_0.mcap').read_bytes(), raws(whole)
