@@ -34,6 +34,7 @@ from mcap.reader import make_reader
 from mcap.records import Channel, Chunk, DataEnd, McapRecord, Message, Metadata, Schema
 from mcap.stream_reader import get_chunk_data_stream, StreamReader
 from mcap.summary import Summary
+from mcap.writer import MCAP0_MAGIC
 import numpy as np
 from rosbags.serde.errors import SerdeError
 from rosbags.typesys import get_types_from_msg, get_typestore, Stores
@@ -113,6 +114,8 @@ class Bag:
     def __init__(self, path: str | Path) -> None:
         self.path = Path(path)
         self.files = metadata.files_of(self.path)
+        if not any(map(_may_be_mcap, self.files)):
+            raise BagError(f'{self.files[0]}: is no MCAP file')
         self.damage: list[str] = []
         self._schemas: dict[str, Schema] = {}       # the newest of each topic
         self._channel_metadata: dict[str, dict[str, str]] = {}      # by topic
@@ -388,6 +391,12 @@ def _read_at(stream: BinaryIO, place: tuple[int, Any]) -> McapRecord:
     stream.seek(offset + HEAD.size)
     record: McapRecord = kind.read(ReadDataStream(stream))
     return record
+
+
+def _may_be_mcap(file: Path) -> bool:
+    """Return whether a file begins as one of MCAP does, or was cut in its first bytes."""
+    with open(file, 'rb') as stream:
+        return bytes(MCAP0_MAGIC).startswith(stream.read(len(MCAP0_MAGIC)))
 
 
 def _summary(file: Path) -> Summary | None:

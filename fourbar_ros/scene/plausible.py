@@ -21,7 +21,13 @@ def warnings_of(scene: Scene) -> list[str]:
 
 
 def _long(scene: Scene) -> Iterator[str]:
-    """Yield one line for all lengths beyond LONGEST: the user probably meant millimetres."""
+    """
+    Yield one line for all lengths beyond LONGEST: the user probably meant millimetres.
+
+    Without masses, as in problems of textbooks, lengths may be in any unit.
+    """
+    if not scene.has_loads:
+        return
     family = 'dyads' if scene.values['linkage.kind'] == MACHINE else 'linkage'
     long = [(f'{family}.{name}', value)
             for name, value in zip(scene.linkage.length_names, scene.linkage.lengths)

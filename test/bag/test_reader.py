@@ -236,7 +236,8 @@ def test_files_that_are_no_bags_are_one_line_for_every_verb(tmp_path, capsys, co
         code = main(['bag', verb[0], str(file), *verb[1:]])
         said = capsys.readouterr()
         assert code == 1 and said.err.startswith('fourbar: ') and said.err.count('\n') == 1, verb
-    assert main(['bag', 'info', str(file)]) == 3
+    assert main(['bag', 'info', str(file)]) == (
+        3 if content[:8] == b'\x89MCAP0\r\n'[:len(content)] else 1)
     assert [path.name for path in tmp_path.iterdir()] == ['a.mcap']
 
 

@@ -280,6 +280,9 @@ def test_exit_codes_and_messages(bag, tmp_path, capsys):
         assert capsys.readouterr().err == f'fourbar: {tmp_path}/none: no such bag\n'
         assert main(['bag', action, str(bag)]) == 0
         assert says in capsys.readouterr().out
+        (tmp_path / 'text').write_text('no bag')
+        assert main(['bag', action, str(tmp_path / 'text')]) == 1
+        assert capsys.readouterr().err == f'fourbar: {tmp_path}/text: is no MCAP file\n'
     for action in ('info', 'recompute'):
         assert main(['bag', action, str(bag), '--json']) == 0
         told = json.loads(capsys.readouterr().out)

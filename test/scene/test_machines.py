@@ -220,6 +220,8 @@ def test_a_boom_is_a_cylinder_without_dyads_and_bears_a_load():
      ('drive.speed', 'motor.kind', 'external.crank.force_x')),
     ({**PAPER, **RODS, 'drive.source': 'torque', 'external.crank.couple': 1.0},
      ('drive.when_silent', 'shaft.stiffness', 'drive.start_speed'), ('motor.kind',)),
+    (read_values('cylinder'), ('drive.window', 'drive.jump'), ('drive.top_speed',)),
+    (read_values('bucket'), ('drive.window', 'drive.jump'), ('drive.top_speed',)),
     (WATT, ('bodies.rocker.mass', 'linkage.output', 'dyads.one.mode'),
      ('cylinder.mode', 'linkage.a1', 'linkage.mode')),
     (read_values('jansen'), ('bodies.foot.mass', 'dyads.leg.mode'), ('bodies.output.mass',))])
