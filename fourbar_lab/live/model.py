@@ -72,8 +72,8 @@ class Shown:
 
     @property
     def ranges(self) -> tuple[tuple[float, float], ...]:
-        """Return the ranges of the input [rad] or [m]."""
-        return self.linkage.input_ranges
+        """Return the ranges of the input [rad] or [m]; a full turn begins at 0."""
+        return ((0.0, tau),) if self.linkage.turns_fully else self.linkage.input_ranges
 
     def range_of(self, position: float) -> tuple[float, float]:
         """Return the range of the input nearest to a position, without its ends: toggles."""
@@ -101,7 +101,7 @@ class Shown:
     def cycles(self) -> tuple[Cycle, ...]:
         """Return a :class:`Cycle` for each range of the input."""
         return tuple(Cycle(inputs, *self.motion_and_loads(inputs, self.rate, self.acceleration))
-                     for inputs in cycles(self.linkage, SAMPLES))
+                     for inputs in cycles(self.linkage, SAMPLES, from_zero=True))
 
     @cached_property
     def why_no_loads(self) -> str:

@@ -183,7 +183,7 @@ def test_the_cursor_stands_at_the_input(opened):
     tab = opened('paper')
     tab.write('input value', '60')
     tab.until(lambda: tab.now().get('theta1') == '60', 'the input')
-    share = (60.0 + 180.0) / 360.0
+    share = 60.0 / 360.0
     tab.until(lambda: tab.driver.execute_script(
         "const c = document.querySelector('.fb-cursor');"
         'return c.offsetLeft - arguments[0] * (c.parentElement.clientWidth - arguments[1])',

@@ -237,7 +237,7 @@ def test_the_picture_takes_half_of_a_window_and_crops_nothing(laptop, driver, ad
         'const b = arguments[0].getBoundingClientRect(); return [b.x, b.y, b.right, b.bottom]',
         tab.by('the mechanism in its pose'))
     assert (box[2] - box[0]) * (box[3] - box[1]) >= 0.5 * 1280 * 800 and box[3] <= 800
-    for at in range(-150, 180, 60):
+    for at in range(30, 360, 60):
         tab.write('input value', str(at))
         tab.until(lambda at=at: at_of(tab) == at, f'{at} deg')
         texts = driver.execute_script(
