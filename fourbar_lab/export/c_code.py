@@ -188,7 +188,8 @@ class Code:
         return ('As in the node: a sample out of range has no pose, all but the input is NaN; '
                 'invalid\n   input is not finite, or so fast that a result overflows; at a toggle '
                 'rates are unbounded,\n   NaN, the pose is valid; where the rate or acceleration '
-                'is NaN, all that depends on it is. Loads\n   are NaN unless ok.')
+                'is NaN, all that depends on it is. Loads\n   are NaN unless ok. With a length of '
+                '0 or less, a negative mass or inertia, no status is ok.')
 
     def _struct(self, which: str, named: Sequence[Named], about: str) -> list[str]:
         """
@@ -235,8 +236,13 @@ class Code:
         name, model = self.name, self.model
         defaults = ([f'  to->{one.field} = {literal(one.value)};' for one in model.tunable]
                     or ['  to->none = 0.0;'])
+        bounds = [f'from->{one.field} {bound} 0.0' for one in model.tunable
+                  if (bound := model.bound_of(one.name))]
         prepared = [f'  {text}' for text in self.preparation] or ['  made->k[0] = 0.0;']
+        prepared += [f'  if (!({line}))\n    for (i = 0; i < {max(1, len(self.formulas.kept))}; '
+                     '++i) made->k[i] = NAN;' for line in ['\n        && '.join(bounds)] if line]
         unused = [] if model.tunable and self.preparation else ['  (void)from;']
+        unused = ['  int i;'] * bool(bounds) + unused
         counts = len(model.motion), len(model.loads)
         return '\n'.join([
             *self._about(), '#ifdef __FAST_MATH__', '#error "-ffast-math changes the results"',

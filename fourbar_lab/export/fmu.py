@@ -40,7 +40,11 @@ STATUS_TEXT = ', '.join(f'{i} {text.replace("_", " ")}' for i, text in enumerate
 
 
 class Variable(NamedTuple):
-    """A variable of an FMU; ``reference``: its place among the numbers of the instance."""
+    """
+    A variable of an FMU.
+
+    ``reference``: its place among the numbers of the instance; ``is_positive``: 0 or more.
+    """
 
     name: str
     reference: int
@@ -48,6 +52,7 @@ class Variable(NamedTuple):
     unit: str
     text: str
     start: float
+    is_positive: bool = False
 
 
 def write(model: Model, directory: Path, version: int) -> tuple[Path, list[str], int]:
@@ -100,7 +105,7 @@ def _variables(model: Model, drive: DriveCode | None) -> list[Variable]:
         for i, one in enumerate(named):
             is_topic = one.name.rpartition('.')[0] in topics
             yield Variable(one.name, first + i, 'input' if is_topic else causality, one.unit,
-                           one.text, one.value)
+                           one.text, one.value, bool(model.bound_of(one.name)))
     inputs = [one._replace(value=start * (not i)) for i, one in enumerate(model.inputs)]
     places = [0, len(inputs), len(inputs) + len(model.tunable)]
     found = [*of(tuple(inputs), 0, 'input'), *of(model.tunable, places[1], 'parameter'),
@@ -246,7 +251,7 @@ def _attributes(one: Variable) -> dict[str, object]:
 
 def _real(one: Variable) -> dict[str, object]:
     start = {} if one.causality == 'output' else {'start': repr(one.start)}
-    return {'unit': _unit(one.unit), **start}
+    return {'unit': _unit(one.unit), **({'min': '0'} if one.is_positive else {}), **start}
 
 
 def _step_of(model: Model) -> str:

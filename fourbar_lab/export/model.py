@@ -310,6 +310,13 @@ class Model:
                          and not self.moves_by_torque
                          and i in used and trace.steps[first + i].operation == 'datum')])
 
+    def bound_of(self, name: str) -> str:
+        """Return how a parameter must compare with 0: '>', '>=', or '' if it may be any number."""
+        if name.startswith('bodies.') and name.endswith(('.mass', '.inertia')):
+            return '>='
+        return '>' * any(length.name == name and not length.signed
+                         for length in self.mechanism.LENGTHS)
+
     @cached_property
     def derived(self) -> dict[int, tuple[int, int]]:
         """Return {place among the data: two others} of sizes of vectors."""

@@ -197,9 +197,11 @@ def test_parameters_can_be_changed_and_have_the_bits_of_another_mechanism(tmp_pa
     assert found.keys() <= {one.name for one in code.model.tunable}
     assert not differences(run(inputs, values), of_python(other, {}, inputs), 27)
     # impossible data: no plausible number, and nothing is kept of them
-    broken = [5.0 if one.name == 'a1' else one.value for one in code.model.tunable]
-    status, rows = run(inputs, broken)
-    assert not (status == 0).any() and np.isnan(rows[:, 3:15]).all()
+    for name, value in (('a1', 5.0), ('a1', -0.4), ('a4', 0.0), ('bodies.crank.mass', -1.0),
+                        ('bodies.output.inertia', -1e-3), ('a2', math.nan)):
+        broken = [value if one.name == name else one.value for one in code.model.tunable]
+        status, rows = run(inputs, broken)
+        assert not (status == 0).any() and np.isnan(rows[:, 3:15]).all(), (name, value)
     assert not differences(run(inputs), of_python(own, {}, inputs), 27)
 
 
@@ -213,9 +215,13 @@ def test_lengths_of_dyads_can_be_changed(tmp_path):
     changed = {f'{dyads[0].name}.first.along': 0.16, f'{dyads[0].name}.length_2': 0.42}
     values = [changed.get(one.name, one.value) for one in code.model.tunable]
     assert values != [one.value for one in code.model.tunable]
-    said = differences(code.compiled(*C)(inputs, values), of_python(other, scene.points, inputs),
+    run = code.compiled(*C)
+    said = differences(run(inputs, values), of_python(other, scene.points, inputs),
                        len(code.model.motion))
     assert not said, said
+    broken = [-0.42 if one.name == f'{dyads[0].name}.length_2' else one.value
+              for one in code.model.tunable]
+    assert not (run(inputs, broken)[0] == 0).any()
 
 
 def test_numbers_folded_in_have_the_same_bits_and_less_is_written(tmp_path):

@@ -284,6 +284,8 @@ def test_out_of_range_is_a_status_and_parameters_change(paper):
     paper.set(theta1=1.0, a1=5.0)
     status, theta4 = paper.get('status', 'theta4')
     assert status == 1.0 and math.isnan(theta4)
+    paper.set(a1=-0.4)
+    assert paper.get('status') == [2.0]
     paper.set(a1=0.37)
     other = load_scene('paper').linkage.with_lengths((0.37, 1.2, 0.8, 1.0))
     assert paper.get('status', 'theta4', 'f32') == [0.0, other.motion(1.0).theta4,
@@ -341,6 +343,9 @@ def test_every_unit_has_a_definition_and_outputs_are_listed_once(as_, tmp_path):
     listed = root.findall('ModelStructure/Output') or root.findall(
         'ModelStructure/Outputs/Unknown')
     assert len(outputs) == len(listed)
+    assert {one.get('name').rpartition('.')[2].rstrip('12_') for one in variables
+            if 'min' in one.attrib or 'min' in getattr(one.find('Real'), 'attrib', {})
+            } == {'length', 'mass', 'inertia'}
     assert {'foot.x', 'status', 'driving_torque'} <= {one.get('name') for one in variables}
     names = [one.get('name').replace('.', '_') for one in variables]
     assert len(set(names)) == len(names)
