@@ -73,6 +73,8 @@ class Loads:
 
     def __init__(self, mechanism: Mechanism, rate: float):
         """Refuse mechanisms that no mass can balance; collect the numbers of all links."""
+        if not isinstance(mechanism, Mechanism):
+            raise InvalidParameter('mechanism', mechanism, 'must be a mechanism, as a FourBar is')
         if mechanism.bodies is None:
             raise BalanceError('nothing to balance: the scene gives no masses')
         if not rate or not isfinite(rate):
@@ -101,7 +103,7 @@ class Loads:
 
     def group(self, name: str) -> tuple[str, ...]:
         """Return the components of a load by its name; InvalidParameter if it is unknown."""
-        if name not in self.groups:
+        if not isinstance(name, str) or name not in self.groups:
             raise InvalidParameter('minimize', name, f'unknown{nearest(name, self.groups)}')
         return self.groups[name]
 
@@ -158,6 +160,9 @@ class Loads:
         sum of their squares. Inputs are doubled until the size of R settles.
         """
         names, points, before = tuple(names), POINTS, np.inf
+        if not names:
+            raise InvalidParameter('minimize', names, 'must name a load at least'
+                                   f'{nearest("", self.groups)}')
         while True:
             x, weights = self.nodes(points)
             blocks = [self._block(name, x, weights, len(names) > 1) for name in names]

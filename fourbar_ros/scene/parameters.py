@@ -102,6 +102,8 @@ def meant(values: ParameterValues, given: ParameterValues) -> list[str]:
         absent = LINKS.keys() - set(_links_of_machine(values))
         conditions[:0] = [(f'{family}.{link}.*', False) for family in ('bodies', 'external')
                           for link in absent]
+    if values['linkage.input'] in ('slide', 'cylinder'):
+        conditions.insert(0, ('drive.top_speed', False))        # it is of positions that wrap
     return [name for name in values if name in given
             or next((is_met for pattern, is_met in conditions if fnmatchcase(name, pattern)),
                     True)]

@@ -331,3 +331,13 @@ def test_a_mass_below_zero_or_no_number_is_refused(mass):
     places = Places(Loads(load('paper').linkage, 25.0), {'crank': 0.6})
     with pytest.raises(InvalidParameter, match='mass'):
         least_rms(places, ['force'], mass)
+
+
+@pytest.mark.parametrize('make, name', [
+    (lambda: Loads(None, 25.0), 'mechanism'), (lambda: Loads(load('paper'), 25.0), 'mechanism'),
+    (lambda: least_rms(Places(Loads(load('paper').linkage, 25.0), {'crank': 0.6}), [], 1.0),
+     'minimize')])
+def test_wrong_objects_and_no_load_are_refused_by_name(make, name):
+    with pytest.raises(InvalidParameter) as caught:
+        make()
+    assert caught.value.name == name

@@ -171,6 +171,7 @@ def test_a_spring_of_no_length_and_no_free_length_pulls_nothing():
     (lambda: Spring(Attachment('crank'), Attachment(), stiffness=-1.0), 'stiffness'),
     (lambda: TorsionSpring(GROUND, 'crank', damping=float('nan')), 'damping'),
     (lambda: Attachment('crank', along='x'), 'along'),
+    (lambda: Equation(None), 'mechanism'), (lambda: Equation('paper'), 'mechanism'),
 ])
 def test_what_is_wrong_is_refused_by_name(make, name):
     with pytest.raises(InvalidParameter) as caught:

@@ -165,6 +165,8 @@ class Equation:
                  extra_inertia: float = 0.0, start: float | None = None,
                  coordinate: DrivenLinks | None = None) -> None:
         """Collect the terms of (E1): bodies, springs, forces by the numbers of their links."""
+        if not isinstance(mechanism, Mechanism):
+            raise InvalidParameter('mechanism', mechanism, 'must be a mechanism, as a FourBar is')
         self.mechanism, self.elements = mechanism, tuple(elements)
         self.coordinate: DrivenLinks = mechanism if coordinate is None else coordinate
         self.extra_inertia = number('extra_inertia', extra_inertia, 'must be zero or more',
