@@ -227,7 +227,8 @@ class CText:
         with tempfile.TemporaryDirectory() as folder:
             made = generate(ROOT / 'config' / f'{key}.yaml', folder)
             text = next(path for path in made.files if path.suffix == '.c').read_text()
-        code = re.sub(r'/\*.*?\*/|//[^\n]*|"[^"\n]*"|^#.*$', '', text, flags=re.S | re.M)
+        code = re.sub(r'/\*.*?\*/|//[^\n]*|"[^"\n]*"|^#[^\n]*', '', text, flags=re.S | re.M)
+        assert '_prepare' in code, 'the pattern took the text away'
         kinds = {'+': r' \+ ', '-': r' - ', '*': r' \* ', '/': r' / ', '?': r' \? ',
                  '<': ' <=? | >=? ', 'negated': r'[(=,] ?-[a-z(]'}
         kinds |= {name: rf'\b{name}\(' for name in ('sqrt', 'sin', 'cos', 'atan2', 'fabs', 'fma')}
