@@ -15,10 +15,6 @@ MODULES = [
 ]
 
 
-def test_there_are_examples():
-    assert len(MODULES) >= 10
-
-
 @pytest.fixture(scope='module')
 def folder(tmp_path_factory):
     """Return a folder with the bag that examples read."""

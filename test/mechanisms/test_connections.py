@@ -53,7 +53,3 @@ def test_joints_of_machines_connect_their_links(count):
         assert len(machine.connections) == len(machine.JOINTS)
         assert max(errors(machine, given)) <= bound, machine
     assert kinds == {'RRR', 'RRP', 'RPR', 'RPP', 'PRP'}
-
-
-def test_jansens_leg_turns_fully():
-    assert jansen().turns_fully

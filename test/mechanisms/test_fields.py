@@ -68,22 +68,6 @@ def test_chunks_give_the_bits_of_one_piece(mechanism, monkeypatch):
         assert np.array_equal(one, other, equal_nan=True)
 
 
-@some('size', SIZES, 2)
-@every_kind
-def test_fields_alone_are_those_of_the_whole(mechanism, size):
-    """To the last bit."""
-    x, rng = np.linspace(0.3, 1.1, size), np.random.default_rng(602)
-    whole = dict(zip(names_of(mechanism), sum(mechanism.step(x, 3.0, -2.0), ())))
-    for names in (*((name,) for name in whole), tuple(whole)[::-1],
-                  tuple(rng.permutation(list(whole))[:9])):
-        found = mechanism.step(x, 3.0, -2.0, fields=names)
-        assert type(found) is tuple and len(found) == len(names)
-        for name, values in zip(names, found):
-            assert values.shape == (size,) and values.flags.owndata | (values.base is not None), (
-                name)
-            assert np.array_equal(values, whole[name], equal_nan=True), name
-
-
 @every_kind
 def test_fields_of_one_sample_are_floats(mechanism):
     motion, loads = mechanism.step(0.9, 3.0, -2.0)
@@ -130,20 +114,6 @@ def test_a_sample_does_not_depend_on_those_beside_it(mechanism):
         part = slice(200, 200 + size)
         for one, other in zip(sum(mechanism.step(x[part], w[part], a[part]), ()), whole):
             assert np.array_equal(one, other[part], equal_nan=True)
-
-
-@every_kind
-def test_arrays_are_the_numbers_of_single_samples(mechanism):
-    """But for an angle or a square root of numpy, which may be rounded otherwise."""
-    x = np.linspace(0.3, 1.1, 7)
-    fields = sum(mechanism.step(x, 3.0, -2.0), ())
-    for i, value in enumerate(x.tolist()):
-        try:
-            single = np.array(sum(mechanism.step(value, 3.0, -2.0), ()))
-        except OutOfRange:
-            continue
-        assert np.abs([field[i] for field in fields] - single).max() <= 1e-12 * np.abs(
-            single).max()
 
 
 def test_short_arrays_with_what_is_out_of_range_are_nan_there():

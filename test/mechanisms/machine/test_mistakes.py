@@ -152,10 +152,6 @@ def test_a_mistake_is_refused_in_one_line(name):
     assert len(str(caught.value)) < 300
 
 
-def test_they_are_thirty_and_more():
-    assert len(MISTAKES) >= 30
-
-
 def test_the_same_without_a_mistake():
     machine = second(Point('rocker', 0.8), length_1=1.4, length_2=0.9)
     assert machine.turns_fully
