@@ -271,7 +271,6 @@ def test_a_timer_that_nobody_hears_sleeps_and_wakes_on_its_grid(run_node, client
                                                        abs=speed * 2e-9 + 1e-15 * last.theta1)
 
 
-@pytest.mark.slow
 def test_the_timer_goes_on_from_its_angle_at_a_new_speed(run_node, client):
     run_node({**PAPER, 'drive.speed': 2.0, 'drive.rate': 100.0, 'outputs': ['state']})
     client.listen(['state'])

@@ -9,6 +9,8 @@ from fourbar_ros.mechanics.bodies import Applied
 from fourbar_ros.scene import scene
 from geometry_msgs.msg import WrenchStamped
 import pytest
+from rosgraph_msgs.msg import Clock
+from support.harness import set_parameters
 from support.scenes import PAPER, RODS
 
 SECOND = 10**9
@@ -60,6 +62,27 @@ def test_a_stamp_ahead_of_the_clock_is_said(motions, client):
     assert answer(client.node.get_clock().now().nanoseconds + 9 * SECOND, 0.3, 1.0, 0.0).theta1 \
         == 0.3
     client.until(lambda: 's ahead of the clock' in node.said, 'the warning')
+
+
+def test_on_simulated_time_the_angle_goes_on_at_a_new_speed(run_node, client):
+    run_node({**PAPER, 'drive.speed': 2.0, 'drive.rate': 100.0, 'outputs': ['state'],
+              'use_sim_time': True})
+    client.listen(['state'])
+    clock = client.node.create_publisher(Clock, '/clock', 10)
+    now, states = [100 * SECOND], client.received['state']
+
+    def tick():
+        now[0] += SECOND // 100
+        clock.publish(Clock(clock=Time(sec=now[0] // SECOND, nanosec=now[0] % SECOND)))
+    client.until(lambda: tick() or len(states) > 5, 'the stream')
+    assert set_parameters(client, {'drive.speed': -3.0})[0].successful
+    client.until(lambda: tick() or states[-1].omega1 == -3.0, 'the new speed')
+    count = len(states)
+    client.until(lambda: tick() or len(states) > count + 5, 'the stream')
+    times = [state.header.stamp.sec + 1e-9 * state.header.stamp.nanosec for state in states]
+    for k in range(1, len(states)):
+        assert states[k].theta1 - states[k - 1].theta1 == pytest.approx(
+            states[k].omega1 * (times[k] - times[k - 1]), abs=1e-9)
 
 
 @pytest.mark.parametrize(('sent', 'acts'), [(-500.0, -20.0), (500.0, 20.0), (-3.0, -3.0)])
