@@ -231,6 +231,17 @@ def test_a_disk_that_hangs_never_holds_up_the_caller_and_drops_are_counted(tmp_p
     assert found.dropped == 900 and not found.is_sound
 
 
+def test_what_is_written_makes_room_for_more(tmp_path, monkeypatch):
+    monkeypatch.setattr(recorder, 'MOST_BYTES', 3 * len(motion(0)))
+    writer = open_bag(tmp_path)
+    for k in range(8):
+        assert writer.write(0, motion(k))
+        until = time.monotonic() + PATIENCE
+        while writer.waiting and time.monotonic() < until:
+            time.sleep(0.001)
+    assert numbers(writer.close()) == list(range(8)) and not writer.dropped
+
+
 def test_dropped_messages_leave_a_gap_that_info_counts(tmp_path, monkeypatch):
     writer = open_bag(tmp_path)
     for k in range(10):
