@@ -47,7 +47,7 @@ examples:
   fourbar table paper f41 -o paper.csv         a load over the crank angle, for a spreadsheet
   fourbar plot paper f41 -o paper.png          the same as a picture
   fourbar scene check paper                    what a node with this scene does, and what it costs
-  fourbar simulate motor --until 2             a motor starts a linkage: extrema over the run
+  fourbar simulate motor --until 2             a motor starts a linkage: extrema at samples
   fourbar bag info bags/run                    what a bag contains
   fourbar bag recompute bags/run               recompute every recorded output and compare
   fourbar describe paper -o paper.urdf         the scene as URDF; or --as sdf, --as mjcf

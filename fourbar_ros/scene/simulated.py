@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""A scene whose motion follows from torque, run without ROS: samples, extrema over the run."""
+"""A scene whose motion follows from torque, run without ROS: samples, extrema at them."""
 from __future__ import annotations
 
 from collections.abc import Iterator
