@@ -23,16 +23,15 @@ arithmetic, 1975).
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 import heapq
 from math import inf, isfinite, isinf, nextafter, pi
-from threading import RLock
 from typing import Any, NamedTuple, TYPE_CHECKING, Union
 
 from fourbar_ros.numerics.duals import Derivatives, derivatives_of, Dual, duals_of, value_of
 from fourbar_ros.numerics.number_types import choose, Function, INFINITESIMAL, NumberType, Scalar
+from fourbar_ros.numerics.tables import arb_settings
 from fourbar_ros.scene.parameters import ParameterValues
 
 if TYPE_CHECKING:      # an optional package
@@ -99,7 +98,7 @@ def enclosing(make: Make, values: ParameterValues, widths: dict[str, float],
     def evaluate(low: float, high: float) -> Sequence[Enclosed | None]:
         """Return all quantities on a piece: the input is one more parameter of the box there."""
         try:
-            with precision(PRECISION):
+            with arb_settings(PRECISION, 1):
                 ball = arb(low).union(arb(high))
                 x = ball.mid()
                 radii[INPUT] = ball - x
@@ -181,23 +180,6 @@ class _Piece(NamedTuple):
     minus_depth: int
     low: float
     high: float
-
-
-# The precision of Arb is one for all threads.
-_PRECISION = RLock()
-
-
-@contextmanager
-def precision(bits: int) -> Iterator[None]:
-    """Compute with balls of this precision meanwhile; other threads that do so wait."""
-    from flint import ctx
-
-    with _PRECISION:
-        before, ctx.prec = ctx.prec, bits
-        try:
-            yield
-        finally:
-            ctx.prec = before
 
 
 def _ball(value: arb | float) -> arb:

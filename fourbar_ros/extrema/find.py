@@ -62,9 +62,9 @@ class Extremum(NamedTuple):
         If each link length is wrong by a relative eps, the place moves by up to eps * condition
         [rad or m] and ``value`` by up to the relative eps * value_condition. NaN at ends.
     proof : str
-        How it is known that no extremum inside the range is missing: '' if not asked, 'exact
-        count', 'interval bounds ...', or 'not proved: ...'. Of a constant whose rounding may hide
-        extrema always 'not certain: ...', with the bound of its errors.
+        Whether it is proved that no extremum inside the range is missing: '' if not asked,
+        'interval bounds ...', or 'not proved: ...'. Of a constant whose rounding may hide extrema
+        always 'not certain: ...', with the bound of its errors.
     slide : float
         The driven slide [m], ``theta1`` is then the crank's angle; NaN if the crank is driven.
 
@@ -115,8 +115,8 @@ def find_extrema(linkage: Mechanism, quantities: Wanted = (), rate: float = 1.0,
         Rate and acceleration of the input, the same everywhere: [rad/s] and [rad/s^2], or [m/s]
         and [m/s^2] of a driven slide; at most 1e100 in size.
     certify : bool
-        Also prove that none is missing, see :mod:`fourbar_ros.extrema.proof`: tenths of a second
-        for all quantities together.
+        Also prove that none is missing, see :mod:`fourbar_ros.extrema.proof`, with python-flint:
+        tenths of a second for all quantities together, seconds for those of a machine.
     conditions : bool
         Also compute condition numbers, which takes a quarter of the time; else they are NaN.
     check : callable

@@ -1,9 +1,8 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-The search, the sample points and the proof for each quantity, chosen once per request.
+The search and the sample points for each quantity, chosen once per request.
 
-=============================  ==================================  ========================
 quantity                       search                              proof
 =============================  ==================================  ========================
 omega4, alpha4 of a four-bar,  :mod:`.four_bar_rates.search`;      :mod:`.exact_count`
@@ -13,6 +12,15 @@ omega4 of it, any input        :mod:`.path_search`,                :mod:`.exact_
 others with a name             the same                            :mod:`.interval_proof`
 functions                      the same, with differences          :mod:`.interval_proof`
 =============================  ==================================  ========================
+=======
+=============================  ==================================================
+quantity                       search
+=============================  ==================================================
+omega4, alpha4 of a four-bar,  :mod:`.four_bar_rates.search`; at a change point as
+constant input rate            the others
+others with a name             :mod:`.path_search`, exact derivatives
+functions                      the same, with differences
+=============================  ==================================================
 
 The sample points are those of :mod:`.four_bar_rates.input_paths` for a four-bar, of
 :mod:`.input_paths` for others.
@@ -37,7 +45,7 @@ from fourbar_ros.numerics.roots import fold
 import numpy as np
 
 if TYPE_CHECKING:       # loaded when a proof is asked for
-    from fourbar_ros.extrema.proof import Count, Enclosures
+    from fourbar_ros.extrema.proof import Proof
 
 SAMPLES = 256       # points of a full turn, at least
 RATES = ('omega4', 'alpha4')
@@ -154,8 +162,7 @@ class Methods:
         Return the extrema and the text of the proof of each quantity.
 
         Extrema that contradict their proof are searched once more: between the ends of the parts
-        in which the proof says that they are, or where it only counts them with 8 times the
-        samples.
+        in which the proof says that they are.
         ``found``: results of the search for each quantity; others as for :meth:`prove`.
         """
         proofs = self.prove(found, check, seconds)
@@ -164,7 +171,7 @@ class Methods:
         wrong = [row for row, verdict in enumerate(verdicts) if verdict.is_contradicted]
         if wrong:
             ends = [proofs[row].ends_of_parts for row in wrong]
-            again = self.search(1 if all(ends) else 8, with_conditions, sum(ends, []))
+            again = self.search(1, with_conditions, sum(ends, []))
             for row in wrong:
                 verdict = proofs[row].verdict(again[row])
                 if not verdict.is_contradicted:
@@ -172,24 +179,9 @@ class Methods:
         return found, [verdict.text for verdict in verdicts]
 
     def prove(self, found: list[list[PathExtremum]], check: Callable[[float], None],
-              seconds: float) -> list[Count | Enclosures]:
-        """
-        Return a proof of each quantity, whose ``verdict`` compares extrema with it.
+              seconds: float) -> list[Proof]:
+        """Return a proof of each quantity, see :func:`fourbar_ros.extrema.proof.prove`."""
+        from fourbar_ros.extrema.proof import prove
 
-        ``found``: the extrema of each quantity. ``check``: called with the share of the work that
-        is done; an exception from it ends the work. ``seconds``: of a processor, for each
-        quantity; parts still open then are not proved.
-        """
-        from fourbar_ros.extrema import proof
-
-        proofs: dict[int, Count | Enclosures] = {}
-        if self._exact:
-            counts = proof.exact_counts(self._linkage.lengths)
-            proofs = {row: counts[RATES.index(self._quantities[row].name)] for row in self._exact}
-        # in pieces twice as wide as those of the search: where that is too wide they are cut
-        for done, (sampler, rows) in enumerate(self._groups):
-            left = {row: i for i, row in enumerate(rows) if row not in proofs}
-            proofs.update(zip(left, proof.by_intervals(
-                sampler, [*left.values()], self.paths(0.5), [found[row] for row in left],
-                proof.share_of(check, done, len(self._groups)), seconds)))
-        return [proofs[row] for row in range(len(found))]
+        return prove(self._linkage, self._quantities, self._rates, self.paths(), found, check,
+                     seconds)

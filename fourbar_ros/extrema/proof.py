@@ -1,29 +1,53 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Proof on demand that a set of extrema is complete, and the reason where there is no proof."""
+"""
+Proof on demand that a set of extrema is complete, and the reason where there is no proof.
+
+The trace of the formulas is evaluated in Taylor series of balls (Arb, by the optional package
+python-flint) over pieces of the input. About the middle m of a piece, with t = x - m,
+
+    (T1)  f'(m + t) in c_1 + 2 c_2 t + ... + n c_n t^(n-1) + (n + 1) C t^n
+
+where C holds f^(n+1)/(n+1)! on the whole piece (Lagrange). Where f' cannot vanish there is no
+extremum. Where f'' cannot vanish there is one if f' changes sign from end to end, else none. Other
+pieces are cut. Of a root, as the magnitude of a force, the square is enclosed, which is smooth
+where the root has a kink.
+"""
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from math import inf, nan, pi
-from typing import NamedTuple
+from time import thread_time
+from typing import Any, NamedTuple, TYPE_CHECKING
 
-from fourbar_ros.extrema.four_bar_rates import exact_count
 from fourbar_ros.extrema.input_paths import InputPath
-from fourbar_ros.extrema.interval_proof import find_parts, Part, Parts, WIDEST
 from fourbar_ros.extrema.path_search import PathExtremum
-from fourbar_ros.extrema.sampling import Sampler
-from fourbar_ros.mechanisms.quantities import is_published
-import numpy as np
-from numpy.polynomial.polynomial import polyval
+from fourbar_ros.mechanisms.evaluation import formula_of
+from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.parts import NoLoads
+from fourbar_ros.mechanisms.quantities import Asked, is_position, is_published
+from fourbar_ros.numerics.number_types import Function, numbers_of, NumberType
+from fourbar_ros.numerics.tables import arb_settings, run, taylor_pairs
+from fourbar_ros.numerics.trace import flat, Number, Trace
 
-EXACT_COUNT, INTERVALS, NOT_PROVED = 'exact count', 'interval bounds', 'not proved'
+if TYPE_CHECKING:      # an optional package
+    from flint import arb
+
+INTERVALS, NOT_PROVED = 'interval bounds', 'not proved'
+MISSING = 'needs python-flint (pip install python-flint)'
+ORDER, BITS = 8, 96
+# How many intervals between samples make a piece at first, and where pieces are cut: at an odd
+# place, as extrema like the middle.
+STRIDE, CUT = 4, 0.47
+NARROWEST = 2.0**-44            # of a piece, over its input or 1
 # Nearer than this to a flat position, in the input's unit, enclosures of 0/0 take too many pieces.
 LEFT_OUT = 2.0**-13
 # Nearer than this to a limit, over the range: the rounding of the distance hides the derivatives.
 LEFT_OUT_AT_LIMIT = 2.0**-30
-# How well a proof confirms places [in the input's unit], if rounding allows it, and values: over
+# How well a proof confirms places at best and at least [in the input's unit], and values: over
 # themselves, and over the largest value (of a root: of the squares).
-PLACE, VALUE, OF_LARGEST = 2.0**-32, 2.0**-32, 2.0**-40
+PLACE, WIDEST, VALUE, OF_LARGEST = 2.0**-32, 2.0**-20, 2.0**-32, 2.0**-40
 
 
 class Verdict(NamedTuple):
@@ -33,162 +57,142 @@ class Verdict(NamedTuple):
     text: str
 
 
-class Count(NamedTuple):
-    """The number of extrema inside the input range, if it is known; how, or why not."""
+class Part(NamedTuple):
+    """A piece of the input, in the mechanism's unit, with exactly one extremum of a quantity."""
 
-    exist: int | None
-    text: str
-
-    @property
-    def ends_of_parts(self) -> list[float]:
-        """Return nothing: where extrema are, a number does not say."""
-        return []
-
-    def verdict(self, found: Sequence[PathExtremum]) -> Verdict:
-        """Return whether as many extrema were found inside the range as exist."""
-        number = sum(is_interior(part) for part in found)
-        if self.exist in (None, number):
-            return Verdict(False, self.text)
-        return Verdict(True, f'{NOT_PROVED}: {number} found, {self.exist} exist')
+    low: float
+    high: float
+    sense: int           # +1 maximum, -1 minimum
 
 
-def is_interior(part: PathExtremum) -> bool:
-    """Return whether this is an extremum inside the input range."""
-    return part.side == 0 and part.sense != 0
-
-
-def exact_counts(lengths: Sequence[float]) -> list[Count]:
-    """Return the proofs of a four-bar's omega4 and, at constant input rate, its alpha4."""
-    return [Count(count, EXACT_COUNT if count is not None else
-                  f'{NOT_PROVED}: constant in a range, or a root of its derivative is not simple')
-            for count in exact_count.count_extrema(lengths)]
-
-
-class Enclosures:
+class Proof(NamedTuple):
     """
-    All extrema of a quantity, each enclosed in a part of a path.
+    All extrema of a quantity inside the paths, or why they are not known.
 
     Next to the ends of a range nothing is enclosed: extrema found there are taken as they are.
-    ``enclosed``: results of :func:`find_parts` for each path. ``is_angle``: values may differ by
-    whole turns.
     """
 
-    def __init__(self, sampler: Sampler, paths: Sequence[InputPath], enclosed: Sequence[Parts],
-                 is_angle: bool) -> None:
-        """Join the parts of all paths; ends are (side, input, width left out), in its unit."""
-        self._linkage, self._unit, self._is_angle = sampler.linkage, sampler.unit, is_angle
-        self._why_not = next((of_path.why_not for of_path in enclosed if of_path.why_not), '')
-        self._parts = [part for of_path in enclosed for part in of_path.parts]
-        self._largest = max(of_path.largest for of_path in enclosed)
-        self._ends = [(side, self._unit * end.x,
-                       self._unit * abs(end.x - path.x[path.inward(side)[0]]))
-                      for path in paths for side, end in path.ends()]
+    linkage: Mechanism
+    parts: list[Part]
+    enclose: Callable[[float, float], list[arb] | None] | None      # the quantity, for (T1)
+    is_square: bool                          # the square is enclosed, of a root
+    is_angle: bool                           # values may differ by whole turns
+    ends: list[tuple[int, float, float]]     # (side, input, width left out), in its unit
+    why_not: str = ''
 
     @property
     def ends_of_parts(self) -> list[float]:
         """Return inputs between whose pairs there is one extremum each."""
-        return [end for part in self._parts for end in (part.low, part.high)]
+        return [end for part in self.parts for end in (part.low, part.high)]
 
     def verdict(self, found: Sequence[PathExtremum]) -> Verdict:
         """
         Return whether these are the extrema: as many, of the same kinds, places and values.
 
-        Each one found is matched with an enclosure; the text says how well places are confirmed,
-        or which one is not.
+        Each one found is matched with a part; the text says how well places are confirmed, or
+        which one is not.
         """
-        if self._why_not:
-            return Verdict(False, f'{NOT_PROVED}: {self._why_not}')
-        inside = [one for one in found if is_interior(one) and not self._is_left_out(one)]
-        left_out, left = sum(map(is_interior, found)) - len(inside), list(self._parts)
+        if self.why_not:
+            return Verdict(False, f'{NOT_PROVED}: {self.why_not}')
+        interior = [one for one in found if one.side == 0 and one.sense]
+        inside, left = [one for one in interior if not self._is_left_out(one)], list(self.parts)
         if len(inside) != len(left):
-            return Verdict(True, f'{NOT_PROVED}: {len(inside) + left_out} found, '
-                                 f'{len(left) + left_out} exist')
-        coordinate, width = self._linkage.input_coordinate, PLACE
-        turns = (0,) if self._linkage.is_driven_by_slide else (-1, 0, 1)    # paths may go beyond
+            exist = len(left) + len(interior) - len(inside)
+            return Verdict(True, f'{NOT_PROVED}: {len(interior)} found, {exist} exist')
+        coordinate, unit, width = self.linkage.input_coordinate, self.linkage.input_unit, PLACE
+        turns = (0,) if self.linkage.is_driven_by_slide else (-1, 0, 1)     # paths may go beyond
+        largest = max([abs(one.value) for one in inside], default=0.0)
         for one in inside:
-            inputs = [one.place + 2.0 * pi * turn for turn in turns]
-            part, x = next(((part, x) for part in left for x in inputs
-                            if part.sense == one.sense and
-                            part.low - PLACE <= x <= part.high + PLACE), (None, nan))
-            around = _width(part, x) if part else inf
-            if part is None or around == inf or not self._has_value(part, x, one):
+            part = next((part for part in left for turn in turns
+                         if part.sense == one.sense and part.low - PLACE <= one.place
+                         + 2.0 * pi * turn <= part.high + PLACE), None)
+            around = self._width(one, largest) if part else inf
+            if part is None or around == inf:
                 kind = 'minimum' if one.sense < 0 else 'maximum'
                 return Verdict(True, f'{NOT_PROVED}: no {kind} of {one.value:.12g} confirmed at '
-                                     f'{coordinate.position} = {self._unit * one.place:.12g}')
+                                     f'{coordinate.position} = {unit * one.place:.12g}')
             left.remove(part)
             width = max(width, around)
         text = INTERVALS
         if width > PLACE:
-            text += f', places to {self._unit * width:.0e} {coordinate.unit}'
-        if self._ends:
-            text += (f', except {max(width for *_, width in self._ends):.0e} {coordinate.unit} '
+            text += f', places to {unit * width:.0e} {coordinate.unit}'
+        if self.ends:
+            text += (f', except {max(width for *_, width in self.ends):.0e} {coordinate.unit} '
                      'at the ends')
         return Verdict(False, text)
 
     def _is_left_out(self, one: PathExtremum) -> bool:
         """Return whether an extremum is so near to an end that nothing is enclosed there."""
-        return any(0.0 < side * self._linkage.distance(self._unit * one.place, at) < width
-                   for side, at, width in self._ends)
+        place = self.linkage.input_unit * one.place
+        return any(0.0 < side * self.linkage.distance(place, at) < width
+                   for side, at, width in self.ends)
 
-    def _has_value(self, part: Part, x: float, one: PathExtremum) -> bool:
+    def _width(self, one: PathExtremum, largest: float) -> float:
+        """
+        Return how near to its place an extremum is, inf if it may be far or has another value.
+
+        The interval about it is doubled until the derivative is not zero at both ends: if it
+        changes its sign as the kind of extremum says, the extremum lies in it.
+        """
+        width = PLACE
+        while width < WIDEST and self.enclose:
+            c = self.enclose(one.place - width, one.place + width)
+            before, after = [one.sense * polynomial(slopes(c), t) if c else nan
+                             for t in (-width, width)]
+            if c and before > 0 > after:
+                return width if self._has_value(float(c[0].mid()), one, largest) else inf
+            if before < 0 or after > 0:
+                return inf
+            width *= 2.0
+        return inf
+
+    def _has_value(self, value: float, one: PathExtremum, largest: float) -> bool:
         """Return whether the enclosed quantity has, at x, the value that was found."""
-        value, size = _value_and_slope(part, x)[0], abs(one.value)
-        bound = VALUE * size + one.noise
-        if part.is_square:
-            return (one.value >= 0.0 and abs(value - size * size)
-                    <= bound * (2.0 * size + bound) + OF_LARGEST * self._largest)
+        size, bound = abs(one.value), VALUE * abs(one.value) + one.noise + OF_LARGEST * largest
+        if self.is_square:
+            return one.value >= 0.0 and abs(value - size * size) <= bound * (2.0 * size + bound)
         off = value - one.value
-        off -= 2.0 * pi * round(off / (2.0 * pi)) * self._is_angle
-        return abs(off) <= bound + OF_LARGEST * self._largest
+        return abs(off - 2.0 * pi * round(off / (2.0 * pi)) * self.is_angle) <= bound
 
 
-def _width(part: Part, x: float) -> float:
+def slopes(c: list[arb]) -> list[arb]:
+    """Return the coefficients of the derivative."""
+    return [k * c[k] for k in range(1, len(c))]
+
+
+def polynomial(c: list[arb], t: arb | float) -> arb:
+    """Return the value of a polynomial, by Horner's rule."""
+    value = c[-1]
+    for one in c[-2::-1]:
+        value = value * t + one
+    return value
+
+
+def prove(linkage: Mechanism, quantities: Sequence[Asked], rates: tuple[float, float],
+          paths: Sequence[InputPath], found: Sequence[Sequence[PathExtremum]],
+          check: Callable[[float], None], seconds: float) -> list[Proof]:
     """
-    Return how near to x the extremum in a part is, inf if it may be far.
+    Return a proof of each quantity, whose ``verdict`` compares extrema with it.
 
-    The interval about x is doubled until the derivative at both ends is larger than its error: if
-    it changes sign as the kind of extremum says, the extremum lies in it.
+    ``found``: the extrema of each; one constant in a range is not proved. ``check``: called before
+    each piece with the share of the paths that is decided; an exception from it ends the proof.
+    ``seconds``: of a processor, for each quantity; those still open then are not proved.
     """
-    width = PLACE
-    while width < WIDEST:
-        before, after = (_value_and_slope(part, min(max(at, part.low), part.high))[1] * part.sense
-                         for at in (x - width, x + width))
-        if min(abs(before), abs(after)) > part.slope_error:
-            return width if before > 0.0 > after else inf
-        width *= 2.0
-    return inf
-
-
-def _value_and_slope(part: Part, x: float) -> tuple[float, float]:
-    """Return the enclosed quantity (of a root its square) at x, and its derivative by t."""
-    t, c = (x - part.middle) / part.radius, part.c
-    return float(polyval(t, c)), float(polyval(t, c[1:] * np.arange(1, len(c))))
-
-
-def share_of(check: Callable[[float], None], done: int, parts: int) -> Callable[[float], None]:
-    """Return the function that takes the share of one part of the work, others done before it."""
-    return lambda share: check((done + share) / parts)
-
-
-def by_intervals(sampler: Sampler, rows: Sequence[int], paths: Sequence[InputPath],
-                 found: Sequence[Sequence[PathExtremum]], check: Callable[[float], None],
-                 seconds: float) -> list[Count | Enclosures]:
-    """
-    Return the proofs of the quantities ``rows`` of a sampler by enclosures over all paths.
-
-    ``found``: the extrema of each quantity; one constant in a range is not proved. ``check`` and
-    ``seconds`` as for :func:`.interval_proof.find_parts`.
-    """
-    varying = {i: row for i, row in enumerate(rows) if all(part.sense for part in found[i])}
-    paths = [_away_from_ends(path) for path in paths]
-    enclosed = [find_parts(sampler, [*varying.values()], path, share_of(check, done, len(paths)),
-                           seconds / len(paths)) for done, path in enumerate(paths)]
-    proofs: list[Count | Enclosures] = [
-        Count(None, f'{NOT_PROVED}: constant in a range') for _ in found]
-    for (i, row), *parts in zip(varying.items(), *enclosed):
-        proofs[i] = Enclosures(sampler, paths, parts, bool(sampler.is_angle[row])
-                               or not is_published(sampler.quantities[row]))
-    return proofs
+    paths, unit = [_away_from_ends(path) for path in paths], linkage.input_unit
+    ends = [(side, unit * end.x, unit * abs(end.x - path.x[path.inward(side)[0]]))
+            for path in paths for side, end in path.ends()]
+    why_not = {i: 'constant in a range' for i, parts in enumerate(found)
+               if not all(part.sense for part in parts)}
+    try:
+        enclose = Enclosing(linkage, quantities, rates)
+    except ImportError:
+        return [Proof(linkage, [], None, False, False, ends, MISSING) for _ in quantities]
+    why_not |= enclose.why_not
+    parts = _search(enclose, [piece for path in paths for piece in _pieces(path)], why_not, check,
+                    seconds)
+    return [Proof(linkage, parts[i], partial(enclose.one, i), i in enclose.squares,
+                  is_position(quantity) or not is_published(quantity), ends, why_not.get(i, ''))
+            for i, quantity in enumerate(quantities)]
 
 
 def _away_from_ends(path: InputPath) -> InputPath:
@@ -196,7 +200,186 @@ def _away_from_ends(path: InputPath) -> InputPath:
     if path.is_closed:
         return path
     ends = [end for _, end in path.ends()]
-    limit = LEFT_OUT_AT_LIMIT * (ends[-1].x - ends[0].x)
+    low, high = ends[0].x, ends[1].x
+    limit = LEFT_OUT_AT_LIMIT * (high - low + 2.0 * pi * (high < low))
     return path._replace(x=path.x[[
         all(abs(x - end.x) > (LEFT_OUT if end.is_flat else limit) for end in ends)
         for x in path.x.tolist()]])
+
+
+def _pieces(path: InputPath) -> list[tuple[float, float]]:
+    """Return the pieces (low, high) between every fourth sample of a path."""
+    x = (path.x + 2.0 * pi * (path.x < path.x[0])).tolist()
+    x += [x[0] + 2.0 * pi] if path.is_closed else []
+    edges = x[:-1:STRIDE] + x[-1:]
+    return list(zip(edges, edges[1:]))
+
+
+def _search(enclose: Enclosing, pieces: Sequence[tuple[float, float]], why_not: dict[int, str],
+            check: Callable[[float], None], seconds: float) -> list[list[Part]]:
+    """
+    Return the extrema of each quantity on some pieces: enclose and cut until all are decided.
+
+    ``why_not``: quantities that are given up; others are added, with the reason.
+    """
+    rows = [i for i in range(len(enclose.quantities)) if i not in why_not]
+    parts: list[list[Part]] = [[] for _ in enclose.quantities]
+    left, share, begin = [(*piece, rows) for piece in pieces], 0.0, thread_time()
+    total = sum(high - low for low, high in pieces)
+    while left:
+        share = max(share, 1.0 - sum(high - low for low, high, _ in left) / total)
+        check(share)
+        low, high, rows = left.pop()
+        place = f'at {enclose.name} = {enclose.unit * low:.6g}'
+        if thread_time() - begin > seconds * len(parts):
+            why_not.update({i: f'not decided in {seconds:g} s, {place}' for i in rows
+                            if i not in why_not})
+        middle, of_rows = enclose(low, high, [i for i in rows if i not in why_not])
+        is_open = []
+        for i, c in of_rows.items():
+            sense = _sense(c, low - middle, high - middle) if c else None
+            if sense is None:
+                is_open.append(i)
+            elif sense:
+                parts[i].append(Part(low, high, sense))
+        if high - low < NARROWEST * max(abs(low), 1.0):
+            why_not.update(dict.fromkeys(is_open, 'a kink, or nearly two extrema at one place, '
+                                                  + place))
+        elif is_open:
+            cut = low + CUT * (high - low)
+            left += [(cut, high, is_open), (low, cut, is_open)]
+    check(1.0)
+    return parts
+
+
+def _sense(c: list[arb], left: arb, right: arb) -> int | None:
+    """
+    Return the sense of the only extremum of a quantity between two t, 0 of none, else None.
+
+    ``c``: its series, (T1).
+    """
+    slope, radius = slopes(c), abs(left).max(abs(right))
+    bend = slopes(slope)
+    if abs(slope[0]) > polynomial([abs(one) for one in slope[1:]], radius) * radius:
+        return 0
+    if not abs(bend[0]) > polynomial([abs(one) for one in bend[1:]], radius) * radius:
+        return None
+    before, after = polynomial(slope, left), polynomial(slope, right)
+    if before.contains(0) or after.contains(0) or not (before.is_finite() and after.is_finite()):
+        return None
+    return 0 if (before > 0) == (after > 0) else 1 if before > 0 else -1
+
+
+class Enclosing:
+    """
+    Encloses some quantities of a mechanism over pieces of the input, given in its unit.
+
+    ``why_not``: {number of a quantity: why it cannot be}. ``squares``: numbers of roots, such as
+    magnitudes of forces: their squares are enclosed. ImportError without python-flint.
+    """
+
+    def __init__(self, linkage: Mechanism, quantities: Sequence[Asked],
+                 rates: tuple[float, float]) -> None:
+        """Record the formulas of the quantities, and compute what does not depend on the input."""
+        from flint import arb
+
+        self.quantities, self.unit = quantities, linkage.input_unit
+        self.name, self.why_not = linkage.input_coordinate.position, dict[int, str]()
+        self._linkage, self._table = linkage, taylor_pairs()
+        with_loads = linkage.bodies is not None and any(
+            quantity.is_load or not is_published(quantity) for quantity in quantities)
+        self._formula, data = formula_of(linkage, with_loads)
+        self._trace = trace = Trace(self._make, 3, data)
+        steps = [trace.steps[place] for place in flat(trace.results)]
+        self.squares = {i for i, step in enumerate(steps) if step.operation in ('hypot', 'sqrt')}
+        self._is_hypot = [step.operation == 'hypot' for step in steps]
+        self._results = [step.arguments if i in self.squares else (place,)
+                         for i, (step, place) in enumerate(zip(steps, flat(trace.results)))]
+        given = [None, *rates, *numbers_of(data)]
+        self._values: list[Any] = [None] * len(trace.steps)
+        for place, step in enumerate(trace.steps):
+            value = given[place] if place < len(given) else step.value
+            if step.is_given and value is not None:
+                self._values[place] = arb(value), arb(value)
+        self._orders: dict[tuple[int, ...], list[int]] = {}
+        self._leasts = {place for place, step in enumerate(trace.steps)
+                        if step.operation == 'lt'
+                        and all(trace.steps[i].operation == 'fabs' for i in step.arguments)}
+        self._varies = {0}
+        for place, step in enumerate(trace.steps):
+            if not self._varies.isdisjoint(step.arguments):
+                self._varies.add(place)
+        with arb_settings(BITS, ORDER + 2):
+            run(trace, [place for place in self._needed(tuple(range(len(quantities))))
+                        if place not in self._varies], self._table, self._values)
+
+    def _make(self, numbers: NumberType, data: Any) -> Function:
+        """Return the formula of all quantities: (position, rate, acceleration) -> values."""
+        step = self._formula.make(numbers, data)
+
+        def values(*inputs: Any) -> list[Any]:
+            """Return the quantities; 0 of a function that does other things than arithmetic."""
+            motion, loads = step(*inputs) if self._formula.with_loads else (step(*inputs), None)
+            state = (self._linkage.MOTION(*motion),
+                     self._linkage.LOADS(*loads) if loads else NoLoads())
+            found: list[Any] = []
+            for i, quantity in enumerate(self.quantities):
+                try:
+                    found.append(_recorded(quantity.of(*state)))
+                except (TypeError, AttributeError) as error:
+                    self.why_not[i] = f'the function does not work on enclosures ({error})'
+                    found.append(0.0)
+            return found
+        return values
+
+    def _needed(self, rows: tuple[int, ...]) -> list[int]:
+        """Return the places of the operations that some quantities need, in order."""
+        if rows not in self._orders:
+            self._orders[rows] = [
+                place for place in self._trace.needed([
+                    place for i in rows for place in self._results[i]])
+                if not self._trace.steps[place].is_given]
+        return self._orders[rows]
+
+    def __call__(self, low: float, high: float, rows: Sequence[int], order: int = ORDER
+                 ) -> tuple[arb, dict[int, list[arb] | None]]:
+        """Return the middle of a piece, and of quantities the coefficients of (T1), if known."""
+        from flint import arb, arb_series
+
+        middle, values = arb(0.5 * (low + high)), list(self._values)
+        with arb_settings(BITS, order + 2):
+            values[0] = tuple([arb_series([self.unit * x, self.unit], terms) for x, terms in (
+                (middle, order + 1), (arb(low).union(arb(high)), order + 2))])
+            try:
+                run(self._trace, [place for place in self._needed(tuple(rows))
+                                  if place in self._varies], self._table, values)
+                return middle, {i: self._coefficients(i, values, order) for i in rows}
+            except (ValueError, ZeroDivisionError):     # a divisor may vanish
+                return middle, dict.fromkeys(rows)
+
+    def one(self, i: int, low: float, high: float) -> list[arb] | None:
+        """Return the coefficients of (T1) of a quantity on a short piece, n = 1."""
+        return self(low, high, [i], 1)[1][i]
+
+    def _coefficients(self, i: int, values: Sequence[Any], order: int) -> list[arb] | None:
+        """
+        Return c_0 to c_n and C of (T1) of a quantity, from the values of the trace.
+
+        None where one of several |sines| may become the least: there an angle has a kink.
+        """
+        if not all(values[place][1] for place in self._needed((i,)) if place in self._leasts):
+            return None
+        from flint import arb_series
+
+        zero = arb_series([0], order + 2)       # the sum is a series, also of constants
+        about, over = [sum(part, zero) for part in zip(*[
+            self._table['mul'](values[place], values[place]) if self._is_hypot[i]
+            else values[place] for place in self._results[i]])]
+        return [*[about[k] for k in range(order + 1)], over[order + 1]]
+
+
+def _recorded(value: Any) -> Any:
+    """Return what a function of a user gave, if it is one number."""
+    if not isinstance(value, (Number, float, int)):
+        raise TypeError(f'it returns {type(value).__name__}')
+    return value

@@ -18,7 +18,6 @@ compares real parts, ``x.real > 0.0``, which floats, arrays and complex numbers 
 ``RECORDED``               writes down what is done: :mod:`fourbar_ros.numerics.trace`
 ``LAURENT``                series at change points: :mod:`fourbar_ros.numerics.laurent`
 ``MANY_DIGITS``            where floats leave it open: the same, series of one term
-``TAYLOR_MODELS``          functions with bounds: :mod:`fourbar_ros.numerics.taylor_models`
 =========================  ==================================================================
 """
 from __future__ import annotations

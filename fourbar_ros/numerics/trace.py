@@ -109,6 +109,10 @@ for _name in ('add', 'sub', 'mul', 'truediv', 'neg', 'pow', 'gt', 'lt'):
     setattr(Number, f'__{_name}__', _method(_name, False))
     if _name in ('add', 'sub', 'mul', 'truediv'):
         setattr(Number, f'__r{_name}__', _method(_name, True))
+# what np.sqrt(number) and the like ask for, in functions of users
+for _name, _of_numpy in (('sin', 'sin'), ('cos', 'cos'), ('sqrt', 'sqrt'), ('hypot', 'hypot'),
+                         ('atan2', 'arctan2')):
+    setattr(Number, _of_numpy, _method(_name, False))
 
 
 def _function(name: str) -> Function:

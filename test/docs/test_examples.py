@@ -27,7 +27,7 @@ SAID = {
     'bag_to_dataframe': r'shaking_force',
     'batch': r'largest rate of 1000000 samples 13\.51343',
     'live_page': r'http://127\.0\.0\.1:\d+.*\nended with',
-    'proof': r'exact count\n(.*\n)+period 1\.64314493083',
+    'proof': r'interval bounds\n(.*\n)+period 1\.64314493083',
 }
 PANDAS = """
 class DataFrame:
