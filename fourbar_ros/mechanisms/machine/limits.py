@@ -46,7 +46,7 @@ from fourbar_ros.mechanisms.machine.solve.dyads import (
     make_rrr,
     ORIGIN,
 )
-from fourbar_ros.mechanisms.machine.solve.frames import Frames
+from fourbar_ros.mechanisms.machine.solve.frames import hangings, Poses
 from fourbar_ros.mechanisms.machine.solve.motion import EXACT
 from fourbar_ros.mechanisms.machine.solve.pairs import make_moves
 from fourbar_ros.mechanisms.mechanism import Mechanism
@@ -311,17 +311,17 @@ class SeenFromLink:
     def make_coefficients(self, numbers: NumberType) -> Coefficients:
         """Return p -> coefficients of all links, as those of a mechanism."""
         inverse, number = self._make_inverse(numbers), self._number
-        frames = Frames(self._layout, self._numbers)
+        hanging = hangings(self._layout, self._numbers)
         work = make_moves(numbers, self._layout, self._numbers, self._signs)
 
         def coefficients(position: Scalar) -> list[Curve]:
             """Return the curves of all links: first crank and dyad, then the other dyads."""
             crank, one, two = inverse(position)
-            poses, curves = frames.begin(Driven(crank, EXACT)), [crank]
+            poses, curves = Poses(hanging, Driven(crank, EXACT)), [crank]
             for i, moves in enumerate(work):
                 moved = (DyadMotion(one, two, (), 1.0, 0.0, {}) if i == number
-                         else moves(*frames.hang(i, poses)))
-                curves += frames.add(i, poses, moved)
+                         else moves(*poses.hang(i)))
+                curves += poses.add(i, moved)
             return curves
         return coefficients
 

@@ -39,7 +39,7 @@ from fourbar_ros.mechanisms.machine.describe.description import (
 )
 from fourbar_ros.mechanisms.machine.describe.layout import Layout, Stage
 from fourbar_ros.mechanisms.machine.solve.dyads import Direction, Driven
-from fourbar_ros.mechanisms.machine.solve.frames import Frames, seen_from
+from fourbar_ros.mechanisms.machine.solve.frames import hangings, Poses, seen_from
 from fourbar_ros.mechanisms.machine.solve.pairs import make_moves, turned_by
 from fourbar_ros.mechanisms.points import Curve, FIXED
 from fourbar_ros.mechanisms.slide_dyad import make_triangle
@@ -157,26 +157,26 @@ def make_walk(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
     transmission angle; errors of all links; of each pin between moving links the direction of the
     second seen from the first.
     """
-    driver, frames = make_driver(n, layout, numbers, signs), Frames(layout, numbers)
+    driver, hanging = make_driver(n, layout, numbers, signs), hangings(layout, numbers)
     work = [(stage, moves, make_errors(n, stage, given)) for stage, given, moves in zip(
         layout.stages, numbers, make_moves(n, layout, numbers, signs))]
     pins = [(i, j) for _, i, j in layout.pins()]
 
     def walk(position: Scalar) -> Walked:
-        """Solve the driven link, then each dyad in its frame from the links it hangs on."""
+        """Solve the driven link, then each dyad from the links it hangs on."""
         driven = driver(position)
         curves, slides, transmissions = [FIXED, driven.curve], [], []
         errors: list[Errors] = [EXACT, driven.errors]
-        poses = frames.begin(driven)
+        poses = Poses(hanging, driven)
         for number, (stage, moves, errors_of) in enumerate(work):
-            moved = moves(*frames.hang(number, poses))
-            curves += frames.add(number, poses, moved)
+            moved = moves(*poses.hang(number))
+            curves += poses.add(number, moved)
             slides.append(moved.slides)
             transmissions.append((moved.sine, moved.cosine))
             errors += errors_of(errors[stage.first], errors[stage.second], moved.slides,
                                 moved.sine, moved.cosine)
         return (curves, slides, transmissions, errors,
-                [frames.relation(j, i, poses) for i, j in pins])
+                [poses.relation(j, i) for i, j in pins])
     return walk
 
 
