@@ -81,7 +81,7 @@ ROOMS = {
         Bug('path_search.py', '2.0 * size[:, 1]) & (size[:, 1] >',
             '2.0 * size[:, 1]) | (size[:, 1] >', 'test/extrema/test_beside_zero.py'),
         Bug('path_search.py', 'goes_on = np.abs(one_sided - bounded) <= 1e-6',
-            'goes_on = np.abs(one_sided - bounded) >= 0.0', 'test/extrema/test_find.py'),
+            'goes_on = np.abs(one_sided - bounded) >= 0.0', 'test/extrema/test_beside_zero.py'),
     ]),
     'dynamics': ('test/dynamics test/export', '', [
         Bug('fourbar_ros/dynamics/model/equation.py',

@@ -21,6 +21,14 @@ def test_a_bounded_quantity_that_is_zero_beside_a_toggle_is_bounded_at_it():
         assert all(math.isfinite(one.value) for one in find_extrema(linkage, [crossing]))
 
 
+def test_a_quantity_with_a_kink_at_a_toggle_is_not_continued_beyond_it():
+    """|sin mu| goes on as a sine with its sign, which a polynomial through both sides is not."""
+    kink = Function('kink', '1', 'kink at the toggle',
+                    lambda motion, _: np.abs(np.sin(motion.transmission_angle)))
+    limits = [one.value for one in find_extrema(FourBar(0.8, 1.2, 0.4, 1.0), [kink]) if one.side]
+    assert len(limits) == 4 and np.abs(limits).max() < 1e-10
+
+
 def test_values_count_as_equal_within_their_rounding_errors():
     assert _bounds(PathExtremum(0, 0.3, 1.0, 1, noise=1e-6)) == (1.0 - 1e-6, 1.0 + 1e-6)
     low, high = _bounds(PathExtremum(0, 0.3, 1.0, 1, value_condition=10.0))
