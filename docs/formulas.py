@@ -17,8 +17,9 @@ import tokenize
 from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parent.parent
-PACKAGE = ROOT / 'fourbar_ros'
-LEFT_OUT = ('reproduction',)        # which compares with the documents, and computes none of them
+PACKAGES = ROOT / 'fourbar_ros', ROOT / 'fourbar_lab'
+# which compare with the documents, and compute none of their equations
+LEFT_OUT = 'documents', 'figures', 'published', 'statements', 'verdicts'
 # with the lines that go on below it, further in
 NUMBERED = re.compile(r'^( +)\(([A-Z]\d+[a-z]?)\) +(\S.*(?:\n\1  +\S.*)*)$', re.M)
 TAG = re.compile(r'\(([A-Z]\d+[a-z]?)\)')
@@ -112,8 +113,8 @@ def in_one_line(text):
 @cache
 def modules():
     """Return the Modules of the package, but those that compute nothing."""
-    return [read(path) for path in sorted(PACKAGE.rglob('*.py'))
-            if path.relative_to(PACKAGE).parts[0] not in LEFT_OUT]
+    return [read(path) for package in PACKAGES for path in sorted(package.rglob('*.py'))
+            if path.stem not in LEFT_OUT]
 
 
 def places(found):

@@ -42,7 +42,6 @@ if TYPE_CHECKING:
     )
     from fourbar_ros.mechanisms.contract import CROSSED, OPEN
     from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
-    from fourbar_ros.mechanisms.four_bar.io_equations import io_equation
     from fourbar_ros.mechanisms.four_bar.loads import Loads
     from fourbar_ros.mechanisms.four_bar.motion import Motion
     from fourbar_ros.mechanisms.four_bar.moving_joint import MovingJointFourBar
@@ -59,7 +58,7 @@ __all__ = [
     'CROSSED', 'OPEN', 'Applied', 'Bodies', 'Body', 'External', 'FourBar', 'FourBarError',
     'InvalidParameter', 'InvertedSlider', 'Loads', 'Mechanism', 'MissingBodies', 'Motion',
     'MovingJointFourBar', 'OutOfRange', 'ScotchYoke', 'SliderCrank', 'Toggle', 'find_extrema',
-    'find_extrema_many', 'flat_bar', 'io_equation', 'load_scene', 'point_motion', 'round_rod',
+    'find_extrema_many', 'flat_bar', 'load_scene', 'point_motion', 'round_rod',
 ]
 
 __getattr__, __dir__ = lazily(__name__, {
@@ -69,7 +68,6 @@ __getattr__, __dir__ = lazily(__name__, {
     'fourbar_ros.mechanics.bodies': 'Applied, Bodies, Body, External, flat_bar, round_rod',
     'fourbar_ros.mechanisms.contract': 'CROSSED, OPEN',
     'fourbar_ros.mechanisms.four_bar.four_bar': 'FourBar',
-    'fourbar_ros.mechanisms.four_bar.io_equations': 'io_equation',
     'fourbar_ros.mechanisms.four_bar.loads': 'Loads',
     'fourbar_ros.mechanisms.four_bar.motion': 'Motion',
     'fourbar_ros.mechanisms.four_bar.moving_joint': 'MovingJointFourBar',

@@ -81,8 +81,8 @@ def test_only_modules_in_ros_name_ros_packages():
 
 PUBLIC = ('fourbar_ros', 'fourbar_ros.bag', 'fourbar_ros.description', 'fourbar_ros.dynamics',
           'fourbar_ros.extrema', 'fourbar_ros.machine', 'fourbar_ros.scene',
-          'fourbar_ros.transmission', 'fourbar_lab.balancing', 'fourbar_lab.reproduction',
-          'fourbar_lab.studies')
+          'fourbar_ros.transmission', 'fourbar_lab.balancing', 'fourbar_lab.drawing',
+          'fourbar_lab.reproduction', 'fourbar_lab.studies')
 
 IMPORT = r'^(?:>>> |\.\.\. )?from (fourbar_(?:ros|lab)[\w.]*) import (\([^)]*\)|.*)'
 

@@ -22,12 +22,12 @@ from dataclasses import replace
 from functools import cached_property
 from math import isfinite
 
+from fourbar_lab.quadrature import between, full_turn
 from fourbar_ros.errors import FourBarError, InvalidParameter, nearest
 from fourbar_ros.mechanics.bodies import Body, NOT_APPLIED
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.number_types import power_of_two
-from fourbar_ros.numerics.quadrature import between, full_turn
 import numpy as np
 
 NUMBERS = 4                 # of a link, (B1)

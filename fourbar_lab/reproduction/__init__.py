@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-The two source documents: printed values beside computed ones.
+The two source documents: printed values beside computed ones, and their equations.
 
 >>> from fourbar_lab.reproduction import reproduce
 >>> row = reproduce()[0].rows[1]
@@ -16,11 +16,13 @@ from fourbar_ros.optional import lazily
 
 if TYPE_CHECKING:
     from fourbar_lab.reproduction.documents import reproduce, Row, Section, summary
+    from fourbar_lab.reproduction.io_equations import io_equation
 
 __all__ = [
-    'Row', 'Section', 'reproduce', 'summary',
+    'Row', 'Section', 'io_equation', 'reproduce', 'summary',
 ]
 
 __getattr__, __dir__ = lazily(__name__, {
     'fourbar_lab.reproduction.documents': 'reproduce, Row, Section, summary',
+    'fourbar_lab.reproduction.io_equations': 'io_equation',
 })

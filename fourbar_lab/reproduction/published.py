@@ -13,12 +13,12 @@ from __future__ import annotations
 from cmath import phase
 from math import degrees, hypot, pi, radians
 
+from fourbar_lab.reproduction.io_equations import io_equation, to_half_angle
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.mechanics.bodies import Bodies, Body, round_rod
 from fourbar_ros.mechanics.moving_frames import acceleration_terms
 from fourbar_ros.mechanisms.contract import CROSSED, OPEN
 from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
-from fourbar_ros.mechanisms.four_bar.io_equations import io_equation, to_half_angle
 from fourbar_ros.mechanisms.half_angle import bilinear_factors
 from fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank import InvertedSlider
 from fourbar_ros.mechanisms.parts import NamedFields

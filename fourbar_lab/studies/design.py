@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import inf, isfinite, nan, pi, sqrt
 
+from fourbar_lab.quadrature import between, full_turn
 from fourbar_lab.studies.measures import (
     CHANGE_POINT,
     CLASS,
@@ -24,7 +25,6 @@ from fourbar_lab.studies.study import Curve
 from fourbar_ros.extrema.find import Extremum, find_extrema
 from fourbar_ros.mechanisms.points import link_motion, point_of
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.numerics.quadrature import between, full_turn
 from fourbar_ros.scene.scene import Scene
 import numpy as np
 

@@ -22,7 +22,6 @@ from fourbar_ros.optional import lazily
 
 if TYPE_CHECKING:
     from fourbar_ros.extrema.batch import Extrema, find_extrema_many
-    from fourbar_ros.extrema.collineation import collineation_axis, CollineationAxis
     from fourbar_ros.extrema.find import Extremum, find_extrema
     from fourbar_ros.mechanisms.quantities import (
         Function as Quantity,
@@ -37,13 +36,12 @@ if TYPE_CHECKING:
     )
 
 __all__ = [
-    'CollineationAxis', 'Extrema', 'Extremum', 'Quantity', 'UnknownQuantity', 'collineation_axis',
+    'Extrema', 'Extremum', 'Quantity', 'UnknownQuantity',
     'find_extrema', 'find_extrema_many', 'known_quantities', 'point_acceleration', 'point_speed',
 ]
 
 __getattr__, __dir__ = lazily(__name__, {
     'fourbar_ros.extrema.batch': 'Extrema, find_extrema_many',
-    'fourbar_ros.extrema.collineation': 'CollineationAxis, collineation_axis',
     'fourbar_ros.extrema.find': 'Extremum, find_extrema',
     'fourbar_ros.mechanisms.quantities':
         'Function as Quantity, known as known_quantities, point_acceleration, point_speed, '

@@ -10,6 +10,7 @@ from multiprocessing import get_context
 import pickle
 
 from fourbar_lab.drawing.figure import CannotDraw
+from fourbar_lab.reproduction.io_equations import io_equation
 from fourbar_ros import (
     Applied,
     Bodies,
@@ -29,7 +30,6 @@ from fourbar_ros import (
 from fourbar_ros.errors import BagError
 from fourbar_ros.extrema.batch import find_extrema_many
 from fourbar_ros.extrema.find import find_extrema
-from fourbar_ros.mechanisms.four_bar.io_equations import io_equation
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.mechanisms.quantities import (
     known,

@@ -7,6 +7,11 @@ Rocking block (crank input) and oscillating cylinder (slide input).
 """
 from math import inf, nan, nextafter, pi, radians, remainder, sin
 
+from fourbar_lab.reproduction.moving_frames import (
+    coincident_acceleration,
+    relative_acceleration,
+    relative_velocity,
+)
 from fourbar_ros import (
     Applied,
     Bodies,
@@ -16,11 +21,6 @@ from fourbar_ros import (
     MissingBodies,
     OutOfRange,
     Toggle,
-)
-from fourbar_ros.mechanics.moving_frames import (
-    coincident_acceleration,
-    relative_acceleration,
-    relative_velocity,
 )
 from fourbar_ros.mechanisms.contract import CRANK, SLIDE
 from fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank import InvertedSlider

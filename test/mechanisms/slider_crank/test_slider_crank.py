@@ -3,6 +3,7 @@
 """The slider-crank, driven by its crank or its slider."""
 from math import inf, nan, nextafter, pi, radians, remainder, sin
 
+from fourbar_lab.reproduction.moving_frames import relative_acceleration, relative_velocity
 from fourbar_ros import (
     Applied,
     Bodies,
@@ -13,7 +14,6 @@ from fourbar_ros import (
     OutOfRange,
     Toggle,
 )
-from fourbar_ros.mechanics.moving_frames import relative_acceleration, relative_velocity
 from fourbar_ros.mechanisms.contract import CRANK, SLIDE
 from fourbar_ros.mechanisms.slider_crank.slider_crank import SliderCrank
 import mpmath as mp

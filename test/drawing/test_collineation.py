@@ -9,8 +9,9 @@ Sturm's chains.
 """
 from math import pi
 
+from fourbar_lab.drawing import collineation_axis
 from fourbar_ros import find_extrema, FourBar, InvalidParameter, InvertedSlider, SliderCrank
-from fourbar_ros.extrema import collineation_axis, find_extrema_many
+from fourbar_ros.extrema import find_extrema_many
 import numpy as np
 import pytest
 from support.samples import some

@@ -13,7 +13,7 @@ Each equation is
 with products of two bilinear factors for coefficients. Functions of v are the textbook's;
 functions of angles use the same polynomial homogeneous in sin and cos(theta/2), where v infinite
 (theta = pi) is an ordinary point. With slides in place of pivots it is the same equation:
-:mod:`fourbar_ros.mechanisms.four_bar.slide_equations`.
+:mod:`fourbar_lab.reproduction.slide_equations`.
 
 >>> import math
 >>> equation = io_equation((8.0, 14.0, 9.0, 17.0), 1, 4)
@@ -28,8 +28,8 @@ from collections.abc import Mapping, Sequence
 import math
 from typing import NamedTuple, overload
 
+from fourbar_lab.reproduction.slide_equations import equation_of_slides, SlideEquation
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.mechanisms.four_bar.slide_equations import equation_of_slides, SlideEquation
 from fourbar_ros.mechanisms.half_angle import bilinear_factors
 from fourbar_ros.numerics.arrays import Array, Values
 from fourbar_ros.numerics.given import array, number
@@ -186,7 +186,7 @@ def io_equation(lengths: Sequence[float], i: int, j: int,
         Two different of 1, 2, 3, 4, in any order: theta_i is the first variable.
     slides : mapping, optional
         {joint: direction of its slide [rad]}: the :class:`SlideEquation` of RRRP or PRRP, see
-        :func:`~fourbar_ros.mechanisms.four_bar.slide_equations.equation_of_slides`.
+        :func:`~fourbar_lab.reproduction.slide_equations.equation_of_slides`.
 
     Raises
     ------

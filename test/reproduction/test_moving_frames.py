@@ -3,17 +3,15 @@
 """Moving frames against the derivatives of explicit motions, taken with fifty digits."""
 from math import cos, inf, pi, sin
 
-from fourbar_ros.mechanics.moving_frames import (
-    acceleration_terms,
+from fourbar_lab.reproduction.moving_frames import (
     apparent_angular_acceleration,
     coincident_acceleration,
-    coriolis_acceleration,
     path_acceleration,
     relative_acceleration,
     relative_velocity,
     rolling_contact,
-    turned,
 )
+from fourbar_ros.mechanics.moving_frames import acceleration_terms, coriolis_acceleration, turned
 import mpmath as mp
 import numpy as np
 import pytest

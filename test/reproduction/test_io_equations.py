@@ -10,14 +10,14 @@ An erratum test shows both: the printed form fails, the corrected one holds.
 import doctest
 from math import atan, degrees, pi, radians, tan
 
-from fourbar_ros import Bodies, Body, CROSSED, FourBar, InvalidParameter, OPEN, round_rod
-from fourbar_ros.mechanisms.four_bar import io_equations
-from fourbar_ros.mechanisms.four_bar.io_equations import (
+from fourbar_lab.reproduction import io_equations
+from fourbar_lab.reproduction.io_equations import (
     from_half_angle,
     io_equation,
     PAIRS,
     to_half_angle,
 )
+from fourbar_ros import Bodies, Body, CROSSED, FourBar, InvalidParameter, OPEN, round_rod
 from fourbar_ros.mechanisms.half_angle import bilinear_factors
 from mechanisms.four_bar.test_motion import angle_difference
 import mpmath as mp

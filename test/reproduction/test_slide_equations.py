@@ -4,8 +4,8 @@
 from itertools import permutations
 from math import pi, radians, sqrt
 
+from fourbar_lab.reproduction.io_equations import io_equation
 from fourbar_ros import InvalidParameter, SliderCrank
-from fourbar_ros.mechanisms.four_bar.io_equations import io_equation
 import mpmath as mp
 import numpy as np
 import pytest

@@ -6,7 +6,7 @@ The input-output equations of loops with slides, RRRP and PRRP: the same equatio
 Eq. (16) of the slides holds whatever of it varies. A slide at joint 4 fixes theta4, and a3 becomes
 its variable: RRRP, a slider-crank. A slide at joint 1 fixes theta1, and a1 varies: with both,
 PRRP, an elliptic trammel. Angles and the loop are those of
-:mod:`fourbar_ros.mechanisms.four_bar.io_equations`, with x = theta1, y = theta4:
+:mod:`fourbar_lab.reproduction.io_equations`, with x = theta1, y = theta4:
 
     (S1)  a1 e^{ix} + a2 e^{i(x + theta2)} = a4 + a3 e^{iy},   x + theta2 + theta3 = y + pi
 
