@@ -192,7 +192,7 @@ ROOMS = {
             'test/ros/test_inputs.py test/ros/test_node.py'),
         Bug('topic_drive.py', 'limit and self._waiting and self.age() > limit',
             'limit and self.age() > limit',
-            'test/ros/test_inputs.py test/ros/test_node.py'),
+            'test/ros/test_values_of_inputs.py'),
         Bug('wrenches.py', 'Wrench(force.x, force.y, torque.z)',
             'Wrench(force.y, force.x, torque.z)',
             'test/ros/test_values_of_inputs.py'),

@@ -52,6 +52,9 @@ def test_after_a_timeout_the_estimate_starts_afresh(motions, client):
     assert states[-1].status == LinkageState.STATUS_OK
     client.until(lambda: client.received['state'][-1].status == LinkageState.STATUS_INPUT_TIMEOUT,
                  'the timeout')
+    client.spin(1.0)                    # it is told once
+    assert [state.status for state in client.received['state']] == [
+        LinkageState.STATUS_OK, LinkageState.STATUS_INPUT_TIMEOUT]
     # by its stamp it follows at once
     after = answer(now + 4 * SECOND // 100, 0.16, NAN, NAN)
     assert after.status == LinkageState.STATUS_RATES_UNKNOWN and math.isnan(after.omega1)
