@@ -4,7 +4,6 @@
 from math import nan, pi, radians
 
 from fourbar_ros import CROSSED, FourBar, InvalidParameter, OPEN
-from fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank import InvertedSlider
 from fourbar_ros.mechanisms.points import (
     acceleration_image,
     link_motion,
@@ -84,28 +83,6 @@ def test_points_move_as_their_path_says(link):
                          if name.startswith(('omega', 'alpha', 'slide')))
         for ours, truth in zip((found.place, found.velocity, found.acceleration), exact):
             assert abs(complex(*ours) - truth) <= 1e-11 * size**2
-
-
-@pytest.mark.parametrize('name, mechanism, value', [
-    ('4R', FourBar(0.4, 1.2, 0.8, 1.0), 0.7), ('slider-crank', SliderCrank(0.4, 1.2, 0.1), 0.7),
-    ('inverted', InvertedSlider(0.4, 1.2, 0.1), 0.7),
-    ('cylinder', InvertedSlider(0.4, 1.2, 0.1, input='slide'), 1.1)])
-def test_the_joints_are_where_the_links_meet(name, mechanism, value):
-    motion = mechanism.motion(value, 3.0, -2.0)
-    at_a = point_motion(mechanism, motion, 'crank', mechanism.a1)
-    coupler = point_motion(mechanism, motion, 'coupler', 0.0)
-    for one, other in zip(at_a[:3], coupler[:3]):
-        np.testing.assert_array_equal(one, other)
-    if name == 'inverted' or name == 'cylinder':
-        arm = (motion.slide, mechanism.offset)
-        np.testing.assert_allclose(point_motion(mechanism, motion, 'output', *arm).place,
-                                   at_a.place, atol=4 * EPS)
-        return
-    end = point_motion(mechanism, motion, 'coupler', mechanism.a2)
-    other = point_motion(mechanism, motion, 'output', mechanism.a3 if name == '4R' else 0.0)
-    for one, two in zip(end[:3], other[:3]):
-        np.testing.assert_allclose(one, two, rtol=0.0,
-                                   atol=1e-14 * (1.0 + np.abs(at_a.acceleration).max()))
 
 
 def test_the_split_is_the_acceleration():

@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Motion of links, points and joints: against the reference and as derivatives."""
 
-from math import pi
 
 from fourbar_ros import InvalidParameter
 from fourbar_ros.mechanisms.points import link_motion, point_motion
@@ -105,42 +104,6 @@ def test_rates_and_accelerations_are_derivatives(case, count):
         for name in ratios:
             value_of = first(getattr(motion, name)).real
             assert min(abs(value_of - rate) for rate in rates) <= 4 * EPS * size, name
-
-
-@every_mechanism
-def test_differences_of_positions_are_rates(case):
-    """Plain differences of single values, by time: of an independent kind, if coarse (h^2)."""
-    h = 1e-5
-    for mechanism, (value, rate, acceleration) in contract.ordinary(case, 209, 10):
-        steps = [
-            mechanism.motion(
-                value + rate * t + 0.5 * acceleration * t * t,
-                rate + acceleration * t,
-                acceleration,
-            )
-            for t in (-h, 0.0, h)
-        ]
-        size = max(
-            1.0,
-            *(
-                abs(getattr(steps[1], name))
-                for c in contract.coordinates(mechanism)
-                for name in c[1:]
-            ),
-        )
-        for position, rate_name, acceleration_name in contract.coordinates(mechanism):
-            one, _, other = (getattr(step, position) for step in steps)
-            change = (
-                np.remainder(other - one + pi, 2.0 * pi) - pi
-                if position.startswith('theta')
-                else other - one
-            )
-            assert abs(change / (2 * h) - getattr(steps[1], rate_name)) <= 1e-6 * size**3, position
-            one, _, other = (getattr(step, rate_name) for step in steps)
-            assert (
-                abs((other - one) / (2 * h) - getattr(steps[1], acceleration_name))
-                <= 1e-6 * size**4
-            ), rate_name
 
 
 @every_mechanism
