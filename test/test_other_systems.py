@@ -77,6 +77,7 @@ def test_bags_are_written_checked_and_recovered(run):
         assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.slow
 def test_verbs_run(run):
     for arguments in (('show', 'paper', '--at', '1'), ('describe', 'paper'),
                       ('draw', 'paper', '--at', '60', '-o', 'one.png')):
@@ -84,6 +85,7 @@ def test_verbs_run(run):
         assert done.returncode == 0, (arguments, done.stderr)
 
 
+@pytest.mark.slow
 def test_studies_run_in_two_workers(run, tmp_path):
     pytest.importorskip('pyarrow')
     (tmp_path / 's.yaml').write_text(json.dumps({

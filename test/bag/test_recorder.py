@@ -301,7 +301,8 @@ except BagError as error:
 
 
 def test_a_refused_write_is_told_once_and_leaves_a_cut_bag_that_recover_finishes(tmp_path):
-    done = subprocess.run([sys.executable, '-c', FULL.format(test=str(TEST), path=str(tmp_path))],
+    code = FULL.format(test=str(TEST), path=str(tmp_path))
+    done = subprocess.run([sys.executable, '-B', '-c', code],
                           capture_output=True, text=True, timeout=60, check=False, env=os.environ)
     assert done.returncode == 0, done.stderr
     assert 'File too large; what was flushed is in the file: fourbar bag recover' in done.stdout

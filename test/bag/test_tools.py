@@ -116,6 +116,7 @@ def test_what_exists_is_not_touched_and_what_fails_leaves_nothing(bag, tmp_path,
     assert (tmp_path / 'x.csv').read_text().startswith('log_time,header.stamp,')
 
 
+# Run with -B: Python would leave bytecode cut at the limit, which no later process can import.
 FULL_DISK = """
 import resource, sys
 from fourbar_ros.cli.main import main
@@ -127,7 +128,7 @@ sys.exit(main(sys.argv[1:]))
 
 @pytest.mark.parametrize('verb', ['export', 'recover'])
 def test_a_disk_that_is_full_is_one_line_and_leaves_nothing(bag, tmp_path, verb):
-    done = subprocess.run([sys.executable, '-c', FULL_DISK, 'bag', verb, str(bag), '-o',
+    done = subprocess.run([sys.executable, '-B', '-c', FULL_DISK, 'bag', verb, str(bag), '-o',
                            str(tmp_path / 'out')], capture_output=True, text=True, check=False)
     assert done.returncode == 1 and 'File too large' in done.stderr, done.stderr
     assert done.stderr.startswith('fourbar: ') and done.stderr.count('\n') == 1

@@ -18,6 +18,7 @@ from fourbar_ros.scene.scene import from_values
 import numpy as np
 import pytest
 from support.exported import COMPILERS
+from support.samples import some
 from support.scenes import PAPER, RODS
 
 needs_compiler = pytest.mark.skipif(not COMPILERS or sys.platform != 'linux',
@@ -67,9 +68,14 @@ class Unit:
         return list(to)
 
 
+@pytest.fixture(scope='module')
+def paper_file(tmp_path_factory):
+    return generate('paper', tmp_path_factory.mktemp('paper'), 'fmu2').files[0]
+
+
 @pytest.fixture
-def paper(tmp_path):
-    return Unit(generate('paper', tmp_path, 'fmu2').files[0], tmp_path / 'paper')
+def paper(paper_file, tmp_path):
+    return Unit(paper_file, tmp_path / 'paper')
 
 
 @needs_compiler
@@ -115,7 +121,7 @@ def test_in_model_exchange_outputs_follow_inputs_at_once(paper):
 
 
 @needs_compiler
-@pytest.mark.parametrize('name', ['paper', 'cylinder', 'bucket'])
+@some('name', ['paper', 'cylinder', 'bucket'], 1)
 def test_derivatives_are_those_of_a_complex_step_and_of_other_parameters(name, tmp_path):
     linkage = load_scene(name).linkage
     unit = Unit(generate(name, tmp_path, 'fmu2').files[0], tmp_path / name)
@@ -155,7 +161,7 @@ def test_derivatives_are_those_of_a_complex_step_and_of_other_parameters(name, t
 
 
 @needs_compiler
-@pytest.mark.parametrize('name', ['paper', 'jansen', 'slider_crank'])
+@some('name', ['paper', 'jansen', 'slider_crank'], 1)
 def test_at_rest_magnitudes_change_to_one_side(name, tmp_path):
     unit = Unit(generate(name, tmp_path, 'fmu2').files[0], tmp_path / name)
     inputs = load_scene(name).linkage.input_coordinate
