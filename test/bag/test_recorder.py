@@ -5,7 +5,6 @@ The recorder against what can go wrong.
 
 Bad arguments, names, threads, clocks, a slow, full or lost disk; files that follow each other.
 """
-import os
 import subprocess
 import sys
 import threading
@@ -303,7 +302,7 @@ except BagError as error:
 def test_a_refused_write_is_told_once_and_leaves_a_cut_bag_that_recover_finishes(tmp_path):
     code = FULL.format(test=str(TEST), path=str(tmp_path))
     done = subprocess.run([sys.executable, '-B', '-c', code],
-                          capture_output=True, text=True, timeout=60, check=False, env=os.environ)
+                          text=True, capture_output=True, timeout=PATIENCE, check=False)
     assert done.returncode == 0, done.stderr
     assert 'File too large; what was flushed is in the file: fourbar bag recover' in done.stdout
     state = info(tmp_path / 'run', check=True)

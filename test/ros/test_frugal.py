@@ -61,7 +61,7 @@ rclpy.try_shutdown()
 
 def run(parameters, readers='subscribed'):
     done = subprocess.run([sys.executable, '-c', SCRIPT, json.dumps(parameters), readers],
-                          capture_output=True, text=True, timeout=60, check=False)
+                          capture_output=True, text=True, timeout=300, check=False)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout.splitlines()[-1])
 
