@@ -22,7 +22,7 @@ help:
 	@echo '                    SCENE=$(SCENE)  SECONDS=$(SECONDS)'
 	@echo '  make test       run the tests, except the slow ones: four minutes    ARGS="-k loads" is passed to pytest'
 	@echo '  make test-slow  run the slow ones, all of them'
-	@echo '  make test-all   run all tests, to the end: an hour and more'
+	@echo '  make test-all   run all tests, to the end'
 	@echo '                    WORKERS=$(WORKERS) processes, of which many wait; 0: one that prints'
 	@echo '  make coverage   run the tests as make test does; lines and branches covered, in all processes'
 	@echo '  make lint       run ruff, mypy, import-linter and the ament linters'
