@@ -3,8 +3,8 @@
 """
 What each dyad is solved from: where its ends are and the links it hangs on, as the ground sees it.
 
-Of a dyad between links that are joined to each other one of them is the frame (:mod:`.pairs`): it
-moves by their relative angle or slide alone.
+Of a dyad between links of which one slides in the other, that one is the frame, and so it is for
+pairs (:mod:`.pairs`): the dyad moves by the relative slide or angle alone.
 
 A link that moves in a frame that moves, at the angle of the frame plus its own, e turned with the
 frame, has
@@ -47,9 +47,11 @@ class Hanging(NamedTuple):
     stage: Stage
     at_p: Place         # of P on the link ``stage.first``
     at_q: Place         # of Q on the link ``stage.second``
-    # of a pair, where its links are joined: the pin on the one that moves and on the frame, or
+    frame: int          # number of the link from which it is seen
+    # where its two links are joined: the pin on the one that moves in the frame, and on that, or
     # start and direction of the slide in the frame
     joint: tuple[Place, Place]
+    is_joined_by_slide: bool
     slides: list[tuple[int, Slide]]      # of its own links: (link that slides, its slide)
 
 
@@ -57,11 +59,14 @@ def hangings(layout: Layout, numbers: Sequence[Numbers]) -> list[Hanging]:
     """Return how the dyads hang, in their order."""
     joints, found = Joints(layout.driver), []
     for stage, own in zip(layout.stages, numbers):
-        joint = FIRST_JOINT, FIRST_JOINT
-        if stage.pair:
-            links = other_of(stage), stage.pair.frame
-            joint = joints.slides[links] if stage.pair.slides else joints.pin(*links)
-        found.append(Hanging(stage, own.p, own.q, joint, slides_of(stage, own)))
+        both = stage.first, stage.second
+        links = next((link for link in (both, both[::-1]) if link in joints.slides), None)
+        joint = joints.slides[links] if links else (FIRST_JOINT, FIRST_JOINT)
+        if stage.pair and not links:
+            joint = joints.pin(other_of(stage), stage.pair.frame)
+        frame = stage.pair.frame if stage.pair else links[1] if links else 0
+        found.append(Hanging(stage, own.p, own.q, frame, joint, links is not None,
+                             slides_of(stage, own)))
         joints.add(stage, own)
     return found
 
@@ -120,30 +125,29 @@ class Poses:
 
     def hang(self, number: int) -> tuple[Node, Node, Any, Curve, Curve]:
         """
-        Return P, Q, D = Q - P and the curves of the links on which a dyad hangs.
+        Return P, Q, D = Q - P and the curves of the links on which a dyad hangs, in its frame.
 
-        In place of D a pair gets its angle or slide, and a cylinder its drive; the curves of a
-        pair are those in its frame.
+        In place of D a pair gets its angle or slide, and a cylinder its drive.
         """
-        stage, at_p, at_q, joint, _ = self._hanging[number]
-        first, second, apart = self._curves[stage.first], self._curves[stage.second], None
-        if stage.pair:
-            moving, apart = self._in_frame(stage, joint)
-            first, second = (moving, FIXED) if stage.first == other_of(stage) else (FIXED, moving)
+        stage, at_p, at_q, frame, *_ = self._hanging[number]
+        first, second, way = self._curves[stage.first], self._curves[stage.second], None
+        if frame or stage.pair:
+            moving, way = self._in_frame(number)
+            first, second = (moving, FIXED) if stage.second == frame else (FIXED, moving)
         nodes = point_of(first, *at_p), point_of(second, *at_q)
-        if apart is None:
-            apart = self._of_cylinder if stage.name == CYLINDER else between(*nodes)
+        apart = (way if stage.pair else self._of_cylinder if stage.name == CYLINDER
+                 else between(*nodes))
         return *nodes, apart, first, second
 
-    def _in_frame(self, stage: Stage, joint: tuple[Place, Place]) -> tuple[Curve, Any]:
-        """Return the curve of the other link of a pair in its frame, and the angle or slide."""
-        assert stage.pair is not None
-        frame, other = stage.pair.frame, other_of(stage)
-        way: Any = (self._ways[other, frame] if stage.pair.slides
+    def _in_frame(self, number: int) -> tuple[Curve, Any]:
+        """Return the curve of the other link of a dyad in its frame, and its angle or slide."""
+        stage, _, _, frame, joint, is_joined_by_slide, _ = self._hanging[number]
+        other = stage.first if stage.second == frame else stage.second
+        way: Any = (self._ways[other, frame] if is_joined_by_slide
                     else self.relation(other, frame))
         if not frame:
             return self._curves[other], way
-        if stage.pair.slides:
+        if is_joined_by_slide:
             ((x, y), (c, s)), (place, rate, change) = joint, way
             return (x + place * c, y + place * s, rate * c, rate * s, change * c, change * s,
                     c, s, 0.0, 0.0), way
@@ -164,12 +168,12 @@ class Poses:
         return c0 * c + s0 * s, c0 * s - s0 * c, turn - turn0, bend - bend0
 
     def add(self, number: int, moved: DyadMotion) -> tuple[Curve, Curve]:
-        """Add how a dyad moved, a pair in its frame; return its links' curves."""
-        stage, *_, slides = self._hanging[number]
+        """Add how a dyad moved in its frame; return its links' curves."""
+        _, _, _, frame, *_, slides = self._hanging[number]
         curves = moved.first, moved.second
-        if stage.pair and stage.pair.frame:
-            frame = self._curves[stage.pair.frame]
-            curves = composed(frame, moved.first), composed(frame, moved.second)
+        if frame:
+            curves = (composed(self._curves[frame], moved.first),
+                      composed(self._curves[frame], moved.second))
         self._curves += curves
         self._relations.update(moved.relations)
         for k, (link, (carrier, _, _)) in enumerate(slides):
