@@ -73,11 +73,12 @@ def test_limits_are_singular(case):
         for low, high in mechanism.input_ranges:
             for end, inward in ((low, 1.0), (high, -1.0)):
                 ends += 1
-                distance = 1e-8 * (high - low)
-                motion = mechanism.motion(end + inward * distance)
-                assert np.sin(motion.transmission_angle) <= 1e-2
-                with pytest.raises((OutOfRange, Toggle)):
-                    mechanism.motion(end - inward * distance)
+                for share in (1e-4, 1e-8, 1e-12):
+                    distance = share * (high - low)
+                    motion = mechanism.motion(end + inward * distance)
+                    assert np.sin(motion.transmission_angle) <= 100.0 * share**0.5
+                    with pytest.raises((OutOfRange, Toggle)):
+                        mechanism.motion(end - inward * distance)
                 assert min(
                     abs(mechanism.distance(z.real, end)) + abs(z.imag) for z in singular
                 ) <= 1e-7 * (high - low)
