@@ -288,7 +288,8 @@ def check_at_zero(mechanism, rates):
 @pytest.mark.parametrize('kind, driven', [pair for pair in KINDS if pair != (SliderCrank, CRANK)])
 def test_at_a_flat_position_values_are_limits_and_unbounded_loads_a_toggle(kind, driven, count):
     rng = np.random.default_rng(77)
-    assert any([check_at_zero(*case) for case in flat_at_zero(rng, kind, driven, count)])
+    unbounded = [check_at_zero(*case) for case in flat_at_zero(rng, kind, driven, count)]
+    assert any(unbounded)
 
 
 @pytest.mark.parametrize('lengths', [(19.0, 5.0, 16.0, 30.0), (1.0, 2.0, 1.0, 2.0),
