@@ -28,7 +28,7 @@ setup(
         ('share/' + NAME + '/launch', glob('launch/*.launch.py')),
     ],
     python_requires='>=3.10',
-    install_requires=['numpy>=1.26', 'scipy>=1.11', 'mcap>=1.5,<2', 'zstandard',
+    install_requires=['numpy>=1.26', 'scipy>=1.11', 'attrs>=22.2', 'mcap>=1.5,<2', 'zstandard',
                       'rosbags>=0.11,<1', 'pyyaml>=6', 'rich>=13'],
     extras_require={
         'parquet': ['pyarrow'],

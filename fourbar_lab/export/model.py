@@ -146,7 +146,7 @@ class Model:
     @property
     def _places(self) -> tuple[tuple[float, ...], ...]:
         """Return (along, across) of each point [m]."""
-        return tuple([tuple(map(float, point[1:])) for point in self.scene.points.values()])
+        return tuple([(point.along, point.across) for point in self.scene.points.values()])
 
     @cached_property
     def constants(self) -> Any:

@@ -18,7 +18,7 @@ import re
 from fourbar_lab.live.model import Shown
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.scene import parameters
-from fourbar_ros.scene.parameter_table import Parameter
+from fourbar_ros.scene.settings import Parameter
 from nicegui import ui
 from nicegui.elements.mixins.disableable_element import DisableableElement
 from nicegui.elements.mixins.value_element import ValueElement

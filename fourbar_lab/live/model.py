@@ -19,8 +19,8 @@ from fourbar_ros.mechanisms.points import point_motion, PointMotion
 from fourbar_ros.mechanisms.quantities import Function, is_published, positions, select
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.pipeline.status import evaluate
-from fourbar_ros.scene.parameters import ParameterValues
 from fourbar_ros.scene.scene import from_values, Scene
+from fourbar_ros.scene.settings import ParameterValues
 import numpy as np
 from numpy.typing import ArrayLike
 

@@ -42,7 +42,7 @@ from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.extrema.find import Extremum
 from fourbar_ros.pipeline.status import INVALID_INPUT, OK, OUT_OF_RANGE, STATUS_NAMES
 from fourbar_ros.scene import files, parameters
-from fourbar_ros.scene.parameters import ParameterValues
+from fourbar_ros.scene.settings import ParameterValues
 from nicegui import background_tasks, ui
 
 FRAME = 1.0 / 30.0          # [s]

@@ -20,8 +20,8 @@ from fourbar_lab.live.playback import NodePlayback, Run
 from fourbar_ros.bag.origin import origin_of
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.errors import FourBarError
-from fourbar_ros.scene.parameters import ParameterValues
 from fourbar_ros.scene.scene import Scene
+from fourbar_ros.scene.settings import ParameterValues
 from fourbar_ros.scene.topics import DRIVEN
 from nicegui import app, run, ui
 import numpy as np

@@ -43,8 +43,9 @@ from fourbar_ros.numerics.number_types import (
     Function,
     NumberType,
 )
-from fourbar_ros.scene.parameters import find, ParameterValues
+from fourbar_ros.scene.parameters import find
 from fourbar_ros.scene.scene import from_values, Scene
+from fourbar_ros.scene.settings import ParameterValues
 import numpy as np
 
 # Designs that are computed together: their samples stay in the cache of the processor.

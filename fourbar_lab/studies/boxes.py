@@ -32,7 +32,7 @@ from typing import Any, NamedTuple, TYPE_CHECKING, Union
 from fourbar_ros.numerics.duals import Derivatives, derivatives_of, Dual, duals_of, value_of
 from fourbar_ros.numerics.number_types import choose, Function, INFINITESIMAL, NumberType, Scalar
 from fourbar_ros.numerics.tables import arb_settings
-from fourbar_ros.scene.parameters import ParameterValues
+from fourbar_ros.scene.settings import ParameterValues
 
 if TYPE_CHECKING:      # an optional package
     from flint import arb

@@ -17,8 +17,8 @@ from fourbar_lab.studies.study import Bound, Study
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.scene.parameters import ParameterValues
 from fourbar_ros.scene.scene import from_values, Scene
+from fourbar_ros.scene.settings import ParameterValues
 import numpy as np
 
 # Why a design is not among the results; other reasons are constraints by name.

@@ -20,9 +20,8 @@ from fourbar_ros.mechanisms.quantities import point_acceleration, point_speed
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.number_types import ARRAY, Function, NumberType, Scalar
 from fourbar_ros.scene.linkage import Bodies, external_of
-from fourbar_ros.scene.parameter_table import MACHINE
-from fourbar_ros.scene.parameters import ParameterValues
 from fourbar_ros.scene.scene import Scene
+from fourbar_ros.scene.settings import MACHINE, ParameterValues
 import numpy as np
 
 

@@ -18,7 +18,8 @@ from fourbar_lab.studies.study import Study, StudyError
 from fourbar_lab.studies.variation import Variation
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.scene.files import as_text
-from fourbar_ros.scene.parameters import find, ParameterValues
+from fourbar_ros.scene.parameters import find
+from fourbar_ros.scene.settings import ParameterValues
 import numpy as np
 
 SHOWN = 2**18       # rows of percentiles and figures

@@ -31,8 +31,8 @@ from fourbar_ros.errors import FourBarError, InvalidParameter, nearest
 from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.scene.files import find, read_values
-from fourbar_ros.scene.parameters import ParameterValues
 from fourbar_ros.scene.scene import from_values, Scene
+from fourbar_ros.scene.settings import ParameterValues
 import numpy as np
 import yaml
 

@@ -34,8 +34,8 @@ from fourbar_ros.mechanisms.quantities import is_position
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.duals import Dual, whole_of
 from fourbar_ros.numerics.number_types import NumberType, Scalar
-from fourbar_ros.scene.parameters import ParameterValues
 from fourbar_ros.scene.scene import from_values, Scene
+from fourbar_ros.scene.settings import ParameterValues
 import numpy as np
 
 DEVIATIONS = 3.0

@@ -35,8 +35,8 @@ import warnings
 
 from fourbar_ros.errors import InvalidParameter, nearest
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.scene.parameter_table import PARAMETERS
 from fourbar_ros.scene.parameters import check_value, find
+from fourbar_ros.scene.settings import PARAMETERS
 import numpy as np
 
 METHODS = ('grid', 'sobol', 'latin_hypercube', 'random')

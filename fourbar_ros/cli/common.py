@@ -15,7 +15,7 @@ from textwrap import wrap
 from typing import Any, Protocol, TYPE_CHECKING
 
 from fourbar_ros.scene.arguments import not_negative
-from fourbar_ros.scene.parameter_table import MODES
+from fourbar_ros.scene.settings import MODES
 from fourbar_ros.scene.units import of
 
 if TYPE_CHECKING:      # verbs import when they run

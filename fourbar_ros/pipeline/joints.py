@@ -14,7 +14,7 @@ from typing import NamedTuple, TypeVar
 
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.scene.message_fields import FieldMap
-from fourbar_ros.scene.scene import JointStates
+from fourbar_ros.scene.settings import JointStates
 
 Number = TypeVar('Number', float, Array)
 

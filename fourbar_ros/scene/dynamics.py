@@ -10,8 +10,8 @@ from typing import Any, NamedTuple, TYPE_CHECKING
 from fourbar_ros.errors import FourBarError, InvalidParameter, one_of
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.numerics.given import quantities_of
-from fourbar_ros.scene.parameter_table import GEAR, MOTORS, OF_MOTORS, SOURCES
-from fourbar_ros.scene.parameters import names_in, ParameterValues
+from fourbar_ros.scene.parameters import names_in
+from fourbar_ros.scene.settings import GEAR, MOTORS, OF_MOTORS, ParameterValues, SOURCES
 
 if TYPE_CHECKING:      # other scenes do without
     from fourbar_ros.dynamics.model.drives import Drive, Law, Shaft

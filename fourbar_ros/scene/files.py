@@ -10,7 +10,7 @@ import re
 from typing import Any
 
 from fourbar_ros.errors import FourBarError, nearest
-from fourbar_ros.scene.parameters import ParameterValues
+from fourbar_ros.scene.settings import ParameterValues
 import yaml
 
 NODE = '/fourbar'

@@ -19,8 +19,8 @@ from fourbar_ros.errors import InvalidParameter, nearest, one_of
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import GROUND
 from fourbar_ros.scene.files import SceneError, table_files
-from fourbar_ros.scene.parameter_table import COUPLE, OF_PLACES, OF_VALUES, PRESSURES
-from fourbar_ros.scene.parameters import names_in, ParameterValues
+from fourbar_ros.scene.parameters import names_in
+from fourbar_ros.scene.settings import COUPLE, OF_PLACES, OF_VALUES, ParameterValues, PRESSURES
 
 if TYPE_CHECKING:      # other scenes do without
     from fourbar_ros.dynamics.model.elements import Place, PositionForce

@@ -14,8 +14,8 @@ from fourbar_ros.mechanisms.kinds import AT_MOVING_JOINTS, kind_of, KINDS
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Link
 from fourbar_ros.numerics.number_types import Scalar
-from fourbar_ros.scene.parameter_table import LENGTHS, MACHINE, PARAMETERS
-from fourbar_ros.scene.parameters import member_of, of_name, ParameterValues
+from fourbar_ros.scene.parameters import member_of, of_name
+from fourbar_ros.scene.settings import LENGTHS, MACHINE, PARAMETERS, ParameterValues
 
 if TYPE_CHECKING:      # only scenes of machines need it
     from fourbar_ros.machine import Machine
@@ -122,13 +122,13 @@ def _check_links(values: ParameterValues, machine: Mechanism) -> None:
     """Refuse bodies of links that a machine does not have, and forces on links that bear none."""
     known = {'bodies': [link.name for link in machine.LINKS], 'external': machine.EXTERNAL._fields}
     for name, value in values.items():
-        member = member_of(name)
-        if not member or member.family not in known or name in ROD_PARAMETERS:
+        family, link, _ = member_of(name) or ('', '', '')
+        if family not in known or name in ROD_PARAMETERS:
             continue
-        links, is_given = known[member.family], value == value and value != of_name(name).default
-        if member.name not in links and is_given:
-            raise InvalidParameter(f'{member.family}.{member.name}', None,
-                                   f'there is no such link here{nearest(member.name, links)}')
+        links, is_given = known[family], value == value and value != of_name(name).default
+        if link not in links and is_given:
+            raise InvalidParameter(f'{family}.{link}', None,
+                                   f'there is no such link here{nearest(link, links)}')
 
 
 def _gravity(values: ParameterValues) -> tuple[float, float]:

@@ -23,7 +23,8 @@ from fourbar_ros.mechanisms.machine.machine import Machine, NO_BODY
 from fourbar_ros.mechanisms.machine.solve.pairs import shaped, slides_of
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.numerics.number_types import direction, NumberType, Scalar
-from fourbar_ros.scene.parameters import names_in, ParameterValues
+from fourbar_ros.scene.parameters import names_in
+from fourbar_ros.scene.settings import ParameterValues
 import numpy as np
 
 DIMENSIONS = 'length_1', 'length_2', 'offset', 'direction_1', 'direction_2', 'slot'

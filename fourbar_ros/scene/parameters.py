@@ -4,52 +4,42 @@
 from __future__ import annotations
 
 from array import array
-from collections.abc import Iterable, Mapping
-from fnmatch import fnmatchcase
+from collections.abc import Iterable
 from functools import lru_cache
 from math import isfinite, isnan
 import re
-from typing import Any, NamedTuple
+from typing import Any
 
 from fourbar_ros.errors import InvalidParameter, nearest, one_of
 from fourbar_ros.mechanisms.parts import GROUND
-from fourbar_ros.scene.parameter_table import (
+from fourbar_ros.scene.settings import (
     FAMILIES,
-    GOES_WITH,
     LINKS,
     MACHINE,
     NAME,
+    OF_GROUPS,
     OF_MACHINES,
     Parameter,
     PARAMETERS,
+    ParameterValues,
     REQUIRED,
 )
 from fourbar_ros.scene.units import in_unit, UNITS
 
-ParameterValues = Mapping[str, Any]       # {name: value}; their types stand in the table
-TYPES = {'double': float, 'integer': int, 'string': str, 'bool': bool, 'strings': list,
-         'doubles': list}
-TYPES_IN_WORDS = {'integer': 'a whole number', 'string': 'a text', 'bool': 'true or false',
-                  'strings': 'a list of texts: [a, b]',
-                  'doubles': 'a list of numbers: [1.0, 2.0]'}
+VALUES = {'double': float, 'integer': int, 'string': str, 'bool': bool, 'strings': list,
+          'doubles': list}
+IN_WORDS = {'integer': 'a whole number', 'string': 'a text', 'bool': 'true or false',
+            'strings': 'a list of texts: [a, b]', 'doubles': 'a list of numbers: [1.0, 2.0]'}
 _MEMBER = re.compile(rf'({"|".join(FAMILIES)})\.([A-Za-z]\w*)\.([\w.]+)')
 
 
 # --- find ----------------------------------------------------------------------------------------
 
-class Member(NamedTuple):
-    """A parameter of a family: points.P.along is the field along of the member P of points."""
-
-    family: str
-    name: str
-    field: str
-
-
 @lru_cache(maxsize=4096)      # scenes are read again at every move of a slider
-def member_of(name: str) -> Member | None:
-    """Return the :class:`Member` that a parameter belongs to by its name, or None."""
+def member_of(name: str) -> tuple[str, str, str] | None:
+    """Return (family, member, field) by a name: points, P, along of points.P.along; or None."""
     match = _MEMBER.fullmatch(name)
-    return Member(*match.groups()) if match else None
+    return (match[1], match[2], match[3]) if match else None
 
 
 def find(name: str) -> Parameter | None:
@@ -57,13 +47,12 @@ def find(name: str) -> Parameter | None:
     return PARAMETERS.get(name) or _of_member(name)
 
 
+@lru_cache(maxsize=4096)
 def _of_member(name: str) -> Parameter | None:
     """Return points.P.along as points.NAME.along stands in the table; None for other names."""
-    member = member_of(name)
-    if member is None:
-        return None
-    general = FAMILIES[member.family].get(f'{member.family}.{NAME}.{member.field}')
-    return general and general._replace(name=name, text=general.text.replace(NAME, member.name))
+    family, member, field = member_of(name) or ('points', '', '')
+    general = FAMILIES[family].get(f'{family}.{NAME}.{field}')
+    return general and general._replace(name=name, text=general.text.replace(NAME, member))
 
 
 def of_name(name: str) -> Parameter:
@@ -76,13 +65,12 @@ def of_name(name: str) -> Parameter:
 def names_in(family: str, values: Iterable[str]) -> list[str]:
     """Return the members of a family in a scene: P and Q of points.P.link, points.Q.along."""
     members = filter(None, map(member_of, values))
-    return list(dict.fromkeys(member.name for member in members if member.family == family))
+    return list(dict.fromkeys(member for its, member, _ in members if its == family))
 
 
 def _parameters_of(family: str, member: str) -> list[Parameter]:
     """Return the table's parameters of one member of a family: points.P.link, points.P.along."""
-    named = (_of_member(name.replace(f'.{NAME}.', f'.{member}.')) for name in FAMILIES[family])
-    return list(filter(None, named))
+    return [of_name(name.replace(f'.{NAME}.', f'.{member}.')) for name in FAMILIES[family]]
 
 
 def meant(values: ParameterValues, given: ParameterValues) -> list[str]:
@@ -92,21 +80,16 @@ def meant(values: ParameterValues, given: ParameterValues) -> list[str]:
     ``values``: all parameters of the scene, checked; ``given``: the parameters in its file.
     drive.speed has no meaning where a topic drives.
     """
-    def holds(pattern: str, wanted: tuple[Any, ...]) -> bool:
-        """Return whether a parameter has one of the values; without any, whether it is given."""
-        others = [values[name] for name in values if fnmatchcase(name, pattern)]
-        return any(value in wanted if wanted else value == value for value in others)
-
-    conditions = [(pattern, holds(other, wanted)) for pattern, other, wanted in GOES_WITH]
+    absent: tuple[str, ...] = ()
     if values['linkage.kind'] == MACHINE:        # it has links of its own
-        absent = LINKS.keys() - set(_links_of_machine(values))
-        conditions[:0] = [(f'{family}.{link}.*', False) for family in ('bodies', 'external')
-                          for link in absent]
-    if values['linkage.input'] in ('slide', 'cylinder'):
-        conditions.insert(0, ('drive.top_speed', False))        # it is of positions that wrap
-    return [name for name in values if name in given
-            or next((is_met for pattern, is_met in conditions if fnmatchcase(name, pattern)),
-                    True)]
+        absent = tuple(f'{family}.{link}.' for family in ('bodies', 'external')
+                       for link in LINKS.keys() - set(_links_of_machine(values)))
+
+    def is_relevant(name: str) -> bool:
+        """Return whether a parameter has a meaning."""
+        asks = of_name(name).is_relevant or OF_GROUPS.get(name.partition('.')[0])
+        return not name.startswith(absent) and (asks is None or asks(values))
+    return [name for name in values if name in given or is_relevant(name)]
 
 
 # --- check ---------------------------------------------------------------------------------------
@@ -134,9 +117,8 @@ def check(values: ParameterValues) -> dict[str, Any]:
 
 def _is_known(name: str, is_machine: bool) -> bool:
     """Return whether a scene may have a parameter; only machines name dyads and links."""
-    member = member_of(name)
-    return name in PARAMETERS or (member is not None and _of_member(name) is not None
-                                  and (is_machine or member.family not in OF_MACHINES))
+    return name in PARAMETERS or (_of_member(name) is not None and (
+        is_machine or name.partition('.')[0] not in OF_MACHINES))
 
 
 def _why_unknown(name: str, is_machine: bool, value: Any) -> str:
@@ -162,10 +144,9 @@ def _why_unknown(name: str, is_machine: bool, value: Any) -> str:
                 'digits and _, starting with a letter')
     if parts[0] == 'dyads' and not is_machine:
         return f'linkage.kind {MACHINE} alone has dyads'
-    member = member_of(name)
     known = [*PARAMETERS, *FAMILIES['points']]
-    if member and (is_machine or member.family not in OF_MACHINES):
-        known = [p.name for p in _parameters_of(member.family, member.name)]
+    if member_of(name) and (is_machine or parts[0] not in OF_MACHINES):
+        known = [p.name for p in _parameters_of(parts[0], parts[1])]
     group, _, last = name.rpartition('.')
     beside = [other.rpartition('.')[2] for other in known if other.rpartition('.')[0] == group]
     if group and beside:
@@ -240,7 +221,7 @@ def _names(value: Any) -> list[str]:
 def check_value(parameter: Parameter, value: Any) -> Any:
     """Return a value in the type of its parameter; InvalidParameter names the allowed values."""
     name, choices = parameter.name, parameter.choices
-    kind: Any = TYPES[parameter.type]
+    kind: Any = VALUES[parameter.type]
     if kind is float:
         value = _as_float(value)
     if kind is list and isinstance(value, (tuple, array)):      # rclpy gives array('d', ...)
@@ -276,7 +257,7 @@ def _wanted(parameter: Parameter, value: Any) -> str:
                                                                                     value)
     if parameter.type == 'integer' and isinstance(value, float) and value.is_integer():
         return f'a whole number: {value:.0f}'
-    return TYPES_IN_WORDS[parameter.type]
+    return IN_WORDS[parameter.type]
 
 
 def _meant(parameter: Parameter, value: Any) -> str:

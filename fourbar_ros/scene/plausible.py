@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from math import isnan, radians, tau
 
 from fourbar_ros.scene.linkage import RODS
-from fourbar_ros.scene.parameter_table import MACHINE
 from fourbar_ros.scene.scene import Scene
+from fourbar_ros.scene.settings import MACHINE
 
 LONGEST = 10.0                      # [m]
 LIGHTEST, DENSEST = 100.0, 25000.0  # [kg/m^3], from cork to beyond osmium

@@ -14,6 +14,7 @@ from math import isnan, lcm, tau
 from pathlib import Path
 from typing import Any, cast, NamedTuple, NoReturn, TYPE_CHECKING, TypeVar
 
+from attrs import evolve, fields
 from fourbar_ros.errors import FourBarError, InvalidParameter, one_of, OutOfRange
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.quantities import Function, point_acceleration, point_speed
@@ -22,7 +23,14 @@ from fourbar_ros.scene.files import as_text, read_values
 from fourbar_ros.scene.forces import forces_of, with_tables
 from fourbar_ros.scene.linkage import linkage_of
 from fourbar_ros.scene.message_fields import FieldMap, layout, Names
-from fourbar_ros.scene.parameters import check, names_in, of_name, ParameterValues
+from fourbar_ros.scene.parameters import check, names_in, of_name
+from fourbar_ros.scene.settings import (
+    Drive,
+    External,
+    JointStates,
+    ParameterValues,
+    Recording,
+)
 from fourbar_ros.scene.topics import (
     ANSWERS,
     applied_topic,
@@ -45,55 +53,11 @@ if TYPE_CHECKING:      # other scenes do without
     from numpy.typing import ArrayLike
 
 
-Settings = TypeVar('Settings')
 COUNTS_IN_WORDS = {1: 'one', 2: 'two', 3: 'three', 4: 'four', 5: 'five', 6: 'six', 7: 'seven',
                    8: 'eight'}
 
 
-class DriveSettings(NamedTuple):
-    """The parameters drive.*: ``source`` moves the input; see the parameter table."""
-
-    source: str
-    speed: float
-    start: float
-    rate: float
-    joint: str
-    joint_ratio: float
-    joint_offset: float
-    window: int
-    jump: float
-    top_speed: float
-    timeout: float
-    out_of_range: str
-    start_speed: float
-    tolerance: float
-    budget: int
-    when_silent: str
-    torque_limit: float
-
-
-class RecordingSettings(NamedTuple):
-    """The parameters recording.*: where a bag goes, when it is split [MB], [s]."""
-
-    start: bool
-    directory: str
-    name: str
-    split_size: float
-    split_duration: float
-
-
-class Wrenches(NamedTuple):
-    """
-    Links whose external wrench comes from a topic, and the policy while it is silent.
-
-    ``timeout`` [s]: the silence after which ``when_silent`` holds; ``extrapolated``: the node
-    estimates the wrench a step later from the last two.
-    """
-
-    links: tuple[str, ...]
-    timeout: float
-    when_silent: str
-    extrapolated: bool
+Settings = TypeVar('Settings')
 
 
 class Point(NamedTuple):
@@ -102,22 +66,6 @@ class Point(NamedTuple):
     link: str
     along: float
     across: float
-
-
-class JointStates(NamedTuple):
-    """How joint_states shows the joints; see the parameter table."""
-
-    prefix: str
-    ratios: list[float]
-    offsets: list[float]
-    when_unknown: str
-    only_passive: bool
-
-    @property
-    def are_plain(self) -> bool:
-        """Return whether the motion itself is published: neither scaled nor held."""
-        return (set(self.ratios) == {1.0} and set(self.offsets) == {0.0}
-                and self.when_unknown != 'hold')
 
 
 class Scene(NamedTuple):
@@ -134,13 +82,13 @@ class Scene(NamedTuple):
     linkage: Mechanism
     bare_linkage: Mechanism
     points: dict[str, Point]
-    wrenches: Wrenches
-    drive: DriveSettings
+    wrenches: External
+    drive: Drive
     outputs: tuple[str, ...]
     frame_id: str
     joint_names: tuple[str, ...]      # with their prefix
     joint_states: JointStates
-    recording: RecordingSettings
+    recording: Recording
     forces: tuple[PositionForce, ...]
     dynamics: Dynamics | None
     values: ParameterValues
@@ -372,29 +320,29 @@ def from_values(values: ParameterValues) -> Scene:
         if point.link not in links:
             raise InvalidParameter(f'points.{name}.link', point.link, one_of(links, point.link))
     shown = _group(JointStates, 'joint_states', values)
-    shown = shown._replace(ratios=shown.ratios or [1.0] * len(linkage.JOINTS),
-                           offsets=shown.offsets or [0.0] * len(linkage.JOINTS))
+    shown = evolve(shown, ratios=shown.ratios or [1.0] * len(linkage.JOINTS),
+                   offsets=shown.offsets or [0.0] * len(linkage.JOINTS))
     names = values['joint_names'] or [joint.name or joint.place for joint in linkage.JOINTS]
-    wrenches = Wrenches(tuple(link for link in linkage.EXTERNAL._fields
-                              if values[f'external.{link}.from_topic']),
-                        *(values[f'external.{field}'] for field in Wrenches._fields[1:]))
+    wrenches = _group(External, 'external', values, links=tuple(
+        link for link in linkage.EXTERNAL._fields if values[f'external.{link}.from_topic']))
     forces = forces_of(values, linkage)
     dynamics = of_values(values, linkage, forces)
     has_elements = dynamics.elements if dynamics else forces
     honest = replace(linkage, bodies=None) if has_elements else linkage
-    scene = Scene(honest, linkage, points, wrenches, _group(DriveSettings, 'drive', values),
+    scene = Scene(honest, linkage, points, wrenches, _group(Drive, 'drive', values),
                   tuple(values['outputs']),
                   values['frame_id'], tuple(shown.prefix + name for name in names), shown,
-                  _group(RecordingSettings, 'recording', values),
+                  _group(Recording, 'recording', values),
                   forces, dynamics, values)
     _check_together(scene)
     return scene
 
 
-def _group(kind: type[Settings], name: str, values: ParameterValues) -> Settings:
-    """Return the parameters ``name``.* as a NamedTuple of a kind."""
-    make: Any = kind
-    return cast(Settings, make(*(values[f'{name}.{field}'] for field in make._fields)))
+def _group(kind: type[Settings], name: str, values: ParameterValues, **more: Any) -> Settings:
+    """Return the parameters ``name``.* as a record of a kind, with ``more`` fields."""
+    its: Any = kind
+    return cast(Settings, its(**{field.name: values[f'{name}.{field.name}']
+                                 for field in fields(its) if field.name not in more}, **more))
 
 
 def load(path: str | Path) -> Scene:

@@ -11,8 +11,8 @@ from typing import Any, NamedTuple, TYPE_CHECKING
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.given import number
-from fourbar_ros.scene.parameter_table import SOURCES
 from fourbar_ros.scene.scene import Scene
+from fourbar_ros.scene.settings import SOURCES
 from fourbar_ros.scene.topics import TORQUE
 import numpy as np
 

@@ -8,6 +8,7 @@ import shutil
 import subprocess
 from xml.etree import ElementTree
 
+from attrs import evolve
 from fourbar_ros import InvalidParameter
 from fourbar_ros.description.formats import describe
 from fourbar_ros.description.model import model_of, NoDescription, tree_of
@@ -272,7 +273,7 @@ def scene_with(machine):
     scene, count = from_values(PAPER), len(machine.JOINTS)
     return scene._replace(
         linkage=machine, joint_names=tuple(joint.place for joint in machine.JOINTS),
-        joint_states=scene.joint_states._replace(ratios=[1.0] * count, offsets=[0.0] * count))
+        joint_states=evolve(scene.joint_states, ratios=[1.0] * count, offsets=[0.0] * count))
 
 
 def gaps(scene, positions):

@@ -17,8 +17,8 @@ from fourbar_ros.dynamics.model.system import System
 from fourbar_ros.dynamics.solve.simulate import simulate
 from fourbar_ros.dynamics.step.mover import AT_LIMIT, Mover, OK, OUT_OF_BUDGET
 from fourbar_ros.mechanisms.kinds import KINDS
-from fourbar_ros.scene.parameter_table import PARAMETERS
 from fourbar_ros.scene.scene import from_values
+from fourbar_ros.scene.settings import PARAMETERS
 import numpy as np
 import pytest
 from support.samples import some

@@ -7,8 +7,8 @@ import random
 
 from fourbar_ros import FourBarError, InvalidParameter
 from fourbar_ros.scene import scene
-from fourbar_ros.scene.parameter_table import LINKS, OF_MOTORS, PARAMETERS, REQUIRED
 from fourbar_ros.scene.parameters import check_value, find
+from fourbar_ros.scene.settings import LINKS, OF_MOTORS, PARAMETERS, REQUIRED
 import pytest
 from support import ROOT
 from support.hostile import hostile

@@ -1,19 +1,21 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-The single table of scene parameters: type, unit, default, allowed values, text. Imports no ROS.
+All parameters of a scene: type, unit, default, allowed values, text. Imports no ROS.
 
-It feeds the declaration in the node, the check of scene files, the manual and the tests;
-:mod:`fourbar_ros.scene.parameters` finds and checks parameters by it. Families are sets of
-parameters of which a scene may have any number: in ``points.NAME.link`` NAME is free.
+They feed the declaration in the node, the check of scene files, the manual and the tests;
+:mod:`fourbar_ros.scene.parameters` finds and checks them. Groups that a scene keeps as records are
+classes, whose fields are the parameters: ``Drive.speed`` is ``drive.speed``. Families are groups
+of which a scene may have any number: in ``points.NAME.link`` NAME is free.
 """
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from math import inf, isfinite, nan, pi
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
+from attrs import field, fields, frozen
 from fourbar_ros.dynamics.model.drives import DCMotor, Law, MotorLine, SpeedController
 from fourbar_ros.dynamics.model.induction_motor import InductionMotor
 from fourbar_ros.mechanisms.contract import find_link
@@ -21,16 +23,22 @@ from fourbar_ros.mechanisms.kinds import AT_MOVING_JOINTS, KINDS
 from fourbar_ros.mechanisms.machine.describe.description import DIMENSIONS
 from fourbar_ros.mechanisms.parts import GROUND
 from fourbar_ros.numerics.given import FASTEST, quantities_of
-from fourbar_ros.scene.topics import INPUTS, OUTPUTS, PICTURES, SERVICES, wrench_topic
+from fourbar_ros.scene.topics import INPUTS, OUTPUTS, PICTURES, SERVICES, TORQUE, wrench_topic
+
+ParameterValues = Mapping[str, Any]       # {name: value}; their types stand in the table
+Relevant = Callable[[ParameterValues], bool]   # whether a parameter has a meaning in a scene
 
 MODES = MappingProxyType({'crossed': 1, 'open': 2})
 REQUIRED = object()        # as a default: the scene must give the value
 MACHINE, NAME, COUPLE = 'machine', 'NAME', 'couple'
-SOURCES = ('torque', 'motor')      # of drive.source, with which the motion follows from torque
+TIMER, MESSAGES = 'timer', tuple(INPUTS)
+SOURCES = (TORQUE.name, 'motor')   # of drive.source, with which the motion follows from torque
 # units of a table of forces, in SI units
 OF_PLACES = {'rad': 1.0, 'deg': pi / 180.0, 'm': 1.0, 'mm': 1e-3}
 PRESSURES = {'Pa': 1.0, 'kPa': 1e3, 'MPa': 1e6, 'bar': 1e5}
 OF_VALUES = {'N': 1.0, 'kN': 1e3, 'N m': 1.0, 'kN m': 1e3, **PRESSURES}
+TYPES = {'float': 'double', 'int': 'integer', 'str': 'string', 'bool': 'bool',
+         'list[str]': 'strings', 'list[float]': 'doubles'}
 
 
 class Parameter(NamedTuple):
@@ -38,7 +46,8 @@ class Parameter(NamedTuple):
     One parameter, declared in the node, checked in scene files, printed in the manual.
 
     A ``default`` of NaN means "not given". ``low`` and ``high`` are inclusive; ``positive``
-    excludes zero; a value below ``least`` must be 0, which turns something off.
+    excludes zero; a value below ``least`` must be 0, which turns something off. ``is_relevant``
+    tells whether it has a meaning in a scene, by all its values.
     """
 
     name: str
@@ -53,6 +62,7 @@ class Parameter(NamedTuple):
     live: bool = True          # can be changed while the node runs
     words: Mapping[str, Any] = MappingProxyType({})       # names of some values
     least: float = 0.0
+    is_relevant: Relevant | None = None
 
     @property
     def allowed(self) -> str:
@@ -68,35 +78,55 @@ class Parameter(NamedTuple):
         return ''
 
 
+def parameter(default: Any, unit: str, text: str, **more: Any) -> Any:
+    """Return a field of a class that is a :class:`Parameter`, of which ``more`` are fields."""
+    return field(default=default, metadata={'default': default, 'unit': unit, 'text': text,
+                                            **more})
+
+
+def _fields(kind: Any, group: str) -> list[Parameter]:
+    """Return the parameters ``group``.* that the fields of a class are."""
+    return [Parameter(f'{group}.{its.name}', TYPES[its.type], **its.metadata)
+            for its in fields(kind) if its.metadata]
+
+
 def _table(*parameters: Parameter) -> dict[str, Parameter]:
     return {parameter.name: parameter for parameter in parameters}
 
 
-# --- from the kinds of motors --------------------------------------------------------------------
-
-# each number of a law is a parameter motor.NAME, with its unit, limits and text
-MOTORS: dict[str, type[Law]] = {'line': MotorLine, 'dc': DCMotor, 'controller': SpeedController,
-                                'induction': InductionMotor}
+def driven_by(*sources: str) -> Relevant:
+    """Return whether the source of the input is one of these."""
+    return lambda values: values['drive.source'] in sources
 
 
-def _motor_parameters(kind: str) -> dict[str, Parameter]:
-    """Return {field of a kind of motor: its parameter motor.NAME}, made from the field."""
-    parameters = {}
-    for field, default, quantity in quantities_of(MOTORS[kind]):
-        is_given = isinstance(default, (int, float)) and isfinite(default)
-        parameters[field] = Parameter(
-            f'motor.{quantity.parameter or field}', 'integer' if quantity.is_whole else 'double',
-            default if is_given else nan, quantity.unit, f'{kind}: {quantity.text}',
-            low=quantity.least, positive=quantity.above == 0.0)
-    return parameters
+def of_kinds(kinds: Iterable[str]) -> Relevant:
+    """Return whether the linkage is of one of these kinds."""
+    known = tuple(kinds)
+    return lambda values: values['linkage.kind'] in known
 
 
-OF_MOTORS = {kind: _motor_parameters(kind) for kind in MOTORS}
-GEAR = Parameter('motor.gear', 'double', 1.0, '',
-                 'gear ratio: speed of the motor over that of the shaft behind the gear; not zero')
+def has_cylinder(values: ParameterValues) -> bool:
+    """Return whether a cylinder drives the crank."""
+    return bool(values['linkage.input'] == 'cylinder')
 
 
-# --- from the kinds of mechanisms ----------------------------------------------------------------
+def has_slide(values: ParameterValues) -> bool:
+    """Return whether the driven joint is a slide or a cylinder."""
+    return values['linkage.input'] in ('slide', 'cylinder')
+
+
+def has_masses(values: ParameterValues) -> bool:
+    """Return whether a mass, or the density of rods, is given."""
+    return any(value == value for name, value in values.items() if name.startswith('bodies.')
+               and name.endswith(('.mass', '.density')))
+
+
+def has_wrenches(values: ParameterValues) -> bool:
+    """Return whether a link has its external wrench from a topic."""
+    return any(value for name, value in values.items() if name.endswith('.from_topic'))
+
+
+# --- the linkage ---------------------------------------------------------------------------------
 
 def _kinds_by_text(pairs: Iterable[tuple[str, str]]) -> dict[str, list[str]]:
     """Return {text: kinds} of pairs (kind, text): kinds of one text share an entry."""
@@ -115,9 +145,11 @@ def _length(name: str) -> Parameter:
     text = next(iter(texts)) if is_in_all and len(texts) == 1 else '; '.join(
         f'{text} ({", ".join(kinds)})' for text, kinds in texts.items())
     if any(length.signed for length in lengths.values()):
-        return Parameter(f'linkage.{name}', 'double', 0.0, 'm', text)
+        return Parameter(f'linkage.{name}', 'double', 0.0, 'm', text,
+                         is_relevant=of_kinds(lengths))
     return Parameter(f'linkage.{name}', 'double', nan, 'm',
-                     text + ' (all kinds but machine)' * is_in_all, positive=True)
+                     text + ' (all kinds but machine)' * is_in_all, positive=True,
+                     is_relevant=of_kinds(lengths))
 
 
 def _first_joint(link: str) -> str:
@@ -139,6 +171,30 @@ _KINDS_IN_WORDS = '; '.join(f'{kind.TEXT} ({name})' for name, kind in KINDS.item
 _JOINTS_IN_WORDS = '; '.join(f'{", ".join(joint.name for joint in kind.JOINTS)} ({name})'
                              for name, kind in KINDS.items())
 _WITH_SLIDES = ' or '.join(name for name, kind in KINDS.items() if len(kind.INPUTS) > 1)
+
+
+# --- from the kinds of motors --------------------------------------------------------------------
+
+# each number of a law is a parameter motor.NAME, with its unit, limits and text
+MOTORS: dict[str, type[Law]] = {'line': MotorLine, 'dc': DCMotor, 'controller': SpeedController,
+                                'induction': InductionMotor}
+
+
+def _motor_parameters(kind: str) -> dict[str, Parameter]:
+    """Return {field of a kind of motor: its parameter motor.NAME}, made from the field."""
+    parameters = {}
+    for name, default, quantity in quantities_of(MOTORS[kind]):
+        is_given = isinstance(default, (int, float)) and isfinite(default)
+        parameters[name] = Parameter(
+            f'motor.{quantity.parameter or name}', 'integer' if quantity.is_whole else 'double',
+            default if is_given else nan, quantity.unit, f'{kind}: {quantity.text}',
+            low=quantity.least, positive=quantity.above == 0.0)
+    return parameters
+
+
+OF_MOTORS = {kind: _motor_parameters(kind) for kind in MOTORS}
+GEAR = Parameter('motor.gear', 'double', 1.0, '',
+                 'gear ratio: speed of the motor over that of the shaft behind the gear; not zero')
 
 
 # --- bodies and forces of links ------------------------------------------------------------------
@@ -181,6 +237,135 @@ def _external(link: str, first_joint: str) -> tuple[Parameter, ...]:
     )
 
 
+# --- groups that a scene keeps as records --------------------------------------------------------
+
+_ON_CLOCK, _BY_MESSAGES = driven_by(TIMER, *SOURCES), driven_by(*MESSAGES)
+_BY_JOINT, _BY_TORQUE = driven_by('joint_state'), driven_by(*SOURCES)
+_BY_TOPIC = driven_by(TORQUE.name)
+
+
+@frozen
+class Drive:
+    """What moves the input."""
+
+    source: str = parameter(
+        TIMER, '', 'source of the input: the clock (timer), Motion messages (motion), one joint '
+        'of JointState messages (joint_state); or the motion follows from torque: of a topic '
+        '(torque) or of a motor (motor)', choices=(TIMER, *MESSAGES, *SOURCES), live=False)
+    speed: float = parameter(
+        1.0, 'rad/s or m/s', 'with the timer: constant speed of the input', low=-FASTEST,
+        high=FASTEST, is_relevant=driven_by(TIMER))
+    start: float = parameter(0.0, 'rad or m', 'with the timer, torque or motor: input at the '
+                             'first sample', live=False, is_relevant=_ON_CLOCK)
+    rate: float = parameter(100.0, 'Hz', 'with the timer, torque or motor: samples per second',
+                            low=0.001, high=5000.0, is_relevant=_ON_CLOCK)
+    start_speed: float = parameter(
+        0.0, 'rad/s or m/s', 'with torque or motor: speed of the input at the start',
+        low=-FASTEST, high=FASTEST, live=False, is_relevant=_BY_TORQUE)
+    tolerance: float = parameter(
+        1e-6, '', 'with torque or motor: largest error of one step of the node, of angles [rad] '
+        'and, over one sample, of speeds [rad/s]', low=1e-12, high=0.1, is_relevant=_BY_TORQUE)
+    budget: int = parameter(
+        60, '', 'with torque or motor: most evaluations of the equation of motion in one step; a '
+        'step that needs more is finished less accurately, as its status shows', low=12,
+        high=10000, is_relevant=_BY_TORQUE)
+    when_silent: str = parameter(
+        'zero', '', 'with torque: torque in effect before the first message, and after '
+        'drive.timeout without one: none (zero), or the last one (hold; before the first, none)',
+        choices=('zero', 'hold'), is_relevant=_BY_TOPIC)
+    torque_limit: float = parameter(
+        nan, 'N m or N', 'with torque: a larger torque from the topic counts as this one; '
+        'default: no limit', positive=True, is_relevant=_BY_TOPIC)
+    joint: str = parameter('', '', 'with joint_state: name of the driven joint', live=False,
+                           is_relevant=_BY_JOINT)
+    joint_ratio: float = parameter(
+        1.0, '', 'with joint_state: ratio in joint = ratio * input + offset; negative if they '
+        'turn in opposite directions', live=False, is_relevant=_BY_JOINT)
+    joint_offset: float = parameter(
+        0.0, 'rad or m', 'with joint_state: offset in joint = ratio * input + offset', live=False,
+        is_relevant=_BY_JOINT)
+    window: int = parameter(
+        5, '', 'estimate of missing rates: number of latest samples that are fitted', low=3,
+        high=50, is_relevant=_BY_MESSAGES)
+    jump: float = parameter(
+        1.0, 'rad or m', 'estimate of missing rates: a step between two samples that is larger, '
+        'or differs by more from the one expected, restarts it', positive=True,
+        is_relevant=_BY_MESSAGES)
+    top_speed: float = parameter(
+        nan, 'rad/s', 'where positions wrap after a turn: largest speed of the input; a step so '
+        'long that it could be a quarter turn at this speed restarts the estimate of missing '
+        'rates; default: positions count their turns', positive=True,
+        is_relevant=lambda values: _BY_MESSAGES(values) and not has_slide(values))
+    timeout: float = parameter(
+        1.0, 's', 'with messages: after this time without input the status is '
+        'STATUS_INPUT_TIMEOUT; 0: never', low=0.0,
+        is_relevant=driven_by(*MESSAGES, TORQUE.name))
+    out_of_range: str = parameter(
+        'none', '', 'published where the linkage cannot be assembled: NaN (none), the last good '
+        'values (hold) or the pose at the nearest limit (clamp)',
+        choices=('none', 'hold', 'clamp'))
+
+
+@frozen
+class JointStates:
+    """How joint_states shows the joints."""
+
+    prefix: str = parameter('', '', 'prefix of every name in joint_names', live=False)
+    ratios: list[float] = parameter(
+        [], '', 'ratio of each joint: published position = ratio * (angle or slide) + offset; '
+        'negative: opposite direction; empty: 1', live=False)
+    offsets: list[float] = parameter(
+        [], 'rad or m', 'offset of each joint: published position = ratio * (angle or slide) + '
+        'offset; empty: 0', live=False)
+    when_unknown: str = parameter(
+        'skip', '', 'published while a position is unknown: nothing (skip: robot_state_publisher '
+        'keeps the last pose), the last known positions with NaN rates (hold), or NaN (send_nan)',
+        choices=('skip', 'hold', 'send_nan'))
+    only_passive: bool = parameter(
+        False, '', 'leave the driven joint out of joint_states: for a node that publishes on the '
+        'topic it listens to, as a relay does', live=False)
+
+    @property
+    def are_plain(self) -> bool:
+        """Return whether the motion itself is published: neither scaled nor held."""
+        return (set(self.ratios) == {1.0} and set(self.offsets) == {0.0}
+                and self.when_unknown != 'hold')
+
+
+@frozen
+class Recording:
+    """Where a bag goes, when it is split."""
+
+    start: bool = parameter(False, '', 'start recording with the first sample', live=False)
+    directory: str = parameter('bags', '', 'directory for the bags', live=False)
+    name: str = parameter('', '', 'name of the first bag; empty: a new name from the clock',
+                          live=False)
+    split_size: float = parameter(
+        0.0, 'MB', 'continue a bag in a new file when the current one exceeds this size; 0: '
+        'never', low=0.0, live=False, least=0.01)
+    split_duration: float = parameter(
+        0.0, 's', 'continue a bag in a new file when the current one exceeds this duration; 0: '
+        'never', low=0.0, live=False, least=0.1)
+
+
+@frozen
+class External:
+    """External wrenches that come from topics, on these ``links``."""
+
+    timeout: float = parameter(1.0, 's', 'with from_topic: a link without a wrench for longer '
+                               'than this counts as silent; 0: never', low=0.0,
+                               is_relevant=has_wrenches)
+    when_silent: str = parameter(
+        'unknown', '', 'external wrench of a silent link, and before its first message: unknown '
+        '(all loads are NaN), constant (force_x, force_y, couple) or hold (the last wrench; '
+        'before the first, constant)', choices=('unknown', 'constant', 'hold'),
+        is_relevant=has_wrenches)
+    extrapolated: bool = parameter(
+        False, '', 'with from_topic: take from the last two wrenches the one that is due a step '
+        'later, for chains of nodes, whose reactions come one step late', is_relevant=has_wrenches)
+    links: tuple[str, ...] = ()
+
+
 # --- the table -----------------------------------------------------------------------------------
 
 PARAMETERS = _table(
@@ -195,15 +380,17 @@ PARAMETERS = _table(
     *map(_length, LENGTHS),
     Parameter('linkage.range', 'doubles', [], 'm',
               'stroke of a driven slide: [shortest, longest]; empty: every position where the '
-              'linkage can be assembled', live=False),
+              'linkage can be assembled', live=False,
+              is_relevant=has_slide),
     Parameter('linkage.mode', 'integer', 2, '',
               'assembly mode: 1 or crossed, 2 or open; for the sliders see docs/conventions.md',
-              1, 2, words=MODES),
+              1, 2, words=MODES, is_relevant=of_kinds(KINDS)),
     Parameter('linkage.dyads', 'strings', [], '',
               f'names of the dyads of a {MACHINE}, each after those on whose links it hangs',
-              live=False),
+              live=False, is_relevant=of_kinds([MACHINE])),
     Parameter('linkage.output', 'string', '', '',
-              f'link of a {MACHINE} whose motion is the output; empty: the last link', live=False),
+              f'link of a {MACHINE} whose motion is the output; empty: the last link',
+              live=False, is_relevant=of_kinds([MACHINE])),
     Parameter('cylinder.base.link', 'string', GROUND, '',
               'with linkage.input cylinder: link on which its tube is pinned, the ground or one '
               'to which the crank is pinned at O1; see docs/machines.md', live=False),
@@ -238,66 +425,7 @@ PARAMETERS = _table(
               'thickness of these bars, square to the plane', positive=True),
     *(parameter for item in LINKS.items() for parameter in _body(*item)),
     *(parameter for item in LINKS.items() for parameter in _external(*item)),
-    Parameter('external.timeout', 'double', 1.0, 's',
-              'with from_topic: a link without a wrench for longer than this counts as silent; 0: '
-              'never', low=0.0),
-    Parameter('external.when_silent', 'string', 'unknown', '',
-              'external wrench of a silent link, and before its first message: unknown (all loads '
-              'are NaN), constant (force_x, force_y, couple) or hold (the last wrench; before the '
-              'first, constant)', choices=('unknown', 'constant', 'hold')),
-    Parameter('external.extrapolated', 'bool', False, '',
-              'with from_topic: take from the last two wrenches the one that is due a step later, '
-              'for chains of nodes, whose reactions come one step late'),
-    Parameter('drive.source', 'string', 'timer', '',
-              'source of the input: the clock (timer), Motion messages (motion), one joint of '
-              'JointState messages (joint_state); or the motion follows from torque: of a topic '
-              '(torque) or of a motor (motor)',
-              choices=('timer', *INPUTS, *SOURCES), live=False),
-    Parameter('drive.speed', 'double', 1.0, 'rad/s or m/s',
-              'with the timer: constant speed of the input', low=-FASTEST, high=FASTEST),
-    Parameter('drive.start', 'double', 0.0, 'rad or m',
-              'with the timer, torque or motor: input at the first sample', live=False),
-    Parameter('drive.rate', 'double', 100.0, 'Hz',
-              'with the timer, torque or motor: samples per second', low=0.001, high=5000.0),
-    Parameter('drive.start_speed', 'double', 0.0, 'rad/s or m/s',
-              'with torque or motor: speed of the input at the start', low=-FASTEST, high=FASTEST,
-              live=False),
-    Parameter('drive.tolerance', 'double', 1e-6, '',
-              'with torque or motor: largest error of one step of the node, of angles [rad] and, '
-              'over one sample, of speeds [rad/s]', low=1e-12, high=0.1),
-    Parameter('drive.budget', 'integer', 60, '',
-              'with torque or motor: most evaluations of the equation of motion in one step; a '
-              'step that needs more is finished less accurately, as its status shows', 12, 10000),
-    Parameter('drive.when_silent', 'string', 'zero', '',
-              'with torque: torque in effect before the first message, and after drive.timeout '
-              'without one: none (zero), or the last one (hold; before the first, none)',
-              choices=('zero', 'hold')),
-    Parameter('drive.torque_limit', 'double', nan, 'N m or N',
-              'with torque: a larger torque from the topic counts as this one; default: no limit',
-              positive=True),
-    Parameter('drive.joint', 'string', '', '', 'with joint_state: name of the driven joint',
-              live=False),
-    Parameter('drive.joint_ratio', 'double', 1.0, '',
-              'with joint_state: ratio in joint = ratio * input + offset; negative if they turn '
-              'in opposite directions', live=False),
-    Parameter('drive.joint_offset', 'double', 0.0, 'rad or m',
-              'with joint_state: offset in joint = ratio * input + offset', live=False),
-    Parameter('drive.window', 'integer', 5, '',
-              'estimate of missing rates: number of latest samples that are fitted', 3, 50),
-    Parameter('drive.jump', 'double', 1.0, 'rad or m',
-              'estimate of missing rates: a step between two samples that is larger, or differs '
-              'by more from the one expected, restarts it', positive=True),
-    Parameter('drive.top_speed', 'double', nan, 'rad/s',
-              'where positions wrap after a turn: largest speed of the input; a step so long that '
-              'it could be a quarter turn at this speed restarts the estimate of missing rates; '
-              'default: positions count their turns', positive=True),
-    Parameter('drive.timeout', 'double', 1.0, 's',
-              'with messages: after this time without input the status is STATUS_INPUT_TIMEOUT; '
-              '0: never', low=0.0),
-    Parameter('drive.out_of_range', 'string', 'none', '',
-              'published where the linkage cannot be assembled: NaN (none), the last good values '
-              '(hold) or the pose at the nearest limit (clamp)',
-              choices=('none', 'hold', 'clamp')),
+    *_fields(External, 'external'), *_fields(Drive, 'drive'),
     Parameter('motor.kind', 'string', 'line', '',
               'with motor: torque that falls linearly with speed (line), DC motor (dc), speed '
               "controller with a limited torque (controller), or induction motor by Kloss' "
@@ -328,21 +456,7 @@ PARAMETERS = _table(
     Parameter('joint_names', 'strings', [], '',
               f'names of the joints in joint_states, in this order; empty: {_JOINTS_IN_WORDS}',
               live=False),
-    Parameter('joint_states.prefix', 'string', '', '', 'prefix of every name in joint_names',
-              live=False),
-    Parameter('joint_states.ratios', 'doubles', [], '',
-              'ratio of each joint: published position = ratio * (angle or slide) + offset; '
-              'negative: opposite direction; empty: 1', live=False),
-    Parameter('joint_states.offsets', 'doubles', [], 'rad or m',
-              'offset of each joint: published position = ratio * (angle or slide) + offset; '
-              'empty: 0', live=False),
-    Parameter('joint_states.when_unknown', 'string', 'skip', '',
-              'published while a position is unknown: nothing (skip: robot_state_publisher keeps '
-              'the last pose), the last known positions with NaN rates (hold), or NaN (send_nan)',
-              choices=('skip', 'hold', 'send_nan')),
-    Parameter('joint_states.only_passive', 'bool', False, '',
-              'leave the driven joint out of joint_states: for a node that publishes on the topic '
-              'it listens to, as a relay does', live=False),
+    *_fields(JointStates, 'joint_states'),
     Parameter('trajectories', 'bool', False, '',
               'translate trajectories of the output joint into those of the driven joint, and '
               'back; drive.start chooses the branch', live=False),
@@ -350,17 +464,7 @@ PARAMETERS = _table(
               'with trajectories: what answers hold beside positions. accelerations are answered '
               'where they are given; joint_trajectory_controller takes effort only if it commands '
               'effort', choices=('velocities', 'accelerations', 'effort')),
-    Parameter('recording.start', 'bool', False, '', 'start recording with the first sample',
-              live=False),
-    Parameter('recording.directory', 'string', 'bags', '', 'directory for the bags', live=False),
-    Parameter('recording.name', 'string', '', '',
-              'name of the first bag; empty: a new name from the clock', live=False),
-    Parameter('recording.split_size', 'double', 0.0, 'MB',
-              'continue a bag in a new file when the current one exceeds this size; 0: never',
-              low=0.0, live=False, least=0.01),
-    Parameter('recording.split_duration', 'double', 0.0, 's',
-              'continue a bag in a new file when the current one exceeds this duration; 0: never',
-              low=0.0, live=False, least=0.1),
+    *_fields(Recording, 'recording'),
 )
 
 
@@ -504,27 +608,7 @@ FAMILIES = {'points': _POINT, 'springs': _SPRING, 'torsion_springs': _TORSION, '
             'dyads': _DYAD, 'bodies': _table(*_body(NAME, 'its first joint')),
             'external': _table(*_external(NAME, 'its first joint'))}
 OF_MACHINES = 'dyads', 'bodies', 'external'      # families whose names only machines choose
-
-_TIMER, _MESSAGES, (_TORQUE, _MOTOR) = 'timer', tuple(INPUTS), SOURCES
-# Parameters that have a meaning only with some values of another parameter: (pattern of names, the
-# other parameter, its values; none: any value that is given). The first pattern that fits a name
-# counts. The node declares only parameters that have a meaning.
-GOES_WITH: tuple[tuple[str, str, tuple[Any, ...]], ...] = (
-    *((f'linkage.{length}', 'linkage.kind', tuple(
-        name for name, kind in KINDS.items() if length in [its.name for its in kind.LENGTHS]))
-      for length in LENGTHS),
-    ('linkage.range', 'linkage.input', ('slide', 'cylinder')),
-    ('linkage.mode', 'linkage.kind', tuple(KINDS)),
-    ('linkage.dyads', 'linkage.kind', (MACHINE,)), ('linkage.output', 'linkage.kind', (MACHINE,)),
-    ('cylinder.*', 'linkage.input', ('cylinder',)),
-    *((f'external.{name}', 'external.*.from_topic', (True,))
-      for name in ('timeout', 'when_silent', 'extrapolated')),
-    ('external.*', 'bodies.*.[md]*', ()),      # masses, or the density of rods
-    *((f'drive.{name}', 'drive.source', sources) for names, sources in (
-        ('speed', (_TIMER,)), ('start rate', (_TIMER, *SOURCES)), ('joint*', ('joint_state',)),
-        ('window jump top_speed', _MESSAGES), ('timeout', (*_MESSAGES, _TORQUE)),
-        ('when_silent torque_limit', (_TORQUE,)), ('start_speed tolerance budget', SOURCES))
-      for name in names.split()),
-    ('motor.*', 'drive.source', (_MOTOR,)), ('shaft.*', 'drive.source', SOURCES),
-    ('flywheel.*', 'drive.source', SOURCES),
-)
+# when groups have a meaning, but for parameters that say so themselves
+OF_GROUPS: dict[str, Relevant] = {
+    'cylinder': has_cylinder, 'external': has_masses, 'motor': driven_by('motor'),
+    'shaft': _BY_TORQUE, 'flywheel': _BY_TORQUE}
