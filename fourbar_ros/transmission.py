@@ -23,8 +23,7 @@ and T_links what masses, gravity and external loads of the links ask for. The st
 robot controllers is r M alone. A branch lies between two places at which the output turns back (or
 the range of the input ends): each of its positions belongs to one input.
 
-Positions mean what they say: an angle counts its turns, and is never taken the short way. Wrapped
-angles are for :mod:`fourbar_ros.ros.node.trajectories`.
+Positions mean what they say: an angle counts its turns, and is never taken the short way.
 """
 from __future__ import annotations
 

@@ -125,7 +125,6 @@ def test_the_node_catches_signals_before_anything_long_is_imported():
     done = run("""
 import sys
 import fourbar_ros.ros.node.start
-import fourbar_ros.ros.stop
 print([name for name in ('numpy', 'rclpy', 'yaml') if name in sys.modules])
 from fourbar_ros import *
 print(FourBar.__name__, set(fourbar_ros.__all__) <= set(dir(fourbar_ros)))

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import argparse
-import signal
 
 from fourbar_ros.cli.common import add_node, add_topics, add_verb, BAG_HELP, Verbs
 from fourbar_ros.scene.arguments import not_negative, positive
@@ -70,4 +69,4 @@ def _replay(arguments: argparse.Namespace) -> int:
     if not count and not stopped_by:
         raise BagError(f'{arguments.bag}: no message after {arguments.start:g} s')
     print(f'{count} messages published')
-    return 128 + signal.Signals[stopped_by] if stopped_by else 0
+    return 128 + stopped_by if stopped_by else 0

@@ -17,8 +17,8 @@ from fourbar_ros.pipeline.status import OK as KNOWN
 from fourbar_ros.pipeline.stepper import InModes
 from fourbar_ros.ros.messages import resolve, sec_nanosec, set_constants, to_stamp
 from fourbar_ros.ros.node import packed
-from fourbar_ros.ros.node.outputs import drive_layout
 from fourbar_ros.ros.node.recording import about_of
+from fourbar_ros.ros.node.run import drive_layout
 from fourbar_ros.ros.schemas import channel
 from fourbar_ros.scene.files import NODE
 from fourbar_ros.scene.message_fields import mode_number

@@ -12,7 +12,6 @@ from fourbar_ros import FourBar
 from fourbar_ros.cli.main import main
 from fourbar_ros.scene import files as scene_file
 from fourbar_ros.scene import scene
-from fourbar_ros.scene.arguments import check_node_arguments, UsageError
 from fourbar_ros.scene.files import read_values, SceneError
 import numpy as np
 import pytest
@@ -71,28 +70,6 @@ def test_a_scene_for_another_node_is_refused(key, is_good, tmp_path, capsys):
     if not is_good:
         assert ('/other' in err or '/cell/other' in err and 'write "/**:"' in err
                 and len(err.splitlines()) == 1)
-
-
-@some('key, arguments, is_good', [
-    ('/**', [], True), ('fourbar', [], True), ('other', [], False),
-    ('other', ['-r', '__node:=other'], True),
-    ('fourbar', ['-r', '__node:=other'], False), ('/cell/fourbar', [], False),
-    ('/cell/fourbar', ['-r', '__ns:=/cell'], True),
-    ('fourbar', ['-r', '__ns:=/cell'], False), ('"/*"', ['-r', '__ns:=/cell'], False)], 1)
-def test_the_node_refuses_parameters_that_are_not_its_own(key, arguments, is_good, tmp_path):
-    given = ['--ros-args', '--params-file', scene_with(tmp_path, '', key), *arguments]
-    if is_good:
-        check_node_arguments(given)
-    else:
-        with pytest.raises(SceneError, match='contains nothing for the node'):
-            check_node_arguments(given)
-
-
-@some('arguments', [['scene.yaml'], ['--params-file', 'scene.yaml'],
-                    ['paper', '--ros-args']], 1)
-def test_the_node_says_what_to_type(arguments):
-    with pytest.raises(UsageError, match='type  fourbar_node --ros-args --params-file '):
-        check_node_arguments(arguments)
 
 
 def test_scenes_are_found_by_name_anywhere(tmp_path, monkeypatch, capsys):

@@ -29,7 +29,7 @@ node = FourBarNode(parameter_overrides=[Parameter(k, value=v)
 listener = rclpy.create_node('listener')
 from fourbar_msgs.msg import LinkageState
 def until(expected):
-    while node.stream.outputs.named[0].is_subscribed != expected:
+    while node.stream._publishers['state'].is_subscribed != expected:
         rclpy.spin_once(listener, timeout_sec=0.02)
         rclpy.spin_once(node, timeout_sec=0.02)
 
@@ -46,7 +46,7 @@ topics = sorted(name for name, _ in node.get_publisher_names_and_types_by_node('
 print(json.dumps({'calls': calls, 'topics': topics,
                   'bag': [m for m in sys.modules
                           if m.startswith(('fourbar_ros.bag', 'fourbar_ros.formats',
-                                           'fourbar_ros.ros.node.inputs'))],
+                                           'fourbar_ros.ros.node.topic_input'))],
                   'imported': [m for m in ('scipy', 'mcap', 'matplotlib', 'rich',
                                         'fourbar_ros.extrema.find',
                                         'fourbar_ros.mechanisms.machine.machine',

@@ -242,16 +242,9 @@ def test_what_no_parameter_can_be_is_answered(drive, client):
         0.2).theta4
 
 
-def test_a_timer_that_nobody_hears_sleeps_and_wakes_on_its_grid(run_node, client):
-    from diagnostic_msgs.msg import DiagnosticArray
-    heard, speed, rate = [], 3.0, 200
-    client.node.create_subscription(DiagnosticArray, '/diagnostics', heard.append, 10)
+def test_a_timer_stays_on_its_grid_while_readers_come_and_go(run_node, client):
+    speed, rate = 3.0, 200
     run_node({**PAPER, 'drive.speed': speed, 'drive.rate': float(rate), 'outputs': ['state']})
-
-    def steps():
-        return {pair.key: pair.value for pair in heard[-1].status[0].values} if heard else {}
-    client.until(lambda: 'asleep' in steps(), 'its sleep')
-    assert steps()['steps'] == '0'
     states, subscriptions = [], []
     for _ in range(2):
         count = len(states)
@@ -259,8 +252,7 @@ def test_a_timer_that_nobody_hears_sleeps_and_wakes_on_its_grid(run_node, client
             LinkageState, '/fourbar/state', states.append, 1000))
         client.until(lambda count=count: len(states) > count + 20, 'the stream')
         client.node.destroy_subscription(subscriptions.pop())
-        heard.clear()
-        client.until(lambda: 'asleep' in steps(), 'its sleep')
+        client.spin(0.3)
     first, last = states[0], states[-1]
     passed = (last.header.stamp.sec - first.header.stamp.sec) * NANOSECONDS + (
         last.header.stamp.nanosec - first.header.stamp.nanosec)

@@ -116,12 +116,12 @@ def test_a_change_that_fails_after_the_swap_leaves_the_old_scene(run_node, clien
     broken = """
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.ros.node.pictures import Pictures
-apply = Pictures.apply
-def fail(self, scene, drawn):
-    if scene.values['gravity.y'] == -2.0:
+publish_latched = Pictures.publish_latched
+def fail(self, run):
+    if run.scene.values['gravity.y'] == -2.0:
         raise FourBarError('as a test')
-    apply(self, scene, drawn)
-Pictures.apply = fail
+    publish_latched(self, run)
+Pictures.publish_latched = fail
 """
     run_node(LOADED, first=broken)
     inputs, changes = Inputs(client), Changes(client)
@@ -154,7 +154,7 @@ def test_what_depends_on_structure_alone_is_not_made_again():
 
 @pytest.mark.parametrize('change', [{'gravity.y': -2.0}, {'drive.speed': 3.0}])
 def test_messages_are_packed_anew_only_for_another_frame_or_structure(change):
-    from fourbar_ros.ros.node.outputs import writer_of
+    from fourbar_ros.ros.node.run import writer_of
     from fourbar_ros.scene.topics import OUTPUTS
     scene, other = from_values(LOADED), from_values({**LOADED, **change})
     longer = from_values({**LOADED, 'linkage.a3': 0.81})

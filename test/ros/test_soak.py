@@ -16,14 +16,13 @@ import signal
 import struct
 import time
 
-from builtin_interfaces.msg import Time
+from builtin_interfaces.msg import Duration, Time
 from fourbar_msgs.msg import LinkageState, Motion
 from fourbar_ros.bag.overview import info
 from fourbar_ros.bag.recomputation import recompute
-from fourbar_ros.ros.node import trajectories as points
+from fourbar_ros.ros.node.trajectories import FIELDS
 from fourbar_ros.scene import scene
 from geometry_msgs.msg import WrenchStamped
-import numpy as np
 import pytest
 from rclpy.serialization import serialize_message
 from ros.test_inputs import set_parameters
@@ -33,7 +32,7 @@ from support import browser
 from support.faults import Faults
 from support.harness import ALL_OUTPUTS, NodeProcess, PATIENCE
 from support.scenes import PAPER, RODS
-from trajectory_msgs.msg import JointTrajectory
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 SOAK = float(os.environ.get('SOAK_MINUTES', '0')) * 60.0
 ROUNDS = 200 if not SOAK else 10_000            # malformed inputs of each kind
@@ -229,9 +228,9 @@ class Beside:
                 (JointTrajectory, 'output_trajectory/drive', self.answered),
                 (String, 'trajectory_refused', self.refused)):
             client.node.create_subscription(kind, f'/beside/{topic}', heard.append, 100)
-        self._times = np.arange(200) * 10**7
-        angle = 1e-9 * self._times
-        self._columns = {'positions': 1.6 + 0.5 * np.sin(angle), 'velocities': 0.5 * np.cos(angle)}
+        self._points = [JointTrajectoryPoint(
+            positions=[1.6 + 0.5 * math.sin(0.01 * i)], velocities=[0.5 * math.cos(0.01 * i)],
+            time_from_start=Duration(nanosec=10**7 * (i % 100), sec=i // 100)) for i in range(200)]
 
     def start(self, number):
         """Start the node of a round."""
@@ -248,15 +247,14 @@ class Beside:
         torque.wrench.torque.z = rng.choice([rng.uniform(-20.0, 20.0), rng.choice(EDGES)])
         self._torque.publish(torque)
         if rng.random() < 0.2:
-            data = points.write(torque.header, 'output', self._times, self._columns)
+            data = serialize_message(JointTrajectory(joint_names=['output'], points=self._points))
             broken = bytearray(data)
             broken[rng.randrange(4, 60)] = rng.randrange(256)
             self._trajectory.publish(data if rng.random() < 0.8 else bytes(broken))
         if rng.random() < 0.1:
             joint = rng.choice(['output', 'crank', ''])
-            columns = {name: np.array([rng.choice(EDGES)]) for name in points.FIELDS}
-            self._trajectory.publish(points.write(torque.header, joint, np.zeros(1, np.int64),
-                                                  columns))
+            point = JointTrajectoryPoint(**{name: [rng.choice(EDGES)] for name in FIELDS})
+            self._trajectory.publish(JointTrajectory(joint_names=[joint], points=[point]))
             self._torque.publish(random_bytes(rng))
 
     def end(self, number):

@@ -5,8 +5,10 @@ import json
 import subprocess
 import sys
 
+from fourbar_ros.errors import FourBarError
+from fourbar_ros.ros.node.start import asked
 from fourbar_ros.scene import scene
-from fourbar_ros.scene.arguments import check_node_arguments, full_name, UsageError
+from fourbar_ros.scene.files import folder
 import pytest
 from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 from ros.test_inputs import set_parameters
@@ -37,17 +39,12 @@ def paper(tmp_path):
 QOS = 'qos_overrides./fourbar/'
 REFUSED = [
     ('use_sim_time:=maybe', "use_sim_time = 'maybe': must be a bool"),
-    ('linkage.a1:=abc', "linkage.a1 = 'abc': must be a number in m"),
-    (QOS + 'stat.publisher.depth:=3', 'no such topic of this node; known: /fourbar/driven'),
-    (QOS + 'state.publisher.reliability:=maybe', 'reliable, best_effort'),
+    ('drive.torque_limit:=abc', "drive.torque_limit = 'abc': must be a number in N m or N"),
+    (QOS + 'state.publisher.reliability:=maybe', 'QoS override for policy `reliability`: `maybe`'),
     ('start_type_description_service:=3', 'start_type_description_service = 3: must be a bool'),
     ('linkage.mode:=1.0', 'linkage.mode = 1.0: must be one of 1 or crossed'),
     ('frame_id:=/base', "frame_id = '/base': must not begin with a slash"),
     ('outputs:=state', "outputs = 'state': must be"),
-    (QOS + 'state.subscription.depth:=3', '/fourbar/state is a publisher'),
-    (QOS + 'state.publisher.deph:=3', 'must be one of reliability'),
-    (QOS + 'state.publisher.depth:=three', 'must be a number of messages'),
-    (QOS + 'input.subscription.deadline:=-1', 'must be a number of ns'),
 ]
 
 
@@ -121,31 +118,11 @@ def test_names_in_namespaces_stay_distinct(client, tmp_path, arguments, where):
     assert process.returncode == 0, said
 
 
-def test_two_nodes_of_one_name_are_refused():
-    rule = ['--ros-args', '-r', 'boom:__ns:=/left']
-    with pytest.raises(UsageError, match='/left/boom: two nodes of one name'):
-        check_node_arguments(['boom', 'left/stick', '--ros-args', '--params-file', 'x.yaml', '-r',
-                              'boom:__ns:=/left', '-r', 'stick:__node:=boom'])
-    assert full_name(rule, 'boom') == '/left/boom'
-    assert full_name(rule, 'left/stick') == '/left/stick'
-    assert full_name(['--ros-args', '-r', '__ns:=/a/b'], 'left/boom') == '/a/b/left/boom'
-
-
-@some('source', ['parameter', 'file'], 1)
-def test_a_number_with_a_point_wins_over_a_whole_one_in_a_file(run_node, client, tmp_path, source):
-    """Rcl alone keeps 25, of the file, whatever -p says."""
-    more = ['-p', 'drive.speed:=3.5']
-    if source == 'file':
-        second = tmp_path / 'second.yaml'
-        second.write_text('/**:\n  ros__parameters:\n    drive: {speed: 3.5}\n')
-        more = ['--params-file', str(second)]
-    node = run_node({**PAPER, 'drive.speed': 25, 'outputs': ['state']}, arguments=more)
-    client.listen(['state'])
-    client.until(lambda: client.received['state'], 'a state')
-    assert client.received['state'][0].omega1 == 3.5
-    if source == 'parameter':                    # with two files rcl itself takes the last
-        client.until(lambda: 'drive.speed = 3.5' in node.said and 'would keep 25' in node.said,
-                     'the line in the log')
+def test_names_and_files_of_a_command_line():
+    rest = ['--ros-args', '-r', '__ns:=/cell', '--params-file', str(folder() / 'paper.yaml')]
+    assert asked(['left/boom', 'stick', *rest]) == (['left/boom', 'stick'], '/cell', rest[-1:])
+    with pytest.raises(FourBarError, match='two nodes of one name'):
+        asked(['boom', 'boom', *rest])
 
 
 @pytest.mark.slow

@@ -19,8 +19,8 @@ from fourbar_msgs.msg import Motion
 from fourbar_ros import load_scene
 from fourbar_ros.bag.overview import info
 from fourbar_ros.ros.messages import resolve
+from fourbar_ros.ros.node.start import caught_signals, SIGNALS
 from fourbar_ros.ros.node.worker import Abandoned, Worker
-from fourbar_ros.ros.stop import SIGNALS, Stop
 from fourbar_ros.scene.topics import SERVICES
 import pytest
 from support import ROOT
@@ -61,7 +61,7 @@ def flood(process, rng, period):
     end = time.monotonic() + PATIENCE
     while process.poll() is None:
         assert time.monotonic() < end, 'still there'
-        process.send_signal(rng.choice(SIGNALS))
+        process.send_signal(signal.Signals[rng.choice(SIGNALS)])
         time.sleep(period)
     return process.returncode
 
@@ -175,17 +175,18 @@ def test_a_flag_takes_signals_from_within_signals():
 
     An Event would wait for its own lock.
     """
-    stop, before = Stop().catch(), signal.getsignal(signal.SIGALRM)
-    signal.signal(signal.SIGALRM, lambda *_: [signal.raise_signal(number) for number in SIGNALS])
-    signal.setitimer(signal.ITIMER_REAL, 1e-4, 1e-4)
-    try:
-        for _ in range(20_000):
-            signal.raise_signal(signal.SIGTERM)
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-        signal.signal(signal.SIGALRM, before)
-        stop.restore()
-    assert stop.requested and signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    before, numbers = signal.getsignal(signal.SIGALRM), [signal.Signals[name] for name in SIGNALS]
+    signal.signal(signal.SIGALRM, lambda *_: [signal.raise_signal(number) for number in numbers])
+    with caught_signals() as caught:
+        signal.setitimer(signal.ITIMER_REAL, 1e-4, 1e-4)
+        try:
+            for _ in range(20_000):
+                signal.raise_signal(signal.SIGTERM)
+        finally:
+            signal.setitimer(signal.ITIMER_REAL, 0.0)
+            signal.signal(signal.SIGALRM, before)
+    assert len(caught) >= 20_000 and set(caught) <= set(numbers)
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
 def test_under_nohup_it_stays_when_its_terminal_goes(run_node, client):

@@ -7,7 +7,6 @@ Lost and bad inputs, clocks that are set, a log and diagnostics that stay readab
 """
 from itertools import count
 import math
-import re
 import shutil
 import signal
 import subprocess
@@ -18,7 +17,6 @@ from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from fourbar_msgs.msg import LinkageState, Motion
 from fourbar_ros.bag.recomputation import recompute
-from fourbar_ros.ros.node.quiet_log import QuietLog
 from fourbar_ros.ros.node.sequence import SequenceNumbers
 import pytest
 from ros.test_inputs import answers, NANOSECONDS, set_parameters, stamped
@@ -103,32 +101,6 @@ def test_gaps_in_the_numbers_of_several_publishers():
 
 # --- the log -------------------------------------------------------------------------------------
 
-class Lines(list):
-
-    def info(self, text):
-        self.append(text)
-    warning = info
-
-
-def test_one_line_per_cause_and_interval_with_the_number():
-    said = Lines()
-    log = QuietLog(said, interval=0.2)
-    for k in range(100):
-        log.warning('bad', f'bad {k}')
-        log.info('good', f'good {k}')
-    assert said == ['bad 0', 'good 0']
-    log.flush()
-    assert len(said) == 2                                            # not yet
-    time.sleep(0.2)
-    log.flush()
-    assert [re.sub(r' in \d+ s', '', line) for line in said[2:]] == ['bad 99 (99 times)',
-                                                                     'good 99 (99 times)']
-    log.flush(0.0)
-    assert len(said) == 4
-    log.warning('another', 'at once')
-    assert said[-1] == 'at once'
-
-
 @some('bad', [Motion(position=math.nan), Motion(velocity=math.inf)], 1)
 def test_good_and_bad_inputs_in_turns_are_a_few_lines(run_node, client, heard, bad):
     node = run_node(DRIVEN)
@@ -142,34 +114,10 @@ def test_good_and_bad_inputs_in_turns_are_a_few_lines(run_node, client, heard, b
                                               LinkageState.STATUS_INVALID_INPUT]
     assert node.stop() == 0
     lines = [line for line in node.said.splitlines() if 'theta1 =' in line or 'good again' in line]
-    # both, once now and once at the end; a slow machine
-    assert 3 <= len(lines) <= 8
-    assert sum(int(n) for n in re.findall(r'\((\d+) times', node.said)) > 400
+    assert 2 <= len(lines) <= 8          # each once in ten seconds, on a slow machine
 
 
 # --- clocks --------------------------------------------------------------------------------------
-
-@pytest.mark.skipif(not shutil.which('cc'), reason='needs a C compiler')
-def test_diagnostics_and_timeout_go_on_when_the_clock_is_set_back(run_node, client, heard,
-                                                                  tmp_path):
-    faults = Faults(tmp_path)
-    faults.start(lambda: run_node({**DRIVEN, 'drive.timeout': 1.0}))
-    client.listen(['state'])
-    publisher = client.publisher()
-    client.handshake(lambda: publisher.publish(Motion(position=0.1)))
-    client.until(lambda: heard.messages, 'diagnostics')
-    publisher.publish(Motion(position=0.1))
-    before = heard.messages[-1].header.stamp.sec
-    client.received['state'].clear()
-    faults.set(clock=-100.0)
-    client.until(lambda: any(s.status == LinkageState.STATUS_INPUT_TIMEOUT
-                             for s in client.received['state']),
-                 'the timeout')
-    number = len(heard.messages)
-    client.until(lambda: len(heard.messages) >= number + 3, 'diagnostics')
-    # the clock of the node was set indeed
-    assert heard.messages[-1].header.stamp.sec < before - 50
-
 
 @pytest.mark.skipif(not shutil.which('cc'), reason='needs a C compiler')
 @some('step', [-3600.0, 3600.0], 1)

@@ -12,8 +12,8 @@ import time
 from fourbar_ros.bag.reader import Bag, Raw
 from fourbar_ros.errors import BagError
 from fourbar_ros.ros.messages import resolve, to_stamp
+from fourbar_ros.ros.node.start import caught_signals, Signals
 from fourbar_ros.ros.schemas import type_hash
-from fourbar_ros.ros.stop import Stop
 import rclpy
 from rclpy.duration import Duration
 from rclpy.node import Node
@@ -31,16 +31,16 @@ FAREWELL = 2.0      # [s] for reliable readers to get the last messages
 
 def replay(path: str | Path, topics: Mapping[str, str] | None = None, rate: float = 1.0,
            start: float = 0.0, loop: bool = False, clock_rate: float = 0.0, delay: float = 1.0,
-           ros_args: Sequence[str] = (), waits_for_node: bool = False) -> tuple[int, str]:
+           ros_args: Sequence[str] = (), waits_for_node: bool = False) -> tuple[int, int]:
     """
-    Publish a bag until its end or a signal; return how many messages, and the signal's name.
+    Publish a bag until its end or a signal; return how many messages, and the signal or 0.
 
     ``topics``: {topic in the bag: topic to publish on}, default all; ``rate``: so many times as
     fast; ``start``: skip so many seconds; ``clock_rate``: how often a second to publish the bag's
     time on /clock, 0: never; ``delay``: time for readers to find the topics [s];
     ``waits_for_node``: begin when all topics have a reader. Raises BagError.
     """
-    bag, count, stop = Bag(path), 0, Stop().catch()
+    bag, count = Bag(path), 0
     if missing := set(topics or ()) - bag.types.keys():
         raise BagError(f'{path}: no message on {", ".join(sorted(missing))}')
     rclpy.init(args=list(ros_args), signal_handler_options=SignalHandlerOptions.NO)
@@ -61,30 +61,30 @@ def replay(path: str | Path, topics: Mapping[str, str] | None = None, rate: floa
             clock.publish(Clock(clock=to_stamp(now - ahead)))
 
     try:
-        _wait_for_readers(publishers.values() if waits_for_node else (), delay, stop)
-        while not stop.requested:
-            first, begun = 0, time.monotonic()
-            for raw, ahead in _messages(bag, publishers, waits_for_node):  # noqa: B007 (tick)
-                first = first or raw.time
-                passed = (raw.time - first) * 1e-9 - start
-                if passed < 0.0:
-                    continue
-                _sleep_until(begun + passed / rate, stop, tick)
-                if stop.requested:
+        with caught_signals() as signals:
+            _wait_for_readers(publishers.values() if waits_for_node else (), delay, signals)
+            while not signals:
+                first, begun = 0, time.monotonic()
+                for raw, ahead in _messages(bag, publishers, waits_for_node):  # noqa: B007 (tick)
+                    first = first or raw.time
+                    passed = (raw.time - first) * 1e-9 - start
+                    if passed < 0.0:
+                        continue
+                    _sleep_until(begun + passed / rate, signals, tick)
+                    if signals:
+                        break
+                    publishers[raw.topic].publish(raw.data)
+                    count += 1
+                if not loop or not first:
                     break
-                publishers[raw.topic].publish(raw.data)
-                count += 1
-            if not loop or not first:
-                break
-        for publisher in publishers.values():
-            publisher.wait_for_all_acked(Duration(seconds=FAREWELL))
+            for publisher in publishers.values():
+                publisher.wait_for_all_acked(Duration(seconds=FAREWELL))
     finally:
         node.destroy_node()
         rclpy.try_shutdown()
-        stop.restore()
     if bag.damage:
         raise BagError(f'{path}: {bag.damage[0]}')
-    return count, stop.name
+    return count, signals[0] if signals else 0
 
 
 def _messages(bag: Bag, publishers: Mapping[str, Publisher], for_a_node: bool
@@ -116,20 +116,21 @@ def _ahead(publisher: Publisher, raw: Raw) -> int:
     return raw.time - stamp if 0 < stamp < raw.time - FAR else 0
 
 
-def _wait_for_readers(publishers: Iterable[Publisher], delay: float, stop: Stop) -> None:
+def _wait_for_readers(publishers: Iterable[Publisher], delay: float, signals: Signals) -> None:
     """Wait until each has a reader, which must be soon, else BagError; then so long [s]."""
     end = time.monotonic() + PATIENCE
     for publisher in publishers:
-        while not stop.requested and not publisher.get_subscription_count():
+        while not signals and not publisher.get_subscription_count():
             if time.monotonic() > end:
                 raise BagError(f'no node listens on {publisher.topic_name}')
             time.sleep(TICK)
-    _sleep_until(time.monotonic() + delay, stop)
+    _sleep_until(time.monotonic() + delay, signals)
 
 
-def _sleep_until(moment: float, stop: Stop, tick: Callable[[], object] = lambda: None) -> None:
+def _sleep_until(moment: float, signals: Signals,
+                 tick: Callable[[], object] = lambda: None) -> None:
     """Wait for a moment of the monotonic clock [s], or for a signal; call ``tick`` meanwhile."""
-    while not stop.requested and (left := moment - time.monotonic()) > 0.0:
+    while not signals and (left := moment - time.monotonic()) > 0.0:
         tick()
         time.sleep(min(left, TICK))
 

@@ -3,31 +3,49 @@
 """Once a second on /diagnostics: how the stream runs, how far the linkage is from trouble."""
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from math import isnan
 import time
+from typing import Protocol, TYPE_CHECKING, Union
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from fourbar_ros.pipeline.status import OK, STATUS_NAMES
-from fourbar_ros.ros.node.base import Base
+from fourbar_ros.ros.node.clock_input import ClockInput
+from fourbar_ros.ros.node.entities import Log
+from fourbar_ros.ros.node.recording import Recording
+from fourbar_ros.ros.node.stream import Stream
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+
+if TYPE_CHECKING:      # most scenes do without
+    from fourbar_ros.ros.node.topic_input import TopicInput
 
 PERIOD = 1.0               # [s]
 NEAR_TOGGLE = 0.05         # |sin| of the transmission angle below which a warning is due
 HARMLESS = ('received', 'torques', 'of_other_joints', 'trajectories')   # counters without trouble
 
 
-class Diagnostics:
-    """Publishes the health of a node."""
+class Counting(Protocol):
+    """A part of a node that counts what goes wrong."""
 
-    def __init__(self, node: Base) -> None:
-        self._node = node
+    @property
+    def counts(self) -> Mapping[str, int]:
+        """Return {what: how often since the start}."""
+
+
+class Diagnostics:
+    """Publishes the health of a node; ``counting``: its parts that count, beside the input."""
+
+    def __init__(self, node: Node, stream: Stream, source: Union[ClockInput, TopicInput],
+                 counting: Sequence[Counting], recording: Recording, log: Log) -> None:
+        self._node, self._stream, self._input = node, stream, source
+        self._counting, self._recording, self._log = counting, recording, log
         self._publisher = node.create_publisher(DiagnosticArray, '/diagnostics', 10)
         # at the last report: time, steps, bad steps, other counters
         self._before: tuple[float, int, int, dict[str, int]] = (time.monotonic(), 0, 0, {})
-        node.steady_timers.add(PERIOD, self._publish)
+        node.create_timer(PERIOD, self._publish, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
     def _publish(self) -> None:
-        """Publish the status; also write the log lines that were held back."""
-        self._node.log.flush()
         message = DiagnosticArray(status=[self.status()])
         message.header.stamp = self._node.get_clock().now().to_msg()
         self._publisher.publish(message)
@@ -39,15 +57,15 @@ class Diagnostics:
         A counter that has grown is a problem (WARN) unless it is HARMLESS; an ERROR is a bag that
         is not written.
         """
-        node, stream, drive = self._node, self._node.stream, self._node.drive
+        node, stream, source = self._node, self._stream, self._input
         scene, now = stream.scene, time.monotonic()
-        drive_values, problems = drive.state()       # first: it brings the counters up to date
+        input_values, problems = source.state()      # first: it brings the counters up to date
         before, steps, bad_steps, counts = self._before
-        counted = {**drive.counts, **(node.wrenches.counts if node.wrenches else {}),
-                   **(node.trajectories.counts if node.trajectories else {})}
+        counted = {name: count for part in (source, *self._counting)
+                   for name, count in part.counts.items()}
         self._before = (now, stream.steps, stream.bad_steps, counted)
         new_bad_steps, sine = stream.bad_steps - bad_steps, stream.transmission_sine()
-        recorder = node.recording.state()
+        recorder_values, recorder_problems = self._recording.state()
 
         for name, count in counted.items():
             if count > counts.get(name, 0) and name not in HARMLESS:
@@ -56,28 +74,27 @@ class Diagnostics:
                 (node.get_name(), node.get_namespace())) > 1:
             problems.append('another node has this name, or was killed just now: services and '
                             'parameters reach either')
-            node.log.warning('name', f'{node.get_fully_qualified_name()}: {problems[-1]}')
+            self._log('name', f'{node.get_fully_qualified_name()}: {problems[-1]}')
         if new_bad_steps:
             problems.append(f'{new_bad_steps} steps not ok')
         if stream.status != OK:
             problems.append(STATUS_NAMES[stream.status])
         if sine < NEAR_TOGGLE:
             problems.append('near a toggle')
-        problems += recorder.problems
+        problems += recorder_problems
         values = {
             'source': scene.drive.source,
             'rate [Hz]': f'{(stream.steps - steps) / max(now - before, 1e-9):.1f}',
             'steps': stream.steps, 'steps not ok': stream.bad_steps,
-            'input age [s]': 'none' if isnan(drive.age()) else f'{drive.age():.3f}',
+            'input age [s]': 'none' if isnan(source.age()) else f'{source.age():.3f}',
             **{name.replace('_', ' '): count for name, count in counted.items()},
-            **({'own messages': node.circles.own_count} if node.circles.own_count else {}),
-            **drive_values,
+            **input_values,
             'status': STATUS_NAMES[stream.status],
             'sin of transmission angle': 'unknown' if isnan(sine) else f'{sine:.6g}',
             'change-point margin': f'{scene.linkage.change_point_margin:.6g}',
-            **recorder.values,
+            **recorder_values,
         }
-        level = DiagnosticStatus.ERROR if recorder.problems else DiagnosticStatus.WARN
+        level = DiagnosticStatus.ERROR if recorder_problems else DiagnosticStatus.WARN
         return DiagnosticStatus(
             level=level if problems else DiagnosticStatus.OK,
             name=f'{node.get_fully_qualified_name()[1:]}: linkage',

@@ -1,38 +1,31 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""
-The parameters of a node: declared as the table says, read as a scene, checked when they change.
-
-The last value should count. But if two values have different types, rcl prefers a bool to an
-integer, an integer to a double, and a double to a text. It would ignore ``-p drive.speed:=3.5``
-where a file says ``25``. :func:`asked_outside` finds the last one.
-"""
+"""The parameters of a node: declared as the table says, read as a scene, checked on a change."""
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from math import inf
 from pathlib import Path
 from traceback import format_exc
-from typing import Any, NamedTuple
 
 from fourbar_ros.errors import FourBarError, InvalidParameter
-from fourbar_ros.ros.node import qos
-from fourbar_ros.ros.node.base import Base
-from fourbar_ros.scene.files import beside, flatten, is_for, parse, sections, table_files
-from fourbar_ros.scene.parameter_table import Parameter
+from fourbar_ros.ros.node.entities import OVERRIDES
+from fourbar_ros.scene.files import table_files
 from fourbar_ros.scene.parameters import find, meant, of_name
 from fourbar_ros.scene.scene import from_values, Scene
+from fourbar_ros.scene.settings import Parameter
 from rcl_interfaces.msg import (
     IntegerRange,
     ParameterDescriptor,
     ParameterType,
     SetParametersResult,
 )
+from rclpy.node import Node
 from rclpy.parameter import Parameter as RosParameter
 
 # Parameters that rclpy itself owns.
 SWITCHES = ('use_sim_time', 'start_type_description_service')
-BUILT_IN = (*SWITCHES, qos.PREFIX)
+BUILT_IN = (*SWITCHES, OVERRIDES)
 
 _ROS_TYPES = {'double': ParameterType.PARAMETER_DOUBLE, 'integer': ParameterType.PARAMETER_INTEGER,
               'string': ParameterType.PARAMETER_STRING, 'bool': ParameterType.PARAMETER_BOOL,
@@ -40,13 +33,13 @@ _ROS_TYPES = {'double': ParameterType.PARAMETER_DOUBLE, 'integer': ParameterType
               'doubles': ParameterType.PARAMETER_DOUBLE_ARRAY}
 
 
-def scene(node: Base, arguments: Sequence[str] = ()) -> Scene:
+def scene(node: Node, files: Sequence[str] = ()) -> Scene:
     """
     Return the Scene of a node, from the parameters that files and command line gave it.
 
     rclpy has declared them as they came. They are read and declared again with type and text from
     the table: so an unknown name is an error instead of being ignored, and ``3`` is good for a
-    double. ``arguments``: the command line, for the values that rcl ignores.
+    double. ``files``: the parameter files, beside which the tables of forces stand.
 
     Raises
     ------
@@ -60,19 +53,9 @@ def scene(node: Base, arguments: Sequence[str] = ()) -> Scene:
         if type(every.get(name, True)) is not bool:
             raise InvalidParameter(name, every[name], 'must be a bool')
     given = {name: value for name, value in every.items() if not name.startswith(BUILT_IN)}
-    asked = asked_outside(list(arguments), node.get_fully_qualified_name())
-    for name, (value, where) in asked.items():
-        if name in given and is_ignored(value, given[name]):
-            node.get_logger().warning(f'{name} = {value!r} ({where}), though ROS 2 would keep '
-                                      f'{given[name]!r}, which is of another type')
-            given[name] = value
-    resolved = dict(given)
-    for name in table_files(given):          # paths of tables count from the file that names them
-        where = asked[name].where if name in asked else ''
-        if Path(where).is_file():
-            resolved |= beside({name: given[name]}, Path(where))
-    scene = from_values(resolved)
-    qos.check(node, scene)
+    tables = {name: str(path) for name in table_files(given) for file in files
+              if (path := Path(file).parent / given[name]).exists()}
+    scene = from_values(given | tables)
     for name in given:
         node.undeclare_parameter(name)
     for name in meant(scene.values, given):
@@ -81,7 +64,7 @@ def scene(node: Base, arguments: Sequence[str] = ()) -> Scene:
     return scene
 
 
-def watch(node: Base, current: Callable[[], Scene], apply: Callable[[Scene], None]) -> None:
+def watch(node: Node, current: Callable[[], Scene], apply: Callable[[Scene], None]) -> None:
     """
     Check every change of parameters as a whole scene; call ``apply(scene)`` with a good one.
 
@@ -134,61 +117,20 @@ def descriptor(parameter: Parameter) -> ParameterDescriptor:
                                additional_constraints=parameter.allowed)
 
 
-class Asked(NamedTuple):
-    """A value of a parameter and the file or option, as '-p a1:=0.5', that asked for it."""
-
-    value: Any
-    where: str
-
-
-def asked_outside(arguments: list[str], node: str) -> dict[str, Asked]:
+def as_declared(parameter: RosParameter) -> RosParameter:
     """
-    Return the values that a command line gives to parameters of a node, the last of each name.
+    Return a parameter in the type that the table declares, if its value can be converted.
 
-    It reads files and ``-p`` options behind ``--ros-args`` in ROS's order: what is for the full
-    name of the node overrides what is for a pattern as ``/**``.
-
-    Raises
-    ------
-    SceneError
-        A file cannot be read.
-
+    A client sends 3 as an integer, and an empty list as one of bytes; rclpy refuses both for a
+    parameter of doubles.
     """
-    by_pattern: dict[str, dict[str, Asked]] = {}
-    for option, argument in _ros_options(arguments):
-        if option == '--params-file':
-            for pattern, tree in sections(argument).items():
-                for name, value in flatten(tree, argument).items():
-                    by_pattern.setdefault(pattern, {})[name] = Asked(value, argument)
-        elif option in ('-p', '--param') and ':=' in argument:
-            target, text = argument.split(':=', 1)
-            pattern, _, name = target.rpartition(':')
-            pattern = pattern if pattern.startswith('/') else f'/{pattern or "**"}'
-            by_pattern.setdefault(pattern, {})[name] = Asked(parse(text), f'-p {argument}')
-    asked: dict[str, Asked] = {}
-    for pattern in sorted(by_pattern, key=lambda pattern: '*' not in pattern):
-        if is_for(pattern, node):
-            asked |= by_pattern[pattern]
-    return asked
-
-
-def is_ignored(wanted: Any, kept: Any) -> bool:
-    """Return whether rcl has kept a value of another type than the last one asked for."""
-    return None not in (wanted, kept) and _type_of(wanted) != _type_of(kept)
-
-
-def _type_of(value: Any) -> Any:
-    """Return a value that is equal for values of one ROS type; lists by their first item."""
-    if isinstance(value, bool | int | float | str):
-        return type(value)
-    return 'list', *(type(item) for item in list(value)[:1])
-
-
-def _ros_options(arguments: list[str]) -> Iterator[tuple[str, str]]:
-    """Yield each argument after ``--ros-args`` with the next one: (option, its value)."""
-    is_inside = False
-    for option, argument in zip(arguments, [*arguments[1:], '']):
-        if option in ('--ros-args', '--'):
-            is_inside = option == '--ros-args'
-        elif is_inside:
-            yield option, argument
+    declared, types = find(parameter.name), RosParameter.Type
+    kind = declared.type if declared else ''
+    is_empty = parameter.type_.name.endswith('_ARRAY') and not len(parameter.value)
+    if kind == 'double' and parameter.type_ == types.INTEGER:
+        return RosParameter(parameter.name, types.DOUBLE, float(parameter.value))
+    if kind == 'doubles' and (is_empty or parameter.type_ == types.INTEGER_ARRAY):
+        return RosParameter(parameter.name, types.DOUBLE_ARRAY, list(map(float, parameter.value)))
+    if kind == 'strings' and is_empty:
+        return RosParameter(parameter.name, types.STRING_ARRAY, [])
+    return parameter

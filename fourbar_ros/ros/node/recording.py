@@ -9,7 +9,7 @@ import json
 import os
 from pathlib import Path
 import platform
-from typing import Any, NamedTuple, TYPE_CHECKING
+from typing import Any, TYPE_CHECKING
 
 from fourbar_ros import __version__
 from fourbar_ros.errors import BagError, FourBarError
@@ -23,20 +23,6 @@ if TYPE_CHECKING:      # only scenes that record need the mcap library
     from fourbar_ros.bag.recorder import BagWriter
 
 SOFTWARE = ('numpy', 'mcap', 'rclpy')       # whose versions a bag keeps, beside our own
-
-
-class RecorderState(NamedTuple):
-    """The state of the recorder for the diagnostics."""
-
-    values: dict[str, Any]
-    problems: list[str]
-
-
-class OpenBag(NamedTuple):
-    """A bag without messages yet; ``channels``: the number of each topic by its short name."""
-
-    writer: BagWriter
-    channels: dict[str, int]
 
 
 class Recording:
@@ -77,11 +63,12 @@ class Recording:
             self._refused = f'not recording: {error}'
             log.error(self._refused)
 
-    def open(self, scene: Scene, name: str = '') -> OpenBag:
+    def open(self, scene: Scene, name: str = '') -> tuple[BagWriter, dict[str, int]]:
         """
         Create a bag with a channel for the input and each output of a scene; do not record yet.
 
-        Waits for the disk, so it must not run during a step.
+        Returns (its writer, {short name of a topic: number of its channel}). Waits for the disk,
+        so it must not run during a step.
 
         Raises
         ------
@@ -107,8 +94,8 @@ class Recording:
         if scene.drive.source in INPUTS:
             topics.append(INPUTS[scene.drive.source])
         names = {topic.name: self._node.resolve_topic_name(topic.topic) for topic in topics}
-        # A topic can be in a bag once: leave out an input on which the node also publishes. Its
-        # motion is in the bag as the motion of the driven joint.
+        # A topic can be in a bag once: a relay answers on the topic of its input, whose motion is
+        # in the bag as the motion of the driven joint.
         topics = [topic for topic in topics if topic not in INPUTS.values()
                   or list(names.values()).count(names[topic.name]) == 1]
         names = {topic.name: names[topic.name] for topic in topics}
@@ -121,25 +108,25 @@ class Recording:
                            [channel(topic, names[topic.name]) for topic in topics], about,
                            scene.recording.split_size * 1e6, scene.recording.split_duration,
                            tell=self._node.get_logger().error)
-        return OpenBag(writer, {topic.name: number for number, topic in enumerate(topics)})
+        return writer, {topic.name: number for number, topic in enumerate(topics)}
 
-    def attach(self, bag: OpenBag) -> Path:
+    def attach(self, writer: BagWriter, channels: dict[str, int]) -> Path:
         """Record into an opened bag from now on; return its path."""
-        self._channels = bag.channels                    # first: an input may be written meanwhile
-        self._writer, self._refused = bag.writer, ''
-        self._node.get_logger().info(f'recording to {bag.writer.path}')
-        return bag.writer.path
+        self._channels = channels                        # first: an input may be written meanwhile
+        self._writer, self._refused = writer, ''
+        self._node.get_logger().info(f'recording to {writer.path}')
+        return writer.path
 
-    def state(self) -> RecorderState:
+    def state(self) -> tuple[dict[str, Any], list[str]]:
         """Return (values, problems) for the diagnostics."""
         writer = self._writer
         if not writer:
-            return RecorderState({'recording': 'off'}, [self._refused] if self._refused else [])
+            return {'recording': 'off'}, [self._refused] if self._refused else []
         problems = [writer.error] if writer.error else []
         if writer.dropped:
             problems.append(f'{writer.dropped} messages not recorded')
-        return RecorderState({'recording': str(writer.path), 'messages recorded': writer.accepted,
-                              'messages not recorded': writer.dropped}, problems)
+        return {'recording': str(writer.path), 'messages recorded': writer.accepted,
+                'messages not recorded': writer.dropped}, problems
 
     def detach(self) -> BagWriter | None:
         """Stop recording; return the writer of the bag, None if there was none."""

@@ -3,7 +3,7 @@
 """The services of the node: extrema, one evaluation, recording. Errors become responses."""
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from math import nan
 from traceback import format_exc
@@ -19,32 +19,46 @@ from fourbar_ros.pipeline.status import (
     RATES_UNKNOWN,
     TOGGLE,
 )
-from fourbar_ros.ros.messages import filler, Message, resolve, sec_nanosec, set_constants
-from fourbar_ros.ros.node.base import Base
+from fourbar_ros.ros.messages import filler, Message, resolve, set_constants, Stamp
 from fourbar_ros.ros.node.extrema import search
+from fourbar_ros.ros.node.stream import Stream
 from fourbar_ros.ros.node.worker import answer_beside, WAITING, Worker
 from fourbar_ros.scene.message_fields import mode_number
-from fourbar_ros.scene.topics import Service, SERVICES
+from fourbar_ros.scene.scene import Scene
+from fourbar_ros.scene.topics import SERVICES
+from rclpy.impl.rcutils_logger import RcutilsLogger
+from rclpy.node import Node
+
+Handler = Callable[[Stream, Message, Message], Message]
 
 
-def create(node: Base) -> None:
-    """Create the services that the scene names; slow ones run in the node's workers."""
-    handlers = {'find_extrema': find_extrema, 'evaluate': evaluate_one,
-                'start_recording': start_recording, 'stop_recording': stop_recording}
+def create(node: Node, stream: Stream, workers: Mapping[str, Worker]) -> None:
+    """Create the services that the scene names; slow ones are answered in ``workers``."""
+    def find_extrema(stream: Stream, request: Message, response: Message) -> Message:
+        """Answer FindExtrema."""
+        check = workers['proof' if request.certify else 'search'].check
+        return search(stream.scene, request, check, response)
 
-    for name in node.stream.scene.values['services']:
+    handlers: dict[str, Handler] = {
+        'find_extrema': find_extrema, 'evaluate': evaluate_one,
+        'start_recording': start_recording, 'stop_recording': stop_recording}
+    for name in stream.scene.values['services']:
         service = SERVICES[name]
-        srv_type, answer = resolve(service.type), partial(_answer, handlers[service.name], node)
+        answer = partial(_answer, handlers[name], stream, node.get_logger())
+        made = node.create_service(resolve(service.type), service.service,
+                                   both if service.workers else answer)
         if service.workers:
-            made = node.create_service(srv_type, service.service, lambda *both: both)
-            answer_beside(made, answer, _busy, partial(_worker_for, node, service))
-        else:
-            node.create_service(srv_type, service.service, answer)
+            answer_beside(made, answer, _busy, partial(_worker_for, workers, service.workers))
 
 
-def _worker_for(node: Base, service: Service, request: Message) -> Worker:
+def _worker_for(workers: Mapping[str, Worker], names: Sequence[str], request: Message) -> Worker:
     """Return the thread that answers: proofs have their own, so nothing quick waits for one."""
-    return node.workers[service.workers[getattr(request, 'certify', False)]]
+    return workers[names[getattr(request, 'certify', False)]]
+
+
+def both(request: Message, response: Message) -> tuple[Message, Message]:
+    """Return both: what :func:`answer_beside` asks of the callback of a service."""
+    return request, response
 
 
 def _busy(_: Message, response: Message) -> Message:
@@ -55,44 +69,39 @@ def _busy(_: Message, response: Message) -> Message:
     return response
 
 
-def _answer(handler: Callable[[Base, Message, Message], Message], node: Base,
-            request: Message, response: Message) -> Message:
+def _answer(handler: Handler, stream: Stream, logger: RcutilsLogger, request: Message,
+            response: Message) -> Message:
     """Call a handler; tell the client and the log of an unexpected exception in it."""
     try:
-        return handler(node, request, response)
+        return handler(stream, request, response)
     except Exception as error:
-        node.get_logger().error(f'internal error in {handler.__name__}: {format_exc()}')
+        logger.error(f'internal error in {handler.__name__}: {format_exc()}')
         if hasattr(response, 'result'):
             response.result = response.RESULT_INVALID_REQUEST
         response.message = f'internal error in the node, see its log: {error!r}'
         return response
 
 
-def find_extrema(node: Base, request: Message, response: Message) -> Message:
-    """Answer FindExtrema."""
-    check = node.workers['proof' if request.certify else 'search'].check
-    return search(node.stream.scene, request, check, response)
-
-
-def evaluate_one(node: Base, request: Message, response: Message) -> Message:
+def evaluate_one(stream: Stream, request: Message, response: Message) -> Message:
     """
     Answer Evaluate: state and loads at one input, or in ``message`` why there are none.
 
     Mode 0 is the scene's mode. The step of the stream is not touched: all is computed anew.
     """
-    scene = node.stream.scene
+    scene = stream.scene
     modes = scene.linkage.modes
     if request.mode and request.mode not in modes:
         response.result = response.RESULT_INVALID_REQUEST
         response.message = (f'mode = {request.mode}: must be 0 (of the '
                             f'scene){"".join(f" or {mode}" for mode in modes)}')
-        return _with_values(node, response, request.mode, INVALID_INPUT,
+        return _with_values(scene, stream.now(), response, request.mode, INVALID_INPUT,
                             (nan,) * len(scene.layout.place))
     linkage = scene.linkage_at(request.position, request.velocity, request.mode)
     response.has_loads = linkage.bodies is not None
     status, motion, loads = evaluate(linkage, request.position, request.velocity,
                                      request.acceleration, response.has_loads)
-    _with_values(node, response, mode_number(linkage.mode), status, (*motion, *loads))
+    _with_values(scene, stream.now(), response, mode_number(linkage.mode), status,
+                 (*motion, *loads))
     response.result = {OK: response.RESULT_OK, OUT_OF_RANGE: response.RESULT_OUT_OF_RANGE,
                        INVALID_INPUT: response.RESULT_INVALID_REQUEST,
                        RATES_UNKNOWN: response.RESULT_INVALID_REQUEST,
@@ -109,15 +118,14 @@ def evaluate_one(node: Base, request: Message, response: Message) -> Message:
     return response
 
 
-def _with_values(node: Base, response: Message, mode: int, status: int, values: Sequence[float]
-                 ) -> Message:
+def _with_values(scene: Scene, stamp: Stamp, response: Message, mode: int, status: int,
+                 values: Sequence[float]) -> Message:
     """
     Fill the state, the loads and the list of named values of an Evaluate response.
 
     ``values`` in the order of the scene's layout. Messages of an older version, if such are
     installed, have no list.
     """
-    stamp, scene = sec_nanosec(node.get_clock().now().nanoseconds), node.stream.scene
     for output in ('state', 'loads'):
         message = getattr(response, output)
         set_constants(output, message, scene)
@@ -129,20 +137,20 @@ def _with_values(node: Base, response: Message, mode: int, status: int, values: 
     return response
 
 
-def start_recording(node: Base, request: Message, response: Message) -> Message:
+def start_recording(stream: Stream, request: Message, response: Message) -> Message:
     """Answer StartRecording: the path of the new bag, or why there is none."""
     try:
-        response.path = str(node.stream.start_recording(request.name))
+        response.path = str(stream.start_recording(request.name))
         response.success = True
     except FourBarError as error:
         response.message = str(error)
     return response
 
 
-def stop_recording(node: Base, _: object, response: Message) -> Message:
+def stop_recording(stream: Stream, _: object, response: Message) -> Message:
     """Answer Trigger: the message is the path of the bag, or the reason why there is none."""
     try:
-        path = node.stream.stop_recording('stopped by ~/stop_recording')
+        path = stream.stop_recording('stopped by ~/stop_recording')
         response.success = path is not None
         response.message = str(path or 'not recording')
     except FourBarError as error:

@@ -1,19 +1,203 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Entry point of fourbar_node: catches signals, then imports the node, which takes a while."""
+"""fourbar_node: catches signals, then imports the node, which takes a while, and runs it."""
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+import contextlib
+import gc
+import os
+import re
+import signal
 import sys
+import threading
+import time
+from traceback import print_exc
+from typing import TYPE_CHECKING
 
-from fourbar_ros.ros.stop import Stop
+if TYPE_CHECKING:
+    from fourbar_ros.ros.node.node import FourBarNode
+
+SIGNALS = 'SIGINT', 'SIGTERM', 'SIGHUP'
+SWITCH = 0.001  # [s] how long a busy thread may hold the interpreter (Python: 5 ms)
+SPIN = 0.2      # [s] so often at least the executor sees signals and timers
+USAGE = 'fourbar_node --ros-args --params-file SCENE'
+NODE_NAME = re.compile(r'([A-Za-z_]\w*/)*[A-Za-z_]\w*')
+RENAMES = re.compile(r'__(node|name):=')
+HELP = """\
+usage: fourbar_node [NODE ...] --ros-args --params-file SCENE
+                    [-p NAME:=VALUE ...] [-r FROM:=TO ...]
+
+The node of one linkage. SCENE is a parameter file, e.g. config/paper.yaml; fourbar scene check
+SCENE explains it, docs/reference.md lists all parameters. Several linkages of one robot run in one
+process: NODE ... are their names, as in the file. Exit codes: 0 stopped by a signal; 2 the scene
+is invalid.
+"""
+
+# A plain list, not an Event: a signal may come while the main thread holds the lock of that.
+Signals = list[int]
 
 
-def main(args: list[str] | None = None) -> int:
-    """Run the node; return its exit code."""
-    stop = Stop().catch()
-    from fourbar_ros.ros.node import node
+@contextlib.contextmanager
+def caught_signals() -> Iterator[Signals]:
+    """Give the list of the signals that come meanwhile, but for a SIGHUP under ``nohup``."""
+    caught: Signals = []
+    numbers = [getattr(signal, name) for name in SIGNALS if hasattr(signal, name)]   # Windows
+    before = {number: signal.getsignal(number) for number in numbers}
+    for number, handler in before.items():
+        if handler is not signal.SIG_IGN:
+            signal.signal(number, lambda number, _: caught.append(number))
+    try:
+        yield caught
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
-    return node.main(args, stop)
+
+def main() -> int:
+    """Run the nodes of the command line; exit with 0 after a signal, 2 for an invalid scene."""
+    with caught_signals() as signals:
+        code = 1
+        try:
+            code = run(sys.argv[1:], signals)
+        except ModuleNotFoundError:
+            raise
+        except Exception:
+            print_exc()
+        with contextlib.suppress(OSError):   # nobody may read it any more
+            sys.stdout.flush()
+            sys.stderr.flush()
+        os._exit(code)   # while Python ends in its own way a second Ctrl-C would break it off
+
+
+def run(given: Sequence[str], signals: Signals) -> int:
+    """Run the nodes of these arguments until a signal has come; return the exit code."""
+    if list(given) in (['-h'], ['--help']):
+        print(HELP, end='')
+        return 0
+    from fourbar_ros.errors import FourBarError
+    from fourbar_ros.ros.node.node import FourBarNode
+    import rclpy
+    from rclpy.exceptions import NameValidationException, ParameterException
+    from rclpy.impl.implementation_singleton import rclpy_implementation
+
+    unknown = rclpy_implementation.UnknownROSArgsError
+    # a file that rcl cannot parse, names that are not valid, QoS that is none
+    ros_errors = (rclpy_implementation.RCLError, unknown, NameValidationException,
+                  ParameterException, RuntimeError, TypeError)
+    nodes: list[FourBarNode] = []
+    try:
+        names, namespace, files = asked(given)
+        begin_ros(given)
+        for name in names:
+            nodes.append(FourBarNode(name, namespace, files))
+    except (FourBarError, *ros_errors) as error:
+        why = (f'ROS 2 knows no argument {error}' if isinstance(error, unknown)
+               else ' '.join(str(error).split()))
+        print(f'fourbar_node: {why}', file=sys.stderr)
+        close(nodes)
+        rclpy.try_shutdown()
+        return 2
+    warn_of_shared_frames(nodes)
+    sys.setswitchinterval(SWITCH)
+    gc.freeze()          # else each full collection stops the stream for 20 ms over the imports
+    try:
+        spin(nodes, signals)
+    finally:
+        close(nodes, 'the node ended' + (f' by {signal.Signals(signals[0]).name}' if signals
+                                         else ''))
+        rclpy.try_shutdown()
+    return 0
+
+
+def asked(given: Sequence[str]) -> tuple[list[str], str, list[str]]:
+    """
+    Return (names of the nodes, namespace of all, parameter files) of a command line.
+
+    A name may begin with a namespace of its own, ``left/boom``. FourBarError for other words
+    before ``--ros-args``, for two nodes of one name, and for a file that is no parameter file.
+    """
+    from fourbar_ros.errors import FourBarError
+    from fourbar_ros.scene.files import sections
+    from rclpy.utilities import remove_ros_args
+
+    names = remove_ros_args(list(given))
+    files = [file for option, file in zip(given, given[1:]) if option == '--params-file']
+    for word in names:
+        if '--ros-args' not in given or not NODE_NAME.fullmatch(word):
+            usage = USAGE.replace('SCENE', word) if word[:1] != '-' else USAGE
+            raise FourBarError(f'{word}: not understood; type  {usage}')
+    if names and any(map(RENAMES.match, given)):
+        raise FourBarError('__node:= would rename every node: name them before --ros-args alone')
+    if len(set(names)) < len(names):
+        raise FourBarError(f'{", ".join(names)}: two nodes of one name')
+    for file in files:
+        sections(file)       # says what is wrong in it better than rcl
+    namespaces = [word.partition(':=')[2] for word in given if word.startswith('__ns:=')]
+    return names or ['fourbar'], namespaces[-1] if namespaces else '', files
+
+
+def begin_ros(given: Sequence[str]) -> None:
+    """Begin ROS; raise FourBarError if the file of its log cannot be written."""
+    from fourbar_ros.errors import FourBarError
+    import rclpy
+    from rclpy.impl.implementation_singleton import rclpy_implementation
+    from rclpy.signals import SignalHandlerOptions
+
+    try:
+        rclpy.init(args=['fourbar_node', *given], signal_handler_options=SignalHandlerOptions.NO)
+    except (rclpy_implementation.RCLError, rclpy_implementation.UnknownROSArgsError):
+        raise
+    except RuntimeError as error:
+        raise FourBarError(f'no log (ROS_LOG_DIR): {error}') from None
+
+
+def warn_of_shared_frames(nodes: Sequence[FourBarNode]) -> None:
+    """Warn where two nodes publish a TF frame of one name: it would jump between two poses."""
+    publishers = [node for node in nodes if 'tf' in node.stream.scene.outputs]
+    if len(publishers) < 2:
+        return
+    from fourbar_ros.ros.node.transforms import frames_of
+    owners: dict[str, str] = {}              # {frame: node}
+    for node in publishers:
+        frames = frames_of(node.stream.scene)
+        shared = sorted(frames & owners.keys())
+        if shared:
+            node.get_logger().warning(
+                f'frames {", ".join(shared)}: also of {owners[shared[0]]}; a prefix keeps them '
+                'apart: joint_states.prefix')
+        owners.update(dict.fromkeys(frames, node.get_name()))
+
+
+def close(nodes: Sequence[FourBarNode], why: str = 'the node ended') -> None:
+    """Close all nodes, even if one of them raises; ``why`` goes into their bags."""
+    with contextlib.ExitStack() as stack:
+        for node in nodes:
+            stack.callback(node.close, why)
+
+
+def spin(nodes: Sequence[FourBarNode], signals: Signals) -> None:
+    """Handle messages and timers of all nodes until a signal has come."""
+    from rclpy.experimental import EventsExecutor
+
+    executor, ended = EventsExecutor(), False
+    for node in nodes:
+        executor.add_node(node)
+
+    def wake() -> None:
+        """Wake the executor: that of the wheels waits by the system clock, also if set back."""
+        while not ended:
+            time.sleep(SPIN)
+            executor.create_task(lambda: None)
+    waker = threading.Thread(target=wake, name='waker', daemon=True)
+    waker.start()
+    try:
+        while not signals:
+            executor.spin_once(timeout_sec=SPIN)
+    finally:
+        ended = True
+        waker.join()
+        executor.shutdown()
 
 
 if __name__ == '__main__':

@@ -6,14 +6,11 @@ from __future__ import annotations
 from functools import partial
 
 from fourbar_ros.pipeline.wrenches import a_step_later, in_silence, Wrench
-from fourbar_ros.ros.node import qos
-from fourbar_ros.ros.node.base import Base
-from fourbar_ros.ros.node.recording import Recording
-from fourbar_ros.ros.node.steady import clock_of
+from fourbar_ros.ros.node import entities
 from fourbar_ros.ros.node.stream import Stream
-from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import wrench_topic
 from geometry_msgs.msg import WrenchStamped
+from rclpy.node import Node
 from rclpy.serialization import deserialize_message
 
 PERIOD = 0.1           # [s] how often silence is looked for
@@ -29,37 +26,35 @@ class WrenchInputs:
 
     COUNTED = ('wrenches_malformed', 'wrenches_of_another_frame', 'wrench_silences')
 
-    def __init__(self, node: Base, stream: Stream, recording: Recording) -> None:
-        self._node, self._stream, self._recording = node, stream, recording
+    def __init__(self, node: Node, stream: Stream) -> None:
+        self._node, self._stream = node, stream
         self.counts = dict.fromkeys(self.COUNTED, 0)
         # {link: arrival of its newest wrench [s] by the clock of silences}, without silent links
         self._received: dict[str, float] = {}
         self._last: dict[str, Wrench] = {}      # the last wrench of each link
         for link in stream.scene.wrenches.links:
-            qos.subscription(node, wrench_topic(link), partial(self._take, link))
-        self._now = clock_of(node)
-        if node.get_parameter('use_sim_time').value:     # silence by that clock, however fast
-            node.create_timer(PERIOD, self._watch)
-        else:
-            node.steady_timers.add(PERIOD, self._watch)
+            entities.subscription(node, wrench_topic(link), partial(self._take, link))
+        self._clock = entities.clock_of(node)
+        node.create_timer(PERIOD, self._watch, clock=self._clock)
 
-    def apply(self, scene: Scene) -> None:
-        """Take over a scene: on silent links another wrench may act now."""
-        for link in scene.wrenches.links:
+    def renew(self) -> None:
+        """Let act on silent links what the scene in force has for a silence."""
+        for link in self._stream.scene.wrenches.links:
             if link not in self._received:
                 self._be_silent(link)
+
+    def _now(self) -> float:
+        return float(self._clock.now().nanoseconds * 1e-9)
 
     def _take(self, link: str, data: bytes) -> None:
         """Apply the wrench of a message to a link; record it, unless ROS cannot read it."""
         topic = wrench_topic(link)
-        if self._node.circles.is_own(self._node.resolve_topic_name(topic.topic), data):
-            return
         try:
             message = deserialize_message(data, WrenchStamped)
         except Exception:
             self._count('wrenches_malformed', link, 'a message that is no WrenchStamped')
             return
-        self._recording.write(topic.name, data)
+        self._stream.record(topic.name, data)
         force, torque = message.wrench.force, message.wrench.torque
         frame, ours = message.header.frame_id, self._stream.scene.frame_id
         if frame not in ('', ours) and (force.x or force.y):   # a couple is equal in all frames

@@ -10,18 +10,19 @@ from typing import Any
 from fourbar_ros.errors import nearest
 from fourbar_ros.pipeline import joints
 from fourbar_ros.pipeline.rate_estimator import estimator_of
-from fourbar_ros.ros.messages import resolve, sec_nanosec, Stamp
-from fourbar_ros.ros.node import qos
-from fourbar_ros.ros.node.circles import Repeats
-from fourbar_ros.ros.node.drives import Drive, Reported, SLEEP
+from fourbar_ros.ros.messages import Message, resolve, sec_nanosec, Stamp
+from fourbar_ros.ros.node import entities
+from fourbar_ros.ros.node.clock_input import Reported
+from fourbar_ros.ros.node.entities import Log
 from fourbar_ros.ros.node.sequence import Info, SequenceNumbers, WithInfo
-from fourbar_ros.ros.node.steady import clock_of
-from fourbar_ros.scene.message_fields import is_time
-from fourbar_ros.scene.scene import DriveSettings
+from fourbar_ros.ros.node.stream import Stream
+from fourbar_ros.scene.message_fields import driven_of, is_time
 from fourbar_ros.scene.topics import INPUTS
 from rclpy.event_handler import SubscriptionEventCallbacks
+from rclpy.node import Node
 from rclpy.serialization import deserialize_message
 
+WATCH = 0.1            # [s] how often silence is looked for
 SILENT = 2.0           # [s] without a first message after which the diagnostics warn
 FUTURE = 1.0           # [s] stamps further ahead of our clock are counted and logged
 RESTARTED = ('the estimate of missing rates starts afresh: after a pause above drive.timeout, a '
@@ -30,44 +31,43 @@ RESTARTED = ('the estimate of missing rates starts afresh: after a pause above d
 UNHEARD = 20           # messages without the driven joint after which a relay warns
 
 
-class TopicDrive(Drive):
-    """One step for each input message, with its stamp; missing rates are estimated."""
+class TopicInput:
+    """
+    One step for each input message, with its stamp; missing rates are estimated.
+
+    ``counts`` are for the diagnostics.
+    """
 
     COUNTED = ('received', 'lost', 'malformed', 'without_joint', 'of_other_joints',
                'bad_stamps', 'future', 'late', 'estimate_restarts', 'timeouts',
                'deadlines_missed', 'faults')
 
-    def start(self) -> None:
-        """
-        Set the state of the input to none received, and subscribe to its topic.
-
-        Messages come as bytes, which are recorded as they are.
-        """
-        from fourbar_ros.ros.node.inputs import Reader  # only these drives need definitions
-
-        settings = self.settings
+    def __init__(self, node: Node, stream: Stream, log: Log) -> None:
+        """Subscribe to the topic; messages come as bytes, which are recorded as they are."""
+        self._node, self._stream, self._log = node, stream, log
+        self.counts = dict.fromkeys(self.COUNTED, 0)
+        scene = stream.scene
+        self._settings = settings = scene.drive
         self._topic = INPUTS[settings.source]
-        self._read = Reader(self._topic.type, settings.joint)
+        self._type = resolve(self._topic.type)
         self._scale = joints.Scale(settings.joint_ratio, settings.joint_offset)
-        self._now = clock_of(self._node)
+        self._clock = entities.clock_of(node)
         self._received = self._now()         # [s] when the newest input came
         self._waiting = False                # for a next input, whose silence is a timeout
         self._horizon = 0                    # [ns] stamps up to here are known to be plausible
         self._estimated = False              # whether rates of the last input were
-        self._is_relay = self._stream.scene.joint_states.only_passive
-        self._of_others: list[bytes] = []    # first messages, while the driven joint never came
-        self.estimator = estimator_of(self._stream.scene)
+        self._is_relay = scene.joint_states.only_passive
+        self._of_others: list[Message] = []  # first messages, while the driven joint never came
+        self._estimator = estimator_of(scene)
         self._sequence = SequenceNumbers(lambda: self._subscription.get_publisher_count())
-        self._subscription = qos.subscription(self._node, self._topic, WithInfo(self._receive),
-                                              event_callbacks=self._events())
-        self._repeats = Repeats(self._node, self._subscription.topic_name,
-                                self._stream.outputs.topics)
-        self._timer = self._node.steady_timers.add(SLEEP, self._watch)
+        self._subscription = entities.subscription(
+            node, self._topic, WithInfo(self._receive), event_callbacks=self._events())
+        self._timer = node.create_timer(WATCH, self._watch, clock=self._clock)
 
     def _events(self) -> SubscriptionEventCallbacks:
         """Return callbacks for new publishers and, if a user asks for a deadline, missed ones."""
         events = SubscriptionEventCallbacks(matched=lambda _: self._sequence.forget())
-        if qos.has_override(self._node, 'subscription', self._topic, 'deadline'):
+        if entities.has_override(self._node, 'subscription', self._topic, 'deadline'):
             events.deadline = self._deadline_missed      # not every middleware knows this event
         return events
 
@@ -76,46 +76,46 @@ class TopicDrive(Drive):
 
     def stop(self) -> None:
         """Unsubscribe."""
-        self._node.steady_timers.remove(self._timer)
+        self._node.destroy_timer(self._timer)
         self._node.destroy_subscription(self._subscription)
 
-    def apply(self, settings: DriveSettings) -> None:
-        """Take over settings; the estimate of rates starts anew, its counters go on."""
-        super().apply(settings)
-        before, self.estimator = self.estimator, estimator_of(self._stream.scene)
-        self.estimator.late, self.estimator.restarts = before.late, before.restarts
+    def _now(self) -> float:
+        return float(self._clock.now().nanoseconds * 1e-9)
 
     def age(self) -> float:
         """Return the time since the newest input [s]: steady, or simulated with use_sim_time."""
         return self._now() - self._received
 
     def state(self) -> Reported:
-        """Return (values, problems): lost, circles, the quality of an estimated acceleration."""
-        self.counts.update(lost=self._sequence.lost, late=self.estimator.late,
-                           estimate_restarts=self.estimator.restarts)
-        values: dict[str, Any]
-        values, problems = self._repeats.state()
+        """Return (values, problems): lost inputs, the quality of an estimated acceleration."""
+        estimator = self._estimator
+        self.counts.update(lost=self._sequence.lost, late=estimator.late,
+                           estimate_restarts=estimator.restarts)
+        values: dict[str, Any] = {}
+        problems = []
         if not self._sequence.is_numbered:
             values['lost'] = 'unknown: the middleware gives no numbers'
         if self._is_relay and self.counts['of_other_joints'] and not self.counts['received']:
-            problems.append(f'joint {self.settings.joint!r} never came')
+            problems.append(f'joint {self._settings.joint!r} never came')
         elif not self.counts['received'] and self.age() > SILENT:
             problems.append(f'no input yet: {self._why_no_input()}')
-        if isnan(self.estimator.lag) or not self._estimated:
+        if isnan(estimator.lag) or not self._estimated:
             return values, problems
         unit = 'm/s^2' if self._stream.scene.linkage.is_driven_by_slide else 'rad/s^2'
-        noise = self.estimator.noise
-        return ({**values, f'noise of the estimated acceleration [{unit}]':
-                 'unknown' if isnan(noise) else f'{noise:.3g}',
-                 'lag of the estimated acceleration [s]': f'{self.estimator.lag:.3g}'},
-                problems + ['the estimated acceleration is noise'] * self.estimator.is_noise)
+        noise = estimator.noise
+        values[f'noise of the estimated acceleration [{unit}]'] = (
+            'unknown' if isnan(noise) else f'{noise:.3g}')
+        values['lag of the estimated acceleration [s]'] = f'{estimator.lag:.3g}'
+        if estimator.is_noise:
+            problems.append('the estimated acceleration is noise')
+        return values, problems
 
     def _why_no_input(self) -> str:
         """Return that the publisher is silent, or on which topics the type comes instead."""
         name = self._subscription.topic_name
         if self._subscription.get_publisher_count():
             return f'the publisher of {name} is silent'
-        own = self._stream.outputs.topics()
+        own = self._stream.topics()
         others = [other for other, types in self._node.get_topic_names_and_types()
                   if self._topic.type in types and other != name
                   and self._node.count_publishers(other) > (other in own)]
@@ -123,11 +123,10 @@ class TopicDrive(Drive):
             f'; {self._topic.type} comes on {", ".join(sorted(others))}' if others else '')
 
     def _receive(self, data: bytes, info: Info) -> None:
-        """Take a message unless it is our own; an error in that is ours and must not end us."""
+        """Take a message; an error in that is ours and must not end us."""
         try:
             self._sequence.take(info['publication_sequence_number'])
-            if not self._node.circles.is_own(self._subscription.topic_name, data):
-                self._take(data)
+            self._take(data)
         except Exception:
             self._note('faults', f'a fault in taking an input: {format_exc()}')
 
@@ -138,52 +137,61 @@ class TopicDrive(Drive):
         A message that ROS cannot read is counted and not recorded: readers of the bag would fail.
         """
         try:
-            stamp, motion = self._read(data)
+            message = deserialize_message(data, self._type)
         except Exception:
             self._note_arrival()
             self._note('malformed', f'{self._topic.topic}: a message that is no '
                                     f'{self._topic.type}')
             return
+        motion = driven_of(message, self._settings.joint)
         if motion is None and self._is_relay:    # from ourselves, or another part of the robot
-            self._note_other_joints(data)
+            self._note_other_joints(message)
             return
         self._note_arrival()
-        self._recording.write(self._topic.name, data)
+        self._stream.record(self._topic.name, data)
         if motion is None:
-            hint = '' if self.counts['without_joint'] else self._joint_hint([data])
-            self._note('without_joint', f'no position of joint {self.settings.joint!r} in the '
+            hint = '' if self.counts['without_joint'] else self._joint_hint([message])
+            self._note('without_joint', f'no position of joint {self._settings.joint!r} in the '
                                         f'input message{hint}')
             return
-        stamp, nanoseconds = self._stamp(*stamp)
-        if self.settings.source == 'joint_state':
+        stamp, nanoseconds = self._stamp(message.header.stamp.sec, message.header.stamp.nanosec)
+        if self._settings.source == 'joint_state':
             motion = self._scale.to_input(*motion)
         position, velocity, acceleration = motion
         self._estimated = isnan(velocity) or isnan(acceleration)
         if self._estimated:
-            restarts = self.estimator.restarts
-            velocity, estimate = self.estimator.update(nanoseconds, position, velocity)
-            if self.estimator.restarts > restarts:
-                self._node.log.warning('estimate_restarts', RESTARTED)
-            acceleration = estimate if isnan(acceleration) else acceleration
+            velocity, acceleration = self._completed(nanoseconds, position, velocity, acceleration)
         self._stream.step(stamp, position, velocity, acceleration)
 
-    def _note_other_joints(self, data: bytes) -> None:
+    def _completed(self, stamp: int, position: float, velocity: float, acceleration: float
+                   ) -> tuple[float, float]:
+        """Return (velocity, acceleration), missing ones estimated; by the scene in force."""
+        scene, before = self._stream.scene, self._estimator
+        if scene.drive != self._settings:    # the estimate begins anew, its counters go on
+            self._settings, self._estimator = scene.drive, estimator_of(scene)
+            self._estimator.late, self._estimator.restarts = before.late, before.restarts
+        restarts = self._estimator.restarts
+        velocity, estimate = self._estimator.update(stamp, position, velocity)
+        if self._estimator.restarts > restarts:
+            self._log('estimate_restarts', RESTARTED)
+        return velocity, estimate if isnan(acceleration) else acceleration
+
+    def _note_other_joints(self, message: Message) -> None:
         """Count a message without the driven joint; warn if it is in none of the first UNHEARD."""
         self.counts['of_other_joints'] += 1
         if self.counts['received'] or len(self._of_others) >= UNHEARD:
             return
-        self._of_others.append(data)
+        self._of_others.append(message)
         if len(self._of_others) == UNHEARD:
-            self._node.log.warning('of_other_joints', (
-                f'drive.joint = {self.settings.joint!r} had a position in none of the first '
+            self._log('of_other_joints', (
+                f'drive.joint = {self._settings.joint!r} had a position in none of the first '
                 f'{UNHEARD} messages on {self._subscription.topic_name}'
                 f'{self._joint_hint(self._of_others)}'))
 
-    def _joint_hint(self, messages: list[bytes]) -> str:
+    def _joint_hint(self, messages: list[Message]) -> str:
         """Return '; did you mean NAME?' of a joint in messages without the driven one."""
-        message_class, joint = resolve(self._topic.type), self.settings.joint
-        names = dict.fromkeys(name for data in messages
-                              for name in deserialize_message(data, message_class).name)
+        joint = self._settings.joint
+        names = dict.fromkeys(name for message in messages for name in message.name)
         return nearest(joint, names) if names and joint not in names else ''
 
     def _note_arrival(self) -> None:
@@ -195,7 +203,6 @@ class TopicDrive(Drive):
         stamp = sec * 10**9 + nanosec
         is_valid = is_time(sec, nanosec)
         if stamp and is_valid:
-            self._repeats.take(stamp)
             if stamp > self._horizon:
                 self._check_future(stamp)
             return (sec, nanosec), stamp
@@ -214,16 +221,16 @@ class TopicDrive(Drive):
 
     def _note(self, counter: str, text: str) -> None:
         self.counts[counter] += 1
-        self._node.log.warning(counter, text)
+        self._log(counter, text)
 
     def _watch(self) -> None:
-        """Look for a timeout of the input: called every SLEEP seconds."""
+        """Look for a timeout of the input: called every WATCH seconds."""
         self._horizon = 0                                # the clock may have been set
         if self.age() < 0.0 or not self._received:       # simulated time went back, or has begun
             self._received = self._now()
-        limit = self.settings.timeout
+        limit = self._stream.scene.drive.timeout
         if limit and self._waiting and self.age() > limit:
             self._waiting = False
             self.counts['timeouts'] += 1
-            self.estimator.reset()
-            self._stream.timeout(sec_nanosec(self._node.get_clock().now().nanoseconds), limit)
+            self._estimator.reset()
+            self._stream.timeout(limit)

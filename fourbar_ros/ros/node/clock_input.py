@@ -1,0 +1,121 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Drive the input at constant speed, on the wall clock or on simulated time."""
+from __future__ import annotations
+
+from math import nan
+from typing import Any
+
+from fourbar_ros.ros.messages import sec_nanosec
+from fourbar_ros.ros.node.entities import clock_of, Log
+from fourbar_ros.ros.node.stream import Stream
+from rclpy.node import Node
+
+TICK = 0.1             # [s] longest period of the timer: so soon it sees new settings
+CATCH_UP = 1.0         # [s] later than this it skips the samples it missed
+CLOCK_STEP = 50_000_000        # [ns] the wall clock was set if it is this far from the steady one
+CHECK_CLOCK = 1_000_000_000    # [ns] how often that is looked at
+
+Reported = tuple[dict[str, Any], list[str]]     # for the diagnostics: {name: value}, problems
+
+
+class ClockInput:
+    """
+    Constant speed: sample k belongs to start + k / rate, however late its timer is.
+
+    Its angle follows from that time, without accumulating errors. Times are those of a steady
+    clock, stamps those of the node's clock; with simulated time both are that. ``counts`` are for
+    the diagnostics.
+    """
+
+    COUNTED: tuple[str, ...] = ('missed', 'clock_steps')
+
+    def __init__(self, node: Node, stream: Stream, log: Log) -> None:
+        self._node, self._stream, self._log = node, stream, log
+        self.counts = dict.fromkeys(self.COUNTED, 0)
+        self._settings, self._clock = stream.scene.drive, clock_of(node)
+        self._is_simulated = self._clock is node.get_clock()
+        self._began: int | None = None       # [ns] time of sample 0; None before it
+        self._last = 0                       # [ns] time of the last tick
+        self._prepare()
+        self._timer = node.create_timer(min(1.0 / self._settings.rate, TICK), self._tick,
+                                        clock=self._clock)
+
+    def stop(self) -> None:
+        """Make no more steps."""
+        self._node.destroy_timer(self._timer)
+
+    def age(self) -> float:
+        """Return the time since the newest input [s]: NaN, it has none."""
+        return nan
+
+    def state(self) -> Reported:
+        """Return (values, problems) for the diagnostics, beside the counters."""
+        return {}, []
+
+    def _tick(self) -> None:
+        """Make all samples that are due: a late timer neither loses one nor leaves the grid."""
+        now = self._clock.now().nanoseconds
+        if now == 0:
+            return                                       # no /clock yet
+        if now < self._last:
+            self.counts['clock_steps'] += 1
+            self._log('clock_steps', 'simulated time went back: starting again')
+            self._began = None
+            self._prepare()
+        if self._began is None:
+            # when this tick was due, so that all later samples are due before their ticks
+            self._began = min(now, now + self._timer.time_until_next_call()
+                              - self._timer.timer_period_ns)
+            self._next, self._offset, self._checked = 0, self._offset_of_stamps(), now
+        self._last = now
+        if now - self._checked > CHECK_CLOCK:
+            self._follow_clock(now)
+        period = 1e9 / self._settings.rate
+        behind = int((now - self._began) / period) - self._next
+        if behind * period > CATCH_UP * 1e9:             # suspended, or too high a rate
+            self.counts['missed'] += behind
+            self._next += behind
+        while (due := self._began + round(self._next * period)) <= now:
+            self._sample(due + self._offset, self._next / self._settings.rate)
+            self._next += 1
+        if self._stream.scene.drive != self._settings:
+            self._go_on(now, self._began + round((self._next - 1) * period))
+
+    def _go_on(self, now: int, last: int) -> None:
+        """Begin a new grid at the ``last`` sample [ns], or ``now`` if that is long ago."""
+        before, self._settings = self._settings, self._stream.scene.drive
+        assert self._began is not None
+        begin = last if (now - last) * 1e-9 < 1.0 / self._settings.rate else now
+        self._leave(before.speed, (begin - self._began) * 1e-9)
+        self._began, self._next = begin, 1
+        if self._settings.rate != before.rate:
+            self._timer.timer_period_ns = round(1e9 * min(1.0 / self._settings.rate, TICK))
+            self._timer.reset()
+
+    def _offset_of_stamps(self) -> int:
+        """Return by how much the node's clock is ahead of the clock of the samples [ns]."""
+        if self._is_simulated:
+            return 0
+        return int(self._node.get_clock().now().nanoseconds - self._clock.now().nanoseconds)
+
+    def _follow_clock(self, now: int) -> None:
+        """Follow a wall clock that was set."""
+        self._checked, new = now, self._offset_of_stamps()
+        if abs(new - self._offset) >= CLOCK_STEP:
+            self.counts['clock_steps'] += 1
+            self._log('clock_steps', f'the clock was set by {(new - self._offset) * 1e-9:.3f} s')
+            self._offset = new
+
+    def _prepare(self) -> None:
+        """Set the motion to the start of the scene."""
+        self._angle = self._settings.start               # at sample 0
+
+    def _sample(self, stamp: int, passed: float) -> None:
+        """Step to the sample of a stamp [ns], ``passed`` seconds after sample 0."""
+        self._stream.step(sec_nanosec(stamp), self._angle + self._settings.speed * passed,
+                          self._settings.speed, 0.0)
+
+    def _leave(self, speed: float, passed: float) -> None:
+        """Take over the angle that ``speed`` has reached after so many seconds."""
+        self._angle += speed * passed

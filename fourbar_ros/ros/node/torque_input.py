@@ -1,0 +1,155 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Move the input by torque, of a topic or of a motor, on the grid of the clock."""
+from __future__ import annotations
+
+from math import inf, isfinite, isnan, nan
+
+from fourbar_ros.dynamics.step.mover import (
+    AT_LIMIT,
+    DriveValues,
+    Mover,
+    NOT_FINITE,
+    OK,
+    OUT_OF_BUDGET,
+    SILENT,
+    STATUS_NAMES,
+)
+from fourbar_ros.ros.messages import resolve, sec_nanosec
+from fourbar_ros.ros.node import entities
+from fourbar_ros.ros.node.clock_input import ClockInput, Reported
+from fourbar_ros.ros.node.entities import Log
+from fourbar_ros.ros.node.stream import Stream
+from fourbar_ros.scene.scene import Scene
+from fourbar_ros.scene.topics import TORQUE
+from rclpy.node import Node
+from rclpy.serialization import deserialize_message
+
+_COUNTER = {OUT_OF_BUDGET: 'budgets_used_up', AT_LIMIT: 'stops_at_a_limit',
+            NOT_FINITE: 'failures'}
+
+
+class TorqueInput(ClockInput):
+    """
+    The state of the motion, which each sample moves on by one period.
+
+    Samples missed by a machine that was too slow or suspended are not made up for: the motion
+    stands still meanwhile. The torque of a topic is the last finite one, within the limit; when
+    it is silent for ``drive.timeout``, the scene says whether it holds or is zero.
+    """
+
+    COUNTED = (*ClockInput.COUNTED, 'torques', 'malformed', 'not_finite', 'limited', 'silences',
+               'budgets_used_up', 'stops_at_a_limit', 'failures')
+
+    def __init__(self, node: Node, stream: Stream, log: Log) -> None:
+        self._scene: Scene | None = None             # of the last step
+        self._mover: Mover                           # of that scene
+        self._subscription = None
+        super().__init__(node, stream, log)
+        if stream.scene.drive.source == TORQUE.name:
+            self._type = resolve(TORQUE.type)
+            self._subscription = entities.subscription(node, TORQUE, self._receive)
+
+    def stop(self) -> None:
+        """Make no more steps; unsubscribe."""
+        super().stop()
+        if self._subscription:
+            self._node.destroy_subscription(self._subscription)
+
+    def age(self) -> float:
+        """Return the time since the newest torque [s], NaN before the first."""
+        return self._now() - self._received if self._received > -inf else nan
+
+    def state(self) -> Reported:
+        """Return (values, problems) for the diagnostics."""
+        if self._values is None:
+            return {}, []
+        return ({'drive': STATUS_NAMES[self._status],
+                 'input': f'{self._values.position:.6g}', 'speed': f'{self._values.velocity:.6g}',
+                 'torque': f'{self._values.torque:.6g}',
+                 'evaluations in a step': f'{self._values.evaluations:.0f}'},
+                [STATUS_NAMES[self._status]] if self._status != OK else [])
+
+    # --- the motion ------------------------------------------------------------------------------
+
+    def _prepare(self) -> None:
+        self._values: DriveValues | None = None      # the state; None before the first step
+        self._mode: int | None = None
+        self._status = OK
+        self._torque, self._received, self._was_silent = 0.0, -inf, True
+
+    def _sample(self, stamp: int, passed: float) -> None:
+        self._stream.step_by(sec_nanosec(stamp), self._move)
+
+    def _leave(self, speed: float, passed: float) -> None:
+        """Go on from the state of now."""
+
+    def _move(self) -> tuple[int, int, DriveValues]:
+        """
+        Return (status, assembly mode, state) a period later; the first time, of the start.
+
+        When the scene has changed, its equation of motion goes on from the same state.
+        """
+        run = self._stream.run
+        if self._scene is not run.scene:
+            assert run.mover is not None                 # this input's scenes have one
+            self._scene, self._mover = run.scene, run.mover
+        command, is_silent = self._command() if self._subscription else (nan, False)
+        if self._values is None:
+            self._values = self._mover.start(command)
+            self._mode = self._mover.mode
+            return SILENT if is_silent else OK, self._mode, self._values
+        status, self._values = self._mover.next(self._values, 1.0 / self._settings.rate, command,
+                                                is_silent, self._mode)
+        self._mode = self._mover.mode
+        if status != self._status:
+            self._status = status
+            self._log(f'drive_{status}', f'drive: {STATUS_NAMES[status]}')
+        if status in _COUNTER:
+            self.counts[_COUNTER[status]] += 1
+        return status, self._mode, self._values
+
+    # --- the topic -------------------------------------------------------------------------------
+
+    def _now(self) -> float:
+        return float(self._clock.now().nanoseconds * 1e-9)
+
+    def _command(self) -> tuple[float, bool]:
+        """Return (torque in effect [N m or N], whether the topic is silent)."""
+        settings = self._stream.scene.drive
+        if self._received == 0.0:            # the torque came before simulated time began
+            self._received = self._now()
+        is_silent = self._received == -inf or 0.0 < settings.timeout < self.age()
+        if is_silent and not self._was_silent:
+            self._note('silences', f'no torque for {settings.timeout:g} s: '
+                                   f'{settings.when_silent}')
+        self._was_silent = is_silent
+        return (0.0 if is_silent and settings.when_silent == 'zero' else self._torque), is_silent
+
+    def _receive(self, data: bytes) -> None:
+        """Take a message between two steps; one that ROS cannot read is not recorded either."""
+        try:
+            wrench = deserialize_message(data, self._type).wrench
+        except Exception:
+            self._note('malformed', f'a message that is no {TORQUE.type}')
+            return
+        torque = wrench.force.x if self._stream.scene.linkage.is_driven_by_slide else (
+            wrench.torque.z)
+        self.counts['torques'] += 1
+        self._stream.record(TORQUE.name, data)
+        if isfinite(torque):
+            self._torque, self._received = self._limited(torque), self._now()
+        else:
+            self._note('not_finite', 'a torque that is not finite: ignored')
+
+    def _limited(self, torque: float) -> float:
+        """Return a torque cut to ``drive.torque_limit``; NaN there is no limit."""
+        limit = self._stream.scene.drive.torque_limit
+        limit = inf if isnan(limit) else limit
+        if abs(torque) > limit:
+            self._note('limited', f'a torque of {torque:g} is more than drive.torque_limit')
+        return min(max(torque, -limit), limit)
+
+    def _note(self, counter: str, text: str) -> None:
+        self.counts[counter] += 1
+        self._log(counter, f'{TORQUE.topic}: {text}')
