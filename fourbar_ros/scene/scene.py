@@ -35,8 +35,10 @@ from fourbar_ros.scene.topics import (
     ANSWERS,
     applied_topic,
     DRIVE_STATE,
+    DRIVEN,
     INPUTS,
     PICTURES,
+    SCENE,
     Topic,
     topics_of,
     TORQUE,
@@ -156,6 +158,15 @@ class Scene(NamedTuple):
         inputs = [topic for topic in (*INPUTS.values(), TORQUE) if topic.name == source]
         return [*map(wrench_topic, self.wrenches.links), *inputs,
                 *(TRAJECTORIES[name] for name in ANSWERS if self.values['trajectories'])]
+
+    @property
+    def published(self) -> list[Topic]:
+        """Return the topics on which its node sends, except those of every ROS node."""
+        both = [*self.wrench_topics, *self.drive_topics,
+                *(TRAJECTORIES.values() if self.values['trajectories'] else ())]
+        received = self.received
+        return [*(topic for topic in both if topic not in received), DRIVEN, SCENE,
+                *self.topics.values(), *self.pictures.values()]
 
     @property
     def transmission(self) -> Transmission:
