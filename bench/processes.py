@@ -65,7 +65,7 @@ def ours(outputs=KINEMATICS, **parameters):
               **{name.replace('__', '.'): value for name, value in parameters.items()}}
     file = Path(tempfile.mkdtemp()) / 'scene.yaml'
     file.write_text(json.dumps({'/**': {'ros__parameters': values}}))
-    return Child('fourbar', '-m', 'fourbar_ros.ros.node.node', '--ros-args', '--params-file',
+    return Child('fourbar', '-m', 'fourbar_ros.ros.node.start', '--ros-args', '--params-file',
                  str(file), '-r', 'joint_states:=/fourbar/joint_states')
 
 

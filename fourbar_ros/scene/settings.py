@@ -244,7 +244,7 @@ _BY_JOINT, _BY_TORQUE = driven_by('joint_state'), driven_by(*SOURCES)
 _BY_TOPIC = driven_by(TORQUE.name)
 
 
-@frozen
+@frozen(eq=False)
 class Drive:
     """What moves the input."""
 
@@ -304,6 +304,10 @@ class Drive:
         'none', '', 'published where the linkage cannot be assembled: NaN (none), the last good '
         'values (hold) or the pose at the nearest limit (clamp)',
         choices=('none', 'hold', 'clamp'))
+
+    def differs_from(self, other: Drive) -> bool:
+        """Return whether a parameter differs; NaN, for one that is not given, equals itself."""
+        return self is not other and repr(self) != repr(other)
 
 
 @frozen

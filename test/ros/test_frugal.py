@@ -51,7 +51,7 @@ print(json.dumps({'calls': calls, 'topics': topics,
                                         'fourbar_ros.extrema.find',
                                         'fourbar_ros.mechanisms.machine.machine',
                                         'fourbar_ros.dynamics.model.system',
-                                        'importlib.metadata', 'fourbar_ros.bag.recorder')
+                                        'fourbar_ros.bag.recorder')
                                if m in sys.modules]}))
 node.close()
 listener.destroy_node()

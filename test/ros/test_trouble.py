@@ -121,15 +121,12 @@ def test_good_and_bad_inputs_in_turns_are_a_few_lines(run_node, client, heard, b
 
 @pytest.mark.skipif(not shutil.which('cc'), reason='needs a C compiler')
 @some('step', [-3600.0, 3600.0], 1)
-def test_a_node_on_a_timer_stops_and_has_diagnostics_whatever_the_clock(run_node, client, heard,
-                                                                        tmp_path, step):
+def test_a_node_on_a_timer_stops_whatever_the_clock(run_node, client, heard, tmp_path, step):
     """Nothing comes in that would wake it, and its executor waits by the clock that was set."""
     faults = Faults(tmp_path)
     node = faults.start(lambda: run_node({**PAPER, 'outputs': ['state']}))
     client.until(lambda: heard.messages, 'diagnostics')
     faults.set(clock=step)
-    number = len(heard.messages)
-    client.until(lambda: len(heard.messages) >= number + 2, 'diagnostics')
     node.process.send_signal(signal.SIGTERM)
     assert node.process.wait(PATIENCE) == 0
 

@@ -3,10 +3,12 @@
 """Publishers, subscriptions, clock and log of a node, as all its parts make them."""
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import cache
 from typing import Any
 
+from fourbar_ros.errors import FourBarError
 from fourbar_ros.ros.messages import resolve
 from fourbar_ros.scene.topics import INPUT_DEPTH, QUEUE_DEPTH, Topic
 from rclpy.clock import Clock, ClockType
@@ -26,8 +28,9 @@ def publisher(node: Node, topic: Topic, **options: Any) -> Publisher:
     """Return a publisher on a topic with its QoS, latched or not, and the user's overrides."""
     profile = (QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL) if topic.latched
                else QoSProfile(depth=QUEUE_DEPTH))
-    return node.create_publisher(resolve(topic.type), topic.topic, profile, **options,
-                                 qos_overriding_options=_overrides(node, 'publisher', topic))
+    with _refused(node, topic):
+        return node.create_publisher(resolve(topic.type), topic.topic, profile, **options,
+                                     qos_overriding_options=_overrides(node, 'publisher', topic))
 
 
 def subscription(node: Node, topic: Topic, take: Callable[..., None], is_reliable: bool = False,
@@ -38,16 +41,31 @@ def subscription(node: Node, topic: Topic, take: Callable[..., None], is_reliabl
     By default it is best effort, which matches publishers of any reliability.
     """
     reliability = ReliabilityPolicy.RELIABLE if is_reliable else ReliabilityPolicy.BEST_EFFORT
-    return node.create_subscription(
-        resolve(topic.type), topic.topic, take,
-        QoSProfile(depth=INPUT_DEPTH, reliability=reliability), raw=True, **options,
-        qos_overriding_options=_overrides(node, 'subscription', topic))
+    with _refused(node, topic):
+        return node.create_subscription(
+            resolve(topic.type), topic.topic, take,
+            QoSProfile(depth=INPUT_DEPTH, reliability=reliability), raw=True, **options,
+            qos_overriding_options=_overrides(node, 'subscription', topic))
 
 
 def has_override(node: Node, entity: str, topic: Topic, policy: str) -> bool:
     """Return whether a user overrides a policy of a 'publisher' or 'subscription'."""
     name = node.resolve_topic_name(topic.topic)
     return bool(node.has_parameter(f'{OVERRIDES}{name}.{entity}.{policy}'))
+
+
+@contextmanager
+def _refused(node: Node, topic: Topic) -> Iterator[None]:
+    """Name the overrides of a topic in an error that rclpy raises for a bad one."""
+    prefix = f'{OVERRIDES}{node.resolve_topic_name(topic.topic)}.'
+    try:
+        yield
+    except (AssertionError, RuntimeError, TypeError, ValueError) as error:
+        given = {name: parameter.value for name, parameter
+                 in node.get_parameters_by_prefix(prefix.rstrip('.')).items()}
+        if not given:
+            raise
+        raise FourBarError(f'{prefix}*: {given}: {error}') from None
 
 
 def _overrides(node: Node, entity: str, topic: Topic) -> QoSOverridingOptions:

@@ -82,9 +82,9 @@ def run(given: Sequence[str], signals: Signals) -> int:
     from rclpy.impl.implementation_singleton import rclpy_implementation
 
     unknown = rclpy_implementation.UnknownROSArgsError
-    # a file that rcl cannot parse, names that are not valid, QoS that is none
+    # a file that rcl cannot parse, names that are not valid, another type for a parameter
     ros_errors = (rclpy_implementation.RCLError, unknown, NameValidationException,
-                  ParameterException, RuntimeError, TypeError)
+                  ParameterException)
     nodes: list[FourBarNode] = []
     try:
         names, namespace, files = asked(given)

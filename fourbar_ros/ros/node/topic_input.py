@@ -166,9 +166,10 @@ class TopicInput:
     def _completed(self, stamp: int, position: float, velocity: float, acceleration: float
                    ) -> tuple[float, float]:
         """Return (velocity, acceleration), missing ones estimated; by the scene in force."""
-        scene, before = self._stream.scene, self._estimator
-        if scene.drive != self._settings:    # the estimate begins anew, its counters go on
-            self._settings, self._estimator = scene.drive, estimator_of(scene)
+        scene, old, before = self._stream.scene, self._settings, self._estimator
+        self._settings = scene.drive
+        if self._settings.differs_from(old):     # the estimate begins anew, its counters go on
+            self._estimator = estimator_of(scene)
             self._estimator.late, self._estimator.restarts = before.late, before.restarts
         restarts = self._estimator.restarts
         velocity, estimate = self._estimator.update(stamp, position, velocity)
