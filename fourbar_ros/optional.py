@@ -17,7 +17,7 @@ INSTALL = {**dict.fromkeys(('mcap', 'rosbags', 'lz4', 'zstandard'), BAGS),
            'pyarrow': 'pip install pyarrow', 'openpyxl': 'pip install openpyxl',
            'flint': 'pip install python-flint',
            'scipy': 'pip install scipy', 'distributed': 'pip install distributed',
-           'nicegui': 'pip install nicegui',
+           'nicegui': 'pip install nicegui', 'clarabel': 'pip install clarabel',
            'rich': 'pip install rich', 'yaml': 'pip install pyyaml',
            'fourbar_lab': 'pip install .  in the source of fourbar_ros installs it too'}
 ROS = ('rclpy', 'rcl_interfaces', 'rosidl_runtime_py', 'rpyutils', 'ament_index_python')

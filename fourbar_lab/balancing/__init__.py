@@ -19,24 +19,26 @@ from typing import TYPE_CHECKING
 from fourbar_ros.optional import lazily
 
 if TYPE_CHECKING:
-    from fourbar_lab.balancing.full import full_force_balance
+    from fourbar_lab.balancing.cone import (
+        Balance,
+        Counterweight,
+        front,
+        full_force_balance,
+        least_peak,
+        least_rms,
+        Places,
+    )
     from fourbar_lab.balancing.loads import BalanceError, Loads
-    from fourbar_lab.balancing.peak import least_peak
     from fourbar_lab.balancing.result import Change, changes, scene_text
-    from fourbar_lab.balancing.rms import Balance, Counterweight, front, least_rms, Places
-    from fourbar_lab.balancing.shapes import best_plates, Disc, Sector
 
 __all__ = [
-    'Balance', 'BalanceError', 'Change', 'Counterweight', 'Disc', 'Loads', 'Places', 'Sector',
-    'best_plates', 'changes', 'front', 'full_force_balance', 'least_peak', 'least_rms',
-    'scene_text',
+    'Balance', 'BalanceError', 'Change', 'Counterweight', 'Loads', 'Places', 'changes', 'front',
+    'full_force_balance', 'least_peak', 'least_rms', 'scene_text',
 ]
 
 __getattr__, __dir__ = lazily(__name__, {
-    'fourbar_lab.balancing.full': 'full_force_balance',
+    'fourbar_lab.balancing.cone':
+        'Balance, Counterweight, front, full_force_balance, least_peak, least_rms, Places',
     'fourbar_lab.balancing.loads': 'BalanceError, Loads',
-    'fourbar_lab.balancing.peak': 'least_peak',
     'fourbar_lab.balancing.result': 'Change, changes, scene_text',
-    'fourbar_lab.balancing.rms': 'Balance, Counterweight, front, least_rms, Places',
-    'fourbar_lab.balancing.shapes': 'best_plates, Disc, Sector',
 })

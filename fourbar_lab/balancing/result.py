@@ -7,9 +7,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
+from fourbar_lab.balancing.cone import Balance, peak
 from fourbar_lab.balancing.loads import body_of, Loads, NUMBERS
-from fourbar_lab.balancing.peak import peak
-from fourbar_lab.balancing.rms import Balance
 from fourbar_lab.drawing.figure import save
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.scene.files import as_text
@@ -65,12 +64,11 @@ def scene_text(scene: Scene, balance: Balance, what: str) -> str:
     """
     Return a scene file of the balanced mechanism; comments list its counterweights.
 
-    ``what`` says how it was balanced; dimensions of a plate, its fields from the fifth on, follow.
+    ``what`` says how it was balanced.
     """
     head = [f'# {what}; the bodies below include these counterweights, from the first joint:']
     head += [f'#   {one.link}: {one.mass:.9g} kg at along {one.along:.9g} m, '
              f'across {one.across:.9g} m'
-             + ''.join(f', {name} {value:.9g}' for name, value in [*one._asdict().items()][4:])
              for one in balance.counterweights]
     return '\n'.join(head) + '\n' + as_text(scene_values(scene, balance.numbers))
 

@@ -8,11 +8,10 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from fourbar_ros.cli.common import add_scene, add_verb, PICTURE_HELP, Verbs
-from fourbar_ros.scene.arguments import not_negative, positive, positive_integer
+from fourbar_ros.scene.arguments import not_negative, positive_integer
 
 if TYPE_CHECKING:      # verbs import when they run
-    from fourbar_lab.balancing.loads import Loads
-    from fourbar_lab.balancing.rms import Balance, Places
+    from fourbar_lab.balancing import Balance, Loads, Places
     from fourbar_ros.mechanisms.mechanism import Mechanism
     from rich.table import Table
 
@@ -30,7 +29,6 @@ examples:
   fourbar balance paper --minimize force moment torque --mass 3 --radius crank=0.2 output=0.3
   fourbar balance paper --minimize force --mass 2 --peak --plot before_after.png
   fourbar balance paper --minimize moment --mass 10 --front front.png
-  fourbar balance paper --minimize force --mass 3 --shape disc --thickness 0.02
 """
 
 
@@ -51,13 +49,6 @@ def add(verbs: Verbs) -> None:
                       help='greatest distance of a counterweight from the first joint of its '
                            'link; the links that are named are those that get one; default: '
                            'half the longest length, every link that turns')
-    verb.add_argument('--shape', choices=('disc', 'sector'),
-                      help='with --minimize: plates of this shape instead of point masses, one a '
-                           'link; a sector is about the first joint')
-    verb.add_argument('--thickness', type=positive, metavar='M',
-                      help='with --shape: thickness of the plates')
-    verb.add_argument('--density', type=positive, default=7850.0, metavar='RHO',
-                      help='with --shape: density [kg/m^3] (default 7850)')
     verb.add_argument('-o', '--out', metavar='SCENE', help='scene file to write')
     verb.add_argument('--plot', metavar='PICTURE',
                       help=f'force, moment and torque before and after: {PICTURE_HELP}')
@@ -79,9 +70,8 @@ def _radius(text: str) -> tuple[str, float]:
 
 def _run(arguments: argparse.Namespace) -> None:
     """Balance a scene; print counterweights and loads, write the scene and the pictures asked."""
-    from fourbar_lab.balancing.loads import Loads
+    from fourbar_lab.balancing import Loads, Places
     from fourbar_lab.balancing.result import draw_changes, scene_text
-    from fourbar_lab.balancing.rms import Places
     from fourbar_ros.scene.scene import load
     from fourbar_ros.terminal import make_console
     scene = load(arguments.scene)
@@ -112,54 +102,39 @@ def _radii(linkage: Mechanism, options: Sequence[tuple[str, float]]) -> dict[str
 def _full(arguments: argparse.Namespace, places: Places) -> tuple[Balance, str]:
     """Return the full force balance, and its description as text."""
     from fourbar_lab.balancing import BalanceError, full_force_balance
-    if arguments.peak or arguments.front or arguments.shape or arguments.mass is not None:
-        raise BalanceError('--mass, --peak, --shape and --front go with --minimize')
+    if arguments.peak or arguments.front or arguments.mass is not None:
+        raise BalanceError('--mass, --peak and --front go with --minimize')
     balance = full_force_balance(places)
     return balance, f'full force balance, at least {balance.bound:.6g} kg are needed'
 
 
 def _best(arguments: argparse.Namespace, places: Places) -> tuple[Balance, str]:
     """Return the balance that --minimize asks for, and its description; draw the --front."""
-    from fourbar_lab.balancing import BalanceError, best_plates, front, least_peak, least_rms
+    from fourbar_lab.balancing import BalanceError, front, least_peak, least_rms
     from fourbar_lab.balancing.result import draw_front, unit_of
     names, mass = arguments.minimize, arguments.mass
     if mass is None:
         raise BalanceError('--minimize needs --mass: how much may be added')
     if arguments.peak and (len(names) > 1 or arguments.front):
         raise BalanceError('--peak takes one load, and no --front')
-    if arguments.shape and (arguments.peak or arguments.thickness is None):
-        raise BalanceError('--shape needs --thickness, and takes no --peak')
-    if arguments.shape:
-        balance = best_plates(places, names, mass, arguments.shape,
-                              arguments.density * arguments.thickness)
-    elif arguments.peak:
-        balance = least_peak(places, names[0], mass)
-    else:
-        balance = least_rms(places, names, mass)
+    balance = (least_peak(places, names[0], mass) if arguments.peak
+               else least_rms(places, names, mass))
     if arguments.front:
         masses = [mass * i / (arguments.points - 1 or 1) for i in range(arguments.points)]
         draw_front(names, front(places, names, masses), arguments.front)
     unit = unit_of(places.loads, names[0]) if len(names) == 1 else 'relative'
     how = f'least {"peak" if arguments.peak else "RMS"} of {" and ".join(names)}'
-    found = ' found' if arguments.shape else ''         # of plates, the best may be another
-    return balance, (f'{how}{found}: {balance.value:.9g} {unit}, and none below '
+    return balance, (f'{how}: {balance.value:.9g} {unit}, and none below '
                      f'{balance.bound:.9g} is possible')
-
-
-PLATE_COLUMNS = {'radius': 'radius [m]>', 'half_angle': 'half-angle [rad]>'}
 
 
 def _tables(loads: Loads, balance: Balance) -> tuple[Table, Table]:
     """Return the tables of the counterweights and of the loads before and after."""
     from fourbar_lab.balancing import changes
     from fourbar_ros.terminal import make_table
-    weights = balance.counterweights
-    # after link, mass, along and across come the dimensions of a plate
-    dimensions: tuple[str, ...] = weights[0]._fields[4:] if weights else ()
     table = make_table('counterweights, from the first joint of their link',
-                       ('link', 'mass [kg]>', 'along [m]>', 'across [m]>',
-                        *(PLATE_COLUMNS[name] for name in dimensions)))
-    for weight in weights:
+                       ('link', 'mass [kg]>', 'along [m]>', 'across [m]>'))
+    for weight in balance.counterweights:
         # a workshop's digits; those behind them are the solver's, and the scene file's
         table.add_row(weight.link, *(f'{value:.7g}' for value in weight[1:]))
     of_loads = make_table('loads of inertia', ('', 'unit', 'RMS before>', 'after>',

@@ -4,15 +4,17 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from functools import partial
 import sys
+import time
 
 from fourbar_lab.cli import tolerances
-from fourbar_lab.cli.progress import progress_shown
 from fourbar_ros.cli.common import add_verb, BAD, HelpFormatter, Verbs
 from fourbar_ros.scene.arguments import positive_integer
 
-ACTIONS = ('run', 'show', 'plot', 'pick', 'tolerances')
+ACTIONS = ('run', 'show', 'pick', 'tolerances')
+LISTED = 20         # designs of a front that are shown, evenly spread ones of more
 DESCRIPTION = """\
 Compute many designs of one scene: draw them, search all their extrema, keep those that fulfil the
 constraints as Parquet files, show which are best. docs/studies.md describes the file STUDY.yaml:
@@ -35,7 +37,6 @@ examples:
   fourbar study STUDY.yaml -o DIR --resume     go on after Ctrl-C, a crash or a power cut
   fourbar study STUDY.yaml -o DIR --cluster tcp://host:8786       on a Dask cluster
   fourbar study show DIR                       counts, ranges, the best designs
-  fourbar study plot DIR page.html             the same with figures
   fourbar study pick DIR best -o best.yaml     one design as a scene for the node
   fourbar study tolerances STUDY.yaml          sensitivities, worst case, Monte Carlo
 """
@@ -43,7 +44,7 @@ examples:
 
 def add(verbs: Verbs) -> None:
     """Add the verb and its actions."""
-    verb = add_verb(verbs, 'study', 'compute many designs of a scene; show, plot, pick the best',
+    verb = add_verb(verbs, 'study', 'compute many designs of a scene; show and pick the best',
                     DESCRIPTION, EPILOG)
     parse = verb.parse_known_args
 
@@ -81,74 +82,70 @@ def _add_run(actions: Verbs) -> None:
 
 
 def _add_queries(actions: Verbs) -> None:
-    """Add the actions that read the folder of a study: show, plot, pick."""
+    """Add the actions that read the folder of a study: show and pick."""
     show = actions.add_parser('show', help='show counts, ranges and the best designs of a study',
                               description='Show how many designs were left out by what, the '
                                           'range of each column, and the best designs.')
-    plot = actions.add_parser('plot', help='write the tables and figures of a study as one HTML '
-                                           'page',
-                              description='Write one HTML file: tables, Pareto front, '
-                                          'distributions, sensitivities, pairs.')
     pick = actions.add_parser('pick', help='write one design as a scene file for the node',
                               description='Write one design as a scene file, which starts the '
                                           'node and every other command.')
-    for parser in (show, plot, pick):
+    for parser in (show, pick):
         parser.add_argument('study', metavar='DIR', help='folder of a study, also while it runs')
-    plot.add_argument('page', metavar='PAGE', help='HTML file to write')
     pick.add_argument('which', metavar='WHICH', help='best, worst, or the number of a row')
     pick.add_argument('--by', metavar='OBJECTIVE', help='objective to rank by; default: the first')
     pick.add_argument('-o', '--out', metavar='SCENE', help='file to write; default: print it')
     show.set_defaults(run=_show)
-    plot.set_defaults(run=_plot)
     pick.set_defaults(run=_pick)
 
 
 def _show(arguments: argparse.Namespace) -> None:
     """Print the tables of a study, as far as it is computed."""
-    from fourbar_lab.studies import report
-    from fourbar_lab.studies.results import Results
+    from fourbar_lab.studies.results import PERCENTILES, Results
     from fourbar_ros.terminal import make_console, make_table
     results, console = Results(arguments.study), make_console()
-    console.print(report.about(results))
-    tables: list[tuple[str, Sequence[str], Sequence[Sequence[str]]]] = [
-        ('designs', ('', '>'), [(reason, str(number))
-                                for reason, number in results.counts.items()])]
-    if results.kept:
-        tables.append(('ranges', _right(report.RANGE_HEADS, 2), report.range_rows(results)))
-        if results.objectives:
-            columns, best = report.best_rows(results)
-            tables.append(('best designs', _right(columns, 1), best))
-        if len(results.objectives) > 1:
-            columns, front = report.front_rows(results)
-            tables.append((report.FRONT, _right(columns, 0), front))
-    for title, heads, lines in tables:
+
+    def show(title: str, heads: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
         table = make_table(title, heads)
-        for line in lines:
-            table.add_row(*line)
+        for row in rows:
+            table.add_row(*row)
         console.print()
         console.print(table)
-        if title == report.FRONT:
-            console.print(report.front_words(results))
+
+    def show_designs(title: str, rows: Sequence[int]) -> None:
+        names = [*(name for name, _ in results.objectives), *results.varied]
+        show(title, ('row>', *(f'{name}>' for name in names)),
+             [(str(row), *(f'{design[name]:.6g}' for name in names))
+              for row, design in ((row, results.design(row)) for row in rows)])
+
+    study, missing = results.study, results.study['rows'] - results.designs
+    console.print(f'{results.designs} of {study["rows"]} designs ({study["method"]}, seed '
+                  f'{study["seed"]}), {results.kept} kept'
+                  + f'; {missing} are not computed yet: --resume' * bool(missing))
+    show('designs', ('', '>'), [(reason, str(number))
+                                for reason, number in results.counts.items()])
+    if results.kept:
+        show('ranges', ('column', 'unit', 'least>', *(f'{p} %>' for p in PERCENTILES),
+                        'greatest>', 'mean>'),
+             [(one.name, one.unit, *(f'{value:.6g}' for value in (
+                 one.least, *one.percentiles, one.greatest, one.mean)))
+              for one in results.summaries()])
+        for name, sense in results.objectives:
+            show_designs(f'best designs: {sense} {name}', results.best(name))
+        if len(results.objectives) > 1:
+            front = results.front()
+            one, other = (name for name, _ in results.objectives[:2])
+            rows = front['row'][front[one].argsort()].tolist()
+            step = -(-len(rows) // LISTED)
+            show_designs(f'front: {len(rows)} designs that none beats in {one} without being '
+                         f'worse in {other}', rows[::step])
     for row, text in results.failures[:5]:
         console.print(f'row {row} failed: {text}')
-
-
-def _right(heads: Sequence[str], first: int) -> list[str]:
-    """Return heads with ``>``, which aligns a column on the right, from number ``first`` on."""
-    return [head + '>' * (place >= first) for place, head in enumerate(heads)]
-
-
-def _plot(arguments: argparse.Namespace) -> None:
-    from fourbar_lab.studies.report import write_page
-    from fourbar_lab.studies.results import Results
-    write_page(Results(arguments.study), arguments.page)
 
 
 def _pick(arguments: argparse.Namespace) -> None:
     """Write the scene of a design: the best, the worst, or the design of a row."""
     from fourbar_lab.studies import StudyError
     from fourbar_lab.studies.results import Results
-    from fourbar_ros.scene.scene import from_values
     results, which = Results(arguments.study), arguments.which
     if which in ('best', 'worst'):
         rows = results.best(arguments.by, 1, which == 'worst')
@@ -160,7 +157,6 @@ def _pick(arguments: argparse.Namespace) -> None:
     else:
         raise StudyError(f'{which}: must be best, worst or the number of a row')
     text = results.scene_text(row)
-    from_values(results.scene_values(row))          # one that cannot be built is no scene
     if arguments.out is None:
         print(text, end='')
     else:
@@ -172,28 +168,30 @@ def _pick(arguments: argparse.Namespace) -> None:
 def _run(arguments: argparse.Namespace) -> int:
     """Compute a study with its progress shown; the exit code tells whether a design failed."""
     from fourbar_lab.studies.chunks import FEASIBLE
-    from fourbar_lab.studies.engine import Cluster, Local, run
-    from fourbar_lab.studies.folder import Folder
+    from fourbar_lab.studies.engine import cluster, KEPT, processes, run
+    from fourbar_lab.studies.results import Results
     from fourbar_lab.studies.study import read
-    study, folder = read(arguments.study), Folder(arguments.out)
-    folder.begin(study, arguments.resume)
-    executor = Cluster(arguments.cluster) if arguments.cluster else Local(arguments.workers)
+    from rich.console import Console
+    from rich.progress import MofNCompleteColumn, Progress
+    study, begun, console = read(arguments.study), time.monotonic(), Console(stderr=True)
+    pool = (partial(cluster, arguments.cluster) if arguments.cluster
+            else partial(processes, arguments.workers))
     try:
-        with progress_shown() as report:
-            done = run(study, folder, executor, report)
+        with Progress(*Progress.get_default_columns(), MofNCompleteColumn(), console=console,
+                      transient=True, disable=not console.is_terminal) as bar:
+            task = bar.add_task('designs', total=study.rows)
+            done = run(study, arguments.out, pool, resume=arguments.resume,
+                       report=lambda designs: bar.advance(task, designs))
     except KeyboardInterrupt:
-        print(f'interrupted: {len(folder.parts())} of {study.chunks} chunks are done; --resume '
-              'goes on', file=sys.stderr)
+        print(f'interrupted: {KEPT}', file=sys.stderr)
         raise
-    finally:
-        executor.close()
-    counts, failures = folder.totals()
-    print(f'{done.in_this_run} designs in {done.seconds:.1f} s ({done.rate:.0f}/s) with '
-          f'{executor.workers} workers: {arguments.out}')
-    print(', '.join(f'{reason}: {number}' for reason, number in counts.items()), flush=True)
-    for row, text in failures[:5]:
+    seconds, results = time.monotonic() - begun, Results(arguments.out)
+    print(f'{done} designs in {seconds:.1f} s ({done / seconds:.0f}/s): {arguments.out}')
+    print(', '.join(f'{reason}: {number}' for reason, number in results.counts.items()),
+          flush=True)
+    for row, text in results.failures[:5]:
         print(f'row {row} failed: {text}', file=sys.stderr)
-    if FEASIBLE not in counts:
+    if FEASIBLE not in results.counts:
         print('fourbar: no design fulfils the constraints, so there is none to show: most fail '
-              f'{next(iter(counts))}', file=sys.stderr)
-    return BAD if failures else 0
+              f'{next(iter(results.counts))}', file=sys.stderr)
+    return BAD if results.failures else 0

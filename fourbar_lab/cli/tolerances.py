@@ -5,25 +5,22 @@ from __future__ import annotations
 
 import argparse
 from dataclasses import replace
+from functools import partial
 from math import isfinite
 import tempfile
 from typing import TYPE_CHECKING
 
-from fourbar_lab.cli.progress import progress_shown
 from fourbar_ros.cli.common import HelpFormatter, Verbs
 from fourbar_ros.scene.arguments import positive_integer
 
 if TYPE_CHECKING:      # verbs import when they run
-    from collections.abc import Sequence
-
     from fourbar_lab.studies import Study, Summary, Toleranced
-    from fourbar_lab.studies.tolerance_analysis import Tolerance
 
 DESCRIPTION = """\
 Show how the measures of a study change with the parameters that vary in it, around the middle of
 their tolerances (uniform, normal: three deviations, range): exact derivatives; the worst case by
-the first order, in the corners of the box, and as bounds proven for every design of the box; and
-what the rows of the study, drawn at random, give.
+the first order and in the corners of the box; and what the rows of the study, drawn at random,
+give.
 """
 
 
@@ -38,8 +35,6 @@ def add(actions: Verbs) -> None:
                         help='designs to draw; default: the rows of the study')
     parser.add_argument('--workers', type=positive_integer, metavar='N',
                         help='processes on this machine; default: one for each processor')
-    parser.add_argument('--no-proof', action='store_true',
-                        help='leave out the proven bounds, which take seconds')
     parser.set_defaults(run=_run)
 
 
@@ -51,21 +46,22 @@ def _run(arguments: argparse.Namespace) -> None:
     study = read(arguments.study)
     if arguments.rows:
         study = replace(study, rows=arguments.rows)
-    box = box_of(study)
-    results = tolerances(study, not arguments.no_proof)
+    box, units = box_of(study), {one.name: one.unit for one in study.vary}
+    results = tolerances(study)
     drawn, share = _drawn(study, arguments.workers)
     console = make_console()
     for title, heads, rows in (
             ('box', ('parameter', 'unit', 'middle>', '+->'),
-             [(one.name, one.unit, _text(one.centre), _text(one.size)) for one in box]),
+             [(name, units[name], _text(centre), _text(size))
+              for name, (centre, size) in box.items()]),
             (f'least and greatest value, and percentiles of {study.rows} designs',
              ('measure', 'unit', 'middle>', *(f'{end} {way}>' for way in
-                                              ('first order', 'of corners', 'proven', 'drawn')
+                                              ('first order', 'of corners', 'drawn')
                                               for end in ('least', 'greatest')),
               '5 %>', '50 %>', '95 %>'), [_bounds_row(one, drawn) for one in results]),
             ('derivatives, and what each tolerance contributes',
              ('measure', 'parameter', 'derivative>', 'unit', '+->'),
-             [row for one in results for row in _derivative_rows(one, box)])):
+             [row for one in results for row in _derivative_rows(one, box, units)])):
         table = make_table(title, heads)
         for row in rows:
             table.add_row(*row)
@@ -81,41 +77,37 @@ def _drawn(study: Study, workers: int | None) -> tuple[dict[str, Summary], float
 
     All rows count, feasible or not, and nobody wants objectives or curves here.
     """
-    from fourbar_lab.studies.engine import Local, run
-    from fourbar_lab.studies.folder import Folder
-    from fourbar_lab.studies.results import Results
+    from fourbar_lab.studies.engine import processes, run
+    from fourbar_lab.studies.results import summary
+    from pyarrow import parquet
     study = replace(study, keeps_all=True, objectives=(), curves=())
-    with tempfile.TemporaryDirectory() as path:
-        folder, executor = Folder(f'{path}/drawn'), Local(workers)
-        folder.begin(study, False)
-        try:
-            with progress_shown() as report:
-                run(study, folder, executor, report)
-        finally:
-            executor.close()
-        results = Results(folder.path, feasible_only=False)
-        return ({one.name: one for one in results.summaries()},
-                results.counts.get('feasible', 0) / study.rows)
+    with tempfile.TemporaryDirectory() as folder:
+        run(study, folder, partial(processes, workers))
+        table = parquet.read_table(folder)
+    return ({name: summary(name, '', table[name].to_numpy())
+             for name in (one.name for one in study.measures if one.part != 'class')},
+            int(table['feasible'].to_numpy().sum()) / study.rows)
 
 
 def _bounds_row(one: Toleranced, drawn: dict[str, Summary]) -> tuple[str, ...]:
     """Return a row: a measure in the middle, (least, greatest) by each way, drawn percentiles."""
     measure, value = one.sensitivity.measure, one.sensitivity.value
-    summary = drawn[measure.name]
+    of_drawn = drawn[measure.name]
     assert not isinstance(value, str)           # tolerances() leaves the class out
-    numbers = (value, value - one.first_order, value + one.first_order, *one.corners, *one.proven,
-               summary.least, summary.greatest, *summary.percentiles)
+    numbers = (value, value - one.first_order, value + one.first_order, *one.corners,
+               of_drawn.least, of_drawn.greatest, *of_drawn.percentiles)
     return (measure.name, measure.unit, *map(_text, numbers))
 
 
-def _derivative_rows(one: Toleranced, box: Sequence[Tolerance]) -> list[tuple[str, ...]]:
+def _derivative_rows(one: Toleranced, box: dict[str, tuple[float, float]], units: dict[str, str]
+                     ) -> list[tuple[str, ...]]:
     """Return the rows of a measure's derivatives, first the tolerance that contributes most."""
     measure, by = one.sensitivity.measure, one.sensitivity.by
     if not any(isfinite(value) for value in by.values()):
         return []
-    ordered = sorted(box, key=lambda part: -abs(by[part.name]) * part.size)
-    return [(measure.name, part.name, _text(by[part.name]), _unit(measure.unit, part.unit),
-             _text(abs(by[part.name]) * part.size)) for part in ordered]
+    shares = {name: abs(by[name]) * size for name, (_, size) in box.items()}
+    return [(measure.name, name, _text(by[name]), _unit(measure.unit, units[name]),
+             _text(shares[name])) for name in sorted(shares, key=lambda name: -shares[name])]
 
 
 def _unit(of: str, by: str) -> str:

@@ -20,8 +20,7 @@ from fourbar_ros.optional import lazily
 if TYPE_CHECKING:
     from fourbar_lab.studies.chunks import Chunk, compute
     from fourbar_lab.studies.derivatives import Derivatives, sensitivities, Sensitivity
-    from fourbar_lab.studies.engine import Cluster, Local, Progress, run
-    from fourbar_lab.studies.folder import Folder
+    from fourbar_lab.studies.engine import cluster, processes, run
     from fourbar_lab.studies.results import Results, Summary
     from fourbar_lab.studies.study import from_document as study_of
     from fourbar_lab.studies.study import read as read_study
@@ -30,16 +29,15 @@ if TYPE_CHECKING:
     from fourbar_ros.numerics.duals import derivatives_of
 
 __all__ = [
-    'Chunk', 'Cluster', 'Derivatives', 'Folder', 'Local', 'Progress', 'Results', 'Sensitivity',
-    'Study', 'StudyError', 'Summary', 'Toleranced', 'compute', 'derivatives_of', 'read_study',
-    'run', 'sensitivities', 'study_of', 'tolerances',
+    'Chunk', 'Derivatives', 'Results', 'Sensitivity', 'Study', 'StudyError', 'Summary',
+    'Toleranced', 'cluster', 'compute', 'derivatives_of', 'processes', 'read_study', 'run',
+    'sensitivities', 'study_of', 'tolerances',
 ]
 
 __getattr__, __dir__ = lazily(__name__, {
     'fourbar_lab.studies.chunks': 'Chunk, compute',
     'fourbar_lab.studies.derivatives': 'Derivatives, sensitivities, Sensitivity',
-    'fourbar_lab.studies.engine': 'Cluster, Local, Progress, run',
-    'fourbar_lab.studies.folder': 'Folder',
+    'fourbar_lab.studies.engine': 'cluster, processes, run',
     'fourbar_lab.studies.results': 'Results, Summary',
     'fourbar_lab.studies.study':
         'from_document as study_of, read as read_study, Study, StudyError',

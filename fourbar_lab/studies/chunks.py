@@ -98,16 +98,6 @@ def compute(study: Study, chunk: int) -> Chunk:
                  [(start + i, text) for i, text in computed.failures])
 
 
-def nothing(study: Study) -> dict[str, Array]:
-    """Return the columns of a chunk without rows: they tell the types of all columns."""
-    head: dict[str, Array] = {'row': np.zeros(0, np.int64)}
-    if study.keeps_all:
-        head[FEASIBLE] = np.zeros(0, bool)
-    head |= {one.name: np.array(one.bounds)[:0] for one in study.vary}
-    return head | {name: column.astype(types_of(study)[name])
-                   for name, column in _columns(study, 0, {}).items()}
-
-
 def types_of(study: Study) -> dict[str, type]:
     """Return {measure or axis of a curve: the type of its numbers, or str}."""
     types = {measure.name: {CLASS: str, 'extrema': np.int32}.get(measure.part, float)

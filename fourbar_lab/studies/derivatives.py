@@ -16,6 +16,7 @@ position) has NaN.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from math import isfinite, nan, pi
 from typing import Any, NamedTuple
 
@@ -157,7 +158,7 @@ class Sensitivity(NamedTuple):
 def sensitivities(derivatives: Derivatives, measures: Sequence[Measure]) -> list[Sensitivity]:
     """Return the :class:`Sensitivity` of each measure of a scene."""
     design = Design(derivatives.scene, derivatives.acceleration)
-    design.search([*measures, *(measure._replace(part='peak') for measure in measures
+    design.search([*measures, *(replace(measure, part='peak') for measure in measures
                                 if measure.part == 'rms')])
     found = _MeasureDerivatives(derivatives, design)
     return [Sensitivity(measure, design.of(measure),

@@ -1,265 +1,250 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Run a study: chunks go to an executor, finished parts to the folder, in any order.
+Run a study: a folder of Parquet files, one part a chunk, computed by processes or a Dask cluster.
 
-Memory is bounded whatever the size: at most :data:`AHEAD` chunks a worker are under way. An
-executor is a pool of processes of this machine or a Dask cluster; both return
-:class:`concurrent.futures.Future` objects, and the engine knows no more of them.
+A part stands under its name only when it is whole, and carries the study and the versions that
+made it. So whatever was killed, parts that exist are right, and the others are computed again.
 """
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from concurrent.futures import CancelledError, FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
-from concurrent.futures.process import BrokenProcessPool
-import logging
+from concurrent.futures import (
+    BrokenExecutor,
+    CancelledError,
+    Executor,
+    FIRST_COMPLETED,
+    ProcessPoolExecutor,
+    wait,
+)
+from contextlib import AbstractContextManager, contextmanager
+from dataclasses import asdict
+from functools import lru_cache
+from io import BytesIO
+from itertools import islice
+import json
 import multiprocessing
 from multiprocessing.connection import Connection
 import os
+from pathlib import Path
 import signal
 import threading
-import time
-from typing import Any, NamedTuple, Protocol
+from typing import Any
 
-from fourbar_lab.studies.chunks import Chunk, compute, FAILED, nothing
-from fourbar_lab.studies.folder import encode, Folder, made_with
+from fourbar_lab.studies.chunks import compute
 from fourbar_lab.studies.study import Study, StudyError
+import fourbar_ros
 
-AHEAD = 2           # chunks under way for each worker: one is ready when another is done
-LOOK = 1.0          # [s] between two looks whether the executor still lives
-DEATHS = 3          # times that workers may die without a chunk getting done in between
-QUIET = ('distributed', 'tornado.application', 'asyncio')   # they print what Cluster.check says
-PATIENCE = 30.0     # [s] until a scheduler must have answered
+# Version of the formulas: raise it when results change in their bits, so that a study begun before
+# is not resumed.
+KERNELS = '4'
+PART = 'part-{:08d}.parquet'
+KEY = b'fourbar_ros'    # of our metadata in a part
+AHEAD = 1024            # chunks that wait for a worker or are being computed
+DEATHS = 3              # times that workers may die without a chunk getting done in between
+LOOK = 1.0              # [s] between two looks whether a cluster still lives
+PATIENCE = 30.0         # [s] until a scheduler must have answered
+KEPT = 'what is done is kept, --resume goes on'
 
-
-class Progress(NamedTuple):
-    """How far a run is, in designs."""
-
-    done: int
-    total: int
-    in_this_run: int
-    seconds: float          # since the beginning of this run
-
-    @property
-    def rate(self) -> float:
-        """Return the designs a second."""
-        return self.in_this_run / self.seconds if self.seconds else 0.0
-
-    @property
-    def remaining(self) -> float:
-        """Return the time that remains [s]; NaN before anything is done."""
-        return (self.total - self.done) / self.rate if self.in_this_run else float('nan')
+Pool = AbstractContextManager[Executor]
 
 
-def run(study: Study, folder: Folder, executor: Executor,
-        report: Callable[[Progress], None] = lambda progress: None) -> Progress:
-    """
-    Compute the chunks of a study that its folder, after :meth:`.Folder.begin`, does not hold yet.
-
-    ``report`` is called at the beginning and after each chunk. StudyError if the executor is gone,
-    its workers keep dying, the disk is full, or another command computes the same folder; what is
-    done is kept.
-    """
-    with folder.locked():
-        kept = folder.parts().keys()            # numbers of chunks
-        todo = (number for number in range(study.chunks) if number not in kept)
-        done = sum(_size(study, number) for number in kept if number < study.chunks)
-        progress, begun = Progress(done, study.rows, 0, 0.0), time.monotonic()
-        report(progress)
-        for part in _parts(study, executor, todo):
-            _require_our_versions(part)
-            folder.add(part.number, part.content)
-            size = _size(study, part.number)
-            progress = Progress(progress.done + size, study.rows, progress.in_this_run + size,
-                                time.monotonic() - begun)
-            report(progress)
-    return progress
-
-
-def _size(study: Study, number: int) -> int:
-    """Return how many designs a chunk has: the last one may have fewer than others."""
-    start, stop = study.rows_of(number)
-    return stop - start
-
-
-def _parts(study: Study, executor: Executor, todo: Iterator[int]) -> Iterator[Part]:
-    """
-    Yield the parts of chunks as they get done.
-
-    If a worker dies, all that was under way is submitted again, for its pool is gone with it.
-    """
-    under_way: dict[Future[Part], int] = {}
-    again: list[int] = []               # chunks that were lost, the last one first
-    deaths = 0                          # since the last part
-    while True:
-        while len(under_way) < AHEAD * executor.workers:
-            number = again.pop() if again else next(todo, None)
-            if number is None:
-                break
-            under_way[executor.submit(study, number)] = number
-        if not under_way:
-            return
-        finished, _ = wait(under_way, LOOK, FIRST_COMPLETED)
-        executor.check()
-        for future in finished:
-            number = under_way.pop(future)
-            try:
-                part = future.result()
-            except (Exception, CancelledError) as error:    # noqa: B902
-                deaths += 1
-                _recover(error, executor, number, deaths)
-                again += reversed([number, *under_way.values()])
-                under_way.clear()
-                break
-            deaths = 0
-            yield part
-
-
-def _recover(error: BaseException, executor: Executor, number: int, deaths: int) -> None:
-    """Let the executor recover from the error of a chunk; StudyError if it cannot any more."""
-    if deaths <= DEATHS and executor.recover(error):
-        return
-    executor.check()
-    what = ' '.join(f'{type(error).__name__}: {error}'.split())
-    raise StudyError(f'chunk {number} could not be computed: {what}; what is done is kept, '
-                     '--resume goes on') from None
-
-
-def _require_our_versions(part: Part) -> None:
-    """Refuse results of other versions: their bits may differ."""
-    if part.made_with != made_with():
-        theirs, ours = part.made_with, made_with()
-        differ = [f'{name} {theirs.get(name)}, here {ours[name]}' for name in ours
-                  if theirs.get(name) != ours[name]]
-        raise StudyError(f'a worker has {"; ".join(differ)}: install the same versions there')
-
-
-class Part(NamedTuple):
-    """A chunk as a worker returns it: its number, its Parquet file, versions that made it."""
-
-    number: int
-    content: bytes
-    made_with: dict[str, str]
-
-
-def compute_part(study: Study, number: int) -> Part:
-    """Return a chunk as a file; runs in a worker. An error of ours makes its designs failed."""
+@contextmanager
+def processes(workers: int | None = None) -> Iterator[Executor]:
+    """Give a pool of processes, one a processor by default, that end with the context."""
+    usable = len(os.sched_getaffinity(0)) if hasattr(os, 'sched_getaffinity') else None
+    context = multiprocessing.get_context('spawn')
+    theirs, ours = context.Pipe(duplex=False)       # closes even if this process is killed
+    pool = ProcessPoolExecutor(workers or usable, context, _begin_worker, (theirs,))
     try:
-        chunk = compute(study, number)
-    except MemoryError:
-        raise                      # of this machine now, not of the designs
-    except Exception as error:     # noqa: B902
-        start, stop = study.rows_of(number)
-        text = f'rows {start} to {stop - 1}: {type(error).__name__}: {error}'
-        chunk = Chunk(nothing(study), {FAILED: stop - start}, [(start, text)])
-    return Part(number, encode(study, chunk), made_with())
-
-
-class Executor(Protocol):
-    """What the engine asks of an executor."""
-
-    workers: int
-
-    def submit(self, study: Study, number: int) -> Future[Part]:
-        """Begin a chunk."""
-
-    def recover(self, error: BaseException) -> bool:
-        """Return whether work goes on after this error of a future, as a worker that died."""
-
-    def check(self) -> None:
-        """Raise StudyError if nothing will come any more."""
-
-    def close(self) -> None:
-        """End, and give up work under way."""
+        yield pool
+    finally:
+        ours.close()                                # what runs is not waited for
+        pool.shutdown(cancel_futures=True)
 
 
 def _begin_worker(alive: Connection) -> None:
-    """
-    Prepare a worker: Ctrl-C is for the main process, and the worker ends when that does.
-
-    ``alive`` is the pipe from there; it closes even if the main process is killed.
-    """
+    """End this worker with the main process; Ctrl-C is for that one."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
     def follow() -> None:
-        """Wait in a thread until the pipe closes, then kill this process."""
-        alive.poll(None)           # nothing is ever sent
-        # a chunk may hold the main thread for seconds; Windows kills with any signal
-        os.kill(os.getpid(), getattr(signal, 'SIGKILL', signal.SIGTERM))
+        alive.poll(None)                            # nothing is ever sent
+        os._exit(1)                                 # a chunk may hold the main thread for seconds
 
     threading.Thread(target=follow, daemon=True).start()
 
 
-class Local:
-    """Processes of this machine, by default one for each processor that this one may use."""
-
-    def __init__(self, workers: int | None = None):
-        usable = len(os.sched_getaffinity(0)) if hasattr(os, 'sched_getaffinity') else None
-        self.workers = workers or usable or os.cpu_count() or 1
-        self._begin()
-
-    def _begin(self) -> None:
-        """Start the pool, with a pipe: when this end closes, by a kill too, its workers end."""
-        context = multiprocessing.get_context('spawn')
-        theirs, self._alive = context.Pipe(duplex=False)
-        self._pool = ProcessPoolExecutor(self.workers, context, _begin_worker, (theirs,))
-
-    def submit(self, study: Study, number: int) -> Future[Part]:
-        try:
-            return self._pool.submit(compute_part, study, number)
-        except BrokenProcessPool as error:
-            self.recover(error)
-            return self._pool.submit(compute_part, study, number)
-
-    def recover(self, error: BaseException) -> bool:
-        if not isinstance(error, BrokenProcessPool):
-            return False
-        self.close()
-        self._begin()
-        return True
-
-    def check(self) -> None:
-        pass
-
-    def close(self) -> None:
-        self._alive.close()            # ends the workers: what runs is not waited for
-        # Its thread is: Python 3.11 may wake it at exit while it closes its pipe.
-        self._pool.shutdown(wait=True, cancel_futures=True)
+@contextmanager
+def cluster(address: str) -> Iterator[Executor]:
+    """Give the executor of a Dask cluster by the address of its scheduler, tcp://host:8786."""
+    import distributed
+    try:
+        client = distributed.Client(address, timeout=PATIENCE, set_as_default=False)
+    except (OSError, ValueError) as error:
+        raise StudyError(f'no Dask scheduler answers at {address}: {error}') from None
+    with client, client.get_executor(pure=False) as pool:
+        yield pool
 
 
-class Cluster:
+def run(study: Study, folder: str | Path, pool: Callable[[], Pool] = processes, *,
+        resume: bool = False, report: Callable[[int], object] = lambda designs: None) -> int:
     """
-    A Dask cluster, by the address of its scheduler, as ``tcp://host:8786``.
+    Compute the parts of a study that its folder does not hold yet; return how many designs.
 
-    StudyError if it does not answer, or has other versions than this process.
+    ``pool`` gives the executor: :func:`processes` or :func:`cluster`, with their arguments bound.
+    ``report`` is told the designs of each part as it gets done, first of those that are there.
+    StudyError if the folder holds a study and is not to be resumed, or another study; if a worker
+    fails, or workers keep dying; if a part cannot be written.
     """
-
-    def __init__(self, address: str):
-        """Connect to the scheduler, within :data:`PATIENCE`, and count its threads."""
-        import distributed
-        self._address = address
-        for name in QUIET:      # a scheduler that dies is one line of ours, not forty of theirs
-            logging.getLogger(name).setLevel(logging.CRITICAL)
+    folder = Path(folder)
+    report(_begin(study, folder, resume))
+    done, deaths = 0, 0
+    while True:
+        there = parts(folder).keys()
+        todo = (number for number in range(study.chunks) if number not in there)
         try:
-            self._client: Any = distributed.Client(address, timeout=PATIENCE, set_as_default=False)
-        except (OSError, ValueError, TimeoutError) as error:
-            raise StudyError(f'no Dask scheduler answers at {address}: {error}') from None
-        self._executor = self._client.get_executor(pure=False)
-        self.workers = max(1, sum(self._client.nthreads().values()))
+            with pool() as executor:
+                for number, content in _computed(study, executor, todo):
+                    _write(folder / PART.format(number), content)
+                    start, stop = study.rows_of(number)
+                    report(stop - start)
+                    done, deaths = done + stop - start, 0
+            return done
+        except (BrokenExecutor, CancelledError) as error:   # all that was under way is lost
+            deaths += 1
+            if deaths > DEATHS or not isinstance(error, BrokenExecutor):
+                raise StudyError(f'the workers are gone; {KEPT}') from None
 
-    def submit(self, study: Study, number: int) -> Future[Part]:
-        found: Future[Part] = self._executor.submit(compute_part, study, number)
-        return found
 
-    def recover(self, error: BaseException) -> bool:
-        return False                  # Dask moves the work of a lost worker itself
+def _computed(study: Study, executor: Executor, todo: Iterator[int]
+              ) -> Iterator[tuple[int, bytes]]:
+    """Yield (number, Parquet file) of chunks as they get done, in any order."""
+    def submitted(count: int) -> set[Any]:
+        return {executor.submit(compute_part, study, number, made_with())
+                for number in islice(todo, count)}
 
-    def check(self) -> None:
-        if self._client.status != 'running':
-            raise StudyError(f'the scheduler at {self._address} is gone; what is done is kept, '
-                             '--resume goes on')
-        self.workers = max(1, len(self._client.scheduler_info(n_workers=-1)['workers']))
+    under_way = submitted(AHEAD)
+    while under_way:
+        done, under_way = wait(under_way, return_when=FIRST_COMPLETED)
+        under_way |= submitted(len(done))
+        for future in done:
+            yield future.result()
 
-    def close(self) -> None:
-        self._executor.shutdown(wait=False)       # cancels what is under way
-        self._client.close(timeout=1.0)
+
+def compute_part(study: Study, number: int, versions: dict[str, str]) -> tuple[int, bytes]:
+    """Return a chunk's number and its part; runs in a worker, which must have these versions."""
+    if versions != made_with():
+        raise StudyError(f'a worker has {_versions(made_with())}, and this command '
+                         f'{_versions(versions)}: install the same there')
+    try:
+        return number, encode(study, number)
+    except Exception as error:     # noqa: B902
+        start, stop = study.rows_of(number)
+        raise StudyError(f'rows {start} to {stop - 1} could not be computed: '
+                         f'{type(error).__name__}: {error}; {KEPT}') from None
+
+
+def encode(study: Study, number: int) -> bytes:
+    """
+    Return the part of a chunk: a Parquet file, the same bytes for the same numbers.
+
+    Fields have their unit; curves, of shape (rows, samples), become lists of fixed size.
+    """
+    import pyarrow
+    from pyarrow import parquet
+    chunk, units = compute(study, number), units_of(study)
+    arrays = [pyarrow.FixedSizeListArray.from_arrays(pyarrow.array(column.ravel()),
+                                                     column.shape[1])
+              if column.ndim == 2 else
+              pyarrow.array(column, pyarrow.string() if column.dtype.kind in 'UO' else None)
+              for column in chunk.columns.values()]
+    fields = [pyarrow.field(name, array.type,
+                            metadata={'unit': units[name]} if name in units else None)
+              for name, array in zip(chunk.columns, arrays)]
+    about = {'counts': chunk.counts, 'failures': chunk.failures, 'made_with': made_with(),
+             'study': asdict(study)}
+    schema = pyarrow.schema(fields, {KEY: json.dumps(about, sort_keys=True)})
+    file = BytesIO()
+    parquet.write_table(pyarrow.table(arrays, schema=schema), file, compression='zstd')
+    return file.getvalue()
+
+
+def units_of(study: Study) -> dict[str, str]:
+    """Return {column: unit} of the columns that have one."""
+    units = {one.name: one.unit for one in (*study.vary, *study.measures)}
+    units |= {f'{curve.point}.{axis}': 'm' for curve in study.curves for axis in 'xy'}
+    return {name: unit for name, unit in units.items() if unit}
+
+
+@lru_cache(maxsize=1)
+def made_with() -> dict[str, str]:
+    """Return the versions of all software that decides about the bits of the results."""
+    from importlib.metadata import version
+    return {'fourbar_ros': fourbar_ros.__version__, 'kernels': KERNELS,
+            **{name: version(name) for name in ('numpy', 'scipy', 'pyarrow')}}
+
+
+def _versions(versions: dict[str, str]) -> str:
+    return ', '.join(f'{name} {version}' for name, version in versions.items())
+
+
+# --- the folder ----------------------------------------------------------------------------------
+
+def parts(folder: Path) -> dict[int, Path]:
+    """Return {number of a chunk: its file} of the parts there are, in order."""
+    return {int(path.stem.removeprefix('part-')): path
+            for path in sorted(folder.glob('part-*.parquet'))}
+
+
+def about(part: Path) -> dict[str, Any]:
+    """Return counts, failures, study and versions of a part; StudyError if it is none."""
+    from pyarrow import parquet
+    try:
+        return dict(json.loads(parquet.read_schema(part).metadata[KEY]))
+    except (OSError, KeyError, TypeError, ValueError) as error:     # ArrowInvalid is one
+        raise StudyError(f'{part}: no part of a study: {" ".join(str(error).split())}') from None
+
+
+def _begin(study: Study, folder: Path, resume: bool) -> int:
+    """Make the folder, or check what it holds; return how many designs are there."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for path in folder.glob('.part-*'):                 # of a run that was killed
+            path.unlink(missing_ok=True)
+        others = [path for path in folder.iterdir() if not path.name.startswith('.')]
+    except OSError as error:
+        raise StudyError(f'{folder}: {error.strerror}') from None
+    there = parts(folder)
+    if len(others) > len(there):
+        raise StudyError(f'{folder}: exists already and is no study of this version')
+    if there and not resume:
+        raise StudyError(f'{folder}: holds a study already; --resume goes on with it')
+    for path in there.values():
+        found = about(path)
+        if found['made_with'] != made_with():
+            raise StudyError(f'{folder}: was begun with {_versions(found["made_with"])}, and this '
+                             f'is {_versions(made_with())}; give another folder')
+        differ = [name for name, value in asdict(study).items()
+                  if _text(value) != _text(found['study'].get(name))]
+        if differ:
+            raise StudyError(f'{folder}: holds another study: {", ".join(differ)} '
+                             f'differ{"s" * (len(differ) == 1)}; give another folder')
+    return sum(stop - start for start, stop in map(study.rows_of, there))
+
+
+def _text(value: Any) -> str:
+    return json.dumps(value, sort_keys=True)
+
+
+def _write(path: Path, content: bytes) -> None:
+    """Write a file that stands under its name only when it is whole and on the disk."""
+    hidden = path.with_name(f'.{path.name}.{os.getpid()}')
+    try:
+        with hidden.open('wb') as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        hidden.replace(path)
+    except OSError as error:
+        hidden.unlink(missing_ok=True)
+        raise StudyError(f'{path}: {error.strerror}; {KEPT}') from None

@@ -8,6 +8,7 @@ The mechanism as a whole has measures of one name: ``swing``.
 """
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import inf, nan, pi, tau
 from typing import NamedTuple, Union
 
@@ -52,7 +53,8 @@ OF_MECHANISM = {
 CHEAP = (CLASS, CHANGE_POINT, INPUT_RANGE)
 
 
-class Measure(NamedTuple):
+@dataclass(frozen=True)
+class Measure:
     """
     A number or text of each design, a column of the results: ``shaking_force.max`` or ``swing``.
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from itertools import product
 from math import isfinite, prod
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from fourbar_lab.studies.measures import CLASS, Measure, Measures
 from fourbar_lab.studies.variation import (
@@ -53,7 +53,8 @@ class StudyError(FourBarError, ValueError):
     """A study cannot be run, continued or read; the message gives the reason."""
 
 
-class Bound(NamedTuple):
+@dataclass(frozen=True)
+class Bound:
     """A constraint: a measure between two values; of a text, which parts it must have one of."""
 
     measure: Measure
@@ -68,14 +69,16 @@ class Bound(NamedTuple):
         return isfinite(value) and self.least <= value <= self.most
 
 
-class Objective(NamedTuple):
+@dataclass(frozen=True)
+class Objective:
     """A measure by which designs are ranked; ``sense`` is one of :data:`SENSES`."""
 
     measure: Measure
     sense: str
 
 
-class Curve(NamedTuple):
+@dataclass(frozen=True)
+class Curve:
     """A point of the scene whose path is kept, and at how many inputs."""
 
     point: str

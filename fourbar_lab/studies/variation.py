@@ -13,7 +13,7 @@ Row i is the same in any process and any order: a study is cut into chunks.
 ``random``            independent points: for tolerances, where percentiles are wanted
 ====================  ==========================================================================
 
-A parameter is a function of its coordinate p, which is uniform in (0, 1):
+A parameter has a distribution of scipy.stats; its value is the quantile of its coordinate:
 
 ====================  ==========================================================================
 ``range``             [low, high], uniform
@@ -28,9 +28,11 @@ values of them a grid takes.
 """
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from functools import lru_cache
 from math import isfinite
-from typing import NamedTuple, Union
+from typing import Any, Union
 import warnings
 
 from fourbar_ros.errors import InvalidParameter, nearest
@@ -38,12 +40,18 @@ from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.scene.parameters import check_value, find
 from fourbar_ros.scene.settings import PARAMETERS
 import numpy as np
+from scipy import stats
 
 METHODS = ('grid', 'sobol', 'latin_hypercube', 'random')
 WHOLE = 2**20           # rows of a Latin hypercube at most
 BITS = 32               # of Sobol's numbers
 LONGEST = 2**BITS       # rows of his sequence: scipy cannot begin at a row of a longer one
-RANGES, TOLERANCES = ('range', 'log_range'), ('uniform', 'normal')
+# {kind: distribution of its two values}
+RANGES: dict[str, Callable[[float, float], Any]] = {
+    'range': lambda low, high: stats.uniform(low, high - low), 'log_range': stats.loguniform}
+TOLERANCES: dict[str, Callable[[float, float], Any]] = {
+    'uniform': lambda centre, size: stats.uniform(centre - size, 2.0 * size),
+    'normal': stats.norm}
 KINDS = (*RANGES, 'list', *TOLERANCES)
 LEVELS = 10             # of a range in a grid, if not given
 # Beginnings of the names of parameters that change motion or loads.
@@ -57,7 +65,8 @@ EDGE = 2.0**-53
 Yaml = Union[None, bool, int, float, str, list['Yaml'], dict[str, 'Yaml']]
 
 
-class Variation(NamedTuple):
+@dataclass(frozen=True)
+class Variation:
     """
     How one parameter of a scene varies: its values as a function of p in [0, 1].
 
@@ -71,20 +80,13 @@ class Variation(NamedTuple):
     levels: int                     # how many values a grid takes
 
     def at(self, p: Array) -> Array:
-        """Return the values at p, of any shape: by the inverse of the distribution function."""
+        """Return the values at p, of any shape: quantiles of the distribution."""
         if self.kind == 'list':
             place = np.minimum((p * len(self.values)).astype(int), len(self.values) - 1)
             return np.asarray(np.array(self.values)[place])
-        if self.kind in RANGES:
-            low, high = self.values
-            if self.kind == 'range':
-                return low + (high - low) * p
-            return np.asarray(np.exp(np.log(low) + (np.log(high) - np.log(low)) * p))
-        centre, size = self.values
-        if self.kind == 'uniform':
-            return centre + size * (2.0 * p - 1.0)
-        from scipy.special import ndtri
-        return np.asarray(centre + size * ndtri(np.clip(p, EDGE, 1.0 - EDGE)))
+        distribution = {**RANGES, **TOLERANCES}[self.kind](*self.values)
+        return np.asarray(distribution.ppf(p if self.kind != 'normal'
+                                           else np.clip(p, EDGE, 1.0 - EDGE)))
 
     @property
     def bounds(self) -> list[float]:
@@ -109,23 +111,25 @@ def variation(name: str, given: Yaml, scene_value: Yaml) -> Variation:
     if parameter is None:
         known = list(PARAMETERS)
         raise InvalidParameter(entry, None, f'no parameter of a scene{nearest(name, known, 0.75)}')
-    if not isinstance(given, dict):
-        raise InvalidParameter(entry, given, 'must be {KIND: VALUES}, KIND one of '
-                                             f'{", ".join(KINDS)}')
-    kinds = [key for key in given if key in KINDS]
-    for key in given:
-        if key not in (*KINDS, 'levels'):
-            raise InvalidParameter(f'{entry}.{key}', None, f'unknown{nearest(key, KINDS)}')
-    if len(kinds) != 1:
-        raise InvalidParameter(entry, given, f'must have one of {", ".join(KINDS)}')
-    kind = kinds[0]
     if not name.startswith(ACTING) or not (parameter.type == 'double' or name in LISTED):
         raise InvalidParameter(entry, None, 'cannot vary in a study: numbers of '
                                f'{", ".join(f"{part}*" for part in ACTING)} and {LISTED[0]} can')
+    for key in given if isinstance(given, dict) else ():
+        if key not in (*KINDS, 'levels'):
+            raise InvalidParameter(f'{entry}.{key}', None, f'unknown{nearest(key, KINDS)}')
+    kinds = [key for key in KINDS if isinstance(given, dict) and key in given]
+    if not isinstance(given, dict) or len(kinds) != 1:
+        raise InvalidParameter(entry, given, f'must be {{KIND: VALUES}}, with one of '
+                                             f'{", ".join(KINDS)}')
+    kind, = kinds
     if name in LISTED and kind != 'list':
         raise InvalidParameter(entry, given, 'only a list of its values can vary')
     values = _values(f'{entry}.{kind}', kind, given[kind], scene_value)
-    levels = _levels(entry, kind, given.get('levels'), values)
+    levels = given.get('levels', len(values) if kind == 'list' else LEVELS)
+    if isinstance(levels, bool) or not isinstance(levels, int) or levels < 1 or (
+            kind == 'list' and 'levels' in given):
+        raise InvalidParameter(f'{entry}.levels', levels, 'must be an integer, 1 or more; not '
+                                                          'with list, which has its own')
     result = Variation(name, parameter.unit, kind, values, levels)
     for value in result.bounds:
         try:
@@ -139,48 +143,24 @@ def variation(name: str, given: Yaml, scene_value: Yaml) -> Variation:
 
 def _values(entry: str, kind: str, given: Yaml, scene_value: Yaml) -> tuple[float, ...]:
     """Return the values of a variation, checked; a tolerance alone is around the scene's value."""
-    if kind == 'list':
-        numbers = _numbers(given)
-        if not numbers or len(set(numbers)) < len(numbers):
-            raise InvalidParameter(entry, given, 'must be a list of different finite numbers')
-        return numbers
     if kind in TOLERANCES and not isinstance(given, list):
         given = [scene_value, given]
-    if len(_numbers(given)) != 2:
-        raise InvalidParameter(entry, given, 'must be [low, high], two finite numbers'
-                               if kind in RANGES else
-                               'must be a size, or [centre, size], finite numbers; without a '
-                               'centre the scene must give the parameter')
-    first, second = map(float, _numbers(given))         # low and high, or centre and size
-    if kind in RANGES and not first < second:
-        raise InvalidParameter(entry, given, 'low must be less than high')
-    if kind == 'log_range' and first <= 0.0:
-        raise InvalidParameter(entry, given, 'must be positive: its logarithm is uniform')
-    if kind in TOLERANCES and second <= 0.0:
-        raise InvalidParameter(entry, given, 'the size must be positive')
-    return first, second
-
-
-def _levels(entry: str, kind: str, given: Yaml, values: tuple[float, ...]) -> int:
-    """Return how many values a grid takes: those of a list, else ``given`` or :data:`LEVELS`."""
-    if kind == 'list':
-        if given is not None:
-            raise InvalidParameter(f'{entry}.levels', given, 'not allowed with list: its length '
-                                                             'is the number of levels')
-        return len(values)
-    if given is None:
-        return LEVELS
-    if isinstance(given, bool) or not isinstance(given, int) or given < 2:
-        raise InvalidParameter(f'{entry}.levels', given, 'must be an integer, 2 or more')
-    return given
-
-
-def _numbers(given: Yaml) -> tuple[float, ...]:
-    """Return the numbers of a list; none if it holds anything but finite numbers."""
-    values = given if isinstance(given, list) else []
-    numbers = tuple([value for value in values if isinstance(value, (int, float))
-                     and not isinstance(value, bool) and isfinite(value)])
-    return numbers if len(numbers) == len(values) else ()
+    numbers = tuple([value for value in given if isinstance(value, (int, float))
+                     and not isinstance(value, bool) and isfinite(value)]
+                    if isinstance(given, list) else [])
+    is_right, allowed = {
+        'list': (numbers and len(set(numbers)) == len(numbers),
+                 'a list of different finite numbers'),
+        'range': (len(numbers) == 2 and numbers[0] < numbers[-1],
+                  '[low, high], two finite numbers; low must be less than high'),
+        'log_range': (len(numbers) == 2 and 0.0 < numbers[0] < numbers[-1],
+                      '[low, high], positive: the logarithm is uniform')}.get(kind, (
+                          len(numbers) == 2 and numbers[-1] > 0.0,
+                          'a size, or [centre, size], finite numbers, the size positive; without '
+                          'a centre the scene must give the parameter'))
+    if not is_right or not isinstance(given, list) or len(numbers) < len(given):
+        raise InvalidParameter(entry, given, f'must be {allowed}')
+    return numbers if kind == 'list' else tuple(map(float, numbers))
 
 
 def unit_points(method: str, rows: tuple[int, int], seed: int, levels: tuple[Array, ...],

@@ -4,8 +4,7 @@
 Dual numbers: a value and its exact derivatives by any number of parameters.
 
 A number type made of another one: of arrays for derivatives at many samples, of complex arrays
-for second derivatives too (a complex step of the input), of balls for derivatives over a box of
-parameters (:mod:`fourbar_lab.studies.boxes`). The rules are those of the chain rule,
+for second derivatives too (a complex step of the input). The rules are those of the chain rule,
 
     (D1)  (u v)' = u' v + u v',   (u/v)' = (u' - (u/v) v') / v,   sqrt(u)' = u' / (2 sqrt(u))
     (D2)  atan2(y, x)' = (x y' - y x') / (x^2 + y^2),   hypot(x, y)' = (x x' + y y') / hypot(x, y)
@@ -35,15 +34,6 @@ class Dual:
         self.value, self.by = value, by
 
     @property
-    def whole(self) -> Any:
-        """Return the value that derivatives are computed with; a subclass may take a range."""
-        return self.value
-
-    def of(self, value: Any, by: Derivatives) -> Dual:
-        """Return another dual of this class: subclasses carry more than a value."""
-        return type(self)(value, by)
-
-    @property
     def real(self) -> Scalar:
         """Return the real part of the value: formulas choose by it."""
         real: Scalar = getattr(self.value, 'real', self.value)
@@ -52,51 +42,51 @@ class Dual:
     def __add__(self, other: Operand) -> Dual:
         """Return the sum; a number without derivatives adds none."""
         if not isinstance(other, Dual):
-            return self.of(self.value + other, self.by)
-        return self.of(self.value + other.value, _sum(self.by, other.by))
+            return Dual(self.value + other, self.by)
+        return Dual(self.value + other.value, _sum(self.by, other.by))
 
     __radd__ = __add__
 
     def __neg__(self) -> Dual:
-        return self.of(-self.value, {name: -part for name, part in self.by.items()})
+        return Dual(-self.value, {name: -part for name, part in self.by.items()})
 
     def __sub__(self, other: Operand) -> Dual:
         """Return the difference."""
         if not isinstance(other, Dual):
-            return self.of(self.value - other, self.by)
+            return Dual(self.value - other, self.by)
         by = dict(self.by)
         for name, part in other.by.items():
             by[name] = by[name] - part if name in by else -part
-        return self.of(self.value - other.value, by)
+        return Dual(self.value - other.value, by)
 
     def __rsub__(self, other: Scalar) -> Dual:
-        return self.of(other - self.value, {name: -part for name, part in self.by.items()})
+        return Dual(other - self.value, {name: -part for name, part in self.by.items()})
 
     def __mul__(self, other: Operand) -> Dual:
         """Return the product, by (D1); a number without derivatives scales."""
         if not isinstance(other, Dual):
-            return self.of(self.value * other, _scaled(self.by, other))
-        return self.of(self.value * other.value,                                        # (D1)
-                       _sum(_scaled(self.by, other.whole), _scaled(other.by, self.whole)))
+            return Dual(self.value * other, _scaled(self.by, other))
+        return Dual(self.value * other.value,                                        # (D1)
+                       _sum(_scaled(self.by, other.value), _scaled(other.by, self.value)))
 
     __rmul__ = __mul__
 
     def __truediv__(self, other: Operand) -> Dual:
         """Return the quotient, by (D1)."""
         if not isinstance(other, Dual):
-            return self.of(self.value / other, {name: part / other
+            return Dual(self.value / other, {name: part / other
                                                 for name, part in self.by.items()})
-        per = 1.0 / other.whole
-        return self.of(self.value / other.value,
-                       _sum(_scaled(self.by, per), _scaled(other.by, -(self.whole * per * per))))
+        per = 1.0 / other.value
+        return Dual(self.value / other.value,
+                       _sum(_scaled(self.by, per), _scaled(other.by, -(self.value * per * per))))
 
     def __rtruediv__(self, other: Scalar) -> Dual:
-        per = 1.0 / self.whole
-        return self.of(other / self.value, _scaled(self.by, -(other * per * per)))
+        per = 1.0 / self.value
+        return Dual(other / self.value, _scaled(self.by, -(other * per * per)))
 
     def __pow__(self, exponent: int) -> Dual:
-        return self.of(self.value**exponent,
-                       _scaled(self.by, exponent * self.whole**(exponent - 1)))
+        return Dual(self.value**exponent,
+                       _scaled(self.by, exponent * self.value**(exponent - 1)))
 
     def __gt__(self, other: Operand) -> bool:
         is_greater: bool = self.value > value_of(other)
@@ -123,11 +113,6 @@ def value_of(number: Operand) -> Any:
     return number.value if isinstance(number, Dual) else number
 
 
-def whole_of(number: Operand) -> Any:
-    """Return :attr:`Dual.whole` of a dual, and any other number as it is."""
-    return number.whole if isinstance(number, Dual) else number
-
-
 def derivatives_of(number: Operand) -> Derivatives:
     """Return {parameter: derivative} of a dual, nothing of any other number."""
     return number.by if isinstance(number, Dual) else {}
@@ -146,7 +131,7 @@ def _scaled(by: Derivatives, factor: Scalar) -> Derivatives:
 
 
 def _root(number: Dual, sqrt: Function) -> Dual:
-    return number.of(sqrt(number.value), _scaled(number.by, 0.5 / sqrt(number.whole)))
+    return Dual(sqrt(number.value), _scaled(number.by, 0.5 / sqrt(number.value)))
 
 
 # What arrays ask of a dual on their right, and numpy's functions of one.
@@ -161,8 +146,8 @@ _OF_ARRAYS: dict[Any, Callable[..., Any]] = {
 }
 
 
-def _where_of(choose: Function, dual: type[Dual]) -> Function:
-    """Return ``where`` of duals of a class, from that of their values, ``choose``."""
+def _where_of(choose: Function) -> Function:
+    """Return ``where`` of duals, from that of their values, ``choose``."""
     def where(condition: bool | Array, one: Any, other: Any) -> Any:
         """Return one of two duals, or of each pair in two tuples, with its derivatives."""
         if isinstance(one, tuple):
@@ -170,56 +155,56 @@ def _where_of(choose: Function, dual: type[Dual]) -> Function:
         if not (isinstance(one, Dual) or isinstance(other, Dual)):
             return choose(condition, one, other)
         by, others = derivatives_of(one), derivatives_of(other)
-        return dual(choose(condition, value_of(one), value_of(other)),
+        return Dual(choose(condition, value_of(one), value_of(other)),
                     {name: choose(condition, by.get(name, 0.0), others.get(name, 0.0))
                      for name in by.keys() | others.keys()})
     return where
 
 
-def duals_of(numbers: NumberType, dual: type[Dual] = Dual) -> NumberType:
+def duals_of(numbers: NumberType) -> NumberType:
     """
     Return the type of duals whose values and derivatives are of a type of numbers.
 
-    Its functions (sin, atan2 ...) take duals of the class ``dual`` and plain ``numbers`` alike: of
-    a dual they return value and derivatives, by the chain rule.
+    Its functions (sin, atan2 ...) take duals and plain ``numbers`` alike: of a dual they return
+    value and derivatives, by the chain rule.
     """
     def of_one(function: Function, derivative: Callable[[Scalar], Scalar]) -> Function:
         """Return f for duals, of f and f' for numbers, as sin and cos: (f(u))' = f'(u) u'."""
         def call(number: Operand) -> Operand:
             """Return f(u); of a plain number, a plain number."""
             value = function(value_of(number))
-            return (dual(value, _scaled(number.by, derivative(number.whole)))
+            return (Dual(value, _scaled(number.by, derivative(number.value)))
                     if isinstance(number, Dual) else value)
         return call
 
     def atan2(y: Operand, x: Operand) -> Dual:
         """Return the angle of (x, y), by (D2)."""
-        whole_y, whole_x = whole_of(y), whole_of(x)
-        per = 1.0 / (whole_x * whole_x + whole_y * whole_y)
-        return dual(numbers.atan2(value_of(y), value_of(x)),
-                    _sum(_scaled(derivatives_of(y), whole_x * per),
-                         _scaled(derivatives_of(x), -(whole_y * per))))
+        of_y, of_x = value_of(y), value_of(x)
+        per = 1.0 / (of_x * of_x + of_y * of_y)
+        return Dual(numbers.atan2(of_y, of_x),
+                    _sum(_scaled(derivatives_of(y), of_x * per),
+                         _scaled(derivatives_of(x), -(of_y * per))))
 
     def hypot(x: Operand, y: Operand) -> Dual:
         """Return sqrt(x^2 + y^2), by (D2)."""
-        per = 1.0 / numbers.hypot(whole_of(x), whole_of(y))
-        return dual(numbers.hypot(value_of(x), value_of(y)),
-                    _sum(_scaled(derivatives_of(x), whole_of(x) * per),
-                         _scaled(derivatives_of(y), whole_of(y) * per)))
+        per = 1.0 / numbers.hypot(value_of(x), value_of(y))
+        return Dual(numbers.hypot(value_of(x), value_of(y)),
+                    _sum(_scaled(derivatives_of(x), value_of(x) * per),
+                         _scaled(derivatives_of(y), value_of(y) * per)))
 
     def fabs(number: Operand) -> Operand:
         """Return |x|, its derivatives those of x or -x; of a plain number, a plain number."""
         size: Scalar = numbers.fabs(value_of(number))
         if not isinstance(number, Dual):
             return size
-        return dual(size, _scaled(number.by, numbers.where(number.real < 0.0, -1.0, 1.0)))
+        return Dual(size, _scaled(number.by, numbers.where(number.real < 0.0, -1.0, 1.0)))
 
     def exact_sum(terms: Sequence[Operand]) -> Dual:
         """Return the sum of duals and numbers, its value rounded once, not after each term."""
         by: Derivatives = reduce(_sum, map(derivatives_of, terms), {})
-        return dual(numbers.exact_sum([value_of(term) for term in terms]), by)
+        return Dual(numbers.exact_sum([value_of(term) for term in terms]), by)
 
-    where = _where_of(numbers.where, dual)
+    where = _where_of(numbers.where)
     return NumberType(f'duals of {numbers.name}', of_one(numbers.sin, numbers.cos),
                       of_one(numbers.cos, lambda value: -numbers.sin(value)),
                       lambda x: (_root(x, numbers.sqrt) if isinstance(x, Dual)

@@ -26,6 +26,8 @@ def every(parts):
 @pytest.mark.parametrize(('name', 'key'), every(library.PARTS))
 def test_it_is_as_recorded(name, key):
     part, old = library.PARTS[name], recorded(name)[key]
+    if name == 'balances':
+        pytest.importorskip('clarabel')
     if name == 'batch':
         near(key)
         if not library.are_bits_comparable(arrays=True):

@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Bounds of a tolerance box of a machine of dyads hold for random machines of the box."""
-from math import isinf, isnan, pi
+"""The first order and corners of a tolerance box of a machine beside machines drawn from it."""
+from math import isnan, pi
 
 from fourbar_lab.studies.derivatives import Derivatives
 from fourbar_lab.studies.measures import LEAST_ANGLE, Measures, STROKE, SWING
@@ -75,40 +75,24 @@ def sampled(study, drawn):
 
 @pytest.mark.slow
 @pytest.mark.parametrize('name', BOXES)
-def test_the_bounds_enclose_random_machines(name):
-    pytest.importorskip('flint')
+def test_random_machines_lie_within_the_first_order(name):
     study = study_of(name, *BOXES[name])
     rng = np.random.default_rng(11)
-    drawn = {one.name: one.centre + one.size * rng.uniform(-1.0, 1.0, MACHINES)
-             for one in box_of(study)}
+    drawn = {name: centre + size * rng.uniform(-1.0, 1.0, MACHINES)
+             for name, (centre, size) in box_of(study).items()}
     values = sampled(study, drawn)
     for one in tolerances(study):
         value, size, part = one.sensitivity.value, one.first_order, values[
             one.sensitivity.measure.name]
-        # the first order is right to the second, and the proof is not much wider than it
-        assert abs(one.corners.high - value - size) < 0.05 * size, one
-        assert one.proven.low <= one.corners.low < value < one.corners.high <= one.proven.high
-        assert one.proven.high - one.proven.low < 12.0 * size, one
-        # for the error of the parabola
-        assert one.proven.low - 1e-4 * size <= part.min(), one
-        assert part.max() <= one.proven.high + 1e-4 * size, one
+        low, high = one.corners
+        assert low < value < high and abs(high - value - size) < 0.05 * size, one
+        assert value - 1.05 * size <= part.min() <= part.max() <= value + 1.05 * size, one
         assert part.max() - part.min() > size, one
 
 
-def test_a_box_in_which_another_dyad_opens_is_not_said_to_be_bounded():
-    pytest.importorskip('flint')
-    # the rocker is the first dyad's, and the second does not close at every angle of it
-    one, = tolerances(study_of('watt', {'dyads.two.length_1': 0.3}, ['omega_rocker.max']))
-    assert isinf(one.proven.high)
-
-
-@pytest.mark.slow
 def test_where_another_dyad_is_nearest_to_its_toggle_an_angle_has_a_kink():
-    pytest.importorskip('flint')
     name = 'dyads.right.length_1'
     study = study_of('v_engine', {name: 1e-4}, ['transmission_angle.max'])
     # both cylinders of the V are alike at theta1 = 0
     moves = Derivatives(from_values(study.values), [name]).at_extremum('transmission_angle', 0.0)
     assert isnan(moves.value[name]) and isnan(moves.place[name])
-    one, = tolerances(study)
-    assert isinf(one.proven.high) and not isnan(one.first_order)

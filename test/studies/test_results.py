@@ -1,17 +1,12 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """What a study answers beside numpy, scipy and the whole table of the same files."""
-import base64
-import json
 import re
 
-from fourbar_lab.studies import report as pages
-from fourbar_lab.studies import results as module
 from fourbar_lab.studies import StudyError
-from fourbar_lab.studies.chunks import compute
 from fourbar_lab.studies.design import Design
-from fourbar_lab.studies.folder import encode, Folder
-from fourbar_lab.studies.results import rank_correlations, Results, unbeaten
+from fourbar_lab.studies.engine import encode, PART
+from fourbar_lab.studies.results import Results
 from fourbar_lab.studies.study import from_document
 from fourbar_ros.cli.main import main
 from fourbar_ros.scene.scene import from_values, load
@@ -19,7 +14,6 @@ import numpy as np
 import pytest
 
 parquet = pytest.importorskip('pyarrow.parquet')
-stats = pytest.importorskip('scipy.stats')
 DOCUMENT = {
     'scene': 'paper', 'rows': 64, 'seed': 1, 'chunk': 16, 'method': 'sobol',
     'vary': {'linkage.a1': {'range': [0.2, 0.6]}, 'linkage.a2': {'range': [0.8, 1.4]}},
@@ -30,11 +24,10 @@ DOCUMENT = {
 
 @pytest.fixture(scope='module')
 def folder(tmp_path_factory):
-    path = tmp_path_factory.mktemp('study') / 'found'
-    study, folder = from_document(DOCUMENT), Folder(path)
-    folder.begin(study, False)
+    path = tmp_path_factory.mktemp('study')
+    study = from_document(DOCUMENT)
     for number in range(study.chunks):
-        folder.add(number, encode(study, compute(study, number)))
+        (path / PART.format(number)).write_bytes(encode(study, number))
     return path
 
 
@@ -61,19 +54,6 @@ def test_the_folder_is_a_table_to_every_reader_of_parquet(folder, table, library
     assert found == sorted(column(table, 'row').tolist())
 
 
-def test_folders_with_the_manifest_of_before_are_read(folder, tmp_path):
-    results = Results(folder)
-    for path in results.parts.values():
-        (tmp_path / path.name).write_bytes(path.read_bytes())
-    (tmp_path / 'manifest.json').write_text(json.dumps(results.folder.manifest()))
-    old = Results(tmp_path)
-    assert (old.best(), old.counts, old.units) == (results.best(), results.counts, results.units)
-    study = from_document(DOCUMENT)
-    Folder(tmp_path).begin(study, True)         # and gone on with
-    with pytest.raises(StudyError, match='holds a study already'):
-        Folder(tmp_path).begin(study, False)
-
-
 def test_the_best_and_the_worst_are_those_of_the_whole_table(folder, table):
     results = Results(folder)
     for name, sense in DOCUMENT['objectives'].items():
@@ -84,34 +64,14 @@ def test_the_best_and_the_worst_are_those_of_the_whole_table(folder, table):
     assert results.best() == results.best('swing')
 
 
-@pytest.mark.parametrize('objectives', [1, 2, 3, 4])
-def test_no_point_of_a_front_is_beaten_and_every_other_is(objectives):
-    rng = np.random.default_rng(objectives)
-    points = rng.integers(0, 12, (300, objectives)).astype(float)       # with ties
-    kept = unbeaten(points)
-    for i, point in enumerate(points):
-        others = np.delete(points, i, axis=0)
-        is_beaten = ((others <= point).all(axis=1) & (others < point).any(axis=1)).any()
-        assert not (is_beaten and i in kept)
-        assert is_beaten or any((points[j] == point).all() for j in kept)
-
-
-def test_the_front_of_the_parts_is_that_of_the_table(folder, table):
-    names = list(DOCUMENT['objectives'])
-    points = np.stack([column(table, names[0]) * -1, *(column(table, n) for n in names[1:])], 1)
+def test_no_point_of_the_front_is_beaten_and_every_other_is(folder, table):
+    first, second = -column(table, 'swing'), column(table, 'omega4.peak')
     front = Results(folder).front()
-    assert front['row'].tolist() == column(table, 'row')[unbeaten(points)].tolist()
-    assert (front['swing'] > 0.0).all()
-
-
-def test_rank_correlations_are_spearmans(table):
-    columns = {name: column(table, name) for name in table.column_names if name != 'class'}
-    columns['linkage.a1'] = np.round(columns['linkage.a1'], 2)          # ties
-    found = rank_correlations(columns, ['linkage.a1', 'linkage.a2'], ['swing', 'time_ratio'])
-    for output, by_input in found.items():
-        for name, value in by_input.items():
-            expected = stats.spearmanr(columns[name], columns[output]).statistic
-            assert abs(value - expected) < 1e-12
+    assert list(front) == ['row', 'swing', 'omega4.peak'] and (front['swing'] > 0.0).all()
+    for i, row in enumerate(column(table, 'row').tolist()):
+        is_beaten = ((first <= first[i]) & (second <= second[i])
+                     & ((first < first[i]) | (second < second[i]))).any()
+        assert is_beaten != (row in front['row'])
 
 
 def test_summaries_are_numpys(folder, table):
@@ -119,17 +79,7 @@ def test_summaries_are_numpys(folder, table):
         values = column(table, one.name).astype(float)
         assert (one.least, one.greatest) == (values.min(), values.max())
         assert one.mean == pytest.approx(values.mean(), rel=1e-14)
-        nearest = np.percentile(values, (5, 50, 95), method='nearest')
-        assert one.percentiles[1] == nearest[1] or values.size % 2 == 0
-        assert one.least <= one.percentiles[0] <= one.percentiles[2] <= one.greatest
-
-
-def test_of_more_rows_than_are_shown_evenly_spread_ones_are_taken(folder, monkeypatch):
-    results = Results(folder)
-    whole = results.sample(['row'])['row']
-    monkeypatch.setattr(module, 'SHOWN', 10)
-    step = -(-whole.size // 10)
-    assert results.sample(['row'])['row'].tolist() == whole[::step].tolist()
+        assert one.percentiles == tuple(np.percentile(values, (5, 50, 95), method='nearest'))
 
 
 def test_a_picked_design_is_the_scene_of_its_row(folder, table, tmp_path, capsys):
@@ -147,36 +97,27 @@ def test_a_picked_design_is_the_scene_of_its_row(folder, table, tmp_path, capsys
         expected = table[measure.name].to_pylist()[i]       # computed beside others there
         assert found == expected or found == pytest.approx(expected, rel=1e-9), measure.name
     assert main(['study', 'pick', str(folder), 'best', '-o', str(file)]) == 1     # not overwritten
-    assert main(['study', 'pick', str(folder), '7']) == 0
-    assert 'Row 7 of the study' in capsys.readouterr().out
+    row = column(table, 'row')[3]
+    assert main(['study', 'pick', str(folder), str(row)]) == 0
+    assert f'Row {row} of the study' in capsys.readouterr().out
 
 
-def test_every_row_that_can_be_built_is_a_scene(folder):
+def test_every_row_that_was_kept_is_a_scene(folder, table):
     results, study = Results(folder), from_document(DOCUMENT)
-    for row in range(0, 64, 9):
+    for row in column(table, 'row')[::5].tolist():
         expected = from_values(study.scene_values(row))
         assert from_values(results.scene_values(row)).linkage == expected.linkage
 
 
-def test_the_page_has_the_tables_and_real_pictures(folder, tmp_path):
-    assert main(['study', 'plot', str(folder), str(tmp_path / 'page.html')]) == 0
-    text = (tmp_path / 'page.html').read_text()
-    assert re.findall('<h2>(.*?)</h2>', text) == ['Ranges', 'Best designs', 'Pareto front',
-                                                  'Distributions', 'Sensitivities', 'Pairs']
-    pictures = re.findall('base64,([^"]+)', text)
-    assert len(pictures) == 4 and all(base64.b64decode(p)[1:4] == b'PNG' for p in pictures)
-    assert not list(tmp_path.glob('.*')) and 'http' not in text
-
-
-def test_the_front_has_the_numbers_that_pick_takes(folder, table, tmp_path, capsys, monkeypatch):
+def test_show_lists_rows_of_the_front_that_pick_takes(folder, table, tmp_path, capsys,
+                                                      monkeypatch):
     monkeypatch.setenv('COLUMNS', '200')
     assert main(['study', 'show', str(folder)]) == 0
-    said = capsys.readouterr().out.split('Pareto front')[1]
+    said = capsys.readouterr().out.split('front: ')[1]
     rows = [int(number) for number in re.findall(r'^ *(\d+) +[-\d.]+ ', said, re.MULTILINE)]
     front = Results(folder).front()
     assert rows and set(rows) <= set(front['row'].tolist())
-    assert len(rows) == min(20, len(front['row']))
-    assert f'The {len(front["row"])} designs that no other beats' in ' '.join(said.split())
+    assert said.startswith(f'{len(front["row"])} designs that none beats in swing without')
     for row in rows[::6]:
         assert main(['study', 'pick', str(folder), str(row), '-o',
                      str(tmp_path / f'{row}.yaml')]) == 0
@@ -184,30 +125,8 @@ def test_the_front_has_the_numbers_that_pick_takes(folder, table, tmp_path, caps
         assert load(tmp_path / f'{row}.yaml').linkage.a1 == column(table, 'linkage.a1')[i]
 
 
-def test_a_front_of_three_objectives_is_two_projections_of_dots(folder, monkeypatch):
-    pyplot = pytest.importorskip('matplotlib.pyplot')
-    drawn = []
-    monkeypatch.setattr(pages, '_png', lambda figure: drawn.append(figure) or '')
-    results = Results(folder)
-    list(pages.figures(results))
-    front, panels = results.front(), drawn[0].axes
-    assert [(axes.get_xlabel().split()[0], axes.get_ylabel().split()[0]) for axes in panels] == [
-        ('swing', 'omega4.peak'), ('swing', 'alpha4.peak')]
-    for axes, name in zip(panels, ('omega4.peak', 'alpha4.peak')):
-        dots = axes.lines[-1]
-        assert dots.get_linestyle() == 'None'
-        assert sorted(dots.get_ydata()) == sorted(front[name])
-        for note in axes.texts:
-            i = front['row'].tolist().index(int(note.get_text()))
-            assert note.xy == (front['swing'][i], front[name][i])
-        assert len(axes.texts) == min(20, len(front['row']))
-    for figure in drawn:
-        pyplot.close(figure)
-
-
 def test_show_prints_what_is_there_while_a_study_still_runs(folder, tmp_path, capsys):
-    for name in ('_manifest.parquet', 'part-00000000.parquet'):
-        (tmp_path / name).write_bytes((folder / name).read_bytes())
+    (tmp_path / PART.format(0)).write_bytes((folder / PART.format(0)).read_bytes())
     assert main(['study', 'show', str(tmp_path)]) == 0
     said = capsys.readouterr().out
     assert '16 of 64 designs' in said and '48 are not computed yet: --resume' in said
@@ -217,12 +136,21 @@ def test_what_cannot_be_answered_is_one_line(folder, tmp_path, capsys):
     for arguments, text in (
             (['show', str(tmp_path)], 'no study'),
             (['pick', str(folder), 'better'], 'must be best, worst or the number'),
-            (['pick', str(folder), '64'], 'row 64'),
+            (['pick', str(folder), '64'], 'row 64 is not among'),
             (['pick', str(folder), 'best', '--by', 'mass'], 'no objective of the study')):
         assert main(['study', *arguments]) == 1
         said = capsys.readouterr().err
         assert text in said and said.count('\n') == 1
-    (tmp_path / 'manifest.json').write_text(json.dumps({'fingerprint': '', 'study': {},
-                                                        'units': {}}))
-    with pytest.raises(StudyError, match='nothing is computed yet'):
+    parquet.write_table(parquet.read_table(folder).replace_schema_metadata(),
+                        tmp_path / PART.format(0))
+    with pytest.raises(StudyError, match='no part of a study'):
         Results(tmp_path)
+
+
+def test_of_all_kept_rows_those_that_fulfil_the_constraints_are_ranked(tmp_path):
+    study = from_document(DOCUMENT | {'rows': 16, 'keep': 'all'})
+    (tmp_path / PART.format(0)).write_bytes(encode(study, 0))
+    table, results = parquet.read_table(tmp_path), Results(tmp_path)
+    feasible = column(table, 'feasible').astype(bool)
+    assert results.kept == feasible.size > feasible.sum() > 0
+    assert results.table(['row'])['row'].tolist() == column(table, 'row')[feasible].tolist()
