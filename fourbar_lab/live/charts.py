@@ -45,21 +45,41 @@ def over_input(shown: Shown, names: Sequence[str], extrema: Sequence[Extremum],
     for cycle in shown.cycles:              # a gap separates the ranges of the input
         inputs += [*map(shown.shown_input, cycle.inputs.tolist()), None]
     columns = {'x': inputs} | {name: _column(shown, name) for name in names}
-    series = [_line(panel, 0, name) | {
-        'name': name, 'color': _colour(panel, is_dark),
-        'markPoint': {'data': _marks(shown, name, extrema), 'silent': False},
-        'markArea': {'silent': True, 'itemStyle': {'color': BAND},
-                     'data': [[{'yAxis': radians(90.0 - GOOD)}, {'yAxis': radians(90.0 + GOOD)}]]
-                     if name.startswith('transmission_angle') else []}}
-              for panel, name in enumerate(names)]
-    ends = shown.shown_input(shown.ranges[0][0]), shown.shown_input(shown.ranges[-1][1])
+    low, high = shown.shown_input(shown.ranges[0][0]), shown.shown_input(shown.ranges[-1][1])
     label = f'{shown.linkage.input_coordinate.position} [{shown.input_unit}]'
-    options = _panels(shown, names, (series, [columns]), (*ends, label), is_dark)
-    for axis, name in zip(options['yAxis'], names):
-        axis |= _bounds(columns[name], [extremum.value for extremum in extrema
-                                        if extremum.quantity == name
-                                        and extremum.place == INTERIOR])
-    return options
+    ink, tops = {'color': _ink(is_dark)}, [TOP + i * (CURVE_HEIGHT + GAP)
+                                           for i in range(len(names))]
+    return {
+        'animation': False, 'backgroundColor': 'transparent', 'darkMode': is_dark,
+        'grid': [{'left': LEFT, 'right': RIGHT, 'height': CURVE_HEIGHT, 'top': top}
+                 for top in tops],
+        'title': [{'text': f'{name} [{written(shown.quantities[name].unit)}]', 'left': LEFT - 4,
+                   'top': top - 24, 'textStyle': {'fontSize': 13, 'fontWeight': 'normal', **ink}}
+                  for name, top in zip(names, tops)],
+        'xAxis': [{'type': 'value', 'gridIndex': i, 'min': low, 'max': high, 'axisLabel': ink,
+                   'name': label if i == len(names) - 1 else '', 'nameLocation': 'middle',
+                   'nameGap': 26, 'nameTextStyle': ink, 'splitLine': _grid(is_dark)}
+                  for i in range(len(names))],
+        'yAxis': [{'type': 'value', 'gridIndex': i, 'scale': True, 'splitNumber': 4,
+                   'axisLabel': ink, 'splitLine': _grid(is_dark),
+                   **_bounds(columns[name], [extremum.value for extremum in extrema
+                                             if extremum.quantity == name
+                                             and extremum.place == INTERIOR])}
+                  for i, name in enumerate(names)],
+        'tooltip': {'trigger': 'axis'},
+        'axisPointer': {'link': [{'xAxisIndex': 'all'}]},
+        # a browser copies a few long columns in a fraction of the time of many pairs
+        'dataset': [{'source': columns}],
+        'series': [{'type': 'line', 'id': f'line{i}', 'name': name, 'showSymbol': False,
+                    'xAxisIndex': i, 'yAxisIndex': i, 'lineStyle': {'width': 2},
+                    'encode': {'x': 'x', 'y': name}, 'color': _colour(i, is_dark),
+                    'markPoint': {'data': _marks(shown, name, extrema), 'silent': False},
+                    'markArea': {'silent': True, 'itemStyle': {'color': BAND},
+                                 'data': [[{'yAxis': radians(90.0 - GOOD)},
+                                           {'yAxis': radians(90.0 + GOOD)}]]
+                                 if name.startswith('transmission_angle') else []}}
+                   for i, name in enumerate(names)],
+    }
 
 
 def _bounds(values: Sequence[float | None], extrema: Sequence[float]) -> dict[str, float | None]:
@@ -77,67 +97,9 @@ def _bounds(values: Sequence[float | None], extrema: Sequence[float]) -> dict[st
     return {'min': float(f'{min(kept):.2g}'), 'max': float(f'{max(kept):.2g}')}
 
 
-def over_time(shown: Shown, runs: Sequence[tuple[str, Array, dict[str, Array]]],
-              names: Sequence[str], end: float, is_dark: bool) -> Options:
-    """
-    Return the options of one panel for each quantity, with its curve over time in each run.
-
-    ``runs``: (title, times [s], {quantity: values}); the first one is solid, others are dashed.
-    """
-    columns = [{'x': times.tolist()} | {name: _finite(values) for name, values in curves.items()}
-               for _, times, curves in runs]
-    series = [_line(panel, run, name) | {
-        'name': ' '.join(filter(None, (name, title))), 'color': _colour(run, is_dark),
-        'lineStyle': {'width': 2, 'type': 'dashed' if run else 'solid'}}
-              for panel, name in enumerate(names)
-              for run, (title, _, curves) in enumerate(runs) if name in curves]
-    return _panels(shown, names, (series, columns), (0.0, end, 'time [s]'), is_dark)
-
-
-def _line(panel: int, data_set: int, name: str) -> Options:
-    """Return the line of column ``name`` of a data set, in a panel, both by number."""
-    return {'type': 'line', 'id': f'line{panel}_{data_set}', 'showSymbol': False,
-            'xAxisIndex': panel, 'yAxisIndex': panel, 'lineStyle': {'width': 2},
-            'datasetIndex': data_set, 'encode': {'x': 'x', 'y': name}}
-
-
 def _finite(values: Array) -> list[float | None]:
     """Return numbers as JSON has them: None, a gap in the line, for NaN and infinities."""
     return [value if isfinite(value) else None for value in np.asarray(values, float).tolist()]
-
-
-def _panels(shown: Shown, names: Sequence[str],
-            lines: tuple[list[Options], list[Options]],
-            axis: tuple[float, float, str], is_dark: bool) -> Options:
-    """
-    Return the options of stacked panels over one axis (low, high, label).
-
-    ``lines``: the series, and the columns of each data set: a browser copies a few long columns
-    in a fraction of the time of many pairs.
-    """
-    (series, columns), panels, (low, high, label) = lines, range(len(names)), axis
-    ink = {'color': _ink(is_dark)}
-    return {
-        'animation': False, 'backgroundColor': 'transparent',
-        'darkMode': is_dark,
-        'grid': [{'left': LEFT, 'right': RIGHT, 'height': CURVE_HEIGHT,
-                  'top': TOP + i * (CURVE_HEIGHT + GAP)} for i in panels],
-        'title': [{'text': f'{name} [{written(shown.quantities[name].unit)}]',
-                   'left': LEFT - 4,
-                   'top': TOP + i * (CURVE_HEIGHT + GAP) - 24,
-                   'textStyle': {'fontSize': 13, 'fontWeight': 'normal', **ink}}
-                  for i, name in enumerate(names)],
-        'xAxis': [{'type': 'value', 'gridIndex': i, 'min': low, 'max': high, 'axisLabel': ink,
-                   'name': label if i == panels[-1] else '', 'nameLocation': 'middle',
-                   'nameGap': 26, 'nameTextStyle': ink, 'splitLine': _grid(is_dark)}
-                  for i in panels],
-        'yAxis': [{'type': 'value', 'gridIndex': i, 'scale': True, 'splitNumber': 4,
-                   'axisLabel': ink, 'splitLine': _grid(is_dark)} for i in panels],
-        'tooltip': {'trigger': 'axis'},
-        'axisPointer': {'link': [{'xAxisIndex': 'all'}]},
-        'dataset': [{'source': source} for source in columns],
-        'series': series,
-    }
 
 
 def _colour(number: int, is_dark: bool) -> str:
@@ -177,10 +139,11 @@ def _marks(shown: Shown, name: str, extrema: Sequence[Extremum]) -> list[Options
             and isfinite(extremum.value)]
 
 
-def cursor_style(value: float, low: float, high: float) -> str:
-    """Return the CSS that puts the cursor, a line over all panels, at a value of their axis."""
+def cursor_html(value: float, low: float, high: float) -> str:
+    """Return the cursor, a line over all panels at a value of their axis."""
     share = (value - low) / (high - low) if high > low else 0.0
-    return f'left:calc({LEFT}px + {share:.6f} * (100% - {LEFT + RIGHT}px))'
+    return ('<div class="fb-cursor" style="left:'
+            f'calc({LEFT}px + {share:.6f} * (100% - {LEFT + RIGHT}px))"></div>')
 
 
 def polar(shown: Shown, is_dark: bool) -> Options:
@@ -227,7 +190,7 @@ def _round_axis(largest: float) -> tuple[float, float]:
     return step * ceil(largest / step - 1e-9), step
 
 
-def polar_now(shown: Shown, loads: NamedFields, bound: float, is_dark: bool) -> str:
+def polar_now(shown: Shown, loads: NamedFields | None, bound: float, is_dark: bool) -> str:
     """Return SVG of a dot for each force of a pose, to lie over the diagram of :func:`polar`."""
     left, right, top, bottom = POLAR_EDGES
     width, height = POLAR_SIZE[0] - left - right, POLAR_SIZE[1] - top - bottom

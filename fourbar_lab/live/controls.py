@@ -1,17 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""
-The controls of a page: fields and sliders, one pair for each number of the scene.
-
-A control belongs to its user while he types or moves it. The server may set ``value`` at any
-time; the browser shows it when the control is not in use and the server has answered all that
-its user did. So nothing that arrives late overwrites what he does. ``ui.number`` and
-``ui.slider`` show every value as it comes: on a page that moves they drop digits while they are
-typed, and set a slider back to an older place. A value that the server sets calls nobody back.
-"""
+"""The controls of a page: a field and a slider beside it for each number of the scene."""
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable
+from collections.abc import Callable
 from math import inf, isfinite
 import re
 
@@ -20,11 +12,8 @@ from fourbar_ros.errors import FourBarError
 from fourbar_ros.scene import parameters
 from fourbar_ros.scene.settings import Parameter
 from nicegui import ui
-from nicegui.elements.mixins.disableable_element import DisableableElement
-from nicegui.elements.mixins.value_element import ValueElement
-from nicegui.events import GenericEventArguments, ValueChangeEventArguments
+from nicegui.events import ValueChangeEventArguments
 
-THROTTLE = 0.05         # [s] between two values of a slider that is moved
 NUMBER = r'[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?'
 TYPED = re.compile(rf'({NUMBER})(?:\s*/\s*({NUMBER}))?', re.ASCII)
 THOUSANDS = re.compile(r'[-+]?[1-9]\d{0,2},\d{3}', re.ASCII)      # or a point and three digits
@@ -33,10 +22,8 @@ GROUPS = {'linkage': 'Linkage', 'dyads': 'Dyads', 'drive': 'Input', 'gravity': '
 OPEN = ('linkage', 'dyads', 'drive')       # groups that are open at first
 SPAN = 2.5                                 # sliders reach so many times the first value
 
-Answer = Awaitable[None] | None          # of a node it comes later
-Change = Callable[[str, float], Answer]     # takes a parameter's name and new value
+Change = Callable[[str, float], None]       # takes a parameter's name and new value
 Refuse = Callable[[str], None]              # takes the reason
-Show = Callable[[float], None]              # shows a parameter's value in its controls
 
 
 class NoNumber(FourBarError, ValueError):
@@ -60,66 +47,35 @@ def read_number(text: str) -> float:
     return value
 
 
-class UserValue(ValueElement, DisableableElement):
+def field(label: str, value: float, take: Callable[[float], None], refuse: Refuse,
+          name: str = '') -> ui.input:
     """
-    A control whose browser counts what its user does, and whose server answers with the count.
+    Build a field for a number with a label: a typed one takes effect on Enter or leaving it.
 
-    ``take`` is called with the number that the user gives, or ``refuse`` with a :class:`NoNumber`,
-    and the control goes back to its value. ``throttle``: least time between two values from the
-    browser, of which the last one always comes [s].
+    What is no number goes back, with its reason. ``name`` is the one for screen readers, by
+    default the label.
     """
-
-    VALUE_PROP = 'value'
-
-    def __init__(self, value: float, take: Callable[[float], Answer] | None = None,
-                 refuse: Callable[[NoNumber], None] | None = None, throttle: float = 0.0):
-        super().__init__(value=value)
-        self._take, self._refuse = take, refuse
-        self._props['answered'] = 0
-        self.on('commit', self._answer, [None], throttle=throttle)
-
-    def _answer(self, event: GenericEventArguments) -> Answer:
-        """
-        Take (text, count of the user's actions) from the browser, and answer with the count.
-
-        The answer is sent even if the value stays what it was: the browser waits for it.
-        """
-        text, self._props['answered'] = event.args
-        self.update()
+    def commit() -> None:
+        nonlocal value
+        text = str(made.value)
+        if text == written(value):
+            return
         try:
-            value = read_number(str(text))
+            value = read_number(text)
         except NoNumber as error:
-            if self._refuse:
-                self._refuse(error)
-            return None
-        self.set_value(value)
-        return self._take(value) if self._take else None
+            refuse(f'{name or label} = {error}')
+        else:
+            take(value)
+        made.value = written(value)
+
+    made = ui.input(label, value=written(value)).props(
+        f'dense aria-label="{name or label}"').on('keydown.enter', commit).on('blur', commit)
+    return made
 
 
-class Field(UserValue, component='field.js'):       # type: ignore[call-arg]  # as NiceGUI asks
-    """A number with a label; a typed one takes effect on Enter or leaving it."""
-
-    def __init__(self, label: str, value: float, take: Callable[[float], Answer],
-                 refuse: Callable[[NoNumber], None], digits: int = 12):
-        self._digits = digits
-        super().__init__(value, take, refuse)
-        self._props.update({'label': label, 'for': self.html_id})
-
-    def _value_to_model_value(self, value: float) -> str:
-        return f'{value:.{self._digits}g}'
-
-
-class Slider(UserValue, component='slider.js'):     # type: ignore[call-arg]  # as NiceGUI asks
-    """A slider, whose values come while it is moved."""
-
-    def __init__(self, low: float, high: float, step: float, value: float,
-                 take: Callable[[float], Answer] | None = None):
-        super().__init__(value, take, throttle=THROTTLE)
-        self.set_range(low, high, step)
-
-    def set_range(self, low: float, high: float, step: float) -> None:
-        """Set ends and step as numbers: as texts they would be joined, not added."""
-        self._props.update({'min': low, 'max': high, 'step': step})
+def written(value: float) -> str:
+    """Return a number as a field has it."""
+    return f'{value:.12g}'
 
 
 def shown_parameters(shown: Shown) -> dict[str, list[Parameter]]:
@@ -145,23 +101,23 @@ def _has_effect(shown: Shown, group: str, *rest: str) -> bool:
     return True
 
 
-def build(shown: Shown, change: Change, refuse: Refuse) -> dict[str, Show]:
+def build(shown: Shown, change: Change, refuse: Refuse) -> None:
     """
-    Build the controls; return {name of the parameter: a function that shows a value of it}.
+    Build the controls.
 
     ``change(name, value)`` is called with each new value of the user, ``refuse(why)`` if there is
     none in what he typed.
     """
-    shows = {}
     for group, members in shown_parameters(shown).items():
         with ui.expansion(GROUPS[group], value=group in OPEN).classes('full-width').props(
                 'dense expand-separator'):
             for parameter in members:
                 is_choice = parameter.name.endswith('.mode') and parameter.type == 'integer'
                 with ui.row().classes('fb-middle full-width no-wrap fb-control'):
-                    shows[parameter.name] = (_choice(parameter, shown, change) if is_choice
-                                             else _number(parameter, shown, change, refuse))
-    return shows
+                    if is_choice:
+                        _choice(parameter, shown, change)
+                    else:
+                        _number(parameter, shown, change, refuse)
 
 
 def _tooltip(parameter: Parameter) -> None:
@@ -171,65 +127,48 @@ def _tooltip(parameter: Parameter) -> None:
         'anchor="center right" self="center left" :delay="400"')
 
 
-def _choice(parameter: Parameter, shown: Shown, change: Change) -> Show:
-    """Build the buttons of an assembly mode; return the function that shows a mode."""
+def _choice(parameter: Parameter, shown: Shown, change: Change) -> None:
+    """Build the buttons of an assembly mode."""
     name = parameter.name
     modes = shown.linkage.modes if name == 'linkage.mode' else {1: '1', 2: '2'}
     dyad = name.split('.')[1] if name.startswith('dyads.') else ''
     ui.label(' '.join(filter(None, (dyad, 'assembly mode'))))
-    value = current = shown.scene.values[name]
-
-    def take(event: ValueChangeEventArguments[int]) -> Answer:
-        """Take a mode from the user, unless it is what show() has just set."""
-        nonlocal current
-        if event.value == current:
-            return None
-        current = event.value
-        return change(name, current)
-
-    def show(value: float) -> None:
-        nonlocal current
-        current = value
-        buttons.set_value(value)
-
-    with ui.toggle(dict(modes), value=value, on_change=take).props(
-            f'dense no-caps aria-label="{name}"') as buttons:
+    with ui.toggle(dict(modes), value=shown.scene.values[name],
+                   on_change=lambda event: change(name, event.value)).props(
+            f'dense no-caps aria-label="{name}"'):
         _tooltip(parameter)
-    return show
 
 
-def _number(parameter: Parameter, shown: Shown, change: Change, refuse: Refuse) -> Show:
+def _number(parameter: Parameter, shown: Shown, change: Change, refuse: Refuse) -> None:
     """
-    Build a field for a number and a slider beside it; return the function that shows a value.
+    Build a field for a number and a slider beside it.
 
     A typed number may lie beyond the ends of the slider, which then stands at an end.
     """
-    name, value = parameter.name, shown.scene.values[parameter.name]
-    low, high, step = _span(parameter, float(value), shown)
+    name, current = parameter.name, float(shown.scene.values[parameter.name])
+    low, high, step = _span(parameter, current, shown)
 
-    def clamped(value: float) -> float:
-        return min(max(value, low), high)
+    def take_typed(value: float) -> None:
+        nonlocal current
+        current = value
+        slider.set_value(min(max(value, low), high))
+        change(name, value)
 
-    def take_typed(value: float) -> Answer:
-        slider.set_value(clamped(value))
-        return change(name, value)
-
-    def take_moved(value: float) -> Answer:
-        field.set_value(value)
-        return change(name, value)
-
-    def show(value: float) -> None:
-        field.set_value(value)
-        slider.set_value(clamped(value))
+    def take_moved(event: ValueChangeEventArguments[float]) -> None:
+        nonlocal current
+        value = float(event.value)
+        if value != min(max(current, low), high):           # not what take_typed has just set
+            current = value
+            typed.set_value(written(value))
+            change(name, value)
 
     unit = f' [{parameter.unit}]' if parameter.unit else ''
-    with Field(f'{name.split(".", 1)[1]}{unit}', value, take_typed,
-               lambda why: refuse(f'{name} = {why}')).props(
-            f'dense aria-label="{name}"').classes('fb-number') as field:
+    typed = field(f'{name.split(".", 1)[1]}{unit}', current, take_typed, refuse, name).classes(
+        'fb-number')
+    with typed:
         _tooltip(parameter)
-    slider = Slider(low, high, step, clamped(float(value)), take_moved).props(
-        f'aria-label="{name} slider"').classes('col')
-    return show
+    slider = ui.slider(min=low, max=high, step=step, value=min(max(current, low), high),
+                       on_change=take_moved).props(f'aria-label="{name} slider"').classes('col')
 
 
 def _span(parameter: Parameter, value: float, shown: Shown) -> tuple[float, float, float]:

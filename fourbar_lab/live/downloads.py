@@ -5,8 +5,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 import json
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 from fourbar_lab.drawing.curves import csv_of, curves_of
@@ -22,57 +20,36 @@ if TYPE_CHECKING:
 
 FRAMES = 120             # pictures in a page that needs no server
 
-# The picture as the browser draws it, at twice its size.
-PNG = """(name, svg) => {
-const image = new Image();
-image.onload = () => {
-  const canvas = document.createElement('canvas');
-  [canvas.width, canvas.height] = [2 * image.width, 2 * image.height];
-  canvas.getContext('2d').drawImage(image, 0, 0, canvas.width, canvas.height);
-  const link = document.createElement('a');
-  [link.href, link.download] = [canvas.toDataURL('image/png'), name];
-  link.click();
-};
-image.src = 'data:image/svg+xml;charset=utf-8,' + encodeURIComponent(svg);
-}"""
-
 
 def menu(page: Page) -> None:
     """Build the menu of downloads."""
     kinds = {'scene file (YAML)': ('yaml', lambda: page.shown.scene.as_text),
              'picture (SVG)': ('svg', lambda: picture(page)),
-             'picture (PNG)': ('png', lambda: picture(page)),
              'numbers of a cycle (CSV)': ('csv', lambda: cycle_csv(page.shown)),
-             'page that needs no server (HTML)': ('html', lambda: html(page)),
-             'animation (GIF)': ('gif', lambda: gif(page.shown))}
+             'page that needs no server (HTML)': ('html', lambda: html(page))}
     button = ui.button(icon='download').props('flat dense color=white aria-label="download"')
     with button, ui.menu():
         for text, (suffix, make) in kinds.items():
             ui.menu_item(text, lambda suffix=suffix, make=make: _send(page, suffix, make))
 
 
-async def _send(page: Page, suffix: str, make: Callable[[], str | bytes]) -> None:
+async def _send(page: Page, suffix: str, make: Callable[[], str]) -> None:
     """
     Make a file in a thread, so that the page goes on, and send it; or say why there is none.
 
     A mechanism that cannot be assembled has no file at all, one without a pose no picture.
     """
-    why = page.refusal if page.refusal or suffix not in ('svg', 'png', 'html') else page.no_pose
+    why = page.refusal if page.refusal or suffix not in ('svg', 'html') else page.no_pose
     if why:
         ui.notify(f'nothing to save: {why}', type='warning')
         return
-    if suffix == 'gif':
-        ui.notify('drawing the animation takes some seconds', type='ongoing', timeout=5000)
     try:
         content = await run.io_bound(make)
     except FourBarError as error:
         ui.notify(str(error), type='negative')
         return
     name = f'{page.title.rpartition("/")[2].removesuffix(".yaml")}.{suffix}'
-    if suffix == 'png':
-        ui.run_javascript(f'({PNG})({json.dumps(name)}, {json.dumps(content)})')
-    else:
-        ui.download.content(content, name)
+    ui.download.content(content, name)
 
 
 def picture(page: Page) -> str:
@@ -94,7 +71,7 @@ def html(page: Page) -> str:
               for _, pose in shown.samples(FRAMES)]
     rows = ''.join(f'<tr><td>{row["quantity"]}</td><td>{row["kind"]}</td><td>{row["value"]}</td>'
                    f'<td>{row["unit"]}</td><td>{row["at"]}</td></tr>'
-                   for row in extrema_rows(shown, page.views.found))
+                   for row in extrema_rows(shown, page.extrema_found()))
     return f"""<!doctype html><html lang="en"><meta charset="utf-8"><title>{page.title}</title>
 <style>{STYLE}body{{font:16px sans-serif;max-width:60rem;margin:auto}}
 td{{padding:0 .8em 0 0;font-variant-numeric:tabular-nums}}</style>
@@ -110,12 +87,3 @@ const at=document.getElementById('at'),show=()=>{{document.getElementById('mecha
 frames[i];at.value=i}};at.oninput=()=>{{on=false;i=+at.value;show()}};
 document.getElementById('play').onclick=()=>{{on=!on}};
 setInterval(()=>{{if(on){{i=(i+1)%frames.length;show()}}}},40);show()</script></html>"""
-
-
-def gif(shown: Shown) -> bytes:
-    """Return an animation of a cycle."""
-    from fourbar_lab.drawing.animation import animate
-    with TemporaryDirectory() as folder:
-        path = Path(folder) / 'mechanism.gif'
-        animate(shown.linkage, shown.rate, shown.points, path)
-        return path.read_bytes()

@@ -58,7 +58,6 @@ class Shown:
 
     scene: Scene
     acceleration: float = 0.0       # of the input [rad/s^2] or [m/s^2]
-    speed: float | None = None      # of the input [rad/s] or [m/s]; None: drive.speed of the scene
 
     @cached_property
     def linkage(self) -> Mechanism:
@@ -68,7 +67,7 @@ class Shown:
     @property
     def rate(self) -> float:
         """Return the rate of the input [rad/s] or [m/s]."""
-        return self.scene.drive.speed if self.speed is None else self.speed
+        return self.scene.drive.speed
 
     @property
     def ranges(self) -> tuple[tuple[float, float], ...]:
@@ -168,18 +167,12 @@ class Shown:
                          for low, high in self.ranges)]
         return inside[0] if inside else extremum.input
 
-    def pose(self, position: float, rate: float | None = None,
-             acceleration: float | None = None) -> tuple[int, Pose]:
-        """
-        Return the status and the :class:`Pose` at an input; loads None without masses.
-
-        Rate and acceleration are by default those on the page.
-        """
-        rate = self.rate if rate is None else rate
-        linkage = self.linkage if self.why_no_loads else self.scene.linkage_at(position, rate)
-        status, motion, loads = evaluate(
-            linkage, position, rate, self.acceleration if acceleration is None else acceleration,
-            linkage.bodies is not None)
+    def pose(self, position: float) -> tuple[int, Pose]:
+        """Return the status and the :class:`Pose` at an input; loads None without masses."""
+        linkage = (self.linkage if self.why_no_loads
+                   else self.scene.linkage_at(position, self.rate))
+        status, motion, loads = evaluate(linkage, position, self.rate, self.acceleration,
+                                         linkage.bodies is not None)
         return status, Pose(motion, loads if linkage.bodies else None)
 
     @cached_property
@@ -278,7 +271,6 @@ def _sample(columns: Any, i: int) -> Any:
     return type(columns)(*[float(column[i] if np.ndim(column) else column) for column in columns])
 
 
-def shown(values: ParameterValues, acceleration: float = 0.0,
-          speed: float | None = None) -> Shown:
+def shown(values: ParameterValues, acceleration: float = 0.0) -> Shown:
     """Return the page's view of a dict of parameters; InvalidParameter if one is impossible."""
-    return Shown(from_values(values), acceleration, speed)
+    return Shown(from_values(values), acceleration)

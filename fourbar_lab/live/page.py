@@ -1,33 +1,33 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-The page of a scene: its state, and how it answers to its user.
+The page of a scene: its state, its elements, and how it answers to its user.
 
 Everything on the page is state of its elements, never a command to them: whatever arrives late,
-twice or not at all, a browser ends with the newest state. The address of the page holds that
-state, so that a link shows the same; it names shipped scenes and parameters, never a file.
+twice or not at all, a browser ends with the newest state. The server draws the pose in which the
+mechanism rests, and, after each change, the frames of a whole cycle in one message: the browser
+plays, scrubs and drags through these (player.js).
 """
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Callable, Mapping
+from collections.abc import Callable, Iterator, Sequence
 import contextlib
-from math import isfinite
-import time
-from typing import Any, NamedTuple
-from urllib.parse import urlencode
+from functools import partial
+from math import radians
+from pathlib import Path
+from typing import Any
 
 from fourbar_lab.drawing.axis import AXIS_ANGLE
 from fourbar_lab.drawing.mobility import octahedron_svg
 from fourbar_lab.drawing.tables import facts
-from fourbar_lab.live import charts
+from fourbar_lab.live import charts, controls, downloads, link, tables
 from fourbar_lab.live.model import Pose, Shown
 from fourbar_lab.live.model import shown as shown_of
 from fourbar_lab.live.picture import (
     force_scale,
-    ghost_svg,
     grips_svg,
-    Handle,
+    joints_of,
     Layers,
     mechanism_svg,
     mechanism_view,
@@ -35,80 +35,191 @@ from fourbar_lab.live.picture import (
     polygon_view,
     traces_svg,
 )
-from fourbar_lab.live.playback import CyclePlayback, Playback
-from fourbar_lab.live.tables import extrema_rows, joint_rows, now_rows
-from fourbar_lab.live.widgets import CURVES, Elements, EXTREMA, FACTS, FORCES, POLYGONS, set_chart
-from fourbar_ros.errors import FourBarError, InvalidParameter
+from fourbar_lab.live.svg import HEIGHT, STYLE, WIDTH
+from fourbar_ros.errors import FourBarError
 from fourbar_ros.extrema.find import Extremum
-from fourbar_ros.pipeline.status import INVALID_INPUT, OK, OUT_OF_RANGE, STATUS_NAMES
-from fourbar_ros.scene import files, parameters
-from fourbar_ros.scene.settings import ParameterValues
-from nicegui import background_tasks, ui
+from fourbar_ros.pipeline.status import INVALID_INPUT, OK, STATUS_NAMES
+from fourbar_ros.scene.parameters import ParameterValues
+from nicegui import background_tasks, run, ui
+from nicegui.element import Element
+from nicegui.events import GenericEventArguments
 
-FRAME = 1.0 / 30.0          # [s]
-PICTURE_FIRST = 0.005       # [s] within which what was drawn leaves for the browser
-VIEW_EVERY = 0.1            # [s] charts are filled so often at most
-CATCH_UP = 6                # frames: so many at most wait for a browser that is slower
-PATIENCE = 10.0             # [s] ... and so long
+FRAMES = 181                # of a cycle, about
+SOON, LATER = 0.005, 0.1    # [s] until charts, then the frames of a cycle follow a picture
+PATIENCE = 10.0             # [s] for an answer of the browser
 LIKES_DARK = "matchMedia('(prefers-color-scheme: dark)').matches"
-TABLE_EVERY = 5             # frames: numbers that change faster cannot be read
+CURVES, FORCES, POLYGONS, EXTREMA, FACTS = VIEWS = (
+    'Curves', 'Forces', 'Polygons', 'Extrema', 'Facts')
+LAYERS = {'curves': 'coupler curves', 'forces': 'forces', 'centres': 'instant centres',
+          'axis': 'collineation axis'}
+HEAD = f"""<style>{STYLE}
+:root{{--fb-aspect:{WIDTH:g}/{HEIGHT:g};--fb-top:{charts.TOP}px;--fb-gap:{charts.GAP}px;
+--fb-cursor:{charts.CURSOR}}}
+{Path(__file__).with_name('page.css').read_text(encoding='utf-8')}</style>"""
+# A place in the table of extrema: a button, so that the keyboard reaches it.
+GO_THERE = """<q-td :props="props"><q-btn flat dense no-caps :label="props.value"
+  @click.stop="() => $parent.$emit('go', props.row.input)" /></q-td>"""
+
+Drawn = Callable[[float, Pose], str]        # of an input in the unit of the page, and its pose
+
+
+class Player(Element, component='player.js'):   # type: ignore[call-arg]  # as NiceGUI asks
+    """The picture and what moves it; an element of the page with the properties of player.js."""
+
+
+class PoseElement(Element, component='pose.js'):    # type: ignore[call-arg]  # as NiceGUI asks
+    """Something else that is drawn of each pose: an HTML element of this tag."""
+
+    def __init__(self, tag: str, label: str = '') -> None:
+        super().__init__()
+        self.props(f'role=img aria-label="{label}"' if label else '')
+        show(self, tag=tag, still='', frames=[])
+
+
+def show(element: Element, **properties: Any) -> None:
+    """Give an element other properties."""
+    element.props.update(properties)
+    element.update()
 
 
 class Page:
     """
     One tab of a browser: a scene, its state, and the elements that show it.
 
-    ``title`` is the name of the scene, or of what else is shown; ``values`` its parameters;
-    ``query`` that of the page's address, which may change them; ``playback`` makes what moves the
-    input, by default :class:`.CyclePlayback`.
+    ``title`` is the name of the scene, ``values`` its parameters; ``query`` that of the page's
+    address, which may change them.
     """
 
-    def __init__(self, title: str, values: ParameterValues, query: dict[str, str],
-                 playback: Callable[[Shown], Playback] | None = None):
+    panel: Element              # of the controls
+
+    def __init__(self, title: str, values: ParameterValues, query: dict[str, str]):
         """Take the state from the query; of a bad one, say so and show the scene as it is."""
-        link = Link(title, values, values, at=None, acceleration=0.0)
+        state = link.Link(title, values, values)
         self.problem = ''                       # why something was not done, for the alarm
         try:
-            link = read(query, title, values)
-            self.shown = shown_of(link.values, link.acceleration)
+            state = link.read(query, title, values)
+            self.shown = shown_of(state.values, state.acceleration)
         except FourBarError as error:
-            link, self.problem = link._replace(values=link.first, acceleration=0.0), str(error)
-            self.shown = shown_of(link.values)
-        self.title, self.acceleration = link.title, link.acceleration
-        self.first, self.values = link.first, link.values       # of the scene, and as changed here
-        self.playback = (playback(self.shown) if playback
-                         else CyclePlayback(self.shown, self.shown.scene.drive.start))
-        if link.at is not None:
-            self.playback.go(link.at)
+            state, self.problem = state._replace(values=state.first, acceleration=0.0), str(error)
+            self.shown = shown_of(state.values)
+        self.title, self.acceleration = state.title, state.acceleration
+        self.first, self.values = state.first, state.values     # of the scene, and as changed here
+        self.position = self.shown.nearest_input(self.shown.scene.drive.start)
+        if state.at is not None:
+            self.position = self._position_of(state.at)
         self.names = self.shown.usual_quantities        # whose curves are drawn
         self.layers = Layers()                          # what is drawn beside the links
-        self.handle: Handle | None = None               # the joint that is dragged
         self.pose: Pose | None = None                   # what is drawn now; None: nothing
         self.refusal = self.no_pose = ''         # why there is no mechanism, why it has no pose
-        self.last, self.frames = time.monotonic(), 0        # of the playback: time, number of it
-        self.is_behind = False                              # the browser, with its frames
+        self.found: list[Extremum] | None = None        # extrema of the quantities chosen
+        self.fresh: set[str] = set()        # names of views that show the present mechanism
+
+    @property
+    def at(self) -> float:
+        """Return the input in the unit of the page, with nine digits."""
+        return link.rounded(self.shown.shown_input(self.position))
+
+    def _position_of(self, at: float) -> float:
+        """Return the nearest possible input [rad] or [m] to one in the unit of the page."""
+        at = link.rounded(at)
+        return self.shown.nearest_input(at if self.shown.linkage.is_driven_by_slide
+                                        else radians(at))
+
+    # --- elements -------------------------------------------------------------------------------
 
     def build(self) -> None:
-        """Build the elements of the page and fill them."""
+        """Build the elements of the page, from top to bottom, and fill them."""
         self.client = ui.context.client
-        self.elements = Elements(self)
-        self.views = Views(self)
-        self.timer = ui.timer(FRAME, self._tick, active=False)
+        ui.add_head_html(HEAD)
+        ui.page_title(f'{self.title} - fourbar live')
+        self.dark = ui.dark_mode(None)
+        ui.colors(primary='#1f5f99')
+        with ui.header(elevated=False).classes('fb-middle fb-head no-wrap'):
+            # narrow windows show the controls after a click, wide ones until a click
+            ui.button(icon='menu', on_click=lambda: self.panel.classes(toggle='fb-turned')).props(
+                'flat dense color=white aria-label="parameters"')
+            ui.label(self.title).classes('text-h6').props('role=heading aria-level=1')
+            self.words = ui.label().classes('col ellipsis')
+            downloads.menu(self)
+            ui.button(icon='contrast', on_click=self.switch_dark).props(
+                'flat dense color=white aria-label="dark or light"')
+        with ui.element('div').classes('fb-columns'):
+            with ui.element('div').classes('fb-controls') as self.panel:
+                controls.build(self.shown, self.change, self.refuse)
+                controls.field('acceleration of the input', self.acceleration,
+                               self.set_acceleration, self.refuse).classes('full-width')
+            with ui.element('div').classes('fb-stage'):
+                self.alarm = ui.label().classes('text-negative text-subtitle1 fb-alarm').props(
+                    'role=alert')
+                self.player = Player()
+                show(self.player, size=[WIDTH, HEIGHT], answered=0, **NOTHING)
+                self.player.on('rest', self._rest, [None])
+            with ui.row().classes('fb-options fb-middle'):
+                for name, text in LAYERS.items():
+                    ui.checkbox(text, value=getattr(self.layers, name),
+                                on_change=lambda event, name=name: self.set_layer(
+                                    name, event.value)
+                                ).set_visibility(name != 'axis' or self.shown.has_axis)
+            with ui.column().classes('fb-views'):
+                self._build_views()
+            with ui.column().classes('fb-now'):
+                self.now = PoseElement('div')
         ui.timer(0.0, self._ask_dark, once=True)
         self.rebuild(keep_problem=True)
 
+    def _build_views(self) -> None:
+        """Build a tab for each view; they are filled when they are opened."""
+        with ui.tabs().props('dense no-caps align=left').classes('full-width') as self.tabs:
+            for name in VIEWS:
+                ui.tab(name)
+        self.tabs.on_value_change(self.fill)
+        with ui.tab_panels(self.tabs, value=CURVES, animated=False, keep_alive=True).classes(
+                'full-width bg-transparent'):
+            with _panel(CURVES):
+                self.chosen = ui.select(
+                    list(self.shown.quantities), value=self.names, multiple=True,
+                    label='quantities', on_change=lambda event: self.choose(event.value)).props(
+                    'dense use-chips aria-label="quantities"').classes('full-width')
+                with ui.element('div').classes('full-width fb-over'):
+                    self.curves = ui.echart({}).classes('full-width').props(
+                        'role=img aria-label="curves over the input, extrema marked"')
+                    self.cursor = PoseElement('div')
+            with _panel(FORCES):
+                self.no_loads = ui.label()
+                width, height = charts.POLAR_SIZE
+                with ui.element('div').classes('fb-over'):
+                    self.polar = ui.echart({}).style(f'width:{width}px;height:{height}px').props(
+                        'role=img aria-label="polar diagram of the shaking force and reactions"')
+                    self.dots = PoseElement('div', 'the forces of this pose').classes('fb-dots')
+            with _panel(POLYGONS):
+                self.polygons = []
+                for name in ('velocity', 'acceleration'):
+                    ui.label(f'{name} polygon')
+                    self.polygons.append(PoseElement('svg', f'{name} polygon').classes(
+                        'fb-picture').props(f'viewBox="0 0 {WIDTH:g} {HEIGHT:g}"'))
+            with _panel(EXTREMA):
+                self.extrema = _table(tables.EXTREMA_COLUMNS, 'key')
+                self.extrema.add_slot('body-cell-at', GO_THERE)
+                self.extrema.on('go', lambda event: self.go(event.args))
+                self.extrema.on('rowClick', lambda event: self.go(event.args[1]['input']))
+            with _panel(FACTS):
+                columns = [{'name': name, 'label': '', 'field': name, 'align': 'left'}
+                           for name in ('name', 'text')]
+                self.octahedron = ui.html('', sanitize=False).props(
+                    'role=img aria-label="octahedron of four-bars, this one in it"')
+                self.facts = _table(columns, 'name', 'wrap-cells hide-header').classes('fb-words')
+
     # --- what changes ---------------------------------------------------------------------------
 
-    def change(self, name: str, value: float) -> Awaitable[None] | None:
+    def change(self, name: str, value: float) -> None:
         """Take a new value of a parameter, and show the mechanism that has it."""
         self.values = {**self.values, name: value}
         self.rebuild()
-        return None
 
     def refuse(self, why: str) -> None:
         """Say why something is not done; the page stays as it is."""
         self.problem = why
-        self.elements.alarm.set_text('; '.join(filter(None, (why, self.refusal))))
+        self.alarm.set_text('; '.join(filter(None, (why, self.refusal))))
 
     def set_acceleration(self, value: float) -> None:
         """Take a new acceleration of the input."""
@@ -122,376 +233,253 @@ class Page:
         Parameters that no mechanism can have take the picture away, with the reason.
         """
         try:
-            shown = shown_of(self.values, self.acceleration, self.playback.speed)
-            view = mechanism_view(shown, *(other for other, _ in self.playback.others()))
-            per_newton = force_scale(shown)
+            shown = shown_of(self.values, self.acceleration)
+            self.view, self.per_newton = mechanism_view(shown), force_scale(shown)
         except FourBarError as error:
-            return self._show_nothing(str(error))
+            self.refusal, self.pose = str(error), None
+            self.alarm.set_text(self.refusal)
+            self.words.set_text('impossible')
+            self._clear()
+            return
         self.problem = self.problem if keep_problem else ''
-        self.shown, self.view, self.per_newton, self.refusal = shown, view, per_newton, ''
+        self.shown, self.refusal = shown, ''
         self.names = [name for name in self.names if name in shown.quantities]
-        self.playback.follow(shown)
-        self.elements.words.set_text(shown.linkage.description)
-        self._set_input()
-        self._draw_traces()
-        self.views.expire()
-        self.draw()
-        self.show_view()
-        self._remember()
-        return None
+        self.position = shown.nearest_input(self.position)
+        self.words.set_text(shown.linkage.description)
+        self._refill()
 
-    def _show_nothing(self, why: str) -> None:
-        """Show why there is nothing to show, and no old picture."""
-        self.refusal, self.pose = why, None
-        self.elements.alarm.set_text(why)
-        self.elements.clear_pose()
-        self.elements.picture.draw_under('')
-        self.views.clear()
-        self.elements.words.set_text('impossible')
+    def _clear(self) -> None:
+        """Show nothing of a mechanism: there is none."""
+        self.fresh.clear()
+        show(self.player, **NOTHING)
+        for element in self._pose_elements():
+            show(element, still='', frames=[])
+        for chart in (self.curves, self.polar):
+            _set_chart(chart, {})
+        for table in (self.extrema, self.facts):
+            table.rows = []
 
-    def _draw_traces(self) -> None:
-        """Draw the coupler curves, which lie below the mechanism and change seldom."""
-        self.elements.picture.draw_under(traces_svg(self.shown, self.view)
-                                         if self.layers.curves and not self.refusal else '')
-
-    def draw(self, with_table: bool = True) -> None:
-        """
-        Draw the present pose in the picture and in the view that is open, and its numbers.
-
-        Runs to compare with are drawn below it, pale, and their numbers stand beside.
-        """
+    def _refill(self) -> None:
+        """Draw all anew, after another choice of what is shown or how; views when they open."""
         if self.refusal:
             return
-        status, pose = self.shown.pose(*self.playback.state())
-        self.no_pose = '' if status == OK else self._why_no_pose(status)
-        self.elements.alarm.set_text(self.no_pose or self.problem or self.playback.warning())
-        if self.no_pose:
-            self.pose = None
-            self.elements.clear_pose()
-            return
-        self.pose = pose
-        others: list[tuple[Shown, Pose | None]] = []        # in the other runs at this moment
-        for shown, state in self.playback.others():
-            status, its_pose = shown.pose(*state) if state else (OUT_OF_RANGE, None)
-            others.append((shown, its_pose if status == OK else None))
-        ghosts = ''.join(ghost_svg(shown, its_pose, self.view) for shown, its_pose in others
-                         if its_pose)
-        grips = grips_svg(self.shown, pose, self.view) if self.playback.can_drag else ''
-        self.elements.picture.content = ghosts + mechanism_svg(
-            self.shown, pose, self.view, self.per_newton, self.layers) + grips
-        if with_table:
-            self.elements.now.rows = now_rows(
-                self.shown.values(pose),
-                [shown.values(its_pose) if its_pose else {} for shown, its_pose in others],
-                self.shown.labels.forces if self.shown.labels.words else {})
-        self.views.show(pose)
+        self.found = None
+        self.fresh.clear()
+        self.draw()
+        self.fill()
+        self._remember()
 
-    def _why_no_pose(self, status: int) -> str:
-        """Return a status with the input that has it, for the alarm of the page."""
-        text = f'{STATUS_NAMES[status]} at {self.playback.label} {self.playback.at:.6g}'
-        _, rate, acceleration = self.playback.state()
-        return text if status != INVALID_INPUT else (
-            f'{text}, rate {rate:.6g}, acceleration {acceleration:.6g}: too large, or unknown')
-
-    async def _fill_view(self) -> None:
-        """Fill the view that is open, after the picture is on its way."""
-        await asyncio.sleep(PICTURE_FIRST)
-        if self.refusal or self.client.is_deleted:
-            return
+    def _rest(self, event: GenericEventArguments) -> None:
+        """Take (input as text, count) from the player, and answer with the count."""
+        text, count = event.args
         try:
-            self.views.fill()
-        except FourBarError as error:       # a search that is beyond the numbers
-            self.views.clear()
-            self.problem = str(error)
-        self.draw(with_table=False)
-        await asyncio.sleep(VIEW_EVERY)
-
-    def show_view(self) -> None:
-        """Fill the view that is open, once for all that asked for it meanwhile."""
-        background_tasks.create_lazy(self._fill_view(), name=f'view of {self.client.id}')
-
-    # --- transport ------------------------------------------------------------------------------
-
-    def _set_input(self) -> None:
-        """Give slider and field the bounds, label and value of the playback."""
-        low, high = self.playback.bounds
-        self.elements.slider.set_range(low, high, (high - low) / 720.0)
-        self.elements.field.props(f'label="{self.playback.label}"')
-        self._show_input()
-
-    def _show_input(self) -> None:
-        self.elements.slider.value = self.elements.field.value = rounded(self.playback.at)
+            self.go(controls.read_number(text))
+        except controls.NoNumber as error:
+            self.refuse(f'{self.shown.linkage.input_coordinate.position}: {error}')
+        show(self.player, answered=count)
 
     def go(self, at: float) -> None:
         """Go to an input given in the unit of the page."""
-        self.playback.go(rounded(at))
-        self.problem = ''
-        self._show_input()
-        self.draw()
-        self._remember()
-
-    def play(self) -> None:
-        """Let the playback go on, or stop it."""
-        if self.timer.active:
-            self.timer.deactivate()
-            self.playback.go(rounded(self.playback.at))     # what the address can say
-            self._show_input()
+        if not self.refusal:
+            self.position, self.problem = self._position_of(at), ''
             self.draw()
             self._remember()
-        else:
-            self.last = time.monotonic()
-            self.timer.activate()
-        self.elements.play.props(f'icon={"pause" if self.timer.active else "play_arrow"}')
-
-    async def _tick(self) -> None:
-        """
-        Draw the next frame while the playback goes on.
-
-        Now and then the browser must answer before there is another: a slow one would else get
-        frames faster than it shows them, and lag behind more and more.
-        """
-        if self.is_behind:
-            return
-        self._advance()
-        if self.frames % CATCH_UP == 0:
-            self.is_behind = True
-            try:
-                with contextlib.suppress(TimeoutError):
-                    await ui.run_javascript('0', timeout=PATIENCE)
-            finally:
-                self.is_behind = False
-
-    def _advance(self) -> None:
-        """Move the playback on by the time that has passed, at most 0.2 s, and draw it."""
-        now = time.monotonic()
-        self.playback.advance(min(now - self.last, 0.2))
-        self.last, self.frames = now, self.frames + 1
-        self.draw(with_table=self.frames % TABLE_EVERY == 0)
-        self._show_input()
-
-    def take(self, pixel: tuple[float, float]) -> None:
-        """Take the joint at a pixel of the picture."""
-        self.handle = (Handle(self.shown, self.pose, self.view, pixel)
-                       if self.playback.can_drag and self.pose else None)
-
-    def drag(self, pixel: tuple[float, float]) -> None:
-        """Bring the joint that is held to a pixel of the picture, as near as it gets."""
-        if self.handle and self.handle.joint:
-            self.playback.go(rounded(self.shown.shown_input(
-                self.handle.input_at(pixel, self.playback.state().position))))
-            self._show_input()
-            self.draw()
-
-    def leave(self) -> None:
-        """Let go of the joint that is held."""
-        self.handle = None
-        self._remember()
 
     def set_layer(self, name: str, value: bool) -> None:
         """Show or hide one of :class:`~fourbar_lab.live.picture.Layers`."""
         self.layers = self.layers._replace(**{name: value})
-        self._draw_traces()
-        self.draw()
         if name == 'axis':      # with its angle beside the curves
             others = [quantity for quantity in self.names if quantity != AXIS_ANGLE]
-            self.elements.chosen.set_value(others + [AXIS_ANGLE] * value)
+            self.chosen.set_value(others + [AXIS_ANGLE] * value)
+        self._refill()
 
     def choose(self, names: list[str]) -> None:
         """Draw the curves of these quantities, and find their extrema."""
         self.names = list(names)
         self._refill()
 
-    def set_difference(self, value: bool) -> None:
-        """Draw by how much the other run's curves are larger, or the curves of both."""
-        self.playback.is_difference = value
-        self._refill()
-
     def switch_dark(self) -> None:
         """Turn from light to dark or back."""
-        self.elements.dark.set_value(not self.elements.dark.value)
+        self.dark.set_value(not self.dark.value)
         self._refill()
 
     async def _ask_dark(self) -> None:
         """Be dark if the browser's user likes it so: charts cannot find that out themselves."""
         with contextlib.suppress(TimeoutError):
             if (await ui.run_javascript(LIKES_DARK, timeout=PATIENCE)
-                    and self.elements.dark.value is None):
+                    and self.dark.value is None):
                 self.switch_dark()
-
-    def _refill(self) -> None:
-        """
-        Draw the open view anew, after another choice of what it shows or how.
-
-        The other views are out of date too, and filled when they are opened. While no mechanism
-        can be shown, they stay empty.
-        """
-        if not self.refusal:
-            self.views.expire()
-            self.show_view()
 
     def _remember(self) -> None:
         """Put the state into the address of the page."""
-        query = address(self.title, self.first, self.values, self.playback.at,
-                        self.acceleration)
+        query = link.address(link.Link(self.title, self.first, self.values, self.at,
+                                       self.acceleration))
         ui.run_javascript(f'history.replaceState(null, "", "?{query}")')
 
+    # --- poses ----------------------------------------------------------------------------------
 
-class Views:
-    """
-    What the views of a page show: curves, forces, polygons, extrema, facts.
-
-    Filling one takes a search or a large message, so only the view that is open is filled, once
-    for each mechanism.
-    """
-
-    def __init__(self, page: Page):
-        """Begin with no view filled."""
-        self.page, self.elements = page, page.elements
-        self.extrema: list[Extremum] | None = None      # of the mechanism that is shown
-        self.polar_bound = 1.0              # [N] at the edge of the polar diagram
-        self._fresh: set[str] = set()       # names of views that show the present mechanism
-        # {name of a view: what fills it}
-        self._fill: dict[str, Callable[[], None]] = {
-            CURVES: self._fill_curves, FORCES: self._fill_forces,
-            POLYGONS: self._fill_polygons, EXTREMA: self._fill_extrema, FACTS: self._fill_facts}
-
-    def expire(self) -> None:
-        """Note that another mechanism is shown: all views must be filled again."""
-        self.extrema = None
-        self._fresh.clear()
-        self.elements.clear_views(besides=self.elements.tabs.value)
-
-    def clear(self) -> None:
-        """Take away the pictures and numbers of all views."""
-        self._fresh.clear()
-        self.elements.clear_views()
-
-    def fill(self) -> None:
-        """Fill the view that is open, if it is out of date."""
-        name = self.elements.tabs.value
-        if name not in self._fresh:
-            self._fresh.add(name)
-            self._fill[name]()
-
-    def show(self, pose: Pose) -> None:
-        """Mark a pose in the view that is open: a cursor, dots or polygons."""
-        page, elements, name = self.page, self.elements, self.elements.tabs.value
-        if name not in self._fresh:
-            return
-        if name == CURVES:
-            elements.cursor.style(charts.cursor_style(page.playback.at, *page.playback.bounds))
-            elements.cursor.set_visibility(bool(page.names))
-        elif name == FORCES and pose.loads is not None:
-            elements.dots.content = charts.polar_now(page.shown, pose.loads, self.polar_bound,
-                                                     elements.is_dark)
-        elif name == POLYGONS:
-            linkage = page.shown.linkage
-            arrows = (linkage.velocity_polygon(pose.motion),
-                      linkage.acceleration_polygon(pose.motion))
-            for picture, drawn, view, unit in zip(elements.polygons, arrows, self.polygon_views,
-                                                  ('m/s', 'm/s²')):
-                picture.content = polygon_svg(drawn, view, unit, page.shown.labels.letters)
+    def draw(self) -> None:
+        """Draw the pose in which the mechanism rests, or say why it has none."""
+        status, pose = self.shown.pose(self.position)
+        self.pose = pose if status == OK else None
+        self.no_pose = '' if status == OK else self._why_no_pose(status)
+        self.alarm.set_text(self.no_pose or self.problem)
+        coordinate, low, high = (self.shown.linkage.input_coordinate, *self.bounds)
+        show(self.player, label=f'{coordinate.position} [{self.shown.input_unit}]',
+             bounds=[low, high], at=self.at,
+             under=traces_svg(self.shown, self.view) if self.layers.curves else '',
+             still=self._picture(pose) + grips_svg(self.shown, pose, self.view)
+             if self.pose else '')
+        drawn = dict(self._drawn()) if self.pose else {}
+        for element in self._pose_elements():
+            show(element, still=drawn[element](self.at, pose) if element in drawn else '')
 
     @property
-    def found(self) -> list[Extremum]:
+    def bounds(self) -> tuple[float, float]:
+        """Return the ends of the input in the unit of the page."""
+        ranges = self.shown.ranges
+        return self.shown.shown_input(ranges[0][0]), self.shown.shown_input(ranges[-1][1])
+
+    def _picture(self, pose: Pose) -> str:
+        return mechanism_svg(self.shown, pose, self.view, self.per_newton, self.layers)
+
+    def _why_no_pose(self, status: int) -> str:
+        """Return a status with the input that has it, for the alarm of the page."""
+        text = (f'{STATUS_NAMES[status]} at {self.shown.linkage.input_coordinate.position} '
+                f'[{self.shown.input_unit}] {self.at:.6g}')
+        return text if status != INVALID_INPUT else (
+            f'{text}, rate {self.shown.rate:.6g}, acceleration {self.acceleration:.6g}: too '
+            'large, or unknown')
+
+    def _pose_elements(self) -> list[PoseElement]:
+        """Return all elements beside the picture that show a pose."""
+        return [self.now, self.cursor, self.dots, *self.polygons]
+
+    def _drawn(self) -> Iterator[tuple[PoseElement, Drawn]]:
+        """Yield the elements that show a pose now, and how each draws it."""
+        shown, name, is_dark = self.shown, self.tabs.value, bool(self.dark.value)
+        yield self.now, lambda at, pose: tables.now_html(shown, pose)
+        if name not in self.fresh:
+            return
+        if name == CURVES and self.names:
+            low, high = self.bounds
+            yield self.cursor, lambda at, pose: charts.cursor_html(at, low, high)
+        elif name == FORCES and not shown.why_no_loads:
+            bound = self.polar_bound
+            yield self.dots, lambda at, pose: charts.polar_now(shown, pose.loads, bound, is_dark)
+        elif name == POLYGONS:
+            for element, polygon, view, unit in zip(
+                    self.polygons, _polygons(shown), self.polygon_views, ('m/s', 'm/s²')):
+                yield element, partial(_polygon, shown, polygon, view, unit)
+
+    def fill(self) -> None:
+        """Fill the view that is open, once for all that asked for it meanwhile."""
+        background_tasks.create_lazy(self._fill(), name=f'view of {self.client.id}')
+
+    async def _fill(self) -> None:
+        """Fill the view that is open after the picture is on its way, then draw a cycle."""
+        await asyncio.sleep(SOON)
+        if self.refusal or self.client.is_deleted:
+            return
+        name = self.tabs.value
+        try:
+            if name not in self.fresh:
+                FILL[name](self)
+                self.fresh.add(name)
+        except FourBarError as error:       # a search that is beyond the numbers
+            self.problem = str(error)
+        self.draw()
+        await asyncio.sleep(LATER)
+        shown, drawn = self.shown, dict(self._drawn())
+        cycle = await run.io_bound(self._cycle, shown, list(drawn.values()))
+        # None: the server ends
+        if cycle and self.shown is shown and not self.refusal and not self.client.is_deleted:
+            player, *others = cycle
+            for element, frames in zip(drawn, others):
+                show(element, frames=frames)
+            show(self.player, **player)
+
+    def _cycle(self, shown: Shown, draw: Sequence[Drawn]) -> list[Any]:
+        """Return the properties of the player for a cycle, and the frames of other elements."""
+        samples = shown.samples(FRAMES)
+        inputs = [shown.shown_input(position) for position, _ in samples]
+        ends = [[k for k, (position, _) in enumerate(samples) if low <= position <= high]
+                for low, high in shown.ranges]
+        rate = shown.rate or 1.0
+        player = {'inputs': inputs, 'frames': [self._picture(pose) for _, pose in samples],
+                  'joints': [joints_of(shown, pose, self.view) for _, pose in samples],
+                  'ranges': [[part[0], part[-1]] for part in ends if part],
+                  'turns': (1 if rate > 0.0 else -1) if shown.linkage.turns_fully else 0}
+        return [player, *([one(at, pose) for at, (_, pose) in zip(inputs, samples)]
+                          for one in draw)]
+
+    # --- views ----------------------------------------------------------------------------------
+
+    def extrema_found(self) -> list[Extremum]:
         """Return the extrema of the quantities chosen, searched for once."""
-        if self.extrema is None:
-            self.extrema = self.page.shown.extrema(self.page.names)
-        return self.extrema
+        if self.found is None:
+            self.found = self.shown.extrema(self.names)
+        return self.found
 
-    def _fill_curves(self) -> None:
-        """Draw the curves of the chosen quantities, over the input with extrema, or over time."""
-        page, elements = self.page, self.elements
-        extrema = self.found if page.playback.has_extrema else []
-        set_chart(elements.curves, page.playback.curves(page.names, extrema, elements.is_dark))
-        elements.curves.style(f'height:{charts.height(len(page.names))}px')
+    def fill_curves(self) -> None:
+        """Draw the curves of the chosen quantities over the input, extrema marked."""
+        _set_chart(self.curves, charts.over_input(self.shown, self.names, self.extrema_found(),
+                                                  bool(self.dark.value)))
+        self.curves.style(f'height:{charts.height(len(self.names))}px')
 
-    def _fill_forces(self) -> None:
+    def fill_forces(self) -> None:
         """Draw the polar diagram of the forces, or say why there are no loads."""
-        why = self.page.shown.why_no_loads
-        has_loads = not why
-        self.elements.no_loads.set_visibility(bool(why))
-        self.elements.no_loads.set_text(f'no loads: {why}')
-        options = charts.polar(self.page.shown, self.elements.is_dark) if has_loads else {}
-        set_chart(self.elements.polar, options)
-        self.polar_bound = options['xAxis']['max'] if has_loads else 1.0
+        why = self.shown.why_no_loads
+        self.no_loads.set_visibility(bool(why))
+        self.no_loads.set_text(f'no loads: {why}')
+        options = {} if why else charts.polar(self.shown, bool(self.dark.value))
+        _set_chart(self.polar, options)
+        self.polar_bound = options['xAxis']['max'] if options else 1.0
 
-    def _fill_polygons(self) -> None:
-        """Find a scale for each polygon that suits all poses; :meth:`show` draws them."""
-        linkage = self.page.shown.linkage
-        self.polygon_views = [
-            polygon_view([polygon(pose.motion) for pose in self.page.shown.poses])
-            for polygon in (linkage.velocity_polygon, linkage.acceleration_polygon)]
+    def fill_polygons(self) -> None:
+        """Find a scale for each polygon that suits all poses."""
+        self.polygon_views = [polygon_view([polygon(pose.motion) for pose in self.shown.poses])
+                              for polygon in _polygons(self.shown)]
 
-    def _fill_extrema(self) -> None:
-        self.elements.extrema.rows = extrema_rows(self.page.shown, self.found)
+    def fill_extrema(self) -> None:
+        self.extrema.rows = tables.extrema_rows(self.shown, self.extrema_found())
 
-    def _fill_facts(self) -> None:
+    def fill_facts(self) -> None:
         """Show type, ranges and letters of the mechanism, and where it is among all four-bars."""
-        rows = [*facts(self.page.shown.scene.bare_linkage), *joint_rows(self.page.shown)]
-        self.elements.octahedron.content = octahedron_svg(self.page.shown.linkage)
-        self.elements.facts.rows = [{'name': name, 'text': text} for name, text in rows]
+        rows = [*facts(self.shown.scene.bare_linkage), *tables.joint_rows(self.shown)]
+        self.octahedron.content = octahedron_svg(self.shown.linkage)
+        self.facts.rows = [{'name': name, 'text': text} for name, text in rows]
 
 
-AT, ACCELERATION, SCENE = 'at', 'acceleration', 'scene'
+NOTHING: dict[str, Any] = {'under': '', 'still': '', 'label': '', 'bounds': [0.0, 1.0], 'at': 0.0,
+                           'inputs': [], 'frames': [], 'joints': [], 'ranges': [], 'turns': 0}
+FILL: dict[str, Callable[[Page], None]] = {
+    CURVES: Page.fill_curves, FORCES: Page.fill_forces, POLYGONS: Page.fill_polygons,
+    EXTREMA: Page.fill_extrema, FACTS: Page.fill_facts}
 
 
-class BadLink(FourBarError, ValueError):
-    """The address of a page names something that does not exist; the message says what."""
+def _polygons(shown: Shown) -> tuple[Callable[..., Any], ...]:
+    return shown.linkage.velocity_polygon, shown.linkage.acceleration_polygon
 
 
-class Link(NamedTuple):
-    """What an address asks for."""
-
-    title: str                      # of the scene
-    first: ParameterValues          # the scene's own
-    values: ParameterValues         # with those that the link changes
-    at: float | None                # the input in the unit of the page; None: not given
-    acceleration: float             # of the input
+def _polygon(shown: Shown, polygon: Callable[..., Any], view: Any, unit: str, at: float,
+             pose: Pose) -> str:
+    return polygon_svg(polygon(pose.motion), view, unit, shown.labels.letters)
 
 
-def rounded(at: float) -> float:
-    """Return an input as the page and its address have it: with nine digits."""
-    return float(f'{at:.9g}')
+def _panel(name: str) -> ui.tab_panel:
+    return ui.tab_panel(name).classes('q-pa-none')
 
 
-def address(title: str, first: ParameterValues, values: ParameterValues, at: float,
-            acceleration: float) -> str:
-    """Return the query of the state: the scene by name, the input, and each changed parameter."""
-    changed = {name: repr(value) if isinstance(value, float) else value
-               for name, value in values.items()
-               if value != first.get(name, value) and value == value}
-    return urlencode({SCENE: title, AT: f'{rounded(at):.9g}', **changed,
-                      **({ACCELERATION: f'{acceleration:g}'} if acceleration else {})})
+def _table(columns: list[dict[str, str]], key: str, props: str = '') -> ui.table:
+    """Return an empty table without pages; ``key``: the column that tells rows apart."""
+    return ui.table(columns=columns, rows=[], row_key=key).props(
+        f'dense flat hide-pagination {props} :rows-per-page-options="[0]"').classes(
+        'full-width fb-table')
 
 
-def read(query: Mapping[str, str], title: str, values: ParameterValues) -> Link:
-    """
-    Return the :class:`Link` of a query to a page that serves a scene.
-
-    BadLink if it is to another scene, unless that comes with this software; if it names an unknown
-    parameter; or if input or acceleration is no number.
-    """
-    first, scene = dict(values), query.get(SCENE, title)
-    if scene != title:
-        shipped = {file.stem: file for file in files.folder().glob('*.yaml')}
-        if scene not in shipped:
-            raise BadLink(f'the link is to the scene {scene}, this page shows {title}: '
-                          f'fourbar live {scene}')
-        first = parameters.check(files.read_values(shipped[scene]))
-    numbers: dict[str, float] = {}
-    changed: dict[str, Any] = {}
-    for name, text in query.items():
-        value = files.parse(text)
-        if name in (AT, ACCELERATION):
-            if (isinstance(value, bool) or not isinstance(value, (int, float))
-                    or not isfinite(value)):
-                raise BadLink('the link has '
-                              f'{InvalidParameter(name, text, "must be a finite number")}')
-            numbers[name] = float(value)
-        elif name != SCENE:
-            if parameters.find(name) is None:
-                raise BadLink(f'the link has the unknown parameter {name}')
-            changed[name] = value
-    return Link(scene, first, {**first, **changed}, numbers.get(AT),
-                numbers.get(ACCELERATION, 0.0))
+def _set_chart(chart: ui.echart, options: charts.Options) -> None:
+    """Show other options in a chart."""
+    chart.options.clear()
+    chart.options.update(options)
+    chart.update()

@@ -3,8 +3,7 @@
 """SVG pictures of a mechanism and of its polygons, from the same diagram as print."""
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from functools import cached_property
+from collections.abc import Iterable, Mapping
 from itertools import combinations
 from math import hypot, inf, isfinite
 from types import MappingProxyType
@@ -18,7 +17,7 @@ from fourbar_lab.live.model import Pose, Shown
 from fourbar_lab.live.svg import HEIGHT, MARGIN, STYLE, View, view_of, WIDTH
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Arrow, Diagram, NamedFields, without_repeats
-from fourbar_ros.mechanisms.picture import Arm, forces_of, of_kind, picture, Pivot
+from fourbar_ros.mechanisms.picture import Arm, forces_of, of_kind, picture
 from fourbar_ros.mechanisms.points import instant_centre, link_motion, LinkMotion
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
@@ -26,7 +25,6 @@ import numpy as np
 LONGEST_FORCE = 105.0              # [px]
 DOWN = np.array([1.0, -1.0])       # pixels count downwards
 NEAR = 24.0                        # [px] a joint is caught from so far
-DRAG_SAMPLES = 181                 # inputs of the cycles, one of which a dragged joint takes
 MOST_EDGE = 130.0                  # [px] that arrows may take of a side at most
 FITS = 4                           # steps to find how much they need
 
@@ -40,21 +38,20 @@ class Layers(NamedTuple):
     axis: bool = False
 
 
-def mechanism_view(*several: Shown) -> View:
+def mechanism_view(shown: Shown) -> View:
     """
-    Return the view in which poses, forces and coupler curves of all that is shown have room.
+    Return the view in which poses, forces and coupler curves of a cycle have room.
 
     Arrows keep their length in pixels, so the view fits the places, and edges grow step by step
     until the tips of the arrows lie in them.
     """
-    places = [place for shown in several for motion, _ in shown.poses
+    places = [place for motion, _ in shown.poses
               for place in _places(shown.linkage.diagram(motion))]
-    places += [trace.place for shown in several for traces in shown.traces.values()
-               for trace in traces]
+    places += [trace.place for traces in shown.traces.values() for trace in traces]
     if not places:
         return view_of(np.zeros((0, 2)))
     flat = np.concatenate([np.reshape(place, (-1, 2)) for place in places])
-    tails, arrows = _force_arrows(several)
+    tails, arrows = _force_arrows(shown)
     edges = np.full(4, MARGIN)
     for _ in range(FITS):
         view = view_of(flat, edges)
@@ -65,15 +62,14 @@ def mechanism_view(*several: Shown) -> View:
     return view_of(flat, edges)
 
 
-def _force_arrows(several: Sequence[Shown]) -> tuple[Array, Array]:
+def _force_arrows(shown: Shown) -> tuple[Array, Array]:
     """Return tails [m] and arrows [px] of the forces of all poses, shape (n, 2) each."""
     ends: list[tuple[Array, Array]] = []
-    for shown in several:
-        per_newton = force_scale(shown)
-        for motion, loads in shown.poses if per_newton else ():
-            assert loads is not None, 'there is a force scale'
-            ends += [(force.place, per_newton * DOWN * force.vector)
-                     for force in forces_of(shown.linkage.diagram(motion), loads)]
+    per_newton = force_scale(shown)
+    for motion, loads in shown.poses if per_newton else ():
+        assert loads is not None, 'there is a force scale'
+        ends += [(force.place, per_newton * DOWN * force.vector)
+                 for force in forces_of(shown.linkage.diagram(motion), loads)]
     pairs: Array = np.array(ends).reshape(-1, 2, 2)
     tails, arrows = pairs[:, 0], pairs[:, 1]
     fits = np.hypot(*arrows.T) <= 1.2 * LONGEST_FORCE       # a few near toggles leave the picture
@@ -139,18 +135,16 @@ def mechanism_svg(shown: Shown, pose: Pose, view: View, per_newton: float,
     return f'<g class="fb">{"".join(parts)}</g>'
 
 
+def joints_of(shown: Shown, pose: Pose, view: View) -> list[list[float]]:
+    """Return the pixels of the joints that move, which can be dragged."""
+    diagram = shown.linkage.diagram(pose.motion)
+    return [[round(float(part), 1) for part in view.at(place)]
+            for name, place in diagram.joints.items() if name not in diagram.ground]
+
+
 def grips_svg(shown: Shown, pose: Pose, view: View) -> str:
     """Return the SVG content of the grips: one around each joint that moves."""
-    diagram = shown.linkage.diagram(pose.motion)
-    return ''.join(svg.circle('grip', view.at(place), NEAR)
-                   for name, place in diagram.joints.items() if name not in diagram.ground)
-
-
-def ghost_svg(shown: Shown, pose: Pose, view: View) -> str:
-    """Return the SVG content of a mechanism to compare with, pale and without letters."""
-    links = ''.join(svg.primitive(part, view) for part in picture(shown.linkage, pose.motion)
-                    if not isinstance(part, Pivot))
-    return f'<g class="fb"><g class="ghost">{links}</g></g>'
+    return ''.join(svg.circle('grip', (x, y), NEAR) for x, y in joints_of(shown, pose, view))
 
 
 def traces_svg(shown: Shown, view: View) -> str:
@@ -236,53 +230,3 @@ def polygon_svg(arrows: list[Arrow], view: View, unit: str,
     parts += [svg.circle('pin', pole, 4.0),
               room.label('', pole, (-0.7, 0.7), 'o')]
     return f'<g class="fb">{"".join(parts)}</g>'
-
-
-# --- dragging a joint ----------------------------------------------------------------------------
-
-class Handle:
-    """The joint nearest to a pixel, to be dragged; ``joint`` is '' if none is near enough."""
-
-    def __init__(self, shown: Shown, pose: Pose, view: View, pixel: tuple[float, float]):
-        """Choose among the joints that move, those within :data:`NEAR` of the pixel."""
-        self.shown, self.view = shown, view
-        diagram = shown.linkage.diagram(pose.motion)
-        distances = {name: float(np.hypot(*np.subtract(view.at(place), pixel)))
-                     for name, place in diagram.joints.items() if name not in diagram.ground}
-        self.joint = min(distances, key=lambda name: distances[name]) if distances else ''
-        if not distances or distances[self.joint] > NEAR:
-            self.joint = ''
-
-    @cached_property
-    def _path(self) -> tuple[Array, Array]:
-        """Return inputs over the cycles, (n,), and the pixels of the joint at them, (n, 2)."""
-        sampled = [(position, self.view.at(self.shown.linkage.diagram(motion).joints[self.joint]))
-                   for position, (motion, _) in self.shown.samples(DRAG_SAMPLES)]
-        inputs, pixels = zip(*sampled)
-        return np.array(inputs), np.array(pixels)
-
-    def input_at(self, pixel: tuple[float, float], now: float) -> float:
-        """
-        Return the input that brings the joint nearest to a pixel.
-
-        Paths cross themselves: an input that is a whole cycle from the one now counts as 20 px
-        farther.
-        """
-        inputs, pixels = self._path
-        away = np.hypot(*(pixels - pixel).T)
-        from_now = np.array([abs(self.shown.linkage.distance(x, now)) for x in inputs])
-        span = float(np.ptp(inputs)) or 1.0
-        best = int(np.argmin(away + 20.0 * from_now / span))
-        return float(inputs[best]) + self._between(inputs, pixels, best, pixel)
-
-    @staticmethod
-    def _between(inputs: Array, pixels: Array, best: int,
-                 pixel: tuple[float, float]) -> float:
-        """Return the input from the best sample to the foot of a perpendicular on the path."""
-        before, after = max(best - 1, 0), min(best + 1, len(inputs) - 1)
-        chord, step = pixels[after] - pixels[before], inputs[after] - inputs[before]
-        square = float(chord @ chord)
-        if square == 0.0 or abs(step) > 0.1 * float(np.ptp(inputs)):    # a gap between ranges
-            return 0.0
-        share = float(chord @ (np.asarray(pixel) - pixels[best])) / square
-        return min(max(share, -0.5), 0.5) * float(step)

@@ -10,8 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from html import escape
-from itertools import product
-from math import atan2, cos, hypot, inf, sin
+from math import atan2, hypot
 from pathlib import Path
 import re
 from typing import NamedTuple
@@ -29,6 +28,7 @@ LETTER = 8.6                       # [px] width of a letter, in wide fonts
 LESS = 0.75                        # size of a subscript
 # A label looks for room in these directions from its own [rad], so far from its place [px].
 AROUND, FARTHER = (0.0, 0.6, -0.6, 1.2, -1.2, 2.0, -2.0, 3.1), (5.0, 22.0, 44.0, 70.0)
+FAR, TURN = np.repeat(FARTHER, len(AROUND)), np.tile(AROUND, len(FARTHER))
 ALONG, FREE = (0.35, 0.6, 0.8, 1.0), 5.0        # parts of an arrow that stay free, [px] around
 LEAST = 4.0                        # [px] shorter arrows are left out
 # Without the lines of its licence, which every saved picture would repeat.
@@ -36,7 +36,6 @@ STYLE = Path(__file__).with_name('picture.css').read_text(encoding='utf-8').part
 
 
 Pixel = tuple[float, float]           # [px], y downwards
-Box = tuple[float, float, float, float]         # left, above, right, below [px]
 INDEX = re.compile(r'([_^])(?:\{([^}]*)\}|(\w))')
 
 
@@ -154,9 +153,10 @@ class Room:
 
     def __init__(self, pins: Iterable[Pixel],
                  arrows: Iterable[tuple[Pixel, Pixel]] = ()):
-        places = [*pins, *((start[0] + part * vector[0], start[1] + part * vector[1])
-                           for start, vector in arrows for part in ALONG)]
-        self._taken = [(x - FREE, y - FREE, x + FREE, y + FREE) for x, y in places]
+        places = np.array([*pins, *((start[0] + part * vector[0], start[1] + part * vector[1])
+                                    for start, vector in arrows for part in ALONG)])
+        # boxes: left, above, right, below [px]
+        self._taken = np.concatenate((places - FREE, places + FREE), axis=1)
 
     def label(self, kind: str, at: Pixel, away: Pixel,
               words: str) -> str:
@@ -166,37 +166,21 @@ class Room:
         The first free box is taken, or the one that covers least of what is there.
         """
         width = LETTER * len(plain(words))
-        angle = atan2(away[1], away[0])
-        least = inf
-        for far, turn in product(FARTHER, AROUND):
-            box = self._box(at, angle + turn, far, width)
-            overlap = sum(_overlap(box, other) for other in self._taken)
-            if overlap < least:
-                best, least = box, overlap
-            if least == 0.0:
-                break
-        self._taken.append(best)
-        left, _, right, below = best
+        angle = atan2(away[1], away[0]) + TURN
+        x = at[0] + np.cos(angle) * (FAR + 0.5 * width) - 0.5 * width
+        y = at[1] + np.sin(angle) * (FAR + 0.5 * LINE) - 0.5 * LINE
+        x = np.clip(x, 2.0, max(2.0, WIDTH - 2.0 - width))          # moved into the picture
+        y = np.clip(y, 1.0, HEIGHT - 4.0 - LINE)
+        boxes = np.stack((x, y, x + width, y + LINE), axis=1)
+        shared = (np.minimum(boxes[:, None, 2:], self._taken[:, 2:])
+                  - np.maximum(boxes[:, None, :2], self._taken[:, :2])).clip(0.0)
+        best = boxes[int(np.argmin(shared.prod(axis=-1).sum(axis=1)))]
+        self._taken = np.concatenate((self._taken, best[None]))
+        left, _, right, below = best.tolist()
         # on the side of the edge: a wider font then grows inwards
         if right > WIDTH - 3.0 * LETTER:
             return text(kind, (right, below - 4.0), words, 'end')
         return text(kind, (left, below - 4.0), words)
-
-    @staticmethod
-    def _box(at: Pixel, angle: float, far: float, width: float) -> Box:
-        """Return the box of a label in a direction of its place, moved into the picture."""
-        u, v = cos(angle), sin(angle)
-        x = at[0] + u * (far + 0.5 * width) - 0.5 * width
-        y = at[1] + v * (far + 0.5 * LINE) - 0.5 * LINE
-        x, y = min(max(x, 2.0), WIDTH - 2.0 - width), min(max(y, 1.0), HEIGHT - 4.0 - LINE)
-        return x, y, x + width, y + LINE
-
-
-def _overlap(one: Box, other: Box) -> float:
-    """Return the area that two boxes share."""
-    across = min(one[2], other[2]) - max(one[0], other[0])
-    down = min(one[3], other[3]) - max(one[1], other[1])
-    return across * down if across > 0.0 and down > 0.0 else 0.0
 
 
 def plain(label: str) -> str:

@@ -3,11 +3,10 @@
 """Rows of the tables of a page; numbers have the digits of the command line."""
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from types import MappingProxyType
+from collections.abc import Sequence
 
 from fourbar_lab.drawing.poses import number
-from fourbar_lab.live.model import Shown, written
+from fourbar_lab.live.model import Pose, Shown, written
 from fourbar_lab.live.svg import plain
 from fourbar_ros.extrema.find import Extremum
 
@@ -20,8 +19,6 @@ def _column(name: str, label: str, align: str = 'left') -> dict[str, str]:
 EXTREMA_COLUMNS = [_column('quantity', 'quantity'), _column('kind', 'kind'),
                    _column('value', 'value', 'right'), _column('unit', 'unit'),
                    _column('at', 'input', 'right'), _column('note', '')]
-NOW_COLUMNS = [_column('name', 'now'), _column('value', 'value', 'right'),
-               _column('unit', 'unit')]
 
 
 def extrema_rows(shown: Shown, extrema: Sequence[Extremum]) -> list[dict[str, str | float]]:
@@ -46,31 +43,18 @@ def joint_rows(shown: Shown) -> list[tuple[str, str]]:
     return [(letter, ', '.join(names)) for letter, names in joints.items()]
 
 
-def now_columns(title: str, others: Sequence[str]) -> list[dict[str, str]]:
-    """Return the columns of the present pose, and of the same moment of other runs."""
-    first = _column('value', title.partition(' and ')[0], 'right') if others else NOW_COLUMNS[1]
-    columns = [NOW_COLUMNS[0], first]
-    columns += [_column(f'other{i}', title, 'right') for i, title in enumerate(others)]
-    columns += [_column('difference', 'difference', 'right')] if len(others) == 1 else []
-    return [*columns, NOW_COLUMNS[2]]
+def now_rows(shown: Shown, pose: Pose) -> list[tuple[str, str, str]]:
+    """Return (name, value, unit) of all values of a pose; forces with their letters."""
+    symbols = shown.labels.forces if shown.labels.words else {}
+    return [(name + (f' = {plain(symbols[name])}' if name in symbols else ''), number(value), unit)
+            for name, (value, unit) in shown.values(pose).items()]
 
 
-def now_rows(pose: Mapping[str, tuple[float, str]],
-             others: Sequence[Mapping[str, tuple[float, str]]] = (),
-             symbols: Mapping[str, str] = MappingProxyType({})) -> list[dict[str, str]]:
-    """
-    Return the rows of the table of a pose, {name: (value, unit)}, with those of other runs beside.
-
-    ``symbols``: {name of a force: its letter in the picture}. A cell is '' where a run has no such
-    value; with one other run, the last column is how much its value is larger.
-    """
-    rows = []
-    for name, (value, unit) in pose.items():
-        symbol = f' = {plain(symbols[name])}' if name in symbols else ''
-        row = {'name': name + symbol, 'value': number(value), 'unit': unit}
-        for i, other in enumerate(others):
-            row[f'other{i}'] = number(other[name][0]) if name in other else ''
-        if len(others) == 1 and name in others[0]:
-            row['difference'] = number(others[0][name][0] - value)
-        rows.append(row)
-    return rows
+def now_html(shown: Shown, pose: Pose) -> str:
+    """Return the table of :func:`now_rows` as HTML."""
+    rows = ''.join(f'<tr><td>{name}</td><td class="text-right">{value}</td><td>{unit}</td></tr>'
+                   for name, value, unit in now_rows(shown, pose))
+    return ('<div class="q-table__container q-table--dense q-table--flat">'
+            '<table class="q-table fb-table"><thead><tr><th class="text-left">now</th>'
+            '<th class="text-right">value</th><th class="text-left">unit</th></tr></thead>'
+            f'<tbody>{rows}</tbody></table></div>')

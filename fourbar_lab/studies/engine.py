@@ -171,7 +171,8 @@ def encode(study: Study, number: int) -> bytes:
 
 def units_of(study: Study) -> dict[str, str]:
     """Return {column: unit} of the columns that have one."""
-    units = {one.name: one.unit for one in (*study.vary, *study.measures)}
+    units = {one.name: one.unit for one in study.vary}
+    units |= {one.name: one.unit for one in study.measures}
     units |= {f'{curve.point}.{axis}': 'm' for curve in study.curves for axis in 'xy'}
     return {name: unit for name, unit in units.items() if unit}
 

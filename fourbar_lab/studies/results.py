@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections import Counter
 from math import nan
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from fourbar_lab.studies.engine import about, parts
 from fourbar_lab.studies.study import StudyError
@@ -47,7 +47,7 @@ class Results:
         if not files:
             raise StudyError(f'{folder}: no study, or nothing of it is computed yet')
         all_about = [about(path) for path in files.values()]
-        self.study = all_about[0].get('study')
+        self.study: dict[str, Any] = all_about[0].get('study', {})
         if not self.study:
             raise StudyError(f'{folder}: a study of an earlier version: its columns are there for '
                              'readers of Parquet, its description is not')

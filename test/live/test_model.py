@@ -6,13 +6,13 @@ import re
 from xml.etree import ElementTree
 
 from fourbar_lab.live import charts
-from fourbar_lab.live import page as address
+from fourbar_lab.live import link as links
 from fourbar_lab.live.controls import NoNumber, read_number
 from fourbar_lab.live.model import shown
 from fourbar_lab.live.picture import (
     document,
     force_scale,
-    Handle,
+    joints_of,
     Layers,
     LONGEST_FORCE,
     mechanism_svg,
@@ -20,7 +20,6 @@ from fourbar_lab.live.picture import (
     polygon_svg,
     polygon_view,
 )
-from fourbar_lab.live.playback import CyclePlayback, NodePlayback, Run, RunPlayback
 from fourbar_lab.live.svg import HEIGHT, WIDTH
 from fourbar_ros.cli.main import main
 from fourbar_ros.errors import FourBarError, InvalidParameter
@@ -166,7 +165,7 @@ def test_charts_mark_the_extrema_of_the_core():
              for mark in series.get('markPoint', {}).get('data', [])]
     assert sorted(mark['coord'][1] for mark in marks) == sorted(e.value for e in extrema)
     for series, name in zip(options['series'], names):
-        source = options['dataset'][series['datasetIndex']]['source']
+        source = options['dataset'][0]['source']
         points = np.array([p for p in zip(source['x'], source[series['encode']['y']])
                            if p[0] is not None], float)
         assert np.all(np.diff(points[:, 0]) > 0.0) and len(points) == 361
@@ -177,25 +176,12 @@ def test_charts_mark_the_extrema_of_the_core():
 
 
 @some('name', SCENES, ('paper', 'jansen', 'cylinder', 'scotch_yoke'))
-def test_a_dragged_joint_follows_the_pointer(name):
+def test_joints_that_can_be_dragged_are_those_that_move(name):
     found = shown_of(name)
     view = mechanism_view(found)
-    inputs = found.cycles[0].inputs
-    start, goal = float(inputs[100]), float(inputs[140])
-    _, (motion, _) = found.pose(start)
-    joints = found.linkage.diagram(motion)
-    joint = next(name for name in joints.joints if name not in joints.ground)
-    handle = Handle(found, found.pose(start)[1], view, view.at(joints.joints[joint]))
-    assert handle.joint == joint
-    _, (there, _) = found.pose(goal)
-    pixel = view.at(found.linkage.diagram(there).joints[joint])
-    reached = found.nearest_input(handle.input_at(pixel, start))
-    _, (motion, _) = found.pose(reached)
-    assert hypot(*np.subtract(view.at(found.linkage.diagram(motion).joints[joint]),
-                              pixel)) <= 2.0        # [px]
-
-
-NAN = float('nan')
+    places = np.array([joints_of(found, pose, view) for _, pose in found.samples(60)])
+    assert places.shape[1] and (np.ptp(places, axis=0).max(axis=1) > 1.0).all()
+    assert (places >= 0.0).all() and (places <= (WIDTH, HEIGHT)).all()
 
 
 @some('name', SCENES, ('paper', 'jansen', 'cylinder', 'scotch_yoke'))
@@ -269,18 +255,6 @@ def test_an_angle_below_a_range_beyond_half_a_turn_is_found_a_turn_later():
         assert evans.nearest_input(angle) == pytest.approx(later, abs=16 * EPS)
 
 
-def test_a_node_that_turns_on_and_on_moves_the_page():
-    found, latest = shown_of('paper'), [(0.0, 25.0, 0.0)]
-    playback = NodePlayback(found, lambda: latest[0])
-    for position, shown_at in ((9.5, 9.5 - 2 * pi), (583.75, 583.75 - 184 * pi), (NAN, None)):
-        latest[0] = position, 25.0, 0.0
-        before = playback.position
-        playback.advance(0.1)
-        assert playback.position == pytest.approx(before if shown_at is None else shown_at,
-                                                  abs=1e3 * EPS)
-    assert found.pose(*playback.state())[0] != 0          # which the page says
-
-
 @pytest.mark.parametrize(('text', 'value'), [
     ('0.5', 0.5), ('0,5', 0.5), ('.5', 0.5), (',5', 0.5), ('5.', 5.0), ('1/3', 1 / 3),
     (' 1 / 8 ', 0.125), ('-0,5/2', -0.25), ('+3', 3.0), ('1e-3', 1e-3), ('2,5E2', 250.0),
@@ -311,31 +285,25 @@ def test_rounding_is_not_shown_as_a_value():
         assert all(value == 0.0 or abs(value) > 1e-14 for value, _ in values.values())
 
 
-def test_a_drag_from_nowhere_moves_nothing():
-    found = shown_of('paper')
-    assert Handle(found, found.pose(1.0)[1], mechanism_view(found), (1e4, 1e4)).joint == ''
-
-
 @pytest.mark.parametrize('name', SCENES)
-def test_playing_covers_the_range_and_stays_in_it(name):
+def test_frames_cover_the_ranges_and_every_one_is_a_pose(name):
     found = shown_of(name)
-    playback = CyclePlayback(found, float(found.cycles[0].inputs[10]))
-    low, high = found.ranges[0]
-    reached = []
-    for _ in range(700):
-        playback.advance(0.01 * playback.pace.value)
-        reached.append(playback.state().position)
-        assert low <= reached[-1] <= high
-        assert found.pose(*playback.state())[0] == 0
-    assert max(reached) - min(reached) >= 0.97 * (high - low)
+    inputs = np.array([position for position, _ in found.samples(181)])
+    steps = []
+    for low, high in found.ranges:
+        inside = inputs[(inputs >= low) & (inputs <= high)]
+        assert np.ptp(inside) >= 0.97 * (high - low)
+        steps.append(np.diff(inside).max() / (high - low))
+    assert max(steps) < 0.03 * len(found.ranges) and len(inputs) <= 200
+    assert all(found.pose(position)[0] == 0 for position in inputs)
 
 
 def test_links_carry_the_state_and_read_back():
     values = load(find('paper')).values
     changed = values | {'linkage.a2': 1.1 + 2.0**-40, 'linkage.mode': 1}
-    query = dict(part.split('=') for part in address.address(
-        'paper', values, changed, 61.5, 0.25).split('&'))
-    _, first, found, at, acceleration = address.read(query, 'paper', values)
+    query = dict(part.split('=') for part in links.address(
+        links.Link('paper', values, changed, 61.5, 0.25)).split('&'))
+    _, first, found, at, acceleration = links.read(query, 'paper', values)
     assert first == values
     assert (at, acceleration) == (61.5, 0.25)
     assert found['linkage.a2'] == changed['linkage.a2'] and found['linkage.mode'] == 1
@@ -354,8 +322,8 @@ def test_links_carry_the_state_and_read_back():
     ({'acceleration': '.inf'}, 'must be a finite number'),
     ({'nothing': '9' * 400}, 'unknown parameter nothing')])
 def test_bad_links_are_refused_and_read_no_file(query, why):
-    with pytest.raises(address.BadLink, match=re.escape(why)):
-        address.read(query, 'paper', load(find('paper')).values)
+    with pytest.raises(links.BadLink, match=re.escape(why)):
+        links.read(query, 'paper', load(find('paper')).values)
 
 
 @pytest.mark.parametrize('digits', [309, 400, 4000, 5000])
@@ -364,12 +332,12 @@ def test_a_number_of_many_digits_in_a_link_is_an_error_of_ours(digits):
     for name in ('linkage.a1', 'linkage.mode', 'drive.speed', 'linkage.kind'):
         for sign in ('', '-'):
             with pytest.raises(FourBarError) as caught:
-                shown(address.read({name: sign + '9' * digits}, 'paper', values).values)
+                shown(links.read({name: sign + '9' * digits}, 'paper', values).values)
             assert len(str(caught.value)) < 300
 
 
 def test_a_link_to_another_shipped_scene_shows_that():
-    link = address.read({'scene': 'cylinder'}, 'paper', load(find('paper')).values)
+    link = links.read({'scene': 'cylinder'}, 'paper', load(find('paper')).values)
     assert link.title == 'cylinder' and link.values['linkage.kind'] == 'inverted_slider'
 
 
@@ -387,37 +355,6 @@ def test_impossible_values_say_why():
         shown(values | {'linkage.a2': 9.0})
     with pytest.raises(FourBarError):
         shown(values | {'linkage.a2': 'long'})
-
-
-def test_a_run_is_shown_at_its_own_samples():
-    found = shown_of('paper')
-    times = np.linspace(0.0, 2.0, 401)
-    run = Run(times, np.stack([25.0 * times, np.full(401, 25.0), np.zeros(401)]))
-    playback = RunPlayback(found, run)
-    playback.go(1.0012)
-    assert playback.state() == (25.0 * times[200], 25.0, 0.0)
-    options = playback.curves(['omega4'], [], False)
-    source = options['dataset'][0]['source']
-    values = dict(zip(source['x'], source['omega4']))
-    motion = found.linkage.motion(25.0 * times[37], 25.0)
-    assert values[times[37]] == pytest.approx(motion.omega4, rel=64 * EPS)
-    playback.go(99.0)
-    assert playback.at == 2.0
-
-
-def test_forces_of_a_run_have_room_whatever_speed_the_scene_names():
-    values = {**load(find('paper')).values, 'drive.speed': 1.0}
-    times = np.linspace(0.0, 0.5, 200)
-    rates = np.stack([0.3 + 25.0 * times, np.full(200, 25.0), np.zeros(200)])
-    rates[1:, 0] = np.nan                            # not known yet
-    playback = RunPlayback(shown(values), Run(times, rates))
-    found = shown(values, 0.0, playback.speed)
-    scale = force_scale(found)
-    for at in times[1:]:
-        playback.go(float(at))
-        _, (_, loads) = found.pose(*playback.state())
-        for force in (loads.f41, loads.f21, loads.f32, loads.f43):
-            assert 0.0 < scale * force < 1.2 * LONGEST_FORCE
 
 
 def test_scene_files_of_pages_read_back(tmp_path):

@@ -1,6 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Exact derivatives of outputs, extrema and measures beside 50 digits and beside differences."""
+from dataclasses import replace
 from math import isnan
 
 from fourbar_lab.studies.derivatives import Derivatives, sensitivities
@@ -149,7 +150,7 @@ def test_measures_of_every_kind_change_as_their_differences_say(name):
         ends = []
         for moved in (-step, step):
             design = Design(from_values(study.values | {one: study.values[one] + moved}))
-            design.search([*measures, *(m._replace(part='peak') for m in measures
+            design.search([*measures, *(replace(m, part='peak') for m in measures
                                         if m.quantity)])
             ends.append([design.of(measure) for measure in measures])
         for measure, before, after, mine in zip(measures, *ends, found):
