@@ -18,7 +18,6 @@ setup(
     packages=[*find_packages(include=[NAME, NAME + '.*', LAB, LAB + '.*']), *SCENES],
     package_dir=SCENES,
     package_data={NAME: ['py.typed'], LAB: ['py.typed'], f'{LAB}.export': ['c/*'],
-                  f'{LAB}.reproduction': ['*.yaml'],
                   f'{LAB}.live': ['*.js', '*.css'],
                   **dict.fromkeys(SCENES, ['*.yaml', '*.csv', '*.rviz', '*.json', '*.xml'])},
     data_files=[

@@ -37,7 +37,8 @@ def add(verbs: Verbs) -> None:
 
 def _reproduce(arguments: Namespace) -> int:
     """Print all tables; the exit code tells whether a number differs without a reason."""
-    from fourbar_lab.reproduction.documents import count, print_tables, reproduce
+    from fourbar_lab.reproduction.documents import count, print_tables
+    from fourbar_lab.reproduction.table import reproduce
     from fourbar_lab.reproduction.verdicts import DIFFERS
     sections = reproduce()
     # first: a file that cannot be written is reported before the tables

@@ -1,24 +1,35 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""``fourbar reproduce``: compute everything that the slides and the paper print, and judge it."""
+"""
+Printed numbers and equations beside computed ones, and whether each verdict on them is earned.
+
+A verdict that does not explain the difference, or explains one that is not there, becomes DIFFERS.
+"""
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from math import atan, degrees, isnan, nan, sqrt
-from pathlib import Path
-from typing import Any, NamedTuple, TYPE_CHECKING, Union
+from collections.abc import Sequence
+from math import isnan, nan
+from typing import NamedTuple, TYPE_CHECKING
 
-from fourbar_lab.reproduction import published, statements, verdicts
+from fourbar_lab.reproduction import verdicts
+from fourbar_lab.reproduction.verdicts import (
+    AGREES,
+    ANSWERED,
+    ASSUMED,
+    DEFINED,
+    DIFFERS,
+    DRAWN,
+    GARBLED,
+    MISPRINT,
+    MISSING,
+    ROUNDED,
+    WRONG,
+)
 from fourbar_ros.terminal import make_console, make_table
-import yaml
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-DOCUMENTS = Path(__file__).with_name('published.yaml')
-Entry = Mapping[str, Any]       # a row of published.yaml, whose head explains the keys
-Term = Union[str, float]        # an expression of such a row
-FUNCTIONS: dict[str, Any] = {'__builtins__': {}, 'atan': atan, 'degrees': degrees, 'sqrt': sqrt}
 EXACT = 1e-12      # of the sum of the terms: more than rounding, less than any slip
 
 
@@ -43,85 +54,31 @@ class Section(NamedTuple):
 
     title: str
     rows: list[Row]
-    figure: str
+    figure: str = ''
 
 
-def reproduce(path: str | Path = DOCUMENTS) -> list[Section]:
-    """Return every :class:`Section`, computed now."""
-    return [_section(entry) for entry in yaml.safe_load(Path(path).read_text(encoding='utf-8'))]
-
-
-def _section(entry: Entry) -> Section:
-    """Return a section of published.yaml, with the values that its functions compute."""
-    values, symbols = (_computed(entry[key]) if key in entry else {}
-                       for key in ('values', 'symbols'))
-    rows = [_equation(row, symbols) if 'terms' in row or 'value' in row else _number(row, values)
-            for row in entry['rows']]
-    return Section(entry['title'], rows, entry.get('figure', ''))
-
-
-def _computed(name: str) -> Mapping[str, float]:
-    """Call a function of statements.py or published.py by its name; return its dict."""
-    module = statements if hasattr(statements, name) else published
-    numbers: Mapping[str, float] = getattr(module, name)()
-    return numbers
-
-
-def _number(row: Entry, values: Mapping[str, float]) -> Row:
+def number(what: str, unit: str, printed: str, ours: float, verdict: str = AGREES, why: str = '',
+           *, within: float = 0.0, scale: float = nan, own: float = nan,
+           copies: Sequence[str] = ()) -> Row:
     """
-    Return the Row of a printed number, with its difference from ours and the verdict on it.
+    Return the Row of a printed number, as text: its digits say how exact it is.
 
-    A number that follows from others that are printed (``own``) must do so too.
+    ``within``: the largest difference that the verdict explains, as a share of ``scale``, by
+    default of our value; ``own``: the printed number from others that are printed, which must
+    agree too; ``copies``: texts in our copy of a garbled number, of which it is a reading.
     """
-    printed = row.get('printed', '')
-    own = _evaluate(row['own'], {}) if 'own' in row else nan
-    ours = float(values[row['key']]) if 'key' in row else own
-    verdict = _verdict(row, ours)
-    if not isnan(own) and not agrees(own, printed):
-        verdict = verdicts.DIFFERS
-    reason = '' if verdict == verdicts.AGREES and 'rounded' in row else _reason(row)
-    return Row(row['what'], row.get('unit', ''), printed, ours, ours - float(printed or nan),
-               verdict, reason)
-
-
-def _verdict(row: Entry, ours: float) -> str:
-    """
-    Return the verdict on a number.
-
-    The keys of the row are published.yaml's: ``drawn`` and ``rounded`` are relative differences
-    that are allowed, others name a reason. DIFFERS also if it gives a reason that does not explain
-    the difference, or one although there is none.
-    """
-    for key, verdict in (('missing', verdicts.MISSING), ('assumed', verdicts.ASSUMED),
-                         ('defined', verdicts.DEFINED)):
-        if key in row:
-            return verdict
-    difference = abs(ours - float(row['printed']))
-    if agrees(ours, row['printed']):
-        verdict = verdicts.AGREES
-    elif difference <= row.get('drawn', 0.0) * abs(float(row.get('scale', ours))):
-        verdict = verdicts.DRAWN
-    elif difference <= row.get('rounded', 0.0) * abs(ours):
-        verdict = verdicts.ROUNDED
-    else:
-        verdict = verdicts.DIFFERS
-    if 'copies' in row:
-        is_explained = (verdict in (verdicts.AGREES, verdicts.ROUNDED)
-                        and is_reading(row['printed'], row['copies']))
-        return verdicts.GARBLED if is_explained else verdicts.DIFFERS
-    for key, reason in (('garbled', verdicts.GARBLED), ('misprint', verdicts.MISPRINT),
-                        ('wrong', verdicts.WRONG)):
-        if key in row:
-            return reason if verdict == verdicts.DIFFERS else verdicts.DIFFERS
-    return verdict
-
-
-def _reason(row: Entry) -> str:
-    """Return the footnote that a row refers to."""
-    if 'copies' in row:
-        return f'the copy has {" and ".join(repr(text.strip()) for text in row["copies"])}'
-    return next((row[name] for name in ('missing', 'assumed', 'defined', 'answered', 'garbled',
-                                        'misprint', 'wrong', 'why') if name in row), '')
+    ours = float(ours)                          # of numpy
+    is_right, difference = agrees(ours, printed), abs(ours - float(printed or nan))
+    is_near = difference <= within * abs(ours if isnan(scale) else scale)
+    is_earned = {
+        AGREES: is_right, DRAWN: is_near and not is_right, ROUNDED: is_near and not is_right,
+        MISPRINT: not is_right, WRONG: not is_right, ASSUMED: True, DEFINED: True, MISSING: True,
+        GARBLED: ((is_right or is_near) and is_reading(printed, copies) if copies
+                  else not is_right)}[verdict] and (isnan(own) or agrees(own, printed))
+    why = why or (f'the copy has {" and ".join(repr(text.strip()) for text in copies)}'
+                  if copies else '')
+    return Row(what, unit, printed, ours, ours - float(printed or nan),
+               verdict if is_earned else DIFFERS, why)
 
 
 def is_reading(text: str, copies: Sequence[str]) -> bool:
@@ -132,42 +89,44 @@ def is_reading(text: str, copies: Sequence[str]) -> bool:
 
 def agrees(value: float, text: str) -> bool:
     """Return whether a printed number is the value, rounded or cut: 0.67 and 0.66 are 2/3."""
+    if not text:
+        return False
     printed, unit = float(text), 10.0**-len(text.partition('.')[2])
     beyond = (value - printed) / unit if printed >= 0.0 else (printed - value) / unit
     return -0.5 <= beyond < 1.0
 
 
-def _equation(row: Entry, symbols: Mapping[str, float]) -> Row:
+def zero(what: str, terms: Sequence[float], verdict: str = AGREES, why: str = '', *,
+         correct: Sequence[float] = ()) -> Row:
     """
-    Return the Row of an equation: its printed form against what it must give.
+    Return the Row of an equation whose terms, as printed, must add up to zero.
 
-    A sum of ``terms`` must be zero, relative to their magnitudes; a ``value`` must be ``ours``. A
-    misprint must be wrong, and its correction right.
+    Relative to their magnitudes. A misprint must not, and its correction must.
     """
-    def relative_sum(terms: Sequence[Term]) -> float:
-        numbers = [_evaluate(term, symbols) for term in terms]
-        return sum(numbers) / sum(map(abs, numbers))
+    def relative_sum(numbers: Sequence[float]) -> float:
+        return sum(numbers) / sum(map(abs, numbers)) if numbers else nan
 
-    def value(form: Term | list[Term]) -> float:
-        return relative_sum(form) if isinstance(form, list) else _evaluate(form, symbols)
+    row = equal(what, '', relative_sum(terms), 0.0, verdict, why, correct=relative_sum(correct))
+    return row._replace(printed='0') if row.verdict == AGREES else row
 
-    ours = _evaluate(row.get('ours', '0.0'), symbols)
-    printed = value(row['terms'] if 'terms' in row else row['value'])
+
+def equal(what: str, unit: str, printed: float, ours: float, verdict: str = AGREES, why: str = '',
+          *, correct: float = nan, within: float = EXACT) -> Row:
+    """
+    Return the Row of a printed formula, by its value, which must be ours.
+
+    A misprint must not be, and its correction must. What is answered here is printed nowhere: both
+    sides are ours, and must agree ``within`` a tolerance.
+    """
+    printed, ours = float(printed), float(ours)         # of numpy
     scale = max(1.0, abs(ours))
-    is_right = abs(printed - ours) <= row.get('within', EXACT) * scale
-    verdict = verdicts.AGREES if is_right else verdicts.DIFFERS
-    if 'answered' in row:       # nothing is printed: two sides of ours
-        return Row(row['what'], row.get('unit', ''), '', printed, nan,
-                   verdicts.ANSWERED if is_right else verdict, row['answered'])
-    if 'misprint' in row and not is_right and abs(value(row['correct']) - ours) <= EXACT * scale:
-        verdict = verdicts.MISPRINT
-    text = f'{printed:.6g}' if not is_right or 'value' in row else '0'
-    return Row(row['what'], row.get('unit', ''), text, ours, ours - printed, verdict, _reason(row))
-
-
-def _evaluate(expression: Term, symbols: Mapping[str, float]) -> float:
-    """Return the value of an expression in published.yaml; it knows these symbols only."""
-    return float(eval(str(expression), FUNCTIONS, symbols))
+    is_right = abs(printed - ours) <= within * scale
+    is_earned = (not is_right and abs(correct - ours) <= EXACT * scale if verdict == MISPRINT
+                 else is_right)
+    verdict = verdict if is_earned else DIFFERS
+    if verdict == ANSWERED:
+        return Row(what, unit, '', printed, nan, verdict, why)
+    return Row(what, unit, f'{printed:.6g}', ours, ours - printed, verdict, why)
 
 
 # --- as tables -----------------------------------------------------------------------------------

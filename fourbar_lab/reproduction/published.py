@@ -3,10 +3,10 @@
 """
 Computed values for everything that the two documents print: one function per example.
 
-Each returns a dict by name, the ``key`` of a row in published.yaml, which has the printed numbers;
-:mod:`fourbar_lab.reproduction.documents` compares. Examples given in inches, feet and degrees are
-computed in SI units and converted back at the end. Links have the numbers of the slides: crank 2,
-coupler 3, output 4; omega_beta is the coupler's rate.
+Each returns a dict by name for :mod:`fourbar_lab.reproduction.table`, which has the printed
+numbers. Examples given in inches, feet and degrees are computed in SI units and converted back at
+the end. Links have the numbers of the slides: crank 2, coupler 3, output 4; omega_beta is the
+coupler's rate.
 """
 from __future__ import annotations
 

@@ -3,8 +3,8 @@
 """
 What the two documents say in words and steps, as numbers: the method, its items, their questions.
 
-Functions return a dict of numbers by name for published.yaml, as those of
-:mod:`fourbar_lab.reproduction.published`; the rows there say what each number must be.
+Functions return a dict of numbers by name, as those of
+:mod:`fourbar_lab.reproduction.published`; the rows of ``table.py`` say what each must be.
 """
 from __future__ import annotations
 
