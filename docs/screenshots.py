@@ -19,19 +19,19 @@ PAGES = {                         # scene, width [px], address, tab, is dark
 
 def take(name, scene, width, query, view, is_dark):
     """Take one picture."""
-    with TemporaryDirectory() as folder:
-        with live(scene) as address, browser(f'{folder}/browser', width) as driver:
-            driver.set_window_size(width, HEIGHT)
-            tab = Tab(driver, address + query)
-            if is_dark:
-                tab.by('dark or light').click()
-            tab.open(view)
-            tab.until(lambda: tab.rows('now'), 'the table')
-            driver.implicitly_wait(2.0)
-            driver.find_elements('css selector', '.no-such-thing')     # charts are drawn meanwhile
-            if width < 1000:
-                driver.execute_script("document.querySelector('.q-tabs').scrollIntoView()")
-            driver.save_screenshot(str(ROOT / 'docs' / 'images' / f'live_{name}.png'))
+    with (TemporaryDirectory() as folder, live(scene) as address,
+          browser(f'{folder}/browser', width) as driver):
+        driver.set_window_size(width, HEIGHT)
+        tab = Tab(driver, address + query)
+        if is_dark:
+            tab.by('dark or light').click()
+        tab.open(view)
+        tab.until(lambda: tab.rows('now'), 'the table')
+        driver.implicitly_wait(2.0)
+        driver.find_elements('css selector', '.no-such-thing')     # charts are drawn meanwhile
+        if width < 1000:
+            driver.execute_script("document.querySelector('.q-tabs').scrollIntoView()")
+        driver.save_screenshot(str(ROOT / 'docs' / 'images' / f'live_{name}.png'))
 
 
 if __name__ == '__main__':
