@@ -42,7 +42,6 @@ PART = 'part-{:08d}.parquet'
 KEY = b'fourbar_ros'    # of our metadata in a part
 AHEAD = 1024            # chunks that wait for a worker or are being computed
 DEATHS = 3              # times that workers may die without a chunk getting done in between
-LOOK = 1.0              # [s] between two looks whether a cluster still lives
 PATIENCE = 30.0         # [s] until a scheduler must have answered
 KEPT = 'what is done is kept, --resume goes on'
 

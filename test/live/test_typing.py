@@ -33,6 +33,11 @@ def tab(driver, server):
     return Tab(driver, server[1])
 
 
+def apart(one, other):
+    """Return the difference of two angles [deg]."""
+    return abs((one - other + 180.0) % 360.0 - 180.0)
+
+
 @pytest.fixture
 def held(server):
     """Return a context in which the server stands still: it answers afterwards."""
@@ -50,6 +55,26 @@ def turn(tab):
     """Wait until the mechanism has moved on."""
     before = tab.picture()
     tab.until(lambda: tab.picture() != before, 'motion')
+
+
+def test_the_browser_plays_and_scrubs_while_the_server_stands_still(tab, held):
+    from selenium.webdriver.common.keys import Keys
+    tab.until(lambda: tab.driver.execute_script(
+        'return getElement(+arguments[0].parentElement.id.slice(1)).frames.length',
+        tab.by('the mechanism in its pose')) > 100, 'the frames of a cycle')
+    with held():
+        tab.click('play or pause')
+        for _ in range(5):
+            before = tab.now()['theta1'], tab.picture()
+            tab.until(lambda before=before: tab.now()['theta1'] != before[0]
+                      and tab.picture() != before[1], 'motion')
+        tab.click('play or pause')
+        tab.focus_slider('input')
+        tab.keys(*[Keys.ARROW_RIGHT] * 20)
+        stands = float(tab.by('input').get_attribute('aria-valuenow'))
+        tab.until(lambda: apart(float(tab.now()['theta1']), stands) < 2.0, 'the nearest pose')
+    tab.until(lambda: apart(float(tab.query().get('at', 'nan')), stands) < 1e-6
+              and tab.now()['theta1'] == tab.text('input value'), 'the pose where it rests')
 
 
 def test_digits_typed_while_it_turns_stay_and_hold(tab):
