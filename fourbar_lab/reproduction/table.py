@@ -52,8 +52,9 @@ def reproduce() -> list[Section]:
 
 def example_7_2() -> Section:
     ours = published.example_7_2()
-    return Section('Slides, Example 7.2 - slider-crank, crank 2.5 in at 30 deg, coupler 6 '
-                   'in, 1800 rpm clockwise', [
+    title = ('Slides, Example 7.2 - slider-crank, crank 2.5 in at 30 deg, coupler 6 '
+             'in, 1800 rpm clockwise')
+    return Section(title, [
         number('crank angle', 'deg', '', ours['angle'], ASSUMED,
                'it is in the drawing only; the readings fit it to 2 %'),
         number('crank speed', 'rad/s', '188.5', ours['omega2']),
@@ -75,8 +76,9 @@ def example_7_2() -> Section:
 
 def example_7_3() -> Section:
     ours = published.example_7_3()
-    return Section('Slides, Example 7.3 - 4R of Uicker, 4, 18, 11, 10 in, crank at 120 '
-                   'deg, 900 rpm', [
+    title = ('Slides, Example 7.3 - 4R of Uicker, 4, 18, 11, 10 in, crank at 120 '
+             'deg, 900 rpm')
+    return Section(title, [
         number('crank angle', 'deg', '', ours['angle'], ASSUMED,
                'it is in the drawing only; the readings fit it to 1 % of the longest arrow'),
         number('ground AD', 'in', '', ours['ground'], ASSUMED, "in the drawing only: Uicker's"),
@@ -123,8 +125,9 @@ def example_7_4() -> Section:
 
 def example_7_5() -> Section:
     ours = published.example_7_5()
-    return Section('Slides, Example 7.5 - inverted slider-crank, crank 3 in at 30 deg, '
-                   'ground 14 in, no offset, 36 rad/s clockwise', [
+    title = ('Slides, Example 7.5 - inverted slider-crank, crank 3 in at 30 deg, '
+             'ground 14 in, no offset, 36 rad/s clockwise')
+    return Section(title, [
         number('crank angle', 'deg', '', ours['angle'], ASSUMED,
                'it is in the drawing only; the readings fit it to 3 %'),
         number('distance of D from the line of A', 'in', '', ours['offset'], ASSUMED,
@@ -158,9 +161,9 @@ def vectors(a_c_x: float, a_c_y: float, a_x: float, a_y: float, acc4: float, al2
             s2: float, s3: float, speed: float, tangent_x: float, tangent_y: float, v4: float,
             v_c_x: float, v_c_y: float, v_x: float, v_y: float, w2: float, w3: float, **_: float
            ) -> Section:
-    return Section('Slides, Eqs. (1)-(3), (6), (7), (9)-(11), (E1)-(E4), the acceleration '
-                   'image and the complex polar formulas, at the poses of Examples 7.3, 7.2, 7.5',
-                   [
+    title = ('Slides, Eqs. (1)-(3), (6), (7), (9)-(11), (E1)-(E4), the acceleration '
+             'image and the complex polar formulas, at the poses of Examples 7.3, 7.2, 7.5')
+    return Section(title, [
         zero('Eq. (1), x, of C of Example 7.3 on its circle about D', [v_c_x, -speed * tangent_x]),
         zero('Eq. (1), y', [v_c_y, -speed * tangent_y]),
         zero('Eqs. (2) and (3), x', [a_c_x, -growth * tangent_x,
@@ -200,8 +203,9 @@ def vectors(a_c_x: float, a_c_y: float, a_x: float, a_y: float, acc4: float, al2
 def contact(al: float, al2: float, al3: float, apparent: float, c_x: float, c_y: float,
             p1_y: float, p2_x: float, p2_y: float, radius: float, rolling_x: float,
             rolling_y: float, w: float, **_: float) -> Section:
-    return Section('Slides, Eq. (12), at the pose of Example 7.6; Eqs. (13)-(15), of a '
-                   'disc of our own, 0.3 m, 4 rad/s, 2 rad/s^2, on flat ground', [
+    title = ('Slides, Eq. (12), at the pose of Example 7.6; Eqs. (13)-(15), of a '
+             'disc of our own, 0.3 m, 4 rad/s, 2 rad/s^2, on flat ground')
+    return Section(title, [
         zero('Eq. (12), of crank 2 and coupler 3', [al3, -al2, -apparent]),
         equal('Eqs. (13) and (14), along the ground', 'm/s^2', rolling_x, p2_x,
               why='ours is the second derivative of the cycloid'),
@@ -220,8 +224,9 @@ def symbols(A: float, A1: float, A2: float, B: float, B1: float, B2: float, C: f
             al4: float, ddv1: float, ddv2: float, ddv3: float, ddv4: float, dv1: float, dv2: float,
             dv3: float, dv4: float, v1: float, v2: float, v3: float, v4: float, w1: float,
             w2: float, w3: float, w4: float, **_: float) -> Section:
-    return Section('Slides, Eqs. (16)-(37), at the pose of Example 7.6 (left sides over '
-                   'the sum of their terms)', [
+    title = ('Slides, Eqs. (16)-(37), at the pose of Example 7.6 (left sides over '
+             'the sum of their terms)')
+    return Section(title, [
         zero('Eq. (16)', [A * v1**2 * v4**2, B * v1**2, C * v4**2, -8 * a1 * a3 * v1 * v4, D]),
         zero('Eq. (17)', [A1 * B1 * v1**2 * v2**2, A2 * B2 * v1**2, C1 * D2 * v2**2,
               8 * a2 * a4 * v1 * v2, C2 * D1]),
@@ -287,8 +292,9 @@ def symbols(A: float, A1: float, A2: float, B: float, B1: float, B2: float, C: f
 
 def example_7_6() -> Section:
     ours = published.example_7_6()
-    return Section('Slides, Example 7.6 - 4R 8, 14, 9, 17, crank at 60 deg, 10 rad/s, 100 '
-                   'rad/s^2', [
+    title = ('Slides, Example 7.6 - 4R 8, 14, 9, 17, crank at 60 deg, 10 rad/s, 100 '
+             'rad/s^2')
+    return Section(title, [
         number('v2', '', '-0.4840', ours['v2']),
         number('v2, the other mode', '', '-1.8988', ours['other_v2']),
         number('theta2', 'deg', '-51.6569', ours['theta2']),
@@ -416,8 +422,9 @@ def paper_symbols(A: float, A1: float, A2: float, B: float, B1: float, B2: float
                   a3: float, a4: float, al4: float, ddv1: float, ddv4: float, dv1: float,
                   dv4: float, v1: float, v2: float, v3: float, v4: float, w4: float, **_: float
                  ) -> Section:
-    return Section('Paper, Eqs. (1)-(8), in its own chain and factors, at the pose of '
-                   'Example 7.6', [
+    title = ('Paper, Eqs. (1)-(8), in its own chain and factors, at the pose of '
+             'Example 7.6')
+    return Section(title, [
         zero('Eq. (1)', [A * v1**2 * v4**2, B * v1**2, C * v4**2, -8 * a1 * a3 * v1 * v4, D],
              why='all angles relative: theta1 + pi, -theta4; the tables are for absolute angles'),
         zero('Eq. (2)', [A1 * B2 * v1**2 * v2**2, A2 * B1 * v1**2, C1 * D2 * v2**2,
@@ -442,8 +449,9 @@ def paper_symbols(A: float, A1: float, A2: float, B: float, B1: float, B2: float
 
 def algorithms(position_slope: float, rate_slope: float, slope: float, step_1: float,
                step_2: float, step_4: float, **_: float) -> Section:
-    return Section('Paper, algorithms of extreme angular velocity and acceleration, on '
-                   'its linkage', [
+    title = ('Paper, algorithms of extreme angular velocity and acceleration, on '
+             'its linkage')
+    return Section(title, [
         equal('velocity, step 1, and acceleration, step 1', '', step_1, 0.0,
               why='largest difference from our motion over a turn'),
         equal('velocity, step 2, and acceleration, step 2', '', step_2, 0.0,
@@ -564,8 +572,9 @@ def paper_table_3() -> Section:
 def last_question(at_alpha4: float, at_omega4: float, bound: float, peak: float, point_x: float,
                   point_y: float, share: float, share_limit: float, weighted: float, **_: float
                  ) -> Section:
-    return Section('Paper, its question - do extreme angular velocity and acceleration '
-                   'imply extreme shaking?', [
+    title = ('Paper, its question - do extreme angular velocity and acceleration '
+             'imply extreme shaking?')
+    return Section(title, [
         equal('force at the largest alpha4 over its peak, rods 1, 2 - 1.5 e, 1 on a ground e, '
               'over sqrt(e)', '', share, share_limit, ANSWERED, "no: a family of the paper's "
                                                                 'rods whose share goes to 0 as 5 '

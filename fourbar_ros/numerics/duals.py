@@ -66,8 +66,8 @@ class Dual:
         """Return the product, by (D1); a number without derivatives scales."""
         if not isinstance(other, Dual):
             return Dual(self.value * other, _scaled(self.by, other))
-        return Dual(self.value * other.value,                                        # (D1)
-                       _sum(_scaled(self.by, other.value), _scaled(other.by, self.value)))
+        return Dual(self.value * other.value,                                           # (D1)
+                    _sum(_scaled(self.by, other.value), _scaled(other.by, self.value)))
 
     __rmul__ = __mul__
 
@@ -75,10 +75,10 @@ class Dual:
         """Return the quotient, by (D1)."""
         if not isinstance(other, Dual):
             return Dual(self.value / other, {name: part / other
-                                                for name, part in self.by.items()})
+                                             for name, part in self.by.items()})
         per = 1.0 / other.value
         return Dual(self.value / other.value,
-                       _sum(_scaled(self.by, per), _scaled(other.by, -(self.value * per * per))))
+                    _sum(_scaled(self.by, per), _scaled(other.by, -(self.value * per * per))))
 
     def __rtruediv__(self, other: Scalar) -> Dual:
         per = 1.0 / self.value
@@ -86,7 +86,7 @@ class Dual:
 
     def __pow__(self, exponent: int) -> Dual:
         return Dual(self.value**exponent,
-                       _scaled(self.by, exponent * self.value**(exponent - 1)))
+                    _scaled(self.by, exponent * self.value**(exponent - 1)))
 
     def __gt__(self, other: Operand) -> bool:
         is_greater: bool = self.value > value_of(other)
