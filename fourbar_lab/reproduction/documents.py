@@ -96,7 +96,7 @@ def agrees(value: float, text: str) -> bool:
     return -0.5 <= beyond < 1.0
 
 
-def zero(what: str, terms: Sequence[float], verdict: str = AGREES, why: str = '', *,
+def zero(what: str, *terms: float, verdict: str = AGREES, why: str = '',
          correct: Sequence[float] = ()) -> Row:
     """
     Return the Row of an equation whose terms, as printed, must add up to zero.

@@ -159,43 +159,43 @@ def vectors(a_c_x: float, a_c_y: float, a_x: float, a_y: float, acc4: float, al2
             image: float, omega: float, p_x: float, p_y: float, q_x: float, q_y: float, r2: float,
             r3: float, r_x: float, r_y: float, radius: float, rel_x: float, rel_y: float,
             s2: float, s3: float, speed: float, tangent_x: float, tangent_y: float, v4: float,
-            v_c_x: float, v_c_y: float, v_x: float, v_y: float, w2: float, w3: float, **_: float
-           ) -> Section:
+            v_c_x: float, v_c_y: float, v_x: float, v_y: float, w2: float, w3: float,
+            **_: float) -> Section:
     title = ('Slides, Eqs. (1)-(3), (6), (7), (9)-(11), (E1)-(E4), the acceleration '
              'image and the complex polar formulas, at the poses of Examples 7.3, 7.2, 7.5')
     return Section(title, [
-        zero('Eq. (1), x, of C of Example 7.3 on its circle about D', [v_c_x, -speed * tangent_x]),
-        zero('Eq. (1), y', [v_c_y, -speed * tangent_y]),
-        zero('Eqs. (2) and (3), x', [a_c_x, -growth * tangent_x,
-              speed * tangent_y / radius * speed]),
-        zero('Eqs. (2) and (3), y', [a_c_y, -growth * tangent_y,
-              -speed * tangent_x / radius * speed]),
-        zero('Eq. (6), x, of C and B', [p_x, -q_x, alpha * r_y, omega**2 * r_x]),
-        zero('Eq. (6), y', [p_y, -q_y, -alpha * r_x, omega**2 * r_y]),
+        zero('Eq. (1), x, of C of Example 7.3 on its circle about D', v_c_x, -speed * tangent_x),
+        zero('Eq. (1), y', v_c_y, -speed * tangent_y),
+        zero('Eqs. (2) and (3), x', a_c_x, -growth * tangent_x,
+             speed * tangent_y / radius * speed),
+        zero('Eqs. (2) and (3), y', a_c_y, -growth * tangent_y,
+             -speed * tangent_x / radius * speed),
+        zero('Eq. (6), x, of C and B', p_x, -q_x, alpha * r_y, omega**2 * r_x),
+        zero('Eq. (6), y', p_y, -q_y, -alpha * r_x, omega**2 * r_y),
         equal('acceleration image of Example 7.2, its angle delta', 'deg',
               180 - degrees(atan(al3 / w3**2)), delta,
               why='7.2 asks for it and prints no number: the angle from C/B to A_C/B'),
         equal('acceleration image, its factor', '1/s^2', sqrt(w3**4 + al3**2), image,
               why='A_C/B over C/B; the slides send to Example 7.1, which our copy lacks'),
-        zero('Eq. (7), real', [-r2 * w2 * s2, -r3 * w3 * s3, -v4]),
-        zero('Eq. (7), imaginary', [r2 * w2 * c2, r3 * w3 * c3]),
+        zero('Eq. (7), real', -r2 * w2 * s2, -r3 * w3 * s3, -v4),
+        zero('Eq. (7), imaginary', r2 * w2 * c2, r3 * w3 * c3),
         equal('alpha3 of a slider-crank', '',
               (r2 * w2**2 * s2 - r2 * al2 * c2 + r3 * w3**2 * s3) / (r3 * c3), al3),
         equal('a4 of a slider-crank', '',
               -r2 * w2**2 * c2 - r2 * al2 * s2 - r3 * w3**2 * c3 - r3 * al3 * s3, acc4),
-        zero('Eqs. (9), (10), x', [a_x, bar_alpha * arm_y, bar_omega**2 * arm_x,
-              2 * bar_omega * v_y, -rel_x]),
-        zero('Eqs. (9), (10), y', [a_y, -bar_alpha * arm_x, bar_omega**2 * arm_y,
-              -2 * bar_omega * v_x, -rel_y]),
-        zero('Eq. (11), x', [a_x, -bar_x, 2 * bar_omega * v_y, -rel_x]),
-        zero('Eq. (11), y', [a_y, -bar_y, -2 * bar_omega * v_x, -rel_y]),
-        zero('Eq. (E1), x', [a_x, -bar_x, 2 * bar_omega * v_y, -rel_x],
+        zero('Eqs. (9), (10), x', a_x, bar_alpha * arm_y, bar_omega**2 * arm_x,
+             2 * bar_omega * v_y, -rel_x),
+        zero('Eqs. (9), (10), y', a_y, -bar_alpha * arm_x, bar_omega**2 * arm_y,
+             -2 * bar_omega * v_x, -rel_y),
+        zero('Eq. (11), x', a_x, -bar_x, 2 * bar_omega * v_y, -rel_x),
+        zero('Eq. (11), y', a_y, -bar_y, -2 * bar_omega * v_x, -rel_y),
+        zero('Eq. (E1), x', a_x, -bar_x, 2 * bar_omega * v_y, -rel_x,
              why='E1 is Eq. (11), although the slides name Eq. (10)'),
-        zero('Eq. (E1), y', [a_y, -bar_y, -2 * bar_omega * v_x, -rel_y]),
-        zero('Eq. (E2), x', [a_x, crank_omega**2 * crank_x]),
-        zero('Eq. (E2), y', [a_y, crank_omega**2 * crank_y]),
-        zero('Eq. (E3), x', [bar_x, bar_omega**2 * arm_x, bar_alpha * arm_y]),
-        zero('Eq. (E3), y', [bar_y, bar_omega**2 * arm_y, -bar_alpha * arm_x]),
+        zero('Eq. (E1), y', a_y, -bar_y, -2 * bar_omega * v_x, -rel_y),
+        zero('Eq. (E2), x', a_x, crank_omega**2 * crank_x),
+        zero('Eq. (E2), y', a_y, crank_omega**2 * crank_y),
+        zero('Eq. (E3), x', bar_x, bar_omega**2 * arm_x, bar_alpha * arm_y),
+        zero('Eq. (E3), y', bar_y, bar_omega**2 * arm_y, -bar_alpha * arm_x),
         equal('Eq. (E4)', 'm/s^2', 2 * bar_omega * sqrt(v_x**2 + v_y**2), coriolis),
     ])
 
@@ -206,15 +206,15 @@ def contact(al: float, al2: float, al3: float, apparent: float, c_x: float, c_y:
     title = ('Slides, Eq. (12), at the pose of Example 7.6; Eqs. (13)-(15), of a '
              'disc of our own, 0.3 m, 4 rad/s, 2 rad/s^2, on flat ground')
     return Section(title, [
-        zero('Eq. (12), of crank 2 and coupler 3', [al3, -al2, -apparent]),
+        zero('Eq. (12), of crank 2 and coupler 3', al3, -al2, -apparent),
         equal('Eqs. (13) and (14), along the ground', 'm/s^2', rolling_x, p2_x,
               why='ours is the second derivative of the cycloid'),
         equal('Eqs. (13) and (14), square to it: the rolling acceleration', 'm/s^2', rolling_y,
               p2_y),
-        zero('Eq. (15), along the ground', [c_x, al * radius],
+        zero('Eq. (15), along the ground', c_x, al * radius,
              why='on the ground both points have none'),
-        zero('Eq. (15), square to it', [p1_y, -c_y, -w**2 * radius], MISPRINT,
-             "P1 for P2: the disc's point has the right side, P1 of the ground rests",
+        zero('Eq. (15), square to it', p1_y, -c_y, -w**2 * radius, verdict=MISPRINT,
+             why="P1 for P2: the disc's point has the right side, P1 of the ground rests",
              correct=[p2_y, -c_y, -w**2 * radius]),
     ])
 
@@ -227,15 +227,15 @@ def symbols(A: float, A1: float, A2: float, B: float, B1: float, B2: float, C: f
     title = ('Slides, Eqs. (16)-(37), at the pose of Example 7.6 (left sides over '
              'the sum of their terms)')
     return Section(title, [
-        zero('Eq. (16)', [A * v1**2 * v4**2, B * v1**2, C * v4**2, -8 * a1 * a3 * v1 * v4, D]),
-        zero('Eq. (17)', [A1 * B1 * v1**2 * v2**2, A2 * B2 * v1**2, C1 * D2 * v2**2,
-              8 * a2 * a4 * v1 * v2, C2 * D1]),
-        zero('Eq. (18)', [A2 * B1 * v1**2 * v3**2, A1 * B2 * v1**2, C1 * D1 * v3**2, C2 * D2]),
-        zero('Eq. (19)', [B1 * C1 * v2**2 * v3**2, A1 * D2 * v2**2, A2 * D1 * v3**2,
-              -8 * a1 * a3 * v2 * v3, B2 * C2]),
-        zero('Eq. (20)', [A1 * C1 * v2**2 * v4**2, B1 * D2 * v2**2, A2 * C2 * v4**2, B2 * D1]),
-        zero('Eq. (21)', [A2 * C1 * v3**2 * v4**2, B1 * D1 * v3**2, A1 * C2 * v4**2,
-              -8 * a2 * a4 * v3 * v4, B2 * D2]),
+        zero('Eq. (16)', A * v1**2 * v4**2, B * v1**2, C * v4**2, -8 * a1 * a3 * v1 * v4, D),
+        zero('Eq. (17)', A1 * B1 * v1**2 * v2**2, A2 * B2 * v1**2, C1 * D2 * v2**2,
+             8 * a2 * a4 * v1 * v2, C2 * D1),
+        zero('Eq. (18)', A2 * B1 * v1**2 * v3**2, A1 * B2 * v1**2, C1 * D1 * v3**2, C2 * D2),
+        zero('Eq. (19)', B1 * C1 * v2**2 * v3**2, A1 * D2 * v2**2, A2 * D1 * v3**2,
+             -8 * a1 * a3 * v2 * v3, B2 * C2),
+        zero('Eq. (20)', A1 * C1 * v2**2 * v4**2, B1 * D2 * v2**2, A2 * C2 * v4**2, B2 * D1),
+        zero('Eq. (21)', A2 * C1 * v3**2 * v4**2, B1 * D1 * v3**2, A1 * C2 * v4**2,
+             -8 * a2 * a4 * v3 * v4, B2 * D2),
         equal('Eq. (22)', '', -((A * v4**2 + B) * v1 - 4 * a1 * a3 * v4) * (1 + v1**2)
               / (((A * v1**2 + C) * v4 - 4 * a1 * a3 * v1) * (1 + v4**2)), w4 / w1),
         equal('Eq. (23)', '', -((A1 * B1 * v2**2 + A2 * B2) * v1 + 4 * a2 * a4 * v2) * (1 + v1**2)
@@ -251,34 +251,34 @@ def symbols(A: float, A1: float, A2: float, B: float, B1: float, B2: float, C: f
               / ((A1 * C1 * v2**2 + A2 * C2) * v4 * (1 + v4**2)), w4 / w2),
         equal('Eq. (27)', '', -((A2 * C1 * v4**2 + B1 * D1) * v3 - 4 * a2 * a4 * v4) * (1 + v3**2)
               / (((A2 * C1 * v3**2 + A1 * C2) * v4 - 4 * a2 * a4 * v3) * (1 + v4**2)), w4 / w3),
-        zero('Eq. (28)', [((A * v4**2 + B) * v1 - 4 * a1 * a3 * v4) * ddv1,
-              ((A * v1**2 + C) * v4 - 4 * a1 * a3 * v1) * ddv4, (A * v4**2 + B) * dv1**2,
-              (A * v1**2 + C) * dv4**2, (4 * A * v1 * v4 - 8 * a1 * a3) * dv1 * dv4],
+        zero('Eq. (28)', ((A * v4**2 + B) * v1 - 4 * a1 * a3 * v4) * ddv1,
+             ((A * v1**2 + C) * v4 - 4 * a1 * a3 * v1) * ddv4, (A * v4**2 + B) * dv1**2,
+             (A * v1**2 + C) * dv4**2, (4 * A * v1 * v4 - 8 * a1 * a3) * dv1 * dv4,
              why='"= 0" is missing in (28)-(33)'),
-        zero('Eq. (29)', [((A1 * B1 * v2**2 + A2 * B2) * v1 + 4 * a2 * a4 * v2) * ddv1,
-              ((A1 * B1 * v1**2 + C1 * D2) * v2 + 4 * a2 * a4 * v1) * ddv2,
-              (A1 * B1 * v2**2 + A2 * B2) * dv1**2, (A1 * B1 * v1**2 + C1 * D2) * dv2**2,
-              (4 * A1 * B1 * v1 * v2 + 8 * a2 * a4) * dv1 * dv2]),
-        zero('Eq. (30)', [(A2 * B1 * v3**2 + A1 * B2) * v1 * ddv1,
-              (A2 * B1 * v1**2 + C1 * D1) * v3 * ddv3, (A2 * B1 * v3**2 + A1 * B2) * dv1**2,
-              (A2 * B1 * v1**2 + C1 * D1) * dv3**2, 4 * A2 * B1 * v1 * v3 * dv1 * dv3]),
-        zero('Eq. (31)', [((B1 * C1 * v3**2 + A1 * D2) * v2 - 4 * a1 * a3 * v3) * ddv2,
-              ((B1 * C1 * v2**2 + A2 * D1) * v3 - 4 * a1 * a3 * v2) * ddv3,
-              (B1 * C1 * v3**2 + A2 * D1) * dv2**2, (B1 * C1 * v2**2 + A2 * D1) * dv3**2,
-              (4 * B1 * C1 * v2 * v3 - 8 * a1 * a3) * dv2 * dv3], MISPRINT,
-             'A2 D1 for A1 D2 in the factor of the square of dv2/dt',
+        zero('Eq. (29)', ((A1 * B1 * v2**2 + A2 * B2) * v1 + 4 * a2 * a4 * v2) * ddv1,
+             ((A1 * B1 * v1**2 + C1 * D2) * v2 + 4 * a2 * a4 * v1) * ddv2,
+             (A1 * B1 * v2**2 + A2 * B2) * dv1**2, (A1 * B1 * v1**2 + C1 * D2) * dv2**2,
+             (4 * A1 * B1 * v1 * v2 + 8 * a2 * a4) * dv1 * dv2),
+        zero('Eq. (30)', (A2 * B1 * v3**2 + A1 * B2) * v1 * ddv1,
+             (A2 * B1 * v1**2 + C1 * D1) * v3 * ddv3, (A2 * B1 * v3**2 + A1 * B2) * dv1**2,
+             (A2 * B1 * v1**2 + C1 * D1) * dv3**2, 4 * A2 * B1 * v1 * v3 * dv1 * dv3),
+        zero('Eq. (31)', ((B1 * C1 * v3**2 + A1 * D2) * v2 - 4 * a1 * a3 * v3) * ddv2,
+             ((B1 * C1 * v2**2 + A2 * D1) * v3 - 4 * a1 * a3 * v2) * ddv3,
+             (B1 * C1 * v3**2 + A2 * D1) * dv2**2, (B1 * C1 * v2**2 + A2 * D1) * dv3**2,
+             (4 * B1 * C1 * v2 * v3 - 8 * a1 * a3) * dv2 * dv3, verdict=MISPRINT,
+             why='A2 D1 for A1 D2 in the factor of the square of dv2/dt',
              correct=[((B1 * C1 * v3**2 + A1 * D2) * v2 - 4 * a1 * a3 * v3) * ddv2,
                       ((B1 * C1 * v2**2 + A2 * D1) * v3 - 4 * a1 * a3 * v2) * ddv3,
                       (B1 * C1 * v3**2 + A1 * D2) * dv2**2, (B1 * C1 * v2**2 + A2 * D1) * dv3**2,
                       (4 * B1 * C1 * v2 * v3 - 8 * a1 * a3) * dv2 * dv3]),
-        zero('Eq. (32)', [(A1 * C1 * v4**2 + B1 * D2) * v2 * ddv2,
-              (A1 * C1 * v2**2 + A2 * C2) * v4 * ddv4, (A1 * C1 * v4**2 + B1 * D2) * dv2**2,
-              (A1 * C1 * v2**2 + A2 * C2) * dv4**2, 4 * A1 * C1 * v2 * v4 * dv2 * dv4]),
-        zero('Eq. (33)', [((A2 * C1 * v4**2 + B1 * D1) * v3 + 4 * a2 * a4 * v4) * ddv3,
-              ((A2 * C1 * v3**2 + A1 * C2) * v4 + 4 * a2 * a4 * v3) * ddv4,
-              (A2 * C1 * v4**2 + B1 * D1) * dv3**2, (A2 * C1 * v3**2 + A1 * C2) * dv4**2,
-              (4 * A2 * C1 * v3 * v4 + 8 * a2 * a4) * dv3 * dv4], MISPRINT,
-             'three times + for - before a2 a4',
+        zero('Eq. (32)', (A1 * C1 * v4**2 + B1 * D2) * v2 * ddv2,
+             (A1 * C1 * v2**2 + A2 * C2) * v4 * ddv4, (A1 * C1 * v4**2 + B1 * D2) * dv2**2,
+             (A1 * C1 * v2**2 + A2 * C2) * dv4**2, 4 * A1 * C1 * v2 * v4 * dv2 * dv4),
+        zero('Eq. (33)', ((A2 * C1 * v4**2 + B1 * D1) * v3 + 4 * a2 * a4 * v4) * ddv3,
+             ((A2 * C1 * v3**2 + A1 * C2) * v4 + 4 * a2 * a4 * v3) * ddv4,
+             (A2 * C1 * v4**2 + B1 * D1) * dv3**2, (A2 * C1 * v3**2 + A1 * C2) * dv4**2,
+             (4 * A2 * C1 * v3 * v4 + 8 * a2 * a4) * dv3 * dv4, verdict=MISPRINT,
+             why='three times + for - before a2 a4',
              correct=[((A2 * C1 * v4**2 + B1 * D1) * v3 - 4 * a2 * a4 * v4) * ddv3,
                       ((A2 * C1 * v3**2 + A1 * C2) * v4 - 4 * a2 * a4 * v3) * ddv4,
                       (A2 * C1 * v4**2 + B1 * D1) * dv3**2, (A2 * C1 * v3**2 + A1 * C2) * dv4**2,
@@ -390,8 +390,8 @@ def method(at_rate: float, degree: float, in_a_mode: float, mirror: float, mirro
     ])
 
 
-def axis(bend_7_7: float, bend_paper: float, square_7_7: float, square_paper: float, **_: float
-        ) -> Section:
+def axis(bend_7_7: float, bend_paper: float, square_7_7: float, square_paper: float,
+         **_: float) -> Section:
     return Section('Slides, items 16 and 17 - why the extremes lie where they lie', [
         equal('item 16: axis against coupler at the extrema of omega4, Example 7.7', 'deg',
               square_7_7, 90.0, ANSWERED, 'omega4 is extreme exactly where the collineation '
@@ -420,30 +420,30 @@ def axis(bend_7_7: float, bend_paper: float, square_7_7: float, square_paper: fl
 def paper_symbols(A: float, A1: float, A2: float, B: float, B1: float, B2: float, C: float,
                   C1: float, C2: float, D: float, D1: float, D2: float, a1: float, a2: float,
                   a3: float, a4: float, al4: float, ddv1: float, ddv4: float, dv1: float,
-                  dv4: float, v1: float, v2: float, v3: float, v4: float, w4: float, **_: float
-                 ) -> Section:
+                  dv4: float, v1: float, v2: float, v3: float, v4: float, w4: float,
+                  **_: float) -> Section:
     title = ('Paper, Eqs. (1)-(8), in its own chain and factors, at the pose of '
              'Example 7.6')
     return Section(title, [
-        zero('Eq. (1)', [A * v1**2 * v4**2, B * v1**2, C * v4**2, -8 * a1 * a3 * v1 * v4, D],
+        zero('Eq. (1)', A * v1**2 * v4**2, B * v1**2, C * v4**2, -8 * a1 * a3 * v1 * v4, D,
              why='all angles relative: theta1 + pi, -theta4; the tables are for absolute angles'),
-        zero('Eq. (2)', [A1 * B2 * v1**2 * v2**2, A2 * B1 * v1**2, C1 * D2 * v2**2,
-              -8 * a2 * a4 * v1 * v2, C2 * D1]),
-        zero('Eq. (3)', [A1 * B1 * v1**2 * v3**2, A2 * B2 * v1**2, C2 * D2 * v3**2, C1 * D1]),
-        zero('Eq. (4)', [A1 * D2 * v2**2 * v3**2, B2 * C1 * v2**2, B1 * C2 * v3**2,
-              -8 * a1 * a3 * v2 * v3, A2 * D1]),
-        zero('Eq. (5)', [A1 * C1 * v2**2 * v4**2, B2 * D2 * v2**2, A2 * C2 * v4**2, B1 * D1]),
-        zero('Eq. (6)', [A1 * C2 * v3**2 * v4**2, B1 * D2 * v3**2, A2 * C1 * v4**2,
-              8 * a2 * a4 * v3 * v4, B2 * D1]),
-        zero('Eq. (7)', [((A * v4**2 + B) * v1 - 4 * a1 * a3 * v4) * dv1,
-              ((A * v1**2 + C) * v4 - 4 * a1 * a3 * v1) * dv4]),
+        zero('Eq. (2)', A1 * B2 * v1**2 * v2**2, A2 * B1 * v1**2, C1 * D2 * v2**2,
+             -8 * a2 * a4 * v1 * v2, C2 * D1),
+        zero('Eq. (3)', A1 * B1 * v1**2 * v3**2, A2 * B2 * v1**2, C2 * D2 * v3**2, C1 * D1),
+        zero('Eq. (4)', A1 * D2 * v2**2 * v3**2, B2 * C1 * v2**2, B1 * C2 * v3**2,
+             -8 * a1 * a3 * v2 * v3, A2 * D1),
+        zero('Eq. (5)', A1 * C1 * v2**2 * v4**2, B2 * D2 * v2**2, A2 * C2 * v4**2, B1 * D1),
+        zero('Eq. (6)', A1 * C2 * v3**2 * v4**2, B1 * D2 * v3**2, A2 * C1 * v4**2,
+             8 * a2 * a4 * v3 * v4, B2 * D1),
+        zero('Eq. (7)', ((A * v4**2 + B) * v1 - 4 * a1 * a3 * v4) * dv1,
+             ((A * v1**2 + C) * v4 - 4 * a1 * a3 * v1) * dv4),
         equal('first derivative of v', '', w4 * (1 + v4**2) / 2, dv4),
         equal('second derivative of v', '', (al4 + w4**2) * (1 + v4**2) / 2, ddv4, MISPRINT,
               'the square of the rate needs a factor v',
               correct=(al4 + w4**2 * v4) * (1 + v4**2) / 2),
-        zero('Eq. (8)', [((A * v4**2 + B) * v1 - 4 * a1 * a3 * v4) * ddv1,
-              ((A * v1**2 + C) * v4 - 4 * a1 * a3 * v1) * ddv4, (A * v4**2 + B) * dv1**2,
-              (A * v1**2 + C) * dv4**2, 4 * (A * v1 * v4 - 2 * a1 * a3) * dv1 * dv4]),
+        zero('Eq. (8)', ((A * v4**2 + B) * v1 - 4 * a1 * a3 * v4) * ddv1,
+             ((A * v1**2 + C) * v4 - 4 * a1 * a3 * v1) * ddv4, (A * v4**2 + B) * dv1**2,
+             (A * v1**2 + C) * dv4**2, 4 * (A * v1 * v4 - 2 * a1 * a3) * dv1 * dv4),
     ])
 
 
@@ -570,8 +570,8 @@ def paper_table_3() -> Section:
 
 
 def last_question(at_alpha4: float, at_omega4: float, bound: float, peak: float, point_x: float,
-                  point_y: float, share: float, share_limit: float, weighted: float, **_: float
-                 ) -> Section:
+                  point_y: float, share: float, share_limit: float, weighted: float,
+                  **_: float) -> Section:
     title = ('Paper, its question - do extreme angular velocity and acceleration '
              'imply extreme shaking?')
     return Section(title, [

@@ -206,9 +206,9 @@ def test_agreement_is_to_the_last_printed_digit(value, text, expected):
     number('normal part', '', '2255', 2260.0, DRAWN, within=0.01, own=49.7**2 * 11 / 12),
     number('alpha4', '', '-462.6986575', -462.69865742, GARBLED, within=1e-9,
            copies=[' 162 6086571', '-402.0980374']),
-    zero('Eq.', [1.0, -2.0, 1.1]), equal('Eq.', '', 1.0, 1.0 + 1e-9),
-    zero('Eq.', [1.0, -1.0], MISPRINT, 'none', correct=[1.0, -1.0]),
-    zero('Eq.', [1.0, -2.0], MISPRINT, 'so', correct=[1.0, -1.5]),
+    zero('Eq.', 1.0, -2.0, 1.1), equal('Eq.', '', 1.0, 1.0 + 1e-9),
+    zero('Eq.', 1.0, -1.0, verdict=MISPRINT, why='none', correct=[1.0, -1.0]),
+    zero('Eq.', 1.0, -2.0, verdict=MISPRINT, why='so', correct=[1.0, -1.5]),
     equal('Eq.', '', 2.0, 1.0, MISPRINT, 'so', correct=1.001),
     equal('item', 'deg', 90.0, 89.9999, ANSWERED, 'so', within=1e-7)])
 def test_a_verdict_that_is_not_earned_is_seen(row):
