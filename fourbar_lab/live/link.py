@@ -10,7 +10,7 @@ from urllib.parse import urlencode
 
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.scene import files, parameters
-from fourbar_ros.scene.parameters import ParameterValues
+from fourbar_ros.scene.settings import ParameterValues
 
 AT, ACCELERATION, SCENE = 'at', 'acceleration', 'scene'
 

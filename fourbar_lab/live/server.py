@@ -10,7 +10,7 @@ from typing import Any
 
 from fourbar_lab.live.page import Page
 from fourbar_ros.errors import FourBarError
-from fourbar_ros.scene.parameters import ParameterValues
+from fourbar_ros.scene.settings import ParameterValues
 from nicegui import app, ui
 
 HOST = '127.0.0.1'
