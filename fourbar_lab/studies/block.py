@@ -3,7 +3,7 @@
 """
 The measures of many designs at once: one mechanism whose numbers are columns of shape (n, 1).
 
-:mod:`fourbar_lab.studies.full_turns` searches those whose cranks turn fully, and says which
+:mod:`fourbar_ros.extrema.full_turns` searches those whose cranks turn fully, and says which
 results are in doubt; these and all others are left to :mod:`fourbar_lab.studies.design`.
 """
 from __future__ import annotations
@@ -12,7 +12,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 from math import tau
 
-from fourbar_lab.studies.full_turns import rank_of, search_turns, Turns
 from fourbar_lab.studies.measures import (
     CHANGE_POINT,
     CLASS,
@@ -26,8 +25,7 @@ from fourbar_lab.studies.measures import (
 from fourbar_lab.studies.parametric import constants_of, point_quantities_of, with_lengths
 from fourbar_lab.studies.study import Curve, Study
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.extrema.batch import find_extrema_many
-from fourbar_ros.extrema.methods import has_fast_rates
+from fourbar_ros.extrema.full_turns import search_turns, Turns
 from fourbar_ros.extrema.sampling import needs_angles, State
 from fourbar_ros.mechanisms.contract import OPEN
 from fourbar_ros.mechanisms.parts import NoLoads
@@ -112,18 +110,11 @@ class Block:
         """
         Compute all other measures of some designs, by index; ``is_done`` marks finished designs.
 
-        By samples of a turn, more of them for designs that few do not resolve; extrema of the
-        output's rates alone by their own search, which is six times as fast.
+        By samples of a turn, more of them for designs that few do not resolve.
         """
         sources = {measure: self._measures.source(measure) for measure in self.study.measures}
         # without any, the transmission angle alone tells which designs turn fully
         needed = list(dict.fromkeys(filter(None, sources.values()))) or ['transmission_angle']
-        others = [measure for measure in sources if measure.part not in (CLASS, CHANGE_POINT)
-                  and (measure.part == 'rms' or not measure.quantity)]
-        if (has_fast_rates(self.scene.linkage, needed, self.study.acceleration) and not others
-                and not self.study.curves):
-            self._compute_rates(rows)
-            return
         for count in SAMPLES:
             left = [rows[:0]]
             for start in range(0, rows.size, TOGETHER):
@@ -131,29 +122,6 @@ class Block:
                 left.append(part[~self._compute(part, count, needed)])
             rows = np.concatenate(left)
         self.is_done[rows] = False
-
-    def _compute_rates(self, rows: Array) -> None:
-        """
-        Compute extrema of the output's rates alone, for some designs by index.
-
-        These are four-bars that need not turn fully, at constant speed. Four-bars at rest, or that
-        cannot be assembled, are not done.
-        """
-        values = {name: np.broadcast_to(np.asarray(self.drawn.get(name, self.study.values[name])),
-                                        self.size)[rows]
-                  for name in ('linkage.a1', 'linkage.a2', 'linkage.a3', 'linkage.a4',
-                               'linkage.mode', 'drive.speed')}
-        moving = values['drive.speed'] != 0.0
-        self.is_done[rows[~moving]] = False
-        rows = rows[moving]
-        extrema = find_extrema_many(*(column[moving] for column in values.values()))
-        extents = {name: _extent_of_list(part.index, part.theta1, part.value, rows.size)
-                   for name, part in extrema.items()}
-        for measure in self.study.measures:
-            if measure.quantity:
-                extent = extents[measure.quantity]
-                self._column(measure.name)[rows] = extent.of(measure.part)
-                self.is_done[rows[extent.extrema == 0]] = False     # they cannot be assembled
 
     def _compute(self, rows: Array, count: int, needed: list[str]) -> Array:
         """
@@ -245,14 +213,6 @@ def _extent(counts: Array, places: Array, values: Array) -> Extent:
     least = np.argmin(np.where(is_none, np.inf, values), axis=1)
     return Extent(values[designs, most], places[designs, most], values[designs, least],
                   places[designs, least], counts)
-
-
-def _extent_of_list(index: Array, places: Array, values: Array, size: int) -> Extent:
-    """Return as :func:`_extent` of extrema in one list; ``index``: of which design each is."""
-    counts = np.bincount(index, minlength=size)
-    table = np.full((2, size, int(counts.max(initial=0))), np.nan)
-    table[:, index, rank_of(index)] = places, values
-    return _extent(counts, *table)
 
 
 class Designs:

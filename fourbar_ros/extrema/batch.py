@@ -3,30 +3,39 @@
 """
 Extrema of the output's rate and acceleration of many linkages at once.
 
-The search of :mod:`fourbar_ros.extrema.four_bar_rates.search`, in chunks; exact change points and
-ties that only conditions decide are searched one by one.
+Cranks that turn fully are searched together (:mod:`fourbar_ros.extrema.full_turns`); other
+linkages, those in doubt and ties that only conditions decide, one by one.
 """
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.extrema.find import CONSTANT, find_extrema, MAXIMUM
-from fourbar_ros.extrema.four_bar_rates.search import at_rate, Linkages, search
-from fourbar_ros.extrema.methods import RATES
+from fourbar_ros.extrema.find import CONSTANT, Extremum, find_extrema, MAXIMUM
+from fourbar_ros.extrema.full_turns import search_turns
 from fourbar_ros.mechanisms.contract import CROSSED, OPEN
 from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
+from fourbar_ros.mechanisms.four_bar.motion import make_motion
+from fourbar_ros.mechanisms.half_angle import bilinear_factors
 from fourbar_ros.numerics.arrays import Array, EPS
+from fourbar_ros.numerics.exact_sums import exact_sum_of_four
 from fourbar_ros.numerics.given import array, FASTEST
-from fourbar_ros.numerics.roots import fold, order_in_rows
+from fourbar_ros.numerics.number_types import columns_of, COMPLEX
+from fourbar_ros.numerics.roots import order_in_rows
 import numpy as np
 from numpy.typing import ArrayLike
 
-# Linkages searched at a time: bounds the memory; progress is told between chunks.
-CHUNK = 16384
+RATES = 'omega4', 'alpha4'
+# Linkages searched together: their samples stay in the cache. Samples of a turn; the larger number
+# is for linkages that the smaller one does not resolve.
+TOGETHER, SAMPLES = 512, (64, 128)
+# Between these many linkages progress is told.
+CHUNK = 8192
 # Values nearer to each other than this part of them may be equal, as far as their conditions tell.
 NEARLY = 1e-8
+_COMPLEX = replace(columns_of(COMPLEX), exact_sum=exact_sum_of_four)
 
 
 class Extrema(NamedTuple):
@@ -56,8 +65,7 @@ class Extrema(NamedTuple):
     side: Array
 
 
-NOTHING = Extrema(np.zeros(0, int), np.zeros(0), np.zeros(0), np.zeros(0, bool),
-                  np.zeros(0, bool), np.zeros(0, int))
+Columns = tuple[Array, ...]     # index, theta1, value, is_maximum, side
 
 
 def find_extrema_many(a1: ArrayLike, a2: ArrayLike, a3: ArrayLike, a4: ArrayLike,
@@ -67,6 +75,8 @@ def find_extrema_many(a1: ArrayLike, a2: ArrayLike, a3: ArrayLike, a4: ArrayLike
     """
     Return all extrema of omega4 and alpha4 of many linkages at constant input rate.
 
+    Those whose cranks turn fully take microseconds, others milliseconds each.
+
     Parameters
     ----------
     a1, a2, a3, a4 : array_like
@@ -74,7 +84,7 @@ def find_extrema_many(a1: ArrayLike, a2: ArrayLike, a3: ArrayLike, a4: ArrayLike
     mode, rate : array_like
         Assembly mode (1 or 2) and input rate [rad/s], not zero.
     progress : callable, optional
-        Called with the part done so far, from 0 to 1, some ten times a second.
+        Called with the part done so far, from 0 to 1.
 
     Returns
     -------
@@ -94,59 +104,102 @@ def find_extrema_many(a1: ArrayLike, a2: ArrayLike, a3: ArrayLike, a4: ArrayLike
     if not ((mode == CROSSED) | (mode == OPEN)).all():
         raise InvalidParameter('mode', mode, 'must be 1 (crossed) or 2 (open)')
     lengths = np.array((a1, a2, a3, a4), dtype=float)
-    sign = np.where(mode == OPEN, 1.0, -1.0)
-    parts = {name: [NOTHING] for name in RATES}
-    for start in range(0, sign.size, CHUNK):
+    parts: dict[str, list[Extrema]] = {name: [] for name in RATES}
+    for start in range(0, max(rate.size, 1), CHUNK):
         chunk = slice(start, start + CHUNK)
-        of_chunk = lengths[:, chunk], mode[chunk], rate[chunk]
-        linkages = Linkages.of(lengths[:, chunk], sign[chunk])
-        flat = _at_change_points(np.nonzero(linkages.is_flat)[0].tolist(), *of_chunk)
-        for order, (name, unit) in enumerate(zip(RATES, search(linkages))):
-            scaled = (unit.row, unit.theta1, *at_rate(unit, rate[chunk][unit.row], order),
-                      unit.side)
-            part, in_doubt = _collected(scaled, flat[name])
-            _decide_ties(name, part, in_doubt, *of_chunk)
+        found = _chunk(lengths[:, chunk], mode[chunk], rate[chunk])
+        for name, part in found.items():
             parts[name].append(part._replace(index=part.index + start))
         if progress is not None:
-            progress(min(start + CHUNK, sign.size) / sign.size)
+            progress(min(start + CHUNK, rate.size) / max(rate.size, 1))
     return {name: Extrema(*map(np.concatenate, zip(*chunks))) for name, chunks in parts.items()}
 
 
-Columns = tuple[Array, ...]     # index, theta1, value, is_maximum, side
+def _chunk(lengths: Array, mode: Array, rate: Array) -> dict[str, Extrema]:
+    """Return the extrema of both quantities of some linkages."""
+    closes, turns = _closing(lengths)
+    left, found = np.flatnonzero(turns), dict[str, list[Columns]]({name: [] for name in RATES})
+    for count in SAMPLES:
+        doubtful = [left[:0]]
+        for start in range(0, left.size, TOGETHER):
+            which = left[start:start + TOGETHER]
+            is_doubtful, *both = _together(lengths[:, which], mode[which], rate[which], count)
+            doubtful.append(which[is_doubtful])
+            for name, (row, *others) in zip(RATES, both):
+                found[name].append((which[row], *others))
+        left = np.concatenate(doubtful)
+    for index in np.concatenate((left, np.flatnonzero(closes & ~turns))).tolist():
+        for name, extrema in _alone(lengths, mode, rate, index).items():
+            found[name].append(_columns(index, extrema))
+    return {name: _marked(name, columns, lengths, mode, rate) for name, columns in found.items()}
 
 
-def _at_change_points(indices: list[int], lengths: Array, mode: Array,
-                      rate: Array) -> dict[str, list[Columns]]:
+def _closing(lengths: Array) -> tuple[Array, Array]:
+    """Return which linkages can be assembled, and whose cranks turn fully, each of shape (n,)."""
+    with np.errstate(all='ignore'):
+        a1, a2, a3, a4 = lengths
+        f = bilinear_factors(a1, a2, a3, a4, exact_sum_of_four)
+        # each link shorter than the other three together
+        closes = np.asarray((f.A2 > 0.0) & (f.B1 > 0.0) & (f.C2 > 0.0) & (f.D2 < 0.0)
+                            & np.isfinite(lengths).all(axis=0) & (lengths > 0.0).all(axis=0))
+        # neither stretched at theta1 = pi nor folded at 0
+        return closes, np.asarray(closes & (f.A1 * f.B2 < 0.0) & (f.C1 * f.D1 > 0.0))
+
+
+def _together(lengths: Array, mode: Array, rate: Array, count: int) -> tuple[Array, Columns,
+                                                                            Columns]:
     """
-    Return {quantity: columns of each linkage} of the linkages at exact change points.
+    Return which linkages are in doubt, and the columns of both quantities of the others.
 
-    One by one by :func:`find_extrema`, as they are few: one-sided values need series.
+    The search is at 1 rad/s, whatever the rate.
     """
-    rows: dict[str, list[Columns]] = {name: [] for name in RATES}
-    for index in indices:
-        a1, a2, a3, a4 = lengths[:, index].tolist()
-        linkage = FourBar(a1, a2, a3, a4, int(mode[index]))
-        found = find_extrema(linkage, RATES, float(rate[index]))
-        for name in RATES:
-            extrema = [e for e in found if e.quantity == name]
-            largest = max([e.value for e in extrema], default=0.0)
-            rows[name].append((
-                np.full(len(extrema), index), np.array([e.theta1 for e in extrema]),
-                np.array([e.value for e in extrema]),
-                np.array([e.kind == MAXIMUM or e.kind == CONSTANT and e.value == largest
-                          for e in extrema], bool),
-                np.array([e.side for e in extrema], int)))
-    return rows
+    columns: tuple[Any, ...] = *lengths[..., None], np.where(mode == OPEN, 1.0, -1.0)[:, None]
+    motion = make_motion(_COMPLEX, *columns)
+
+    def evaluate(x: Array) -> Array:
+        """Return both quantities at inputs of shape (n, any), real or complex."""
+        x = x[:1] if x.strides[0] == 0 else x       # the same inputs for all
+        with np.errstate(all='ignore'):
+            state = motion(x, 1.0, 0.0)
+        both = np.stack((state.omega4, state.alpha4))
+        return both if x.dtype.kind == 'c' else both.real
+
+    turns = search_turns(evaluate, mode.size, count, np.zeros(2, bool))
+    found = list[Columns]()
+    for order, (places, values) in enumerate(zip(turns.places, turns.values)):
+        # a negative rate turns maxima of omega4 into minima, not those of alpha4
+        with np.errstate(under='ignore'):
+            values = values * (rate**(order + 1))[:, None]
+        others = np.where(np.isnan(values), np.inf, values)
+        row, k = np.nonzero(np.isfinite(values) & ~turns.is_doubtful[:, None])
+        number = turns.counts[order][row]
+        is_maximum = (others[row, k] >= others[row, (k + 1) % number])
+        found.append((row, places[row, k], values[row, k], is_maximum, np.zeros(row.size, int)))
+    return turns.is_doubtful, found[0], found[1]
 
 
-def _collected(found: Columns, others: list[Columns]) -> tuple[Extrema, Array]:
-    """
-    Return :class:`Extrema` of columns, sorted by linkage and theta1, the global ones marked.
+def _alone(lengths: Array, mode: Array, rate: Array, index: int) -> dict[str, list[Extremum]]:
+    """Return {quantity: extrema} of one of the linkages, by the search for any mechanism."""
+    a1, a2, a3, a4 = lengths[:, index].tolist()
+    extrema = find_extrema(FourBar(a1, a2, a3, a4, int(mode[index])), RATES, float(rate[index]))
+    return {name: [one for one in extrema if one.quantity == name] for name in RATES}
 
-    Also the linkages with a nearly global extremum, which may be global within its condition.
-    """
-    index, theta1, *rest = (np.concatenate(arrays) for arrays in zip(found, *others))
-    theta1 = fold(theta1)
+
+def _columns(index: int, extrema: list[Extremum]) -> Columns:
+    """Return the columns of extrema of one quantity of one linkage."""
+    largest = max([one.value for one in extrema], default=0.0)
+    return (np.full(len(extrema), index), np.array([one.theta1 for one in extrema]),
+            np.array([one.value for one in extrema]),
+            np.array([one.kind == MAXIMUM or one.kind == CONSTANT and one.value == largest
+                      for one in extrema], bool),
+            np.array([one.side for one in extrema], int))
+
+
+def _marked(name: str, columns: list[Columns], lengths: Array, mode: Array,
+            rate: Array) -> Extrema:
+    """Return :class:`Extrema` of one quantity by linkage and theta1, the global ones marked."""
+    columns = [_columns(0, []), *columns]
+    index, theta1, *rest = (np.concatenate(arrays) for arrays in zip(*columns))
     order = order_in_rows(index, theta1)
     index, theta1, value, is_maximum, side = (v[order] for v in (index, theta1, *rest))
     best = _best(index, value, is_maximum)
@@ -154,7 +207,12 @@ def _collected(found: Columns, others: list[Columns]) -> tuple[Extrema, Array]:
         beyond, size = np.abs(best - value), np.where(np.isfinite(best), np.abs(best), np.nan)
         is_global = (value == best) | (beyond <= 64 * EPS * size)
         is_near = ~is_global & (beyond <= NEARLY * size)
-    return (Extrema(index, theta1, value, is_maximum, is_global, side), np.unique(index[is_near]))
+    # what is nearly global may be so within its condition
+    for j in np.unique(index[is_near]).tolist():
+        alone, rows = _alone(lengths, mode, rate, j)[name], np.nonzero(index == j)[0]
+        if rows.size == len(alone):
+            is_global[rows] = [extremum.is_global for extremum in alone]
+    return Extrema(index, theta1, value, is_maximum, is_global, side)
 
 
 def _best(index: Array, value: Array, is_maximum: Array) -> Array:
@@ -169,14 +227,3 @@ def _best(index: Array, value: Array, is_maximum: Array) -> Array:
     first, linkage = np.nonzero(is_first)[0], np.cumsum(is_first) - 1
     low, high = (extreme.reduceat(value, first) for extreme in (np.minimum, np.maximum))
     return np.where(is_maximum, high[linkage], low[linkage])
-
-
-def _decide_ties(name: str, part: Extrema, in_doubt: Array, lengths: Array, mode: Array,
-                 rate: Array) -> None:
-    """Mark in ``part`` the global extrema of linkages in doubt, as a single search finds them."""
-    for j in in_doubt.tolist():
-        a1, a2, a3, a4 = lengths[:, j].tolist()
-        alone = find_extrema(FourBar(a1, a2, a3, a4, int(mode[j])), name, float(rate[j]))
-        rows = np.nonzero(part.index == j)[0]
-        if rows.size == len(alone):
-            part.is_global[rows] = [extremum.is_global for extremum in alone]

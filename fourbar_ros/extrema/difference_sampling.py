@@ -61,11 +61,11 @@ class DifferenceSampler(Sampler):
         except (TypeError, ValueError):
             raise not_real(quantity, repr(values[0])) from None
 
-    def sample(self, x: Array) -> tuple[Array, Array]:
+    def sample(self, x: Array) -> tuple[Array, Array, State]:
         """Return values and slopes at the samples of a path, whose distances give the steps."""
-        self._x = x[np.argsort(x)]
-        return self.values(x), np.stack([self.slope(x, np.full(x.size, row))
-                                         for row in range(len(self.quantities))])
+        self._x, state = x[np.argsort(x)], self.state(x)
+        return self._rows(state, x), np.stack([self.slope(x, np.full(x.size, row))
+                                               for row in range(len(self.quantities))]), state
 
     def step(self, x: Array) -> Array:
         """Return the step of differences at x: a part of the distance of the samples there."""

@@ -145,7 +145,7 @@ def find_extrema(linkage: Mechanism, quantities: Wanted = (), rate: float = 1.0,
     quantities = _resolve(quantities, linkage)
     check()
     methods = Methods(linkage, quantities, (rate, acceleration))
-    found, proofs = methods.search(1, conditions), [''] * len(quantities)
+    found, proofs = methods.search(conditions), [''] * len(quantities)
     if certify:
         def tell(share: float) -> None:
             check()

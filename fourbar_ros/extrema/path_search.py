@@ -5,7 +5,8 @@ Extrema of arbitrary quantities along one input path: interior ones, ends, const
 
 Quantities are sampled with their derivatives on the points of
 :mod:`fourbar_ros.extrema.input_paths`. Sign changes of the derivative, hidden pairs of them too,
-are bracketed, and all brackets of all quantities solved at once.
+are bracketed, and all brackets of all quantities solved at once. For omega4 and alpha4 this does
+the work of both documents' algorithms of extreme values.
 
 Conditions. With F = dQ/dtheta1 at an extremum, its place moves by -sum (dF/da_i) da_i / F' and its
 value by sum (dQ/da_i) da_i. For lengths that are each wrong by a relative eps, eps times the sums
@@ -22,7 +23,7 @@ from fourbar_ros.extrema.difference_sampling import DifferenceSampler
 from fourbar_ros.extrema.input_paths import End, InputPath
 from fourbar_ros.extrema.sampling import Sampler, Samples
 from fourbar_ros.numerics.arrays import Array, EPS
-from fourbar_ros.numerics.newton import newton_roots, SMALL
+from fourbar_ros.numerics.newton import newton_roots_and_states, SMALL
 from fourbar_ros.numerics.roots import find_brackets, rises
 import numpy as np
 
@@ -32,7 +33,8 @@ import numpy as np
 POLE = 5
 # Samples on either side of an end from which the value there is interpolated.
 NEIGHBOURS = 12
-# The least error of a value, where no bound is known.
+# Part of the bound of rounding errors that counts for an extremum; the least error of a value.
+PART_OF_NOISE = 0.25
 SMALLEST = 2.0**-1022
 # Distance from a root at which slopes tell a kink from a smooth minimum, in samples.
 KINK = 2.0**-12
@@ -117,6 +119,8 @@ class Roots(NamedTuple):
     sense: Array        # +1 a maximum, -1 a minimum
     x: Array            # the input there
     spacing: Array      # distance of the samples there
+    value: Array        # of the quantity
+    noise: Array        # a bound of its rounding error; 0 at a change point, where none is known
 
 
 def _roots(sampler: Sampler, samples: Samples, rows: Array) -> Roots:
@@ -131,22 +135,33 @@ def _roots(sampler: Sampler, samples: Samples, rows: Array) -> Roots:
     # where a force changes its sign the slope of its magnitude |F| jumps, that of F^2/2 does not
     is_positive = ((samples.values > 0.0).all(axis=1) & ~sampler.is_angle)[row]
 
-    def at(x: Array, which: Array) -> tuple[Array, Array]:
+    def at(x: Array, which: Array) -> tuple[Array, ...]:
         """Return the slopes (or those of squares) and Newton steps for some of the brackets."""
         return sampler.newton(x, row[which], spacing[which], is_positive[which])
 
-    root = newton_roots(at, np.arange(row.size), xa, xb, fa, guess) if row.size else xa
+    def solved(which: Array) -> tuple[Array, Array]:
+        """Return the roots in some of the brackets, and the values there."""
+        root, step, value, f = newton_roots_and_states(
+            at, which, *(v[which] for v in (xa, xb, fa, guess)))
+        fall = f * step
+        return root, np.where(is_positive[which], np.sqrt(np.maximum(value * value - fall, 0.0)),
+                              value - 0.5 * fall)
+
+    root, value = solved(np.arange(row.size)) if row.size else (xa, xa)
     which = np.flatnonzero(is_positive)
     if which.size:      # one that dips below zero between samples is no magnitude
         before, after = _beside(sampler, root[which], KINK * spacing[which], row[which])
         which = which[before * after > 0.0]
     if which.size:
         is_positive[which] = False
-        root[which] = newton_roots(at, which, *(v[which] for v in (xa, xb, fa, guess)))
+        root[which], value[which] = solved(which)
     sense = np.where(fa >= 0.0, 1, -1)
     if isinstance(sampler, DifferenceSampler) and row.size:
         root = sampler.polish(root, row, sense)
-    return Roots(row, i, sense, root, spacing)
+        value = sampler.values(root)[row, np.arange(row.size)]
+    noise = np.maximum(samples.noise[row, i], samples.noise[row, (i + 1) % x.size])
+    return Roots(row, i, sense, root, spacing, value,
+                 np.zeros(row.size) if sampler.flats else PART_OF_NOISE * noise)
 
 
 def _interior(sampler: Sampler, samples: Samples, rows: Array,
@@ -161,26 +176,23 @@ def _interior(sampler: Sampler, samples: Samples, rows: Array,
     none.
     """
     roots = _roots(sampler, samples, rows)
-    if not roots.row.size:
-        return []
-    value, noise = sampler.values_and_noise(roots.x, roots.row)
-    is_small = np.flatnonzero((noise > 0.0) & (np.abs(value) <= noise))
+    is_small = np.flatnonzero((roots.noise > 0.0) & (np.abs(roots.value) <= roots.noise))
     if is_small.size:
-        value[is_small[_is_kink(sampler, roots, value, noise, is_small)]] = 0.0
+        roots.value[is_small[_is_kink(sampler, roots, is_small)]] = 0.0
     if not sampler.flats:       # else no bound is known
-        kept = _beyond_noise(samples, roots, value, noise)
-        roots, value, noise = Roots(*(v[kept] for v in roots)), value[kept], noise[kept]
+        kept = _beyond_noise(samples, roots)
+        roots = Roots(*(v[kept] for v in roots))
     if not roots.row.size:
         return []
-    value = sampler.same_turn(samples.values[roots.row, roots.before], value, roots.row)
+    value = sampler.same_turn(samples.values[roots.row, roots.before], roots.value, roots.row)
     conditions = (sampled_conditions(sampler, roots.x, roots.row, roots.spacing)
                   if with_conditions else np.full((2, roots.row.size), nan))
     return [PathExtremum._make((*fields[:4], 0, False, *fields[4:]))
             for fields in zip(*(v.tolist() for v in (roots.row, sampler.fold(roots.x), value,
-                                                     roots.sense, *conditions, noise)))]
+                                                     roots.sense, *conditions, roots.noise)))]
 
 
-def _is_kink(sampler: Sampler, roots: Roots, value: Array, noise: Array, which: Array) -> Array:
+def _is_kink(sampler: Sampler, roots: Roots, which: Array) -> Array:
     """
     Return which magnitudes |F| at roots are small because F changes its sign: they are kinks.
 
@@ -191,7 +203,7 @@ def _is_kink(sampler: Sampler, roots: Roots, value: Array, noise: Array, which: 
     size = np.maximum(np.abs(before), np.abs(after))
     is_kink = (before * after < 0.0) & (np.abs(before + after) <= 0.25 * size)
     ulps = 4.0 * EPS * np.maximum(np.abs(x), SMALL)
-    return np.asarray(is_kink & (np.abs(value[which]) <= ulps * size + noise[which]))
+    return np.asarray(is_kink & (np.abs(roots.value[which]) <= ulps * size + roots.noise[which]))
 
 
 def _beside(sampler: Sampler, x: Array, turn: Array, row: Array) -> tuple[Array, Array]:
@@ -205,7 +217,7 @@ def _beside(sampler: Sampler, x: Array, turn: Array, row: Array) -> tuple[Array,
 _Place = tuple[float, float, int, int]
 
 
-def _beyond_noise(samples: Samples, roots: Roots, value: Array, noise: Array) -> Array:
+def _beyond_noise(samples: Samples, roots: Roots) -> Array:
     """
     Return the indices of the roots that rounding errors cannot have made.
 
@@ -215,8 +227,11 @@ def _beyond_noise(samples: Samples, roots: Roots, value: Array, noise: Array) ->
     """
     order, kept = np.lexsort((roots.x, roots.before, roots.row)), list[int]()
     for own in np.split(order, np.flatnonzero(np.diff(roots.row[order])) + 1):
-        values, errors = samples.values[roots.row[own[0]]], 0.25 * samples.noise[roots.row[own[0]]]
-        left = [*zip(value[own].tolist(), noise[own].tolist(), roots.before[own].tolist(),
+        if not own.size:
+            break
+        row = roots.row[own[0]]
+        values, errors = samples.values[row], PART_OF_NOISE * samples.noise[row]
+        left = [*zip(*(v[own].tolist() for v in (roots.value, roots.noise, roots.before)),
                      own.tolist())]
         if not samples.path.is_closed:
             left = [(float(values[0]), float(errors[0]), -1, -1), *left,

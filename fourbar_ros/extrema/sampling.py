@@ -123,11 +123,10 @@ class Sampler:
         """Return the samples of a path; refuse functions that are NaN, rates that overflow."""
         self.enter(path)
         with np.errstate(over='ignore', invalid='ignore'):
-            values, slopes = self.sample(path.x)
+            values, slopes, state = self.sample(path.x)
         self._refuse_nan(path.x, values)
         if np.isinf(values).any() or np.isinf(slopes).any():
             raise too_large(self.rates)
-        state = self.state(path.x)
         return Samples(path, self._continuous(values), slopes, state, self.noise(state))
 
     def _refuse_nan(self, x: Array, values: Array) -> None:
@@ -238,43 +237,37 @@ class Sampler:
             row[:] = value
         return rows
 
-    def sample(self, x: Array) -> tuple[Array, Array]:
-        """Return values and derivatives at x, (quantities, n): exact, by a complex step."""
-        values = self.values(x + 1j * STEP)
-        return values.real, values.imag / STEP
+    def sample(self, x: Array) -> tuple[Array, Array, State]:
+        """Return values and derivatives at x by a complex step, (quantities, n), and the state."""
+        motion, loads = state = self.state(x + 1j * STEP)
+        with np.errstate(all='ignore'):
+            values = self._rows(state, x + 1j * STEP)
+        if isinstance(loads, tuple):
+            loads = self.linkage.LOADS(*map(np.real, loads))
+        return values.real, values.imag / STEP, (self.linkage.MOTION(*map(np.real, motion)), loads)
 
     def at(self, x: Array, row: Array) -> tuple[Array, Array]:
         """Return value and derivative of quantity ``row[i]`` at x[i], or x[:, i], both exact."""
         values = self.values(x + 1j * STEP)[row, ..., np.arange(row.size)]
         return values.real, values.imag / STEP
 
-    def values_and_noise(self, x: Array, row: Array) -> tuple[Array, Array]:
-        """
-        Return quantity ``row[i]`` at x[i], and a bound of its rounding error.
-
-        At an exact change point no bound is known: it is given as zero.
-        """
-        state, i = self.state(x), np.arange(row.size)
-        with np.errstate(all='ignore'):
-            value = self._rows(state, x)[row, i]
-        return value, (np.zeros(row.size) if self.flats else 0.25 * self.noise(state)[row, i])
-
     def slope(self, x: Array, row: Array) -> Array:
         """Return the derivative of quantity ``row[i]`` at x[i]."""
         return self.at(x, row)[1]
 
     def newton(self, x: Array, row: Array, spacing: Array,
-               is_squared: Array) -> tuple[Array, Array]:
+               is_squared: Array) -> tuple[Array, ...]:
         """
-        Return the derivative of quantity ``row[i]`` at x[i], and the Newton step to its zero.
+        Return the derivative of quantity ``row[i]`` at x[i], Newton's step to its zero, the value.
 
+        The derivative comes last once more, for those who look back at the last step.
         ``is_squared``: of half the square instead, which is smooth where a magnitude has a kink.
         """
         turn = self.TURN * spacing
         value, slope = self.at(np.concatenate((x, x + turn)), np.tile(row, 2))
         here, there = np.split(np.where(np.tile(is_squared, 2), value * slope, slope), 2)
         with np.errstate(divide='ignore', invalid='ignore'):
-            return here, here * turn / (there - here)
+            return here, here * turn / (there - here), value[:x.size], here
 
     def noise(self, state: State) -> Array:
         """

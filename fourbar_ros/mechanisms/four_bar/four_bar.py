@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from math import acos, asin, asinh, atan2, fsum, pi, sqrt
+from math import asinh, atan2, fsum, pi, sqrt
 from typing import Any, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter
@@ -244,7 +244,7 @@ class FourBar(FourBarLinks):
         """
         Return the complex theta1 at which coupler and output link are in line, or A meets O4.
 
-        Accurate to about 1e-8 next to change points.
+        Real ones are the ends of the ranges, to the last bit.
         """
         return singular_angles(*self.lengths)
 
@@ -332,10 +332,10 @@ def singular_angles(a1: float, a2: float, a3: float, a4: float) -> list[complex]
     root = 2.0 * sqrt(a1 * a4)
     s1, s2 = difference_of_squares(a2, a3, a1, a4), difference_of_squares(a1, -a4, a2, -a3)
     outer, inner = sqrt(abs(s1)) / root, sqrt(abs(s2)) / root
-    far = (complex(pi, 2.0 * asinh(outer)) if s1 >= 0.0
-           else complex(2.0 * acos(min(outer, 1.0))))
-    near = (complex(0.0, 2.0 * asinh(inner)) if s2 >= 0.0
-            else complex(2.0 * asin(min(inner, 1.0))))
+    far = (complex(pi, 2.0 * asinh(outer)) if s1 >= 0.0 else complex(
+        2.0 * atan2(sqrt(max(difference_of_squares(a2, a3, a1, -a4), 0.0)), sqrt(-s1))))
+    near = (complex(0.0, 2.0 * asinh(inner)) if s2 >= 0.0 else complex(
+        2.0 * atan2(sqrt(-s2), sqrt(max(difference_of_squares(a1, a4, a2, -a3), 0.0)))))
     return [far, -far, near, -near, complex(0.0, 2.0 * asinh(abs(a1 - a4) / root))]
 
 

@@ -26,7 +26,7 @@ import numpy as np
 
 STEP = 2.0**-200        # of derivatives by a complex step: its square is nothing
 # Steps towards a root at most; product of the last two, over the spacing squared, that ends them.
-STEPS, CLOSE = 5, 2.0**-40
+STEPS, CLOSE = 5, 2.0**-48
 # A span below this part of a quantity's size is rounding: the quantity is constant.
 CONSTANT = 2.0**12 * EPS
 # Weights of f(x + k h) - f(x - k h), k from 1, in h times the slope of f: orders twelve and four.
@@ -191,7 +191,8 @@ def _refined(evaluate: Evaluate, roots: _Roots, spacing: float,
     ``is_positive``, shape (q, n): of these quantities, roots of the slope of half the square are
     sought. The first step divides the slope by the bend of the samples, the others by that of a
     secant through the last two places. The error after a step is about its product with the step
-    before (the first step: its square) over the spacing: where that is small, a root is found. One
+    before over the spacing, after the first the part by which bends of samples may be wrong: where
+    that is small, a root is found. One
     that moves by more than the spacing, or is not found in :data:`STEPS`, strays.
     """
     x, strays = roots.x.copy(), np.zeros(is_positive.shape[1], bool)
@@ -216,7 +217,7 @@ def _refined(evaluate: Evaluate, roots: _Roots, spacing: float,
                                     value + 0.5 * rise)
             x[left] += step
             is_far = ~(np.abs(x[left] - start[left]) <= spacing)
-            last_step = np.where(np.isnan(last_step), step, last_step)
+            last_step = np.where(np.isnan(last_step), RESOLVED * spacing, last_step)
             moves = ~(np.abs(step * last_step) <= CLOSE * spacing * spacing)
         strays[i[is_far]] = True
         moves &= ~strays[i]

@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Extrema of many functions at once, and slopes of their samples, beside exact ones."""
-from fourbar_lab.studies.full_turns import (
+from fourbar_ros.extrema.full_turns import (
     FINE,
     is_coarse,
     PLAIN,
