@@ -13,10 +13,10 @@ from math import degrees, sqrt, tau
 
 from fourbar_lab.drawing import collineation_axis
 from fourbar_lab.reproduction import published
+from fourbar_lab.reproduction.exact_count import count_extrema, rate_polynomials
 from fourbar_lab.reproduction.io_equations import io_equation
 from fourbar_lab.reproduction.moving_frames import rolling_contact
 from fourbar_ros.extrema.find import find_extrema
-from fourbar_ros.extrema.four_bar_rates.exact_count import count_extrema, rate_polynomials
 from fourbar_ros.mechanics.bodies import Bodies, Body, round_rod
 from fourbar_ros.mechanisms.contract import CROSSED, OPEN
 from fourbar_ros.mechanisms.four_bar.four_bar import FourBar

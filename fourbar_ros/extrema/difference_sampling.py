@@ -25,7 +25,6 @@ DIFFERENCE = 2.0**-6
 class DifferenceSampler(Sampler):
     """The same for functions without a complex step: derivatives by differences."""
 
-    IS_COMPLEX = False
     TURN = DIFFERENCE
 
     _x: Array                # samples of the path in rising order

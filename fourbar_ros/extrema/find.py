@@ -5,7 +5,7 @@ All extrema of motion and loads over the input, for any linkage and mode.
 
 Tests check that none is missed. ``certify`` proves it, or the result says that it is not proved.
 
-:mod:`fourbar_ros.extrema.methods` chooses the search for each quantity. The ends of the input
+The search is :mod:`fourbar_ros.extrema.path_search`. The ends of the input
 range count too: toggles, where quantities are unbounded, and the flat positions of change points,
 where they have one-sided values.
 """

@@ -23,7 +23,7 @@ from fourbar_ros.extrema.difference_sampling import DifferenceSampler
 from fourbar_ros.extrema.input_paths import End, InputPath
 from fourbar_ros.extrema.sampling import Sampler, Samples
 from fourbar_ros.numerics.arrays import Array, EPS
-from fourbar_ros.numerics.newton import newton_roots_and_states, SMALL
+from fourbar_ros.numerics.newton import newton_roots, SMALL
 from fourbar_ros.numerics.roots import find_brackets, rises
 import numpy as np
 
@@ -141,7 +141,7 @@ def _roots(sampler: Sampler, samples: Samples, rows: Array) -> Roots:
 
     def solved(which: Array) -> tuple[Array, Array]:
         """Return the roots in some of the brackets, and the values there."""
-        root, step, value, f = newton_roots_and_states(
+        root, step, value, f = newton_roots(
             at, which, *(v[which] for v in (xa, xb, fa, guess)))
         fall = f * step
         return root, np.where(is_positive[which], np.sqrt(np.maximum(value * value - fall, 0.0)),

@@ -82,7 +82,6 @@ class Sampler:
     and the linkage has no masses.
     """
 
-    IS_COMPLEX: ClassVar[bool] = True   # the steps by which quantities are differentiated
     # Step of real differences of derivatives, in samples: little enough for Newton's method.
     TURN: ClassVar[float] = 2.0**-24
 
@@ -111,13 +110,6 @@ class Sampler:
     def of(self, linkage: Mechanism) -> Sampler:
         """Return a sampler of the same quantities for another linkage."""
         return type(self)(linkage, self.quantities, self.rates)
-
-    def only(self, row: int) -> Sampler:
-        """Return a sampler of one of the quantities, with the formulas made already."""
-        other = copy(self)
-        other.quantities, other.is_angle = (self.quantities[row],), self.is_angle[[row]]
-        other.with_angles = needs_angles(self.quantities[row])
-        return other
 
     def along(self, path: InputPath) -> Samples:
         """Return the samples of a path; refuse functions that are NaN, rates that overflow."""

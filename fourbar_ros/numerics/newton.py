@@ -19,12 +19,6 @@ SAFETY = 64.0
 
 
 def newton_roots(function: Function, row: Array, xa: Array, xb: Array, fa: Array,
-                 x: Array) -> Array:
-    """Return the root in each bracket: the first of :func:`newton_roots_and_states`."""
-    return newton_roots_and_states(function, row, xa, xb, fa, x)[0]
-
-
-def newton_roots_and_states(function: Function, row: Array, xa: Array, xb: Array, fa: Array,
                             x: Array) -> list[Array]:
     """
     Return the root of a function in each bracket, to the last bits of x, all together.

@@ -4,11 +4,11 @@
 from dataclasses import replace
 from math import inf, isinf, pi
 
+from fourbar_lab.reproduction.exact_count import count_extrema
 from fourbar_ros import Bodies, Body, FourBar, InvalidParameter, MissingBodies, round_rod
 from fourbar_ros.extrema import batch as many_module
 from fourbar_ros.extrema.batch import find_extrema_many
 from fourbar_ros.extrema.find import find_extrema
-from fourbar_ros.extrema.four_bar_rates.exact_count import count_extrema
 from fourbar_ros.mechanisms.quantities import (
     known,
     point_acceleration,

@@ -5,6 +5,7 @@ from contextlib import suppress
 import re
 import sys
 
+from fourbar_lab.reproduction import exact_count as sturm
 from fourbar_ros import (
     Bodies,
     Body,
@@ -16,7 +17,6 @@ from fourbar_ros import (
 )
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.extrema.find import find_extrema
-from fourbar_ros.extrema.four_bar_rates import exact_count as sturm
 from fourbar_ros.extrema.methods import Methods
 from fourbar_ros.extrema.proof import Enclosing, polynomial, slopes
 from fourbar_ros.extrema.sampling import Sampler
@@ -222,7 +222,7 @@ def test_searches_of_random_machines_find_what_their_proofs_find(seed):
             with suppress(FourBarError):
                 machine = Machine(dyads, bodies=bodies)
         methods = Methods(machine, select((), machine), (1.0, 0.0))
-        found = methods.search(1, False)
+        found = methods.search(False)
         for proof, part in zip(methods.prove(found, lambda share: None, 0.2), found):
             verdict = proof.verdict(part)
             proved += verdict.text.startswith('interval bounds')
@@ -273,7 +273,7 @@ def all_of(machine):
     """Return the methods for all quantities of a machine and what they find."""
     quantities = [*select((), machine), *positions(machine, machine.input).values()]
     methods = Methods(machine, quantities, (3.0, 0.0))
-    return quantities, methods, methods.search(1, False)
+    return quantities, methods, methods.search(False)
 
 
 @some('name', MACHINES, 1)

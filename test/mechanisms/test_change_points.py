@@ -9,6 +9,7 @@ from fractions import Fraction
 from itertools import permutations
 from math import gcd, inf, isinf, isnan, pi
 
+from fourbar_lab.reproduction.exact_count import count_extrema
 from fourbar_ros import (
     Applied,
     Bodies,
@@ -21,7 +22,6 @@ from fourbar_ros import (
 )
 from fourbar_ros.errors import OutOfRange, Toggle
 from fourbar_ros.extrema.find import find_extrema
-from fourbar_ros.extrema.four_bar_rates.exact_count import count_extrema
 from fourbar_ros.mechanisms.contract import CRANK, SLIDE
 from fourbar_ros.numerics.laurent import many_digits, quarter_turns, T
 import mpmath as mp

@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Exact counts of roots: polynomials made of known roots."""
-from fourbar_ros.extrema.four_bar_rates.exact_count import count_roots, Polynomial
+from fourbar_lab.reproduction.exact_count import count_roots, Polynomial
 import numpy as np
 import pytest
 

@@ -17,9 +17,7 @@ each mode, between the largest and the smallest q of the motion; Sturm's theorem
 theta1 passes through 0 or pi, at an end of that range of q, S is zero and so is theta4'' if R is;
 it then changes its sign with that of rS.
 
-Source of the theorem: Basu, Pollack, Roy, Algorithms in Real Algebraic Geometry, section 2.2. The
-optional python-flint has such polynomials too, but the exact count must work without it, and takes
-milliseconds.
+Source of the theorem: Basu, Pollack, Roy, Algorithms in Real Algebraic Geometry, section 2.2.
 """
 from __future__ import annotations
 
