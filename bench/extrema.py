@@ -8,7 +8,7 @@ from statistics import median
 import time
 
 from fourbar_ros import Bodies, find_extrema, find_extrema_many, FourBar, round_rod
-from fourbar_ros.extrema.methods import RATES
+from fourbar_ros.extrema.batch import RATES
 import mpmath
 import numpy as np
 from rich.console import Console

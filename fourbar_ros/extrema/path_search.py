@@ -143,9 +143,13 @@ def _roots(sampler: Sampler, samples: Samples, rows: Array) -> Roots:
         """Return the roots in some of the brackets, and the values there."""
         root, step, value, f = newton_roots(
             at, which, *(v[which] for v in (xa, xb, fa, guess)))
-        fall = f * step
-        return root, np.where(is_positive[which], np.sqrt(np.maximum(value * value - fall, 0.0)),
-                              value - 0.5 * fall)
+        square, fall = value * value, f * step
+        is_root = is_positive[which]
+        at_root = np.where(is_root, np.sqrt(np.maximum(square - fall, 0.0)), value - 0.5 * fall)
+        near = np.flatnonzero(is_root & (square - fall < KINK * square))
+        if near.size:           # beside a kink the difference cancels
+            at_root[near] = sampler.values(root[near])[row[which[near]], np.arange(near.size)]
+        return root, at_root
 
     root, value = solved(np.arange(row.size)) if row.size else (xa, xa)
     which = np.flatnonzero(is_positive)
