@@ -16,8 +16,8 @@ from math import isfinite, isnan, nan
 from typing import Any, NamedTuple, Union
 
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.extrema.methods import Methods
 from fourbar_ros.extrema.path_search import PathExtremum
+from fourbar_ros.extrema.search import Search
 from fourbar_ros.extrema.within import in_part, parts_of
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Quantity
@@ -144,15 +144,15 @@ def find_extrema(linkage: Mechanism, quantities: Wanted = (), rate: float = 1.0,
     rate, acceleration = map(rate_of_input, ('rate', 'acceleration'), (rate, acceleration))
     quantities = _resolve(quantities, linkage)
     check()
-    methods = Methods(linkage, quantities, (rate, acceleration))
-    found, proofs = methods.search(conditions), [''] * len(quantities)
+    search = Search(linkage, quantities, (rate, acceleration))
+    found, proofs = search.extrema(conditions), [''] * len(quantities)
     if certify:
         def tell(share: float) -> None:
             check()
             progress(share)
-        found, proofs = methods.proved(found, conditions, tell, seconds)
+        found, proofs = search.proved(found, conditions, tell, seconds)
     if parts is not None:
-        every = [in_part(methods, linkage, part, found) for part in parts]
+        every = [in_part(search, linkage, part, found) for part in parts]
         found = [[one for part in of_one for one in part] for of_one in zip(*every)]
     return [extremum for quantity, part, proof in zip(quantities, found, proofs)
             for extremum in _extrema(quantity, linkage, part, proof)]

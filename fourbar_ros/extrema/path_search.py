@@ -56,7 +56,7 @@ _UP_TO = _weights(NEIGHBOURS, lambda j: comb(NEIGHBOURS - 1, j))
 class PathExtremum(NamedTuple):
     """One extremum of one quantity, found on a path of the input."""
 
-    row: int                         # number of the quantity in the sampler
+    quantity: int                    # its number in the sampler
     place: float                     # input, in the mechanism's unit
     value: float
     sense: int                       # +1 maximum, -1 minimum, 0 constant from here on
@@ -114,7 +114,7 @@ def _constant_values(sampler: Sampler, samples: Samples) -> dict[int, tuple[floa
 class Roots(NamedTuple):
     """Where the slopes of quantities change their sign, arrays of shape (n,)."""
 
-    row: Array          # number of the quantity
+    quantity: Array     # its number
     before: Array       # number of the sample before the root
     sense: Array        # +1 a maximum, -1 a minimum
     x: Array            # the input there
@@ -186,14 +186,17 @@ def _interior(sampler: Sampler, samples: Samples, rows: Array,
     if not sampler.flats:       # else no bound is known
         kept = _beyond_noise(samples, roots)
         roots = Roots(*(v[kept] for v in roots))
-    if not roots.row.size:
+    if not roots.quantity.size:
         return []
-    value = sampler.same_turn(samples.values[roots.row, roots.before], roots.value, roots.row)
-    conditions = (sampled_conditions(sampler, roots.x, roots.row, roots.spacing)
-                  if with_conditions else np.full((2, roots.row.size), nan))
-    return [PathExtremum._make((*fields[:4], 0, False, *fields[4:]))
-            for fields in zip(*(v.tolist() for v in (roots.row, sampler.fold(roots.x), value,
-                                                     roots.sense, *conditions, roots.noise)))]
+    value = sampler.same_turn(samples.values[roots.quantity, roots.before], roots.value,
+                              roots.quantity)
+    conditions = (sampled_conditions(sampler, roots.x, roots.quantity, roots.spacing)
+                  if with_conditions else np.full((2, roots.quantity.size), nan))
+    columns = {'quantity': roots.quantity, 'place': sampler.fold(roots.x), 'value': value,
+               'sense': roots.sense, 'condition': conditions[0],
+               'value_condition': conditions[1], 'noise': roots.noise}
+    return [PathExtremum(**dict(zip(columns, fields)))
+            for fields in zip(*(column.tolist() for column in columns.values()))]
 
 
 def _is_kink(sampler: Sampler, roots: Roots, which: Array) -> Array:
@@ -202,7 +205,7 @@ def _is_kink(sampler: Sampler, roots: Roots, which: Array) -> Array:
 
     |F| is zero there: the rounding of x and of F explains the value.
     """
-    x, turn, row = roots.x[which], KINK * roots.spacing[which], roots.row[which]
+    x, turn, row = roots.x[which], KINK * roots.spacing[which], roots.quantity[which]
     before, after = _beside(sampler, x, turn, row)
     size = np.maximum(np.abs(before), np.abs(after))
     is_kink = (before * after < 0.0) & (np.abs(before + after) <= 0.25 * size)
@@ -217,8 +220,13 @@ def _beside(sampler: Sampler, x: Array, turn: Array, row: Array) -> tuple[Array,
     return before, after
 
 
-# Of an extremum or an end: value, its error, the sample before it, number of the root or -1.
-_Place = tuple[float, float, int, int]
+class _Turn(NamedTuple):
+    """An extremum of a quantity, or an end of a path (root -1)."""
+
+    value: float
+    error: float
+    before: int         # number of the sample before it
+    root: int           # its number among the roots
 
 
 def _beyond_noise(samples: Samples, roots: Roots) -> Array:
@@ -229,45 +237,46 @@ def _beyond_noise(samples: Samples, roots: Roots) -> Array:
     rounding errors are taken out together, the most alike first; so is one beside an end to which
     there is none. Values 3, 1, 2, 0 with an error of 1.5 each leave 3 and 0.
     """
-    order, kept = np.lexsort((roots.x, roots.before, roots.row)), list[int]()
-    for own in np.split(order, np.flatnonzero(np.diff(roots.row[order])) + 1):
+    order = np.lexsort((roots.x, roots.before, roots.quantity))
+    kept = list[int]()
+    for own in np.split(order, np.flatnonzero(np.diff(roots.quantity[order])) + 1):
         if not own.size:
             break
-        row = roots.row[own[0]]
-        values, errors = samples.values[row], PART_OF_NOISE * samples.noise[row]
-        left = [*zip(*(v[own].tolist() for v in (roots.value, roots.noise, roots.before)),
-                     own.tolist())]
+        quantity = roots.quantity[own[0]]
+        values, errors = samples.values[quantity], PART_OF_NOISE * samples.noise[quantity]
+        turns = [_Turn(float(roots.value[k]), float(roots.noise[k]), int(roots.before[k]), k)
+                 for k in own.tolist()]
         if not samples.path.is_closed:
-            left = [(float(values[0]), float(errors[0]), -1, -1), *left,
-                    (float(values[-1]), float(errors[-1]), values.size - 1, -1)]
-        kept += [k for *_, k in _with_falls(left, values, errors) if k >= 0]
+            turns = [_Turn(float(values[0]), float(errors[0]), -1, -1), *turns,
+                     _Turn(float(values[-1]), float(errors[-1]), values.size - 1, -1)]
+        kept += [turn.root for turn in _with_falls(turns, values, errors) if turn.root >= 0]
     return np.array(kept, int)
 
 
-def _with_falls(left: list[_Place], values: Array, errors: Array) -> list[_Place]:
+def _with_falls(turns: list[_Turn], values: Array, errors: Array) -> list[_Turn]:
     """Return those of the extrema of a quantity, with any ends, that its rounding leaves."""
     @cache
-    def fall(one: _Place, other: _Place) -> float:
+    def fall(one: _Turn, other: _Turn) -> float:
         """Return the largest fall between two neighbours, over its error."""
-        least = abs(one[0] - other[0]) / max(one[1], other[1], SMALLEST)
-        number = (other[2] - one[2]) % values.size
+        least = abs(one.value - other.value) / max(one.error, other.error, SMALLEST)
+        number = (other.before - one.before) % values.size
         if least > 1.0 or not number:
             return least
-        i = (one[2] + 1 + np.arange(number)) % values.size
+        i = (one.before + 1 + np.arange(number)) % values.size
         with np.errstate(over='ignore'):
-            return float(max(least, *((np.abs(values[i] - value) / np.maximum(
-                errors[i], max(error, SMALLEST))).max() for value, error, *_ in (one, other))))
+            return float(max(least, *((np.abs(values[i] - turn.value) / np.maximum(
+                errors[i], max(turn.error, SMALLEST))).max() for turn in (one, other))))
 
-    ends = 2 if left[0][3] < 0 else 0
-    while len(left) > ends:
-        falls = [fall(*pair) for pair in zip(left, left[1:] + left[:ends == 0])]
+    is_closed = turns[0].root >= 0
+    while len(turns) > (0 if is_closed else 2):
+        falls = [fall(*pair) for pair in zip(turns, turns[1:] + turns[:is_closed])]
         least = min(falls)
         if least > 1.0:
             break
         k = falls.index(least)
-        left = [one for i, one in enumerate(left)
-                if i not in (k, (k + 1) % len(left)) or one[3] < 0]
-    return left
+        turns = [turn for i, turn in enumerate(turns)
+                 if i not in (k, (k + 1) % len(turns)) or turn.root < 0]
+    return turns
 
 
 def _smooth_slopes(sampler: Sampler, samples: Samples, rows: Array) -> Array:

@@ -14,8 +14,8 @@ from math import isfinite, pi
 from typing import Any, NamedTuple
 
 from fourbar_ros.errors import in_words, InvalidParameter
-from fourbar_ros.extrema.methods import Methods
 from fourbar_ros.extrema.path_search import PathExtremum
+from fourbar_ros.extrema.search import Search
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.numerics.arrays import EPS
 from fourbar_ros.numerics.given import number
@@ -57,12 +57,12 @@ def parts_of(linkage: Mechanism, within: Any) -> list[Part]:
     return found
 
 
-def in_part(methods: Methods, linkage: Mechanism, part: Part,
+def in_part(search: Search, linkage: Mechanism, part: Part,
             found: Sequence[Sequence[PathExtremum]]) -> list[list[PathExtremum]]:
     """Return those of the extrema of each quantity that lie in a part, and the part's ends."""
     unit, width = linkage.input_unit, part.high - part.low
     slack = 4.0 * EPS * max(1.0, abs(part.low), abs(part.high)) * unit
-    at_ends = [methods.values_at(x / unit) if is_end else None
+    at_ends = [search.values_at(x / unit) if is_end else None
                for x, is_end in zip(part[:2], part.ends)]
 
     def place(x: float) -> float:

@@ -17,9 +17,9 @@ from fourbar_ros import (
 )
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.extrema.find import find_extrema
-from fourbar_ros.extrema.methods import Methods
 from fourbar_ros.extrema.proof import Enclosing, polynomial, slopes
 from fourbar_ros.extrema.sampling import Sampler
+from fourbar_ros.extrema.search import Search
 from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 from fourbar_ros.mechanisms.quantities import known, point_speed, positions, select
@@ -144,8 +144,8 @@ def test_a_function_without_enclosures_is_not_proved():
 
 @pytest.mark.parametrize('quantity', ['alpha4', 'driving_torque'])
 def test_a_missing_extremum_is_noticed(monkeypatch, quantity):
-    search = Methods.search
-    monkeypatch.setattr(Methods, 'search',
+    search = Search.extrema
+    monkeypatch.setattr(Search, 'extrema',
                         lambda *arguments: [part[1:] for part in search(*arguments)])
     number = len(find_extrema(with_rods(PAPER), (quantity,), 25.0)) + 1
     text, = proofs(find_extrema(with_rods(PAPER), (quantity,), 25.0, certify=True))
@@ -155,14 +155,14 @@ def test_a_missing_extremum_is_noticed(monkeypatch, quantity):
 def test_only_what_is_missing_is_searched_for_again_where_the_proof_says_it_is(monkeypatch):
     """The search of one quantity forgets at first, that of the other the second time."""
     linkage, names = with_rods(PAPER), ('f41', 'f32')
-    right, search, calls = find_extrema(linkage, names, 25.0), Methods.search, []
+    right, search, calls = find_extrema(linkage, names, 25.0), Search.extrema, []
 
     def forgetful(*arguments):
         found, row = search(*arguments), len(calls)
         calls.append(arguments)
         return [part[1:] if k == row else part for k, part in enumerate(found)]
 
-    monkeypatch.setattr(Methods, 'search', forgetful)
+    monkeypatch.setattr(Search, 'extrema', forgetful)
     found = find_extrema(linkage, names, 25.0, certify=True)
     assert len(calls) == 2 and proofs(found) == {'interval bounds'}
     assert [(e.quantity, e.kind) for e in found] == [(e.quantity, e.kind) for e in right]
@@ -221,8 +221,8 @@ def test_searches_of_random_machines_find_what_their_proofs_find(seed):
                                  10.0**rng.uniform(-4.0, 2.0)) for link in dyads[-1].links}
             with suppress(FourBarError):
                 machine = Machine(dyads, bodies=bodies)
-        methods = Methods(machine, select((), machine), (1.0, 0.0))
-        found = methods.search(False)
+        methods = Search(machine, select((), machine), (1.0, 0.0))
+        found = methods.extrema(False)
         for proof, part in zip(methods.prove(found, lambda share: None, 0.2), found):
             verdict = proof.verdict(part)
             proved += verdict.text.startswith('interval bounds')
@@ -272,8 +272,8 @@ MACHINES = ('v_engine', 'andrews', 'bucket', 'jansen', 'quick_return', 'stephens
 def all_of(machine):
     """Return the methods for all quantities of a machine and what they find."""
     quantities = [*select((), machine), *positions(machine, machine.input).values()]
-    methods = Methods(machine, quantities, (3.0, 0.0))
-    return quantities, methods, methods.search(False)
+    methods = Search(machine, quantities, (3.0, 0.0))
+    return quantities, methods, methods.extrema(False)
 
 
 @some('name', MACHINES, 1)

@@ -27,8 +27,8 @@ if TYPE_CHECKING:       # loaded when a proof is asked for
 SAMPLES = 256       # points of a full turn, at least
 
 
-class Methods:
-    """The searches and proofs for some quantities of a mechanism at a rate and acceleration."""
+class Search:
+    """The search, and its proof, for some quantities of a mechanism at rate and acceleration."""
 
     def __init__(self, linkage: Mechanism, quantities: Sequence[Asked],
                  rates: tuple[float, float]) -> None:
@@ -45,7 +45,7 @@ class Methods:
         """Return the paths of the input, with their sample points."""
         return input_paths(self._linkage, SAMPLES)
 
-    def search(self, with_conditions: bool = True,
+    def extrema(self, with_conditions: bool = True,
                more: Sequence[float] = ()) -> list[list[PathExtremum]]:
         """
         Return the extrema of each quantity.
@@ -56,7 +56,7 @@ class Methods:
         for sampler, rows in self._groups:
             for path in self.paths:
                 for part in search_path(sampler, path, with_conditions, more):
-                    found[rows[part.row]].append(part)
+                    found[rows[part.quantity]].append(part)
         return found
 
     def values_at(self, x: float) -> list[float]:
@@ -93,7 +93,7 @@ class Methods:
         wrong = [row for row, verdict in enumerate(verdicts) if verdict.is_contradicted]
         if wrong:
             ends = [proofs[row].ends_of_parts for row in wrong]
-            again = self.search(with_conditions, sum(ends, []))
+            again = self.extrema(with_conditions, sum(ends, []))
             for row in wrong:
                 verdict = proofs[row].verdict(again[row])
                 if not verdict.is_contradicted:
