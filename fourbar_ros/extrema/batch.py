@@ -146,8 +146,8 @@ def _closing(lengths: Array) -> tuple[Array, Array]:
         return closes, np.asarray(closes & (f.A1 * f.B2 < 0.0) & (f.C1 * f.D1 > 0.0))
 
 
-def _together(lengths: Array, mode: Array, rate: Array, count: int) -> tuple[Array, Columns,
-                                                                            Columns]:
+def _together(lengths: Array, mode: Array, rate: Array,
+              count: int) -> tuple[Array, Columns, Columns]:
     """
     Return which linkages are in doubt, and the columns of both quantities of the others.
 

@@ -46,7 +46,7 @@ class Search:
         return input_paths(self._linkage, SAMPLES)
 
     def extrema(self, with_conditions: bool = True,
-               more: Sequence[float] = ()) -> list[list[PathExtremum]]:
+                more: Sequence[float] = ()) -> list[list[PathExtremum]]:
         """
         Return the extrema of each quantity.
 
