@@ -19,7 +19,7 @@ SAFETY = 64.0
 
 
 def newton_roots(function: Function, row: Array, xa: Array, xb: Array, fa: Array,
-                            x: Array) -> list[Array]:
+                 x: Array) -> list[Array]:
     """
     Return the root of a function in each bracket, to the last bits of x, all together.
 
