@@ -45,13 +45,13 @@ from fourbar_ros.scene.topics import (
     TRAJECTORIES,
     wrench_topic,
 )
-from fourbar_ros.transmission import Transmission
 import numpy as np
 
 if TYPE_CHECKING:      # other scenes do without
     from fourbar_ros.dynamics.model.elements import Element, PositionForce
     from fourbar_ros.dynamics.step.mover import Mover
     from fourbar_ros.mechanisms.parts import NamedFields
+    from fourbar_ros.transmission import Transmission
     from numpy.typing import ArrayLike
 
 
@@ -176,6 +176,7 @@ class Scene(NamedTuple):
         Where that is not given and the linkage does not close there, about the middle of the first
         range. Raises FourBarError.
         """
+        from fourbar_ros.transmission import Transmission
         try:
             return Transmission(self.linkage, self.drive.start)
         except OutOfRange:

@@ -14,7 +14,6 @@ from typing import Any, TYPE_CHECKING
 from fourbar_ros import __version__
 from fourbar_ros.errors import BagError, FourBarError
 from fourbar_ros.optional import MissingPackage
-from fourbar_ros.pipeline import rate_estimator
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import DRIVEN, INPUTS, SCENE
 from rclpy.node import Node
@@ -163,6 +162,7 @@ class Recording:
 
 def about_of(scene: Scene, topics: Mapping[str, str], node: str) -> dict[str, str]:
     """Return the metadata of a bag: scene, node, versions; ``topics``: {short name: full name}."""
+    from fourbar_ros.pipeline import rate_estimator  # only bags and topics as inputs need it
     return {'scene': scene.as_json, 'topics': json.dumps(topics), 'node': node,
             'units': 'SI: m, kg, s, rad, N, N m', 'software': json.dumps(software()),
             rate_estimator.KEY: str(rate_estimator.VERSION)}

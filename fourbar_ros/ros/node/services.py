@@ -20,7 +20,6 @@ from fourbar_ros.pipeline.status import (
     TOGGLE,
 )
 from fourbar_ros.ros.messages import filler, Message, resolve, set_constants, Stamp
-from fourbar_ros.ros.node.extrema import search
 from fourbar_ros.ros.node.stream import Stream
 from fourbar_ros.ros.node.worker import answer_beside, WAITING, Worker
 from fourbar_ros.scene.message_fields import mode_number
@@ -36,6 +35,7 @@ def create(node: Node, stream: Stream, workers: Mapping[str, Worker]) -> None:
     """Create the services that the scene names; slow ones are answered in ``workers``."""
     def find_extrema(stream: Stream, request: Message, response: Message) -> Message:
         """Answer FindExtrema."""
+        from fourbar_ros.ros.node.extrema import search  # not before it is asked for
         check = workers['proof' if request.certify else 'search'].check
         return search(stream.scene, request, check, response)
 
