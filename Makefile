@@ -3,7 +3,6 @@ SHELL := /bin/bash
 SCENE ?= config/paper.yaml
 SECONDS ?= 5
 MINUTES ?= 60
-FOLDER ?= /var/cache/fourbar_arm64
 WORKERS ?= 4
 ARGS ?=
 SPREAD = -n $(WORKERS) --dist loadfile --no-loadscope-reorder --durations=12
@@ -12,7 +11,7 @@ export PYTHON
 env := . scripts/env.sh
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test test-slow test-all coverage lint check-pip check-clean check-oldest check-loaded check-arm64 soak bench docs clean
+.PHONY: help setup run test test-slow test-all coverage lint check-pip check-clean check-oldest check-loaded soak bench docs clean
 
 help:
 	@echo 'fourbar_ros: exact motion, loads and extrema of planar linkages;'
@@ -30,7 +29,6 @@ help:
 	@echo '  make check-clean   make run and make test in a fresh clone with a bare environment'
 	@echo '  make check-oldest  the same with numpy 1.26 and scipy 1.11, as in Ubuntu 24.04'
 	@echo '  make check-loaded  make test three times while six busy loops take the processor'
-	@echo '  make check-arm64   the tests without ROS on an emulated arm64; takes root and an hour    FOLDER=$(FOLDER)'
 	@echo '  make soak       flood the node: garbage, clock steps, a slow disk, restarts; then hostile'
 	@echo '                  parameters of every scene    MINUTES=60 of each'
 	@echo '  make bench      measure accuracy, speed, extrema, node and recorder   ARGS="speed"'
@@ -48,7 +46,7 @@ setup:
 	@echo 'ready:  . scripts/env.sh'
 
 run:
-	@scripts/check_run.sh '$(SCENE)' '$(SECONDS)'
+	@[ -f '$(SCENE)' ] || [ -f 'config/$(SCENE).yaml' ] || { echo 'SCENE=$(SCENE): no such file or scene' >&2; exit 1; }
 	@scripts/setup.sh
 	@$(env) && fourbar_demo '$(SCENE)' --seconds '$(SECONDS)'
 
@@ -76,17 +74,16 @@ lint:
 check-pip:
 	@scripts/check_pip.sh
 
-check-clean:
-	@scripts/check_clean.sh
-
-check-oldest:
-	@scripts/check_clean.sh oldest
+# Of the caller's shell only what reaches the package registry is kept.
+check-clean check-oldest:
+	@work=$$(mktemp -d) && trap "rm -rf $$work" EXIT && git clone -q . $$work/fresh && cd $$work/fresh && \
+	  { [ $@ = check-clean ] || sed -i -E 's/^(numpy==).*/\11.26.4/; s/^(scipy==).*/\11.11.4/' scripts/constraints.txt; } && \
+	  env -i HOME=$$work PATH="$$PATH" LANG=C.UTF-8 PYTHON='$(PYTHON)' ARGS='$(ARGS)' \
+	    $$(env | grep -E '^(HTTPS?_PROXY|https?_proxy|NO_PROXY|no_proxy|PIP_[A-Z_]+|SSL_CERT_FILE)=') make run test
 
 check-loaded:
-	@scripts/check_loaded.sh
-
-check-arm64:
-	@scripts/check_arm64.sh '$(FOLDER)' $(ARGS)
+	@trap 'kill $$(jobs -p)' EXIT; for i in 1 2 3 4 5 6; do while :; do :; done & done; \
+	  for i in 1 2 3; do $(MAKE) test || exit; done
 
 soak:
 	@scripts/setup.sh test
@@ -98,7 +95,7 @@ bench:
 
 docs:
 	@scripts/setup.sh
-	@[ -x .venv-docs/bin/mkdocs ] || { .venv/bin/python -m venv .venv-docs && .venv-docs/bin/pip -q install -r requirements/docs.txt; }
+	@[ -x .venv-docs/bin/mkdocs ] || { .venv/bin/python -m venv .venv-docs && .venv/bin/python scripts/requirements.py docs | xargs .venv-docs/bin/pip -q install -c scripts/constraints.txt; }
 	@site=$$(.venv/bin/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))') && \
 	  PYTHONPATH=$(CURDIR):$$site NO_MKDOCS_2_WARNING=1 .venv-docs/bin/mkdocs build -q --strict -f docs/site/mkdocs.yml
 	@echo 'built: build/site/index.html'

@@ -2,41 +2,24 @@
 # Afterwards `python`, `fourbar`, `fourbar_node`, `fourbar_demo` are those of this tree, and
 # rclpy and fourbar_msgs import. Sourcing twice is harmless.
 
-if [ -n "${ZSH_VERSION:-}" ]; then
-  eval '_fourbar_root=${(%):-%x}'       # in eval, because bash cannot parse it
-else
-  _fourbar_root=${BASH_SOURCE[0]}
-fi
-_fourbar_root=$(CDPATH='' cd -- "$(dirname -- "$_fourbar_root")/.." && pwd -P)
-
 _fourbar_env() {
-  local venv=$_fourbar_root/.venv install=$_fourbar_root/install
+  local venv=$1/.venv install=$1/install nounset=
   if [ ! -e "$venv/setup/ros" ] || [ ! -e "$install/local_setup.sh" ]; then
-    echo "fourbar_ros is not set up yet: make setup" >&2
+    echo 'fourbar_ros is not set up yet: make setup' >&2
     return 1
   fi
-  if [ "$(cat "$venv/setup/ros")" = wheels ]; then
-    # All of ROS is in .venv. Whatever another workspace or ROS left in this shell would be mixed
-    # into it, and the loader must not be told it was prepared already for other libraries.
+  if [ "$(cat "$venv/setup/ros")" = wheels ]; then      # all of ROS is in .venv: no other is mixed in
     unset PYTHONPATH PYTHONHOME LD_LIBRARY_PATH COLCON_PREFIX_PATH _ROS_WHEELS_BOOTSTRAP_COMPLETE
-    export AMENT_PREFIX_PATH=$venv CMAKE_PREFIX_PATH=$venv
-    export RMW_IMPLEMENTATION=rmw_fastrtps_cpp      # the only one there is as a wheel
+    export AMENT_PREFIX_PATH=$venv CMAKE_PREFIX_PATH=$venv RMW_IMPLEMENTATION=rmw_fastrtps_cpp
   elif [ -z "${ROS_DISTRO:-}" ]; then
-    echo "fourbar_ros was set up with a sourced ROS 2: source that first, or: make clean setup" >&2
+    echo 'fourbar_ros was set up with a sourced ROS 2: source that first, or: make clean setup' >&2
     return 1
   fi
-
-  export VIRTUAL_ENV=$venv
   local bin=$install/fourbar_ros/lib/fourbar_ros:$venv/bin
-  case $PATH in
-    "$bin:"*) ;;
-    *) export PATH=$bin:$PATH ;;
-  esac
-  export ROS_AUTOMATIC_DISCOVERY_RANGE=${ROS_AUTOMATIC_DISCOVERY_RANGE:-LOCALHOST}
+  case $PATH in "$bin:"*) ;; *) export PATH=$bin:$PATH ;; esac
+  export VIRTUAL_ENV=$venv ROS_AUTOMATIC_DISCOVERY_RANGE=${ROS_AUTOMATIC_DISCOVERY_RANGE:-LOCALHOST}
 
-  # colcon's script reads unset variables and is written for sh.
-  local nounset=
-  case $- in *u*) nounset=yes; set +u ;; esac
+  case $- in *u*) nounset=yes; set +u ;; esac           # colcon's script is for sh without -u
   COLCON_CURRENT_PREFIX=$install
   if [ -n "${ZSH_VERSION:-}" ]; then
     emulate sh -c '. "$COLCON_CURRENT_PREFIX/local_setup.sh"'
@@ -44,12 +27,13 @@ _fourbar_env() {
     . "$COLCON_CURRENT_PREFIX/local_setup.sh"
   fi
   unset COLCON_CURRENT_PREFIX
-  if [ -n "$nounset" ]; then set -u; fi
+  [ -z "$nounset" ] || set -u
 }
 
-if _fourbar_env; then
-  unset -f _fourbar_env; unset _fourbar_root
+# zsh names a sourced file in $0
+if _fourbar_env "$(CDPATH='' cd -- "$(dirname -- "${BASH_SOURCE[0]:-$0}")/.." && pwd -P)"; then
+  unset -f _fourbar_env
 else
-  unset -f _fourbar_env; unset _fourbar_root
+  unset -f _fourbar_env
   return 1
 fi

@@ -1,18 +1,19 @@
 #!/usr/bin/env bash
-# Runs the linters of requirements/lint.txt over the tree, all of them, and fails if one complains.
+# Runs the linters (extra `lint` of setup.py) over the tree, all of them, and fails if one complains.
 # Needs no ROS: they live in .venv-lint, which is made on first use and when the list changes.
 #
 #   PYTHON=python3.12 scripts/lint.sh
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
-venv=.venv-lint
-if ! cmp -s requirements/lint.txt "$venv/installed"; then
+venv=.venv-lint python=${PYTHON:-python3}
+wanted=$("$python" scripts/requirements.py lint; cat scripts/constraints.txt)
+if [ "$wanted" != "$(cat $venv/installed 2>/dev/null)" ]; then
   rm -rf "$venv"
-  "${PYTHON:-python3}" -m venv "$venv"
-  "$venv/bin/pip" -q --disable-pip-version-check install -r requirements/lint.txt
-  cp requirements/lint.txt "$venv/installed"
+  "$python" -m venv "$venv"
+  "$python" scripts/requirements.py lint >"$venv/wanted"
+  "$venv/bin/pip" -q --disable-pip-version-check install -r "$venv/wanted" -c scripts/constraints.txt
+  echo "$wanted" >"$venv/installed"
 fi
-
 failed=()
 run() {
   echo "lint: $1"

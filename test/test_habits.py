@@ -41,13 +41,6 @@ def ros_depends():
     return set(re.findall(r'<(?:exec_|test_)?depend>([^<]+)<', text('package.xml')))
 
 
-def required(*files):
-    """Return the names of the distributions that requirements files list, in lower case."""
-    lines = [line for file in files for line in text(f'requirements/{file}.txt').splitlines()]
-    return {re.split(r'[\[=<>~ #]', line, maxsplit=1)[0].lower() for line in lines
-            if line and not line.startswith('#')}
-
-
 def test_the_version_stands_in_one_place_and_its_copies_agree():
     version = re.search(r"^__version__ = '([^']+)'$", text('fourbar_ros/__init__.py'), re.M)[1]
     for file in ('package.xml', 'msg_defs/package.xml', 'scripts/tf2_msgs/package.xml'):
@@ -60,10 +53,10 @@ def test_the_version_stands_in_one_place_and_its_copies_agree():
 
 
 def test_what_the_product_imports_is_declared():
-    ros, pip = ros_depends(), required('python', 'ros', 'test')
+    ros = ros_depends()
     for name in third_party('fourbar_ros', 'fourbar_lab', 'launch'):
         distribution = NAMES.get(name, name)
-        assert (name in ros or f'python3-{name}' in ros or distribution in pip
+        assert (name in ros or f'python3-{name}' in ros
                 or distribution in text('setup.py')), name
 
 
@@ -71,3 +64,17 @@ def test_every_message_package_that_is_imported_is_in_package_xml():
     packages = {name for name in third_party('fourbar_ros', 'fourbar_lab', 'launch')
                 if name.endswith(('_msgs', '_interfaces')) or name in ('rclpy', 'launch_ros')}
     assert packages <= ros_depends(), packages - ros_depends()
+
+
+def requirements(*extras):
+    """Return the names of the distributions that setup.py asks for."""
+    done = subprocess.run([sys.executable, 'scripts/requirements.py', *extras], cwd=ROOT,
+                          check=True, capture_output=True, text=True)
+    return {re.split(r'[\[<>=]', line)[0] for line in done.stdout.splitlines()}
+
+
+def test_what_is_installed_is_pinned():
+    pinned = set(re.findall('^([^#=]+)==', text('scripts/constraints.txt'), re.M))
+    asked = requirements('ros', 'plot', 'test', 'docs', 'lint')
+    assert asked <= pinned, asked - pinned
+    assert pinned <= asked | requirements('run'), pinned - asked

@@ -196,20 +196,6 @@ def test_the_output_does_not_change_from_run_to_run():
         assert len({text(*arguments, seed=seed) for seed in (1, 2)}) == 1
 
 
-@some('arguments, text', [
-    (['config/typo.yaml', '5'], 'config/typo.yaml: no such file'),
-    (['papr', '5'], 'no scene of this name'),
-    (['paper', '-1'], 'SECONDS=-1: must be'), (['paper', '0'], 'SECONDS=0: must be'),
-    (['paper', 'x'], 'SECONDS=x: must be'),
-    (['paper', '0.0'], 'SECONDS=0.0: must be'), (['paper', '5'], ''),
-    (['config/cylinder.yaml', '.5'], '')], 1)
-def test_make_run_checks_what_it_is_asked_for_first(arguments, text):
-    done = subprocess.run([ROOT / 'scripts/check_run.sh', *arguments], capture_output=True,
-                          text=True, check=False)
-    assert (done.returncode == 0) == (not text)
-    assert text in done.stderr and len(done.stderr.splitlines()) == bool(text)
-
-
 def test_a_picture_is_where_the_output_says(tmp_path, capsys):
     pytest.importorskip('matplotlib')
     code, out, _ = said(capsys, 'draw', 'paper', '--at', '60', '-o', str(tmp_path / 'noext'))
