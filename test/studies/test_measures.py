@@ -199,7 +199,7 @@ def test_rates_of_any_four_bars_computed_together_are_those_computed_one_by_one(
     monkeypatch.setattr(chunks, '_row', lambda *given: alone.append(given) or one_by_one(*given))
     together = compute(study, 0)
     not_built = together.counts['cannot be built']
-    assert 0 < not_built == len(alone)          # the others are all computed together
+    assert 0 < not_built < len(alone) < 200     # cranks that turn fully are computed together
     monkeypatch.setattr(chunks, '_together', lambda study, drawn: ({}, [''] * 200))
     expected = compute(study, 0)
     assert together.counts == expected.counts
