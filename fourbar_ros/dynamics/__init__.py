@@ -18,7 +18,6 @@ from fourbar_ros.optional import lazily
 
 if TYPE_CHECKING:
     from fourbar_ros.dynamics.flywheel import Flywheel, flywheel_for
-    from fourbar_ros.dynamics.free_motion import FreeMotion
     from fourbar_ros.dynamics.model.drives import (
         ConstantTorque,
         DCMotor,
@@ -41,6 +40,7 @@ if TYPE_CHECKING:
     from fourbar_ros.dynamics.model.force_table import ForceTable
     from fourbar_ros.dynamics.model.induction_motor import InductionMotor
     from fourbar_ros.dynamics.model.system import System
+    from fourbar_ros.dynamics.period import free_period
     from fourbar_ros.dynamics.solve.simulate import (
         CHANGE_POINT,
         EVENT,
@@ -57,14 +57,14 @@ if TYPE_CHECKING:
 __all__ = [
     'CHANGE_POINT', 'EVENT', 'LIMIT', 'NOT_CHECKED', 'NOT_CONVERGED', 'REACHED', 'STOPPED',
     'Attachment', 'ConstantTorque', 'DCMotor', 'Drive', 'Equation', 'Equilibrium', 'Flywheel',
-    'ForceTable', 'FreeMotion', 'InductionMotor', 'LinkAngle', 'MotorLine', 'PositionForce', 'Run',
-    'Shaft', 'SpeedController', 'Spring', 'System', 'TorqueTable', 'TorsionSpring', 'Way',
-    'equilibria', 'flywheel_for', 'loads_with', 'simulate',
+    'ForceTable', 'InductionMotor', 'LinkAngle', 'MotorLine', 'PositionForce', 'Run', 'Shaft',
+    'SpeedController', 'Spring', 'System', 'TorqueTable', 'TorsionSpring', 'Way', 'equilibria',
+    'flywheel_for', 'free_period', 'loads_with', 'simulate',
 ]
 
 __getattr__, __dir__ = lazily(__name__, {
     'fourbar_ros.dynamics.flywheel': 'Flywheel, flywheel_for',
-    'fourbar_ros.dynamics.free_motion': 'FreeMotion',
+    'fourbar_ros.dynamics.period': 'free_period',
     'fourbar_ros.dynamics.statics': 'Equilibrium, equilibria',
     'fourbar_ros.dynamics.model.drives':
         'ConstantTorque, DCMotor, Drive, MotorLine, Shaft, SpeedController, TorqueTable',

@@ -4,7 +4,6 @@
 from math import pi
 
 from fourbar_ros import SliderCrank
-from fourbar_ros.dynamics.free_motion import FreeMotion
 from fourbar_ros.dynamics.model.drives import Drive, MotorLine, Shaft
 from fourbar_ros.dynamics.model.system import System
 from fourbar_ros.dynamics.solve.simulate import REACHED, simulate
@@ -174,17 +173,6 @@ def test_the_reference_of_the_window_by_elliptic_functions_and_by_series():
         series = taylor(pendulum, lambda: [arb.pi() / 2, -1], 20, 1000, 34, 38)[0]
         assert abs(exact - series) < mp.mpf('1e-25')
         assert abs(exact - mp.mpf(P3_POSITION)) < mp.mpf('1e-25')
-
-
-def test_free_motion_by_quadrature_agrees_with_the_references():
-    motion = FreeMotion(near_lock_up())
-    assert motion.energy == 1000.0
-    assert float(motion.position(4.99)) == pytest.approx(float(P4_POSITION), abs=1e-13 * 27)
-    motion = FreeMotion(one_window())
-    times = np.linspace(0.0, 20.0, 41)
-    with mp.workdps(30):
-        exact = [float(one_window_exact(mp.mpf(time))) for time in times.tolist()]
-    assert np.max(np.abs(motion.position(times) - exact)) <= 1e-11
 
 
 @pytest.mark.slow

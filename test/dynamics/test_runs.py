@@ -11,7 +11,7 @@ from fourbar_ros.dynamics.model.drives import ConstantTorque, Drive, MotorLine, 
 from fourbar_ros.dynamics.model.elements import Attachment, PositionForce, Spring, Way
 from fourbar_ros.dynamics.model.force_table import ForceTable
 from fourbar_ros.dynamics.model.system import System
-from fourbar_ros.dynamics.solve.integrators import Allowance, integrate
+from fourbar_ros.dynamics.period import free_period
 from fourbar_ros.dynamics.solve.simulate import EVENT, REACHED, simulate
 from fourbar_ros.errors import FourBarError, InvalidParameter
 import numpy as np
@@ -96,11 +96,10 @@ def test_a_run_stops_at_an_angle(name):
 
 def test_a_swing_from_rest_stops_at_its_next_rest():
     """Half a period after the start, where it is at rest; the start itself does not count."""
-    from fourbar_ros.dynamics.free_motion import FreeMotion
     system = System(LINKAGE, -1.2)
     run = simulate(system, 10.0, 1e-10, stop_when=lambda t, y: y[1])
     assert run.status == EVENT and abs(run.rate[-1]) < 1e-9
-    assert run.time[-1] == pytest.approx(0.5 * FreeMotion(system).period, abs=1e-8)
+    assert run.time[-1] == pytest.approx(0.5 * free_period(system), abs=1e-8)
 
 
 def test_a_run_stops_beyond_toggles_in_numbers_of_its_input():
@@ -181,46 +180,6 @@ def test_wrong_times_of_a_run_are_errors_of_ours(times):
     with pytest.raises(FourBarError) as refused:
         simulate(SYSTEMS['free'], 0.4, 1e-6, times=times)
     assert '\n' not in str(refused.value)
-
-
-# --- where a run stops: what lies between two steps, or between two parts ------------------------
-
-
-@pytest.mark.parametrize('sign', [1.0, -1.0])
-def test_an_event_on_the_seam_of_two_parts_is_seen(sign):
-    """
-    A zero at a projection: the side before it is carried over, as the state changes there.
-
-    The event lies between the rate before a projection and the one after it: neither of the two
-    parts crosses zero by itself.
-    """
-    system = System(LINKAGE, 0.0, 9.0)
-    parts = integrate(system, 'DOP853', 1e-6, np.empty(0), Allowance(12.0),
-                      lambda t, y: 1.0).parts
-    seams = [(before.time[-1], before.states[1, -1], after.states[1, 0])
-             for before, after in zip(parts, parts[1:])]
-    assert len(seams) > 3 and all(before != after for _, before, after in seams)
-    for time, before, after in seams[:4]:
-        level = 0.5 * (before + after)
-
-        def crosses(t, y, time=time, level=level, rises=after > before):
-            side = y[1] - level if rises else level - y[1]
-            return sign * (side if abs(t - time) < 1e-9 else t - time)
-        run = simulate(system, 12.0, 1e-6, 'DOP853', check=False, stop_when=crosses)
-        assert run.time[-1] == pytest.approx(time, abs=2e-9)
-
-
-def test_two_crossings_in_one_step_are_seen():
-    """A dip below zero for a seventh of a step, wherever in the step it lies."""
-    system = SYSTEMS['constant']
-    steps = simulate(system, 0.4, 1e-6, 'DOP853', check=False).time
-    first, last = steps[np.argmax(np.diff(steps))], steps[np.argmax(np.diff(steps)) + 1]
-    half = (last - first) / 14.0
-    for share in np.linspace(0.2, 0.8, 7):
-        middle = first + share * (last - first)
-        run = simulate(system, 0.4, 1e-6, 'DOP853',
-                       stop_when=lambda t, y, at=middle: (t - at)**2 - half**2)
-        assert run.status == EVENT and run.time[-1] == pytest.approx(middle - half, abs=1e-12)
 
 
 @pytest.mark.parametrize('until', [1e6, 1e12, 1e300])

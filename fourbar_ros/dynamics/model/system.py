@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from math import inf
 
-from fourbar_ros.dynamics.model.drives import Answer, answer_of, ConstantTorque, Drive, Law, Regime
+from fourbar_ros.dynamics.model.drives import Answer, answer_of, Drive, Law, Regime
 from fourbar_ros.dynamics.model.elements import Element, PositionForce
 from fourbar_ros.dynamics.model.equation import Equation
 from fourbar_ros.dynamics.model.smooth import flat_positions
@@ -101,14 +101,6 @@ class System:
         """Return whether the input can go on for ever: a crank that turns fully."""
         return bool(self.mechanism.turns_fully)
 
-    @property
-    def depends_on_input_alone(self) -> bool:
-        """Return whether forces are smooth functions of the input, so energy tells the rate."""
-        drive, elements = self.drive, self.equation.elements
-        return (not self.equation.forces and not _any_damps(elements)
-                and (drive is None or drive.shaft is None
-                     and isinstance(drive.source, ConstantTorque)))
-
     def distance_to_limit(self, position: float) -> float:
         """
         Return how far an input is from its limits: positive inside, zero where a run stops.
@@ -141,7 +133,7 @@ class System:
                     else self.distance_to_limit(position))
         events = []
         if not passes_toggles or self._stroke is not None:
-            events.append(Event(limit, AT_LIMIT))
+            events.append(Event(limit, AT_LIMIT, -1.0))
         if self.stops_at_change_points and flat_positions(phase.equation.coordinate):
             events.append(Event(phase.to_flat, AT_CHANGE_POINT))
         return events

@@ -18,11 +18,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property, partial
-from math import inf, remainder, sin, sqrt, tau
+from math import inf, remainder, sin, tau
 from typing import NamedTuple, TYPE_CHECKING, Union
 
 from fourbar_ros.dynamics.model.equation import Equation, InBothModes, make_reading
 from fourbar_ros.dynamics.model.smooth import flat_positions, make_interval_of
+from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.mechanism import DrivenLinks, Mechanism
 from fourbar_ros.numerics.arrays import Array, Value
 from fourbar_ros.numerics.number_types import ARRAY, Function, NumberType, Scalar
@@ -34,21 +35,21 @@ if TYPE_CHECKING:
     from fourbar_ros.dynamics.model.system import System
 
 State = Union[Sequence[float], Array]
-# how a part of a run ends
-COMPLETE, GAVE_UP, AT_LIMIT, AT_CHANGE_POINT, HANDED_OVER, PROJECTED = (
-    'complete', 'gave up', 'at a limit', 'at a change point', 'handed over', 'projected')
-AT_EVENT = 'at an event'
-CLOSE = 1e-3       # largest part of the kinetic energy that a projection may change
-LONGEST = 2.0      # |do/dp| at which o takes over from p
+# how a leg of a run ends
+COMPLETE, GAVE_UP, AT_LIMIT, AT_CHANGE_POINT, HANDED_OVER, AT_EVENT, AT_KINK = (
+    'complete', 'gave up', 'at a limit', 'at a change point', 'handed over', 'at an event',
+    'at a kink')
+LONGEST, FARTHEST = 2.0, 1e3      # |do/dp| at which o takes over from p; at most, in an event
 MakeEquation = Callable[[Mechanism, float, Union[DrivenLinks, None]], Equation]
 
 
 class Event(NamedTuple):
-    """Something that ends a part of a run."""
+    """Something that ends a leg of a run."""
 
     function: Callable[..., float]       # (time, state in the phase) -> number: at its zeros
-    end: str                             # how the part then ends, as AT_LIMIT
-    before: float = 0.0                  # its value before the part, if not that at its start
+    end: str                             # how the leg then ends, as AT_LIMIT
+    direction: float = 0.0               # 1: where it rises, -1: where it falls, 0: both
+    before: float | None = None          # its value at the start, if not that of the function
 
 
 class Phase:
@@ -106,7 +107,14 @@ class Phase:
         An event of an integrator; both coordinates count in units of the linkage's size.
         """
         ratio = abs(self._reading(float(state[0]))[1])
-        return float(min(ratio * self.unit_of_ratio, 1e3) - LONGEST)
+        return float(min(ratio * self.unit_of_ratio, FARTHEST) - LONGEST)
+
+    def excess_or_most(self, time: float, state: State) -> float:
+        """Return the same; out of reach of the coordinate the largest excess."""
+        try:
+            return self.excess(time, state)
+        except (FourBarError, ArithmeticError):
+            return FARTHEST
 
     def to_flat(self, time: float, state: State) -> float:
         """Return a product that changes its sign at each flat position, to stop a run there."""
@@ -136,20 +144,6 @@ class Phase:
     def energy(self, state: State) -> float:
         """Return kinetic plus potential energy at a state [J]."""
         return float(self.equation.energy(float(state[0]), float(state[1])))
-
-    def with_energy(self, state: State, energy: float) -> list[float]:
-        """
-        Return a state with its rate changed so that the energy is the given one [J].
-
-        It projects a free motion back to its energy. A change of more than 1e-3 of the kinetic
-        energy, as next to a rest, is left undone.
-        """
-        missing = energy - self.energy(state)
-        twice_kinetic = self.equation.terms(state[0]).inertia * state[1]**2
-        share = 2.0 * missing / twice_kinetic if twice_kinetic else 1.0
-        if abs(share) >= CLOSE:
-            return list(state)
-        return [state[0], state[1] * sqrt(1.0 + share), *state[2:]]
 
     def input_of(self, position: float) -> tuple[float, float, float]:
         """Return the input and its first two derivatives by the coordinate, at one value of it."""

@@ -1,44 +1,47 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Motion over time, with the result checked: no wrong answer is called a success.
+Motion over time by scipy's solve_ivp, with the result checked: no wrong answer is a success.
 
-A motion without drive and dampers that goes round or swings is periodic: a Fourier series
-(:mod:`fourbar_ros.dynamics.free_motion`). The motion of a crank that goes round under a constant
-torque follows from its energy (:mod:`fourbar_ros.dynamics.solve.by_energy`). Scipy integrates all
-others over time, by DOP853, and from where a system turns out to be stiff by LSODA.
+A run is integrated leg by leg. A leg is one coordinate (:mod:`fourbar_ros.dynamics.solve.phase`)
+and one stretch between jumps of the torque; it ends at a limit, where another coordinate takes
+over near a toggle, or where it would pass over a piece of a force table. DOP853 integrates, or
+LSODA where a shaft, a drive or a force table makes the system stiff.
 
-A run is compared with one at a tighter tolerance, at times all along it, and its energy, less the
-work of drive and dampers, must stay constant at every step. While the difference or the drift of
-the energy exceeds the given tolerance, the tolerance of the integrator is tightened. If that does
-not help, or takes more evaluations than allowed, the status says so. The difference is the error
-of the rougher run; the finer one is returned.
+A run is compared with one at a tenth of its tolerance, all along it, and the energy less the work
+of drive and dampers must stay constant at every step. While the difference or the drift of the
+energy exceeds the tolerance asked for, the tolerance of the integrator is tightened. If that does
+not help, or takes more than allowed, the status says so. The difference is the error of the
+rougher run; the finer one is returned.
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import inf, isfinite, nan
-from typing import TYPE_CHECKING
+from math import inf, isfinite, nan, nextafter
+from threading import Lock
+import time as clock
+from typing import Any, NamedTuple, TYPE_CHECKING
+import warnings
 
-from fourbar_ros.dynamics import free_motion
 from fourbar_ros.dynamics.model.element_forces import loads_with
 from fourbar_ros.dynamics.model.system import System
-from fourbar_ros.dynamics.solve import by_energy
-from fourbar_ros.dynamics.solve.integrators import (
-    Allowance,
-    integrate,
-    METHODS,
-    of_interest,
-    Part,
-    Result,
-    Stop,
+from fourbar_ros.dynamics.solve.phase import (
+    AT_CHANGE_POINT,
+    AT_EVENT,
+    AT_KINK,
+    AT_LIMIT,
+    COMPLETE,
+    Event,
+    GAVE_UP,
+    HANDED_OVER,
+    Phase,
 )
-from fourbar_ros.dynamics.solve.phase import AT_CHANGE_POINT, AT_EVENT, AT_LIMIT, COMPLETE, GAVE_UP
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.mechanisms.parts import NamedFields
-from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.numerics.arrays import Array, EPS
 from fourbar_ros.numerics.given import array, number
 from fourbar_ros.optional import MissingPackage
 import numpy as np
@@ -47,20 +50,84 @@ from numpy.typing import ArrayLike, NDArray
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+Stop = Callable[[float, Any], float]      # (time, state) -> number, zero where a run stops
 REACHED, LIMIT = 'reached the end', 'reached a limit of the input'
 CHANGE_POINT, EVENT = 'reached a change point', 'stopped where asked'
 NOT_CONVERGED, NOT_CHECKED, STOPPED = 'not converged', 'not checked', 'gave up'
-ENDS = {COMPLETE: REACHED, AT_LIMIT: LIMIT, AT_CHANGE_POINT: CHANGE_POINT, AT_EVENT: EVENT,
-        GAVE_UP: STOPPED}
-PERIODIC, ENERGY = 'Fourier series', 'energy integral'     # as methods
-FIRST = 0.1                # tolerance of the first run over the given one
+STATUS_OF = {COMPLETE: REACHED, AT_LIMIT: LIMIT, AT_CHANGE_POINT: CHANGE_POINT, AT_EVENT: EVENT,
+             GAVE_UP: STOPPED}
+METHODS = ('auto', 'DOP853', 'LSODA', 'Radau', 'RK45', 'BDF')
 TIGHTER = 0.1              # tolerance of a finer run over that of the rougher run
-LAST, TIGHTEST = 1e-13, 1e-14     # least ones of both runs; below them rounding governs
+TIGHTEST = 1e-13           # tolerance of the finest run; below it rounding governs
 MOST = 3_000_000           # evaluations in all runs
-# evaluations of runs after the first: so many, plus so many times those of the first
-LEAST_MOST, MOST_MORE = 300_000, 100
-COMPARED = 12              # steps of a run at which it is compared, beside the times asked for
-ROUNDING = 32.0 * 2.0**-52        # of an energy over the sizes of its parts
+AIM = 0.3                  # error to aim at, over the tolerance
+STIFF = 1e4                # fastest mode at the start times the run, above which LSODA integrates
+HUGE = 1e100               # states and derivatives beyond it count as not finite
+SAME = 1e-12               # how far beyond the end of a regime or a piece of a table a leg ends
+COMPARED = 400             # steps of a run at which it is compared
+ROUNDING = 32.0 * EPS      # of an energy over the sizes of its parts
+_LSODA = Lock()            # before scipy 1.17 it serves one thread at a time
+
+
+class Leg(NamedTuple):
+    """A stretch of a run in one coordinate."""
+
+    phase: Phase
+    time: Array                        # steps of the integrator [s], (n,)
+    states: Array                      # there, in the coordinate of the phase, (states, n)
+    between: Callable[[Array], Array]  # times -> states, interpolated
+    end: str                           # how it ended: COMPLETE, AT_LIMIT, ...
+
+    def at(self, times: Array) -> Array:
+        """Return the states at times within the leg, at steps those of the integrator."""
+        found = self.between(times)
+        steps = np.clip(np.searchsorted(self.time, times), 0, self.time.size - 1)
+        is_step = self.time[steps] == times
+        found[:, is_step] = self.states[:, steps[is_step]]
+        return found
+
+
+@dataclass
+class Work:
+    """What all runs of a simulation may use, and have used."""
+
+    until: float                   # end of a run [s]
+    evaluations: float = inf       # most evaluations of the equation of motion
+    seconds: float = inf           # most time [s]
+    progress: Callable[[float], None] | None = None     # called with the share of a run, 0 to 1
+    used: int = 0                  # evaluations so far
+    began: float = 0.0
+    reason: str = ''               # why a run was given up
+
+    def is_spent(self, time: float) -> bool:
+        """Return whether a run must be given up at a time [s]; ``reason`` then says why."""
+        if self.progress is not None:
+            self.progress(time / self.until)
+        if self.used > self.evaluations:
+            self.reason = f'{self.evaluations:.0f} evaluations are used up at {time:.6g} s'
+        elif clock.monotonic() - self.began > self.seconds:
+            self.reason = f'{self.seconds:g} s are used up at {time:.6g} s'
+        return bool(self.reason)
+
+    def counted(self, derivative: Callable[..., Any], until: float) -> Callable[..., Any]:
+        """
+        Return a derivative as integrators take it, up to a time ``until`` [s].
+
+        It counts calls, has the torque of just before ``until``, where it may jump, and gives NaN
+        for an error or a huge number: the integrator then takes a shorter step.
+        """
+        latest = nextafter(until, -inf)
+
+        def rates(time: float, state: Array) -> list[float]:
+            self.used += 1
+            try:
+                change = list(derivative(min(time, latest), state.tolist()))
+            except (FourBarError, ArithmeticError):
+                return [nan] * state.size
+            if min(change) > -HUGE and max(change) < HUGE:
+                return change
+            return [nan] * state.size
+        return rates
 
 
 @dataclass(frozen=True)
@@ -71,8 +138,10 @@ class Run:
     Parameters
     ----------
     system : System
-    parts : tuple of Part
-        Pieces of the run, each in one coordinate.
+    legs : tuple of Leg
+        Its stretches, each in one coordinate, with all steps of the integrator.
+    asked : array, optional
+        Times of the run [s]; None: the steps of the integrator.
     status : str
         :data:`REACHED`, :data:`LIMIT`, :data:`CHANGE_POINT`, :data:`EVENT`,
         :data:`NOT_CONVERGED`, :data:`STOPPED` or :data:`NOT_CHECKED`.
@@ -82,7 +151,7 @@ class Run:
         Largest change of energy less work, which must be constant, beyond rounding, over the
         energy in play.
     method : str
-        The method; of several integrators each, with the time of its first use.
+        Integrator of scipy.
     tolerance : float
         Tolerance of the integrator in the last run.
     evaluations : int
@@ -93,7 +162,8 @@ class Run:
     """
 
     system: System
-    parts: tuple[Part, ...]
+    legs: tuple[Leg, ...]
+    asked: Array | None
     status: str
     error: float
     drift: float
@@ -104,19 +174,45 @@ class Run:
 
     @cached_property
     def time(self) -> Array:
-        """Return the times [s], of shape (n,)."""
-        return np.concatenate([part.time for part in self.parts])
+        """Return the times [s], of shape (n,); where a run stops early is one of them."""
+        if self.asked is None:
+            return np.unique(np.concatenate([leg.time for leg in self.legs]))
+        end = self._end
+        asked: Array = self.asked[self.asked <= end]
+        stops_early = self.legs[-1].end != COMPLETE and not (asked.size and asked[-1] == end)
+        return np.append(asked, end) if stops_early else asked
+
+    @property
+    def _end(self) -> float:
+        return float(self.legs[-1].time[-1])
+
+    def _on_legs(self, times: Array) -> Iterator[tuple[Leg, NDArray[np.bool_], Array]]:
+        """Yield each leg with the mask of the times on it, and the states in its coordinate."""
+        starts = np.array([leg.time[0] for leg in self.legs])
+        numbers = np.maximum(np.searchsorted(starts, times, 'left') - 1, 0)
+        for i in np.unique(numbers):
+            there = numbers == i
+            yield self.legs[i], there, self.legs[i].at(times[there])
+
+    def _states(self, times: Array) -> Array:
+        """Return the states of the input at times, (n,), of the run."""
+        found: Array = np.empty((len(self.system.names), times.size))
+        for leg, there, states in self._on_legs(times):
+            found[:, there] = leg.phase.states_of_input(states)
+        return found
 
     @cached_property
     def states(self) -> Array:
         """Return the states over time, named by ``system.names``, of shape (states, n)."""
-        return np.concatenate([part.phase.states_of_input(part.states) for part in self.parts],
-                              axis=1)
+        return self._states(self.time)
 
     @cached_property
     def modes(self) -> NDArray[np.int64]:
         """Return the assembly mode over time, which changes at toggles and change points."""
-        return np.concatenate([part.phase.modes(part.states) for part in self.parts])
+        modes = np.empty(self.time.size, np.int64)
+        for leg, there, states in self._on_legs(self.time):
+            modes[there] = leg.phase.modes(states)
+        return modes
 
     @property
     def position(self) -> Array:
@@ -137,40 +233,23 @@ class Run:
     @property
     def acceleration(self) -> Array:
         """Return the acceleration of the input over time [rad/s^2] or [m/s^2]."""
-        return np.array([part.phase.acceleration(t, y) for part in self.parts
-                         for t, y in zip(part.time.tolist(), part.states.T.tolist())])
+        found: Array = np.empty(self.time.size)
+        for leg, there, states in self._on_legs(self.time):
+            found[there] = [leg.phase.acceleration(t, y) for t, y in
+                            zip(self.time[there].tolist(), states.T.tolist())]
+        return found
 
     # --- between its times, and derived results -------------------------------------------------
 
     def resampled(self, times: ArrayLike) -> Run:
-        """
-        Return the same run at other times, increasing; it is integrated again, as well as before.
-
-        Raises
-        ------
-        InvalidParameter
-            For times that are not within the run.
-
-        """
-        end = float(self.time[-1])
-        if self.method in (PERIODIC, ENERGY):
-            return simulate(self.system, end, self.tolerance, times=times)
-        wanted = _checked_times(times, end)
-        allowance = Allowance(end, LEAST_MOST + 2.0 * self.evaluations)
-        result = integrate(self.system, self.method if self.method in METHODS else 'auto',
-                           self.tolerance, wanted, allowance,
-                           is_finer=self.status != NOT_CHECKED)
-        run = _run(self.system, result, wanted, self.error, self.tolerance, allowance)
-        missing = np.setdiff1d(wanted[wanted <= run.time[-1]], run.time)
-        if missing.size:
-            raise InvalidParameter('times', missing[0], 'is not in the run integrated again')
-        return run
+        """Return the same run at other times, increasing; InvalidParameter if not within it."""
+        return replace(self, asked=_checked_times(times, self._end))
 
     def at(self, time: ArrayLike) -> Array:
         """
         Return the states at any times, one or more, in any order, as a solution of scipy does.
 
-        The error is that of the run. Each call integrates again: ask for many times at once.
+        Interpolated between the steps of the integrator; the error is that of the run.
 
         Parameters
         ----------
@@ -183,13 +262,9 @@ class Run:
 
         """
         given = array('time', time)
-        if not given.size or not (np.min(given) >= 0.0 and np.max(given) <= self.time[-1]):
-            raise InvalidParameter('time', time, f'must lie between 0 and {self.time[-1]:.17g} s')
-        times, places = np.unique(given, return_inverse=True)
-        states = self.resampled(times).states
-        # a limit that rounding has put before the last time
-        places = np.minimum(places.ravel(), states.shape[1] - 1)
-        return np.reshape(states[:, places], (-1, *given.shape))
+        if not given.size or not (np.min(given) >= 0.0 and np.max(given) <= self._end):
+            raise InvalidParameter('time', time, f'must lie between 0 and {self._end:.17g} s')
+        return self._states(np.ravel(given)).reshape(-1, *given.shape)
 
     @cached_property
     def loads(self) -> NamedFields:
@@ -205,7 +280,7 @@ class Run:
         return loads
 
     def loads_at(self, time: ArrayLike) -> NamedFields:
-        """Return the loads at increasing times [s], fields of their shape; it integrates again."""
+        """Return the loads at increasing times [s], fields of their shape."""
         given = array('time', time)
         loads = self.resampled(np.ravel(given)).loads
         record: NamedFields = loads._make(
@@ -262,14 +337,14 @@ def simulate(system: System, until: float, tolerance: float = 1e-8, method: str 
         False: one run at this tolerance of the integrator, with the status :data:`NOT_CHECKED`.
     evaluations, seconds : float
         Most evaluations of the equation of motion in all runs, and most time [s]. A run that needs
-        more ends with the status :data:`STOPPED`, as soon as that is clear.
+        more ends with the status :data:`STOPPED`.
     progress : callable, optional
         Called with the part of a run that is done, 0 to 1, once for each step.
     stop_when : callable, optional
         (time, state) -> number: the run stops where it crosses zero after the start, with the
         status :data:`EVENT`. The state is that of the input, named by ``system.names``:
         ``lambda t, y: y[0] - pi`` stops at half a turn, ``lambda t, y: y[1]`` at the next rest.
-        It is asked eight times in each step of the integrator.
+        It is asked after each step of the integrator: two zeros within one step are not seen.
 
     Raises
     ------
@@ -285,24 +360,37 @@ def simulate(system: System, until: float, tolerance: float = 1e-8, method: str 
         raise InvalidParameter('method', method, f'must be one of {", ".join(METHODS)}')
     if stop_when is not None and not callable(stop_when):
         raise InvalidParameter('stop_when', stop_when, 'must be a function of time and state')
-    allowance = Allowance(until, _most('evaluations', evaluations), _most('seconds', seconds),
-                          progress, stop_when is not None)
     wanted = None if times is None else _checked_times(times, until)
     _check_start(system)
-    if check and method == 'auto' and stop_when is None:
-        for name, follow in ((PERIODIC, free_motion.follow), (ENERGY, by_energy.follow)):
-            followed = follow(system, until, tolerance * system.mechanism.input_unit, wanted)
-            if followed is not None:
-                part, error, used = followed
-                drift = energy_drift(system, (part,))
-                if drift <= tolerance:
-                    return Run(system, (part,), REACHED, error, drift, name, tolerance, used)
-    if check:
-        return _checked(system, tolerance, method, wanted, allowance, stop_when)
-    tolerance = max(tolerance, TIGHTEST)
-    result = integrate(system, method, tolerance, _asked(wanted), allowance, stop_when)
-    run = _run(system, result, wanted, nan, tolerance, allowance)
-    return run if run.status == STOPPED else replace(run, status=NOT_CHECKED)
+    work = Work(until, _most('evaluations', evaluations), _most('seconds', seconds), progress,
+                began=clock.monotonic())
+
+    if method == 'auto':
+        method = 'LSODA' if _is_stiff(system, until) else 'DOP853'
+
+    def run(tolerance: float, is_finer: bool = False) -> Run:
+        legs = tuple(_integrate(system, method, tolerance, work, stop_when, is_finer))
+        found = Run(system, legs, wanted, STATUS_OF[legs[-1].end], inf, nan, method, tolerance,
+                    work.used, work.reason)
+        return replace(found, drift=energy_drift(found))
+
+    if not check:
+        only = run(max(tolerance, TIGHTEST))
+        return only if only.status == STOPPED else replace(only, status=NOT_CHECKED, error=nan)
+    allowed = tolerance * system.mechanism.input_unit
+    rough = run(max(TIGHTER * tolerance, TIGHTEST / TIGHTER))
+    while rough.status != STOPPED:
+        fine = run(max(TIGHTER * rough.tolerance, TIGHTEST), is_finer=True)
+        fine = replace(fine, error=_difference(rough, fine))
+        if fine.status == STOPPED or fine.error <= allowed and fine.drift <= tolerance:
+            return fine
+        if fine.tolerance <= TIGHTEST:
+            return replace(fine, status=NOT_CONVERGED)
+        # as if errors were in proportion to the tolerance
+        next_one = max(rough.tolerance * max(1e-4, AIM * allowed / fine.error if fine.error
+                                             else 1.0), TIGHTEST / TIGHTER)
+        rough = fine if next_one >= 0.5 * fine.tolerance else run(next_one)
+    return rough
 
 
 def _most(name: str, value: float) -> float:
@@ -326,35 +414,6 @@ def _check_start(system: System) -> None:
         raise InvalidParameter('rate', rate, 'is too large: its kinetic energy is no number')
 
 
-def _checked(system: System, asked: float, method: str, wanted: Array | None,
-             allowance: Allowance, stop_when: Stop | None) -> Run:
-    """
-    Integrate at two tolerances, ever tighter, until both runs agree to the one asked for.
-
-    Returns the finer run. The difference is the error of the rougher one, so it is safe; the next
-    tolerance is chosen as if errors were in proportion to it, between 0.1 and 1e-4 of this one.
-    """
-    unit, tolerance, is_first = system.mechanism.input_unit, max(FIRST * asked, LAST), True
-    while True:
-        rough = integrate(system, method, tolerance, _asked(wanted), allowance, stop_when)
-        if rough.end == GAVE_UP:
-            return _run(system, rough, wanted, inf, tolerance, allowance)
-        if is_first:
-            allowance.evaluations = min(allowance.evaluations,
-                                        LEAST_MOST + MOST_MORE * allowance.used)
-        tighter, is_first = max(TIGHTER * tolerance, TIGHTEST), False
-        fine = integrate(system, method, tighter, np.union1d(_asked(wanted), _some(rough.time)),
-                         allowance, stop_when, is_finer=True)
-        error = _difference(rough, fine)
-        run = _run(system, fine, wanted, error, tighter, allowance)
-        if run.status == STOPPED or error <= asked * unit and run.drift <= asked:
-            return run
-        if tolerance <= LAST:
-            return replace(run, status=NOT_CONVERGED)
-        share = 0.3 * asked * unit / max(error, 1e-300)
-        tolerance = max(tolerance * min(0.1, max(1e-4, share)), LAST)
-
-
 def _checked_times(times: ArrayLike, until: float) -> Array:
     """Return the times at which a run is wanted [s]; refuse any that do not increase from 0."""
     wanted = array('times', times)
@@ -364,59 +423,232 @@ def _checked_times(times: ArrayLike, until: float) -> Array:
     return wanted
 
 
-def _asked(wanted: Array | None) -> Array:
-    return np.empty(0) if wanted is None else wanted
-
-
-def _some(times: Array) -> Array:
-    """Return some of the times of a run, its last among them."""
-    return np.asarray(times[np.unique(np.linspace(0, times.size - 1, COMPARED).astype(int))])
-
-
-def _difference(rough: Result, fine: Result) -> float:
+def _is_stiff(system: System, until: float) -> bool:
     """
-    Return the largest difference of the input of two runs at common times [rad] or [m].
+    Return whether stability, not accuracy, would limit the steps of DOP853.
 
-    Where both stop as asked, the difference of their last times counts too, times the rate.
+    So it is where a force table bends the force over and over, or where the fastest mode at the
+    start is far faster than the run: an eigenvalue of the Jacobian, by central differences.
     """
-    if (rough.end == AT_EVENT) != (fine.end == AT_EVENT):
+    if system.equation.tables:
+        return True
+    phase, state = system.course.at(system.start)
+    columns = []
+    try:
+        for i, value in enumerate(state):
+            step = 1e-6 * (1.0 + abs(value))
+            rates = [phase.derivative(0.0, [*state[:i], value + side, *state[i + 1:]])
+                     for side in (step, -step)]
+            columns.append((np.array(rates[0]) - np.array(rates[1])) / (2.0 * step))
+    except (FourBarError, ArithmeticError):
+        return False
+    jacobian = np.array(columns)             # transposed: its eigenvalues are the same
+    return bool(np.all(np.isfinite(jacobian))
+                and until * np.max(np.abs(np.linalg.eigvals(jacobian))) > STIFF)
+
+
+# --- one integration -----------------------------------------------------------------------------
+
+
+def _integrate(system: System, method: str, tolerance: float, work: Work, stop_when: Stop | None,
+               is_finer: bool) -> Iterator[Leg]:
+    """
+    Yield the legs of one integration from time 0, to the end or to where the run stops.
+
+    ``is_finer``: it also restarts between jumps of the torque, so that two runs differ.
+    """
+    breaks = _restarts(system, work.until, is_finer)
+    (phase, state), first = system.course.at(system.start), 0.0
+    stop_value = nan         # of stop_when; nothing stops at the start: a zero there is none
+    end = COMPLETE
+    while first < work.until:
+        if end == HANDED_OVER:
+            phase, state = phase.next(state)
+        regime = system.regime(phase, first, state)
+        state = system.on_edge(phase, state, regime)
+        events = [*system.events(phase), _watch(work, first)]
+        if phase.can_end:
+            events.append(Event(phase.excess_or_most, HANDED_OVER, 1.0))
+        if phase.equation.tables:
+            events.append(_piece(phase, first, state))
+        if regime:
+            events += _regime_ends(system, phase, regime, first, state)
+        if stop_when is not None:
+            stop = _of_input(phase, stop_when)
+            if first == 0.0:
+                stop_value = stop(first, np.array(state)) or nan
+            events.append(Event(stop, AT_EVENT, 0.0, stop_value))
+        after = int(np.searchsorted(breaks, first, 'right'))
+        last = float(breaks[after]) if after < breaks.size else work.until
+        leg = _leg(phase, system.make_derivative(phase, regime), (first, last), state, method,
+                   tolerance, work, events)
+        # two coordinates that hand over to each other at one time: nothing goes on
+        stands = leg.time[-1] <= nextafter(first, inf)
+        if stands and leg.end in (HANDED_OVER, AT_KINK):
+            leg = leg._replace(end=AT_LIMIT)
+        yield leg
+        first, state, end = float(leg.time[-1]), leg.states[:, -1].tolist(), leg.end
+        if end not in (COMPLETE, HANDED_OVER, AT_KINK):
+            return
+        if stop_when is not None:
+            stop_value = stop(first, leg.states[:, -1]) or stop_value
+
+
+def _leg(phase: Phase, derivative: Callable[..., Any], span: tuple[float, float],
+         state: list[float], method: str, tolerance: float, work: Work,
+         events: list[Event]) -> Leg:
+    """Return the leg from a time and a state on, to the end of its span or to an event."""
+    try:
+        from scipy.integrate import solve_ivp
+    except ModuleNotFoundError as error:
+        raise MissingPackage('simulation', error) from error
+    functions, start = [_remembered(event, span[0]) for event in events], np.array(state)
+    with warnings.catch_warnings(), _LSODA if method == 'LSODA' else nullcontext():
+        warnings.simplefilter('ignore')      # of what the end of the leg says
+        try:
+            found = solve_ivp(work.counted(derivative, span[1]), span, start, method,
+                              dense_output=True, events=functions,
+                              rtol=max(tolerance, 100.0 * EPS), atol=tolerance)
+        except ValueError as error:          # of a Jacobian
+            if 'infs or NaNs' not in str(error):
+                raise
+            found = None
+    if found is None or found.t.size < 2 or not np.all(np.abs(found.y) < HUGE):
+        work.reason = f'no step of {method} is short enough at {span[0]:.6g} s'
+        return Leg(phase, np.array(span[:1]), start[:, None],
+                   lambda times: np.repeat(start[:, None], times.size, 1), GAVE_UP)
+    end = COMPLETE
+    if found.status == 1:
+        end = next(event.end for event, at in zip(events, found.t_events) if at.size)
+    elif found.status == -1:
+        end, work.reason = GAVE_UP, f'no step of {method} is short enough at {found.t[-1]:.6g} s'
+    return Leg(phase, found.t, found.y, found.sol, end)
+
+
+def _restarts(system: System, until: float, is_finer: bool) -> Array:
+    """
+    Return the times at which integrations restart: where the torque jumps or bends.
+
+    A finer run also restarts between them: otherwise both runs would take the same single step.
+    """
+    source = system.drive.source if system.drive else None
+    breaks: Array = np.array(source.breaks if source else (), float)
+    breaks = breaks[(breaks > 0.0) & (breaks < until)]
+    if is_finer and breaks.size:
+        ends = np.concatenate([[0.0], breaks, [until]])
+        breaks = np.unique(np.concatenate([breaks, 0.5 * (ends[1:] + ends[:-1])]))
+    return breaks
+
+
+def _remembered(event: Event, first: float) -> Callable[..., float]:
+    """
+    Return an event as solve_ivp takes it, with one value for each time.
+
+    Its search for the zero in a step then finds the values that it found at the ends of the step,
+    though the interpolant differs from the step by rounding.
+    """
+    known = {} if event.before is None else {first: event.before}
+
+    def function(time: float, state: Array) -> float:
+        if time not in known:
+            known[time] = event.function(time, state)
+        return known[time]
+    any_function: Any = function
+    any_function.terminal, any_function.direction = True, event.direction
+    return function
+
+
+def _watch(work: Work, first: float) -> Event:
+    """Return an event in the middle of the step in which the work that is allowed is done."""
+    before, stop = first, inf
+
+    def left(time: float, state: Array) -> float:
+        nonlocal before, stop
+        if time > before:          # the end of a step, not the search within it
+            if work.is_spent(time):
+                stop = 0.5 * (before + time)
+            before = time
+        return min(stop - time, 1.0)
+    return Event(left, GAVE_UP, -1.0)
+
+
+def _piece(phase: Phase, first: float, state: list[float]) -> Event:
+    """Return the event at the end of a piece of a force table, if a step passes over the next."""
+    excess, before = phase.equation.make_excess(state[0]), first
+
+    def passed(time: float, state: Array) -> float:
+        nonlocal excess, before
+        position = float(state[0])
+        if time > before:          # the end of a step, not the search within it
+            before = time
+            if excess(position, True) > 0.0:
+                return 1.0
+            if excess(position, False) > 0.0:
+                excess = phase.equation.make_excess(position)
+            return -1.0
+        return excess(position, False) - SAME
+    return Event(passed, AT_KINK, 1.0)
+
+
+def _regime_ends(system: System, phase: Phase, regime: Any, first: float,
+                 state: list[float]) -> list[Event]:
+    """Return the events at which a regime of the source ends: its margins get negative."""
+    margins = system.kinks(phase, regime)
+
+    def falls(i: int, lowest: float) -> Event:
+        return Event(lambda time, state: margins(time, np.asarray(state))[i] - lowest, AT_KINK,
+                     -1.0)
+    return [falls(i, min(0.0, margin) - SAME)
+            for i, margin in enumerate(margins(first, np.array(state)))]
+
+
+def _of_input(phase: Phase, stop_when: Stop) -> Stop:
+    """Return a function of time and state of the input as one of the state in a phase."""
+    return lambda time, state: number('stop_when', stop_when(
+        time, phase.states_of_input(np.asarray(state))))
+
+
+# --- checks --------------------------------------------------------------------------------------
+
+
+def _difference(rough: Run, fine: Run) -> float:
+    """
+    Return the largest difference of the input of two runs [rad] or [m].
+
+    At steps of the rougher run, between which the finer one is interpolated. Where both stop as
+    asked, the difference of their last times counts too, times the rate.
+    """
+    if (rough.status == EVENT) != (fine.status == EVENT) or fine.status == STOPPED:
         return inf
-    _, in_rough, in_fine = np.intersect1d(rough.time, fine.time, return_indices=True)
-    difference = np.abs(rough.states[0, in_rough] - fine.states[0, in_fine])
-    if fine.end == AT_EVENT:
-        late = (rough.time[-1] - fine.time[-1]) * fine.states[1, -1]
-        difference = np.append(difference, abs(late))
+    times = np.unique(np.concatenate([leg.time for leg in rough.legs]))
+    times = times[np.unique(np.linspace(0, times.size - 1, COMPARED).astype(int))]
+    times = np.unique(np.minimum(times, min(rough._end, fine._end)))
+    difference = np.abs(rough._states(times)[0] - fine._states(times)[0])
+    if fine.status == EVENT:
+        late = (rough._end - fine._end) * fine._states(np.array([fine._end]))[1]
+        difference = np.append(difference, np.abs(late))
     return float(np.max(np.nan_to_num(difference, nan=inf), initial=0.0))
 
 
-def _run(system: System, result: Result, wanted: Array | None, error: float, tolerance: float,
-         allowance: Allowance) -> Run:
-    """Return the :class:`Run` of a result; its method reads 'DOP853, LSODA from 0.31 s'."""
-    first, *later = result.methods
-    method = ', '.join([first[1], *(f'{name} from {time:.4g} s' for time, name in later[:3])])
-    end = f'{result.parts[-1].time[-1]:.6g} s'
-    return Run(system, of_interest(result.parts, wanted), ENDS[result.end], error,
-               energy_drift(system, result.parts), method + (' and so on' if later[3:] else ''),
-               tolerance, allowance.used, f'{allowance.reason} at {end}' * bool(allowance.reason))
-
-
-def energy_drift(system: System, parts: Sequence[Part]) -> float:
+def energy_drift(run: Run) -> float:
     """
-    Return the largest change of energy less work, over the energy in play.
+    Return the largest change of energy less work at the steps, over the energy in play.
 
-    It must be constant, so it measures the error of a run. Energy that projections gave or took
-    counts as an error; a change that rounding explains does not.
+    It must be constant, so it measures the error of a run; a change that rounding explains does
+    not count.
     """
-    of_parts: list[tuple[Array, ...]] = []
-    for part in parts:
-        equation, states = part.phase.equation, part.states
+    of_legs: list[tuple[Array, ...]] = []
+    for leg in run.legs:
+        equation, states = leg.phase.equation, leg.states
         kinetic = 0.5 * equation.terms(states[0]).inertia * states[1]**2
-        work = 0.0 * kinetic if system.is_conservative else states[-1]
+        work = 0.0 * kinetic if run.system.is_conservative else states[-1]
         potential, size = equation.potential_and_size(states[0])
-        of_parts.append((kinetic, potential, work + part.given, size))
-    kinetic, potential, work, size = (np.concatenate(rows) for rows in zip(*of_parts))
+        of_legs.append((kinetic, potential, work, size))
+    kinetic, potential, work, size = (np.concatenate(rows) for rows in zip(*of_legs))
     constant = kinetic + potential - work
     in_play = float(np.max(kinetic) + np.ptp(potential) + np.ptp(work))
     rounding = ROUNDING * float(np.max(kinetic) + np.max(size) + np.max(np.abs(work)))
     drift = float(np.max(np.abs(constant - constant[0]))) - rounding
-    return drift / in_play if drift > 0.0 < in_play else 0.0
+    if drift > 0.0 and in_play > 0.0:
+        return drift / in_play
+    return 0.0
