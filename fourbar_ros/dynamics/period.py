@@ -72,7 +72,8 @@ def free_period(system: System) -> float:
     if narrowest / width * MOST_SAMPLES >= NARROWEST:
         while change > SAME and count < MOST_SAMPLES:
             count *= 2
-            before, mean = mean, float(np.mean(slowness((np.arange(count) + 0.5) * (cycle / count))))
+            samples = (np.arange(count) + 0.5) * (cycle / count)
+            before, mean = mean, float(np.mean(slowness(samples)))
             now = abs(mean / before - 1.0)
             if change < 1e-8 and now >= change:
                 break                    # rounding of E - V, next to the turning points, governs
