@@ -62,6 +62,7 @@ TIGHTEST = 1e-13           # tolerance of the finest run; below it rounding gove
 MOST = 3_000_000           # evaluations in all runs
 AIM = 0.3                  # error to aim at, over the tolerance
 STIFF = 1e4                # fastest mode at the start times the run, above which LSODA integrates
+MANY = 16                  # places of a force table with which LSODA integrates
 HUGE = 1e100               # states and derivatives beyond it count as not finite
 SAME = 1e-12               # how far beyond the end of a regime or a piece of a table a leg ends
 COMPARED = 400             # steps of a run at which it is compared
@@ -427,10 +428,10 @@ def _is_stiff(system: System, until: float) -> bool:
     """
     Return whether stability, not accuracy, would limit the steps of DOP853.
 
-    So it is where a force table bends the force over and over, or where the fastest mode at the
-    start is far faster than the run: an eigenvalue of the Jacobian, by central differences.
+    So it is where a long force table bends the force over and over, or where the fastest mode at
+    the start is far faster than the run: an eigenvalue of the Jacobian, by central differences.
     """
-    if system.equation.tables:
+    if any(len(table.table.places) > MANY for _, table in system.equation.tables):
         return True
     phase, state = system.course.at(system.start)
     columns = []
