@@ -10,7 +10,7 @@ from math import isfinite
 from typing import Any, NamedTuple, Union
 
 from fourbar_ros.dynamics.model.elements import Element, PositionForce, Spring, TorsionSpring
-from fourbar_ros.dynamics.model.terms import apart, deflection, LinkMotions, make_push
+from fourbar_ros.dynamics.model.terms import LinkMotions, make_push, make_tension
 from fourbar_ros.errors import FourBarError, InvalidParameter, MissingBodies
 from fourbar_ros.mechanics.bodies import Applied, applied_to, unchecked
 from fourbar_ros.mechanisms.mechanism import Mechanism
@@ -43,19 +43,15 @@ def forces_of(element: Spring | TorsionSpring, one: LinkMotion, two: LinkMotion,
     ``one`` and ``two`` are the motions of these links over time, of numbers of the type ``n``.
     """
     first, second = element.links
+    pull, growth, square = make_tension(n, element)(one, two)
+    if element.damping:
+        pull = pull + element.damping * growth / square
     if isinstance(element, TorsionSpring):
-        moment = (element.stiffness * deflection(n, one, two, element.free_angle)
-                  + element.damping * (two.omega - one.omega))
-        return (Acting(first, one.x, one.y, 0.0, 0.0, moment),
-                Acting(second, two.x, two.y, 0.0, 0.0, -moment))
+        return (Acting(first, one.x, one.y, 0.0, 0.0, pull),
+                Acting(second, two.x, two.y, 0.0, 0.0, -pull))
     p = point_of(one, element.first.along, element.first.across)
     q = point_of(two, element.second.along, element.second.across)
-    x, y, v_x, v_y, _, _ = apart(one, element.first, two, element.second)
-    square = x * x + y * y
-    pull = element.stiffness * (1.0 - (element.free_length / square**0.5
-                                       if element.free_length else 0.0))
-    if element.damping:
-        pull += element.damping * (x * v_x + y * v_y) / square
+    x, y = q.x - p.x, q.y - p.y
     return (Acting(first, p.x, p.y, pull * x, pull * y, 0.0),
             Acting(second, q.x, q.y, -pull * x, -pull * y, 0.0))
 

@@ -36,6 +36,7 @@ differences. Sources: Eksergian, Dynamical analysis of machines, J. Franklin Ins
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import cached_property, partial
 from math import remainder, tau
 from typing import Any, NamedTuple
@@ -44,12 +45,9 @@ from fourbar_ros.dynamics.model.elements import Element, LinkAngle, PositionForc
 from fourbar_ros.dynamics.model.smooth import beyond, make_is_alternate
 from fourbar_ros.dynamics.model.terms import (
     element_energy,
-    element_stiffness,
-    link_stiffness,
-    make_element_terms,
-    make_force_stiffness,
     make_force_term,
     make_link_terms,
+    make_tension,
     place_of,
     work_of,
 )
@@ -60,12 +58,32 @@ from fourbar_ros.mechanisms.parts import GROUND
 from fourbar_ros.mechanisms.points import FIXED, LinkMotion
 from fourbar_ros.numerics.arrays import Array, Value
 from fourbar_ros.numerics.given import number
-from fourbar_ros.numerics.number_types import ARRAY, Function, NumberType, Scalar
+from fourbar_ros.numerics.number_types import (
+    ARRAY,
+    COMPLEX_WITH_ANGLES,
+    Function,
+    NumberType,
+    Scalar,
+)
 from fourbar_ros.numerics.straight_line import straight_line
 import numpy as np
 
 MakeFormula = Callable[[DrivenLinks, NumberType], Function]      # of the coordinate
+COMPLEX_STEP = 1e-200
+# Step of s for the central difference dF/ds, over 1 + |s|. The cube root of eps balances its
+# truncation error against its rounding.
+DIFFERENCE = 6e-6
 REACH = 0.5            # of a coordinate in its unit, within which a table does not come round
+
+
+def _with_slope(function: Callable[[Any], Any], place: Any) -> Any:
+    """Return a function that is no formula, as a table, of a complex array, with its slope."""
+    step = DIFFERENCE * (1.0 + np.abs(place.real))
+    slope = (function(place.real + step) - function(place.real - step)) / (2.0 * step)
+    return function(place.real) + 1j * slope * place.imag
+
+
+WITH_SLOPES = replace(COMPLEX_WITH_ANGLES, call=_with_slope)
 
 
 class Terms(NamedTuple):
@@ -261,7 +279,7 @@ class Equation:
         pose, extra = self._make_pose(coordinate, n), self.extra_inertia
         links = [(i, make_link_terms(body, self.mechanism.gravity, applied), applied.couple)
                  for i, body, applied in self._bodies]
-        springs = [(one, two, make_element_terms(n, element))
+        springs = [(one, two, make_tension(n, element), element.damping)
                    for element, one, two in self._springs]
         forces = [make_force_term(n, element, self.mechanism) for element in self.forces]
 
@@ -274,9 +292,11 @@ class Equation:
                 j, k, f = terms_of_link(motions[i])
                 inertia, half_slope, force = inertia + j, half_slope + k, force + f
                 couples = couples + couple * motions[i].omega
-            for one, two, terms_of_spring in springs:
-                f, d = terms_of_spring(motions[one], motions[two])
-                force, damping = force + f, damping + d
+            for one, two, tension, of_damper in springs:
+                pull, growth, square = tension(motions[one], motions[two])
+                force = force - pull * growth
+                if of_damper:
+                    damping = damping + of_damper * growth * growth / square
             if forces:
                 by_link = dict(zip(self._links, motions))
                 pushed = 0.0
@@ -326,28 +346,23 @@ class Equation:
 
     def _make_potential(self, coordinate: DrivenLinks, n: NumberType) -> Function:
         """
-        Return the formula q -> (V, -dQ/dq, sum of the sizes of the parts of V).
+        Return the formula q -> (V, sum of the sizes of the parts of V).
 
         The sum of sizes gives the rounding error of V, even where V cancels to nothing.
         """
         pose, gravity = self._make_pose(coordinate, n), self.mechanism.gravity
-        forces = [make_force_stiffness(n, element, self.mechanism) for element in self.forces]
 
         def potential(position: Scalar) -> tuple[Scalar, ...]:
             """Return the sums over links and springs; forces over a position have no potential."""
-            motions, (value, ratio, _) = pose(position)
-            energy, stiffness, size = 0.0, 0.0, 0.0
+            motions, _ = pose(position)
+            energy, size = 0.0, 0.0
             for i, body, applied in self._bodies:
                 work = work_of(motions[i], body, gravity, applied)
                 energy, size = energy - work, size + n.fabs(work)
-                stiffness = stiffness + link_stiffness(motions[i], body, gravity, applied)
             for element, one, two in self._springs:
                 stored = element_energy(n, element, motions[one], motions[two])
                 energy, size = energy + stored, size + stored
-                stiffness = stiffness + element_stiffness(n, element, motions[one], motions[two])
-            by_link = dict(zip(self._links, motions))
-            stiffness = sum((of(by_link, value, ratio) for of in forces), start=stiffness)
-            return energy, stiffness, size
+            return energy, size
         return potential
 
     @cached_property
@@ -371,9 +386,21 @@ class Equation:
         return found
 
     def stiffness(self, position: Value) -> Value:
-        """Return the stiffness -dQ/dq [N m/rad], [N/m]; exact but for forces over a position."""
-        found: Value = self._potential(position)[1]
-        return found
+        """
+        Return the stiffness -dQ/dq [N m/rad], [N/m], of one q or an array: NaN out of reach.
+
+        By the complex step, exact; of forces over a position dF/ds is a central difference.
+        """
+        positions = np.asarray(position, float)
+
+        def of(mode: DrivenLinks) -> Array:
+            force = self.make_terms(mode, WITH_SLOPES)(positions + 1j * COMPLEX_STEP)[2]
+            return np.broadcast_to(-np.imag(force) / COMPLEX_STEP, positions.shape)
+        with np.errstate(all='ignore'):
+            found = of(self.coordinate)
+            if self._is_alternate is not None:
+                found = np.where(self._is_alternate(positions), of(beyond(self.coordinate)), found)
+        return found if positions.shape else float(found)
 
     def couples(self, position: Value) -> Value:
         """Return C, the part of Q without a potential: of couples and forces over a position."""
@@ -387,7 +414,7 @@ class Equation:
 
     def potential_and_size(self, position: Value) -> tuple[Value, Value]:
         """Return V [J] and the sum of the sizes of its parts, whose rounding is the error of V."""
-        potential, _, size = self._potential(position)
+        potential, size = self._potential(position)
         return potential, size
 
     def energy(self, position: Value, rate: Value) -> Value:

@@ -28,9 +28,6 @@ from fourbar_ros.numerics.number_types import direction, NumberType, Scalar
 
 Vector = tuple[float, float]
 LinkMotions = Mapping[str, LinkMotion]      # by name of the link, the ground among them
-# Step of s for the central difference dF/ds, over 1 + |s|. The cube root of eps balances its
-# truncation error against its rounding.
-DIFFERENCE = 6e-6
 
 
 class LinkTerms(NamedTuple):
@@ -39,6 +36,18 @@ class LinkTerms(NamedTuple):
     inertia: Scalar          # J
     half_slope: Scalar       # J'/2
     force: Scalar            # Q of its weight and its applied load
+
+
+class Tension(NamedTuple):
+    """
+    What a spring pulls with: of a linear spring over its length, of a torsion spring its moment.
+
+    The damper adds ``damping`` times growth / square.
+    """
+
+    pull: Scalar         # k (1 - l0/l), or k (a - a0)
+    growth: Scalar       # r.r', or a'
+    square: Scalar       # l^2, or 1
 
 
 def make_link_terms(body: Body, gravity: Vector, applied: Applied
@@ -87,57 +96,21 @@ def deflection(n: NumberType, one: LinkMotion, two: LinkMotion, free_angle: floa
     return angle
 
 
-def link_stiffness(link: LinkMotion, body: Body, gravity: Vector, applied: Applied) -> Scalar:
-    """Return -dQ/dq of the weight and the load of one link, the derivative of (E4)."""
-    _, _, _, _, ddx, ddy, cosine, sine, turn, bend = link
-    stiffness = -applied.couple * bend
-    for along, across, f_x, f_y in (
-            (body.cg_along, body.cg_across, body.mass * gravity[0], body.mass * gravity[1]),
-            (applied.along, applied.across, applied.force_x, applied.force_y)):
-        x, y = along * cosine - across * sine, along * sine + across * cosine
-        stiffness = (stiffness - f_x * ddx - f_y * ddy - bend * (x * f_y - y * f_x)
-                     + turn * turn * (x * f_x + y * f_y))
-    return stiffness
-
-
-def element_stiffness(n: NumberType, element: Spring | TorsionSpring, one: LinkMotion,
-                      two: LinkMotion) -> Scalar:
-    """Return -dQ/dq of a spring between two links, the derivative of (E5)."""
-    if isinstance(element, TorsionSpring):
-        turn, bend = two.omega - one.omega, two.alpha - one.alpha
-        twist = deflection(n, one, two, element.free_angle)
-        return element.stiffness * (turn * turn + twist * bend)
-    x, y, dx, dy, ddx, ddy = apart(one, element.first, two, element.second)
-    square, product = x * x + y * y, x * dx + y * dy
-    growth = dx * dx + dy * dy + x * ddx + y * ddy
-    if not element.free_length:        # nor a division by a length that may be zero
-        return element.stiffness * growth
-    share: Scalar = element.free_length / square**0.5
-    return element.stiffness * ((1.0 - share) * growth + share * product * product / square)
-
-
-def make_element_terms(n: NumberType, element: Spring | TorsionSpring
-                       ) -> Callable[[LinkMotion, LinkMotion], tuple[Scalar, Scalar]]:
-    """Return the function (motions of its two links) -> (Q, D) of a spring and damper, (E5)."""
-    stiffness, damping = element.stiffness, element.damping
+def make_tension(n: NumberType, element: Spring | TorsionSpring
+                 ) -> Callable[[LinkMotion, LinkMotion], Tension]:
+    """Return the function (motions of its two links) -> :class:`Tension` of a spring, (E5)."""
+    stiffness = element.stiffness
     if isinstance(element, TorsionSpring):
         free_angle = element.free_angle
-
-        def of_torsion_spring(one: LinkMotion, two: LinkMotion) -> tuple[Scalar, Scalar]:
-            """Return (Q, D) of a torsion spring: -k (a - a0) a' and d a'^2."""
-            turn = two.omega - one.omega
-            return (-stiffness * deflection(n, one, two, free_angle) * turn,
-                    damping * turn * turn)
-        return of_torsion_spring
+        return lambda one, two: Tension(stiffness * deflection(n, one, two, free_angle),
+                                        two.omega - one.omega, 1.0)
     first, second, free_length = element.first, element.second, element.free_length
 
-    def of_spring(one: LinkMotion, two: LinkMotion) -> tuple[Scalar, Scalar]:
-        """Return (Q, D) of a linear spring: -k (1 - l0/l) r.r' and d (r.r'/l)^2."""
+    def of_spring(one: LinkMotion, two: LinkMotion) -> Tension:
         x, y, dx, dy, _, _ = apart(one, first, two, second)
-        square, product = x * x + y * y, x * dx + y * dy
+        square = x * x + y * y
         share = free_length / square**0.5 if free_length else 0.0
-        return ((share - 1.0) * stiffness * product,
-                damping * product * product / square if damping else 0.0)
+        return Tension(stiffness * (1.0 - share), x * dx + y * dy, square)
     return of_spring
 
 
@@ -219,38 +192,3 @@ def make_force_term(n: NumberType, element: PositionForce,
         pushed = point_of(links[point.link], point.along, point.across)
         return value * (along_x * pushed.v_x + along_y * pushed.v_y)
     return term
-
-
-def make_force_stiffness(n: NumberType, element: PositionForce, mechanism: Mechanism
-                         ) -> Callable[[LinkMotions, Scalar, Scalar], Scalar]:
-    """
-    Return (motions of links, input, its derivative) -> -dQ/dq of a force over a position.
-
-    F(s) may be any function, so dF/ds is a central difference; all else is exact.
-    """
-    value, point = element.make_value(mechanism), element.point
-    push = make_push(n, element, value)
-
-    def slope(place: Scalar) -> Scalar:
-        """Return dF/ds at a place s."""
-        step = DIFFERENCE * (1.0 + abs(place))
-        found: Scalar = (value(place + step) - value(place - step)) / (2.0 * step)
-        return found
-
-    def stiffness(links: LinkMotions, position: Scalar, ratio: Scalar) -> Scalar:
-        """Return -d(F e.P')/dq, or -d(F theta')/dq of a couple; ``ratio``: ds/dq of the input."""
-        force, place, e_x, e_y = push(links, position)
-        link, turn, over = links[point.link], links[element.axes].omega, element.over
-        growth: Scalar = n.call(slope, place)
-        if isinstance(over, LinkAngle):
-            ratio = links[over.link].omega - links[over.relative_to].omega
-        elif isinstance(over, Way):
-            gap, (cosine, sine) = _on_line(over, links)
-            turning = links[over.origin.link].omega
-            ratio = gap.v_x * cosine + gap.v_y * sine + turning * (gap.y * cosine - gap.x * sine)
-        if element.direction is None:
-            return -(growth * ratio * link.omega + force * link.alpha)
-        _, _, dx, dy, ddx, ddy = point_of(link, point.along, point.across)
-        return -(growth * ratio * (e_x * dx + e_y * dy)
-                 + force * (turn * (e_x * dy - e_y * dx) + e_x * ddx + e_y * ddy))
-    return stiffness
