@@ -15,15 +15,7 @@ from typing import Any, NamedTuple
 
 from fourbar_lab.export.model import Model, NotGenerated
 from fourbar_lab.export.statements import literal, snippet, Statements
-from fourbar_ros.dynamics.model import drives
-from fourbar_ros.dynamics.model.drives import (
-    CommandedLaw,
-    Drive,
-    Law,
-    Piece,
-    Regime,
-    SpeedController,
-)
+from fourbar_ros.dynamics.model.drives import Drive, Law, Piece
 from fourbar_ros.dynamics.model.elements import LinkAngle, PositionForce, TableForce
 from fourbar_ros.dynamics.model.equation import Equation, make_reading, REACH
 from fourbar_ros.dynamics.model.system import NEAR_TOGGLE, System
@@ -32,7 +24,6 @@ from fourbar_ros.dynamics.step import phase_steps
 from fourbar_ros.dynamics.step.mover import modes_of
 from fourbar_ros.dynamics.step.rosenbrock import EVALUATIONS, GIVEN, Rosenbrock
 from fourbar_ros.dynamics.step.step_equations import Elastic, Rigid
-from fourbar_ros.numerics.arrays import EPS
 from fourbar_ros.numerics.given import quantities_of
 from fourbar_ros.numerics.number_types import Function
 from fourbar_ros.numerics.trace import flat, Trace
@@ -93,13 +84,6 @@ class DriveCode:
         name = self._model.name
         if any(phase.equation.changes_mode for phase in self._phases):
             raise NotGenerated(f'{name}: motion by torque through a change point')
-        if self._regime.margins and not isinstance(self._source, SpeedController):
-            raise NotGenerated(f'{name}: a torque source of several laws, '
-                               f'{type(self._source).__name__}')
-
-    @property
-    def _regime(self) -> Regime:
-        return self._source.make_regime_at()(0.0, 0.0)
 
     @cached_property
     def modes(self) -> tuple[int, ...]:
@@ -124,7 +108,14 @@ class DriveCode:
         writer, drive = self._writer, self._drive
         equations: Elastic | Rigid = (Elastic(drive.shaft, drive.rotor) if drive.shaft
                                       else Rigid())
-        has_own, tangent = bool(self._source.start), self._regime.tangent
+        source = self._source
+
+        def make_law(n: Any) -> Function:
+            """Return (speed, own state, command) -> piece of the source."""
+            if self.takes_torque:
+                return lambda speed, own, command: Piece(command)
+            return lambda speed, own, command: source.make_piece(
+                n, command if source.command else None)(speed, own)
 
         def euler(*x: Any) -> Any:
             terms, state, piece = x[:7], x[7:12], Piece(*x[12:18])
@@ -137,14 +128,11 @@ class DriveCode:
                  *self._of_phases('terms_of', lambda equation, phase: partial(
                      equation.make_with_ratio, equation.coordinate)),
                  *self._of_phases('rosenbrock', lambda equation, phase: Rosenbrock(
-                     equation, equations, has_own, tangent).make, GIVEN)]
+                     equation, equations, source).make, GIVEN),
+                 writer.function('piece_of', Trace(lambda n, _: make_law(n), 3))]
         if self._tables:
             found += self._of_phases('places_of', lambda equation, phase: partial(
                 equation.make_places, equation.coordinate))
-        if tangent:
-            found.append(writer.function('tangent', _plain(tangent, 1)))
-        if isinstance(self._source, CommandedLaw) and not self._regime.margins:
-            found.append(writer.function('piece_of', _plain(self._source.piece, 1)))
         if self.modes:
             found += [*self._of_phases('reading', lambda equation, phase: partial(
                           phase.make_other, equation.coordinate)),
@@ -207,7 +195,7 @@ class DriveCode:
         if self.takes_torque:
             return Command('torque', self.numbers[1][1], 'of the source, during the next step',
                            0.0, 'torque')
-        if not isinstance(source, CommandedLaw):
+        if not source.command:
             return None
         what = next(what for name, _, what in quantities_of(source) if name == source.command)
         field = f'motor_{source.command}'
@@ -281,8 +269,7 @@ class DriveCode:
                 ('  FORGET_PLACE\n', '  drive->place[0] = 0.0;\n' if self.modes else ''),
                 ('STARTS', '\n'.join(starts)), ('NAME', name)):
             text = text.replace(word, meaning)
-        return [*self._constants(), *self._functions, snippet('source.c'),
-                *self._law(), *self._limits(),
+        return [*self._constants(), *self._functions, *self._limits(),
                 *(self._of_toggles() if self.modes else [snippet('places.c', 'no_toggles')]),
                 *self._of_tables(), snippet('step.c'),
                 snippet('places.c', 'toggles' if self.modes else 'held'), text]
@@ -303,7 +290,9 @@ class DriveCode:
         """Return the C constants of the step: phases, budget, tolerances [rad] or [m], factors."""
         units = [phase.equation.coordinate.input_unit for phase in self._phases]
         settings = self._scene.drive
-        flags = {'STAGES': EVALUATIONS, 'PHASES': len(units), 'TABLES': len(self._tables),
+        flags = {'STAGES': EVALUATIONS, 'HALVINGS': phase_steps.BISECTIONS,
+                 'IS_SMOOTH': int(self._source.is_smooth), 'PHASES': len(units),
+                 'TABLES': len(self._tables),
                  'PASSES': int(bool(self.modes)),
                  'BUDGET': settings.budget - phase_steps.RESERVE * bool(self.modes),
                  'HAS_SHAFT': int(self._drive.shaft is not None),
@@ -317,7 +306,8 @@ class DriveCode:
                 f'static const double DIFFERENCE[] = '
                 f'{{{_list(phase_steps.DIFFERENCE * unit for unit in units)}}};',
                 *_definitions({name: getattr(phase_steps, name) for name in (
-                    'SMALLEST', 'LARGEST', 'SAFETY', 'CLOSEST', 'DEEPEST', 'SHORTER')}), '']
+                    'SMALLEST', 'LARGEST', 'SAFETY', 'CLOSEST', 'DEEPEST', 'SHORTER', 'LATE')}
+                    | {'LEAST_PART': phase_steps.SHORTEST}), '']
 
     @property
     def _tables(self) -> list[tuple[PositionForce, TableForce]]:
@@ -327,7 +317,7 @@ class DriveCode:
         """Return the C text that ends steps at the places of force tables."""
         tables = self._tables
         if not tables:
-            return [snippet('source.c', 'no_tables')]
+            return [snippet('tables.c', 'no_tables')]
         reaches = (REACH * phase.equation.coordinate.input_unit for phase in self._phases)
         counts = ', '.join(str(len(table.ends)) for _, table in tables)
         is_angle = ', '.join(str(int(isinstance(force.over, LinkAngle))) for force, _ in tables)
@@ -338,14 +328,12 @@ class DriveCode:
                 f'static const int COUNTS[] = {{{counts}}};',
                 f'static const int IS_ANGLE[] = {{{is_angle}}};',
                 f'static const double REACHES[] = {{{_list(reaches)}}};',
-                f'enum {{ HALVINGS = {phase_steps.BISECTIONS} }};',
-                *_definitions({'AT_PLACE': drives.NEAREST, 'LEAST_PART': phase_steps.SHORTEST,
-                               'WHOLE_TURN': tau}), '',
+                *_definitions({'AT_PLACE': phase_steps.NEAREST, 'WHOLE_TURN': tau}), '',
                 '/* A place within a table, turns and periods taken off. */',
                 'static double base_of(int table, double place)\n{', '  (void)table;',
                 *(f'  if (table == {i}) return {_base(table)};'
                   for i, (_, table) in enumerate(tables) if _base(table)),
-                '  return place;', '}', '', snippet('source.c', 'tables')]
+                '  return place;', '}', '', snippet('tables.c', 'tables')]
 
     def _of_toggles(self) -> list[str]:
         """Return the C text for steps through toggles: modes, ratios of units, whole turns."""
@@ -368,35 +356,6 @@ class DriveCode:
         coordinate = self._system.equation.coordinate
         trace = Trace(lambda n, _: make_pose(coordinate, n), 1)
         return tuple(flat(trace.results))
-
-    def _law(self) -> list[str]:
-        """
-        Return the C text of the source: ``law`` sets the piece (M1) that holds at a speed.
-
-        A controller has a text of its own, as its law changes at the limits of the torque.
-        """
-        source, regime = self._source, self._regime
-        if regime.margins:
-            assert isinstance(source, SpeedController)
-            numbers = {'KP': source.proportional, 'KI': source.integral,
-                       'TORQUE_LIMIT': source.limit, 'NEAREST': drives.NEAREST,
-                       'NEAR': drives.NEAR, 'EIGHT_EPS': 8.0 * EPS,
-                       'SHORTEST': phase_steps.SHORTEST}
-            return [f'enum {{ BISECTIONS = {phase_steps.BISECTIONS} }};', *_definitions(numbers),
-                    '', snippet('source.c', 'controller')]
-        if self.takes_torque:
-            lines = ['  piece[0] = command;']
-        elif regime.tangent:
-            lines = ['  (void)tangent(&speed, piece);']
-        elif isinstance(source, CommandedLaw):
-            lines = ['  (void)piece_of(&command, piece);']
-        else:
-            lines = [f'  piece[{i}] = {literal(value)};' for i, value in enumerate(regime.piece)
-                     if value]
-        unused = [f'  (void){word};' for word in ('speed', 'command', 'piece')
-                  if not any(word in line for line in lines)]
-        return ['static void law(double speed, double command, double *piece)\n{', *unused,
-                *lines, '}', '', snippet('source.c', 'law')]
 
     def _limits(self) -> list[str]:
         """Return the function that tells whether an input is at an end or near a toggle."""

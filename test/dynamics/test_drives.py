@@ -103,7 +103,7 @@ def test_a_stiff_shaft_is_integrated_implicitly_and_a_soft_one_is_not():
         drive = Drive(MotorLine(40.0, 20.0), rotor=0.5, shaft=Shaft(stiffness, 1e-3 * stiffness))
         return simulate(System(wheel(), 0.0, drive=drive), 1.0, 1e-6)
     soft, stiff = run(1e2), run(1e9)
-    assert soft.method == 'DOP853' and stiff.method.startswith('DOP853, LSODA from ')
+    assert soft.method == 'DOP853' and stiff.method == 'LSODA'
     assert soft.status == stiff.status == REACHED
 
 

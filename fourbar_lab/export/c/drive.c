@@ -19,14 +19,14 @@ static void give(Place *at, NAME_drive *to, double evaluations)
 {
   Moving *it = &at->it;
   const double own = it->state[4];
-  double speed, given[18], change[5], on_input = NAN, of_motor = NAN, slope = NAN, state[5];
-  int refused = speed_of(it, it->state, &speed) | terms_at(it, it->state[0]);
-  const Regime regime = regime_at(speed, own, NAN, 0.0, it->torque);
-  pack(it->known + 1, it->state, regime.piece, given);
+  double speed, piece[6], given[18], change[5], on_input = NAN, of_motor = NAN, slope = NAN;
+  double state[5];
+  int refused = law_at(it, piece) | speed_of(it, it->state, &speed) | terms_at(it, it->state[0]);
+  pack(it->known + 1, it->state, piece, given);
   refused |= derivative(given, change);
   if (!refused) {
     (void)torque_on_input(given, &on_input);
-    of_motor = regime.piece[0] + regime.piece[1] * speed + regime.piece[2] * own;
+    of_motor = piece[0] + piece[1] * speed + piece[2] * own;
     slope = slope_of(it, it->known + 1, it->state, change);
   }
   if (state_of_input(at, state)) state[0] = state[1] = NAN;

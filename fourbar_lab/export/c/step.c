@@ -35,13 +35,6 @@ static double slope_of(const Moving *it, const double *terms, const double *stat
          : terms[5] * change[1] + terms[6] * state[1] * state[1];
 }
 
-/* The derivative of the speed of the motor. */
-static double gain_of(const Moving *it, const double *terms, const double *state,
-                      const double *change)
-{
-  return HAS_SHAFT ? change[3] : slope_of(it, terms, state, change);
-}
-
 /* (terms, state, piece) as formulas of the step take them. */
 static void pack(const double *terms, const double *state, const double *piece, double *to)
 {
@@ -50,44 +43,54 @@ static void pack(const double *terms, const double *state, const double *piece, 
   memcpy(to + 12, piece, 6 * sizeof *to);
 }
 
-static int change_of(const double *terms, const double *state, const Regime *regime, double *to)
+static int change_of(const double *terms, const double *state, const double *piece, double *to)
 {
   double given[18];
-  pack(terms, state, regime->piece, given);
+  pack(terms, state, piece, given);
   return derivative(given, to);
 }
 
-/* A state with that of a source that slides along its limit on the limit. */
-static int to_edge(Moving *it, double *state, const Regime *regime)
+/* The law of the source next to the state: torque and the change of its state, linear in both. */
+static int law_at(Moving *it, double *piece)
 {
-  double speed;
-  int refused;
-  if (!regime->slides) return 0;
-  refused = speed_of(it, state, &speed);
-  state[4] = regime->edge[0] + regime->edge[1] * speed;
-  return refused;
+  double given[3];
+  const int refused = speed_of(it, it->state, given);
+  given[1] = it->state[4];
+  given[2] = it->torque;
+  return refused ? refused : piece_of(given, piece);
 }
 
-/* The regime that begins at the state, which it moves to the edge of one that slides. */
-static int begin(Moving *it, double near, Regime *regime)
+/* The part of a step after which another piece of the law of the source holds; 1: none does. The
+   speed is taken as quadratic, `gain` its derivative times the length, the own state as linear. */
+static int to_change(Moving *it, const double *piece, const double *next, double gain,
+                     double *part)
 {
-  double speed, change[5];
-  const double own = it->state[4];
-  int refused = speed_of(it, it->state, &speed);
+  double given[3], found[6], speed, after, low = 0.0, high = 1.0, bend;
+  int i, refused = speed_of(it, it->state, &speed);
+  if (!refused) refused = speed_of(it, next, &after);
   if (refused) return refused;
-  *regime = regime_at(speed, own, NAN, 0.0, it->torque);
-  if (regime->kind != 0) {
-    refused = terms_at(it, it->state[0]);
-    if (!refused) refused = change_of(it->known + 1, it->state, regime, change);
-    if (refused) return refused;
-    *regime = regime_at(speed, own, gain_of(it, it->known + 1, it->state, change), near,
-                        it->torque);
+  given[0] = after;
+  given[1] = next[4];
+  given[2] = it->torque;
+  (void)piece_of(given, found);
+  *part = 1.0;
+  if (IS_SMOOTH || memcmp(found, piece, sizeof found) == 0) return 0;
+  bend = after - speed - gain;
+  for (i = 0; i < HALVINGS; ++i) {
+    const double middle = 0.5 * (low + high);
+    given[0] = speed + middle * (gain + middle * bend);
+    given[1] = it->state[4] + middle * (next[4] - it->state[4]);
+    (void)piece_of(given, found);
+    if (memcmp(found, piece, sizeof found) != 0) high = middle;
+    else low = middle;
+    if (high - low <= LEAST_PART * high) break;
   }
-  return to_edge(it, it->state, regime);
+  if (high < 1.0 - LEAST_PART) *part = high > LATE ? high : LATE;
+  return 0;
 }
 
 /* Terms, dx/dt and, as a difference, the acceleration by the coordinate. */
-static int linear(Moving *it, const Regime *regime, double *terms, double *change,
+static int linear(Moving *it, const double *piece, double *terms, double *change,
                   double *by_position)
 {
   const double position = it->state[0];
@@ -97,13 +100,13 @@ static int linear(Moving *it, const Regime *regime, double *terms, double *chang
   it->evaluations += 2;
   refused = terms_at(it, position);
   memcpy(terms, it->known + 1, 7 * sizeof *terms);
-  if (!refused) refused = change_of(terms, it->state, regime, change);
+  if (!refused) refused = change_of(terms, it->state, piece, change);
   if (refused) return refused;
   if (terms_of(it->phase, &aside, terms_aside)) {                   /* next to the upper limit */
     aside = position - DIFFERENCE[it->phase];
     if (terms_of(it->phase, &aside, terms_aside)) return LIMIT;
   }
-  refused = change_of(terms_aside, it->state, regime, other);
+  refused = change_of(terms_aside, it->state, piece, other);
   if (aside - position == 0.0) refused |= DIVISION;
   *by_position = (other[1] - change[1]) / (aside - position);
   return refused;
@@ -122,16 +125,17 @@ static double larger(double a, double b)
 }
 
 /* The state after a time h, and the factor by which the next may be longer. */
-static int attempt(Moving *it, double h, const Regime *regime, const double *terms,
+static int attempt(Moving *it, double h, const double *piece, const double *terms,
                    double by_position, double *next, double *scale)
 {
-  double given[20], found[9], error, longer;
+  double given[21], found[9], error, longer;
   int refused;
   memcpy(given, it->state, 5 * sizeof *given);
   given[5] = h;
   memcpy(given + 6, terms, 7 * sizeof *given);
   given[13] = by_position;
-  memcpy(given + 14, regime->piece, 6 * sizeof *given);
+  memcpy(given + 14, piece, 6 * sizeof *given);
+  given[20] = it->torque;
   it->evaluations += STAGES;
   *scale = SMALLEST;
   refused = rosenbrock(it->phase, given, found);
@@ -151,17 +155,17 @@ static int attempt(Moving *it, double h, const Regime *regime, const double *ter
   longer = SAFETY * power(larger(error, 1e-10), -0.25);
   longer = larger(SMALLEST, longer);
   *scale = longer < LARGEST ? longer : LARGEST;
-  return to_edge(it, next, regime);
+  return 0;
 }
 
 /* The state after all that is left, at one go: the budget allows no more. */
-static int rest(Moving *it, double *left, const Regime *regime, const double *terms,
+static int rest(Moving *it, double *left, const double *piece, const double *terms,
                 const double *change, double by_position)
 {
   double given[25], next[5], scale;
   int refused, i;
   if (it->evaluations + STAGES <= BUDGET) {
-    refused = attempt(it, *left, regime, terms, by_position, next, &scale);
+    refused = attempt(it, *left, piece, terms, by_position, next, &scale);
     if (refused) return refused;
     if (scale > SMALLEST && (!PASSES || is_here(it, next))) {
       memcpy(it->state, next, sizeof next);
@@ -169,13 +173,12 @@ static int rest(Moving *it, double *left, const Regime *regime, const double *te
       return 0;
     }
   }
-  pack(terms, it->state, regime->piece, given);
+  pack(terms, it->state, piece, given);
   given[18] = by_position;
   given[19] = 1.0 / *left;
   memcpy(given + 20, change, 5 * sizeof *given);
   refused = implicit_euler(given, next);
   for (i = 0; i < 5; ++i) next[i] = it->state[i] + next[i];
-  refused |= to_edge(it, next, regime);
   if (refused || (PASSES && !is_here(it, next))) return refused;
   memcpy(it->state, next, sizeof next);
   *left = 0.0;
@@ -186,15 +189,14 @@ static int rest(Moving *it, double *left, const Regime *regime, const double *te
    is above the tolerance, and if time is left, this coordinate cannot finish the step. */
 static int part_of_step(Moving *it, double *left, int *is_good)
 {
-  const double near = TOLERANCE[it->phase] / *left, closest = PASSES ? CLOSEST * *left : 0.0;
+  const double closest = PASSES ? CLOSEST * *left : 0.0, shortest = LATE * *left;
   double h = *left, longest = 0.0;
   *is_good = 1;
   while (*left > 0.0) {                 /* as often as the budget allows */
-    Regime regime;
     Pieces pieces;
-    double terms[7], change[5], next[5], by_position, scale, ahead = 1.0, excess = 0.0;
-    int refused = begin(it, near, &regime);
-    if (!refused) refused = linear(it, &regime, terms, change, &by_position);
+    double piece[6], terms[7], change[5], next[5], by_position, scale, ahead = 1.0, excess = 0.0;
+    int refused = law_at(it, piece);
+    if (!refused) refused = linear(it, piece, terms, change, &by_position);
     if (!refused) refused = pieces_at(it->phase, it->state[0], &pieces);
     if (refused) return refused;
     for (;;) {
@@ -207,19 +209,16 @@ static int part_of_step(Moving *it, double *left, int *is_good)
       }
       if (it->evaluations + STAGES + (*left > h ? 2 + STAGES : 0) > BUDGET) {
         *is_good = 0;
-        return rest(it, left, &regime, terms, change, by_position);
+        return rest(it, left, piece, terms, change, by_position);
       }
-      refused = attempt(it, h, &regime, terms, by_position, next, &scale);
+      refused = attempt(it, h, piece, terms, by_position, next, &scale);
       if (refused) return refused;
       if (scale >= 1.0) {
-        double part = 1.0, speed = 0.0, after = 0.0;
-        if (regime.kind != 0) {
-          refused = speed_of(it, it->state, &speed);
-          if (!refused) refused = speed_of(it, next, &after);
-          if (refused) return refused;
-          part = to_kink(&regime, speed, it->state[4], gain_of(it, terms, it->state, change),
-                         after, next[4], h);
-        }
+        double part = 1.0;
+        if (h > shortest)
+          refused = to_change(it, piece, next, h * (HAS_SHAFT ? change[3] : slope_of(
+                                  it, terms, it->state, change)), &part);
+        if (refused) return refused;
         if (TABLES) {
           const double gain = h * it->state[1];
           refused = to_place(it->phase, &pieces, gain, next[0] - it->state[0] - gain, &ahead);

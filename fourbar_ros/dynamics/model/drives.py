@@ -15,23 +15,14 @@ Torque sources, w the speed of the output shaft:
     constant     T = T0                                                                      (D2)
     motor line   T = N T_stall (1 - N w / w_free)                                            (D3)
     DC motor     L i. = U - R i - K N w,   T = N K i                                         (D4)
-    controller   T = sat(kp e + ki z),  e = w_set - w,  z. = e, but 0 where that would only
-                 push a saturated torque further into saturation (conditional integration)   (D5)
+    controller   T = sat(kp e + ki z),  e = w_set - w,  z. = e + (T - kp e - ki z) / kp:
+                 back-calculation takes z back while the torque is at its limit              (D5)
     table        T(t) held from one time to the next, or linear between them                 (D6)
 
-Each but the table states its law once, by :meth:`Law.make_regime_at`, as pieces that are linear in
-speed and own state z, or as the tangent of a smooth law:
+Each but the table states its law once, by :meth:`Law.make_piece`, next to a speed and own state z
+as linear in both:
 
     T = T_0 + T_w w + T_z z,    dz/dt = d_0 + d_w w + d_z z                                (M1)
-
-A controller has such a law between its limits and beyond each limit, with or without integration.
-Sometimes integration would push the torque beyond the limit, and stopping it would bring the
-torque back. Then the torque slides along the limit (Filippov, Differential Equations with
-Discontinuous Righthand Sides, 1988, section 4),
-
-    T = limit,    kp (w_set - w) + ki z = limit,    so that  ki dz/dt = kp dw/dt           (M2)
-
-``simulate`` and the steps of the node go from one regime to the next at the same kinks.
 """
 from __future__ import annotations
 
@@ -40,19 +31,16 @@ from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import inf, nan
-from typing import ClassVar, NamedTuple, Protocol
+from math import inf
+from typing import Any, ClassVar, NamedTuple, Protocol
 
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.numerics.arrays import EPS
 from fourbar_ros.numerics.given import array, check_quantities, quantity
-from fourbar_ros.numerics.number_types import Scalar
+from fourbar_ros.numerics.number_types import NumberType, REAL, Scalar
 import numpy as np
 
 State = Sequence[float]
 Answer = tuple[float, tuple[float, ...]]      # torque [N m], derivative of the own state
-# A torque within these parts of a limit is at it: always; at most, where the speed has an error.
-NEAREST, NEAR = 1e-9, 1e-3
 # Integration restarts at all times of a linear table of up to FEW times. In a longer table it
 # restarts at every EVERY-th time, and at bends that change the next torque by more than SHARP of
 # the whole range. A wave without such bends is at least pi / SHARP^0.5 = 10 000 times long, so no
@@ -96,48 +84,7 @@ class Piece(NamedTuple):
         return change
 
 
-Margins = Callable[[float, float, float], tuple[float, ...]]
-Tangent = Callable[[Scalar], Piece]
-
-
-class Regime(NamedTuple):
-    """
-    A law and where it ends.
-
-    ``tangent``, of any number type, takes the place of ``piece`` for a smooth law: w -> Piece with
-    the torque at w and its derivative.
-    """
-
-    name: str
-    piece: Piece                       # the law where it is linear
-    margins: Margins | None = None     # (w, z, dw/dt) -> numbers; it ends where one is negative
-    edge: tuple[float, float] | None = None      # (z_0, z_w), z = z_0 + z_w w if it slides, (M2)
-    tangent: Tangent | None = None
-
-    def piece_at(self, speed: float) -> Piece:
-        """Return the law next to a speed."""
-        return self.piece if self.tangent is None else self.tangent(speed)
-
-    def own(self, speed: float, state: float) -> float:
-        """Return the state of the source at a speed: on the limit while it slides there."""
-        return state if self.edge is None else self.edge[0] + self.edge[1] * speed
-
-
-class RegimeAt(Protocol):
-    """Which regime holds at a speed w, an own state z and dw/dt, NaN where that is unknown."""
-
-    def __call__(self, speed: float, state: float, slope: float = nan,
-                 near: float = 0.0) -> Regime:
-        """Return the regime; ``near``: error of the speed, within which a limit is reached."""
-
-
-def always(piece: Piece, tangent: Tangent | None = None) -> RegimeAt:
-    """Return the function of speed and state -> regime, of a source with one law everywhere."""
-    regime = Regime('', piece, tangent=tangent)
-
-    def regime_at(speed: float, state: float, slope: float = nan, near: float = 0.0) -> Regime:
-        return regime
-    return regime_at
+MakePiece = Callable[[Scalar, Scalar], Piece]      # (speed, own state) -> law next to them
 
 
 class Law(ABC):
@@ -148,11 +95,17 @@ class Law(ABC):
     ----------
     own : str
         The field of a DriveState message that holds the state, one number at most.
+    command : str
+        The field that generated code takes anew at each step, as a voltage; '': none.
+    is_smooth : bool
+        The pieces of its law are tangents; else it is linear in pieces, where steps end.
 
     """
 
     breaks: ClassVar[tuple[float, ...]] = ()
     own: ClassVar[str] = ''
+    command: ClassVar[str] = ''
+    is_smooth: ClassVar[bool] = False
 
     @property
     def start(self) -> tuple[float, ...]:
@@ -163,33 +116,31 @@ class Law(ABC):
         check_quantities(self)
 
     @abstractmethod
-    def make_regime_at(self) -> RegimeAt:
-        """Return the function of speed and state that gives the law there, as a Regime."""
+    def make_piece(self, n: NumberType = REAL, command: Scalar | None = None) -> MakePiece:
+        """
+        Return the formula (speed, own state) -> :class:`Piece` that holds next to them.
+
+        ``command``: a number in place of the field that ``self.command`` names.
+        """
+
+    @cached_property
+    def _piece(self) -> MakePiece:
+        return self.make_piece()
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Pickle the fields: functions cannot be pickled, and are made again."""
+        return {name: value for name, value in self.__dict__.items() if name != '_piece'}
 
     def torque(self, time: float, speed: float, state: State) -> Answer:
         """Return the torque on the output shaft [N m] and the derivative of the state."""
         own = state[0] if state else 0.0
-        return answer_of(self.make_regime_at()(speed, own), speed, state)
+        piece = self._piece(speed, own)
+        return piece.torque_at(speed, own), (piece.change_at(speed, own),) if state else ()
 
 
-def answer_of(regime: Regime, speed: float, state: State) -> Answer:
-    """Return the torque [N m] and the derivative of the own state by the law of a regime, (M1)."""
-    own, piece = state[0] if state else 0.0, regime.piece_at(speed)
-    return piece.torque_at(speed, own), (piece.change_at(speed, own),) if state else ()
-
-
-class CommandedLaw(Law):
-    """
-    A law with one field that generated code takes anew at each step, as a voltage.
-
-    ``command``: the name of this field.
-    """
-
-    command: ClassVar[str]
-
-    @abstractmethod
-    def piece(self, command: Scalar) -> Piece:
-        """Return the law without limits for a value of that field, of any number type."""
+def always(piece: Piece) -> MakePiece:
+    """Return the function of speed and state of a law that is one piece."""
+    return lambda speed, own: piece
 
 
 @dataclass(frozen=True)
@@ -198,7 +149,7 @@ class ConstantTorque(Law):
 
     value: float = quantity(0.0)
 
-    def make_regime_at(self) -> RegimeAt:
+    def make_piece(self, n: NumberType = REAL, command: Scalar | None = None) -> MakePiece:
         """Return the law of all speeds (D2)."""
         return always(Piece(self.value))
 
@@ -223,14 +174,14 @@ class MotorLine(Law):
                                    f'stall_torque ({self.stall_torque:g}): a torque that grows '
                                    'with the speed is no motor line')
 
-    def make_regime_at(self) -> RegimeAt:
+    def make_piece(self, n: NumberType = REAL, command: Scalar | None = None) -> MakePiece:
         """Return the law (D3) at the output shaft."""
         stall, free = self.gear * self.stall_torque, self.free_speed / self.gear
         return always(Piece(stall, -stall / free))
 
 
 @dataclass(frozen=True)
-class DCMotor(CommandedLaw):
+class DCMotor(Law):
     """Permanent-magnet DC motor with a gear of ratio N, (D4); fields state units and meanings."""
 
     own: ClassVar[str] = 'current'
@@ -248,25 +199,21 @@ class DCMotor(CommandedLaw):
         """Return the current at the beginning, where there is an inductance."""
         return (0.0,) if self.inductance else ()
 
-    def piece(self, command: Scalar) -> Piece:
+    def make_piece(self, n: NumberType = REAL, command: Scalar | None = None) -> MakePiece:
         """Return the law (D4) at a voltage; the current, its state, follows at once if L = 0."""
-        constant = self.gear * self.constant
+        constant, voltage = self.gear * self.constant, self.voltage if command is None else command
         if self.inductance:
-            return Piece(0.0, by_state=constant, change=command / self.inductance,
-                         change_by_speed=-constant / self.inductance,
-                         change_by_state=-self.resistance / self.inductance)
-        return Piece(constant * command / self.resistance,
-                     by_speed=-constant * constant / self.resistance)
-
-    def make_regime_at(self) -> RegimeAt:
-        """Return the law (D4) of all speeds."""
-        return always(self.piece(self.voltage))
+            return always(Piece(0.0, by_state=constant, change=voltage / self.inductance,
+                                change_by_speed=-constant / self.inductance,
+                                change_by_state=-self.resistance / self.inductance))
+        return always(Piece(constant * voltage / self.resistance,
+                            by_speed=-constant * constant / self.resistance))
 
 
 @dataclass(frozen=True)
-class SpeedController(CommandedLaw):
+class SpeedController(Law):
     """
-    PI controller of the speed with a limited torque and conditional integration, (D5).
+    PI controller of the speed with a limited torque and back-calculation, (D5).
 
     Fields state units and meanings.
     """
@@ -286,89 +233,32 @@ class SpeedController(CommandedLaw):
         """Return the integral of the error at the beginning, where there is an integral part."""
         return (0.0,) if self.integral else ()
 
-    def piece(self, command: Scalar) -> Piece:
-        """Return the law (D5) for a wanted speed; the state is the integral of the error, z."""
-        kp, ki = self.proportional, self.integral
-        return Piece(kp * command, -kp, ki, *((command, -1.0) if ki else ()))
+    def make_piece(self, n: NumberType = REAL, command: Scalar | None = None) -> MakePiece:
+        """
+        Return the law (D5): between the limits of the torque, and beyond each.
 
-    def make_regime_at(self) -> RegimeAt:
-        """Return the law (D5) with its limits."""
-        wanted, kp, ki, limit = self.speed, self.proportional, self.integral, self.limit
-        unlimited = self.piece(wanted)
+        Without a proportional part, ki times one second takes the place of kp in dz/dt.
+        """
+        wanted = self.speed if command is None else command
+        kp, ki, limit = self.proportional, self.integral, self.limit
+        inner = Piece(kp * wanted, -kp, ki, *((wanted, -1.0) if ki else ()))
         if limit == inf:
-            return always(unlimited)
+            return always(inner)
+        by = kp or ki
 
-        def within(speed: float, state: float, slope: float) -> tuple[float, ...]:
-            """Return the margins to both limits, as parts of the limit; the slope has no say."""
-            torque = unlimited.torque_at(speed, state) / limit
-            return 1.0 - torque, 1.0 + torque
+        def beyond(torque: float) -> Piece:
+            """Return the law at a limit of the torque."""
+            if not ki:
+                return Piece(torque)
+            return Piece(torque, 0.0, 0.0, wanted + (torque - kp * wanted) / by, kp / by - 1.0,
+                         -ki / by)
+        upper, lower = beyond(limit), beyond(-limit)
 
-        inner = Regime('between its limits', unlimited, within)
-        beyond = {side: self._at_limit(unlimited, side) for side in (1.0, -1.0)}
-
-        def regime_at(speed: float, state: float, slope: float = nan, near: float = 0.0) -> Regime:
-            """
-            Return the regime: inner, or one of three at the limit next to the torque.
-
-            Held: the error pushes further beyond, integration stops. Returning: the integral
-            leads back. Sliding: the torque stays on the limit. ``state``: integral of the error;
-            ``slope``: acceleration, NaN if unknown; ``near``: error of the speed, within which
-            the limit counts as reached.
-            """
-            torque = unlimited.torque_at(speed, state)
-            side = 1.0 if torque > 0.0 else -1.0
-            held, returning, sliding = beyond[side]
-            # from here on as at the upper limit
-            over, error, slope = side * torque - limit, side * (wanted - speed), side * slope
-            has_slope = slope == slope
-            if has_slope and abs(error) <= NEAREST * (abs(wanted) + abs(speed)):
-                error = -slope                # there is none: the next moment's counts
-            at_limit = (min(kp * near, NEAR * limit) + NEAREST * limit
-                        + 8.0 * EPS * kp * (abs(wanted) + abs(speed)))
-            if abs(over) <= at_limit and has_slope:
-                grows, falls = ki * error, kp * slope      # of the torque: by integral, by speed
-                if grows - falls <= NEAREST * (abs(grows) + abs(falls)):
-                    return inner              # it comes back between the limits
-                if min(grows, 0.0) <= falls and ki:
-                    return sliding            # integrating leads beyond, holding leads back
-            elif over <= 0.0:
-                return inner
-            return held if error > 0.0 else returning
-        return regime_at
-
-    def _at_limit(self, unlimited: Piece, side: float) -> tuple[Regime, Regime, Regime]:
-        """
-        Return the regimes at the upper (side 1) or lower (-1) limit of the torque.
-
-        Held: the error would push further beyond, integration stops. Returning: the integral
-        decreases. Sliding: along the limit by (M2).
-        """
-        wanted, kp, ki, limit = self.speed, self.proportional, self.integral, self.limit
-        unit, name = max(kp, ki) / limit, f'at its {"upper" if side > 0.0 else "lower"} limit'
-        piece = Piece(side * limit)
-
-        def over(speed: float, state: float) -> float:
-            """Return how far the torque without limit is beyond it, as a part of the limit."""
-            return side * unlimited.torque_at(speed, state) / limit - 1.0
-
-        # margins of a regime: it holds while all are positive
-        def while_held(speed: float, state: float, slope: float) -> tuple[float, ...]:
-            return over(speed, state), side * unit * (wanted - speed)
-
-        def while_returning(speed: float, state: float, slope: float) -> tuple[float, ...]:
-            return over(speed, state), side * unit * (speed - wanted)
-
-        def while_sliding(speed: float, state: float, slope: float) -> tuple[float, ...]:
-            """Return margins: integrating would go beyond the limit, holding would come back."""
-            falls = side * kp * slope
-            inward = (side * ki * (wanted - speed) - falls) / limit
-            return (inward, falls / limit) if kp else (inward,)
-
-        edge = ((side * limit - kp * wanted) / ki, kp / ki) if ki else None
-        return (Regime(f'{name}, held', piece, while_held),
-                Regime(f'{name}, integrating', unlimited._replace(
-                    torque=piece.torque, by_speed=0.0, by_state=0.0), while_returning),
-                Regime(f'{name}, sliding', piece, while_sliding, edge))
+        def piece(speed: Scalar, own: Scalar) -> Piece:
+            torque = inner.torque_at(speed, own)
+            return Piece(*n.where(torque.real > limit, tuple(upper), n.where(
+                torque.real < -limit, tuple(lower), tuple(inner))))
+        return piece
 
 
 @dataclass(frozen=True)

@@ -400,7 +400,8 @@ class Equation:
             found = of(self.coordinate)
             if self._is_alternate is not None:
                 found = np.where(self._is_alternate(positions), of(beyond(self.coordinate)), found)
-        return found if positions.shape else float(found)
+        result: Any = found if positions.shape else float(found)
+        return result       # type: ignore[no-any-return]  # of the type of the position
 
     def couples(self, position: Value) -> Value:
         """Return C, the part of Q without a potential: of couples and forces over a position."""

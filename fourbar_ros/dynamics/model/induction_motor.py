@@ -18,10 +18,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import tau
+from typing import ClassVar
 
-from fourbar_ros.dynamics.model.drives import always, Law, Piece, RegimeAt
+from fourbar_ros.dynamics.model.drives import Law, MakePiece, Piece
 from fourbar_ros.numerics.given import quantity
-from fourbar_ros.numerics.number_types import Scalar
+from fourbar_ros.numerics.number_types import NumberType, REAL, Scalar
 
 
 @dataclass(frozen=True)
@@ -32,6 +33,7 @@ class InductionMotor(Law):
     A negative gear: the shaft behind it turns the other way.
     """
 
+    is_smooth: ClassVar[bool] = True
     breakdown_torque: float = quantity(unit='N m or N', above=0.0,
                                        text='largest torque of the motor')
     breakdown_slip: float = quantity(above=0.0, text='slip at which it gives that torque')
@@ -44,16 +46,16 @@ class InductionMotor(Law):
         """Return the speed behind the gear at which it gives no torque [rad/s]."""
         return tau * self.frequency / self.pole_pairs / self.gear
 
-    def make_regime_at(self) -> RegimeAt:
+    def make_piece(self, n: NumberType = REAL, command: Scalar | None = None) -> MakePiece:
         """Return the law (K1) by its tangent at each speed: it is smooth, not linear."""
         synchronous, s_b = self.synchronous_speed, self.breakdown_slip
         factor = 2.0 * self.gear * self.breakdown_torque * s_b
 
-        def tangent(speed: Scalar) -> Piece:
+        def tangent(speed: Scalar, own: Scalar) -> Piece:
             """Return the line T + dT/dw (w - speed), as T_0 + T_w w of (M1)."""
             slip = 1.0 - speed / synchronous
             whole = slip * slip + s_b * s_b
             torque = factor * slip / whole                                                  # (K1)
             by_speed = factor * (slip * slip - s_b * s_b) / (synchronous * whole * whole)   # (K2)
             return Piece(torque - by_speed * speed, by_speed)
-        return always(Piece(0.0), tangent)
+        return tangent

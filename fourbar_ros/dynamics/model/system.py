@@ -12,23 +12,21 @@ conservative, so that energy less W is constant whatever acts (not if nothing of
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from math import inf
 
-from fourbar_ros.dynamics.model.drives import Answer, answer_of, Drive, Law, Regime
+from fourbar_ros.dynamics.model.drives import Answer, Drive
 from fourbar_ros.dynamics.model.elements import Element, PositionForce
 from fourbar_ros.dynamics.model.equation import Equation
 from fourbar_ros.dynamics.model.smooth import flat_positions
 from fourbar_ros.dynamics.solve.phase import AT_CHANGE_POINT, AT_LIMIT, Course, Event, Phase
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.mechanisms.mechanism import DrivenLinks, Mechanism
-from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.given import number
 from fourbar_ros.numerics.number_types import Function
 import numpy as np
 
 State = Sequence[float]
-KINK_TIME = 16.0 * 2.0**-52      # rounding of the time at which a kink was found, over the time
 NEAR_TOGGLE = 1e-3        # sine of the angle of the dyad at which an input counts as at its limit
 
 
@@ -84,8 +82,6 @@ class System:
                       *(() if self.is_conservative else ('work',)))
         self.start = (*motion * (2 if shaft else 1), *source,
                       *(() if self.is_conservative else (0.0,)))
-        self._regime_at = (drive.source.make_regime_at()
-                           if drive and isinstance(drive.source, Law) else None)
         # index of the source's speed in a state: of the input's rate, or of dp/dt behind a shaft
         self._speed = 3 if shaft else 1
         self.course = Course(make_equation, mechanism, motion[0], self)
@@ -146,22 +142,14 @@ class System:
         """Return the torque (force) of the source, which an elastic shaft passes on."""
         if self.drive is None:
             return 0.0
-        return self._of_source(time, state[self._speed], state[self._speed + 1:-1])[0]
+        return self.drive.source.torque(time, state[self._speed], state[self._speed + 1:-1])[0]
 
-    def _of_source(self, time: float, speed: float, own: State,
-                   regime: Regime | None = None) -> Answer:
-        """Return the torque of the source and the derivative of its state."""
-        assert self.drive is not None
-        if self._regime_at is None:
-            return self.drive.source.torque(time, speed, own)
-        return answer_of(regime or self._regime_at(speed, own[0] if own else 0.0), speed, own)
-
-    def _drive(self, time: float, state: State, regime: Regime | None = None) -> Answer:
+    def _drive(self, time: float, state: State) -> Answer:
         """Return the torque on the input and the derivatives of the states after q and w, (D1)."""
         drive = self.drive
         assert drive is not None
         speed, own = state[self._speed], state[self._speed + 1:-1]
-        torque, change = self._of_source(time, speed, own, regime)
+        torque, change = drive.source.torque(time, speed, own)
         if drive.shaft is None:
             return torque, change
         position, rate, motor = state[:3]
@@ -169,74 +157,8 @@ class System:
                     + drive.shaft.damping * (speed - rate))
         return on_input, (speed, (torque - on_input) / drive.rotor, *change)
 
-    def regime(self, phase: Phase, time: float, state: State) -> Regime | None:
-        """
-        Return the regime of the source that begins at a state; None: it has no kinks.
-
-        A controller has other laws beyond its limits; integration restarts where one ends.
-        """
-        if self._regime_at is None:
-            return None
-        speed, own = self._speed_in(phase, state), state[self._speed + 1:-1]
-        slope = self._slope_in(phase, state, phase.derivative(time, state))
-        near = KINK_TIME * abs(slope) * time
-        regime = self._regime_at(speed, own[0] if own else 0.0, slope, near)
-        return regime if regime.margins else None
-
-    def _speed_in(self, phase: Phase, state: State) -> float:
-        """Return the speed of the source [rad/s], [m/s] at a state in a phase."""
-        if phase.is_input or self._speed != 1:
-            return float(state[self._speed])
-        return float(phase.input_of(float(state[0]))[1] * state[1])
-
-    def _slope_in(self, phase: Phase, state: State, change: Sequence[float]) -> float:
-        """Return the acceleration of the source from the derivative of the state, (T3)."""
-        if phase.is_input or self._speed != 1:
-            return change[self._speed]
-        _, ratio, bend = phase.input_of(float(state[0]))
-        return float(change[1] * ratio + state[1] * state[1] * bend)
-
-    def on_edge(self, phase: Phase, state: State, regime: Regime | None) -> list[float]:
-        """Return a state; of a source that slides along its limit the own state follows (M2)."""
-        state = list(state)
-        if regime is not None and regime.edge is not None:
-            state[self._speed + 1] = regime.own(self._speed_in(phase, state), 0.0)
-        return state
-
-    def kinks(self, phase: Phase, regime: Regime) -> Callable[[float, Array], tuple[float, ...]]:
-        """
-        Return the function (time, state) -> margins of a regime: it ends where one gets negative.
-
-        The regime must have margins: numbers of its speed, own state and acceleration.
-        """
-        derivative = self.make_derivative(phase, regime)
-        assert regime.margins is not None
-        margins, needs_slope = regime.margins, regime.edge is not None
-
-        def margins_at(time: float, values: Array) -> tuple[float, ...]:
-            """Return the margins at a state in the coordinate of the phase."""
-            state = values.tolist()
-            slope = self._slope_in(phase, state, derivative(time, state)) if needs_slope else 0.0
-            own = state[self._speed + 1:-1]
-            return margins(self._speed_in(phase, state), own[0] if own else 0.0, slope)
-        return margins_at
-
-    def make_derivative(self, phase: Phase, regime: Regime | None = None) -> Function:
-        """Return the function (time, state) -> d state / dt in the coordinate of a phase."""
-        derivative = self._make_derivative(phase, regime)
-        if regime is None or regime.edge is None:
-            return derivative
-        by_speed, own = regime.edge[1], self._speed + 1
-
-        def sliding(time: float, state: State) -> tuple[float, ...]:
-            """Return the same, but that the source's state follows its speed by (M2)."""
-            change = derivative(time, state)
-            return (*change[:own], by_speed * self._slope_in(phase, state, change),
-                    *change[own + 1:])
-        return sliding
-
-    def _make_derivative(self, phase: Phase, regime: Regime | None) -> Function:
-        """Return the function (time, state) -> d state / dt by (E1) and, of the work, by (E6)."""
+    def make_derivative(self, phase: Phase) -> Function:
+        """Return (time, state in a phase) -> d state / dt, by (E1) and, of the work, by (E6)."""
         terms_of, is_input = phase.equation.of_one, phase.is_input
 
         def conservative(time: float, state: State) -> tuple[float, ...]:
@@ -251,7 +173,7 @@ class System:
             if not is_input:
                 value, ratio, _ = phase.input_of(position)
                 state = (value, ratio * rate, *state[2:])
-            torque, change = self._drive(time, state, regime) if self.drive else (0.0, ())
+            torque, change = self._drive(time, state) if self.drive else (0.0, ())
             inertia, half_slope, force, damping, couples = terms_of(position)
             torque = torque * ratio - damping * rate                                        # (T2)
             return (rate, (force + torque - half_slope * rate * rate) / inertia, *change,

@@ -58,13 +58,13 @@ STATUS_OF = {COMPLETE: REACHED, AT_LIMIT: LIMIT, AT_CHANGE_POINT: CHANGE_POINT, 
              GAVE_UP: STOPPED}
 METHODS = ('auto', 'DOP853', 'LSODA', 'Radau', 'RK45', 'BDF')
 TIGHTER = 0.1              # tolerance of a finer run over that of the rougher run
-TIGHTEST = 1e-13           # tolerance of the finest run; below it rounding governs
+TIGHTEST = 1e-14           # tolerance of the finest run; below it rounding governs
 MOST = 3_000_000           # evaluations in all runs
 AIM = 0.3                  # error to aim at, over the tolerance
 STIFF = 1e4                # fastest mode at the start times the run, above which LSODA integrates
 MANY = 16                  # places of a force table with which LSODA integrates
 HUGE = 1e100               # states and derivatives beyond it count as not finite
-SAME = 1e-12               # how far beyond the end of a regime or a piece of a table a leg ends
+SAME = 1e-12               # how far beyond a piece of a table a leg ends
 COMPARED = 400             # steps of a run at which it is compared
 ROUNDING = 32.0 * EPS      # of an energy over the sizes of its parts
 _LSODA = Lock()            # before scipy 1.17 it serves one thread at a time
@@ -177,11 +177,13 @@ class Run:
     def time(self) -> Array:
         """Return the times [s], of shape (n,); where a run stops early is one of them."""
         if self.asked is None:
-            return np.unique(np.concatenate([leg.time for leg in self.legs]))
+            return np.asarray(np.unique(np.concatenate([leg.time for leg in self.legs])))
         end = self._end
         asked: Array = self.asked[self.asked <= end]
         stops_early = self.legs[-1].end != COMPLETE and not (asked.size and asked[-1] == end)
-        return np.append(asked, end) if stops_early else asked
+        if stops_early:
+            asked = np.append(asked, end)
+        return asked
 
     @property
     def _end(self) -> float:
@@ -465,15 +467,11 @@ def _integrate(system: System, method: str, tolerance: float, work: Work, stop_w
     while first < work.until:
         if end == HANDED_OVER:
             phase, state = phase.next(state)
-        regime = system.regime(phase, first, state)
-        state = system.on_edge(phase, state, regime)
         events = [*system.events(phase), _watch(work, first)]
         if phase.can_end:
             events.append(Event(phase.excess_or_most, HANDED_OVER, 1.0))
         if phase.equation.tables:
             events.append(_piece(phase, first, state))
-        if regime:
-            events += _regime_ends(system, phase, regime, first, state)
         if stop_when is not None:
             stop = _of_input(phase, stop_when)
             if first == 0.0:
@@ -481,7 +479,7 @@ def _integrate(system: System, method: str, tolerance: float, work: Work, stop_w
             events.append(Event(stop, AT_EVENT, 0.0, stop_value))
         after = int(np.searchsorted(breaks, first, 'right'))
         last = float(breaks[after]) if after < breaks.size else work.until
-        leg = _leg(phase, system.make_derivative(phase, regime), (first, last), state, method,
+        leg = _leg(phase, (first, last), state, method,
                    tolerance, work, events)
         # two coordinates that hand over to each other at one time: nothing goes on
         stands = leg.time[-1] <= nextafter(first, inf)
@@ -495,7 +493,7 @@ def _integrate(system: System, method: str, tolerance: float, work: Work, stop_w
             stop_value = stop(first, leg.states[:, -1]) or stop_value
 
 
-def _leg(phase: Phase, derivative: Callable[..., Any], span: tuple[float, float],
+def _leg(phase: Phase, span: tuple[float, float],
          state: list[float], method: str, tolerance: float, work: Work,
          events: list[Event]) -> Leg:
     """Return the leg from a time and a state on, to the end of its span or to an event."""
@@ -507,7 +505,7 @@ def _leg(phase: Phase, derivative: Callable[..., Any], span: tuple[float, float]
     with warnings.catch_warnings(), _LSODA if method == 'LSODA' else nullcontext():
         warnings.simplefilter('ignore')      # of what the end of the leg says
         try:
-            found = solve_ivp(work.counted(derivative, span[1]), span, start, method,
+            found = solve_ivp(work.counted(phase.derivative, span[1]), span, start, method,
                               dense_output=True, events=functions,
                               rtol=max(tolerance, 100.0 * EPS), atol=tolerance)
         except ValueError as error:          # of a Jacobian
@@ -589,18 +587,6 @@ def _piece(phase: Phase, first: float, state: list[float]) -> Event:
             return -1.0
         return excess(position, False) - SAME
     return Event(passed, AT_KINK, 1.0)
-
-
-def _regime_ends(system: System, phase: Phase, regime: Any, first: float,
-                 state: list[float]) -> list[Event]:
-    """Return the events at which a regime of the source ends: its margins get negative."""
-    margins = system.kinks(phase, regime)
-
-    def falls(i: int, lowest: float) -> Event:
-        return Event(lambda time, state: margins(time, np.asarray(state))[i] - lowest, AT_KINK,
-                     -1.0)
-    return [falls(i, min(0.0, margin) - SAME)
-            for i, margin in enumerate(margins(first, np.array(state)))]
 
 
 def _of_input(phase: Phase, stop_when: Stop) -> Stop:

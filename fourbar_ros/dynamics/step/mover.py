@@ -26,11 +26,11 @@ from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.mechanism import Mechanism
 
 KEY = 'integrator'         # key in a bag: the integrator of its motion
-# Only the same version steps a bag again. Versions differ where the input has toggles, and for
-# controllers, which once decided for a whole step whether to integrate, and for force tables,
-# which steps once passed over.
-NAME, NAME_WITH_TOGGLES, NAME_WITH_CONTROLLER, NAME_WITH_TABLES = (
-    f'steps of the node, version {number}' for number in (1, 2, 3, 4))
+# Only the same version steps a bag again. Versions differ where the input has toggles, for force
+# tables, which steps once passed over, and for controllers, whose integral once stopped where the
+# torque was at its limit.
+NAME, NAME_WITH_TOGGLES, NAME_WITH_TABLES, NAME_WITH_CONTROLLER = (
+    f'steps of the node, version {number}' for number in (1, 2, 4, 5))
 LARGEST_MODE = 255         # in a message
 # The same numbers as the STATUS_ constants of fourbar_msgs/DriveState (a test compares them).
 OK, SILENT, OUT_OF_BUDGET, AT_LIMIT, NOT_FINITE = range(5)
@@ -102,10 +102,10 @@ def name_of(mechanism: Mechanism, source: Source | None = None,
 
     A recomputation steps a bag again only if it bears the name of its own steps.
     """
-    if any(isinstance(e, PositionForce) and isinstance(e.value, ForceTable) for e in elements):
-        return NAME_WITH_TABLES
     if isinstance(source, SpeedController):
         return NAME_WITH_CONTROLLER
+    if any(isinstance(e, PositionForce) and isinstance(e.value, ForceTable) for e in elements):
+        return NAME_WITH_TABLES
     return NAME_WITH_TOGGLES if modes_of(mechanism) else NAME
 
 
@@ -283,10 +283,10 @@ class Mover:
         if self.passes and place.phase.is_input and not self.tells_all(place):
             place = self._next(place)
         steps = self._steps(place.phase)
-        is_good, regime_at = True, steps.regimes(command)
+        is_good, law = True, steps.law(command)
         while True:
             steps.evaluations = self._spent
-            state, left, is_part_good = steps.part(place.state, left, regime_at)
+            state, left, is_part_good = steps.part(place.state, left, law)
             place, self._spent = place._replace(state=state), steps.evaluations
             if not left:
                 return self._settled(place), is_good and is_part_good

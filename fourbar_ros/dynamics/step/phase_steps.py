@@ -13,19 +13,9 @@ time. :mod:`fourbar_ros.dynamics.step.mover` goes from one coordinate to the oth
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache
 from math import isfinite, nan
 
-from fourbar_ros.dynamics.model.drives import (
-    always,
-    ConstantTorque,
-    Drive,
-    Law,
-    NEAREST,
-    Piece,
-    Regime,
-    RegimeAt,
-)
+from fourbar_ros.dynamics.model.drives import always, ConstantTorque, Drive, Law, MakePiece, Piece
 from fourbar_ros.dynamics.model.system import System
 from fourbar_ros.dynamics.solve.phase import Phase
 from fourbar_ros.dynamics.step.rosenbrock import EVALUATIONS, Rosenbrock
@@ -34,8 +24,10 @@ from fourbar_ros.errors import FourBarError, InvalidParameter
 
 DIFFERENCE = 1e-7          # step of the coordinate for the column of the Jacobian, in its unit
 SMALLEST, LARGEST, SAFETY = 0.1, 4.0, 0.85      # next step over this one: bounds, factor
-SHORTEST, BISECTIONS = 1e-3, 40      # part of a step, in the search for a kink
-CLOSEST = 1e-6                       # through toggles: part that a kink may be off
+SHORTEST, BISECTIONS = 1e-3, 40      # part of a step, in the search for a place of a table
+LATE = 1e-2                          # part by which another piece of the source's law may be late
+NEAREST = 1e-9                       # distance beyond a place, in the size of it
+CLOSEST = 1e-6                       # through toggles: part that a place may be off
 DEEPEST, SHORTER = 50.0, 0.3         # excess of a phase after a step; else it becomes shorter
 RESERVE = 2                          # evaluations with which another coordinate finishes a step
 Part = tuple[State, float, bool]     # result of :meth:`PhaseSteps.part`
@@ -63,16 +55,12 @@ class PhaseSteps:
         if not isinstance(self._drive.source, Law):
             raise InvalidParameter('source', self._drive.source, 'cannot drive steps: it must be '
                                    'a constant torque, a motor or a controller')
-        self._regime_at = self._drive.source.make_regime_at()
+        self._law, self._is_smooth = self._drive.source.make_piece(), self._drive.source.is_smooth
         shaft, rotor = self._drive.shaft, self._drive.rotor
         self._motor = 3 if shaft else 1            # place of the speed behind the gear
         self._is_input = equation.is_input
         self._equations: Elastic | Rigid = Elastic(shaft, rotor) if shaft else Rigid()
-        has_own = bool(self._drive.source.start)
-
-        self._attempt = cache(lambda tangent: Rosenbrock(equation, self._equations, has_own,
-                                                         tangent))
-        self._attempt(self._regime_at(0.0, 0.0).tangent)      # which takes long
+        self._attempt = Rosenbrock(equation, self._equations, self._drive.source)
         self._known: tuple[float, Terms] = (nan, (nan,) * 7)      # the last position, terms there
 
     @property
@@ -89,26 +77,26 @@ class PhaseSteps:
         ``command``: torque of the source, in place of that of the drive.
         """
         speed, own = self._speed(state), state[4]
-        piece = self.regimes(command)(speed, own).piece_at(speed)
+        piece = self.law(command)(speed, own)
         terms = self._terms_at(state[0])
         change = self._equations.derivative(terms, state, piece)
         return (self._slope(terms, state, change), self._equations.on_input(terms, state, piece),
                 piece.torque_at(speed, own))
 
-    def part(self, state: State, left: float, regime_at: RegimeAt) -> Part:
+    def part(self, state: State, left: float, law: MakePiece) -> Part:
         """
         Return (state, time left, is_good) after ``left`` seconds, or after a part of them.
 
         Time is left [s] where another coordinate has to take over. ``is_good``: the error is
         within the tolerance; if not and time is left, this coordinate cannot finish within the
-        budget. ``regime_at``: of the source, by :meth:`regimes`. Steps that fail are made shorter;
-        one that passes a kink of the source ends there. Raises FourBarError and ArithmeticError.
+        budget. ``law``: of the source, by :meth:`law`. Steps that fail are made shorter; one that
+        passes a place of a force table ends there. Raises FourBarError and ArithmeticError.
         """
-        h, closest, near = left, CLOSEST * left if self._phase else 0.0, self._tolerance / left
-        longest = 0.0
+        h, closest, longest = left, CLOSEST * left if self._phase else 0.0, 0.0
+        shortest = LATE * left
         while left > 0.0:
-            regime, state = self._begun(state, regime_at, near)
-            terms, change, by_position = self._linear(state, regime.piece)
+            piece = law(self._speed(state), state[4])
+            terms, change, by_position = self._linear(state, piece)
             excess = self._equation.make_excess(state[0]) if self._equation.tables else None
             while True:
                 h = min(h, left)
@@ -116,26 +104,27 @@ class PhaseSteps:
                     longest, h = h, h * _to_place(excess, state[0], h * state[1])
                 more = 0 if h == left else 2 + EVALUATIONS
                 if self.evaluations + EVALUATIONS + more > self._budget:
-                    return self._rest(state, left, regime, terms, by_position)
-                new, scale = self._try(state, h, terms, by_position, regime)
+                    return self._rest(state, left, piece, terms, change, by_position)
+                new, scale = self._try(state, h, terms, by_position, piece)
                 if scale >= 1.0:
-                    to_kink = (self._to_kink(state, new, h, self._gain(terms, state, change),
-                                             regime) if regime.margins else 1.0)
+                    part = (self._to_change(law, piece, state, new,
+                                            h * self._gain(terms, state, change))
+                            if h > shortest else 1.0)
                     if excess:
-                        to_kink = min(to_kink, _to_place(excess, state[0], h * state[1],
-                                                         new[0] - state[0] - h * state[1]))
-                    if to_kink == 1.0 or h <= closest:
+                        part = min(part, _to_place(excess, state[0], h * state[1],
+                                                   new[0] - state[0] - h * state[1]))
+                    if part == 1.0 or h <= closest:
                         break
-                    scale = max(to_kink, closest / h)
+                    scale = max(part, closest / h)
                 h *= scale
             state, left, h = new, left - h, max(h * scale, longest)
             if self._phase and left > 0.0 and self._phase.excess(0.0, state) > 0.0:
                 break
         return state, left, True
 
-    def regimes(self, command: float | None) -> RegimeAt:
+    def law(self, command: float | None) -> MakePiece:
         """Return the law of the source during a step: its own, or a commanded torque [N m]."""
-        return self._regime_at if command is None else always(Piece(command))
+        return self._law if command is None else always(Piece(command))
 
     # --- one step, or as many as the tolerance asks for -----------------------------------------
 
@@ -159,34 +148,26 @@ class PhaseSteps:
             self._known = position, self._terms(position)
         return self._known[1]
 
-    def _begun(self, state: State, regime_at: RegimeAt, near: float) -> tuple[Regime, State]:
-        """
-        Return the regime of the source from a state on, and the state.
-
-        A state that slides is put on the limit.
-        A smooth law is replaced by its tangent at this speed. ``near``: error of the speed.
-        """
-        speed, own = self._speed(state), state[4]
-        regime = regime_at(speed, own)
-        if regime.margins:
-            terms = self._terms_at(state[0])
-            change = self._equations.derivative(terms, state, regime.piece)
-            regime = regime_at(speed, own, self._gain(terms, state, change), near)
-        if regime.tangent:
-            regime = regime._replace(piece=regime.tangent(speed))
-        return regime, self._on_edge(state, regime)
-
-    def _on_edge(self, state: State, regime: Regime) -> State:
-        """Return a state; of a source that slides along its torque limit the own state by (M2)."""
-        if regime.edge is None:
-            return state
-        return (*state[:4], regime.own(self._speed(state), state[4]))
-
     def _gain(self, terms: Terms, state: State, change: State) -> float:
         """Return the derivative of the speed of the motor behind the gear."""
         return change[3] if self._motor == 3 else self._slope(terms, state, change)
 
-    def _rest(self, state: State, left: float, regime: Regime, terms: Terms,
+    def _to_change(self, law: MakePiece, piece: Piece, state: State, new: State,
+                   gain: float) -> float:
+        """
+        Return the part of a step, in (0, 1], after which another piece of the source's law holds.
+
+        1: none does. The speed is quadratic, ``gain`` its derivative times the length of the step,
+        the own state of the source linear.
+        """
+        speed, own, after = self._speed(state), state[4], self._speed(new)
+        if self._is_smooth or law(after, new[4]) == piece:
+            return 1.0
+        bend = after - speed - gain
+        return max(LATE, _first_part(lambda part: law(
+            speed + part * (gain + part * bend), own + part * (new[4] - own)) != piece))
+
+    def _rest(self, state: State, left: float, piece: Piece, terms: Terms, change: State,
               by_position: float) -> Part:
         """
         Return the state after all the time left in one step, as the budget is used up.
@@ -195,13 +176,11 @@ class PhaseSteps:
         stable: the error is bounded, but above the tolerance.
         """
         if self.evaluations + EVALUATIONS <= self._budget:
-            new, scale = self._try(state, left, terms, by_position, regime)
+            new, scale = self._try(state, left, terms, by_position, piece)
             if scale > SMALLEST and (not self._phase or self._is_here(new)):
                 return new, 0.0, False
-        change = self._equations.derivative(terms, state, regime.piece)
-        solver = self._equations.linear(terms, state, regime.piece, by_position)
+        solver = self._equations.linear(terms, state, piece, by_position)
         new = plus(state, 1.0, solver(1.0 / left)(change))       # implicit Euler
-        new = self._on_edge(new, regime)
         if self._phase and not self._is_here(new):
             return state, left, False
         return new, 0.0, False
@@ -232,7 +211,7 @@ class PhaseSteps:
         return terms, change, (other[1] - change[1]) / (aside - position)
 
     def _try(self, state: State, h: float, terms: Terms, by_position: float,
-             regime: Regime) -> tuple[State, float]:
+             piece: Piece) -> tuple[State, float]:
         """
         Return the state after one Rosenbrock step of ``h`` seconds, and the next length over it.
 
@@ -241,7 +220,7 @@ class PhaseSteps:
         """
         self.evaluations += EVALUATIONS
         try:
-            found = self._attempt(regime.tangent)(state, h, terms, by_position, regime.piece)
+            found = self._attempt(state, h, terms, by_position, piece)
         except FourBarError:
             if not self._phase:
                 raise
@@ -253,33 +232,7 @@ class PhaseSteps:
         if self._phase and error <= 1.0 and not self._is_here(new):
             return new, SHORTER
         longer = SAFETY * max(error, 1e-10)**-0.25
-        return self._on_edge(new, regime), min(LARGEST, max(SMALLEST, longer))
-
-    def _to_kink(self, state: State, new: State, h: float, gain: float, regime: Regime) -> float:
-        """
-        Return the part of a step, in (0, 1], after which the regime of the source ends.
-
-        1: it holds. Bisection finds it, with a quadratic speed between both ends (``gain``: its
-        derivative at the start) and a linear own state of the source.
-        """
-        speed, own, gain, margins = self._speed(state), state[4], h * gain, regime.margins
-        bend = self._speed(new) - speed - gain
-        assert margins is not None
-        least = [min(0.0, margin) for margin in margins(speed, own, gain / h)]
-
-        def ends_before(part: float) -> bool:
-            """Return whether a margin is below zero after this part of the step."""
-            there = speed + part * (gain + part * bend)
-            found = margins(there, regime.own(there, own + part * (new[4] - own)),
-                            (gain + 2.0 * part * bend) / h)
-            return any(margin < low - NEAREST for margin, low in zip(found, least))
-        if not ends_before(1.0):
-            return 1.0
-        low, high = 0.0, 1.0
-        for _ in range(BISECTIONS):
-            part = 0.5 * (low + high)
-            low, high = (low, part) if ends_before(part) else (part, high)
-        return max(high, SHORTEST) if high < 1.0 - SHORTEST else 1.0
+        return new, min(LARGEST, max(SMALLEST, longer))
 
 
 def _to_place(excess: Callable[[float, bool], float], position: float, gain: float,
@@ -292,10 +245,16 @@ def _to_place(excess: Callable[[float, bool], float], position: float, gain: flo
     """
     if not excess(position + (gain + bend), False) > NEAREST:
         return 1.0
+    return _first_part(lambda part: excess(
+        position + part * (gain + part * bend), False) > NEAREST)
+
+
+def _first_part(is_beyond: Callable[[float], bool]) -> float:
+    """Return the least part of a step, in (0, 1], that is beyond something, by bisection."""
     low, high = 0.0, 1.0
     for _ in range(BISECTIONS):
         part = 0.5 * (low + high)
-        if excess(position + part * (gain + part * bend), False) > NEAREST:
+        if is_beyond(part):
             high = part
         else:
             low = part

@@ -12,10 +12,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from fourbar_ros.dynamics.model.drives import Piece, Tangent
+from fourbar_ros.dynamics.model.drives import always, Law, Piece
 from fourbar_ros.dynamics.model.equation import Equation
 from fourbar_ros.dynamics.step.step_equations import Elastic, plus, Rigid, State, Terms
-from fourbar_ros.numerics.number_types import Function, NumberType
+from fourbar_ros.numerics.number_types import Function, NumberType, REAL
 from fourbar_ros.numerics.straight_line import straight_line
 
 GAMMA = 0.25
@@ -34,23 +34,22 @@ C_LAST = (8.083246795921522, -7.981132988064893, -31.52159432874371, 16.31930543
 EVALUATIONS = len(A)       # of the equation of motion in one step, besides those at its start
 Stepped = tuple[float, float, float, float, float, float, float, float, float]
 # numbers that a step is a formula of: state, h, terms, derivative of du/dt by p, law of the source
-GIVEN = 5 + 1 + 7 + 1 + len(Piece._fields)
+# at its start, and what commands the source
+GIVEN = 5 + 1 + 7 + 1 + len(Piece._fields) + 1
 
 
 class Rosenbrock:
     """
     One step of given length, of an equation of motion with the equations of shaft and source.
 
-    ``has_own``: the source has a state of its own; ``tangent``: the law near a speed, for a source
-    whose law is not linear.
+    ``source``: its law is that of the start of the step, a smooth one is taken anew at each stage.
     """
 
-    def __init__(self, equation: Equation, equations: Elastic | Rigid, has_own: bool,
-                 tangent: Tangent | None = None) -> None:
+    def __init__(self, equation: Equation, equations: Elastic | Rigid, source: Law) -> None:
         """Write the step as one function of floats where there is one formula."""
-        self._equations, self._has_own, self._is_input = equations, has_own, equation.is_input
-        self._tangent, self._equation = tangent, equation
-        self._formula = self._make(equation.of_one_with_ratio)
+        self._equations, self._source, self._equation = equations, source, equation
+        self._command = getattr(source, source.command) if source.command else 0.0
+        self._formula = self._make(equation.of_one_with_ratio, REAL)
         # in both modes of a change point there is no one formula
         self._line = (self._formula if equation.changes_mode else
                       straight_line(self.make, GIVEN))
@@ -65,33 +64,36 @@ class Rosenbrock:
         where the mechanism cannot reach a stage, ArithmeticError where a number is too large.
         """
         try:
-            stepped: Stepped = self._line(*state, h, *terms, by_position, *piece)
+            stepped: Stepped = self._line(*state, h, *terms, by_position, *piece, self._command)
         except (ValueError, ArithmeticError):      # of a number; the formula says why
-            stepped = self._formula(*state, h, *terms, by_position, *piece)
+            stepped = self._formula(*state, h, *terms, by_position, *piece, self._command)
         return stepped
 
     def make(self, n: NumberType) -> Function:
         """Return the formula of a step for a number type, in the mode of the equation."""
-        return self._make(self._equation.make_with_ratio(self._equation.coordinate, n))
+        return self._make(self._equation.make_with_ratio(self._equation.coordinate, n), n)
 
-    def _make(self, terms_at: Function) -> Function:
+    def _make(self, terms_at: Function, n: NumberType) -> Function:
         """Return the function of GIVEN numbers -> step; ``terms_at``: position p -> Terms."""
         derivative, linear = self._equations.derivative, self._equations.linear
-        has_shaft, has_own = isinstance(self._equations, Elastic), self._has_own
-        is_input, tangent = self._is_input, self._tangent
+        has_shaft, source = isinstance(self._equations, Elastic), self._source
+        is_input, has_own = self._equation.is_input, bool(source.start)
 
         def formula(p: Any, u: Any, s: Any, v: Any, z: Any, h: Any, *given: Any) -> Any:
             """
             Return the nine numbers of ``__call__`` from its arguments one by one, of any type.
 
-            ``given``: 7 terms, by_position and 6 of the piece, the source's law (M1): t and d are
-            torque and dz/dt, t_w, d_w and t_z, d_z their derivatives by speed and own state.
+            ``given``: 7 terms, by_position, 6 of the piece, the source's law (M1), and a command:
+            t and d are torque and dz/dt, t_w, d_w and t_z, d_z their derivatives by speed and own
+            state.
             """
             terms: Any = (*given[:5], 1.0, 0.0) if is_input else given[:7]
-            by_position, t, t_w, t_z, d, d_w, d_z = given[7:]
+            by_position, t, t_w, t_z, d, d_w, d_z, command = given[7:]
             s, v = (s, v) if has_shaft else (0.0, 0.0)
             z, t_z, d, d_w, d_z = (z, t_z, d, d_w, d_z) if has_own else (0.0,) * 5
             state, piece = (p, u, s, v, z), Piece(t, t_w, t_z, d, d_w, d_z)
+            law = (source.make_piece(n, command if source.command else None)
+                   if source.is_smooth else always(piece))
             solve = linear(terms, state, piece, by_position)(1.0 / (GAMMA * h))
             stages = [solve(derivative(terms, state, piece))]
 
@@ -101,7 +103,7 @@ class Rosenbrock:
                 terms_there: Terms = terms_at(position)
                 *_, ratio, _ = terms_there               # r = dq/dp, r'
                 speed = motor_speed if has_shaft else ratio * rate
-                slope = derivative(terms_there, at, tangent(speed) if tangent else piece)
+                slope = derivative(terms_there, at, law(speed, at[4]))
                 stages.append(solve(_sum(slope, [weight / h for weight in weights], stages)))
 
             for a, c in zip(A[1:], C[1:]):
