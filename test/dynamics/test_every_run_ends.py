@@ -62,7 +62,7 @@ def test_a_controller_at_its_limit_takes_its_integral_back():
     def torque(state):
         return kp * (wanted - state[1]) + ki * state[2]
     until, time, state, exact = 0.3, 0.0, np.array([0.0, 0.0, 0.0, 1.0]), []
-    while time < until:
+    while until - time > 1e-12:
         over = abs(torque(expm(1e-9 * inner) @ state)) > limit
         law = at_limit(np.copysign(limit, torque(state))) if over else inner
         ahead = np.linspace(0.0, until - time, 301)[1:]
@@ -235,7 +235,7 @@ def test_a_smooth_table_of_many_points_costs_about_what_its_interpolation_does()
     run, other = (simulate(System(HEAVY, 0.3, 2.0, drive=Drive(source, 0.5)), 2.0, 1e-7)
                   for source in (TorqueTable(times, torques, True), Interpolated()))
     assert run.status == other.status == REACHED
-    assert run.evaluations <= 2 * other.evaluations
+    assert run.evaluations <= 3 * other.evaluations
     assert abs(run.position[-1] - other.position[-1]) <= 2e-7
 
 

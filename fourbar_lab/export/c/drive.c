@@ -19,8 +19,8 @@ static void give(Place *at, NAME_drive *to, double evaluations)
 {
   Moving *it = &at->it;
   const double own = it->state[4];
-  double speed, piece[6], given[18], change[5], on_input = NAN, of_motor = NAN, slope = NAN;
-  double state[5];
+  double piece[6] = {0.0}, speed, given[18], change[5], state[5];
+  double on_input = NAN, of_motor = NAN, slope = NAN;
   int refused = law_at(it, piece) | speed_of(it, it->state, &speed) | terms_at(it, it->state[0]);
   pack(it->known + 1, it->state, piece, given);
   refused |= derivative(given, change);

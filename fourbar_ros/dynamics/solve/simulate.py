@@ -60,6 +60,7 @@ METHODS = ('auto', 'DOP853', 'LSODA', 'Radau', 'RK45', 'BDF')
 TIGHTER = 0.1              # tolerance of a finer run over that of the rougher run
 TIGHTEST = 1e-14           # tolerance of the finest run; below it rounding governs
 MOST = 3_000_000           # evaluations in all runs
+FIRST_TRY = 0.1            # part of them after which LSODA takes the place of DOP853
 AIM = 0.3                  # error to aim at, over the tolerance
 STIFF = 1e4                # fastest mode at the start times the run, above which LSODA integrates
 MANY = 16                  # places of a force table with which LSODA integrates
@@ -96,6 +97,7 @@ class Work:
     evaluations: float = inf       # most evaluations of the equation of motion
     seconds: float = inf           # most time [s]
     progress: Callable[[float], None] | None = None     # called with the share of a run, 0 to 1
+    most: float = inf              # evaluations after which the run at hand ends
     used: int = 0                  # evaluations so far
     began: float = 0.0
     reason: str = ''               # why a run was given up
@@ -104,7 +106,7 @@ class Work:
         """Return whether a run must be given up at a time [s]; ``reason`` then says why."""
         if self.progress is not None:
             self.progress(time / self.until)
-        if self.used > self.evaluations:
+        if self.used > self.most:
             self.reason = f'{self.evaluations:.0f} evaluations are used up at {time:.6g} s'
         elif clock.monotonic() - self.began > self.seconds:
             self.reason = f'{self.seconds:g} s are used up at {time:.6g} s'
@@ -368,31 +370,44 @@ def simulate(system: System, until: float, tolerance: float = 1e-8, method: str 
     work = Work(until, _most('evaluations', evaluations), _most('seconds', seconds), progress,
                 began=clock.monotonic())
 
-    if method == 'auto':
-        method = 'LSODA' if _is_stiff(system, until) else 'DOP853'
 
-    def run(tolerance: float, is_finer: bool = False) -> Run:
+    def run(method: str, tolerance: float, is_finer: bool = False, share: float = 1.0) -> Run:
+        work.most = share * work.evaluations
         legs = tuple(_integrate(system, method, tolerance, work, stop_when, is_finer))
         found = Run(system, legs, wanted, STATUS_OF[legs[-1].end], inf, nan, method, tolerance,
                     work.used, work.reason)
         return replace(found, drift=energy_drift(found))
 
+    def begun(tolerance: float) -> Run:
+        """Return the first run, by LSODA if DOP853 struggles."""
+        if method != 'auto':
+            return run(method, tolerance)
+        if not _is_stiff(system, until):
+            found = run('DOP853', tolerance, share=FIRST_TRY)
+            if found.status != STOPPED:
+                return found
+            work.reason = ''
+        return run('LSODA', tolerance)
+
     if not check:
-        only = run(max(tolerance, TIGHTEST))
+        only = begun(max(tolerance, TIGHTEST))
         return only if only.status == STOPPED else replace(only, status=NOT_CHECKED, error=nan)
     allowed = tolerance * system.mechanism.input_unit
-    rough = run(max(TIGHTER * tolerance, TIGHTEST / TIGHTER))
+    rough = begun(max(TIGHTER * tolerance, TIGHTEST / TIGHTER))
     while rough.status != STOPPED:
-        fine = run(max(TIGHTER * rough.tolerance, TIGHTEST), is_finer=True)
+        fine = run(rough.method, max(TIGHTER * rough.tolerance, TIGHTEST), is_finer=True)
         fine = replace(fine, error=_difference(rough, fine))
         if fine.status == STOPPED or fine.error <= allowed and fine.drift <= tolerance:
             return fine
-        if fine.tolerance <= TIGHTEST:
+        if fine.tolerance < 2.0 * TIGHTEST:
             return replace(fine, status=NOT_CONVERGED)
         # as if errors were in proportion to the tolerance
-        next_one = max(rough.tolerance * max(1e-4, AIM * allowed / fine.error if fine.error
-                                             else 1.0), TIGHTEST / TIGHTER)
-        rough = fine if next_one >= 0.5 * fine.tolerance else run(next_one)
+        share = AIM * allowed / fine.error if fine.error > 0.0 else TIGHTER
+        tighter = max(rough.tolerance * min(TIGHTER, max(1e-4, share)), TIGHTEST / TIGHTER)
+        # the finer run is the next rough one, unless both would take the same steps
+        is_next = (TIGHTEST / TIGHTER <= fine.tolerance <= 2.0 * tighter
+                   and not (system.drive and system.drive.source.breaks))
+        rough = fine if is_next else run(rough.method, tighter)
     return rough
 
 
@@ -442,7 +457,7 @@ def _is_stiff(system: System, until: float) -> bool:
             step = 1e-6 * (1.0 + abs(value))
             rates = [phase.derivative(0.0, [*state[:i], value + side, *state[i + 1:]])
                      for side in (step, -step)]
-            columns.append((np.array(rates[0]) - np.array(rates[1])) / (2.0 * step))
+            columns.append([(a - b) / (2.0 * step) for a, b in zip(*rates)])
     except (FourBarError, ArithmeticError):
         return False
     jacobian = np.array(columns)             # transposed: its eigenvalues are the same
