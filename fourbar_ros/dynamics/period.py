@@ -76,7 +76,8 @@ def free_period(system: System) -> float:
             before, mean = mean, float(np.mean(slowness(samples)))
             now = abs(mean / before - 1.0)
             if change < 1e-8 and now >= change:
-                break                    # rounding of E - V, next to the turning points, governs
+                mean = before            # rounding of E - V, next to the turning points, governs
+                break
             change = now
     if not change <= RESOLVED:
         raise NotResolved('dt/du of the free motion needs more samples than allowed')

@@ -387,6 +387,8 @@ def simulate(system: System, until: float, tolerance: float = 1e-8, method: str 
             if found.status != STOPPED:
                 return found
             work.reason = ''
+            other = run('LSODA', tolerance)
+            return found if other.status == STOPPED and found._end > other._end else other
         return run('LSODA', tolerance)
 
     if not check:
@@ -517,12 +519,21 @@ def _leg(phase: Phase, span: tuple[float, float],
     except ModuleNotFoundError as error:
         raise MissingPackage('simulation', error) from error
     functions, start = [_remembered(event, span[0]) for event in events], np.array(state)
+    rates = work.counted(phase.derivative, span[1])
+    tolerances = {'rtol': max(tolerance, 100.0 * EPS), 'atol': tolerance}
     with warnings.catch_warnings(), _LSODA if method == 'LSODA' else nullcontext():
         warnings.simplefilter('ignore')      # of what the end of the leg says
         try:
-            found = solve_ivp(work.counted(phase.derivative, span[1]), span, start, method,
-                              dense_output=True, events=functions,
-                              rtol=max(tolerance, 100.0 * EPS), atol=tolerance)
+            found = solve_ivp(rates, span, start, method, dense_output=True, events=functions,
+                              **tolerances)
+            ends = [event.end for event, at in zip(events, found.t_events) if at.size]
+            length = found.t[-1] - found.t[-2] if found.t.size > 1 else 0.0
+            if length > 0.0 and (HANDED_OVER in ends or AT_KINK in ends):
+                # where the run goes on a step is more exact than the interpolant
+                last = solve_ivp(rates, found.t[-2:], found.y[:, -2], method, first_step=length,
+                                 **tolerances)
+                if last.status == 0:
+                    found.y[:, -1] = last.y[:, -1]
         except ValueError as error:          # of a Jacobian
             if 'infs or NaNs' not in str(error):
                 raise
@@ -533,7 +544,7 @@ def _leg(phase: Phase, span: tuple[float, float],
                    lambda times: np.repeat(start[:, None], times.size, 1), GAVE_UP)
     end = COMPLETE
     if found.status == 1:
-        end = next(event.end for event, at in zip(events, found.t_events) if at.size)
+        end = ends[0]
     elif found.status == -1:
         end, work.reason = GAVE_UP, f'no step of {method} is short enough at {found.t[-1]:.6g} s'
     return Leg(phase, found.t, found.y, found.sol, end)
