@@ -370,7 +370,6 @@ def simulate(system: System, until: float, tolerance: float = 1e-8, method: str 
     work = Work(until, _most('evaluations', evaluations), _most('seconds', seconds), progress,
                 began=clock.monotonic())
 
-
     def run(method: str, tolerance: float, is_finer: bool = False, share: float = 1.0) -> Run:
         work.most = share * work.evaluations
         legs = tuple(_integrate(system, method, tolerance, work, stop_when, is_finer))
