@@ -65,6 +65,7 @@ AIM = 0.3                  # error to aim at, over the tolerance
 STIFF = 1e4                # fastest mode at the start times the run, above which LSODA integrates
 MANY = 16                  # places of a force table with which LSODA integrates
 HUGE = 1e100               # states and derivatives beyond it count as not finite
+WITHIN_A_STEP = 5000       # evaluations beyond the bound after which a step is broken off
 SAME = 1e-12               # how far beyond a piece of a table a leg ends
 COMPARED = 400             # steps of a run at which it is compared
 ROUNDING = 32.0 * EPS      # of an energy over the sizes of its parts
@@ -123,6 +124,8 @@ class Work:
 
         def rates(time: float, state: Array) -> list[float]:
             self.used += 1
+            if self.used > self.most + WITHIN_A_STEP:
+                raise ArithmeticError('evaluations are used up within a step')
             try:
                 change = list(derivative(min(time, latest), state.tolist()))
             except (FourBarError, ArithmeticError):
@@ -533,6 +536,8 @@ def _leg(phase: Phase, span: tuple[float, float],
                                  **tolerances)
                 if last.status == 0:
                     found.y[:, -1] = last.y[:, -1]
+        except ArithmeticError:
+            found = None
         except ValueError as error:          # of a Jacobian
             if 'infs or NaNs' not in str(error):
                 raise
