@@ -162,6 +162,7 @@ export default {
     },
     leave(event) {
       if (event.pointerId !== this.pointer) return;
+      if (event.type === "pointerup") this.move(event); // its last move may not have come
       this.pointer = null;
       this.rest(this.scrubbed);
     },
