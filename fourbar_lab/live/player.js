@@ -155,7 +155,8 @@ export default {
       this.joints.forEach((places, k) => {
         let away = Math.abs(this.inputs[k] - this.scrubbed);
         if (this.turns) away = Math.min(away, span - away);
-        const far = Math.hypot(places[this.joint][0] - x, places[this.joint][1] - y) + (20 * away) / span;
+        const jump = away > span / 8 ? (20 * away) / span : 0;
+        const far = Math.hypot(places[this.joint][0] - x, places[this.joint][1] - y) + jump;
         if (far < least) [best, least] = [k, far];
       });
       this.goTo(best);

@@ -5,6 +5,7 @@ The recorder against what can go wrong.
 
 Bad arguments, names, threads, clocks, a slow, full or lost disk; files that follow each other.
 """
+import re
 import subprocess
 import sys
 import threading
@@ -329,8 +330,10 @@ def test_a_file_that_is_lost_while_it_is_recorded_is_noticed(tmp_path, monkeypat
         (writer.path / 'metadata.yaml').unlink()
         writer.path.rmdir()
     until(lambda: told, 'the recorder notices')
-    assert 'removed or replaced' in told[0] and len(told) == 1
-    with pytest.raises(BagError, match='removed or replaced'):
+    # where the folder goes too, the write of metadata.yaml may notice first
+    said = 'removed or replaced|No such file' if 'folder' in change else 'removed or replaced'
+    assert re.search(said, told[0]) and len(told) == 1
+    with pytest.raises(BagError, match=said):
         writer.close()
     assert not writer.write(0, motion(1))
 
