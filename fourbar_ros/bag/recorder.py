@@ -269,9 +269,11 @@ class BagWriter:
 
     def _look(self) -> None:
         """Stop if the file was lost; end the bag while there is still room for its end."""
-        part = self._part
-        if not part.path.exists() or not os.path.samestat(os.stat(part.path),
-                                                          os.fstat(part.file.fileno())):
+        try:
+            there = os.stat(self._part.path)
+        except FileNotFoundError:
+            there = None
+        if not there or not os.path.samestat(there, os.fstat(self._part.file.fileno())):
             self._give_up('its file was removed or replaced')
         elif shutil.disk_usage(self.path).free < ROOM:
             with self._lock:
