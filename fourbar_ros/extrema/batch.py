@@ -30,7 +30,7 @@ from numpy.typing import ArrayLike
 RATES = 'omega4', 'alpha4'
 # Linkages searched together: their samples stay in the cache. Samples of a turn; the larger number
 # is for linkages that the smaller one does not resolve.
-TOGETHER, SAMPLES = 512, (64, 128)
+TOGETHER, SAMPLES = 512, (64, 128, 256, 512, 1024)
 # Between these many linkages progress is told.
 CHUNK = 8192
 # Values nearer to each other than this part of them may be equal, as far as their conditions tell.
@@ -75,7 +75,7 @@ def find_extrema_many(a1: ArrayLike, a2: ArrayLike, a3: ArrayLike, a4: ArrayLike
     """
     Return all extrema of omega4 and alpha4 of many linkages at constant input rate.
 
-    Those whose cranks turn fully take microseconds, others milliseconds each.
+    Those whose cranks turn fully take about a tenth of a millisecond, others milliseconds each.
 
     Parameters
     ----------

@@ -68,14 +68,6 @@ class InputPath(NamedTuple):
         """Return the indices of all points in order, beginning at the end on this side."""
         return np.arange(self.x.size)[::side]
 
-    def is_next_to_toggle(self, before: Array) -> Array:
-        """Return whether each interval, by the index of its first sample, is next to a toggle."""
-        near = np.zeros(before.size, bool)
-        for side, end in self.ends():
-            if not end.is_flat and not end.is_regular:
-                near |= before < self.first if side > 0 else before >= self.last
-        return near
-
     def with_points(self, points: Array) -> InputPath:
         """Return the path with those of more inputs, in any order, that lie between its ends."""
         start, end = self.x[[0, -1]]

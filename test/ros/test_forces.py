@@ -91,9 +91,9 @@ def test_an_engine_turns_by_its_gas_and_is_stepped_again(run_node, client, tmp_p
     assert not found.problems() and found.largest == 0.0
     states = in_bag(tmp_path / 'run', '/fourbar/drive_state')
     stamps = np.array([s.header.stamp.sec * 10**9 + s.header.stamp.nanosec for s in states])
-    # a node that was more than a second late leaves samples out
+    # a node that the machine keeps more than a second late leaves samples out
     gaps = int((np.diff(stamps) > 1.5e9 / ENGINE['drive.rate']).sum())
-    assert found.stepped == found.inputs - 1 - gaps and gaps < 3
+    assert found.stepped == found.inputs - 1 - gaps > 10 * gaps
     gas, system = there.forces[0], there.dynamics.system(there.bare_linkage)
     for message in states[:100]:
         wanted = system.equation.acceleration(message.position, message.velocity, message.torque)
