@@ -181,7 +181,7 @@ def transmission_angles(linkage: Mechanism) -> list[tuple[str, str]]:
                 f'{degrees(least.value):.4f} to {in_degrees(most.value)}')
         at = input_of(linkage, worst)
         where = '' if least.kind == CONSTANT else (
-            f'; {degrees(abs(worst.value - 0.5 * pi)):.1f} deg off square at '
+            f'; worst deviation from 90 deg: {degrees(abs(worst.value - 0.5 * pi)):.1f} deg at '
             f'{linkage.input_coordinate.position} {shown(linkage.input_coordinate, at)}')
         rows.append((f'transmission angle{name.removeprefix(ANGLE).replace("_", " ")}',
                      band + where))

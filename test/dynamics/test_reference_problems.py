@@ -10,7 +10,6 @@ from fourbar_ros.dynamics.solve.simulate import REACHED, simulate
 import mpmath as mp
 import numpy as np
 import pytest
-from support import ROOT
 from support.dynamics_problems import (
     near_lock_up,
     one_window,
@@ -114,21 +113,6 @@ def test_a_motor_and_its_shaft_against_many_digits(stiffness):
     exact = np.array([float(text) for text in ANSWERS[stiffness]])
     assert np.max(np.abs(run.states[[0, 2], -1] - exact[[0, 2]])) <= 1e-9
     assert np.max(np.abs(run.states[[1, 3], -1] - exact[[1, 3]])) <= 1e-7
-
-
-def test_the_page_has_the_digits_of_the_tests():
-    page = (ROOT / 'docs' / 'reference_problems.md').read_text(encoding='utf-8')
-    page = page.replace('\N{MINUS SIGN}', '-')
-    for text in (P2_POSITION, P2_RATE, P2_ENERGY, P3_POSITION, P4_POSITION):
-        assert f'| {text} |' in page
-
-
-def test_the_page_has_the_digits_of_the_shafts():
-    pytest.importorskip('flint')
-    from support.motor_problem import ANSWERS
-    page = (ROOT / 'docs' / 'reference_problems.md').read_text(encoding='utf-8')
-    for answers in ANSWERS.values():
-        assert f'| {" | ".join(answers)} |' in page
 
 
 @pytest.mark.slow

@@ -4,7 +4,7 @@
 Bars on links that run to infinity, where the slides of a dyad PRP become parallel.
 
 They turn smoothly, but their rates are differences of terms that grow with the distance: what that
-costs is in docs/limitations.md.
+costs is in docs/accuracy.md.
 """
 from flint import ctx
 from fourbar_ros import Body, find_extrema
