@@ -63,13 +63,6 @@ def test_every_kind_has_a_scene_that_has_loads_and_a_table(kind):
     assert np.isfinite(rows).all() and rows[:, 1].min() > 0.0
 
 
-@pytest.mark.parametrize(('given', 'inside'), [
-    (['--a1', '-5mm'], 'linkage.a1 = -0.005'), (['--speed', '-300rpm'], '')])
-def test_a_negative_number_may_have_a_unit(given, inside, capsys):
-    code = main(['new', 'my.yaml', *GIVEN, *given])
-    assert (code, inside in capsys.readouterr().err) == (1 if inside else 0, True)
-
-
 @pytest.mark.parametrize('verb', ['', 'new', 'list', 'table', 'plot', 'show', 'draw', 'scene',
                                   'simulate', 'bag', 'replay', 'describe', 'study',
                                   'balance', 'live', 'reproduce'])
@@ -85,20 +78,11 @@ def test_help_fits_eighty_columns_without_a_lost_word(verb, capsys, monkeypatch)
     assert words['80'] == words['300']
 
 
-@pytest.mark.parametrize(('arguments', 'text'), [
-    (('x.yaml', '--a1', '50mm'), 'must be given'),
-    (('x.yaml', '--kind', 'scotch_yoke', '--a1', '1', '--a2', '1'), 'no length of a scotch_yoke'),
-    (('x.yaml', '--a1', '1', '--a2', '9', '--a3', '1', '--a4', '1'), 'cannot close'),
-    (('x.txt', *GIVEN), 'must end in .yaml'),
-    (('there.yaml', *GIVEN), 'exists already')])
-def test_what_cannot_be_written_is_one_line_and_leaves_no_file(arguments, text, tmp_path, capsys):
-    (tmp_path / 'there.yaml').write_text('mine')
-    assert main(['new', *arguments]) == 1
-    error = capsys.readouterr().err
-    assert text in error
-    assert error.count('\n') == 1
-    assert [path.name for path in tmp_path.iterdir()] == ['there.yaml']
-    assert (tmp_path / 'there.yaml').read_text() == 'mine'
+def test_a_file_that_is_there_is_not_written_over(capsys):
+    Path('there.yaml').write_text('mine')
+    assert main(['new', 'there.yaml', *GIVEN]) == 1
+    assert 'exists already' in capsys.readouterr().err
+    assert Path('there.yaml').read_text() == 'mine'
 
 
 @pytest.mark.parametrize('name', ['paper', 'slider_crank', 'cylinder', 'watt', 'engine'])
@@ -153,19 +137,6 @@ def test_units_mean_what_they_say(given, same, capsys):
         assert main(['show', 'paper', *arguments]) == 0
         texts.append(capsys.readouterr().out)
     assert texts[0] == texts[1]
-
-
-@pytest.mark.parametrize('arguments', [
-    ('show', 'paper', '--at', '50mm'), ('show', 'cylinder', '--at', '60deg'),
-    ('table', 'paper', '--speed', '1m/s', '-o', 'x.csv'), ('table', 'paper', 'f4', '-o', 'x.csv'),
-    ('table', 'paper', '-o', 'x.xls'), ('plot', 'paper', '-o', 'x.csv'),
-    ('table', 'paper', '--speed', '1e308', '-o', 'x.csv')])
-def test_what_does_not_fit_is_one_line_that_names_what_does(arguments, tmp_path, capsys):
-    assert main(list(arguments)) == 1
-    error = capsys.readouterr().err
-    assert error.count('\n') == 1
-    assert any(hint in error for hint in ('did you mean', 'takes', 'must end in', 'overflows'))
-    assert not list(tmp_path.iterdir())
 
 
 def test_the_list_has_every_scene_that_a_verb_takes(capsys):

@@ -33,25 +33,6 @@ def test_a_machine_is_simulated_with_its_loads(capsys):
     assert 0.0 < end < 0.1 * 1.5            # the door closes, and damped so much does not swing
 
 
-@pytest.mark.parametrize(('arguments', 'code', 'why'), [
-    (['paper', '--until', '1'], 1, 'nothing to simulate: must be torque or motor'),
-    (['motor', '--until', '1', '--torque', '3'], 1, 'drive.source: torque'),
-    (['motor', '--until', '0.0001'], 1, 'less than one sample'),
-    (['motor', '--until', '1', '--tolerance', '2'], 1, 'tolerance'),
-    (['nowhere', '--until', '1'], 1, 'nowhere'),
-    (['motor', '--until', '-1'], 2, 'must be a positive number'),
-    (['motor'], 2, '--until'),
-    (['motor', '--until', '1', '--method', 'euler'], 2, "'euler' is unknown"),
-])
-def test_what_cannot_be_is_refused_in_one_line(arguments, code, why, capsys):
-    try:
-        found = main(['simulate', *arguments])
-    except SystemExit as exit_:
-        found = exit_.code
-    last = capsys.readouterr().err.strip().splitlines()[-1]
-    assert found == code and why in last and last.startswith('fourbar')
-
-
 def test_an_existing_bag_is_refused_before_the_work(tmp_path, capsys):
     assert main(['simulate', 'motor', '--until', '1e6', '-o', str(tmp_path)]) == 1
     assert 'exists already' in capsys.readouterr().err

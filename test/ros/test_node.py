@@ -294,32 +294,6 @@ def test_signals_end_it_with_code_0_and_a_closed_bag(run_node, client, tmp_path,
     assert (tmp_path / 'bags/run/run_0.mcap').read_bytes().endswith(b'\x89MCAP0\r\n')
 
 
-BAD_SCENES = [
-    ({'linkage.a2': -1.2}, 'linkage.a2 = -1.2'),
-    ({'linkage.a3': 0.0}, 'linkage.a3 = 0.0'),
-    ({'linkage.a4': 99.0}, 'linkage.a4 = 99.0: the links cannot close'),
-    ({'linkage.a1': math.nan}, 'linkage.a1: must be given'),
-    ({'linkage.mode': 3}, 'linkage.mode = 3'),
-    ({'outputs': ['state', 'torque']}, "outputs = 'torque'"),
-    ({'outputs': ['loads']}, 'bodies.crank.mass'),
-    ({'bodies.crank.mass': 1.0}, 'bodies.crank.inertia'),
-    ({'linkage.a5': 1.0}, 'linkage.a5 = 1.0: unknown parameter; linkage has kind, '),
-    ({'drive.rate': 0.0}, 'drive.rate = 0.0'),
-    ({'drive.source': 'joint_state'}, 'drive.joint'),
-    ({'drive.speed': 'fast'}, "drive.speed = 'fast': must be a number in rad/s or m/s"),
-]
-
-
-@some('change, reason', BAD_SCENES, 2,
-      ids=[reason[:24] for _, reason in BAD_SCENES])
-def test_a_bad_scene_is_refused_at_start_in_one_line(run_node, change, reason):
-    node = run_node({**PAPER, **change})
-    assert node.wait() == 2
-    lines = [line for line in node.said.splitlines() if line.startswith('fourbar_node:')]
-    assert len(lines) == 1 and reason in lines[0]
-    assert 'Traceback' not in node.said
-
-
 @pytest.mark.slow
 def test_whole_numbers_are_good_for_doubles(run_node, client):
     run_node({**{name: int(value) for name, value in SLIDES_7_7.items()},

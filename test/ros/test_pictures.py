@@ -1,7 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """URDF, TF and markers over the wire: right poses, right arrows, in the bag, and not too often."""
-import json
 from math import atan2, hypot
 
 from builtin_interfaces.msg import Time
@@ -19,7 +18,7 @@ import pytest
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from support import ROOT
 from support.samples import some
-from support.scenes import PAPER, RODS, TIP
+from support.scenes import file_of, PAPER, RODS, TIP
 from visualization_msgs.msg import Marker
 
 EPS = 2.0**-52
@@ -210,9 +209,7 @@ def test_a_scene_of_which_no_description_can_be_made_does_not_start(run_node):
 
 def test_scene_check_says_so_too(tmp_path, capsys):
     from fourbar_ros.cli.main import main
-    file = tmp_path / 'scene.yaml'
     values = {**PAPER, 'outputs': ['robot_description'],
               'joint_states.ratios': [1.0, 2.0, 1.0, 1.0]}
-    file.write_text(json.dumps({'/**': {'ros__parameters': values}}))
-    assert main(['scene', 'check', str(file)]) == 1
+    assert main(['scene', 'check', str(file_of(values, tmp_path))]) == 1
     assert 'ratio of coupler must be 1 or -1' in capsys.readouterr().err

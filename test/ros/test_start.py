@@ -1,7 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """The start of the node: what is asked for is done, or refused in one line."""
-import json
 import subprocess
 import sys
 
@@ -12,10 +11,11 @@ from fourbar_ros.scene.files import folder
 import pytest
 from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 from ros.test_inputs import set_parameters
+from scene.test_refused import REFUSED as SCENES
 from support import ROOT
 from support.harness import PATIENCE
 from support.samples import some
-from support.scenes import PAPER
+from support.scenes import file_of, PAPER
 
 
 def start(tmp_path, *arguments):
@@ -31,9 +31,7 @@ def start(tmp_path, *arguments):
 
 @pytest.fixture
 def paper(tmp_path):
-    file = tmp_path / 'paper.yaml'
-    file.write_text(json.dumps({'/**': {'ros__parameters': {**PAPER, 'drive.speed': 25}}}))
-    return str(file)
+    return str(file_of({**PAPER, 'drive.speed': 25}, tmp_path))
 
 
 QOS = 'qos_overrides./fourbar/'
@@ -47,6 +45,12 @@ REFUSED = [
     ('frame_id:=/base', "frame_id = '/base': must not begin with a slash"),
     ('outputs:=state', "outputs = 'state': must be"),
 ]
+
+
+@some('values, name, why', SCENES[::40], 2, ids=str)
+def test_a_wrong_scene_is_refused_in_one_line(tmp_path, values, name, why):
+    code, line = start(tmp_path, '--ros-args', '--params-file', str(file_of(values, tmp_path)))
+    assert code == 2 and line.startswith(f'fourbar_node: {name}') and why in line
 
 
 @some('given, why', REFUSED, 2, ids=str)

@@ -19,14 +19,10 @@ from fourbar_ros.scene.forces import _coordinates, read_table
 from fourbar_ros.scene.simulated import simulate_scene
 import numpy as np
 import pytest
-from support.scenes import PAPER, RODS
+from support.scenes import PAPER, PUSH, RODS
 
 TURN = 2.0 * pi
-ROUND = {'forces.push.link': 'output', 'forces.push.along': 0.4, 'forces.push.acts': 'y',
-         'forces.push.places': [0.0, 2.0, 4.0, TURN],
-         'forces.push.values': [5.0, 80.0, -30.0, 5.0],
-         'forces.push.periodic': True}
-PUSHED = {**PAPER, **RODS, **ROUND, 'outputs': ['loads']}
+PUSHED = {**PAPER, **RODS, **PUSH, 'outputs': ['loads']}
 ENGINE = scene.load('engine')
 
 
@@ -222,40 +218,6 @@ def test_a_table_of_another_program_is_read(tmp_path):
     assert read_table(tmp_path / 'own.csv') == ([0.0, 360.0], 'deg', [1.0, 2.5], 'bar')
 
 
-def refusing(**changes):
-    return {**PUSHED, **{name.replace('__', '.'): value for name, value in changes.items()}}
-
-
-@pytest.mark.parametrize(('values', 'name', 'why'), [
-    (refusing(forces__push__link='rocker'), 'forces.push.link', 'must be one of crank, coupler'),
-    (refusing(forces__push__link='ground'), 'forces.push.link', 'must be one of crank, coupler'),
-    (refusing(forces__push__acts='up'), 'forces.push.acts', 'must be one of x, y, along'),
-    (refusing(forces__push__over='thetta4'), 'forces.push.over', 'did you mean theta4?'),
-    (refusing(forces__push__over='tip.x'), 'forces.push.over', 'no such coordinate'),
-    (refusing(forces__push__values=[]), 'forces.push.values', 'must be as many as places'),
-    (refusing(forces__push__places=[]), 'forces.push.table', 'must be given'),
-    (refusing(forces__push__place_unit='mm'), 'forces.push.place_unit', 'a unit of an angle'),
-    (refusing(forces__push__value_unit='N m'), 'forces.push.value_unit', 'a force or pressure'),
-    (refusing(forces__push__acts='couple', forces__push__value_unit='N'),
-     'forces.push.value_unit', 'a unit of a couple'),
-    (refusing(forces__push__value_unit='bar'), 'forces.push.factor', 'must be the area'),
-    (refusing(forces__push__periodic=False, forces__push__values=[5.0, 1.0, 2.0, 3.0]),
-     'forces.push.values', 'turns fully'),
-    (refusing(forces__push__values=[5.0, 1.0, 2.0, 3.0]), 'forces.push.values[4]',
-     'must be the first value again'),
-    (refusing(forces__push__places=[0.0, 1.0, 2.0, 3.0]), 'forces.push.places', 'period must be'),
-    (refusing(forces__push__factor=float('inf')), 'forces.push.factor', 'finite'),
-    (refusing(forces__push__table=7), 'forces.push.table', 'must be a text'),
-    (refusing(forces__push__curve='x'), 'forces.push.curve', 'unknown parameter'),
-    ({**PAPER, **ROUND}, 'bodies.crank.mass', 'forces.push needs masses'),
-    (refusing(trajectories=True), 'trajectories', 'their effort would be wrong')])
-def test_a_wrong_force_is_refused_by_the_name_of_its_parameter(values, name, why):
-    with pytest.raises(InvalidParameter) as refused:
-        scene.from_values(values)
-    assert refused.value.name == name and why in str(refused.value)
-    assert '\n' not in str(refused.value)
-
-
 def test_a_table_given_twice_is_refused(tmp_path):
     path = write(tmp_path, 'slide [m], force [N]\n0, 1\n1, 2\n', places='[0.0, 1.0]', over='slide')
     with pytest.raises(InvalidParameter, match='is in the file already'):
@@ -287,7 +249,7 @@ def test_hostile_values_are_refused_by_errors_of_ours():
     """No value of any type ends in another error, and none takes long."""
     hostile = [float('nan'), float('inf'), -1e308, 1e308, 5e-324, 0, True, '', 'x', [], [1.0],
                [float('nan')] * 4, [1e308, -1e308, 1e308, 0.0], ['a'], [0.0] * 4, None, {}]
-    for name in ROUND:
+    for name in PUSH:
         for value in hostile:
             try:
                 stepper = Stepper(scene.from_values({**PUSHED, name: value}))

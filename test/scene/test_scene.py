@@ -101,20 +101,6 @@ def test_scene_check_lists_what_was_given_in_units_of_what_is_driven(tmp_path, c
             == ['0.2', 'm/s'])
 
 
-@pytest.mark.parametrize('values, said', [
-    ({'bodies.rods.density': 7000.0}, 'bodies.rods.radius: must be given: rods have density and '
-                                      'radius, or density, width and thickness'),
-    ({'bodies.crank.mass': 1.0}, 'bodies.crank.inertia: must be given: loads need mass and '
-                                 'inertia of the crank'),
-    ({'outputs': ['loads']}, 'bodies.crank.mass: must be given (or bodies.rods): output loads '
-                             'needs masses'),
-    ({'linkage.mode': 'x'}, "linkage.mode = 'x': must be one of 1 or crossed, 2 or open")])
-def test_what_is_missing_is_named_without_a_value(values, said):
-    with pytest.raises(InvalidParameter) as caught:
-        scene.from_values({**PAPER, **values})
-    assert str(caught.value) == said
-
-
 @pytest.mark.parametrize('name', ['drive.speed', 'drive.start_speed'])
 def test_speeds_whose_squares_overflow_are_refused(name):
     with pytest.raises(InvalidParameter, match=rf'^{name} = -1e\+300: .*-1e\+100, 1e\+100'):

@@ -1,7 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """A real node in a process of its own and a real client beside it."""
-import json
 from operator import attrgetter
 import os
 import signal
@@ -13,6 +12,7 @@ import time
 from fourbar_lab.clients.node_client import NoAnswer, NodeClient
 from fourbar_ros.scene.topics import DRIVEN, FAMILIES, OUTPUTS
 import rclpy
+from support.scenes import file_of
 
 # Requests that change nothing, to learn whether a service and its client have seen each other.
 HARMLESS = {'find_extrema': {'quantities': ['?']}, 'evaluate': {},
@@ -42,9 +42,7 @@ class NodeProcess:
 
     def __init__(self, parameters, tmp_path, name='fourbar', remaps=(), first='', arguments=()):
         self.name = name
-        file = tmp_path / f'{name}.yaml'
-        parameters = {'drive.timeout': 0.0, **parameters}
-        file.write_text(json.dumps({'/**': {'ros__parameters': parameters}}))    # JSON is YAML
+        file = file_of({'drive.timeout': 0.0, **parameters}, tmp_path, name)
         remap = [part for rule in (f'__node:={name}', *remaps) for part in ('-r', rule)]
         run = ['-c', f'{first}\nimport sys; from fourbar_ros.ros.node.start import main; '
                      'sys.exit(main())']

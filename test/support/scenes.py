@@ -1,6 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Scenes of the seeds, as parameters."""
+import json
+from math import pi
+
 from fourbar_ros.scene import topics
 
 RODS = {'bodies.rods.density': 7750.0, 'bodies.rods.radius': 0.01}
@@ -9,8 +12,19 @@ SLIDES_7_6 = {'linkage.a1': 8.0, 'linkage.a2': 14.0, 'linkage.a3': 9.0, 'linkage
 SLIDES_7_7 = {'linkage.a1': 2.0, 'linkage.a2': 6.0, 'linkage.a3': 7.0, 'linkage.a4': 5.0}
 ROCKER = {'linkage.a1': 4.0, 'linkage.a2': 3.0, 'linkage.a3': 2.0, 'linkage.a4': 8.0}
 TIP = {'points.tip.link': 'coupler', 'points.tip.along': 0.5, 'points.tip.across': 0.2}
+PUSH = {'forces.push.link': 'output', 'forces.push.along': 0.4, 'forces.push.acts': 'y',
+        'forces.push.places': [0.0, 2.0, 4.0, 2.0 * pi],
+        'forces.push.values': [5.0, 80.0, -30.0, 5.0], 'forces.push.periodic': True}
 # with one point, a topic for each
 OUTPUTS = [name for name in topics.OUTPUTS if name == 'points' or name not in topics.FAMILIES]
+
+
+def file_of(values, folder, name='scene'):
+    """Return the path of a scene file of these values in a folder; JSON is YAML."""
+    file = folder / f'{name}.yaml'
+    text = json.dumps({'/**': {'ros__parameters': values}})
+    file.write_text(text.replace('Infinity', '.inf').replace('NaN', '.nan'))
+    return file
 
 
 def values_of(mechanism, kind, **others):

@@ -1,0 +1,227 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Wrong scenes at the doors of Python and the command line: refused in one line that names what.
+
+test/ros/test_start.py gives some of them to the node.
+"""
+from math import inf, nan
+
+from fourbar_ros import InvalidParameter
+from fourbar_ros.cli.main import main
+from fourbar_ros.scene import scene
+from fourbar_ros.scene.files import read_values
+import pytest
+from support.scenes import file_of, PAPER, PUSH, RODS
+
+BARS = {**PAPER, 'bodies.rods.density': 7850.0, 'bodies.rods.width': 0.02,
+        'bodies.rods.thickness': 0.005}
+MOTOR = {**PAPER, **RODS, 'drive.source': 'motor', 'motor.stall_torque': 400.0,
+         'motor.free_speed': 26.0}
+DC = {**PAPER, **RODS, 'drive.source': 'motor', 'motor.kind': 'dc', 'motor.voltage': 48.0,
+      'motor.resistance': 0.5, 'motor.torque_constant': 0.3}
+LONGEST = 200           # characters of an answer
+# A good scene, then for each wrong one: parameter and value (or several), what the answer says,
+# and which parameter it names, if another. None leaves a parameter out.
+TABLE = [
+    (PAPER, [
+        ('linkage.a1', '50mm', 'must be a number in m: 0.05'),
+        ('linkage.a1', '0,05', 'must be a number in m: 0.05'),
+        ('linkage.a1', -0.4, 'must be positive'),
+        ('linkage.a1', 0, 'must be positive'),
+        ('linkage.a1', inf, 'must be a finite number'),
+        ('linkage.a1', [0.4], 'must be a number in m'),
+        ('linkage.a1', None, 'must be given'),
+        ('linkage.al', 0.4, 'unknown parameter; linkage has kind, input, a1, a2'),
+        ('linkage.a1_mm', 50, 'did you mean linkage.a1 [m]? 50 mm = 0.05'),
+        ('linkage.mode', 'opne', 'must be one of 1 or crossed, 2 or open'),
+        ('linkage.mode', 3, 'must lie in [1, 2]'),
+        ('linkage.mode', 1.0, 'must be one of 1'),
+        ('linkage.kind', 'fourbar', 'four_bar'),
+        ('linkage.kind', 'slider_crank', 'has a1, a2, offset only', 'linkage.a3'),
+        ('linkage.input', 'slide', 'is driven at its crank'),
+        ('linkage.input', 'rocker', 'must be one of crank, slide, A, B, cylinder'),
+        ('linkages.a1', 0.4, 'did you mean linkage.a1'),
+        ('geometry.crank', 0.4, 'unknown parameter'),
+        ('drive.speed_rpm', 300, 'drive.speed [rad/s]? 300 rpm = 31.416'),
+        ('drive.speed', '300rpm', 'must be a number in rad/s or m/s: 31.416'),
+        ('drive.sped', 3.0, 'did you mean drive.speed?'),
+        ('drive.start', '90deg', 'must be a number in rad or m: 1.5708'),
+        ('drive.start_deg', 90, 'drive.start [rad]? 90 deg = 1.5708'),
+        ('drive.rate', 1e9, 'must lie in [0.001, 5000]'),
+        ('drive.source', 'clock', 'must be one of timer, motion, joint_state, torque, motor'),
+        ('drive.source', 'joint_state', 'must name the joint', 'drive.joint'),
+        ('drive.source', 'motor', 'needs masses', 'bodies.crank.mass'),
+        ('drive.window', 2, 'must lie in [3, 50]'),
+        ('drive', 3.0, 'is a group of parameters, not a value'),
+        ('gravity', -9.81, 'not a value; known: x, y'),
+        ('gravity.z', -9.81, 'gravity has x, y'),
+        ('gravity.y', '9.81 m/s2', 'must be a number in m/s^2'),
+        ('bodies.rods.density', 7850, 'must be given', 'bodies.rods.radius'),
+        ('bodies.rods.radius', 0.01, 'must be given', 'bodies.rods.density'),
+        ({'bodies.rods.density': 7850, 'bodies.rods.width': 0.02}, 'must be given',
+         'bodies.rods.thickness'),
+        ('bodies.rods.diameter', 0.02, 'bodies.rods has density, radius'),
+        ('bodies.crank.mass', -1.0, 'must be >= 0'),
+        ('bodies.crank.mass', 1.0, 'must be given', 'bodies.crank.inertia'),
+        ('bodies.handle.mass', 1.0, 'did you mean bodies.crank.mass?'),
+        ('outputs', 'state', 'must be a list of texts'),
+        ('outputs', ['stat'], 'did you mean state?'),
+        ('outputs', ['xyzzy'], 'nearest: '),
+        ('outputs', ['state', 'state'], 'names an output twice'),
+        ('outputs', ['loads'], 'must be given (or bodies.rods)', 'bodies.crank.mass'),
+        ('outputs', ['points'], 'points.NAME.link'),
+        ('points.P.link', 'cuopler', 'must be one of crank, coupler, output'),
+        ('points.P.x', 0.4, 'points.P has link, along, across'),
+        ('points.P-1.along', 0.4, 'not a valid point name: use letters, digits and _'),
+        ('frame_id', '', 'must not be empty'),
+        ('joint_names', ['a', 'b'], 'different names, one for each joint'),
+        ('services', ['find'], 'must be some of'),
+        ('recording.start', 'maybe', 'must be true or false'),
+        ('forces.F.link', 'crank', 'must be given', 'forces.F.acts'),
+        ('springs.s.first.link', 'crank', 'drive.source: torque or motor', 'springs.s'),
+        ('linkage.a4', 99.0, 'the links cannot close'),
+        ('linkage.a1', nan, 'must be given'),
+    ]),
+    ({**PAPER, **RODS}, [
+        ('bodies.rods.density', 'steel', 'must be a number in kg/m^3'),
+        ('bodies.rods.density', '7.85g/cm^3', 'in kg/m^3: 7850'),
+        ({'bodies.rods.density': 7850, 'bodies.rods.width': 0.02},
+         'either the radius of round rods or width and thickness', 'bodies.rods.radius'),
+        ('linkage.dyads', ['one'], 'alone has it'),
+        ('dyads.one.kind', 'RRR', 'alone has dyads'),
+        ('drive.source', 'motor', 'must be given', 'motor.stall_torque'),
+        ('torsion_springs.s.damping', 1.0, 'drive.source', 'torsion_springs.s'),
+    ]),
+    ({**PAPER, **RODS, **PUSH}, [
+        ('forces.push.link', 'rocker', 'must be one of crank, coupler'),
+        ('forces.push.link', 'ground', 'must be one of crank, coupler'),
+        ('forces.push.acts', 'up', 'must be one of x, y, along'),
+        ('forces.push.over', 'thetta4', 'did you mean theta4?'),
+        ('forces.push.over', 'tip.x', 'no such coordinate'),
+        ('forces.push.values', [], 'must be as many as places'),
+        ('forces.push.places', [], 'must be given', 'forces.push.table'),
+        ('forces.push.place_unit', 'mm', 'a unit of an angle'),
+        ('forces.push.value_unit', 'N m', 'a force or pressure'),
+        ({'forces.push.acts': 'couple', 'forces.push.value_unit': 'N'}, 'a unit of a couple',
+         'forces.push.value_unit'),
+        ('forces.push.value_unit', 'bar', 'must be the area', 'forces.push.factor'),
+        ({'forces.push.values': [5.0, 1.0, 2.0, 3.0], 'forces.push.periodic': False},
+         'turns fully', 'forces.push.values'),
+        ('forces.push.values', [5.0, 1.0, 2.0, 3.0], 'must be the first value again',
+         'forces.push.values[4]'),
+        ('forces.push.places', [0.0, 1.0, 2.0, 3.0], 'period must be'),
+        ('forces.push.factor', inf, 'finite'),
+        ('forces.push.table', 7, 'must be a text'),
+        ('forces.push.curve', 'x', 'unknown parameter'),
+        ({'bodies.rods.density': None, 'bodies.rods.radius': None, 'outputs': None},
+         'forces.push needs masses', 'bodies.crank.mass'),
+        ('trajectories', True, 'their effort would be wrong'),
+    ]),
+    (read_values('watt'), [
+        ('linkage.dyads', [], 'must be given'),
+        ('linkage.dyads', ['one', 'two', 'one'], "'one': stands twice"),
+        ('linkage.dyads', ['one'], 'is not listed in linkage.dyads', 'dyads.two'),
+        ('linkage.dyads', ['one', 'two', 'three'], 'must be given', 'dyads.three.kind'),
+        ('linkage.dyads', ['two', 'one'], 'is a link of dyad one', 'dyads.two.first.link'),
+        ({'linkage.dyads': ['one', 'tow'], 'dyads.tow.kind': 'RRR'}, 'must be given',
+         'dyads.tow.first.link'),
+        ('dyads.one.kind', None, 'must be given'),
+        ('dyads.one.links', None, 'must be given'),
+        ('dyads.one.second.link', None, 'must be given'),
+        ('dyads.one.length_2', None, 'a dyad RRR needs it'),
+        ('dyads.one.kind', 'RRX', 'must be one of RRR, RRP'),
+        ('dyads.one.kind', 'RRP', 'a dyad RRP has', 'dyads.one.length_2'),
+        ('dyads.one.first.link', 'crnak', 'did you mean crank?'),
+        ('dyads.one.first.link', 'coupler', 'its own link'),
+        ('dyads.two.links', ['coupler', 'output'], 'of dyad one already'),
+        ('dyads.two.links', ['crank', 'output'], 'of the driven link'),
+        ('dyads.two.links', ['output'], 'two links'),
+        ('dyads.two.links', ['a b', 'output'], 'must be a name'),
+        ('dyads.two.links', ['rods', 'output'], 'another name'),
+        ('dyads.one.length_1', -1.0, 'must be positive'),
+        ('dyads.one.length_1', 9.0, 'cannot close at any input', 'dyads.one'),
+        ('dyads.two.length_1', 9.0, 'at which those before it do', 'dyads.two'),
+        ('dyads.one.mode', 3, 'must lie in [1, 2]'),
+        ('dyads.one.lenght_1', 1.0, 'did you mean dyads.one.length_1'),
+        ('dyads.1.kind', 'RRR', 'not a valid dyad name'),
+        ('linkage.mode', 1, 'dyads.NAME.mode'),
+        ('linkage.a1', 0.4, 'has dyads'),
+        ('linkage.output', 'otput', 'did you mean output?'),
+        ('linkage.range', [0.0, 1.0], 'only a driven slide'),
+        ('bodies.rcoker.mass', 1.0, 'did you mean rocker?', 'bodies.rcoker'),
+        ('bodies.output.mass', 1.0, 'must be given', 'bodies.output.inertia'),
+        ('external.crnak.couple', 1.0, 'did you mean crank?', 'external.crnak'),
+        ('points.tip.link', 'coupelr', 'must be one of crank, coupler'),
+        ('joint_names', ['a'], 'seven different names'),
+    ]),
+    (read_values('bucket'), [
+        ('cylinder.pin.along', 0.0, 'away from O1', 'cylinder.pin'),
+        ('cylinder.links', ['rod'], 'two links'),
+        ('linkage.range', [9.0, 10.0], 'cannot close anywhere in it'),
+    ]),
+    (MOTOR, [
+        ('motor.free_speed', 0.0, 'must not be zero'),
+        ('motor.gear', 0.0, 'must not be zero'),
+        ('motor.gear', -1e200, 'must be finite'),
+        ('motor.kind', 'stepper', 'must be one of line, dc, '),
+        ('motor.kind', 'controller', 'must be given', 'motor.speed'),
+        ('shaft.stiffness', 1e5, 'elastic shaft', 'motor.rotor_inertia'),
+        ('shaft.damping', 1.0, 'needs shaft.stiffness'),
+        ('springs.s.first.link', 'slider', 'must be one of'),
+        ('springs.s.stiffness', 1.0, 'another link', 'springs.s.second.link'),
+        ('springs.2s.stiffness', 1.0, 'not a valid spring name'),
+        ('springs.s.stifness', 1.0, 'springs.s.stiffness?'),
+        ('torsion_springs.s.second', 'ground', 'another'),
+        ('external.output.from_topic', True, 'constant'),
+        ({'linkage.a1': 1.2, 'linkage.a2': 0.4, 'drive.start': 3.1}, 'no motion can start',
+         'drive.start'),
+        ('drive.budget', 3, 'must lie in [12, 10000]'),
+    ]),
+    (DC, [
+        ('motor.resistance', 0.0, 'must be positive'),
+        ('motor.inductance', -1.0, 'must be >= 0'),
+    ]),
+    (BARS, [
+        ('bodies.rods.radius', 0.01, ''),
+        ('bodies.rods.width', nan, ''),
+        ('bodies.rods.thickness', nan, ''),
+        ('bodies.rods.density', nan, ''),
+        ('bodies.crank.mass', 1.0, ''),
+    ]),
+]
+
+
+def refused():
+    """Return [(values, name, why)] of all wrong scenes."""
+    rows = []
+    for good, wrong in TABLE:
+        for row in wrong:
+            changes, (why, *names) = ((row[0], row[1:]) if isinstance(row[0], dict)
+                                      else ({row[0]: row[1]}, row[2:]))
+            values = {key: value for key, value in {**good, **changes}.items()
+                      if value is not None}
+            rows.append((values, (names or list(changes))[0], why))
+    return rows
+
+
+REFUSED = refused()
+every = pytest.mark.parametrize('values, name, why', REFUSED, ids=[
+    f'{name}-{k}' for k, (_, name, _) in enumerate(REFUSED)])
+
+
+@every
+def test_by_from_values(values, name, why):
+    with pytest.raises(InvalidParameter) as caught:
+        scene.from_values(values)
+    said = str(caught.value)
+    assert caught.value.name == name and said.startswith(name) and why in said
+    assert '\n' not in said and len(said) <= LONGEST, said
+
+
+@every
+def test_by_scene_check(values, name, why, tmp_path, capsys):
+    assert main(['scene', 'check', str(file_of(values, tmp_path))]) == 1
+    out, err = capsys.readouterr()
+    assert (out, err.count('\n')) == ('', 1)
+    assert err.startswith(f'fourbar: {name}') and why in err
