@@ -161,13 +161,17 @@ class Block:
         is_angle = np.array([is_position(quantity) and quantity.unit == 'rad'
                              for quantity in quantities], bool)
 
-        def evaluate(x: Array) -> Array:
-            """Return all quantities, shape (q, n, any), at inputs of shape (n, any)."""
-            state = designs.state(x, self.study.acceleration, with_loads)
-            values = np.empty((len(quantities), *x.shape), x.dtype)
+        def evaluate(x: Array, which: Array) -> Array:
+            """Return all quantities, shape (q, m, any), at inputs of shape (m, any) of designs."""
+            of_all = x
+            if which.size < designs.size:
+                of_all = np.ones((designs.size, x.shape[1]), x.dtype)
+                of_all[which] = x
+            state = designs.state(of_all, self.study.acceleration, with_loads)
+            values = np.empty((len(quantities), *of_all.shape), x.dtype)
             for row, quantity in zip(values, quantities):
                 row[:] = quantity.of(*state)
-            return values
+            return values[:, which]
 
         return search_turns(evaluate, designs.size, count, is_angle)
 

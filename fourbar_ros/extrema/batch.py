@@ -8,34 +8,42 @@ linkages, those in doubt and ties that only conditions decide, one by one.
 """
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Callable, Sequence
+from functools import cache
 from typing import Any, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.extrema.find import CONSTANT, Extremum, find_extrema, MAXIMUM
-from fourbar_ros.extrema.full_turns import search_turns
+from fourbar_ros.extrema.full_turns import Phase, search_turns
 from fourbar_ros.mechanisms.contract import CROSSED, OPEN
 from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
-from fourbar_ros.mechanisms.four_bar.motion import make_motion
 from fourbar_ros.mechanisms.half_angle import bilinear_factors
+from fourbar_ros.mechanisms.loop import make_loop
 from fourbar_ros.numerics.arrays import Array, EPS
 from fourbar_ros.numerics.exact_sums import exact_sum_of_four
 from fourbar_ros.numerics.given import array, FASTEST
-from fourbar_ros.numerics.number_types import columns_of, COMPLEX
+from fourbar_ros.numerics.number_types import NumberType, power_of_two_of_arrays
+from fourbar_ros.numerics.program import keep_memory
 from fourbar_ros.numerics.roots import order_in_rows
+from fourbar_ros.numerics.tables import run, Table
+from fourbar_ros.numerics.trace import flat, OPERATIONS, Trace
 import numpy as np
 from numpy.typing import ArrayLike
 
 RATES = 'omega4', 'alpha4'
-# Linkages searched together: their samples stay in the cache. Samples of a turn; the larger number
+# Linkages searched together: their samples stay in the cache. Samples of a turn; a larger number
 # is for linkages that the smaller one does not resolve.
-TOGETHER, SAMPLES = 512, (64, 128, 256, 512, 1024)
+TOGETHER, SAMPLES = 512, (64, 128, 256)
 # Between these many linkages progress is told.
 CHUNK = 8192
 # Values nearer to each other than this part of them may be equal, as far as their conditions tell.
 NEARLY = 1e-8
-_COMPLEX = replace(columns_of(COMPLEX), exact_sum=exact_sum_of_four)
+# Operations on columns of lengths and arrays of inputs, real or complex.
+_TABLE: Table = {
+    **OPERATIONS, 'gt': lambda a, b: np.real(a) > np.real(b),
+    'lt': lambda a, b: np.real(a) < np.real(b), 'sqrt': np.sqrt, 'where': np.where,
+    'fabs': lambda x: np.where(np.real(x) < 0.0, -x, x),
+    'exact_sum': lambda *terms: exact_sum_of_four(terms), 'power_of_two': power_of_two_of_arrays}
 
 
 class Extrema(NamedTuple):
@@ -75,7 +83,7 @@ def find_extrema_many(a1: ArrayLike, a2: ArrayLike, a3: ArrayLike, a4: ArrayLike
     """
     Return all extrema of omega4 and alpha4 of many linkages at constant input rate.
 
-    Those whose cranks turn fully take about a tenth of a millisecond, others milliseconds each.
+    Those whose cranks turn fully take a hundredth of a millisecond, others milliseconds each.
 
     Parameters
     ----------
@@ -105,6 +113,7 @@ def find_extrema_many(a1: ArrayLike, a2: ArrayLike, a3: ArrayLike, a4: ArrayLike
         raise InvalidParameter('mode', mode, 'must be 1 (crossed) or 2 (open)')
     lengths = np.array((a1, a2, a3, a4), dtype=float)
     parts: dict[str, list[Extrema]] = {name: [] for name in RATES}
+    keep_memory()
     for start in range(0, max(rate.size, 1), CHUNK):
         chunk = slice(start, start + CHUNK)
         found = _chunk(lengths[:, chunk], mode[chunk], rate[chunk])
@@ -146,6 +155,23 @@ def _closing(lengths: Array) -> tuple[Array, Array]:
         return closes, np.asarray(closes & (f.A1 * f.B2 < 0.0) & (f.C1 * f.D1 > 0.0))
 
 
+@cache
+def _trace() -> tuple[Trace, list[int], list[int]]:
+    """Return the trace of theta4' and theta4'', steps that lengths alone give, and the others."""
+    def make_rates(n: NumberType, data: Sequence[Any]) -> Callable[..., Any]:
+        loop = make_loop(n, *data)
+
+        def rates(ss: Any, cc: Any, sc: Any) -> tuple[Any, Any]:
+            at = loop(ss, cc, sc)
+            return at.d_y, at.dd_y
+        return rates
+
+    trace = Trace(make_rates, 3, (1.0,) * 5)
+    steps = [i for i in trace.needed(flat(trace.results)) if not trace.steps[i].is_given]
+    return (trace, [i for i in steps if i not in trace.varies],
+            [i for i in steps if i in trace.varies])
+
+
 def _together(lengths: Array, mode: Array, rate: Array,
               count: int) -> tuple[Array, Columns, Columns]:
     """
@@ -153,18 +179,33 @@ def _together(lengths: Array, mode: Array, rate: Array,
 
     The search is at 1 rad/s, whatever the rate.
     """
-    columns: tuple[Any, ...] = *lengths[..., None], np.where(mode == OPEN, 1.0, -1.0)[:, None]
-    motion = make_motion(_COMPLEX, *columns)
+    a1, a2, a3, a4 = lengths
+    trace, once, each = _trace()
+    data = trace.count + trace.size
+    known: list[Any] = [step.value for step in trace.steps]
+    known[trace.count:data] = *lengths[..., None], np.where(mode == OPEN, 1.0, -1.0)[:, None]
+    with np.errstate(all='ignore'):
+        run(trace, once, _TABLE, known)
+    columns = [i for i in trace.used_constants if isinstance(known[i], np.ndarray)]
+    # tanh^2 of half the imaginary parts of the inputs of both toggles, by the law of cosines
+    inner, outer, low, high = (a2 - a3)**2, (a2 + a3)**2, (a1 - a4)**2, (a1 + a4)**2
+    with np.errstate(all='ignore'):
+        phase = Phase.of_toggles(np.sqrt((low - inner) / (high - inner)),
+                                 np.sqrt((outer - high) / (outer - low)))
 
-    def evaluate(x: Array) -> Array:
-        """Return both quantities at inputs of shape (n, any), real or complex."""
-        x = x[:1] if x.strides[0] == 0 else x       # the same inputs for all
+    def evaluate(x: Array, which: Array) -> Array:
+        """Return both quantities at inputs of shape (m, any), real or complex, of some."""
+        own = list(known)
+        if which.size < mode.size:
+            for i in columns:
+                own[i] = known[i][which]
         with np.errstate(all='ignore'):
-            state = motion(x, 1.0, 0.0)
-        both = np.stack((state.omega4, state.alpha4))
-        return both if x.dtype.kind == 'c' else both.real
+            sine, cosine = np.sin(0.5 * x), np.cos(0.5 * x)
+            own[:trace.count] = sine * sine, cosine * cosine, sine * cosine
+            run(trace, each, _TABLE, own)
+        return np.stack([own[i] for i in flat(trace.results)])
 
-    turns = search_turns(evaluate, mode.size, count, np.zeros(2, bool))
+    turns = search_turns(evaluate, mode.size, count, np.zeros(2, bool), phase)
     found = list[Columns]()
     for order, (places, values) in enumerate(zip(turns.places, turns.values)):
         # a negative rate turns maxima of omega4 into minima, not those of alpha4

@@ -40,8 +40,45 @@ RESOLVED = 2.0**-9
 # Samples around an interval through which a polynomial is laid; steps of Newton's method on it.
 AROUND, NEWTON_STEPS = 12, 2
 
-# Inputs of shape (n, any), real or complex -> q quantities of n mechanisms, shape (q, n, any).
-Evaluate = Callable[[Array], Array]
+# Inputs of shape (m, any), real or complex, and which mechanisms they are of, shape (m,) -> their
+# q quantities, shape (q, m, any).
+Evaluate = Callable[[Array, Array], Array]
+
+
+class Phase(NamedTuple):
+    """
+    Inputs x for equal steps of a phase p: denser at 0 and pi, where mechanisms are near toggles.
+
+    tan(x/2) = turn tan(q/2) and tan q = pinch tan p: the first two steps of Landen's
+    transformation, which makes a complex period of a function as long as a real one. Each field
+    has shape (n, 1). With both 1 the input is the phase.
+    """
+
+    turn: Array
+    pinch: Array
+
+    @classmethod
+    def of_toggles(cls, at_0: Array, at_pi: Array) -> Phase:
+        """
+        Return the phase for toggles at inputs i a and pi + i b, by tanh(a/2) and tanh(b/2).
+
+        The first step makes them equally far away, with a tanh of sqrt(at_0 at_pi); the second
+        one moves them away from the real line.
+        """
+        far = np.sqrt(at_0 * at_pi)
+        return cls(np.sqrt(at_0 / at_pi)[:, None], np.sqrt(2.0 * far / (1.0 + far * far))[:, None])
+
+    def at(self, p: Array) -> tuple[Array, Array]:
+        """Return x in [0, 2 pi] and dx/dp at phases of shape (n, any)."""
+        cosine, sine = np.cos(p), self.pinch * np.sin(p)
+        size = cosine * cosine + sine * sine
+        length = np.sqrt(size)
+        up = np.where(cosine > 0.0, np.abs(sine), length - cosine)      # tan(q/2) is up/along
+        along = np.where(cosine > 0.0, length + cosine, np.abs(sine)) * np.where(sine < 0.0, -1, 1)
+        raised = self.turn * up
+        return (2.0 * np.arctan2(raised, along),
+                self.turn * self.pinch * (up * up + along * along)
+                / ((raised * raised + along * along) * size))
 
 
 class Turns(NamedTuple):
@@ -63,15 +100,18 @@ def inputs(count: int) -> Array:
     return 2.0 * pi * (np.arange(count) + 0.5) / count
 
 
-def search_turns(evaluate: Evaluate, mechanisms: int, count: int, is_angle: Array) -> Turns:
+def search_turns(evaluate: Evaluate, mechanisms: int, count: int, is_angle: Array,
+                 phase: Phase | None = None) -> Turns:
     """
     Return the extrema of q quantities of n mechanisms whose cranks turn fully.
 
     Samples of a turn, ``count`` of them, give slopes; sign changes of these bracket extrema, which
-    are then refined. ``is_angle``, shape (q,): which quantities may jump by 2 pi.
+    are then refined. ``is_angle``, shape (q,): which quantities may jump by 2 pi. ``phase``: of
+    which the samples have equal steps, instead of the input; not for angles.
     """
     spacing = 2.0 * pi / count
-    samples = evaluate(np.broadcast_to(inputs(count), (mechanisms, count)))
+    x = np.broadcast_to(inputs(count), (mechanisms, count))
+    samples = evaluate(x if phase is None else phase.at(x[:1])[0], np.arange(mechanisms))
     shape = samples.shape[:2]
     periodic, turns, is_positive = _periodic(samples, is_angle)
     with np.errstate(invalid='ignore'):
@@ -87,8 +127,8 @@ def search_turns(evaluate: Evaluate, mechanisms: int, count: int, is_angle: Arra
     slopes = slopes_of(periodic)
     slopes += spacing * turns
     slopes[:, (is_constant | is_doubtful).ravel()] = 1.0        # they get no brackets
-    roots, has_hidden = _bracketed(slopes, spacing, mechanisms)
-    x, value, strays = _refined(evaluate, roots, spacing, is_positive)
+    roots, has_hidden = _bracketed(slopes, spacing, mechanisms, phase)
+    x, value, strays = _refined(evaluate, roots, is_positive)
     is_doubtful |= has_hidden | strays
     places, values = (_by_quantity(roots, part, shape) for part in (x, value))
     if is_constant.any():       # as find_extrema lists a constant: once, where the range begins
@@ -135,12 +175,14 @@ class _Roots(NamedTuple):
 
     x: Array            # first guesses [rad]
     bend: Array         # how the slope rises there: the second derivative
+    spacing: Array      # of the samples there [rad]
     mechanism: Array    # of which it is an extremum, as an index
     quantity: Array
     rank: Array         # its number among those of the quantity
 
 
-def _bracketed(slopes: Array, spacing: float, mechanisms: int) -> tuple[_Roots, Array]:
+def _bracketed(slopes: Array, spacing: float, mechanisms: int,
+               phase: Phase | None) -> tuple[_Roots, Array]:
     """
     Return the roots of slopes, and which mechanisms may have more, shape (n,).
 
@@ -165,8 +207,11 @@ def _bracketed(slopes: Array, spacing: float, mechanisms: int) -> tuple[_Roots, 
         is_near = (share > -0.5) & (share < 1.5) & (bend * (fb - fa) > 0.0)
     share, bend = np.where(is_near, share, guess), np.where(is_near, bend, fb - fa)
     has_hidden: Array = np.logical_or.reduce(doubtful.reshape(-1, mechanisms))
-    return _Roots((i + share + 0.5) * spacing, bend / spacing**2, mechanism, quantity,
-                  rank_of(key)), has_hidden
+    x, local = (i + share + 0.5) * spacing, np.full(i.shape, spacing)
+    if phase is not None:
+        x, slope = Phase(phase.turn[mechanism, 0], phase.pinch[mechanism, 0]).at(x)
+        local *= slope
+    return _Roots(x, bend / local**2, local, mechanism, quantity, rank_of(key)), has_hidden
 
 
 def rank_of(key: Array) -> Array:
@@ -183,7 +228,7 @@ def _by_quantity(roots: _Roots, numbers: Array, shape: tuple[int, ...]) -> Array
     return table
 
 
-def _refined(evaluate: Evaluate, roots: _Roots, spacing: float,
+def _refined(evaluate: Evaluate, roots: _Roots,
              is_positive: Array) -> tuple[Array, Array, Array]:
     """
     Return places and values of roots, (roots,), and which mechanisms have one that strays, (n,).
@@ -200,12 +245,13 @@ def _refined(evaluate: Evaluate, roots: _Roots, spacing: float,
     start, bend = roots.x, roots.bend
     last_step = last_slope = np.full(x.shape, np.nan)
     for _ in range(STEPS):
-        # one row for each mechanism, one column for each of its roots
+        # one row for each mechanism that has some, one column for each of its roots
         i, quantity = roots.mechanism[left], roots.quantity[left]
+        rows, row = np.unique(i, return_inverse=True)
         k = rank_of(i)
-        grid = np.ones((strays.size, int(k.max(initial=0)) + 1))
-        grid[i, k] = x[left]
-        result = evaluate(grid + 1j * STEP)[quantity, i, k]
+        grid = np.ones((rows.size, int(k.max(initial=0)) + 1))
+        grid[row, k] = x[left]
+        result = evaluate(grid + 1j * STEP, rows)[quantity, row, k]
         squared, value, slope = is_positive[quantity, i], result.real, result.imag / STEP
         with np.errstate(all='ignore'):
             slope = np.where(squared, value * slope, slope)
@@ -216,6 +262,7 @@ def _refined(evaluate: Evaluate, roots: _Roots, spacing: float,
             values[left] = np.where(squared, np.sqrt(np.maximum(value * value + rise, 0.0)),
                                     value + 0.5 * rise)
             x[left] += step
+            spacing = roots.spacing[left]
             is_far = ~(np.abs(x[left] - start[left]) <= spacing)
             last_step = np.where(np.isnan(last_step), RESOLVED * spacing, last_step)
             moves = ~(np.abs(step * last_step) <= CLOSE * spacing * spacing)

@@ -120,7 +120,7 @@ class Program:
         ``inputs``: three, each of shape (size,) or a float. ``constants``: by place, as
         :meth:`.Trace.constants` returns them.
         """
-        _keep_memory()
+        keep_memory()
         values = [*inputs, *constants[3:]]
         for place in self._once:
             step = self._steps[place]
@@ -155,7 +155,7 @@ class Program:
 
 
 @cache
-def _keep_memory() -> None:
+def keep_memory() -> None:
     """
     Have blocks of up to 31 MB kept by the C library when they are freed, once and for all.
 
