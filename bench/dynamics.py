@@ -7,9 +7,9 @@ from typing import NamedTuple
 import warnings
 
 from fourbar_ros import SliderCrank
-from fourbar_ros.dynamics.model.drives import Drive, MotorLine, Shaft, SpeedController
-from fourbar_ros.dynamics.model.system import System
-from fourbar_ros.dynamics.solve.simulate import REACHED, simulate
+from fourbar_ros.dynamics.simulation import REACHED, simulate
+from fourbar_ros.dynamics.sources import Drive, MotorLine, Shaft, SpeedController
+from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import FourBarError
 import mpmath as mp
 import numpy as np

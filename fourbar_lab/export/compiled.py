@@ -15,7 +15,7 @@ from typing import Any
 
 from fourbar_lab.export.c_code import FLAGS
 from fourbar_lab.export.model import Model, NotGenerated
-from fourbar_ros.dynamics.step.mover import DriveValues, Mover, OK, Place, SILENT
+from fourbar_ros.dynamics.node_step import DriveValues, Mover, OK, Place, SILENT
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.numerics.number_types import numbers_of

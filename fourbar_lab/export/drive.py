@@ -15,15 +15,15 @@ from typing import Any, NamedTuple
 
 from fourbar_lab.export.model import Model, NotGenerated
 from fourbar_lab.export.statements import literal, snippet, Statements
-from fourbar_ros.dynamics.model.drives import Drive, Law, Piece
-from fourbar_ros.dynamics.model.elements import LinkAngle, PositionForce, TableForce
-from fourbar_ros.dynamics.model.equation import Equation, make_reading, REACH
-from fourbar_ros.dynamics.model.system import NEAR_TOGGLE, System
-from fourbar_ros.dynamics.solve.phase import LONGEST, make_pose, Phase
-from fourbar_ros.dynamics.step import phase_steps
-from fourbar_ros.dynamics.step.mover import modes_of
-from fourbar_ros.dynamics.step.rosenbrock import EVALUATIONS, GIVEN, Rosenbrock
-from fourbar_ros.dynamics.step.step_equations import Elastic, Rigid
+from fourbar_ros.dynamics import phase_steps
+from fourbar_ros.dynamics.coordinate import LONGEST, make_pose, Phase
+from fourbar_ros.dynamics.elements import LinkAngle, PositionForce, TableForce
+from fourbar_ros.dynamics.equation import Equation, make_reading, REACH
+from fourbar_ros.dynamics.node_step import modes_of
+from fourbar_ros.dynamics.rosenbrock import EVALUATIONS, GIVEN, Rosenbrock
+from fourbar_ros.dynamics.sources import Drive, Law, Piece
+from fourbar_ros.dynamics.step_equations import Elastic, Rigid
+from fourbar_ros.dynamics.system import NEAR_TOGGLE, System
 from fourbar_ros.numerics.given import quantities_of
 from fourbar_ros.numerics.number_types import Function
 from fourbar_ros.numerics.trace import flat, Trace

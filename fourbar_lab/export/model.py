@@ -11,7 +11,7 @@ import re
 from typing import Any, NamedTuple
 
 from fourbar_lab.export.statements import JUDGED
-from fourbar_ros.dynamics.model.element_forces import make_external
+from fourbar_ros.dynamics.forces import make_external
 from fourbar_ros.errors import FourBarError, InvalidParameter, one_of
 from fourbar_ros.mechanisms import quantities
 from fourbar_ros.mechanisms.evaluation import limits_at_zero
@@ -110,7 +110,7 @@ class Model:
         """Return {place among the data: {mode: number}}: differences of the modes passed."""
         mechanism, modes = self.mechanism, tuple[int, ...]()
         if self.moves_by_torque:
-            from fourbar_ros.dynamics.step.mover import modes_of
+            from fourbar_ros.dynamics.node_step import modes_of
             modes = modes_of(mechanism)
         rows = {mode: numbers_of(mechanism.in_mode(mode).constants) for mode in modes}
         return {place: dict(zip(rows, column)) for place, column in enumerate(zip(*rows.values()))

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from math import inf, isfinite, isnan
 from typing import Any, Union
 
-from fourbar_ros.dynamics.step.mover import DriveValues, KEY, Mover, name_of, OK, SILENT
+from fourbar_ros.dynamics.node_step import DriveValues, KEY, Mover, name_of, OK, SILENT
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import TORQUE
 

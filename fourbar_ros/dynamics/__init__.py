@@ -17,18 +17,7 @@ from typing import TYPE_CHECKING
 from fourbar_ros.optional import lazily
 
 if TYPE_CHECKING:
-    from fourbar_ros.dynamics.flywheel import Flywheel, flywheel_for
-    from fourbar_ros.dynamics.model.drives import (
-        ConstantTorque,
-        DCMotor,
-        Drive,
-        MotorLine,
-        Shaft,
-        SpeedController,
-        TorqueTable,
-    )
-    from fourbar_ros.dynamics.model.element_forces import loads_with
-    from fourbar_ros.dynamics.model.elements import (
+    from fourbar_ros.dynamics.elements import (
         Attachment,
         LinkAngle,
         PositionForce,
@@ -36,12 +25,12 @@ if TYPE_CHECKING:
         TorsionSpring,
         Way,
     )
-    from fourbar_ros.dynamics.model.equation import Equation
-    from fourbar_ros.dynamics.model.force_table import ForceTable
-    from fourbar_ros.dynamics.model.induction_motor import InductionMotor
-    from fourbar_ros.dynamics.model.system import System
+    from fourbar_ros.dynamics.equation import Equation
+    from fourbar_ros.dynamics.flywheel import Flywheel, flywheel_for
+    from fourbar_ros.dynamics.force_table import ForceTable
+    from fourbar_ros.dynamics.forces import loads_with
     from fourbar_ros.dynamics.period import free_period
-    from fourbar_ros.dynamics.solve.simulate import (
+    from fourbar_ros.dynamics.simulation import (
         CHANGE_POINT,
         EVENT,
         LIMIT,
@@ -52,7 +41,18 @@ if TYPE_CHECKING:
         simulate,
         STOPPED,
     )
+    from fourbar_ros.dynamics.sources import (
+        ConstantTorque,
+        DCMotor,
+        Drive,
+        InductionMotor,
+        MotorLine,
+        Shaft,
+        SpeedController,
+        TorqueTable,
+    )
     from fourbar_ros.dynamics.statics import equilibria, Equilibrium
+    from fourbar_ros.dynamics.system import System
 
 __all__ = [
     'CHANGE_POINT', 'EVENT', 'LIMIT', 'NOT_CHECKED', 'NOT_CONVERGED', 'REACHED', 'STOPPED',
@@ -63,19 +63,19 @@ __all__ = [
 ]
 
 __getattr__, __dir__ = lazily(__name__, {
-    'fourbar_ros.dynamics.flywheel': 'Flywheel, flywheel_for',
-    'fourbar_ros.dynamics.period': 'free_period',
-    'fourbar_ros.dynamics.statics': 'Equilibrium, equilibria',
-    'fourbar_ros.dynamics.model.drives':
-        'ConstantTorque, DCMotor, Drive, MotorLine, Shaft, SpeedController, TorqueTable',
-    'fourbar_ros.dynamics.model.element_forces': 'loads_with',
-    'fourbar_ros.dynamics.model.elements':
+    'fourbar_ros.dynamics.elements':
         'Attachment, LinkAngle, PositionForce, Spring, TorsionSpring, Way',
-    'fourbar_ros.dynamics.model.equation': 'Equation',
-    'fourbar_ros.dynamics.model.force_table': 'ForceTable',
-    'fourbar_ros.dynamics.model.induction_motor': 'InductionMotor',
-    'fourbar_ros.dynamics.model.system': 'System',
-    'fourbar_ros.dynamics.solve.simulate':
+    'fourbar_ros.dynamics.equation': 'Equation',
+    'fourbar_ros.dynamics.flywheel': 'Flywheel, flywheel_for',
+    'fourbar_ros.dynamics.force_table': 'ForceTable',
+    'fourbar_ros.dynamics.forces': 'loads_with',
+    'fourbar_ros.dynamics.period': 'free_period',
+    'fourbar_ros.dynamics.simulation':
         'CHANGE_POINT, EVENT, LIMIT, NOT_CHECKED, NOT_CONVERGED, REACHED, Run, simulate, '
         'STOPPED',
+    'fourbar_ros.dynamics.sources':
+        'ConstantTorque, DCMotor, Drive, InductionMotor, MotorLine, Shaft, SpeedController, '
+        'TorqueTable',
+    'fourbar_ros.dynamics.statics': 'Equilibrium, equilibria',
+    'fourbar_ros.dynamics.system': 'System',
 })

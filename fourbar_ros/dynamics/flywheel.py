@@ -17,7 +17,7 @@ from __future__ import annotations
 from math import tau
 from typing import NamedTuple
 
-from fourbar_ros.dynamics.model.equation import Equation, Terms
+from fourbar_ros.dynamics.equation import Equation, Terms
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.given import FASTEST, number, rate_of_input

@@ -16,9 +16,9 @@ from __future__ import annotations
 
 from math import inf, pi, tau
 
-from fourbar_ros.dynamics.model.smooth import flat_positions
-from fourbar_ros.dynamics.model.system import System
+from fourbar_ros.dynamics.smooth import flat_positions
 from fourbar_ros.dynamics.statics import roots_of
+from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.numerics.arrays import Array
 import numpy as np

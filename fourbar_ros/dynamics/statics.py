@@ -15,7 +15,7 @@ from __future__ import annotations
 from math import inf, nan, pi, sqrt, tau
 from typing import NamedTuple
 
-from fourbar_ros.dynamics.model.equation import Equation
+from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.numerics.arrays import Array

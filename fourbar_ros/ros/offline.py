@@ -9,8 +9,8 @@ from pathlib import Path
 import time
 
 from fourbar_ros.bag.recorder import BagWriter
-from fourbar_ros.dynamics.step.mover import KEY, SILENT
-from fourbar_ros.dynamics.step.mover import OK as MOVES
+from fourbar_ros.dynamics.node_step import KEY, SILENT
+from fourbar_ros.dynamics.node_step import OK as MOVES
 from fourbar_ros.errors import BagError
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.pipeline.status import OK as KNOWN

@@ -14,9 +14,9 @@ from fourbar_ros.scene.parameters import names_in
 from fourbar_ros.scene.settings import GEAR, MOTORS, OF_MOTORS, ParameterValues, SOURCES
 
 if TYPE_CHECKING:      # other scenes do without
-    from fourbar_ros.dynamics.model.drives import Drive, Law, Shaft
-    from fourbar_ros.dynamics.model.elements import Element, PositionForce
-    from fourbar_ros.dynamics.model.system import System
+    from fourbar_ros.dynamics.elements import Element, PositionForce
+    from fourbar_ros.dynamics.sources import Drive, Law, Shaft
+    from fourbar_ros.dynamics.system import System
 
 
 class Dynamics(NamedTuple):
@@ -29,12 +29,12 @@ class Dynamics(NamedTuple):
 
     def system(self, linkage: Mechanism) -> System:
         """Return the equation of motion of a linkage with this drive and these springs."""
-        from fourbar_ros.dynamics.model.system import System
+        from fourbar_ros.dynamics.system import System
         return System(linkage, self.position, self.rate, self.elements, self.drive)
 
     def modes_passed(self, linkage: Mechanism) -> tuple[int, ...]:
         """Return the assembly modes between which steps through toggles go; of others nothing."""
-        from fourbar_ros.dynamics.step.mover import modes_of
+        from fourbar_ros.dynamics.node_step import modes_of
         return modes_of(linkage)
 
 
@@ -56,7 +56,7 @@ def of_values(values: ParameterValues, linkage: Mechanism,
     if linkage.bodies is None:
         raise InvalidParameter('bodies.crank.mass', None, 'must be given (or bodies.rods): motion '
                                'that follows from torque needs masses')
-    from fourbar_ros.dynamics.model.drives import Drive
+    from fourbar_ros.dynamics.sources import Drive
     gear = values[GEAR.name]
     rotor = gear * gear * values['motor.rotor_inertia']
     if not isfinite(rotor):
@@ -72,7 +72,7 @@ def of_values(values: ParameterValues, linkage: Mechanism,
 
 def _source(values: ParameterValues) -> Law:
     """Return the source of torque: a topic (0 N m before its first message) or a motor."""
-    from fourbar_ros.dynamics.model.drives import ConstantTorque
+    from fourbar_ros.dynamics.sources import ConstantTorque
     if values[GEAR.name] == 0.0:
         raise InvalidParameter(GEAR.name, 0.0, 'must not be zero')
     if values['drive.source'] == 'torque':
@@ -105,13 +105,13 @@ def _shaft(values: ParameterValues) -> Shaft | None:
         raise InvalidParameter('motor.rotor_inertia', values['motor.rotor_inertia'],
                                'must be positive: an elastic shaft (shaft.stiffness) needs an '
                                'inertia on the side of the drive')
-    from fourbar_ros.dynamics.model.drives import Shaft
+    from fourbar_ros.dynamics.sources import Shaft
     return Shaft(values['shaft.stiffness'], values['shaft.damping'])
 
 
 def _spring(values: ParameterValues, name: str, linkage: Mechanism) -> Element:
     """Return the spring of the parameters ``name``.*, springs.NAME or torsion_springs.NAME."""
-    from fourbar_ros.dynamics.model import elements
+    from fourbar_ros.dynamics import elements
     from fourbar_ros.mechanisms.parts import GROUND
     links = (GROUND, *linkage.loads_of_links())
 

@@ -48,8 +48,8 @@ from fourbar_ros.scene.topics import (
 import numpy as np
 
 if TYPE_CHECKING:      # other scenes do without
-    from fourbar_ros.dynamics.model.elements import Element, PositionForce
-    from fourbar_ros.dynamics.step.mover import Mover
+    from fourbar_ros.dynamics.elements import Element, PositionForce
+    from fourbar_ros.dynamics.node_step import Mover
     from fourbar_ros.mechanisms.parts import NamedFields
     from fourbar_ros.transmission import Transmission
     from numpy.typing import ArrayLike
@@ -200,7 +200,7 @@ class Scene(NamedTuple):
         """
         if not self.elements:
             return None
-        from fourbar_ros.dynamics.model.element_forces import make_loaded
+        from fourbar_ros.dynamics.forces import make_loaded
         return make_loaded(linkage, self.elements)
 
     @property
@@ -220,7 +220,7 @@ class Scene(NamedTuple):
         if not (self.elements and self.has_loads):
             return own.loads(position, rate, acceleration)
         if any(map(np.ndim, (position, rate, acceleration))):
-            from fourbar_ros.dynamics.model.element_forces import loads_with
+            from fourbar_ros.dynamics.forces import loads_with
             return loads_with(self.bare_linkage.in_mode(own.mode), self.elements, position, rate,
                               acceleration)
         own.motion(position, rate, acceleration)          # refuses what is out of range
@@ -233,7 +233,7 @@ class Scene(NamedTuple):
     @property
     def turns(self) -> int:
         """Return after how many turns of a crank its forces repeat: two of a four-stroke."""
-        from fourbar_ros.dynamics.model.force_table import ForceTable
+        from fourbar_ros.dynamics.force_table import ForceTable
         return lcm(*[max(1, round(force.value.span / tau)) for force in self.forces
                      if force.over == 'input' and isinstance(force.value, ForceTable)
                      and force.value.is_periodic])
@@ -263,7 +263,7 @@ class Scene(NamedTuple):
     @property
     def mover(self) -> Mover:
         """Return the Mover that integrates the motion of a drive that works by torque."""
-        from fourbar_ros.dynamics.step.mover import Mover
+        from fourbar_ros.dynamics.node_step import Mover
         assert self.dynamics is not None        # only scenes that have it are driven so
         return Mover(self.dynamics.system(self.bare_linkage), self.drive.tolerance,
                      self.drive.budget, self.drive.source == TORQUE.name)

@@ -16,8 +16,13 @@ from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from attrs import field, fields, frozen
-from fourbar_ros.dynamics.model.drives import DCMotor, Law, MotorLine, SpeedController
-from fourbar_ros.dynamics.model.induction_motor import InductionMotor
+from fourbar_ros.dynamics.sources import (
+    DCMotor,
+    InductionMotor,
+    Law,
+    MotorLine,
+    SpeedController,
+)
 from fourbar_ros.mechanisms.contract import find_link
 from fourbar_ros.mechanisms.kinds import AT_MOVING_JOINTS, KINDS
 from fourbar_ros.mechanisms.machine.describe.description import DIMENSIONS

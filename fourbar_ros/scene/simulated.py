@@ -17,8 +17,8 @@ from fourbar_ros.scene.topics import TORQUE
 import numpy as np
 
 if TYPE_CHECKING:      # other scenes do without
-    from fourbar_ros.dynamics.solve.simulate import Run
-    from fourbar_ros.dynamics.step.mover import DriveValues
+    from fourbar_ros.dynamics.node_step import DriveValues
+    from fourbar_ros.dynamics.simulation import Run
 
 
 class Peak(NamedTuple):
@@ -123,11 +123,11 @@ def simulate_scene(scene: Scene, until: float, tolerance: float = 1e-8, method: 
 
     ``until``: time at the end [s]; ``torque``: constant torque [N m] (force [N]) of a drive by
     topic, NaN for none; ``tolerance``, ``method`` and ``limits`` (``evaluations``, ``seconds``,
-    ``progress``) as of :func:`fourbar_ros.dynamics.solve.simulate.simulate`. Raises
+    ``progress``) as of :func:`fourbar_ros.dynamics.simulation.simulate`. Raises
     InvalidParameter, MissingPackage.
     """
-    from fourbar_ros.dynamics.model.drives import ConstantTorque
-    from fourbar_ros.dynamics.solve.simulate import simulate
+    from fourbar_ros.dynamics.simulation import simulate
+    from fourbar_ros.dynamics.sources import ConstantTorque
     if scene.dynamics is None:
         raise InvalidParameter('drive.source', scene.drive.source, 'the motion is given, there is '
                                f'nothing to simulate: must be {" or ".join(SOURCES)}')

@@ -4,7 +4,7 @@
 from types import SimpleNamespace
 
 from fourbar_ros.bag.drive_states import DriveStates
-from fourbar_ros.dynamics.step.mover import KEY, NAME, name_of
+from fourbar_ros.dynamics.node_step import KEY, NAME, name_of
 from fourbar_ros.scene.scene import from_values
 import numpy as np
 import pytest

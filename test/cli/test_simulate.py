@@ -5,7 +5,7 @@ from math import nan, pi
 
 from fourbar_ros.cli.main import main
 from fourbar_ros.dynamics.flywheel import flywheel_for
-from fourbar_ros.dynamics.model.drives import ConstantTorque
+from fourbar_ros.dynamics.sources import ConstantTorque
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.scene import scene
 from fourbar_ros.scene.files import find

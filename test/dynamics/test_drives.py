@@ -4,7 +4,13 @@
 from math import exp, inf, pi
 
 from fourbar_ros import Applied, Bodies, Body, External, FourBar, InvalidParameter, SliderCrank
-from fourbar_ros.dynamics.model.drives import (
+from fourbar_ros.dynamics.elements import GROUND, TorsionSpring
+from fourbar_ros.dynamics.simulation import (
+    LIMIT,
+    REACHED,
+    simulate,
+)
+from fourbar_ros.dynamics.sources import (
     ConstantTorque,
     DCMotor,
     Drive,
@@ -13,13 +19,7 @@ from fourbar_ros.dynamics.model.drives import (
     SpeedController,
     TorqueTable,
 )
-from fourbar_ros.dynamics.model.elements import GROUND, TorsionSpring
-from fourbar_ros.dynamics.model.system import System
-from fourbar_ros.dynamics.solve.simulate import (
-    LIMIT,
-    REACHED,
-    simulate,
-)
+from fourbar_ros.dynamics.system import System
 import numpy as np
 import pytest
 from support.samples import some

@@ -4,8 +4,8 @@
 from dataclasses import replace
 
 from fourbar_ros import Bodies, Body, FourBar, InvalidParameter, MissingBodies
-from fourbar_ros.dynamics.model.elements import Attachment, GROUND, Spring, TorsionSpring
-from fourbar_ros.dynamics.model.equation import Equation
+from fourbar_ros.dynamics.elements import Attachment, GROUND, Spring, TorsionSpring
+from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.mechanics.bodies import External, NOT_APPLIED
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.mechanisms.scotch_yoke.scotch_yoke import ScotchYoke

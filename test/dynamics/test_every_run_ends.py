@@ -6,18 +6,10 @@ from math import inf, nan, pi
 import pickle
 
 from fourbar_ros import Bodies, Body, FourBar, InvalidParameter
-from fourbar_ros.dynamics.model.drives import (
-    ConstantTorque,
-    Drive,
-    MotorLine,
-    Shaft,
-    SpeedController,
-    TorqueTable,
-)
-from fourbar_ros.dynamics.model.elements import Attachment, GROUND, Spring, TorsionSpring
-from fourbar_ros.dynamics.model.equation import Equation
-from fourbar_ros.dynamics.model.system import System
-from fourbar_ros.dynamics.solve.simulate import (
+from fourbar_ros.dynamics.elements import Attachment, GROUND, Spring, TorsionSpring
+from fourbar_ros.dynamics.equation import Equation
+from fourbar_ros.dynamics.node_step import Mover, NOT_FINITE, OK
+from fourbar_ros.dynamics.simulation import (
     CHANGE_POINT,
     LIMIT,
     NOT_CONVERGED,
@@ -25,8 +17,16 @@ from fourbar_ros.dynamics.solve.simulate import (
     simulate,
     STOPPED,
 )
+from fourbar_ros.dynamics.sources import (
+    ConstantTorque,
+    Drive,
+    MotorLine,
+    Shaft,
+    SpeedController,
+    TorqueTable,
+)
 from fourbar_ros.dynamics.statics import equilibria
-from fourbar_ros.dynamics.step.mover import Mover, NOT_FINITE, OK
+from fourbar_ros.dynamics.system import System
 from fourbar_ros.scene.scene import load
 import mpmath as mp
 import numpy as np

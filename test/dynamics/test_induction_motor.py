@@ -4,12 +4,11 @@
 from math import tau
 
 from fourbar_ros import Bodies, Body, FourBar, InvalidParameter
-from fourbar_ros.dynamics.model.drives import Drive, Shaft
-from fourbar_ros.dynamics.model.elements import GROUND, TorsionSpring
-from fourbar_ros.dynamics.model.induction_motor import InductionMotor
-from fourbar_ros.dynamics.model.system import System
-from fourbar_ros.dynamics.solve.simulate import REACHED, simulate
-from fourbar_ros.dynamics.step.mover import Mover, OK
+from fourbar_ros.dynamics.elements import GROUND, TorsionSpring
+from fourbar_ros.dynamics.node_step import Mover, OK
+from fourbar_ros.dynamics.simulation import REACHED, simulate
+from fourbar_ros.dynamics.sources import Drive, InductionMotor, Shaft
+from fourbar_ros.dynamics.system import System
 from fourbar_ros.scene.scene import from_values
 import mpmath as mp
 import numpy as np

@@ -5,17 +5,17 @@ from dataclasses import replace
 from math import pi
 
 from fourbar_ros import Applied, Bodies, Body, External, FourBar
-from fourbar_ros.dynamics.model.drives import DCMotor, Drive
-from fourbar_ros.dynamics.model.elements import Attachment, GROUND, Spring, TorsionSpring
-from fourbar_ros.dynamics.model.system import System
+from fourbar_ros.dynamics.elements import Attachment, GROUND, Spring, TorsionSpring
 from fourbar_ros.dynamics.period import free_period, NotResolved
-from fourbar_ros.dynamics.solve.simulate import (
+from fourbar_ros.dynamics.simulation import (
     energy_drift,
     NOT_CONVERGED,
     REACHED,
     simulate,
     STOPPED,
 )
+from fourbar_ros.dynamics.sources import DCMotor, Drive
+from fourbar_ros.dynamics.system import System
 from fourbar_ros.mechanisms.points import link_motion, point_motion
 import mpmath as mp
 import numpy as np

@@ -4,10 +4,10 @@
 from math import pi
 
 from fourbar_ros import Bodies, Body, FourBar
-from fourbar_ros.dynamics.model.drives import ConstantTorque, Drive
-from fourbar_ros.dynamics.model.equation import Equation
-from fourbar_ros.dynamics.model.system import System
-from fourbar_ros.dynamics.solve.simulate import LIMIT, REACHED, simulate
+from fourbar_ros.dynamics.equation import Equation
+from fourbar_ros.dynamics.simulation import LIMIT, REACHED, simulate
+from fourbar_ros.dynamics.sources import ConstantTorque, Drive
+from fourbar_ros.dynamics.system import System
 from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 import mpmath as mp

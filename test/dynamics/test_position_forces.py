@@ -5,10 +5,7 @@ from math import cos, pi, sin
 import pickle
 
 from fourbar_ros import Bodies, FourBar, InvertedSlider, round_rod, SliderCrank
-from fourbar_ros.dynamics.flywheel import flywheel_for
-from fourbar_ros.dynamics.model.drives import ConstantTorque, Drive, MotorLine
-from fourbar_ros.dynamics.model.element_forces import loads_with, make_loaded
-from fourbar_ros.dynamics.model.elements import (
+from fourbar_ros.dynamics.elements import (
     Attachment,
     LinkAngle,
     PositionForce,
@@ -16,12 +13,15 @@ from fourbar_ros.dynamics.model.elements import (
     TorsionSpring,
     Way,
 )
-from fourbar_ros.dynamics.model.equation import Equation
-from fourbar_ros.dynamics.model.force_table import ForceTable
-from fourbar_ros.dynamics.model.system import System
-from fourbar_ros.dynamics.solve.simulate import REACHED, simulate, STOPPED
+from fourbar_ros.dynamics.equation import Equation
+from fourbar_ros.dynamics.flywheel import flywheel_for
+from fourbar_ros.dynamics.force_table import ForceTable
+from fourbar_ros.dynamics.forces import loads_with, make_loaded
+from fourbar_ros.dynamics.node_step import Mover, OK
+from fourbar_ros.dynamics.simulation import REACHED, simulate, STOPPED
+from fourbar_ros.dynamics.sources import ConstantTorque, Drive, MotorLine
 from fourbar_ros.dynamics.statics import equilibria
-from fourbar_ros.dynamics.step.mover import Mover, OK
+from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Body
 from fourbar_ros.mechanisms.points import point_motion

@@ -4,9 +4,9 @@
 from math import pi
 
 from fourbar_ros import SliderCrank
-from fourbar_ros.dynamics.model.drives import Drive, MotorLine, Shaft
-from fourbar_ros.dynamics.model.system import System
-from fourbar_ros.dynamics.solve.simulate import REACHED, simulate
+from fourbar_ros.dynamics.simulation import REACHED, simulate
+from fourbar_ros.dynamics.sources import Drive, MotorLine, Shaft
+from fourbar_ros.dynamics.system import System
 import mpmath as mp
 import numpy as np
 import pytest

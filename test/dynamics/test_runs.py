@@ -7,12 +7,12 @@ import subprocess
 import sys
 
 from fourbar_ros import Bodies, FourBar, round_rod, SliderCrank
-from fourbar_ros.dynamics.model.drives import ConstantTorque, Drive, MotorLine, TorqueTable
-from fourbar_ros.dynamics.model.elements import Attachment, PositionForce, Spring, Way
-from fourbar_ros.dynamics.model.force_table import ForceTable
-from fourbar_ros.dynamics.model.system import System
+from fourbar_ros.dynamics.elements import Attachment, PositionForce, Spring, Way
+from fourbar_ros.dynamics.force_table import ForceTable
 from fourbar_ros.dynamics.period import free_period
-from fourbar_ros.dynamics.solve.simulate import EVENT, REACHED, simulate
+from fourbar_ros.dynamics.simulation import EVENT, REACHED, simulate
+from fourbar_ros.dynamics.sources import ConstantTorque, Drive, MotorLine, TorqueTable
+from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import FourBarError, InvalidParameter
 import numpy as np
 import pytest
@@ -163,8 +163,8 @@ def test_a_plot_shows_all_of_a_run():
 def test_a_plot_without_matplotlib_says_how_to_get_it():
     code = ('import sys\nsys.modules["matplotlib.figure"] = sys.modules["matplotlib"] = None\n'
             'from fourbar_ros import Bodies, FourBar, round_rod\n'
-            'from fourbar_ros.dynamics.solve.simulate import simulate\n'
-            'from fourbar_ros.dynamics.model.system import System\n'
+            'from fourbar_ros.dynamics.simulation import simulate\n'
+            'from fourbar_ros.dynamics.system import System\n'
             'rods = Bodies(*(round_rod(a, 7750.0, 0.01) for a in (0.4, 1.2, 0.8)))\n'
             'run = simulate(System(FourBar(0.4, 1.2, 0.8, 1.0, bodies=rods), 0.0, 1.0), 0.1)\n'
             'try:\n    run.plot()\nexcept Exception as error:\n'

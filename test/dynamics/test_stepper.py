@@ -2,7 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Steps of given length: accuracy, stability and work on soft and stiff shafts."""
 from fourbar_ros import Bodies, FourBar, round_rod
-from fourbar_ros.dynamics.model.drives import (
+from fourbar_ros.dynamics.elements import TorsionSpring
+from fourbar_ros.dynamics.equation import Equation
+from fourbar_ros.dynamics.node_step import AT_LIMIT, Mover, OK, OUT_OF_BUDGET
+from fourbar_ros.dynamics.simulation import simulate
+from fourbar_ros.dynamics.sources import (
     ConstantTorque,
     DCMotor,
     Drive,
@@ -10,11 +14,7 @@ from fourbar_ros.dynamics.model.drives import (
     Shaft,
     SpeedController,
 )
-from fourbar_ros.dynamics.model.elements import TorsionSpring
-from fourbar_ros.dynamics.model.equation import Equation
-from fourbar_ros.dynamics.model.system import System
-from fourbar_ros.dynamics.solve.simulate import simulate
-from fourbar_ros.dynamics.step.mover import AT_LIMIT, Mover, OK, OUT_OF_BUDGET
+from fourbar_ros.dynamics.system import System
 from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.scene.scene import from_values
 from fourbar_ros.scene.settings import PARAMETERS

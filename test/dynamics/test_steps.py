@@ -2,19 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Steps of given length through toggles: accuracy, energy, modes, work, what messages tell."""
 from fourbar_ros import FourBar, SliderCrank
-from fourbar_ros.dynamics.model.drives import (
-    ConstantTorque,
-    DCMotor,
-    Drive,
-    MotorLine,
-    Piece,
-    Shaft,
-    SpeedController,
-)
-from fourbar_ros.dynamics.model.system import System
-from fourbar_ros.dynamics.solve.simulate import simulate
-from fourbar_ros.dynamics.step import phase_steps
-from fourbar_ros.dynamics.step.mover import (
+from fourbar_ros.dynamics import phase_steps
+from fourbar_ros.dynamics.node_step import (
     AT_LIMIT,
     DriveValues,
     Mover,
@@ -24,7 +13,18 @@ from fourbar_ros.dynamics.step.mover import (
     OK,
     OUT_OF_BUDGET,
 )
-from fourbar_ros.dynamics.step.step_equations import Elastic, Rigid
+from fourbar_ros.dynamics.simulation import simulate
+from fourbar_ros.dynamics.sources import (
+    ConstantTorque,
+    DCMotor,
+    Drive,
+    MotorLine,
+    Piece,
+    Shaft,
+    SpeedController,
+)
+from fourbar_ros.dynamics.step_equations import Elastic, Rigid
+from fourbar_ros.dynamics.system import System
 from fourbar_ros.scene.scene import from_values, load
 import numpy as np
 import pytest

@@ -4,10 +4,10 @@
 from math import pi
 
 from fourbar_ros import Applied, Bodies, Body, External, FourBar
-from fourbar_ros.dynamics.model.drives import ConstantTorque, Drive, MotorLine, Shaft
-from fourbar_ros.dynamics.model.elements import TorsionSpring
-from fourbar_ros.dynamics.model.system import System
-from fourbar_ros.dynamics.solve.simulate import CHANGE_POINT, LIMIT, REACHED, simulate
+from fourbar_ros.dynamics.elements import TorsionSpring
+from fourbar_ros.dynamics.simulation import CHANGE_POINT, LIMIT, REACHED, simulate
+from fourbar_ros.dynamics.sources import ConstantTorque, Drive, MotorLine, Shaft
+from fourbar_ros.dynamics.system import System
 from fourbar_ros.mechanisms.scotch_yoke.scotch_yoke import ScotchYoke
 from fourbar_ros.numerics.number_types import REAL
 import mpmath as mp

@@ -4,8 +4,8 @@
 from math import pi
 
 from fourbar_ros import FourBar
-from fourbar_ros.dynamics.model.equation import Equation
-from fourbar_ros.dynamics.solve.simulate import REACHED, simulate
+from fourbar_ros.dynamics.equation import Equation
+from fourbar_ros.dynamics.simulation import REACHED, simulate
 from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 import mpmath as mp

@@ -10,7 +10,7 @@ from fourbar_lab.export.compiled import build, CompiledMover
 from fourbar_lab.export.model import NotGenerated
 from fourbar_ros import load_scene
 from fourbar_ros.bag.drive_states import DriveStates
-from fourbar_ros.dynamics.step.mover import KEY, name_of, NOT_FINITE, OK, OUT_OF_BUDGET
+from fourbar_ros.dynamics.node_step import KEY, name_of, NOT_FINITE, OK, OUT_OF_BUDGET
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.pipeline.stepper import InModes
 from fourbar_ros.scene.message_fields import mode_number

@@ -10,7 +10,7 @@ import zipfile
 
 from fourbar_lab.export import compiled, generate
 from fourbar_ros import load_scene
-from fourbar_ros.dynamics.step.mover import NOT_FINITE, OK
+from fourbar_ros.dynamics.node_step import NOT_FINITE, OK
 from fourbar_ros.numerics.number_types import COMPLEX_WITH_ANGLES
 from fourbar_ros.pipeline.status import evaluate
 from fourbar_ros.pipeline.stepper import InModes

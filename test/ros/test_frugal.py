@@ -50,7 +50,7 @@ print(json.dumps({'calls': calls, 'topics': topics,
                   'imported': [m for m in ('scipy', 'mcap', 'matplotlib', 'rich',
                                         'fourbar_ros.extrema.find',
                                         'fourbar_ros.mechanisms.machine.machine',
-                                        'fourbar_ros.dynamics.model.system',
+                                        'fourbar_ros.dynamics.system',
                                         'fourbar_ros.bag.recorder')
                                if m in sys.modules]}))
 node.close()

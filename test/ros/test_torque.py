@@ -11,10 +11,10 @@ from fourbar_msgs.msg import DriveState, LinkageState
 from fourbar_ros.bag.overview import info
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recomputation import recompute
-from fourbar_ros.dynamics.model.drives import MotorLine
-from fourbar_ros.dynamics.model.equation import Equation
-from fourbar_ros.dynamics.solve.simulate import simulate
-from fourbar_ros.dynamics.step import mover
+from fourbar_ros.dynamics import node_step
+from fourbar_ros.dynamics.equation import Equation
+from fourbar_ros.dynamics.simulation import simulate
+from fourbar_ros.dynamics.sources import MotorLine
 from fourbar_ros.scene import scene
 from fourbar_ros.scene.topics import DRIVE_STATE, TORQUE
 from geometry_msgs.msg import WrenchStamped
@@ -64,9 +64,10 @@ def in_bag(path, topic):
 def test_the_numbers_of_the_status_are_those_of_the_message():
     names = ('OK', 'SILENT', 'BUDGET', 'AT_LIMIT', 'FAILED')
     assert [getattr(DriveState, f'STATUS_{name}') for name in names] == [
-        mover.OK, mover.SILENT, mover.OUT_OF_BUDGET, mover.AT_LIMIT, mover.NOT_FINITE]
+        node_step.OK, node_step.SILENT, node_step.OUT_OF_BUDGET, node_step.AT_LIMIT,
+        node_step.NOT_FINITE]
     fields = list(DriveState.get_fields_and_field_types())
-    assert tuple(fields[fields.index('step'):]) == mover.DriveValues._fields
+    assert tuple(fields[fields.index('step'):]) == node_step.DriveValues._fields
 
 
 def test_a_motor_turns_the_paper_linkage_as_scipy_says(run_node, client, tmp_path):

@@ -53,6 +53,6 @@ import sys
 from fourbar_ros.scene.scene import load
 scene = load({name!r})
 print([m for m in sys.modules if m.startswith('scipy')],
-      (scene.dynamics is None) is ('fourbar_ros.dynamics.model.system' not in sys.modules))
+      (scene.dynamics is None) is ('fourbar_ros.dynamics.system' not in sys.modules))
 """], capture_output=True, text=True, cwd=ROOT, check=False)
     assert done.stdout.split() == ['[]', 'True'], done.stdout + done.stderr

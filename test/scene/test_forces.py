@@ -6,8 +6,8 @@ from math import pi, radians
 
 from fourbar_ros import Applied, point_motion
 from fourbar_ros.dynamics import loads_with
-from fourbar_ros.dynamics.model.elements import LinkAngle, PositionForce, Way
-from fourbar_ros.dynamics.model.terms import make_push
+from fourbar_ros.dynamics.elements import LinkAngle, PositionForce, Way
+from fourbar_ros.dynamics.forces import make_push
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.mechanisms.points import FIXED
 from fourbar_ros.numerics.number_types import REAL
@@ -124,7 +124,7 @@ def test_coordinates_are_those_of_the_motion(name):
 
 
 def _first(linkage):
-    from fourbar_ros.dynamics.model.elements import Attachment
+    from fourbar_ros.dynamics.elements import Attachment
     return Attachment(linkage.LINKS[-1].name)
 
 

@@ -11,8 +11,8 @@ tolerance of 1e-6 scipy reports success with errors of 3e-4 (LSODA) to 1e-3 (BDF
 from math import pi
 
 from fourbar_ros import Applied, Bodies, Body, External, FourBar, round_rod, SliderCrank
-from fourbar_ros.dynamics.model.elements import Attachment, Spring
-from fourbar_ros.dynamics.model.system import System
+from fourbar_ros.dynamics.elements import Attachment, Spring
+from fourbar_ros.dynamics.system import System
 from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 import mpmath as mp

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Scenes released in MuJoCo, whose loops are soft constraints: accelerations beside ours."""
 from fourbar_ros.description.formats import describe
-from fourbar_ros.dynamics.model.equation import Equation
+from fourbar_ros.dynamics.equation import Equation
 import numpy as np
 
 POSES = 12

@@ -11,7 +11,7 @@ from fourbar_ros import (
     InvertedSlider,
     SliderCrank,
 )
-from fourbar_ros.dynamics.model.elements import Attachment, GROUND, Spring, TorsionSpring
+from fourbar_ros.dynamics.elements import Attachment, GROUND, Spring, TorsionSpring
 from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 import mpmath as mp

@@ -129,7 +129,7 @@ static double wrapped(double place, double first, double period)
 }
 
 // --- table
-/* A force over a place, of cubic pieces: fourbar_ros.dynamics.model.force_table. */
+/* A force over a place, of cubic pieces: fourbar_ros.dynamics.force_table. */
 static double cubic(const double *piece, double place)
 {
   const double t = place - piece[4];

@@ -22,7 +22,7 @@ static int move(Place *at, double left, int *is_good)
 }
 
 // --- toggles
-/* Steps through toggles: fourbar_ros.dynamics.step.mover. Near one another coordinate than the
+/* Steps through toggles: fourbar_ros.dynamics.node_step. Near one another coordinate than the
    input tells where it is; phases 0 and 1 are the input in its two modes. */
 typedef struct {
   Moving it;

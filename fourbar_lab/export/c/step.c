@@ -1,4 +1,4 @@
-/* A step of given length as the node makes it (fourbar_ros/dynamics/step), operation by operation.
+/* A step of given length as the node makes it (fourbar_ros/dynamics/node_step.py), operation by operation.
    The state is (p, u, s, v, z): coordinate and its rate, twist of the shaft, speed of the motor
    behind the gear, state of the source. A phase is a coordinate and an assembly mode: the input,
    or next to a toggle the coordinate that goes on there. */

@@ -100,9 +100,10 @@ class Recording:
         names = {topic.name: names[topic.name] for topic in topics}
         about = about_of(scene, names, self._node.get_fully_qualified_name())
         if scene.dynamics:
-            from fourbar_ros.dynamics.step import mover
-            about[mover.KEY] = mover.name_of(scene.bare_linkage, scene.dynamics.drive.source,
-                                             scene.dynamics.elements)
+            from fourbar_ros.dynamics import node_step
+            about[node_step.KEY] = node_step.name_of(scene.bare_linkage,
+                                                     scene.dynamics.drive.source,
+                                                     scene.dynamics.elements)
         writer = BagWriter(directory_of(scene), name,
                            [channel(topic, names[topic.name]) for topic in topics], about,
                            scene.recording.split_size * 1e6, scene.recording.split_duration,

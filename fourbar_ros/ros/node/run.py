@@ -90,7 +90,7 @@ def writer_of(topic: Topic, scene: Scene, layout: FieldMap, known: Writer | None
 
 def drive_layout() -> FieldMap:
     """Return which value of DriveValues goes into which field of DriveState: names are equal."""
-    from fourbar_ros.dynamics.step.mover import DriveValues  # only these scenes need it
+    from fourbar_ros.dynamics.node_step import DriveValues  # only these scenes need it
     names = DriveValues._fields
     return FieldMap({DRIVE_STATE.name: dict(zip(names, names))}, {},
                     {name: i for i, name in enumerate(names)}, ())

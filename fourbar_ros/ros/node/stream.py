@@ -31,7 +31,7 @@ from rclpy.node import Node
 from rclpy.serialization import serialize_message
 
 if TYPE_CHECKING:
-    from fourbar_ros.dynamics.step.mover import DriveValues
+    from fourbar_ros.dynamics.node_step import DriveValues
 
 
 class Stream:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from math import inf, isfinite, isnan, nan
 
-from fourbar_ros.dynamics.step.mover import (
+from fourbar_ros.dynamics.node_step import (
     AT_LIMIT,
     DriveValues,
     Mover,

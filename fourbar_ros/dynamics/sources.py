@@ -18,6 +18,13 @@ Torque sources, w the speed of the output shaft:
     controller   T = sat(kp e + ki z),  e = w_set - w,  z. = e + (T - kp e - ki z) / kp:
                  back-calculation takes z back while the torque is at its limit              (D5)
     table        T(t) held from one time to the next, or linear between them                 (D6)
+    induction    T = N 2 T_b / (s / s_b + s_b / s),   s = 1 - N w / w_s the slip             (K1)
+                 dT/dw = -(N / w_s) N 2 T_b s_b (s_b^2 - s^2) / (s^2 + s_b^2)^2              (K2)
+
+(K1) is Kloss' formula (Drehmoment und Schluepfung des Drehstrommotors, Archiv fuer Elektrotechnik
+5, 1916) for a motor at a constant frequency f of its supply: with p pairs of poles the synchronous
+speed w_s is 2 pi f / p, T_b is the breakdown torque, at the slip s_b. It neglects the resistance
+of the stator and electrical transients. Beyond w_s the motor brakes as a generator.
 
 Each but the table states its law once, by :meth:`Law.make_piece`, next to a speed and own state z
 as linear in both:
@@ -31,7 +38,7 @@ from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import inf
+from math import inf, tau
 from typing import Any, ClassVar, NamedTuple, Protocol
 
 from fourbar_ros.errors import InvalidParameter
@@ -259,6 +266,42 @@ class SpeedController(Law):
             return Piece(*n.where(torque.real > limit, tuple(upper), n.where(
                 torque.real < -limit, tuple(lower), tuple(inner))))
         return piece
+
+
+@dataclass(frozen=True)
+class InductionMotor(Law):
+    """
+    Induction motor with a gear, by Kloss' formula (K1); fields state units and meanings.
+
+    A negative gear: the shaft behind it turns the other way.
+    """
+
+    is_smooth: ClassVar[bool] = True
+    breakdown_torque: float = quantity(unit='N m or N', above=0.0,
+                                       text='largest torque of the motor')
+    breakdown_slip: float = quantity(above=0.0, text='slip at which it gives that torque')
+    frequency: float = quantity(50.0, unit='Hz', above=0.0, text='frequency of the supply')
+    pole_pairs: int = quantity(2, least=1, is_whole=True, text='pairs of poles')
+    gear: float = quantity(1.0, is_not_zero=True)
+
+    @property
+    def synchronous_speed(self) -> float:
+        """Return the speed behind the gear at which it gives no torque [rad/s]."""
+        return tau * self.frequency / self.pole_pairs / self.gear
+
+    def make_piece(self, n: NumberType = REAL, command: Scalar | None = None) -> MakePiece:
+        """Return the law (K1) by its tangent at each speed: it is smooth, not linear."""
+        synchronous, s_b = self.synchronous_speed, self.breakdown_slip
+        factor = 2.0 * self.gear * self.breakdown_torque * s_b
+
+        def tangent(speed: Scalar, own: Scalar) -> Piece:
+            """Return the line T + dT/dw (w - speed), as T_0 + T_w w of (M1)."""
+            slip = 1.0 - speed / synchronous
+            whole = slip * slip + s_b * s_b
+            torque = factor * slip / whole                                                  # (K1)
+            by_speed = factor * (slip * slip - s_b * s_b) / (synchronous * whole * whole)   # (K2)
+            return Piece(torque - by_speed * speed, by_speed)
+        return tangent
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from fourbar_ros.dynamics.model.drives import Piece, Shaft
+from fourbar_ros.dynamics.sources import Piece, Shaft
 
 State = tuple[float, float, float, float, float]
 Terms = tuple[float, float, float, float, float, float, float]  # J, J'/2, Q, D, of couples, r, r'

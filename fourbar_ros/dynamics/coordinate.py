@@ -21,8 +21,8 @@ from functools import cached_property, partial
 from math import inf, remainder, sin, tau
 from typing import NamedTuple, TYPE_CHECKING, Union
 
-from fourbar_ros.dynamics.model.equation import Equation, InBothModes, make_reading
-from fourbar_ros.dynamics.model.smooth import flat_positions, make_interval_of
+from fourbar_ros.dynamics.equation import Equation, InBothModes, make_reading
+from fourbar_ros.dynamics.smooth import flat_positions, make_interval_of
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.mechanism import DrivenLinks, Mechanism
 from fourbar_ros.numerics.arrays import Array, Value
@@ -32,7 +32,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from fourbar_ros.dynamics.model.system import System
+    from fourbar_ros.dynamics.system import System
 
 State = Union[Sequence[float], Array]
 # how a leg of a run ends

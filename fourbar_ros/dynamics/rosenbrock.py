@@ -12,9 +12,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from fourbar_ros.dynamics.model.drives import always, Law, Piece
-from fourbar_ros.dynamics.model.equation import Equation
-from fourbar_ros.dynamics.step.step_equations import Elastic, plus, Rigid, State, Terms
+from fourbar_ros.dynamics.equation import Equation
+from fourbar_ros.dynamics.sources import always, Law, Piece
+from fourbar_ros.dynamics.step_equations import Elastic, plus, Rigid, State, Terms
 from fourbar_ros.numerics.number_types import Function, NumberType, REAL
 from fourbar_ros.numerics.straight_line import straight_line
 

@@ -15,11 +15,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import inf
 
-from fourbar_ros.dynamics.model.drives import Answer, Drive
-from fourbar_ros.dynamics.model.elements import Element, PositionForce
-from fourbar_ros.dynamics.model.equation import Equation
-from fourbar_ros.dynamics.model.smooth import flat_positions
-from fourbar_ros.dynamics.solve.phase import AT_CHANGE_POINT, AT_LIMIT, Course, Event, Phase
+from fourbar_ros.dynamics.coordinate import AT_CHANGE_POINT, AT_LIMIT, Course, Event, Phase
+from fourbar_ros.dynamics.elements import Element, PositionForce
+from fourbar_ros.dynamics.equation import Equation
+from fourbar_ros.dynamics.smooth import flat_positions
+from fourbar_ros.dynamics.sources import Answer, Drive
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.mechanisms.mechanism import DrivenLinks, Mechanism
 from fourbar_ros.numerics.given import number

@@ -4,7 +4,7 @@
 Steps of given length through the toggle positions of the input, in numbers of DriveState messages.
 
 A step is made in the input q, near a toggle in the other coordinate p of the phases of
-:mod:`fourbar_ros.dynamics.solve.phase`. At its start p takes over if |dp/dq| > 2. Within the step
+:mod:`fourbar_ros.dynamics.coordinate`. At its start p takes over if |dp/dq| > 2. Within the step
 the other coordinate takes over where the one in use changes too slowly. At the end of the first
 step with |dp/dq| <= 2, q takes over again. So q, its rate and the assembly mode tell the state of
 most samples. Next to a toggle they hardly change: there (p, dp/dt) is the state.
@@ -15,13 +15,13 @@ from collections.abc import Sequence
 from math import inf, isfinite, isnan, nan, tau
 from typing import NamedTuple
 
-from fourbar_ros.dynamics.model.drives import Law, Source, SpeedController
-from fourbar_ros.dynamics.model.elements import Element, PositionForce
-from fourbar_ros.dynamics.model.force_table import ForceTable
-from fourbar_ros.dynamics.model.system import System
-from fourbar_ros.dynamics.solve.phase import Phase
-from fourbar_ros.dynamics.step.phase_steps import PhaseSteps
-from fourbar_ros.dynamics.step.step_equations import State
+from fourbar_ros.dynamics.coordinate import Phase
+from fourbar_ros.dynamics.elements import Element, PositionForce
+from fourbar_ros.dynamics.force_table import ForceTable
+from fourbar_ros.dynamics.phase_steps import PhaseSteps
+from fourbar_ros.dynamics.sources import Law, Source, SpeedController
+from fourbar_ros.dynamics.step_equations import State
+from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.mechanism import Mechanism
 

@@ -41,9 +41,8 @@ from functools import cached_property, partial
 from math import remainder, tau
 from typing import Any, NamedTuple
 
-from fourbar_ros.dynamics.model.elements import Element, LinkAngle, PositionForce, TableForce
-from fourbar_ros.dynamics.model.smooth import beyond, make_is_alternate
-from fourbar_ros.dynamics.model.terms import (
+from fourbar_ros.dynamics.elements import Element, LinkAngle, PositionForce, TableForce
+from fourbar_ros.dynamics.forces import (
     element_energy,
     make_force_term,
     make_link_terms,
@@ -51,6 +50,7 @@ from fourbar_ros.dynamics.model.terms import (
     place_of,
     work_of,
 )
+from fourbar_ros.dynamics.smooth import beyond, make_is_alternate
 from fourbar_ros.errors import InvalidParameter, MissingBodies
 from fourbar_ros.mechanics.bodies import NOT_APPLIED
 from fourbar_ros.mechanisms.mechanism import DrivenLinks, Mechanism
@@ -166,7 +166,7 @@ class Equation:
         Constant inertia on the input, as of a flywheel [kg m^2], [kg].
     start : float, optional
         An input at which the mechanism is in its own mode. From there it goes smoothly through the
-        flat positions of a change point (:mod:`fourbar_ros.dynamics.solve.phase`); without it, the
+        flat positions of a change point (:mod:`fourbar_ros.dynamics.coordinate`); without it, the
         mechanism is in its own mode everywhere.
     coordinate : optional
         One of ``mechanism.driven_otherwise()``: q and all terms then refer to that coordinate. The

@@ -3,7 +3,7 @@
 """
 Motion over time by scipy's solve_ivp, with the result checked: no wrong answer is a success.
 
-A run is integrated leg by leg. A leg is one coordinate (:mod:`fourbar_ros.dynamics.solve.phase`)
+A run is integrated leg by leg. A leg is one coordinate (:mod:`fourbar_ros.dynamics.coordinate`)
 and one stretch between jumps of the torque; it ends at a limit, where another coordinate takes
 over near a toggle, or where it would pass over a piece of a force table. DOP853 integrates, or
 LSODA where a shaft, a drive or a force table makes the system stiff.
@@ -26,9 +26,7 @@ import time as clock
 from typing import Any, NamedTuple, TYPE_CHECKING
 import warnings
 
-from fourbar_ros.dynamics.model.element_forces import loads_with
-from fourbar_ros.dynamics.model.system import System
-from fourbar_ros.dynamics.solve.phase import (
+from fourbar_ros.dynamics.coordinate import (
     AT_CHANGE_POINT,
     AT_EVENT,
     AT_KINK,
@@ -39,6 +37,8 @@ from fourbar_ros.dynamics.solve.phase import (
     HANDED_OVER,
     Phase,
 )
+from fourbar_ros.dynamics.forces import loads_with
+from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.numerics.arrays import Array, EPS

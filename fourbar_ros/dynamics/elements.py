@@ -15,7 +15,7 @@ from functools import cached_property
 from math import inf, remainder, tau
 from typing import Any, Union
 
-from fourbar_ros.dynamics.model.force_table import ForceTable
+from fourbar_ros.dynamics.force_table import ForceTable
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import GROUND

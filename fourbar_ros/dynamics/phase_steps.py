@@ -3,23 +3,23 @@
 """
 Steps of given length in one coordinate: stable whatever the stiffness, of bounded work.
 
-A Rosenbrock method (:mod:`fourbar_ros.dynamics.step.rosenbrock`) takes one step over the whole
+A Rosenbrock method (:mod:`fourbar_ros.dynamics.rosenbrock`) takes one step over the whole
 length, or shorter steps if its error is too large. The Jacobian of (N1), see
-:mod:`fourbar_ros.dynamics.step.step_equations`, is exact, except for the derivative of the
+:mod:`fourbar_ros.dynamics.step_equations`, is exact, except for the derivative of the
 acceleration by the coordinate, a finite difference. The next state follows from the state alone,
 so a state read from a bag gives the same. The terms at the last position are kept only to save
-time. :mod:`fourbar_ros.dynamics.step.mover` goes from one coordinate to the other at toggles.
+time. :mod:`fourbar_ros.dynamics.node_step` goes from one coordinate to the other at toggles.
 """
 from __future__ import annotations
 
 from collections.abc import Callable
 from math import isfinite, nan
 
-from fourbar_ros.dynamics.model.drives import always, ConstantTorque, Drive, Law, MakePiece, Piece
-from fourbar_ros.dynamics.model.system import System
-from fourbar_ros.dynamics.solve.phase import Phase
-from fourbar_ros.dynamics.step.rosenbrock import EVALUATIONS, Rosenbrock
-from fourbar_ros.dynamics.step.step_equations import Elastic, plus, Rigid, State, Terms
+from fourbar_ros.dynamics.coordinate import Phase
+from fourbar_ros.dynamics.rosenbrock import EVALUATIONS, Rosenbrock
+from fourbar_ros.dynamics.sources import always, ConstantTorque, Drive, Law, MakePiece, Piece
+from fourbar_ros.dynamics.step_equations import Elastic, plus, Rigid, State, Terms
+from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import FourBarError, InvalidParameter
 
 DIFFERENCE = 1e-7          # step of the coordinate for the column of the Jacobian, in its unit
@@ -37,7 +37,7 @@ class PhaseSteps:
     """
     Steps of a system in one coordinate.
 
-    ``tolerance``, ``budget``: as of :class:`~fourbar_ros.dynamics.step.mover.Mover`. ``phase``:
+    ``tolerance``, ``budget``: as of :class:`~fourbar_ros.dynamics.node_step.Mover`. ``phase``:
     its coordinate and assembly mode; a part of a step then ends where another one takes over.
     None: the input in the mode of the system, up to its limits. ``evaluations``: of the equation
     of motion; to be set to zero where a step begins.
