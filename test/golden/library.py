@@ -133,10 +133,10 @@ PROBE = Path(__file__).parent / 'probe.txt'
 def probe():
     """Return digests of this machine's libm and numpy, on whose functions all bits hang."""
     places = [-6.0 + 0.0117 * k for k in range(1000)]
-    return [digest(repr([(f.sin(x), f.cos(x), getattr(f, arctan2)(x, 1.5), f.hypot(x, 1.5))
-                         for x in arguments]))
-            for f, arctan2, arguments in ((math, 'atan2', places),
-                                          (np, 'arctan2', [np.array(places)]))]
+    alone = [(math.sin(x), math.cos(x), math.atan2(x, 1.5), math.hypot(x, 1.5)) for x in places]
+    x = np.array(places)
+    together = [column.tolist() for column in (np.sin(x), np.cos(x), np.arctan2(x, 1.5))]
+    return [digest(repr(alone)), digest(repr(together))]
 
 
 def are_bits_comparable(arrays=False):
