@@ -19,7 +19,7 @@ from typing import NamedTuple
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGES = ROOT / 'fourbar_ros', ROOT / 'fourbar_lab'
 # which compare with the documents, and compute none of their equations
-LEFT_OUT = 'documents', 'figures', 'published', 'statements', 'verdicts'
+LEFT_OUT = 'documents', 'page', 'paper', 'published', 'slides'
 # with the lines that go on below it, further in
 NUMBERED = re.compile(r'^( +)\(([A-Z]\d+[a-z]?)\) +(\S.*(?:\n\1  +\S.*)*)$', re.M)
 TAG = re.compile(r'\(([A-Z]\d+[a-z]?)\)')
@@ -31,17 +31,19 @@ SPAN = re.compile(r'\((\d+)\)(?:-\((\d+)\))?')
 SUBJECTS = {
     'slides': (
         (1, 1, 'velocity along a path; `fourbar reproduce` checks it'),
-        (2, 2, 'acceleration along a path: tangential and normal'),
+        (2, 2, 'acceleration along a path: tangential and normal; `fourbar reproduce` checks it'),
         (3, 3, 'turning of the tangent, summed up in (2)'),
         (4, 5, 'not in our copy'),
         (6, 6, 'acceleration of a point of a rigid link'),
         (7, 7, 'loop of the slider-crank'),
         (8, 8, 'not in our copy'),
         (9, 9, 'acceleration in a moving frame: the five terms, Coriolis among them'),
-        (10, 10, 'the same, with the relative acceleration in its parts'),
-        (11, 11, 'the same from the coincident point of the link'),
-        (12, 12, 'relative angular acceleration of two links'),
-        (13, 15, 'rolling contact: acceleration of the contact point, rolling acceleration'),
+        (10, 10, 'the same, with the relative acceleration in its parts; '
+                 '`fourbar reproduce` checks it'),
+        (11, 11, 'the same from the coincident point of the link; `fourbar reproduce` checks it'),
+        (12, 12, 'relative angular acceleration of two links; `fourbar reproduce` checks it'),
+        (13, 15, 'rolling contact: acceleration of the contact point, rolling acceleration; '
+                 '`fourbar reproduce` checks them'),
         (16, 16, 'input-output equation of θ1 and θ4'),
         (17, 21, 'the other five input-output equations'),
         (22, 27, 'their first time derivatives: ratios of angular velocities'),

@@ -234,7 +234,7 @@ ROOMS = {
             'test/balancing/test_balancing.py'),
         Bug('balancing/cone.py', 'r * side + by_inertia * r * r', 'r * side - by_inertia * r * r',
             'test/balancing/test_balancing.py'),
-        Bug('reproduction/statements.py', 'motion.alpha4 + mirrored.alpha4',
+        Bug('reproduction/slides.py', 'motion.alpha4 + mirrored.alpha4',
             'motion.alpha4 - mirrored.alpha4',
             'test/reproduction'),
         Bug('live/model.py', 'same += [angle, angle - tau, angle + tau]', 'same += [angle]',

@@ -22,7 +22,7 @@ known reason
 
 def add(verbs: Verbs) -> None:
     """Add the verb."""
-    from fourbar_lab.reproduction.verdicts import VERDICTS
+    from fourbar_lab.reproduction.documents import VERDICTS
     verdicts = '\n'.join(f'  {name:<21}{meaning}' for name, meaning in VERDICTS.items())
     verb = add_verb(
         verbs, 'reproduce', 'recompute the examples, equations, tables and figures of the lecture '
@@ -37,13 +37,12 @@ def add(verbs: Verbs) -> None:
 
 def _reproduce(arguments: Namespace) -> int:
     """Print all tables; the exit code tells whether a number differs without a reason."""
-    from fourbar_lab.reproduction.documents import count, print_tables
-    from fourbar_lab.reproduction.table import reproduce
-    from fourbar_lab.reproduction.verdicts import DIFFERS
+    from fourbar_lab.reproduction.documents import count, DIFFERS, print_tables
+    from fourbar_lab.reproduction.paper import reproduce
     sections = reproduce()
     # first: a file that cannot be written is reported before the tables
     if arguments.html:
-        from fourbar_lab.reproduction.figures import write_page
+        from fourbar_lab.reproduction.page import write_page
         write_page(sections, arguments.html)
     print_tables(sections)
     if arguments.html:

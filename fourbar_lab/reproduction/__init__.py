@@ -16,15 +16,11 @@ from fourbar_ros.optional import lazily
 
 if TYPE_CHECKING:
     from fourbar_lab.reproduction.documents import Row, Section, summary
-    from fourbar_lab.reproduction.io_equations import io_equation
-    from fourbar_lab.reproduction.table import reproduce
+    from fourbar_lab.reproduction.paper import reproduce
 
-__all__ = [
-    'Row', 'Section', 'io_equation', 'reproduce', 'summary',
-]
+__all__ = ['Row', 'Section', 'reproduce', 'summary']
 
 __getattr__, __dir__ = lazily(__name__, {
     'fourbar_lab.reproduction.documents': 'Row, Section, summary',
-    'fourbar_lab.reproduction.io_equations': 'io_equation',
-    'fourbar_lab.reproduction.table': 'reproduce',
+    'fourbar_lab.reproduction.paper': 'reproduce',
 })

@@ -9,28 +9,30 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import isnan, nan
-from typing import NamedTuple, TYPE_CHECKING
+from typing import NamedTuple
 
-from fourbar_lab.reproduction import verdicts
-from fourbar_lab.reproduction.verdicts import (
-    AGREES,
-    ANSWERED,
-    ASSUMED,
-    DEFINED,
-    DIFFERS,
-    DRAWN,
-    GARBLED,
-    MISPRINT,
-    MISSING,
-    ROUNDED,
-    WRONG,
-)
 from fourbar_ros.terminal import make_console, make_table
 
-if TYPE_CHECKING:
-    from rich.console import Console
-
 EXACT = 1e-12      # of the sum of the terms: more than rounding, less than any slip
+# the verdicts, and what each means; the help lists them
+VERDICTS = {
+    'agrees': 'to the last printed digit',
+    'read off a drawing': 'as near as a drawing can be read',
+    'rounded on the way': 'computed from rounded numbers',
+    'copy garbled': 'our copy of the document garbles it: what is shown is a reading of the copy, '
+                    'or a doubt',
+    'misprint': 'a slip in print; the reason is given, and for equations the correction was '
+                'checked',
+    'wrong computation': 'the document computed something else; the reason is given',
+    'assumption of ours': 'not printed; what we took for it',
+    'definition': 'of symbols, or a step that a numbered equation sums up',
+    'answered here': 'the document asks; what must hold for the answer was computed',
+    'not compared': 'and why',
+    'DIFFERS': 'without a known reason',
+}
+(AGREES, DRAWN, ROUNDED, GARBLED, MISPRINT, WRONG, ASSUMED, DEFINED, ANSWERED, MISSING,
+ DIFFERS) = VERDICTS
+COLUMNS = ('', 'printed>', 'ours>', 'difference>', 'unit', 'verdict', '')
 
 
 class Row(NamedTuple):
@@ -44,17 +46,30 @@ class Row(NamedTuple):
     verdict: str
     reason: str
 
+    @property
+    def cells(self) -> tuple[str, ...]:
+        """The texts under :data:`COLUMNS`, but for the last: where its reason is."""
+        return (self.what, self.printed, '' if isnan(self.ours) else f'{self.ours:.10g}',
+                '' if isnan(self.difference) else f'{self.difference:.3g}', self.unit,
+                self.verdict)
+
 
 class Section(NamedTuple):
     """
     An example or a table of a document.
 
-    ``figure``: name of a drawing of :mod:`fourbar_lab.reproduction.figures`, or ''.
+    ``figure``: name of a drawing of :mod:`fourbar_lab.reproduction.page`, or ''.
     """
 
     title: str
     rows: list[Row]
     figure: str = ''
+
+    @property
+    def footnotes(self) -> dict[str, int]:
+        """{reason: its number}, each once, in order from 1."""
+        reasons = dict.fromkeys(row.reason for row in self.rows if row.reason)
+        return {reason: number for number, reason in enumerate(reasons, 1)}
 
 
 def number(what: str, unit: str, printed: str, ours: float, verdict: str = AGREES, why: str = '',
@@ -79,6 +94,11 @@ def number(what: str, unit: str, printed: str, ours: float, verdict: str = AGREE
                   if copies else '')
     return Row(what, unit, printed, ours, ours - float(printed or nan),
                verdict if is_earned else DIFFERS, why)
+
+
+def remark(what: str, verdict: str, why: str) -> Row:
+    """Return the Row of what is not compared, or only defined."""
+    return Row(what, '', '', nan, nan, verdict, why)
 
 
 def is_reading(text: str, copies: Sequence[str]) -> bool:
@@ -129,27 +149,10 @@ def equal(what: str, unit: str, printed: float, ours: float, verdict: str = AGRE
     return Row(what, unit, f'{printed:.6g}', ours, ours - printed, verdict, why)
 
 
-# --- as tables -----------------------------------------------------------------------------------
-
-COLUMNS = ('', 'printed>', 'ours>', 'difference>', 'unit', 'verdict', '')
-
-
-def cells(row: Row) -> tuple[str, ...]:
-    """Return the texts of a Row under :data:`COLUMNS`, but for the last: where its reason is."""
-    return (row.what, row.printed, '' if isnan(row.ours) else f'{row.ours:.10g}',
-            '' if isnan(row.difference) else f'{row.difference:.3g}', row.unit, row.verdict)
-
-
-def footnotes(section: Section) -> dict[str, int]:
-    """Return {reason: its number} of a Section, each once, in order from 1."""
-    reasons = dict.fromkeys(row.reason for row in section.rows if row.reason)
-    return {reason: number for number, reason in enumerate(reasons, 1)}
-
-
 def count(sections: Sequence[Section]) -> dict[str, int]:
     """Return the number of rows of each verdict, as a dict in the order of VERDICTS."""
     given = [row.verdict for section in sections for row in section.rows]
-    return {verdict: given.count(verdict) for verdict in verdicts.VERDICTS if verdict in given}
+    return {verdict: given.count(verdict) for verdict in VERDICTS if verdict in given}
 
 
 def summary(sections: Sequence[Section]) -> str:
@@ -157,14 +160,14 @@ def summary(sections: Sequence[Section]) -> str:
     return ', '.join(f'{number} {verdict}' for verdict, number in count(sections).items())
 
 
-def print_tables(sections: Sequence[Section], console: Console | None = None) -> None:
+def print_tables(sections: Sequence[Section]) -> None:
     """Print a table for each section, the reasons below it."""
-    console = console or make_console()
+    console = make_console()
     for section in sections:
-        notes = footnotes(section)
+        notes = section.footnotes
         table = make_table(section.title, COLUMNS)
         for row in section.rows:
-            table.add_row(*cells(row), f'({notes[row.reason]})' if row.reason else '')
+            table.add_row(*row.cells, f'({notes[row.reason]})' if row.reason else '')
         console.print(table)
         for reason, number in notes.items():
             console.print(f'({number}) {reason}', style='dim', markup=False)

@@ -5,7 +5,6 @@ from contextlib import suppress
 import re
 import sys
 
-from fourbar_lab.reproduction import exact_count as sturm
 from fourbar_ros import (
     Bodies,
     Body,
@@ -26,7 +25,6 @@ from fourbar_ros.mechanisms.quantities import known, point_speed, positions, sel
 import numpy as np
 import pytest
 from support.dyad_reference import random_dyads
-from support.extrema_reference import descartes, Polynomial
 from support.samples import some
 
 PAPER = (0.4, 1.2, 0.8, 1.0)
@@ -228,28 +226,6 @@ def test_searches_of_random_machines_find_what_their_proofs_find(seed):
             proved += verdict.text.startswith('interval bounds')
             assert not verdict.is_contradicted, (machine, verdict.text)
     assert proved > 100
-
-
-def test_sturm_counts_like_descartes():
-    """
-    On polynomials with roots that are known.
-
-    Random integers, double and complex ones among them.
-    """
-    rng = np.random.default_rng(3)
-    for _ in range(200):
-        roots = rng.choice([*range(-30, 0), *range(1, 31)], rng.integers(1, 8),
-                           replace=False).tolist()
-        P = Polynomial(int(rng.integers(1, 5)), 0, 1)
-        for root in roots:
-            P = P * Polynomial(-root, 1)
-        low, high = -15, 20
-        inside = [root for root in roots if low < root < high]
-        assert sturm.count_roots(sturm.Polynomial(P.c), low, high) == len(inside)
-        assert descartes(P, low, high, 0) >= len(inside)
-        if inside:
-            assert sturm.count_roots(sturm.Polynomial((P * Polynomial(-inside[0], 1)).c), low,
-                                     high) is None
 
 
 @pytest.mark.slow

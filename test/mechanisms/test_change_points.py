@@ -9,7 +9,6 @@ from fractions import Fraction
 from itertools import permutations
 from math import gcd, inf, isinf, isnan, pi
 
-from fourbar_lab.reproduction.exact_count import count_extrema
 from fourbar_ros import (
     Applied,
     Bodies,
@@ -28,6 +27,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 from support import reference, slider_reference
+from support.extrema_reference import count_extrema
 from support.samples import some
 
 EPS = 2.0**-52

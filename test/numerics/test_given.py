@@ -10,7 +10,6 @@ from multiprocessing import get_context
 import pickle
 
 from fourbar_lab.drawing.figure import CannotDraw
-from fourbar_lab.reproduction.io_equations import io_equation
 from fourbar_ros import (
     Applied,
     Bodies,
@@ -192,13 +191,6 @@ def test_other_functions_refuse_what_is_no_number():
         find_extrema_many([0.4, 0.5], [1.2, 1.1, 1.0], 0.8, 1.0)
     with pytest.raises(InvalidParameter, match='^along'):
         point_motion(linkage, linkage.motion(1.0), 'coupler', '0.2')
-    for lengths in (5.0, (1.0, 2.0, 3.0), None):
-        with pytest.raises(InvalidParameter, match='^lengths'):
-            io_equation(lengths, 1, 4)
-    with pytest.raises(InvalidParameter, match='^a2'):
-        io_equation((0.4, '1.2', 0.8, 1.0), 1, 4)
-    with pytest.raises(InvalidParameter, match='^theta'):
-        io_equation((0.4, 1.2, 0.8, 1.0), 1, 4).solve(['1.0'])
 
 
 # --- masks, no samples, complex steps, overflow --------------------------------------------------

@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """The answers to both documents' questions, each against a formulation of its own."""
-from fourbar_lab.reproduction import published, statements
+from fourbar_lab.reproduction import published
 import mpmath as mp
 import numpy as np
 import pytest
@@ -48,14 +48,14 @@ def test_the_share_of_the_family_goes_to_zero_as_its_closed_form_says(e):
         assert abs(share / root - 5 * mp.sqrt(10) / 24) < e + mp.mpf('1e-10')
         assert abs(family(e, at)[1] / e - mp.mpf(15) / 4) < 10 * root
         assert abs(abs(alpha4) / root - mp.sqrt(2)) < 10 * root
-    ours = statements.small_share(float(e))
+    ours = published.small_share(float(e))
     # a2 is rounded by up to eps, which counts beside e
-    assert statements.force_share(ours) == pytest.approx(float(share), abs=EPS / float(e))
+    assert published.force_share(ours) == pytest.approx(float(share), abs=EPS / float(e))
 
 
-def test_thelargest_alpha4_and_the_peak_of_the_family_are_where_they_are_said_to_be():
+def test_the_largest_alpha4_and_the_peak_of_the_family_are_where_they_are_said_to_be():
     """On samples: of (Q1) and (Q2) no other place has more."""
-    linkage, x = statements.small_share(1e-6), np.linspace(-np.pi, np.pi, 20001)
+    linkage, x = published.small_share(1e-6), np.linspace(-np.pi, np.pi, 20001)
     (alpha4,), loads = linkage.motion(x, 1.0, fields=('alpha4',)), linkage.loads(x, 1.0)
     assert abs(x[np.argmax(np.abs(alpha4))]) < 1e-3
     assert abs(abs(x[np.argmax(loads.shaking_force)]) - np.pi) < 1e-2
@@ -66,8 +66,8 @@ def test_thelargest_alpha4_and_the_peak_of_the_family_are_where_they_are_said_to
 
 
 def test_a_counterweight_on_the_crank_cancels_the_force_in_one_pose_alone():
-    weighted = statements.counterweighted(published.THIN)
-    at, x = statements.largest(published.THIN, 'alpha4'), np.linspace(-3.0, 3.0, 601)
+    weighted = published.counterweighted(published.THIN)
+    at, x = published.place_of_largest(published.THIN, 'alpha4'), np.linspace(-3.0, 3.0, 601)
     forces = weighted.loads(x, 1.0).shaking_force
     assert weighted.loads(at, 1.0).shaking_force <= 64.0 * EPS * forces.max()
     assert weighted.bodies.crank.mass > published.THIN.bodies.crank.mass
@@ -75,7 +75,7 @@ def test_a_counterweight_on_the_crank_cancels_the_force_in_one_pose_alone():
 
 def test_about_no_other_point_the_moment_peaks_lower():
     linkage, speed = published.THIN, published.PAPER_SPEED
-    point, peak, bound = statements.least_moment(linkage, speed)
+    point, peak, bound = published.least_moment(linkage, speed)
     assert bound == pytest.approx(peak, rel=1e-9)
     loads = linkage.loads(np.linspace(0.0, 2.0 * np.pi, 7201), speed)
 

@@ -1,149 +1,141 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Exact extrema of theta4' and theta4'' at constant input rate.
+Exact extrema of the output's rate and acceleration at constant input rate.
 
-By another road than the package takes.
+In q = |A O4|^2 both are roots of polynomials with integer coefficients, as every float is an
+integer over a power of two; FLINT isolates them. With e = a1^2 - a4^2, f = a2^2 - a3^2 and
 
-In q = |A O4|^2 they are roots of polynomials of degree 6 and 11 with rational coefficients. Here
-their real roots are isolated by Descartes' rule with bisection (the package counts with Sturm's
-theorem), in integers, and refined by bisection; theta1 follows in mpmath, its sign from the
-equation that was squared.
+    S = ((a1+a4)^2 - q)(q - (a1-a4)^2) = (2 a1 a4 sin theta1)^2,
+    T = ((a2+a3)^2 - q)(q - (a2-a3)^2) = (2 a2 a3 sin mu)^2,
+
+theta4'' = [-e rS + s R/T^(3/2)]/(2 q^2) and theta4''' = [e (4 S - q S_q) + s rS M/T^(5/2)]/(4
+q^3), where rS^2 = S with the sign of sin theta1, s is the assembly mode, R = -f S T + q (q+f)(S_q
+T - S T_q)/2, M = 2 q T R_q - 4 R T - 3 q R T_q. So the extrema are the roots of P6 = (e^2 S T^3 -
+R^2)/q^2 and P11 = (e^2 (4 S - q S_q)^2 T^5 - S M^2)/q^3, of degree 6 and 11, each in one theta1 of
+each mode, between the largest and the smallest q of the motion. Where theta1 passes through 0 or
+pi, at an end of that range of q, S is zero and so is theta4'' if R is; it then changes its sign
+with that of rS.
 """
-from itertools import zip_longest
+from typing import NamedTuple
 
+from flint import ctx, fmpz_poly
 import mpmath
 import numpy as np
 
-BITS = 160       # after the point of q in units of the last bit of the shortest length
+BITS = 400      # of roots: enough to tell those of doubles from each other
 
 
-class Polynomial:
-    """Polynomial with integer coefficients, lowest power first."""
+class InQ(NamedTuple):
+    """The polynomials above for whole lengths; 2 R and 2 M have whole coefficients."""
 
-    def __init__(self, *coefficients):
-        self.c = coefficients
+    S: fmpz_poly
+    T: fmpz_poly
+    R2: fmpz_poly
+    M2: fmpz_poly
+    W: fmpz_poly        # 4 S - q S_q
 
-    def __add__(self, other):
-        return Polynomial(*(a + b for a, b in zip_longest(self.c, other.c, fillvalue=0)))
 
-    def __sub__(self, other):
-        return self + other * -1
+def whole(lengths):
+    """Return the lengths in units of the last bit of the shortest."""
+    ratios = [float(length).as_integer_ratio() for length in lengths]
+    unit = max(denominator for _, denominator in ratios)
+    return [numerator * (unit // denominator) for numerator, denominator in ratios]
 
-    def __mul__(self, other):
-        if isinstance(other, int):
-            return Polynomial(*(v * other for v in self.c))
-        product = [0] * (len(self.c) + len(other.c) - 1)
-        for i, a in enumerate(self.c):
-            for j, b in enumerate(other.c):
-                product[i + j] += a * b
-        return Polynomial(*product)
 
-    def __call__(self, x):
-        value = 0
-        for c in reversed(self.c):
-            value = value * x + c
-        return value
+def in_q(a1, a2, a3, a4):
+    """Return :class:`InQ` of whole lengths."""
+    f, q = a2**2 - a3**2, fmpz_poly([0, 1])
+    S = ((a1 + a4)**2 - q) * (q - (a1 - a4)**2)
+    T = ((a2 + a3)**2 - q) * (q - (a2 - a3)**2)
+    R2 = -2 * f * S * T + q * (q + f) * (S.derivative() * T - S * T.derivative())
+    M2 = 2 * q * T * R2.derivative() - 4 * R2 * T - 3 * q * R2 * T.derivative()
+    return InQ(S, T, R2, M2, 4 * S - q * S.derivative())
 
-    def derivative(self):
-        return Polynomial(*[i * c for i, c in enumerate(self.c)][1:])
 
-    def at(self, x, bits):
-        """Return P(x / 2^bits) times a positive integer, for an integer x."""
-        value = 0
-        for i, c in enumerate(reversed(self.c)):
-            value = value * x + (c << (bits * i))
-        return value
+def condition(p, e, order):
+    """Return the multiple of P6 (``order`` 0) or P11 (1) with whole coefficients."""
+    if order == 0:
+        return 4 * e**2 * p.S * p.T**3 - p.R2**2
+    return 4 * e**2 * p.W**2 * p.T**5 - p.S * p.M2**2
+
+
+def limits(a1, a2, a3, a4):
+    """Return the least and the largest q of the motion."""
+    return max((a1 - a4)**2, (a2 - a3)**2), min((a1 + a4)**2, (a2 + a3)**2)
+
+
+def roots_between(P, low, high):
+    """Return [(root, multiplicity)] of P between low and high, without both ends and 0."""
+    for end in (0, low, high):
+        while P.degree() >= 0 and P(end) == 0:
+            P //= fmpz_poly([-end, 1])
+    before, ctx.prec = ctx.prec, BITS
+    try:
+        found = [(root.real, multiplicity) for root, multiplicity in P.complex_roots()
+                 if root.imag == 0]
+        assert all((root < high or root > high) and (root < low or root > low)
+                   for root, _ in found)
+        return [(root, multiplicity) for root, multiplicity in found if low < root < high]
+    finally:
+        ctx.prec = before
+
+
+def count_roots(P, low, high):
+    """Return the number of roots between low and high; None if one is not simple, or P is 0."""
+    if P.degree() < 0:
+        return None
+    found = roots_between(P, low, high)
+    return len(found) if all(multiplicity == 1 for _, multiplicity in found) else None
+
+
+def count_extrema(lengths):
+    """
+    Return the numbers of extrema of theta4' and theta4'' in one mode, without ends of the range.
+
+    A count is None where it proves nothing: the quantity is constant in a range, or its derivative
+    may touch zero without a change of sign.
+    """
+    a1, a2, a3, a4 = sides = whole(lengths)
+    p, (low, high) = in_q(*sides), limits(*sides)
+    # both signs of theta1 for each root, and theta4''' is also zero at theta1 = pi
+    if a1 == a4:
+        numbers = [count_roots(P, low, high) for P in (p.R2, p.M2)]
+        through_pi = high < (a2 + a3)**2
+        return [number if number is None else 2 * number + extra
+                for number, extra in zip(numbers, (0, through_pi))]
+    rates, accelerations = (count_roots(condition(p, a1**2 - a4**2, order), low, high)
+                            for order in (0, 1))
+    passed = ((a1 - a4)**2, (a2 - a3)**2 < (a1 - a4)**2), ((a1 + a4)**2,
+                                                           (a1 + a4)**2 < (a2 + a3)**2)
+    extra = sum(is_passed and p.R2(at) == 0 for at, is_passed in passed)
+    return [rates if rates is None else rates + extra, accelerations]
 
 
 def exact_roots(lengths, order):
     """
     Return (theta1, value) of all extrema inside the input range, mode 2, input rate 1 rad/s.
 
-    In mpmath.
-
-    ``order``: 0 for theta4', 1 for theta4''; theta1 in (-pi, pi]. For a1 != a4 and simple roots.
+    In mpmath. ``order``: 0 for theta4', 1 for theta4''; theta1 in (-pi, pi]. For a1 != a4 and
+    simple roots.
     """
-    ratios = [float(length).as_integer_ratio() for length in lengths]
-    unit = max(denominator for _, denominator in ratios)
-    a1, a2, a3, a4 = (numerator * unit // denominator for numerator, denominator in ratios)
-    e, f, q = a1**2 - a4**2, a2**2 - a3**2, Polynomial(0, 1)
-    S = Polynomial((a1 + a4)**2, -1) * Polynomial(-(a1 - a4)**2, 1)
-    T = Polynomial((a2 + a3)**2, -1) * Polynomial(-(a2 - a3)**2, 1)
-    dS, dT = S.derivative(), T.derivative()
-    R = S * T * (-2 * f) + q * Polynomial(f, 1) * (dS * T - S * dT)                  # 2 R
-    if order == 0:
-        P, factor = S * T * T * T * (4 * e**2) - R * R, R * e
-    else:
-        M = q * T * R.derivative() * 2 - R * T * 4 - q * R * dT * 3                  # 2 M
-        W = S * 4 - q * dS
-        P, factor = W * W * T * T * T * T * T * (4 * e**2) - S * M * M, W * M * -e
+    a1, a2, a3, a4 = sides = whole(lengths)
+    e, f, p = a1**2 - a4**2, a2**2 - a3**2, in_q(*sides)
+    factor = p.R2 * e if order == 0 else p.W * p.M2 * -e
     found = []
-    for root in isolated_roots(P, max((a1 - a4)**2, (a2 - a3)**2),
-                               min((a1 + a4)**2, (a2 + a3)**2)):
-        with mpmath.workprec(2 * BITS):
-            q = mpmath.ldexp(root, -BITS)
+    for root, _ in roots_between(condition(p, e, order), *limits(*sides)):
+        with mpmath.workprec(BITS):
+            q = mpmath.ldexp(*map(int, root.mid().man_exp()))
             x = 2 * mpmath.atan2(mpmath.sqrt(q - (a1 - a4)**2), mpmath.sqrt((a1 + a4)**2 - q))
-            sign = 1 if factor.at(root, BITS) > 0 else -1
-            sine, t = sign * mpmath.sqrt(S(q)), T(q)
+            steepness, s, t, r2 = (mpmath.polyval([int(c) for c in reversed(P.coeffs())], q)
+                                   for P in (factor, p.S, p.T, p.R2))
+            sign = 1 if steepness > 0 else -1
             if order == 0:
-                value = (q + e + (q + f) * sine / mpmath.sqrt(t)) / (2 * q)
+                value = (q + e + (q + f) * sign * mpmath.sqrt(s / t)) / (2 * q)
             else:
-                value = (-e * sine + R(q) / 2 / mpmath.sqrt(t)**3) / (2 * q**2)
+                value = (-e * sign * mpmath.sqrt(s) + r2 / 2 / mpmath.sqrt(t)**3) / (2 * q**2)
             found.append((sign * x, value))
     return found
-
-
-def isolated_roots(P, low, high):
-    """Return the roots of P between two integers, times 2^BITS, rounded down."""
-    work, found = [(low, high, 0)], []
-    while work:
-        a, b, bits = work.pop()
-        changes = descartes(P, a, b, bits)
-        if changes == 1:
-            found.append(bisected(P, a, b, bits))
-        elif changes > 1:
-            assert P.at(a + b, bits + 1) != 0
-            work += [(2 * a, a + b, bits + 1), (a + b, 2 * b, bits + 1)]
-    return found
-
-
-def descartes(P, a, b, bits):
-    """
-    Return the sign changes of the coefficients of (1+t)^n P((a + b t)/(1 + t)).
-
-    Roots between, or more.
-    """
-    c = [v << (bits * i) for i, v in enumerate(reversed(P.c))][::-1]
-    shifted(c, a)
-    c = [v * (b - a)**i for i, v in enumerate(c)][::-1]
-    shifted(c, 1)
-    signs = [v > 0 for v in c if v]
-    return sum(one != other for one, other in zip(signs, signs[1:]))
-
-
-def shifted(c, a):
-    """Turn the coefficients of P(x) into those of P(x + a)."""
-    for i in range(len(c) - 1):
-        for j in range(len(c) - 2, i - 1, -1):
-            c[j] += a * c[j + 1]
-
-
-def bisected(P, a, b, bits):
-    """
-    Return the one root between a and b, of 2^bits, with BITS bits.
-
-    The ends may be roots themselves.
-    """
-    a, b = a << (BITS - bits), b << (BITS - bits)
-    sign = P.at(a + 1, BITS) > 0
-    while b - a > 1:
-        middle = (a + b) // 2
-        if (P.at(middle, BITS) > 0) == sign:
-            a = middle
-        else:
-            b = middle
-    return a
 
 
 def families():

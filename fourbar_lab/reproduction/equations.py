@@ -1,0 +1,141 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+The six input-output equations of the 4R linkage, each between two of its four joint angles.
+
+Slides, Eqs. (16)-(33), with theta1 and theta4 absolute at the ground pivots, theta2 and theta3
+relative; paper, Eqs. (1)-(8), with all angles relative: theta1 + pi and -theta4. In v =
+tan(theta/2) each is
+
+    both vi^2 vj^2 + first vi^2 + second vj^2 + mixed vi vj + constant = 0
+
+with products of two bilinear factors for coefficients. Angles and v are
+floats or arrays of one shape.
+"""
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from math import prod
+from typing import Any, NamedTuple
+
+from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
+from fourbar_ros.mechanisms.half_angle import bilinear_factors
+from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.numerics.number_types import Scalar
+import numpy as np
+
+# Eq.: joints i and j; factors of vi^2 vj^2, vi^2, vj^2, 1; the coefficient of vi vj and the
+# lengths in it
+Printed = Mapping[int, tuple[int, int, str, int, tuple[int, ...]]]
+SLIDES: Printed = {
+    16: (1, 4, 'A1 A2, B1 B2, C1 C2, D1 D2', -8, (1, 3)),
+    17: (1, 2, 'A1 B1, A2 B2, C1 D2, C2 D1', 8, (2, 4)),
+    18: (1, 3, 'A2 B1, A1 B2, C1 D1, C2 D2', 0, ()),
+    19: (2, 3, 'B1 C1, A1 D2, A2 D1, B2 C2', -8, (1, 3)),
+    20: (2, 4, 'A1 C1, B1 D2, A2 C2, B2 D1', 0, ()),
+    21: (3, 4, 'A2 C1, B1 D1, A1 C2, B2 D2', -8, (2, 4)),
+}
+PAPER: Printed = {
+    1: (1, 4, 'A1 A2, B1 B2, C1 C2, D1 D2', -8, (1, 3)),
+    2: (1, 2, 'A1 B2, A2 B1, C1 D2, C2 D1', -8, (2, 4)),
+    3: (1, 3, 'A1 B1, A2 B2, C2 D2, C1 D1', 0, ()),
+    4: (2, 3, 'A1 D2, B2 C1, B1 C2, A2 D1', -8, (1, 3)),
+    5: (2, 4, 'A1 C1, B2 D2, A2 C2, B1 D1', 0, ()),
+    6: (3, 4, 'A1 C2, B1 D2, A2 C1, B2 D1', 8, (2, 4)),
+}
+
+
+class Angle(NamedTuple):
+    """A joint angle theta [rad], omega, alpha, and v = tan(theta/2) with its two derivatives."""
+
+    theta: Scalar
+    omega: Scalar
+    alpha: Scalar
+    v: Scalar
+    dv: Scalar
+    ddv: Scalar
+
+
+def half_angle(theta: Any, omega: Any = 0.0, alpha: Any = 0.0) -> Angle:
+    """Return an :class:`Angle`, with the derivatives of v by Eqs. (34) and (36) of the slides."""
+    v = np.tan(0.5 * theta)
+    stretch = 0.5 * (1.0 + v * v)
+    return Angle(theta, omega, alpha, v, stretch * omega, stretch * (alpha + omega**2 * v))
+
+
+class Equation(NamedTuple):
+    """One equation between the angles of joints i and j; coefficients in [m^2]."""
+
+    i: int
+    j: int
+    both: float
+    first: float
+    second: float
+    constant: float
+    mixed: float
+
+    def position(self, a: Angle, b: Angle) -> tuple[Scalar, ...]:
+        """Return the terms of Eqs. (16)-(21) of the slides, (1)-(6) of the paper [m^2]."""
+        return (self.both * a.v**2 * b.v**2, self.first * a.v**2, self.second * b.v**2,
+                self.mixed * a.v * b.v, self.constant)
+
+    def velocity(self, a: Angle, b: Angle) -> tuple[Scalar, ...]:
+        """Return the terms of half the derivative of :meth:`position`: Eq. (7) of the paper."""
+        by_a, by_b = self._slopes(a, b)
+        return by_a * a.dv, by_b * b.dv
+
+    def ratio(self, a: Angle, b: Angle) -> Scalar:
+        """Return d theta_j / d theta_i: Eqs. (22)-(27)."""
+        by_a, by_b = self._slopes(a, b)
+        return -by_a * (1.0 + a.v**2) / (by_b * (1.0 + b.v**2))
+
+    def acceleration(self, a: Angle, b: Angle) -> tuple[Scalar, ...]:
+        """Return the terms of the derivative of :meth:`velocity`: Eqs. (28)-(33)."""
+        by_a, by_b = self._slopes(a, b)
+        return (by_a * a.ddv, by_b * b.ddv, (self.both * b.v**2 + self.first) * a.dv**2,
+                (self.both * a.v**2 + self.second) * b.dv**2,
+                (4.0 * self.both * a.v * b.v + self.mixed) * a.dv * b.dv)
+
+    def _slopes(self, a: Angle, b: Angle) -> tuple[Scalar, Scalar]:
+        """Return half the derivatives of :meth:`position` with respect to vi and vj."""
+        return ((self.both * b.v**2 + self.first) * a.v + 0.5 * self.mixed * b.v,
+                (self.both * a.v**2 + self.second) * b.v + 0.5 * self.mixed * a.v)
+
+
+def equations(printed: Printed, lengths: Sequence[float]) -> dict[int, Equation]:
+    """Return {number of the equation: :class:`Equation`} for a1 to a4 [m]."""
+    a1, a2, a3, a4 = lengths
+    factors = (bilinear_factors(a1, a2, a3, a4)._asdict() if printed is SLIDES
+               else paper_factors(a1, a2, a3, a4))
+    found = {}
+    for name, (i, j, products, factor, sides) in printed.items():
+        both, first, second, constant = (prod(factors[letter] for letter in product.split())
+                                         for product in products.split(', '))
+        found[name] = Equation(i, j, both, first, second, constant,
+                               factor * prod(lengths[n - 1] for n in sides))
+    return found
+
+
+def paper_factors(a1: float, a2: float, a3: float, a4: float) -> dict[str, float]:
+    """Return the eight sums by the paper's letters [m], as it prints them below its Eq. (1)."""
+    return {'A1': a1 - a2 + a3 - a4, 'A2': a1 + a2 + a3 - a4, 'B1': a1 + a2 - a3 - a4,
+            'B2': a1 - a2 - a3 - a4, 'C1': a1 - a2 - a3 + a4, 'C2': a1 + a2 - a3 + a4,
+            'D1': a1 + a2 + a3 + a4, 'D2': a1 - a2 + a3 + a4}
+
+
+def output_by_steps(linkage: FourBar, theta1: Array, speed: float) -> Angle:
+    """
+    Return theta4, omega4, alpha4 of theta1 alone, in mode 2 at constant speed, step by step.
+
+    Steps 1 to 4 of the slides: the root of Eq. (16), a quadratic in v4, then Eq. (22), and
+    Eq. (28) for the second derivative of v4; angles from v by Eqs. (35) and (37).
+    """
+    equation = equations(SLIDES, linkage.lengths)[16]
+    a = half_angle(theta1, speed)
+    p, r = equation.both * a.v**2 + equation.second, equation.first * a.v**2 + equation.constant
+    m = -0.5 * equation.mixed * a.v
+    theta4 = 2.0 * np.arctan2(m - np.sqrt(m * m - p * r), p)
+    b = half_angle(theta4, speed * equation.ratio(a, half_angle(theta4)))
+    rest = sum(equation.acceleration(a, b._replace(ddv=0.0)))
+    ddv4 = -rest / equation._slopes(a, b)[1]
+    return b._replace(alpha=2.0 * ddv4 / (1.0 + b.v**2) - b.omega**2 * b.v, ddv=ddv4)

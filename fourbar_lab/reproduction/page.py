@@ -1,0 +1,233 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""The page of ``fourbar reproduce --html``: all rows, and the figures from computed values."""
+from __future__ import annotations
+
+from collections.abc import Sequence
+from datetime import date
+from html import escape
+from io import StringIO
+from math import tau
+from pathlib import Path
+import re
+from typing import TYPE_CHECKING
+
+from fourbar_lab.drawing.figure import CannotDraw, make_figure, need_matplotlib, STYLE, Units
+from fourbar_lab.reproduction import published
+from fourbar_lab.reproduction.documents import (
+    ASSUMED,
+    COLUMNS,
+    DIFFERS,
+    GARBLED,
+    MISPRINT,
+    MISSING,
+    Section,
+    summary,
+    VERDICTS,
+    WRONG,
+)
+from fourbar_ros import __version__
+from fourbar_ros.extrema.find import find_extrema
+from fourbar_ros.mechanisms.contract import CROSSED, OPEN
+from fourbar_ros.numerics.arrays import Array
+import numpy as np
+
+if TYPE_CHECKING:      # drawings alone need it
+    from matplotlib.figure import Figure
+
+Captioned = tuple['Figure', str]                # with its caption
+Curve = tuple[Array, str, str, str]             # values over theta1, label, line style, colour
+Panel = tuple[str, list[Curve], list[tuple[float, float]]]      # title, curves, points to circle
+
+CSS = """\
+body { font: 15px/1.45 system-ui, sans-serif; max-width: 64em; margin: 2em auto; padding: 0 1em;
+  color: #222; }
+table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
+div.wide { overflow-x: auto; }
+th, td { padding: 0.15em 0.9em 0.15em 0; text-align: left; border-bottom: 1px solid #ddd;
+  vertical-align: top; }
+td.number, th.number { text-align: right; white-space: nowrap; }
+tr.wrong td { background: #fbeee6; } tr.copy td, tr.assumed td { background: #eef3f8; }
+  tr.differs td { background: #f6c6c6; }
+td.part { padding-left: 1.2em; } nav ul { columns: 2; } dt { font-weight: 600; } dd { margin: 0 0
+  0.3em 1.5em; }
+figure { margin: 1em 0; } svg { max-width: 100%; height: auto; } figcaption, ol { color: #555;
+  font-size: 0.92em; }
+@media print { section { break-inside: avoid; } nav { break-after: page; } }
+"""
+STYLES = {MISPRINT: 'wrong', WRONG: 'wrong', GARBLED: 'copy', ASSUMED: 'assumed',
+          MISSING: 'assumed', DIFFERS: 'differs'}
+FEET = Units(('in', published.INCH), ('ft/s', published.FOOT), ('ft/s$^2$', published.FOOT))
+
+
+def example_7_2() -> Captioned:
+    linkage = published.EXAMPLE_7_2
+    return make_figure(linkage, linkage.motion(*published.GIVEN_7_2), None,
+                       'slider-crank at 30 deg, points and units of the slides', None,
+                       {'O_1': 'O_2', 'A': 'B', 'B': 'C'}, FEET), (
+        'Velocity and acceleration polygons.')
+
+
+def example_7_3() -> Captioned:
+    linkage = published.EXAMPLE_7_3
+    return make_figure(linkage, linkage.motion(*published.GIVEN_7_3), None,
+                       '4R at 120 deg, points and units of the slides', published.POINTS_7_3,
+                       {'O_1': 'A', 'A': 'B', 'B': 'C', 'O_4': 'D'}, FEET), (
+        'Velocity and acceleration polygons.')
+
+
+def example_7_5() -> Captioned:
+    linkage = published.EXAMPLE_7_5
+    return make_figure(linkage, linkage.motion(*published.GIVEN_7_5), None,
+                       'inverted slider-crank at 30 deg, points and units of the slides', None,
+                       {'O_1': 'E', 'O_4': 'D'}, FEET), (
+        'Q is the point of the bar under A; the Coriolis term turns V_rel by 90° in the sense of '
+        'the bar.')
+
+
+def example_7_6() -> Captioned:
+    linkage = published.EXAMPLE_7_6
+    return make_figure(linkage, linkage.motion(*published.GIVEN_7_6), None,
+                       '4R at 60 deg, 10 rad/s, 100 rad/s², assembly mode 2', None, None,
+                       Units()), (
+        'The slides solve this example with the input-output equations, in any unit of length.')
+
+
+def example_7_7() -> Captioned:
+    """Draw alpha4, and omega4 eight times as large as in the slides, over two turns."""
+    theta1 = np.linspace(-tau, tau, 1441)
+    curves: list[Curve] = []
+    marks = []
+    for mode, style in ((CROSSED, '-'), (OPEN, '--')):
+        linkage = published.EXAMPLE_7_7.in_mode(mode)
+        motion = linkage.motion(theta1, 10.0)
+        curves += [(motion.alpha4, rf'$\alpha_4$, mode {mode} [rad/s$^2$]', style, 'C3'),
+                   (8.0 * motion.omega4, rf'$8\,\omega_4$, mode {mode} [rad/s]', style, 'C0')]
+        marks += [(extremum.theta1 - turn,
+                   (8.0 if extremum.quantity == 'omega4' else 1.0) * extremum.value)
+                  for extremum in find_extrema(linkage, ('alpha4', 'omega4'), 10.0)
+                  for turn in (0.0, tau)]
+    return _curves(theta1, [('', curves, marks)]), (
+        'Where ω4 is extreme, α4 is zero; mode 2 is the mirror image of mode 1. Circles: the '
+        'extrema found.')
+
+
+def paper_figure_3() -> Captioned:
+    """Draw omega4 and alpha4 of the paper's linkage over a turn."""
+    theta1, linkage, speed = (np.linspace(0.0, tau, 1441), published.PAPER,
+                              published.PAPER_SPEED)
+    motion = linkage.motion(theta1, speed)
+    return _curves(theta1, [
+        (title, [(getattr(motion, name), '', '-', color)],
+         [(extremum.theta1, extremum.value) for extremum in find_extrema(linkage, (name,), speed)])
+        for name, title, color in (('omega4', r'$\omega_4$ [rad/s]', 'C0'),
+                                   ('alpha4', r'$\alpha_4$ [rad/s$^2$]', 'C3'))]), (
+        "The paper's Figure 3: assembly mode 2 at 25 rad/s. Circles: the extrema of Table 2.")
+
+
+def paper_figure_4() -> Captioned:
+    """Draw the shaking force and moment, right and as the paper prints them."""
+    theta1, force, moment, _ = published.wrong_curves()
+    loads = published.THIN.loads(theta1, published.PAPER_SPEED)
+    panels = [('shaking force [N]', loads.shaking_force, force, 'm a', 'm v, as printed'),
+              ('|shaking moment| [N m]', np.abs(loads.shaking_moment), moment, 'm a, arm a4',
+               'm v, arm 0.01 m, as printed')]
+    return _curves(theta1, [
+        (title, [(right, label, '-', 'k'), (wrong, of_wrong, '--', 'C3')],
+         [(theta1[y.argmax()], y.max()) for y in (right, wrong)])
+        for title, right, wrong, label, of_wrong in panels], scales=('linear', 'log')), (
+        "The paper's Figure 4: computed correctly (solid) and as printed (dashed); above linear, "
+        'below logarithmic scale. Circles: the largest values.')
+
+
+def _curves(theta1: Array, panels: Sequence[Panel], scales: Sequence[str] = ('linear',)) -> Figure:
+    """Return a Figure of panels over theta1 [rad], a row of them for each scale."""
+    import matplotlib
+    from matplotlib.figure import Figure
+    with matplotlib.rc_context(STYLE):
+        figure = Figure(figsize=(12.6, 4.2 * len(scales)), layout='constrained')
+        for row, scale in zip(figure.subplots(len(scales), len(panels), squeeze=False), scales):
+            for axes, (title, curves, points) in zip(row, panels):
+                for y, label, style, color in curves:
+                    axes.plot(theta1, y, style, color=color, lw=1.5, label=label)
+                axes.plot(*zip(*points), 'o', ms=6, mfc='none', mec='k')
+                axes.set(title=title, xlabel=r'$\theta_1$ [rad]', xlim=(theta1[0], theta1[-1]),
+                         yscale=scale)
+                axes.grid(alpha=0.3)
+                if curves[0][1]:
+                    axes.legend(loc='best')
+                if scale == 'log':
+                    axes.set_ylim(1.0)
+    return figure
+
+
+def svg(name: str) -> tuple[str, str]:
+    """Return (SVG text, caption) of a figure by name; the text is the same every time."""
+    import matplotlib
+    figure, caption = globals()[name]()
+    file = StringIO()
+    with matplotlib.rc_context({**STYLE, 'svg.hashsalt': name}):
+        figure.savefig(file, format='svg', metadata={'Date': None})
+    text = file.getvalue()
+    return text[text.index('<svg'):], caption           # without the head of an XML file
+
+
+def page(sections: Sequence[Section], when: str) -> str:
+    """Return the whole report as one self-contained HTML page with a date on it."""
+    body = '\n'.join(_section(section, i) for i, section in enumerate(sections))
+    contents = ''.join(f'<li><a href="#s{i}">{escape(section.title)}</a></li>'
+                       for i, section in enumerate(sections))
+    legend = ''.join(f'<dt>{name}</dt><dd>{meaning}</dd>' for name, meaning in VERDICTS.items())
+    return ('<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
+            '<meta name="viewport" content="width=device-width"><title>The two source documents, '
+            f'recomputed</title>\n<style>\n{CSS}</style></head>\n<body>\n<h1>The two source '
+            'documents, recomputed</h1>\n<p>Lecture slide set 7 (Hayes, Irani, Afagh, Langlois) '
+            'and the paper of Hayes, Hninn and Irani: printed value, ours, difference, verdict. '
+            f'{summary(sections)}.</p>\n<p>fourbar_ros {__version__}, {when}.</p>\n'
+            f'<h2>Verdicts</h2>\n<dl>{legend}</dl>\n'
+            f'<nav><h2>Contents</h2>\n<ul>{contents}</ul></nav>\n{body}\n</body></html>\n')
+
+
+GREEK = {'theta': 'θ', 'omega': 'ω', 'alpha': 'α'}
+
+
+def typeset(text: str) -> str:
+    """Return a text as HTML: theta1, V_A, A_C/B with their indices, s^2 with its power."""
+    text = re.sub(r'\b(theta|omega|alpha)(\d)',
+                  lambda match: f'{GREEK[match[1]]}<sub>{match[2]}</sub>', escape(text))
+    text = re.sub(r'\b([AV])_([A-Z](?:/[A-Z])?)\b', r'\1<sub>\2</sub>', text)
+    return re.sub(r'\b(m|s|ft|v\d)\^(\d)', r'\1<sup>\2</sup>', text)
+
+
+def _section(section: Section, number: int) -> str:
+    """Return a section as HTML: its table, numbered reasons below, and its figure."""
+    def row(tag: str, cells: Sequence[str], style: str = '') -> str:
+        kinds = [' class="part"' if cell.startswith(' ') else
+                 ' class="number"' if head.endswith('>') else ''
+                 for head, cell in zip(COLUMNS, cells)]
+        return f'<tr{style}>' + ''.join(f'<{tag}{kind}>{typeset(cell)}</{tag}>' for kind, cell
+                                        in zip(kinds, cells)) + '</tr>'
+
+    notes = section.footnotes
+    rows = [row('th', [head.rstrip('>') for head in COLUMNS])] + [
+        row('td', [*its.cells, f'({notes[its.reason]})' if its.reason else ''],
+            f' class="{STYLES[its.verdict]}"' if its.verdict in STYLES else '')
+        for its in section.rows]
+    text = (f'<section id="s{number}"><h2>{typeset(section.title)}</h2>\n<div '
+            f'class="wide"><table>' + '\n'.join(rows) + '\n</table></div>')
+    if notes:
+        text += '\n<ol>' + ''.join(f'<li>{typeset(reason)}</li>' for reason in notes) + '</ol>'
+    if section.figure:
+        picture, caption = svg(section.figure)
+        text += f'\n<figure>{picture}<figcaption>{escape(caption)}</figcaption></figure>'
+    return text + '</section>'
+
+
+def write_page(sections: Sequence[Section], path: str | Path) -> None:
+    """Write the page of today to a file."""
+    need_matplotlib('reproduce --html')
+    text = page(sections, date.today().isoformat())
+    try:
+        Path(path).write_text(text, encoding='utf-8')
+    except OSError as error:
+        raise CannotDraw(f'{path}: {error.strerror}') from None

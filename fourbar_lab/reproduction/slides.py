@@ -1,0 +1,474 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+What the lecture slides print, item by item: what, the unit, printed, ours, and the verdict.
+
+Links have the numbers of the slides: crank 2, coupler 3, output 4. Our copy lacks some pages.
+"""
+from __future__ import annotations
+
+from cmath import phase
+from collections.abc import Sequence
+from math import atan, degrees, hypot, nan, pi, sqrt
+
+from fourbar_lab.reproduction.documents import (
+    ANSWERED,
+    ASSUMED,
+    DEFINED,
+    DRAWN,
+    equal,
+    GARBLED,
+    MISPRINT,
+    MISSING,
+    number,
+    remark,
+    ROUNDED,
+    Row,
+    Section,
+    zero,
+)
+from fourbar_lab.reproduction.equations import equations, half_angle, SLIDES
+from fourbar_lab.reproduction.published import (
+    at_extrema,
+    axis_at_extrema,
+    EXAMPLE_7_2,
+    EXAMPLE_7_3,
+    EXAMPLE_7_5,
+    EXAMPLE_7_6,
+    EXAMPLE_7_7,
+    extreme,
+    FOOT,
+    GIVEN_7_2,
+    GIVEN_7_3,
+    GIVEN_7_5,
+    GIVEN_7_6,
+    INCH,
+    largest,
+    PAPER,
+    POINTS_7_3,
+    slope,
+    steps,
+    TURN,
+)
+from fourbar_ros.extrema.find import find_extrema
+from fourbar_ros.mechanics.moving_frames import acceleration_terms, turned
+from fourbar_ros.mechanisms.contract import CROSSED, OPEN
+from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
+from fourbar_ros.mechanisms.points import link_motion, point_motion
+from fourbar_ros.numerics.arrays import Array
+import numpy as np
+
+FOUR_EXTREMA = (1.0, 2.0, 2.0, 2.0)    # a crank-rocker whose alpha4 has four in each mode
+
+
+def sections() -> list[Section]:
+    """Return every :class:`Section` of the slides, computed now."""
+    return [example_7_2(), example_7_3(), example_7_4(), example_7_5(), vectors(), contact(),
+            io_equations(), example_7_6(), example_7_7(), method(), axis()]
+
+
+def example_7_2() -> Section:
+    m, a2 = EXAMPLE_7_2.motion(*GIVEN_7_2), EXAMPLE_7_2.a2
+    joint_b = point_motion(EXAMPLE_7_2, m, 'coupler', 0.0)
+    title = ('Slides, Example 7.2 - slider-crank, crank 2.5 in at 30 deg, coupler 6 '
+             'in, 1800 rpm clockwise')
+    return Section(title, [
+        number('crank angle', 'deg', '', degrees(m.theta1), ASSUMED,
+               'it is in the drawing only; the readings fit it to 2 %'),
+        number('crank speed', 'rad/s', '188.5', -m.omega1),
+        number('speed of B', 'ft/s', '39.3', joint_b.speed / FOOT),
+        number('acceleration of B', 'ft/s^2', '7403', hypot(*joint_b.acceleration) / FOOT, ROUNDED,
+               'from 188.5 rad/s', within=1e-3, own=188.5**2 * 2.5 / 12),
+        number('angular velocity of the coupler', 'rad/s', '68.8', m.omega_beta, DRAWN,
+               within=0.02),
+        number('normal part of A_C/B', 'ft/s^2', '2367', m.omega_beta**2 * a2 / FOOT, DRAWN,
+               'from 68.8 rad/s, which is squared', within=0.04, own=68.8**2 * 0.5),
+        number('angular acceleration of the coupler', 'rad/s^2', '6640', m.alpha_beta, DRAWN,
+               within=0.02, own=1.66 * 2000 / 0.5),
+        number('acceleration of C', 'ft/s^2', '8000', -m.slide_acceleration / FOOT, DRAWN,
+               within=0.02, own=4 * 2000),
+        number('acceleration of D', 'ft/s^2', '8260', nan, MISSING,
+               'where D is on the coupler is in the drawing only'),
+    ], figure='example_7_2')
+
+
+def example_7_3() -> Section:
+    linkage, m = EXAMPLE_7_3, EXAMPLE_7_3.motion(*GIVEN_7_3)
+    a_e, a_f = (hypot(*point_motion(linkage, m, *point).acceleration) / FOOT
+                for point in POINTS_7_3.values())
+    title = ('Slides, Example 7.3 - 4R of Uicker, 4, 18, 11, 10 in, crank at 120 '
+             'deg, 900 rpm')
+    return Section(title, [
+        number('crank angle', 'deg', '', degrees(m.theta1), ASSUMED,
+               'it is in the drawing only; the readings fit it to 1 % of the longest arrow'),
+        number('ground AD', 'in', '', linkage.a4 / INCH, ASSUMED,
+               "in the drawing only: Uicker's"),
+        *(number(f'{name}, {where}', 'in', '', value / INCH, ASSUMED, 'in the drawing only')
+          for name, first, link in (('E', 'B', 'BC'), ('F', 'D', 'DC'))
+          for where, value in ((f'from {first} along {link}', POINTS_7_3[name][1]),
+                               (f'to the right of {link}', -POINTS_7_3[name][2]))),
+        number('crank speed (900 rpm, in the drawing only)', 'rad/s', '94.2', m.omega1),
+        number('acceleration of B', 'ft/s^2', '2958', m.omega1**2 * linkage.a1 / FOOT, ROUNDED,
+               'from 94.2 rad/s; "(94.2 rad/s^2)" stands for (94.2 rad/s)^2, in the slides or in '
+               'our copy only', within=0.002, own=94.2**2 * 4 / 12),
+        number('angular velocity of the coupler', 'rad/s', '25.6', m.omega_beta, DRAWN,
+               within=0.01),
+        number('angular velocity of the output link', 'rad/s', '49.6', m.omega4, DRAWN,
+               within=0.01),
+        number('normal part of A_C/B', 'ft/s^2', '983', m.omega_beta**2 * linkage.a2 / FOOT,
+               DRAWN, 'from 25.6 rad/s', within=0.02, own=25.6**2 * 18 / 12),
+        number('normal part of A_C/D', 'ft/s^2', '2255', m.omega4**2 * linkage.a3 / FOOT, DRAWN,
+               'from 49.6 rad/s', within=0.01, own=49.6**2 * 11 / 12),
+        number('tangential part of A_C/B', 'ft/s^2', '160',
+               abs(m.alpha_beta) * linkage.a2 / FOOT, DRAWN,
+               'the smallest arrow of a polygon of 2958 ft/s^2', within=0.01, scale=2958.0),
+        number('tangential part of A_C/D', 'ft/s^2', '1670', abs(m.alpha4) * linkage.a3 / FOOT,
+               DRAWN, within=0.01),
+        number('angular acceleration of the coupler', 'rad/s^2', '107', m.alpha_beta, DRAWN,
+               'from 160 ft/s^2', within=0.01, scale=1972.0, own=160 / (18 / 12)),
+        number('angular acceleration of the output link, cw', 'rad/s^2', '1822', -m.alpha4,
+               DRAWN, within=0.01, own=1670 / (11 / 12)),
+        number('acceleration of E', 'ft/s^2', '2580', a_e, DRAWN, within=0.02),
+        number('acceleration of F', 'ft/s^2', '1960', a_f, DRAWN, within=0.02),
+    ], figure='example_7_3')
+
+
+def example_7_4() -> Section:
+    # the rod at 45 deg, at 50 rad/s ccw, the slider 0.5 m out and moving outwards at 30 m/s
+    out = np.array([np.cos(pi / 4.0), np.sin(pi / 4.0)])
+    terms = acceleration_terms((0.0, 0.0), 50.0, 0.0, 0.5 * out, 30.0 * out)
+    x, y = np.sum(terms, axis=0)
+    return Section('Slides, Example 7.4 - slider on a turning rod', [
+        number('normal acceleration', 'm/s^2', '1250', hypot(*terms.normal)),
+        number('Coriolis acceleration', 'm/s^2', '3000', hypot(*terms.coriolis)),
+        number('acceleration of A', 'm/s^2', '3250', hypot(x, y)),
+        number('its angle with the horizontal', 'deg', '22.4', degrees(pi - np.arctan2(y, x))),
+    ])
+
+
+def example_7_5() -> Section:
+    linkage, m = EXAMPLE_7_5, EXAMPLE_7_5.motion(*GIVEN_7_5)
+    coriolis = -2.0 * m.omega4 * m.slide_velocity
+    title = ('Slides, Example 7.5 - inverted slider-crank, crank 3 in at 30 deg, '
+             'ground 14 in, no offset, 36 rad/s clockwise')
+    return Section(title, [
+        number('crank angle', 'deg', '', degrees(m.theta1), ASSUMED,
+               'it is in the drawing only; the readings fit it to 3 %'),
+        number('distance of D from the line of A', 'in', '', linkage.offset / INCH, ASSUMED,
+               'in the drawing only: omega4 is 1.3 % off without, 12 or 15 % off with the 2 in '
+               'of AB'),
+        number('speed of A', 'ft/s', '9', -m.omega1 * linkage.a1 / FOOT),
+        number('speed of Q', 'ft/s', '7.24', m.omega4 * m.slide / FOOT, DRAWN, within=0.03),
+        number('relative velocity', 'ft/s', '5.52', -m.slide_velocity / FOOT, DRAWN, within=0.03),
+        number('angular velocity of the bar', 'rad/s', '7.55', m.omega4, DRAWN, within=0.03),
+        number('distance QD', 'in', '11.5', m.slide / INCH),
+        number('distance QD in the last line', 'in', '11.6', m.slide / INCH, DRAWN,
+               '11.5 in (E3)', within=0.01),
+        number('acceleration of A', 'ft/s^2', '324', m.omega1**2 * linkage.a1 / FOOT),
+        number('normal part of A_Q/D', 'ft/s^2', '54.6', m.omega4**2 * m.slide / FOOT, DRAWN,
+               within=0.03, own=7.55**2 * 11.5 / 12),
+        number('Coriolis acceleration', 'ft/s^2', '83.4', coriolis / FOOT, DRAWN, within=0.03,
+               own=2 * 7.55 * 5.52),
+        number('tangential part of A_Q/D', 'ft/s^2', '274', m.alpha4 * m.slide / FOOT, DRAWN,
+               within=0.03),
+        number('angular acceleration of the bar', 'rad/s^2', '283', m.alpha4, DRAWN,
+               within=0.03, own=274 / (11.6 / 12)),
+    ], figure='example_7_5')
+
+
+def _both(what: str, *terms: Array, of: str = '', why: str = '') -> list[Row]:
+    """Return the Rows of a vector equation whose terms, as printed, must add up to zero."""
+    return [zero(f'{what}, {axis}', *(float(term[i]) for term in terms), why=why)
+            for i, axis in enumerate((f'x{of}', 'y'))]
+
+
+def vectors() -> Section:
+    """Both sides of an equation reach their points over different links."""
+    title = ('Slides, Eqs. (1)-(3), (6), (7), (9)-(11), (E1)-(E4), the acceleration '
+             'image and the complex polar formulas, at the poses of Examples 7.3, 7.2, 7.5')
+    return Section(title, [*_circle_and_link(), *_polar(), *_moving_frame()])
+
+
+def _circle_and_link() -> list[Row]:
+    """Return the Rows of (1)-(3), C on its circle about D, and (6), B and C, in Example 7.3."""
+    linkage, m = EXAMPLE_7_3, EXAMPLE_7_3.motion(*GIVEN_7_3)
+    b, c = (point_motion(linkage, m, link, length)
+            for link, length in (('crank', linkage.a1), ('output', linkage.a3)))
+    of_coupler = point_motion(linkage, m, 'coupler', linkage.a2)
+    tangent, speed = np.array([-m.sin_y, m.cos_y]), m.omega4 * linkage.a3
+    r = c.place - b.place
+    return [
+        *_both('Eq. (1)', of_coupler.velocity, -speed * tangent,
+               of=', of C of Example 7.3 on its circle about D'),
+        *_both('Eqs. (2) and (3)', of_coupler.acceleration, -m.alpha4 * linkage.a3 * tangent,
+               turned(-speed**2 / linkage.a3, tangent)),
+        *_both('Eq. (6)', c.acceleration, -b.acceleration, turned(-m.alpha_beta, r),
+               m.omega_beta**2 * r, of=', of C and B'),
+    ]
+
+
+def _polar() -> list[Row]:
+    """Return the Rows of (7), (8) and the acceleration image in Example 7.2."""
+    linkage, m = EXAMPLE_7_2, EXAMPLE_7_2.motion(*GIVEN_7_2)
+    r2, r3, w2, w3, al2, al3 = (linkage.a1, linkage.a2, m.omega1, m.omega_beta, m.alpha1,
+                                m.alpha_beta)
+    s2, c2, s3, c3 = m.sin_x, m.cos_x, m.sin_b, m.cos_b
+    b, c = (point_motion(linkage, m, 'coupler', along) for along in (0.0, r3))
+    image = (complex(m.slide_acceleration - b.acceleration[0], -b.acceleration[1])
+             / complex(*(c.place - b.place)))
+    return [
+        equal('acceleration image of Example 7.2, its angle delta', 'deg',
+              180 - degrees(atan(al3 / w3**2)), degrees(phase(image)) % 360.0,
+              why='7.2 asks for it and prints no number: the angle from C/B to A_C/B'),
+        equal('acceleration image, its factor', '1/s^2', sqrt(w3**4 + al3**2), abs(image),
+              why='A_C/B over C/B; the slides send to Example 7.1, which our copy lacks'),
+        zero('Eq. (7), real', -r2 * w2 * s2, -r3 * w3 * s3, -m.slide_velocity),
+        zero('Eq. (7), imaginary', r2 * w2 * c2, r3 * w3 * c3),
+        equal('alpha3 of a slider-crank', '',
+              (r2 * w2**2 * s2 - r2 * al2 * c2 + r3 * w3**2 * s3) / (r3 * c3), al3),
+        equal('a4 of a slider-crank', '',
+              -r2 * w2**2 * c2 - r2 * al2 * s2 - r3 * w3**2 * c3 - r3 * al3 * s3,
+              m.slide_acceleration),
+    ]
+
+
+def _moving_frame() -> list[Row]:
+    """Return the Rows of (9)-(11), A and the point Q of the bar under it, in Example 7.5."""
+    linkage, m = EXAMPLE_7_5, EXAMPLE_7_5.motion(*GIVEN_7_5)
+    a, q = (point_motion(linkage, m, link, along)
+            for link, along in (('crank', linkage.a1), ('output', m.slide)))
+    bar, arm = link_motion(linkage, m, 'output').direction, a.place - (linkage.a4, 0.0)
+    coriolis = turned(-2.0 * m.omega4, m.slide_velocity * bar)
+    rel, tangential = m.slide_acceleration * bar, turned(-m.alpha4, arm)
+    return [
+        *_both('Eqs. (9), (10)', a.acceleration, tangential, m.omega4**2 * arm, coriolis, -rel),
+        *_both('Eq. (11)', a.acceleration, -q.acceleration, coriolis, -rel),
+        *_both('Eq. (E1)', a.acceleration, -q.acceleration, coriolis, -rel,
+               why='E1 is Eq. (11), although the slides name Eq. (10)'),
+        *_both('Eq. (E2)', a.acceleration, m.omega1**2 * a.place),
+        *_both('Eq. (E3)', q.acceleration, m.omega4**2 * arm, tangential),
+        equal('Eq. (E4)', 'm/s^2', 2 * m.omega4 * hypot(*(m.slide_velocity * bar)),
+              2.0 * abs(m.omega4 * m.slide_velocity)),
+    ]
+
+
+def contact() -> Section:
+    title = ('Slides, Eq. (12), at the pose of Example 7.6; Eqs. (13)-(15), of a '
+             'disc of our own, 0.3 m, 4 rad/s, 2 rad/s^2, on flat ground')
+    m, radius, w, al = EXAMPLE_7_6.motion(*GIVEN_7_6), 0.3, 4.0, 2.0
+    c_x, c_y = centre = (-al * radius, 0.0)
+    p2_x, p2_y = np.sum(acceleration_terms(centre, w, al, (0.0, -radius)), axis=0)
+    # of the cycloid r (phi - sin phi, 1 - cos phi), phi clockwise, at phi = 0
+    cycloid_x, cycloid_y = 0.0, radius * w**2
+    return Section(title, [
+        zero('Eq. (12), of crank 2 and coupler 3', m.alpha_beta, -m.alpha1, -m.alpha2),
+        equal('Eqs. (13) and (14), along the ground', 'm/s^2', p2_x, cycloid_x,
+              why='ours is the second derivative of the cycloid'),
+        equal('Eqs. (13) and (14), square to it: the rolling acceleration', 'm/s^2', p2_y,
+              cycloid_y),
+        zero('Eq. (15), along the ground', c_x, al * radius,
+             why='on the ground both points have none'),
+        zero('Eq. (15), square to it', 0.0, -c_y, -w**2 * radius, verdict=MISPRINT,
+             why="P1 for P2: the disc's point has the right side, P1 of the ground rests",
+             correct=[cycloid_y, -c_y, -w**2 * radius]),
+    ])
+
+
+def io_equations() -> Section:
+    title = ('Slides, Eqs. (16)-(37), at the pose of Example 7.6 (left sides over '
+             'the sum of their terms)')
+    m, (_, a2, _, a4) = EXAMPLE_7_6.motion(*GIVEN_7_6), EXAMPLE_7_6.lengths
+    angles = {n: half_angle(*(getattr(m, f'{symbol}{n}') for symbol in ('theta', 'omega',
+                                                                        'alpha')))
+              for n in (1, 2, 3, 4)}
+    position, ratio, acceleration = [], [], []
+    for name, equation in equations(SLIDES, EXAMPLE_7_6.lengths).items():
+        a, b = angles[equation.i], angles[equation.j]
+        position.append(zero(f'Eq. ({name})', *equation.position(a, b)))
+        ratio.append(equal(f'Eq. ({name + 6})', '', equation.ratio(a, b), b.omega / a.omega))
+        acceleration.append(zero(f'Eq. ({name + 12})', *equation.acceleration(a, b),
+                                 why='"= 0" is missing in (28)-(33)' if name == 16 else ''))
+        if name == 19:
+            ratio[-1] = equal(
+                'Eq. (25)', '', equation._replace(mixed=-8 * a2 * a4).ratio(a, b),
+                b.omega / a.omega, MISPRINT, '4 a2 a4 for 4 a1 a3, twice',
+                correct=equation.ratio(a, b))
+            right = equation.acceleration(a, b)
+            acceleration[-1] = zero(
+                'Eq. (31)', *right[:2], (equation.both * b.v**2 + equation.second) * a.dv**2,
+                *right[3:], verdict=MISPRINT,
+                why='A2 D1 for A1 D2 in the factor of the square of dv2/dt', correct=right)
+        if name == 21:
+            acceleration[-1] = zero(
+                'Eq. (33)', *equation._replace(mixed=8 * a2 * a4).acceleration(a, b),
+                verdict=MISPRINT, why='three times + for - before a2 a4',
+                correct=equation.acceleration(a, b))
+    b = angles[4]
+    return Section(title, [
+        *position, *ratio, *acceleration,
+        equal('Eq. (34)', '', b.omega * (1 + b.v**2) / 2, b.dv),
+        equal('Eq. (35)', '', 2 * b.dv / (1 + b.v**2), b.omega),
+        equal('Eq. (36)', '', (b.alpha + b.omega**2 * b.v) * (1 + b.v**2) / 2, b.ddv),
+        equal('Eq. (37)', '', 2 * b.ddv / (1 + b.v**2) - b.omega**2 * b.v, b.alpha),
+    ])
+
+
+def example_7_6() -> Section:
+    m, other = (EXAMPLE_7_6.in_mode(mode).motion(*GIVEN_7_6) for mode in (OPEN, CROSSED))
+    v2, v4 = (half_angle(m.theta2, m.omega2, m.alpha2), half_angle(m.theta4, m.omega4, m.alpha4))
+    theta2, other_theta2 = degrees(m.theta2), degrees(other.theta2)
+    title = ('Slides, Example 7.6 - 4R 8, 14, 9, 17, crank at 60 deg, 10 rad/s, 100 '
+             'rad/s^2')
+    return Section(title, [
+        number('v2', '', '-0.4840', v2.v),
+        number('v2, the other mode', '', '-1.8988', half_angle(other.theta2).v),
+        number('theta2', 'deg', '-51.6569', theta2),
+        number('theta2, the other mode', 'deg', '-124.4528', other_theta2),
+        number('theta2 as a positive angle', 'deg', '308.3430', theta2 % 360.0),
+        number('the same, the other mode', 'deg', '235.5472', other_theta2 % 360.0),
+        number("theta2''", 'deg', '128.3430', theta2 % 360.0 - 180.0),
+        number("theta2' (coupler against the ground)", 'deg', '8.3430', degrees(m.beta)),
+        number('v4', '', '0.9094', v4.v),
+        number('v4, the other mode', '', '-2.7989', half_angle(other.theta4).v),
+        number('theta4', 'deg', '84.5689', degrees(m.theta4)),
+        number('theta4, the other mode', 'deg', '-140.6787', degrees(other.theta4)),
+        number('dv4/dt', '1/s', '6.5574', v4.dv),
+        number('omega4', 'rad/s', '7.1781', m.omega4),
+        number('omega2 (of the coupler)', 'rad/s', '-2.4463', m.omega_beta),
+        number('dv2/dt', '1/s', '-7.6811', v2.dv),
+        number('dtheta2/dt', 'rad/s', '-12.4463', m.omega2),
+        number('d2v4/dt2', '1/s^2', '157.4654', v4.ddv),
+        number('alpha4', 'rad/s^2', '125.5109', m.alpha4),
+        number('alpha2 (of the coupler)', 'rad/s^2', '-3.5916', m.alpha_beta),
+        number('dv2/dt on the last page', '1/s', '-110.2051', v2.dv, GARBLED,
+               'it is d2v2/dt2, as its sentence says; our copy drops dots there'),
+        number('d2v2/dt2', '1/s^2', '-110.2051', v2.ddv),
+        number('d2theta2/dt2', 'rad/s^2', '-103.5916', m.alpha2),
+    ], figure='example_7_6')
+
+
+def example_7_7() -> Section:
+    eq_38 = equations(SLIDES, EXAMPLE_7_7.lengths)[16]
+    (low, low_at), (high, high_at) = ((e.value, degrees(e.theta1)) for e in (
+        extreme(EXAMPLE_7_7, 'omega4', kind, 10.0) for kind in ('minimum', 'maximum')))
+    low_1_at, high_1_at = (
+        degrees(extreme(EXAMPLE_7_7.in_mode(CROSSED), 'omega4', kind, 10.0).theta1) - 360.0
+        for kind in ('minimum', 'maximum'))
+    (most_1, most_1_at), (least_1, least_1_at), (most_2, most_2_at), (least_2, least_2_at) = (
+        (e.value, degrees(e.theta1)) for e in (
+            extreme(EXAMPLE_7_7.in_mode(mode), 'alpha4', kind, 10.0)
+            for mode in (CROSSED, OPEN) for kind in ('maximum', 'minimum')))
+    mirrored = 'said of both modes; mode 1 is the mirror image of mode 2'
+    return Section('Slides, Example 7.7 - crank-rocker 2, 6, 7, 5 at 10 rad/s', [
+        number('Eq. (38), factor of v1^2 v4^2', '', '-36', eq_38.both),
+        number('Eq. (38), of v1^2', '', '160', eq_38.first),
+        number('Eq. (38), of -v1 v4', '', '112', -eq_38.mixed),
+        number('Eq. (38), of -v4^2', '', '20', -eq_38.second),
+        number('Eq. (38), constant', '', '64', eq_38.constant),
+        number('least omega4, both modes', 'rad/s', '-6.6959', low),
+        number('its theta1, mode 2', 'deg', '2.6810', low_at),
+        number('its theta1, mode 1', 'deg', '2.6810', low_1_at, MISPRINT, mirrored),
+        number('largest omega4, both modes', 'rad/s', '3.2493', high),
+        number('its theta1, mode 2', 'deg', '138.9638', high_at),
+        number('its theta1, mode 1', 'deg', '138.9638', high_1_at, MISPRINT, mirrored),
+        number('mode 1, largest alpha4', 'rad/s^2', '68.7731', most_1),
+        number('  its theta1', 'deg', '24.6475', most_1_at),
+        number('  listed again as', 'deg', '-335.3525', most_1_at - 360.0,
+               why="the same angle; the polynomial's other two roots belong to mode 2"),
+        number('mode 1, least alpha4', 'rad/s^2', '-87.9671', least_1),
+        number('  its theta1', 'deg', '326.1382', least_1_at),
+        number('  listed again as', 'deg', '-33.8618', least_1_at - 360.0,
+               why='the same angle'),
+        number('mode 2, largest alpha4', 'rad/s^2', '87.9671', most_2),
+        number('  its theta1', 'deg', '33.8616', most_2_at, MISPRINT,
+               '33.8618, as two pages earlier'),
+        number('mode 2, least alpha4', 'rad/s^2', '-68.7731', least_2),
+        number('  its theta1', 'deg', '335.3525', least_2_at),
+    ], figure='example_7_7')
+
+
+def degree_at_extrema(lengths: Sequence[float]) -> int:
+    """
+    Return the degree in v1 of the equation of the extrema of alpha4, for whole lengths.
+
+    Two for each root but zero of a polynomial in q = |A O4|^2. With e = a1^2 - a4^2, f = a2^2 -
+    a3^2, S = ((a1+a4)^2 - q)(q - (a1-a4)^2) and T = ((a2+a3)^2 - q)(q - (a2-a3)^2)
+
+        theta4''' = [e (4 S - q S_q) + s rS M/T^(5/2)]/(4 q^3),   rS^2 = S,   s = 1 or -1
+        M = 2 q T R_q - 4 R T - 3 q R T_q,   R = -f S T + q (q+f)(S_q T - S T_q)/2
+    """
+    a1, a2, a3, a4 = map(int, lengths)
+    e, f = a1 * a1 - a4 * a4, a2 * a2 - a3 * a3
+
+    def polynomial(*c: int) -> np.poly1d:
+        return np.poly1d(np.array(c, dtype=object))     # whole numbers of any size
+    q = polynomial(1, 0)
+    S = polynomial(-1, (a1 + a4)**2) * polynomial(1, -(a1 - a4)**2)
+    T = polynomial(-1, (a2 + a3)**2) * polynomial(1, -(a2 - a3)**2)
+    R2 = -2 * f * (S * T) + q * polynomial(1, f) * (S.deriv() * T - S * T.deriv())     # 2 R
+    M2 = 2 * q * T * R2.deriv() - 4 * R2 * T - 3 * q * R2 * T.deriv()
+    W = 4 * S - q * S.deriv()
+    c = (4 * e * e * W * W * T**5 - S * M2 * M2).c
+    return 2 * int(np.ptp(np.flatnonzero(c)))
+
+
+def method() -> Section:
+    linkage, speed = EXAMPLE_7_7, 10.0
+    motion, mirrored = linkage.motion(TURN, speed), linkage.in_mode(CROSSED).motion(-TURN, speed)
+    degree = degree_at_extrema(linkage.lengths)
+    in_a_mode, most = (len(find_extrema(its, ('alpha4',), speed))
+                       for its in (linkage, FourBar(*FOUR_EXTREMA)))
+    by_rate, by_acceleration = (at_extrema(linkage, name, speed) for name in ('omega4', 'alpha4'))
+    return Section('Slides, steps 1 to 9 of the method and items 1 to 17 of Example 7.7', [
+        *steps(linkage, speed, ('step 1: theta4 of theta1 alone', 'step 2: its rate',
+                                'steps 3, 4, 5: its acceleration at constant rate')),
+        equal('steps 6, 7: the derivative at the extrema of alpha4', '',
+              slope(linkage, 'alpha4', by_acceleration.theta1), 0.0,
+              why='over the largest alpha4, both at 1 rad/s'),
+        equal('step 8, item 11: degree of the equation', '', 22, degree),
+        equal('step 8, item 11: real values', '', 4, 2 * in_a_mode, why='two in each mode'),
+        equal('step 8: complex values', '', 18, degree - 2 * in_a_mode),
+        equal('step 9, items 5, 12, 13: two critical values in a mode', '', 2, in_a_mode),
+        equal('the same as a general statement: links 1, 2, 2, 2 have', '', most, 4.0, ANSWERED,
+              'omega4 of a crank-rocker always has two in a mode in 100,000 random ones; alpha4 '
+              'two or four'),
+        equal('item 1: a crank that turns fully', '', 1, linkage.turns_fully),
+        remark('item 2: Eq. (38)', DEFINED, 'compared under Example 7.7'),
+        remark('items 3, 6: both profiles', DEFINED,
+               'figures; the curves are drawn from steps 2 and 4'),
+        equal('item 4: the velocity of mode 2 is that of mode 1 mirrored', '',
+              largest(motion.omega4 - mirrored.omega4) / largest(motion.omega4), 0.0,
+              why='over the largest value'),
+        remark('items 7, 8, 9, 10: the method again', DEFINED, 'steps 3 to 7'),
+        remark('item 14: velocity over acceleration', DEFINED, 'the figure of Example 7.7'),
+        equal('item 15: alpha4 = 0 at the extrema of omega4', '',
+              largest(by_rate.alpha4) / largest(motion.alpha4), 0.0,
+              why='over the largest alpha4'),
+        equal('items 13, 16: alpha4 of mode 2 mirrored is that of mode 1 with the other sign', '',
+              largest(motion.alpha4 + mirrored.alpha4) / largest(motion.alpha4), 0.0, ANSWERED,
+              'the linkage of mode 2 is the mirror image: theta4 is odd in theta1 between the '
+              'modes, its rate even, alpha4 odd'),
+    ])
+
+
+def axis() -> Section:
+    (square_7_7, bend_7_7), (square_paper, bend_paper) = map(axis_at_extrema,
+                                                             (EXAMPLE_7_7, PAPER))
+    square = ('omega4 is extreme exactly where the collineation axis, through the poles P13 and '
+              'P24, is square to the coupler (docs/why.md); shown: the angle farthest from 90 '
+              'deg, both modes')
+    bend = ('alpha4 is extreme exactly where d(tan l)/d(theta1) = 1 - 2 R, but for R = 0 and 1, l '
+            'the angle from coupler to axis, R = omega4/omega1; shown: the largest miss over the '
+            'terms, both modes')
+    return Section('Slides, items 16 and 17 - why the extremes lie where they lie', [
+        equal('item 16: axis against coupler at the extrema of omega4, Example 7.7', 'deg',
+              square_7_7, 90.0, ANSWERED, square),
+        equal('item 16: the same, linkage of the paper', 'deg', square_paper, 90.0, ANSWERED,
+              square),
+        equal('item 16: d(tan l)/d(theta1) + 2 R - 1 at those of alpha4, Example 7.7', '',
+              bend_7_7, 0.0, ANSWERED, bend),
+        equal('item 16: the same sum, linkage of the paper', '', bend_paper, 0.0, ANSWERED, bend),
+        equal('item 17: the research asked for', '', bend_paper, 0.0, ANSWERED,
+              'docs/why.md derives both statements; test_collineation.py finds no extremum '
+              'without them and none of them, R = 0 and 1 apart, without an extremum'),
+    ])
