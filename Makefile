@@ -56,11 +56,11 @@ test:
 
 test-slow:
 	@scripts/setup.sh test
-	@$(env) && python -m pytest -m slow $(SPREAD) $(ARGS)
+	@$(env) && python -m pytest -m slow --hypothesis-profile=long $(SPREAD) $(ARGS)
 
 test-all:
 	@scripts/setup.sh test
-	@$(env) && python -m pytest $(SPREAD) $(ARGS)
+	@$(env) && python -m pytest --hypothesis-profile=long $(SPREAD) $(ARGS)
 
 coverage:
 	@scripts/setup.sh test

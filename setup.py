@@ -40,8 +40,9 @@ setup(
         'study': ['pyarrow>=15', 'distributed'],
         'live': ['nicegui>=3.5,<4'],
         # tests, benchmarks, the pictures of the docs
-        'test': ['pytest<9', 'pytest-xdist', 'mpmath', 'mcap-ros2-support>=0.6,<1', 'matplotlib',
-                 'python-flint', 'yourdfpy', 'mujoco', 'openpyxl', 'pyarrow', 'distributed',
+        'test': ['pytest<9', 'pytest-xdist', 'hypothesis', 'mpmath',
+                 'mcap-ros2-support>=0.6,<1', 'matplotlib', 'python-flint', 'yourdfpy',
+                 'mujoco', 'openpyxl', 'pyarrow', 'distributed',
                  'clarabel', 'coverage', 'FMPy', 'argcomplete>=3', 'nicegui>=3.5,<4',
                  'selenium', 'axe-core-python'],
         'docs': ['mkdocs', 'mkdocs-material', 'mkdocstrings', 'mkdocstrings-python'],

@@ -11,6 +11,15 @@ import subprocess
 import sys
 import tempfile
 
+from hypothesis import HealthCheck, settings
+
+# Nothing of a test depends on chance or on the clock: the same examples each time.
+_DRAWN = {'deadline': None, 'derandomize': True, 'database': None, 'print_blob': False,
+          'suppress_health_check': list(HealthCheck)}
+settings.register_profile('quick', max_examples=10, stateful_step_count=8, **_DRAWN)
+settings.register_profile('long', max_examples=100, stateful_step_count=30, **_DRAWN)
+settings.load_profile('quick')              # make test-all: --hypothesis-profile=long
+
 _held = []      # a socket that is bound for as long as this run has its domain
 
 

@@ -6,7 +6,6 @@ What is left of a bag: whole, cut anywhere, with flipped bits, by other writers,
 Every case is read, checked and recovered.
 """
 from pathlib import Path
-import random
 import shutil
 from struct import pack, unpack_from
 
@@ -19,6 +18,8 @@ from fourbar_ros.bag.recorder import BagWriter
 from fourbar_ros.bag.recovery import NO_END, recover
 from fourbar_ros.cli.main import main
 from fourbar_ros.errors import BagError
+from hypothesis import example, given
+from hypothesis import strategies as st
 from mcap.opcode import Opcode
 from mcap.writer import CompressionType, Writer
 import numpy as np
@@ -27,7 +28,6 @@ from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin
 from rosbags.rosbag2 import Writer as RosbagsWriter
 from support import bags
 from support.bags import MOTION, motion
-from support.samples import some
 
 STRING, COUNT, CHUNK = 'std_msgs/msg/String', 400, 11
 CRC = 33        # where the checksum of a chunk stands in its record
@@ -77,33 +77,31 @@ def records_of(data):
 
 # --- cut -----------------------------------------------------------------------------------------
 
-@some('step, first', [(1997, 0), (397, 48)], 1)
-def test_a_cut_leaves_an_exact_prefix_that_recover_makes_whole(whole, tmp_path, step, first):
-    data, everything = (whole / 'run_0.mcap').read_bytes(), raws(whole)
-    lengths, cut_file = [], tmp_path / 'cut_0.mcap'
-    end = next(begin for opcode, begin, _ in records_of(data) if opcode == Opcode.DATA_END)
-    for cut in [0, 1, 7, 8, 9, *range(first, len(data), step), end, len(data) - 1, len(data)]:
-        cut_file.write_bytes(data[:cut])
-        found, state = raws(cut_file), info(cut_file, check=True)
-        assert found == everything[:len(found)] and not state.damage, cut
-        assert state.is_finished == (cut == len(data)) and not state.missing
-        assert sum(topic.messages for topic in state.topics) == len(found)
-        lengths.append(len(found))
-        if not state.topics:
-            with pytest.raises(BagError, match='nothing to recover'):
-                recover(cut_file, tmp_path / 'out')
-            continue
-        recovered = recover(cut_file, tmp_path / 'out')
-        assert raws(recovered.path) == found and recovered.messages == len(found)
-        assert not recovered.damage and recovered.was_whole == state.is_finished
-        assert_every_reader_takes(recovered.path, len(found))
-        shutil.rmtree(recovered.path)
-        assert [path.name for path in tmp_path.iterdir()] == ['cut_0.mcap']
-    assert lengths[-1] == len(everything) and len(set(lengths)) > 5
+@given(st.floats(0.0, 1.0))
+@example(0.0)
+@example(1e-4)
+@example(1.0)
+def test_a_cut_leaves_an_exact_prefix_that_recover_makes_whole(whole, tmp_path, share):
+    data, everything, cut_file = ((whole / 'run_0.mcap').read_bytes(), raws(whole),
+                                  tmp_path / 'cut_0.mcap')
+    cut = round(share * len(data))
+    cut_file.write_bytes(data[:cut])
+    found, state = raws(cut_file), info(cut_file, check=True)
     # what is lost is less than a chunk: its index alone may follow it
-    chunks = [end for opcode, _, end in records_of(data) if opcode == Opcode.CHUNK]
-    for cut, length in zip(range(first, len(data), step), lengths[5:]):
-        assert length == CHUNK * sum(end <= cut for end in chunks)
+    chunks = sum(code == Opcode.CHUNK and end <= cut for code, _, end in records_of(data))
+    assert found == everything[:CHUNK * chunks] and not state.damage
+    assert state.is_finished == (cut == len(data)) and not state.missing
+    assert sum(topic.messages for topic in state.topics) == len(found)
+    if not state.topics:
+        with pytest.raises(BagError, match='nothing to recover'):
+            recover(cut_file, tmp_path / 'out')
+        return
+    recovered = recover(cut_file, tmp_path / 'out')
+    assert raws(recovered.path) == found and recovered.messages == len(found)
+    assert not recovered.damage and recovered.was_whole == state.is_finished
+    assert_every_reader_takes(recovered.path, len(found))
+    shutil.rmtree(recovered.path)
+    assert [path.name for path in tmp_path.iterdir()] == ['cut_0.mcap']
 
 
 def test_a_recovered_bag_keeps_what_the_recorder_noted(whole, tmp_path):
@@ -149,14 +147,12 @@ def flip(file, data, place, bit, everything):
     return not state.is_sound, kept
 
 
-@some('seed', range(6), 1)
-def test_a_flipped_bit_is_seen_and_costs_its_chunk_at_most(whole, tmp_path, seed):
-    data, everything, rng = ((whole / 'run_0.mcap').read_bytes(), raws(whole),
-                             random.Random(seed))
-    for _ in range(8):
-        place, bit = rng.randrange(len(data)), rng.randrange(8)
-        seen, kept = flip(tmp_path / 'spoiled.mcap', data, place, bit, everything)
-        assert seen and len(everything) - len(kept) in (0, CHUNK), (place, bit)
+@given(st.floats(0.0, 1.0, exclude_max=True), st.integers(0, 7))
+def test_a_flipped_bit_is_seen_and_costs_its_chunk_at_most(whole, tmp_path, share, bit):
+    data, everything = (whole / 'run_0.mcap').read_bytes(), raws(whole)
+    place = 8 + int(share * (len(data) - 8))         # behind what every MCAP file begins with
+    seen, kept = flip(tmp_path / 'spoiled.mcap', data, place, bit, everything)
+    assert seen and len(everything) - len(kept) in (0, CHUNK)
 
 
 def test_a_summary_that_is_hit_renames_no_type(whole, tmp_path):

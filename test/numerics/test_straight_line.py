@@ -10,37 +10,42 @@ from fourbar_ros import Applied, Body
 from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.numerics.number_types import REAL
 from fourbar_ros.numerics.straight_line import KEPT, make_lines, straight_line
+from hypothesis import given
+from hypothesis import strategies as st
 import numpy as np
 import pytest
 from support import contract
 from support.contract import CASES
-from support.dyad_reference import random_machines
+from support.strategies import linkages, machines
 
 every_case = pytest.mark.parametrize('case', CASES, ids=contract.name_of)
 
 
 @every_case
-def test_coefficients_have_the_same_bits(case):
+@given(st.data())
+def test_coefficients_have_the_same_bits(case, data):
     """Every kind, input and mode, whatever the lengths: all numbers of all links."""
-    for mechanism, (value, _, _) in contract.ordinary(case, 400, 30):
-        def flat(n, mechanism=mechanism):
-            coefficients = mechanism.make_coefficients(n)
-            return lambda q: [number for link in coefficients(q) for number in link]
-        assert list(straight_line(flat)(value)) == [float(v) for v in flat(REAL)(value)]
+    mechanism, (value, _, _) = data.draw(linkages(case))
+
+    def flat(n):
+        coefficients = mechanism.make_coefficients(n)
+        return lambda q: [number for link in coefficients(q) for number in link]
+    assert list(straight_line(flat)(value)) == [float(v) for v in flat(REAL)(value)]
 
 
 @every_case
-def test_it_refuses_what_the_formula_refuses(case):
+@given(st.data())
+def test_it_refuses_what_the_formula_refuses(case, data):
     """Out of range there is no square root, also where nothing of it is wanted."""
-    for mechanism, _ in contract.ordinary(case, 401, 20):
-        ends = [end for bounds in mechanism.closing_ranges for end in bounds]
-        outside = max(map(abs, ends)) * 1.001
-        if mechanism.turns_fully or not mechanism.is_driven_by_slide and outside > pi:
-            continue
-        line = straight_line(lambda n, mechanism=mechanism: (
-            lambda coefficients: lambda q: coefficients(q)[0][:2])(mechanism.make_coefficients(n)))
-        with pytest.raises(ValueError):
-            line(outside)
+    mechanism, _ = data.draw(linkages(case))
+    ends = [end for bounds in mechanism.closing_ranges for end in bounds]
+    outside = max(map(abs, ends)) * 1.001
+    if mechanism.turns_fully or not mechanism.is_driven_by_slide and outside > pi:
+        return
+    line = straight_line(lambda n: (
+        lambda coefficients: lambda q: coefficients(q)[0][:2])(mechanism.make_coefficients(n)))
+    with pytest.raises(ValueError):
+        line(outside)
 
 
 def bits(values):
@@ -48,27 +53,29 @@ def bits(values):
 
 
 @every_case
-def test_steps_have_the_bits_of_the_formulas(case):
+@given(st.data())
+def test_steps_have_the_bits_of_the_formulas(case, data):
     """Signs of zeros too: with all masses, without gravity, and with bodies of no mass."""
-    for mechanism, given in contract.ordinary(case, 402, 30):
-        nothing = type(mechanism.bodies)._make([Body(0.0)] * len(mechanism.bodies))
-        for one in (mechanism, replace(mechanism, gravity=(0.0, -0.0)),
-                    replace(mechanism, bodies=nothing, external=type(mechanism.external)())):
-            motion = one.motion_formula(REAL, one.constants)(*given)
-            loads = one.loads_formula(REAL, one.constants)(motion)
-            found = one.step(*given)
-            assert bits(one.motion(*given)) == bits(motion) == bits(found[0])
-            assert bits(found[1]) == bits(loads)
+    mechanism, its = data.draw(linkages(case))
+    nothing = type(mechanism.bodies)._make([Body(0.0)] * len(mechanism.bodies))
+    for one in (mechanism, replace(mechanism, gravity=(0.0, -0.0)),
+                replace(mechanism, bodies=nothing, external=type(mechanism.external)())):
+        motion = one.motion_formula(REAL, one.constants)(*its)
+        loads = one.loads_formula(REAL, one.constants)(motion)
+        found = one.step(*its)
+        assert bits(one.motion(*its)) == bits(motion) == bits(found[0])
+        assert bits(found[1]) == bits(loads)
 
 
-def test_steps_of_machines_with_other_loads_are_those_of_the_formulas():
+@given(machines(dyads=(1, 4), least_sine=0.2))
+def test_steps_of_machines_with_other_loads_are_those_of_the_formulas(drawn):
     """Also where a load that was zero no longer is, or is no longer there: lines are shared."""
-    for mechanism, given in random_machines(403, 5, dyads=(1, 4), least_sine=0.2):
-        count = len(mechanism.external)
-        for acting in (Applied(), Applied(force_y=2.0), Applied(1.0, -2.0, 0.3, 0.1, 5.0)):
-            one = mechanism.with_external(type(mechanism.external)._make([acting] * count))
-            motion = one.motion_formula(REAL, one.constants)(*given)
-            assert one.step(*given) == (motion, one.loads_formula(REAL, one.constants)(motion))
+    mechanism, its = drawn
+    count = len(mechanism.external)
+    for acting in (Applied(), Applied(force_y=2.0), Applied(1.0, -2.0, 0.3, 0.1, 5.0)):
+        one = mechanism.with_external(type(mechanism.external)._make([acting] * count))
+        motion = one.motion_formula(REAL, one.constants)(*its)
+        assert one.step(*its) == (motion, one.loads_formula(REAL, one.constants)(motion))
 
 
 def test_a_line_is_written_once_for_a_structure():

@@ -2,42 +2,40 @@
 # SPDX-License-Identifier: Apache-2.0
 """Ratio, offset and sense of joints; positions that are not known."""
 import math
-import random
 
 from fourbar_ros import InvalidParameter
 from fourbar_ros.pipeline.joints import Scale
 from fourbar_ros.pipeline.stepper import Stepper
 from fourbar_ros.scene import scene as scenes
+from hypothesis import given
 import pytest
 from support.scenes import PAPER, ROCKER, RODS
+from support.strategies import inputs
 
 LOADS = {**PAPER, **RODS, 'outputs': ['joint_states', 'loads']}
 TURNED = {'joint_states.ratios': [-2.0, 1, 0.25, 1.0], 'joint_states.offsets': [0.5, 0, 0.0, -1.0]}
 
 
-def joint_states(scene, *inputs):
+def joint_states(scene, *sent):
     """Return {field: numbers} of joint_states after each input, as (status, fields)."""
     stepper = Stepper(scene)
     found = []
-    for given in inputs:
-        status, values = stepper.step(*given, scene.needs_loads, False)
+    for each in sent:
+        status, values = stepper.step(*each, scene.needs_loads, False)
         found.append((status, scene.layout.expected('joint_states', values)))
     return found
 
 
-def test_positions_and_rates_go_through_ratio_and_offset_and_power_stays():
-    random.seed(3)
+@given(inputs)
+def test_positions_and_rates_go_through_ratio_and_offset_and_power_stays(given):
     plain, turned = scenes.from_values(LOADS), scenes.from_values({**LOADS, **TURNED})
     ratios, offsets = turned.joint_states.ratios, turned.joint_states.offsets
-    for _ in range(50):
-        given = random.uniform(-9, 9), random.uniform(-30, 30), random.uniform(-90, 90)
-        (_, ours), (_, theirs) = joint_states(plain, given)[0], joint_states(turned, given)[0]
-        assert theirs['position'] == tuple(r * x + o for r, x, o in zip(ratios, ours['position'],
-                                                                        offsets))
-        assert theirs['velocity'] == tuple(r * v for r, v in zip(ratios, ours['velocity']))
-        for a, b, c, d in zip(ours['effort'], ours['velocity'], theirs['effort'],
-                              theirs['velocity']):
-            assert a * b == pytest.approx(c * d, rel=4e-16, abs=0.0)
+    (_, ours), (_, theirs) = joint_states(plain, given)[0], joint_states(turned, given)[0]
+    assert theirs['position'] == tuple(r * x + o for r, x, o in zip(ratios, ours['position'],
+                                                                    offsets))
+    assert theirs['velocity'] == tuple(r * v for r, v in zip(ratios, ours['velocity']))
+    for a, b, c, d in zip(ours['effort'], ours['velocity'], theirs['effort'], theirs['velocity']):
+        assert a * b == pytest.approx(c * d, rel=4e-16, abs=0.0)
 
 
 def test_what_goes_out_of_one_joint_comes_in_through_the_same_numbers():

@@ -20,7 +20,7 @@ from rcl_interfaces.srv import ListParameters, SetParametersAtomically
 import rclpy
 from rclpy.parameter import Parameter
 from support.harness import ALL_OUTPUTS
-from support.hostile import hostile
+from support.strategies import hostile
 
 MINUTES = float(os.environ.get('SOAK_MINUTES', '0'))
 SCENES = (sorted(file.stem for file in folder().glob('*.yaml')) if MINUTES

@@ -17,9 +17,11 @@ from fourbar_ros.scene import scene
 from fourbar_ros.scene.files import SceneError
 from fourbar_ros.scene.forces import _coordinates, read_table
 from fourbar_ros.scene.simulated import simulate_scene
+from hypothesis import given
 import numpy as np
 import pytest
 from support.scenes import PAPER, PUSH, RODS
+from support.strategies import parameters
 
 TURN = 2.0 * pi
 PUSHED = {**PAPER, **RODS, **PUSH, 'outputs': ['loads']}
@@ -245,17 +247,14 @@ def test_one_pose_has_its_loads():
     assert torque != there.bare_linkage.loads(0.5).driving_torque
 
 
-def test_hostile_values_are_refused_by_errors_of_ours():
+@given(parameters([*PUSH]))
+def test_hostile_values_are_refused_by_errors_of_ours(changed):
     """No value of any type ends in another error, and none takes long."""
-    hostile = [float('nan'), float('inf'), -1e308, 1e308, 5e-324, 0, True, '', 'x', [], [1.0],
-               [float('nan')] * 4, [1e308, -1e308, 1e308, 0.0], ['a'], [0.0] * 4, None, {}]
-    for name in PUSH:
-        for value in hostile:
-            try:
-                stepper = Stepper(scene.from_values({**PUSHED, name: value}))
-                stepper.step(0.5, 1.0, 0.0, True, False)
-            except FourBarError as error:
-                assert '\n' not in str(error)
+    try:
+        stepper = Stepper(scene.from_values({**PUSHED, changed[0]: changed[1]}))
+        stepper.step(0.5, 1.0, 0.0, True, False)
+    except FourBarError as error:
+        assert '\n' not in str(error)
 
 
 def test_files_are_found_beside_the_scene_from_anywhere(tmp_path, monkeypatch):
