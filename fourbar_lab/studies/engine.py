@@ -133,8 +133,8 @@ def _computed(study: Study, executor: Executor, todo: Iterator[int]
 def compute_part(study: Study, number: int, versions: dict[str, str]) -> tuple[int, bytes]:
     """Return a chunk's number and its part; runs in a worker, which must have these versions."""
     if versions != made_with():
-        raise StudyError(f'a worker has {_versions(made_with())}, and this command '
-                         f'{_versions(versions)}: install the same there')
+        raise StudyError(f'a worker has {made_with()}, and this command {versions}: install the '
+                         'same there')
     try:
         return number, encode(study, number)
     except Exception as error:     # noqa: B902
@@ -160,9 +160,8 @@ def encode(study: Study, number: int) -> bytes:
     fields = [pyarrow.field(name, array.type,
                             metadata={'unit': units[name]} if name in units else None)
               for name, array in zip(chunk.columns, arrays)]
-    about = {'counts': chunk.counts, 'failures': chunk.failures, 'made_with': made_with(),
-             'study': asdict(study)}
-    schema = pyarrow.schema(fields, {KEY: json.dumps(about, sort_keys=True)})
+    schema = pyarrow.schema(fields, {KEY: _about(study, counts=chunk.counts,
+                                                 failures=chunk.failures)})
     file = BytesIO()
     parquet.write_table(pyarrow.table(arrays, schema=schema), file, compression='zstd')
     return file.getvalue()
@@ -176,16 +175,18 @@ def units_of(study: Study) -> dict[str, str]:
     return {name: unit for name, unit in units.items() if unit}
 
 
+def _about(study: Study, **others: Any) -> str:
+    """Return the text that a part carries: the study and the versions, counts and failures."""
+    return json.dumps({'made_with': made_with(), 'study': asdict(study), **others},
+                      sort_keys=True)
+
+
 @lru_cache(maxsize=1)
 def made_with() -> dict[str, str]:
     """Return the versions of all software that decides about the bits of the results."""
     from importlib.metadata import version
     return {'fourbar_ros': fourbar_ros.__version__, 'kernels': KERNELS,
             **{name: version(name) for name in ('numpy', 'scipy', 'pyarrow')}}
-
-
-def _versions(versions: dict[str, str]) -> str:
-    return ', '.join(f'{name} {version}' for name, version in versions.items())
 
 
 # --- the folder ----------------------------------------------------------------------------------
@@ -200,7 +201,9 @@ def about(part: Path) -> dict[str, Any]:
     """Return counts, failures, study and versions of a part; StudyError if it is none."""
     from pyarrow import parquet
     try:
-        return dict(json.loads(parquet.read_schema(part).metadata[KEY]))
+        found: dict[str, Any] = json.loads(parquet.read_schema(part).metadata[KEY])
+        found['study']          # parts of earlier versions have none
+        return found
     except (OSError, KeyError, TypeError, ValueError) as error:     # ArrowInvalid is one
         raise StudyError(f'{part}: no part of a study: {" ".join(str(error).split())}') from None
 
@@ -219,21 +222,15 @@ def _begin(study: Study, folder: Path, resume: bool) -> int:
         raise StudyError(f'{folder}: exists already and is no study of this version')
     if there and not resume:
         raise StudyError(f'{folder}: holds a study already; --resume goes on with it')
+    ours = json.loads(_about(study))
     for path in there.values():
         found = about(path)
-        if found['made_with'] != made_with():
-            raise StudyError(f'{folder}: was begun with {_versions(found["made_with"])}, and this '
-                             f'is {_versions(made_with())}; give another folder')
-        differ = [name for name, value in asdict(study).items()
-                  if _text(value) != _text(found['study'].get(name))]
+        differ = [name for part in ('made_with', 'study') for name, value in ours[part].items()
+                  if value != found[part].get(name)]
         if differ:
             raise StudyError(f'{folder}: holds another study: {", ".join(differ)} '
                              f'differ{"s" * (len(differ) == 1)}; give another folder')
     return sum(stop - start for start, stop in map(study.rows_of, there))
-
-
-def _text(value: Any) -> str:
-    return json.dumps(value, sort_keys=True)
 
 
 def _write(path: Path, content: bytes) -> None:

@@ -9,7 +9,7 @@ The mechanism as a whole has measures of one name: ``swing``.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import inf, nan, pi, tau
+from math import nan, pi, tau
 from typing import NamedTuple, Union
 
 from fourbar_ros.errors import InvalidParameter, nearest
@@ -67,17 +67,6 @@ class Measure:
     text: str
     quantity: str
     part: str
-
-    @property
-    def limits(self) -> tuple[float, float]:
-        """Return the least and the greatest value that it can have for any design."""
-        if self.part in (SWING, INPUT_RANGE):
-            return 0.0, tau if self.unit == 'rad' else inf
-        if self.quantity == ANGLE and self.part in ('min', 'max', 'span', 'rms'):
-            return 0.0, pi
-        low = 0.0 if self.part in (STROKE, 'peak', 'span', 'rms', 'extrema') else -inf
-        return {LEAST_ANGLE: (0.0, 0.5 * pi), CHANGE_POINT: (0.0, 1.0),
-                TIME_RATIO: (1.0, inf)}.get(self.part, (low, inf))
 
 
 class Extent(NamedTuple):

@@ -47,10 +47,7 @@ class Results:
         if not files:
             raise StudyError(f'{folder}: no study, or nothing of it is computed yet')
         all_about = [about(path) for path in files.values()]
-        self.study: dict[str, Any] = all_about[0].get('study', {})
-        if not self.study:
-            raise StudyError(f'{folder}: a study of an earlier version: its columns are there for '
-                             'readers of Parquet, its description is not')
+        self.study: dict[str, Any] = all_about[0]['study']
         counts: Counter[str] = Counter()
         for one in all_about:
             counts.update(one['counts'])

@@ -9,32 +9,25 @@ and says what is allowed.
 """
 from __future__ import annotations
 
-from contextlib import suppress
 from dataclasses import dataclass
-from itertools import product
-from math import isfinite, prod
+from math import inf, isfinite, prod
 from pathlib import Path
-from typing import Any
 
 from fourbar_lab.studies.measures import CLASS, Measure, Measures
 from fourbar_lab.studies.variation import (
-    LONGEST,
     METHODS,
+    MOST_ROWS,
     TOLERANCES,
     unit_points,
     Variation,
     variation,
-    WHOLE,
     Yaml,
 )
 from fourbar_ros.errors import FourBarError, InvalidParameter, nearest
-from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.scene.files import find, read_values
+from fourbar_ros.scene.files import document_of, find, read_values
 from fourbar_ros.scene.scene import from_values, Scene
 from fourbar_ros.scene.settings import ParameterValues
-import numpy as np
-import yaml
 
 KEYS = ('scene', 'vary', 'method', 'rows', 'seed', 'acceleration', 'quantities', 'constraints',
         'objectives', 'curves', 'keep', 'chunk')
@@ -42,11 +35,8 @@ KEEP = ('feasible', 'all')
 SENSES = ('minimize', 'maximize')
 # Rows that are computed, kept and lost together: seconds of work.
 CHUNK = 8192
-LARGEST_CHUNK, MOST_ROWS, MOST_SAMPLES = 2**20, 2**44, 4096
-# First designs; at least one must be possible.
-TRIED = 1000
-# Lengths of these make every type: each link the longest or the shortest, sums equal or not.
-RATIOS = (1.0, 3.0, 4.0)
+LARGEST_CHUNK, MOST_SAMPLES = 2**20, 4096
+TRIED = 1000        # first designs; at least one must be possible
 
 
 class StudyError(FourBarError, ValueError):
@@ -123,33 +113,11 @@ class Study:
         return {**self.values, **{name: column[0].item() for name, column in drawn.items()}}
 
 
-class _Loader(yaml.SafeLoader):
-    """YAML in which a key that is given twice is an error, not the last one."""
-
-    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
-        """Return the dict of a mapping; an error if a key occurs twice."""
-        seen: set[str] = set()
-        for key, _ in node.value:
-            if not isinstance(key, yaml.ScalarNode):
-                continue                        # a list is no key: the base class says so
-            if key.value in seen:
-                raise yaml.MarkedYAMLError(problem=f'{key.value} is given twice',
-                                           problem_mark=key.start_mark)
-            seen.add(key.value)
-        return super().construct_mapping(node, deep)
-
-
 def read(path: str | Path) -> Study:
-    """Return the :class:`Study` of a YAML file; StudyError if an entry or the file is wrong."""
+    """Return the :class:`Study` of a YAML file; a FourBarError if it is wrong."""
     path = Path(path)
     try:
-        document = yaml.load(path.read_text(encoding='utf-8'), _Loader)
-    except OSError as error:
-        raise StudyError(f'{path}: {error.strerror}') from None
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise StudyError(f'{path}: no YAML: {" ".join(str(error).split())}') from None
-    try:
-        return from_document(document, path.parent)
+        return from_document(document_of(path)[1], path.parent)
     except InvalidParameter as error:
         raise StudyError(f'{path}: {error}') from None
 
@@ -160,18 +128,22 @@ def from_document(document: Yaml, folder: Path = Path()) -> Study:
 
     ``folder``: from where a scene's file is looked for. InvalidParameter if an entry is wrong.
     """
-    if not isinstance(document, dict):
-        raise InvalidParameter('study', document, f'must be a mapping of {", ".join(KEYS)}')
-    for key in document:
-        if key not in KEYS:
-            raise InvalidParameter(str(key), None, f'unknown entry{nearest(str(key), KEYS)}')
+    document = mapping_of('study', document, KEYS)
     scene = _scene(document.get('scene'), folder)
-    vary = _vary(document.get('vary'), scene)
+    vary = tuple([variation(name, how, scene.values)
+                  for name, how in mapping_of('vary', document.get('vary')).items()])
+    if not vary:
+        raise InvalidParameter('vary', None, 'must name a parameter of the scene, as '
+                                             '{linkage.a1: {range: [0.2, 0.6]}}')
     method = choice_of('method', document.get('method', 'sobol'), METHODS)
     measures = Measures(scene)
-    bounds = _bounds(document.get('constraints', {}), measures, scene)
-    objectives = _objectives(document.get('objectives', {}), measures)
-    curves = _curves(document.get('curves', {}), scene)
+    bounds = tuple([_bound(measures.one('constraints', name), limits) for name, limits
+                    in mapping_of('constraints', document.get('constraints', {})).items()])
+    objectives = tuple([_objective(measures.one('objectives', name), sense) for name, sense
+                        in mapping_of('objectives', document.get('objectives', {})).items()])
+    curves = tuple([Curve(name, integer_of(f'curves.{name}', samples, 1, MOST_SAMPLES))
+                    for name, samples in mapping_of('curves', document.get('curves', {}),
+                                                    tuple(scene.points)).items()])
     names = document.get('quantities', [])
     if not isinstance(names, list):
         raise InvalidParameter('quantities', names, 'must be a list, as [shaking_force, swing]')
@@ -181,9 +153,9 @@ def from_document(document: Yaml, folder: Path = Path()) -> Study:
     if not columns and not curves:
         raise InvalidParameter('quantities', None, 'must be given (or constraints, objectives or '
                                                    'curves): what is to be computed?')
-    rows = _rows(document.get('rows'), method, vary)
     study = Study(
-        values=dict(scene.values), vary=vary, method=method, rows=rows,
+        values=dict(scene.values), vary=vary, method=method,
+        rows=_rows(document.get('rows'), method, vary),
         seed=integer_of('seed', document.get('seed', 0), 0, 2**63 - 1),
         acceleration=number_of('acceleration', document.get('acceleration', 0.0)),
         measures=columns, bounds=bounds, objectives=objectives, curves=curves,
@@ -217,121 +189,53 @@ def _scene(value: Yaml, folder: Path) -> Scene:
     return from_values(read_values(beside if beside.is_file() else find(value)))
 
 
-def _vary(value: Yaml, scene: Scene) -> tuple[Variation, ...]:
-    """Return the variations of a mapping {parameter: {KIND: VALUES}}."""
-    if not isinstance(value, dict) or not value:
-        raise InvalidParameter('vary', value, 'must be a mapping of parameters of the scene, as '
-                                              '{linkage.a1: {range: [0.2, 0.6]}}')
-    for name in value:
-        if str(name).startswith('cylinder.') and scene.values['linkage.input'] != 'cylinder':
-            raise InvalidParameter(f'vary.{name}', None, 'acts only with linkage.input cylinder')
-    return tuple([variation(name, how, scene.values.get(name)) for name, how in value.items()])
-
-
 def _rows(value: Yaml, method: str, vary: tuple[Variation, ...]) -> int:
     """Return the number of rows: the product of the levels of a grid, else as given."""
     if method == 'grid':
-        for one in vary:
-            if one.kind in TOLERANCES:
-                raise InvalidParameter(f'vary.{one.name}', one.kind,
-                                       'a grid takes ranges and lists only')
+        if any(one.kind in TOLERANCES for one in vary):
+            raise InvalidParameter('method', method, 'takes ranges and lists only')
         count = prod(one.levels for one in vary)
-        if value is not None and value != count:
-            raise InvalidParameter('rows', value, f'a grid has the product of its levels, {count}')
-        if count > MOST_ROWS:
-            raise InvalidParameter('vary', None, f'a grid of {count} rows is too large')
+        if value not in (None, count) or count > MOST_ROWS[method]:
+            raise InvalidParameter('rows', value, f'a grid has the product of its levels, {count},'
+                                                  f' at most {MOST_ROWS[method]}')
         return count
-    if value is None:
-        raise InvalidParameter('rows', None, f'must be given: how many designs {method} draws')
-    rows = integer_of('rows', value, 1, MOST_ROWS)
-    if method == 'latin_hypercube' and rows > WHOLE:
-        raise InvalidParameter('rows', rows, 'a Latin hypercube is drawn whole, so at most '
-                                             f'{WHOLE}; sobol has no such limit')
-    if method == 'sobol' and rows > LONGEST:
-        raise InvalidParameter('rows', rows, f'a sequence of Sobol has at most {LONGEST}; random '
-                                             'has no such limit')
-    return rows
+    return integer_of('rows', value, 1, MOST_ROWS[method])
 
 
-def _bounds(value: Yaml, measures: Measures, scene: Scene) -> tuple[Bound, ...]:
-    """Return the constraints of a mapping {measure: {least: VALUE, most: VALUE} or types}."""
-    return tuple([_bound(f'constraints.{name}', measures.one('constraints', name), limits, scene)
-                  for name, limits in mapping_of('constraints', value,
-                                                 'a mapping, as {swing: {least: 0.5}}').items()])
-
-
-def _bound(entry: str, measure: Measure, value: Yaml, scene: Scene) -> Bound:
-    """Return a constraint; one that no design can fulfil is refused."""
+def _bound(measure: Measure, value: Yaml) -> Bound:
+    """Return the constraint of {least: VALUE, most: VALUE}, or of the types that are allowed."""
+    entry = f'constraints.{measure.name}'
     if measure.part == CLASS:
-        return Bound(measure, -np.inf, np.inf, _types(entry, value, scene))
-    if not isinstance(value, dict) or not value or not set(value) <= {'least', 'most'}:
-        raise InvalidParameter(entry, value, 'must be {least: VALUE}, {most: VALUE} or both')
-    least, most = (number_of(f'{entry}.{side}', value[side]) if side in value else unbounded
-                   for side, unbounded in (('least', -np.inf), ('most', np.inf)))
-    if least > most:
-        raise InvalidParameter(entry, value, 'least is more than most: no design can fulfil it')
-    low, high = measure.limits
-    if least > high or most < low:
-        raise InvalidParameter(entry, value, f'no design can fulfil it: {measure.name} lies in '
-                                             f'[{low:g}, {high:.6g}] {measure.unit}'.rstrip())
+        texts = value if isinstance(value, list) else [value]
+        if not texts or not all(isinstance(text, str) for text in texts):
+            raise InvalidParameter(entry, value, 'must be a type or a list of types, as '
+                                                 '[crank-rocker]')
+        return Bound(measure, -inf, inf, tuple(map(str, texts)))
+    limits = mapping_of(entry, value, ('least', 'most'))
+    least, most = (number_of(f'{entry}.{side}', limits[side]) if side in limits else unbounded
+                   for side, unbounded in (('least', -inf), ('most', inf)))
+    if least > most or not limits:
+        raise InvalidParameter(entry, value, 'must be {least: VALUE, most: VALUE} or one of them, '
+                                             'least not more than most')
     return Bound(measure, least, most)
 
 
-def _types(entry: str, value: Yaml, scene: Scene) -> tuple[str, ...]:
-    """Return the types that are allowed, each a part of the name of one that exists."""
-    asked = value if isinstance(value, list) else [value]
-    texts = [text for text in asked if isinstance(text, str)]
-    if not texts or len(texts) < len(asked):
-        raise InvalidParameter(entry, value, 'must be a type or a list of types, as '
-                                             '[crank-rocker]')
-    known = _known_types(scene)
-    for text in texts:
-        if not any(text in name for name in known):
-            raise InvalidParameter(entry, text, f'no type of a {scene.linkage.TITLE}'
-                                                f'{nearest(text, known)}')
-    return tuple(texts)
+def _objective(measure: Measure, sense: Yaml) -> Objective:
+    """Return an objective, minimize or maximize."""
+    if measure.part == CLASS:
+        raise InvalidParameter('objectives', measure.name, 'is text and cannot be minimized')
+    return Objective(measure, choice_of(f'objectives.{measure.name}', sense, SENSES))
 
 
-def _known_types(scene: Scene) -> list[str]:
-    """Return the names of all types of the scene's kind, from a few ratios of its lengths."""
-    names = scene.linkage.length_names if scene.values['linkage.kind'] in KINDS else ()
-    types = [scene.linkage.classification]
-    for lengths in product(RATIOS, repeat=len(names)):
-        with suppress(InvalidParameter):
-            other = from_values({**scene.values, **{f'linkage.{name}': length
-                                                    for name, length in zip(names, lengths)}})
-            types.append(other.linkage.classification)
-    return list(dict.fromkeys(types))
-
-
-def _objectives(value: Yaml, measures: Measures) -> tuple[Objective, ...]:
-    """Return the objectives of a mapping {measure: minimize or maximize}."""
-    objectives = []
-    for name, sense in mapping_of('objectives', value,
-                                  'a mapping, as {shaking_force.max: minimize}').items():
-        measure = measures.one('objectives', str(name))
-        if measure.part == CLASS:
-            raise InvalidParameter('objectives', name, 'is text and cannot be minimized')
-        objectives.append(Objective(measure, choice_of(f'objectives.{name}', sense, SENSES)))
-    return tuple(objectives)
-
-
-def _curves(value: Yaml, scene: Scene) -> tuple[Curve, ...]:
-    """Return the curves of a mapping {point of the scene: samples}."""
-    samples_of = mapping_of('curves', value, '{NAME OF A POINT: SAMPLES}')
-    for name in samples_of:
-        if name not in scene.points:
-            has = f'has {", ".join(scene.points)}' if scene.points else 'has none'
-            raise InvalidParameter(f'curves.{name}', None, f'no point of the scene, which {has}')
-    return tuple([Curve(name, integer_of(f'curves.{name}', samples, 1, MOST_SAMPLES))
-                  for name, samples in samples_of.items()])
-
-
-def mapping_of(entry: str, value: Yaml, what: str) -> dict[str, Yaml]:
-    """Return a mapping; ``what`` tells the user what it must be."""
+def mapping_of(entry: str, value: Yaml, keys: tuple[str, ...] = ()) -> dict[str, Yaml]:
+    """Return a mapping; its keys must be some of ``keys``, if these are given."""
     if not isinstance(value, dict):
-        raise InvalidParameter(entry, value, f'must be {what}')
-    return value
+        raise InvalidParameter(entry, value, 'must be a mapping'
+                               + f' of {", ".join(keys)}' * bool(keys))
+    for key in value if keys or entry == 'curves' else ():
+        if key not in keys:
+            raise InvalidParameter(f'{entry}.{key}', None, f'unknown{nearest(str(key), keys)}')
+    return {str(key): below for key, below in value.items()}
 
 
 def choice_of(entry: str, value: Yaml, choices: tuple[str, ...]) -> str:
@@ -342,9 +246,7 @@ def choice_of(entry: str, value: Yaml, choices: tuple[str, ...]) -> str:
 
 
 def integer_of(entry: str, value: Yaml, low: int, high: int) -> int:
-    """Return an integer within limits; 1e7 is a float in YAML 1.2, and a text in YAML 1.1."""
-    if isinstance(value, str) and value.replace('e', '', 1).replace('.', '', 1).isdigit():
-        value = float(value)
+    """Return an integer within limits; 1e7 is a float in YAML."""
     if isinstance(value, float) and value.is_integer():
         value = int(value)
     if isinstance(value, bool) or not isinstance(value, int) or not low <= value <= high:

@@ -8,8 +8,7 @@ Row i is the same in any process and any order: a study is cut into chunks.
 ====================  ==========================================================================
 ``grid``              all combinations of the levels, the last parameter the fastest
 ``sobol``             Sobol's sequence, scrambled (Owen) with the seed: the best cover of a box
-``latin_hypercube``   each parameter's values spread evenly; drawn whole, so at most
-                      :data:`WHOLE` rows
+``latin_hypercube``   each parameter's values spread evenly; drawn whole, so at most 2^20 rows
 ``random``            independent points: for tolerances, where percentiles are wanted
 ====================  ==========================================================================
 
@@ -32,20 +31,20 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from math import isfinite
-from typing import Any, Union
+from typing import Any
 import warnings
 
 from fourbar_ros.errors import InvalidParameter, nearest
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.scene.parameters import check_value, find
-from fourbar_ros.scene.settings import PARAMETERS
+from fourbar_ros.scene.settings import PARAMETERS, ParameterValues
 import numpy as np
 from scipy import stats
 
-METHODS = ('grid', 'sobol', 'latin_hypercube', 'random')
-WHOLE = 2**20           # rows of a Latin hypercube at most
-BITS = 32               # of Sobol's numbers
-LONGEST = 2**BITS       # rows of his sequence: scipy cannot begin at a row of a longer one
+BITS = 32               # of Sobol's numbers: scipy cannot begin at a row of a longer sequence
+# {method: rows at most}; a Latin hypercube is drawn whole
+MOST_ROWS = {'grid': 2**44, 'sobol': 2**BITS, 'latin_hypercube': 2**20, 'random': 2**44}
+METHODS = tuple(MOST_ROWS)
 # {kind: distribution of its two values}
 RANGES: dict[str, Callable[[float, float], Any]] = {
     'range': lambda low, high: stats.uniform(low, high - low), 'log_range': stats.loguniform}
@@ -62,7 +61,7 @@ LISTED = ('linkage.mode',)      # those of them that are no numbers on a scale
 EDGE = 2.0**-53
 
 # What YAML gives.
-Yaml = Union[None, bool, int, float, str, list['Yaml'], dict[str, 'Yaml']]
+Yaml = Any
 
 
 @dataclass(frozen=True)
@@ -101,66 +100,59 @@ class Variation:
         return np.linspace(0.0, 1.0, self.levels)
 
 
-def variation(name: str, given: Yaml, scene_value: Yaml) -> Variation:
+def variation(name: str, given: Yaml, values: ParameterValues) -> Variation:
     """
     Return the :class:`Variation` of a parameter from {KIND: VALUES} in a study.
 
-    InvalidParameter names the entry of the study, what was given and what is allowed.
+    ``values``: of the scene. InvalidParameter names the entry of the study, what was given and
+    what is allowed.
     """
     entry, parameter = f'vary.{name}', find(name)
     if parameter is None:
         known = list(PARAMETERS)
         raise InvalidParameter(entry, None, f'no parameter of a scene{nearest(name, known, 0.75)}')
-    if not name.startswith(ACTING) or not (parameter.type == 'double' or name in LISTED):
-        raise InvalidParameter(entry, None, 'cannot vary in a study: numbers of '
+    if (not name.startswith(ACTING) or not (parameter.type == 'double' or name in LISTED)
+            or name.startswith('cylinder.') and values['linkage.input'] != 'cylinder'):
+        raise InvalidParameter(entry, None, 'cannot vary in this study: numbers of '
                                f'{", ".join(f"{part}*" for part in ACTING)} and {LISTED[0]} can')
-    for key in given if isinstance(given, dict) else ():
-        if key not in (*KINDS, 'levels'):
-            raise InvalidParameter(f'{entry}.{key}', None, f'unknown{nearest(key, KINDS)}')
-    kinds = [key for key in KINDS if isinstance(given, dict) and key in given]
-    if not isinstance(given, dict) or len(kinds) != 1:
-        raise InvalidParameter(entry, given, f'must be {{KIND: VALUES}}, with one of '
-                                             f'{", ".join(KINDS)}')
-    kind, = kinds
-    if name in LISTED and kind != 'list':
-        raise InvalidParameter(entry, given, 'only a list of its values can vary')
-    values = _values(f'{entry}.{kind}', kind, given[kind], scene_value)
-    levels = given.get('levels', len(values) if kind == 'list' else LEVELS)
-    if isinstance(levels, bool) or not isinstance(levels, int) or levels < 1 or (
-            kind == 'list' and 'levels' in given):
+    kind, *others = [key for key in given if key != 'levels'] if isinstance(given, dict) else ['']
+    if kind not in KINDS or others or name in LISTED and kind != 'list':
+        raise InvalidParameter(entry, given, 'must be {KIND: VALUES}, a list for '
+                               f'{LISTED[0]}, else one of {", ".join(KINDS)}')
+    numbers = _numbers(f'{entry}.{kind}', kind, given[kind], values.get(name))
+    levels = given.get('levels', len(numbers) if kind == 'list' else LEVELS)
+    if not isinstance(levels, int) or levels < 1 or kind == 'list' and 'levels' in given:
         raise InvalidParameter(f'{entry}.levels', levels, 'must be an integer, 1 or more; not '
                                                           'with list, which has its own')
-    result = Variation(name, parameter.unit, kind, values, levels)
+    result = Variation(name, parameter.unit, kind, numbers, levels)
     for value in result.bounds:
         try:
             check_value(parameter, value)
         except InvalidParameter as error:
-            reach = '' if kind == 'list' else f'reaches {value:.6g}, and it '
             raise InvalidParameter(f'{entry}.{kind}', given[kind],
-                                   reach + error.allowed) from None
+                                   f'reaches {value:.6g}, and it {error.allowed}') from None
     return result
 
 
-def _values(entry: str, kind: str, given: Yaml, scene_value: Yaml) -> tuple[float, ...]:
+def _numbers(entry: str, kind: str, given: Yaml, scene_value: Yaml) -> tuple[float, ...]:
     """Return the values of a variation, checked; a tolerance alone is around the scene's value."""
     if kind in TOLERANCES and not isinstance(given, list):
         given = [scene_value, given]
-    numbers = tuple([value for value in given if isinstance(value, (int, float))
-                     and not isinstance(value, bool) and isfinite(value)]
-                    if isinstance(given, list) else [])
-    is_right, allowed = {
-        'list': (numbers and len(set(numbers)) == len(numbers),
-                 'a list of different finite numbers'),
-        'range': (len(numbers) == 2 and numbers[0] < numbers[-1],
-                  '[low, high], two finite numbers; low must be less than high'),
-        'log_range': (len(numbers) == 2 and 0.0 < numbers[0] < numbers[-1],
-                      '[low, high], positive: the logarithm is uniform')}.get(kind, (
-                          len(numbers) == 2 and numbers[-1] > 0.0,
-                          'a size, or [centre, size], finite numbers, the size positive; without '
-                          'a centre the scene must give the parameter'))
-    if not is_right or not isinstance(given, list) or len(numbers) < len(given):
-        raise InvalidParameter(entry, given, f'must be {allowed}')
-    return numbers if kind == 'list' else tuple(map(float, numbers))
+    numbers = given if isinstance(given, list) else []
+    are_finite = all(isinstance(value, (int, float)) and isfinite(value) for value in numbers)
+    if kind == 'list':
+        if not numbers or not are_finite or len(set(numbers)) < len(numbers):
+            raise InvalidParameter(entry, given, 'must be a list of different finite numbers')
+        return tuple(numbers)
+    is_right = are_finite and len(numbers) == 2 and (
+        numbers[1] > 0.0 if kind in TOLERANCES else
+        numbers[0] < numbers[1] and (kind == 'range' or numbers[0] > 0.0))
+    if not is_right:
+        raise InvalidParameter(entry, given, 'must be a size above 0, or [centre, size]; without '
+                               'a centre the scene must give the parameter'
+                               if kind in TOLERANCES else 'must be [low, high], two finite '
+                               'numbers, low less than high; for log_range positive')
+    return float(numbers[0]), float(numbers[1])
 
 
 def unit_points(method: str, rows: tuple[int, int], seed: int, levels: tuple[Array, ...],

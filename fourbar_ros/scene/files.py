@@ -119,22 +119,27 @@ def _file_and_node(path: str | Path, node: str | None) -> tuple[Path, str | None
     return find(path), node
 
 
-def sections(path: str | Path) -> dict[str, Tree]:
-    """
-    Return {node or pattern of nodes: tree of parameters} of a ROS 2 parameter file.
-
-    Raises SceneError if the text is not a parameter file.
-    """
+def document_of(path: str | Path) -> tuple[str, Any]:
+    """Return (text, what it is as YAML) of a file; SceneError if ROS would not read it."""
     text = ''
     try:
         text = Path(path).read_text(encoding='utf-8')
-        document = yaml.load(text, _Loader)
+        return text, yaml.load(text, _Loader)
     except OSError as error:
         raise SceneError(f'{path}: {error.strerror}') from None
     except UnicodeDecodeError:
         raise SceneError(f'{path}: is no text in UTF-8, so not a scene') from None
     except (yaml.YAMLError, RecursionError) as error:
         raise SceneError(f'{path}{_why_no_yaml(text, error)}') from None
+
+
+def sections(path: str | Path) -> dict[str, Tree]:
+    """
+    Return {node or pattern of nodes: tree of parameters} of a ROS 2 parameter file.
+
+    Raises SceneError if the text is not a parameter file.
+    """
+    text, document = document_of(path)
     trees = dict(_sections(document)) if isinstance(document, dict) else {}
     if not trees:
         words = re.findall(r'\w*param\w*', text)         # ros_parameters, perhaps

@@ -151,9 +151,9 @@ def test_what_is_there_is_gone_on_with_only_if_it_is_the_same(tmp_path, monkeypa
     with pytest.raises(StudyError, match='another study: rows differs'):
         run(study_of(rows=40), out, ONE, resume=True)
     monkeypatch.setattr(engine, 'made_with', lambda: {'numpy': '0.1'})
-    with pytest.raises(StudyError, match=r'was begun with .*numpy \d.*this is numpy 0\.1'):
+    with pytest.raises(StudyError, match='another study: numpy differs'):
         run(study, out, ONE, resume=True)
-    with pytest.raises(StudyError, match='a worker has numpy 0.1, and this command numpy 0.2'):
+    with pytest.raises(StudyError, match="a worker has {'numpy': '0.1'}, and this"):
         engine.compute_part(study, 0, {'numpy': '0.2'})
     (tmp_path / 'foreign').mkdir()
     (tmp_path / 'foreign/letter.txt').write_text('dear')

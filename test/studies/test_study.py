@@ -1,7 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """What a study may say: refused before anything is computed, drawn as it says."""
-from contextlib import suppress
 from copy import deepcopy
 from dataclasses import replace
 
@@ -9,9 +8,7 @@ from fourbar_lab.studies import StudyError
 from fourbar_lab.studies.chunks import compute
 from fourbar_lab.studies.study import from_document, read
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.mechanisms.kinds import KINDS
-from fourbar_ros.scene.files import find
-from fourbar_ros.scene.scene import from_values, load
+from fourbar_ros.scene.files import SceneError
 import numpy as np
 import pytest
 from support import ROOT
@@ -22,49 +19,41 @@ GOOD = {'scene': 'paper', 'rows': 100, 'vary': {'linkage.a1': {'range': [0.2, 0.
         'quantities': ['omega4.max']}
 BAD = [
     ('scene', None, 'must be a scene'),
-    ('rows', None, 'must be given'),
-    ('rows', 0, 'must be an integer from 1'),
+    ('rows', None, 'must be an integer from 1'),
     ('rows', 'many', 'must be an integer'),
-    ('vary', {}, 'must be a mapping'),
+    ('vary', [], '^vary = .*must be a mapping'),
+    ('vary', {}, 'must name a parameter'),
     ('vary', {'linkage.a5': {'range': [1, 2]}}, 'vary.linkage.a5: no parameter.*did you mean'),
-    ('vary', {'linkage.a1': {'range': [0.6, 0.2]}}, 'low must be less than high'),
+    ('vary', {'linkage.a1': {'range': [0.6, 0.2]}}, 'low less than high'),
     ('vary', {'linkage.a1': {'range': [-0.1, 0.2]}}, 'reaches -0.1, and it must be positive'),
     ('vary', {'linkage.a1': {'normal': [0.4, 0.1]}}, 'reaches -0.*must be positive'),
-    ('vary', {'linkage.a1': {'log_range': [0.0, 0.2]}}, 'logarithm'),
-    ('vary', {'linkage.a1': {'rnge': [0.1, 0.2]}}, 'did you mean range'),
+    ('vary', {'linkage.a1': {'log_range': [0.0, 0.2]}}, 'for log_range positive'),
+    ('vary', {'linkage.a1': {'rnge': [0.1, 0.2]}}, 'one of range, log_range'),
     ('vary', {'linkage.a1': {'range': [0.1, float('nan')]}}, 'two finite numbers'),
     ('vary', {'linkage.a1': {'list': [0.1, 0.1]}}, 'different finite numbers'),
-    ('vary', {'linkage.mode': {'range': [1, 2]}}, 'only a list'),
+    ('vary', {'linkage.mode': {'range': [1, 2]}}, 'a list for linkage.mode'),
     ('vary', {'linkage.mode': {'list': [1, 3]}}, r'must lie in \[1, 2\]'),
     ('vary', {'linkage.kind': {'list': [1]}}, 'cannot vary'),
     ('vary', {'drive.rate': {'range': [1, 2]}}, 'cannot vary'),
+    ('vary', {'cylinder.base.along': {'range': [1, 2]}}, 'cannot vary in this study'),
     ('vary', {'bodies.crank.mass': {'uniform': 0.1}}, 'without a centre the scene must give'),
     ('vary', {'bodies.crank.mass': {'uniform': [1.0, 0.1]}}, 'either bodies.rods or the bodies'),
-    ('vary', {'cylinder.base.along': {'range': [1, 2]}}, 'only with linkage.input cylinder'),
     ('vary', {'linkage.a2': {'range': [5.0, 6.0]}}, 'none of the first 100 designs can be built'),
     ('method', 'sobel', 'must be one of grid, sobol'),
     ('quantities', ['omega5.max'], 'did you mean omega4'),
     ('quantities', ['omega4.maxi'], 'unknown part; did you mean max'),
     ('quantities', [], 'must be given'),
     ('quantities', [{'omega4': 'max'}], 'unknown'),         # no name, and no key of a table
-    ('quantities', [['omega4.max']], 'unknown'),
     ('quantities', ['stroke'], 'ask for swing'),
     ('constraints', {'omega4': {'least': 1.0}}, 'say which part'),
-    ('constraints', {'swing': {'least': 2.0, 'most': 1.0}}, 'no design can fulfil'),
-    ('constraints', {'swing': 2.0}, 'must be {least: VALUE}'),
+    ('constraints', {'swing': {'least': 2.0, 'most': 1.0}}, 'least not more than most'),
+    ('constraints', {'swing': 2.0}, 'must be a mapping of least, most'),
     ('constraints', {'class': 3}, 'a type or a list of types'),
-    ('constraints', {'class': ['crank-rokcer']}, 'no type of a .*; did you mean .*crank-rocker'),
-    ('constraints', {'class': ['crank-rocker', 'wheel']}, "= 'wheel': no type of a .*nearest: "),
-    ('constraints', {'swing': {'least': 60}}, r'swing lies in \[0, 6.28319\] rad'),
-    ('constraints', {'least_transmission_angle': {'least': 40}}, r'lies in \[0, 1.5708\] rad'),
-    ('constraints', {'time_ratio': {'most': 0.9}}, r'lies in \[1, inf\]'),
-    ('constraints', {'omega4.peak': {'most': -1.0}}, 'no design can fulfil it'),
-    ('constraints', {'omega4.rms': {'most': -1.0}}, 'no design can fulfil it'),
     ('objectives', {'class': 'minimize'}, 'is text and cannot'),
     ('objectives', {'swing': 'max'}, 'must be one of minimize, maximize'),
-    ('curves', {'tip': 36}, 'no point of the scene, which has none'),
+    ('curves', {'tip': 36}, 'curves.tip: unknown'),
     ('seed', -1, 'must be an integer from 0'),
-    ('colour', 'red', 'unknown entry'),
+    ('colour', 'red', 'study.colour: unknown'),
 ]
 
 
@@ -75,29 +64,12 @@ def test_a_bad_study_is_refused_with_the_reason(key, value, text):
         from_document(document)
 
 
-@some('name', sorted(file.stem for file in (ROOT / 'config').glob('*.yaml')),
-      ('paper', 'jansen', 'cylinder'))
-def test_every_type_that_a_random_design_has_may_be_asked_for(name):
-    scene = load(find(name))
-    rng = np.random.default_rng(1)
-    seen = {scene.linkage.classification}
-    for _ in range(30 if scene.values['linkage.kind'] in KINDS else 0):
-        lengths = dict(zip(scene.linkage.length_names, rng.uniform(0.1, 2.0, 9)))
-        with suppress(InvalidParameter):
-            seen.add(from_values(scene.values | {f'linkage.{key}': value for key, value in
-                                                 lengths.items()}).linkage.classification)
-    for kind in seen:
-        from_document({'scene': name, 'rows': 1, 'quantities': ['change_point_margin'],
-                       'vary': {'drive.speed': {'range': [1.0, 2.0]}},
-                       'constraints': {'class': [kind]}})
-
-
 @pytest.mark.parametrize('text', [
     'rows: 10\nrows: 20\n', 'scene: paper\nvary:\n  linkage.a1: {range: [0.2, 0.6]}\n'
     '  linkage.a1: {range: [0.3, 0.4]}\n', 'vary: {linkage.a1: {normal: 1, normal: 2}}\n'])
 def test_a_key_that_is_given_twice_is_refused(tmp_path, text):
     (tmp_path / 's.yaml').write_text(text)
-    with pytest.raises(StudyError, match='is given twice.*line'):
+    with pytest.raises(SceneError, match='line .*is given twice'):
         read(tmp_path / 's.yaml')
 
 
@@ -108,7 +80,7 @@ def test_a_load_of_a_scene_without_masses_is_refused():
 
 def test_what_is_too_large_for_a_method_is_refused():
     for method, rows in (('latin_hypercube', 2**20 + 1), ('sobol', 2**32 + 1)):
-        with pytest.raises(InvalidParameter, match='at most'):
+        with pytest.raises(InvalidParameter, match='from 1 to'):
             from_document(GOOD | {'method': method, 'rows': rows})
     with pytest.raises(InvalidParameter, match='takes ranges and lists only'):
         from_document({**GOOD, 'rows': None, 'method': 'grid',
@@ -118,10 +90,10 @@ def test_what_is_too_large_for_a_method_is_refused():
 
 
 def test_a_file_that_is_no_yaml_or_missing_is_one_line(tmp_path):
-    with pytest.raises(StudyError, match='No such file'):
+    with pytest.raises(SceneError, match='No such file'):
         read(tmp_path / 'none.yaml')
     (tmp_path / 'bad.yaml').write_text('a: [1, 2')
-    with pytest.raises(StudyError, match='no YAML'):
+    with pytest.raises(SceneError, match='not YAML'):
         read(tmp_path / 'bad.yaml')
     (tmp_path / 'text.yaml').write_text('text')
     with pytest.raises(StudyError, match='must be a mapping'):
