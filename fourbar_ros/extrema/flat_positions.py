@@ -3,77 +3,99 @@
 """
 Motion and loads next to the flat position of an exact change point, where their formulas are 0/0.
 
-On either side, in one mode, all quantities are Laurent series of the distance t
-(:mod:`fourbar_ros.numerics.laurent`). Within a part of their radius of convergence they keep all
-digits, however small the real or complex t is.
+On either side, in one mode, what they are made of is a power of the distance t times an analytic
+function. From numbers of many digits at some places (:mod:`fourbar_ros.numerics.digits`) follow
+the power and a polynomial, which keep all digits, however small the real or complex t is. Sizes of
+vectors and angles are no such functions next to a zero: they are taken of their components last.
 """
 from __future__ import annotations
 
-from functools import cached_property
-from math import frexp, pi
-from typing import Any, NamedTuple
+from decimal import Decimal, localcontext
+from functools import cache
+from math import frexp, log10, pi, prod
+from typing import Any
 
 from fourbar_ros.extrema.input_paths import InputPath
-from fourbar_ros.mechanisms.contract import Constants
+from fourbar_ros.mechanisms.evaluation import formula_of, NEAR
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.numerics.laurent import (
-    LAURENT,
-    Length,
-    many_digits,
-    series,
-    T,
-    TERMS,
-)
-from fourbar_ros.numerics.number_types import converted
+from fourbar_ros.numerics.digits import in_decimals, is_nothing, MANY_DIGITS
+from fourbar_ros.numerics.number_types import numbers_of
+from fourbar_ros.numerics.tables import COMPLEX_ARRAYS, run
+from fourbar_ros.numerics.trace import flat, Trace
 import numpy as np
 
-# The scale is one to two times the distance of the next singularity. Series are used up to this
-# part of it: they leave out 2^-60 of the first term, times a small power of TERMS.
-REACH = 2.0**-4
+# The scale is one to two times the distance of the next singularity. Up to this part of it
+# polynomials through NODES places, at equal steps, leave out some 2^-60 of the first term.
+REACH, NODES = 2.0**-4, 16
+NOT_ANALYTIC = ('hypot', 'atan2')
 
 
-class Fields(NamedTuple):
-    """
-    Series of the fields of a motion or of loads in t, in units of a scale.
+@cache
+def _weights() -> Array:
+    """Return coefficients of polynomials that are 1 at one of 1, 2, ... NODES, 0 at the others."""
+    columns = []
+    for node in range(1, NODES + 1):
+        others = [other for other in range(1, NODES + 1) if other != node]
+        columns.append([Decimal(c) / prod(node - other for other in others)
+                        for c in np.poly(others)[::-1]])
+    return np.array(columns).T
 
-    A field that is a length sqrt(x^2 + y^2) has two series; the series of y come after all fields.
-    """
 
-    order: Array            # (series,), the lowest power of t of each
-    c: Array                # coefficients, (TERMS, series, 1)
-    partner: list[int]      # by series: number of the series of y, or -1
-    varies: Array           # (fields,), whether the field is more than a constant
-
-    def at(self, t: Array) -> Array:
-        """Return the fields at scaled distances t, shape (fields, t.size), by Horner's rule."""
-        values = np.zeros((self.order.size, t.size), t.dtype)
-        for c in self.c[::-1]:
-            values = values * t + c
-        with np.errstate(all='ignore'):
-            for order in np.unique(self.order).tolist():
-                values[self.order == order] *= t**order if order >= 0 else (1.0 / t)**-order
-            return np.stack([row if other < 0
-                             else np.sqrt(row * row + values[other] * values[other])
-                             for row, other in zip(values, self.partner)])
+def _cut(trace: Trace) -> tuple[list[int], list[int]]:
+    """Return the places of the analytic numbers that results need, and of the steps from these."""
+    late = set[int]()
+    needed = trace.needed(flat(trace.results))
+    for place in needed:
+        step = trace.steps[place]
+        if place in trace.varies and (step.operation in NOT_ANALYTIC
+                                      or not late.isdisjoint(step.arguments)):
+            late.add(place)
+    taken = {i for place in late for i in trace.steps[place].arguments}.union(flat(trace.results))
+    return sorted((taken & trace.varies) - late), sorted(late)
 
 
 class FlatSide:
     """
-    Series of motion and loads on one side of a flat position, in the mode of a mechanism.
+    Motion and loads on one side of a flat position, in the mode of a mechanism.
 
     ``rates``: rate and acceleration of the input. ``place``: the flat position, in the input's
-    unit. ``side``: +1 for inputs above it, -1 below.
+    unit. ``side``: +1 for inputs above it, -1 below. ``with_loads``: of a mechanism with bodies.
+
+    Attributes
+    ----------
+    varies : dict of str: bool
+        By field of motion and loads whether it is more than a constant.
+
     """
 
     def __init__(self, mechanism: Mechanism, rates: tuple[float, float], place: float,
-                 side: int) -> None:
-        """Scale the distance by the nearest other singularity, within which series converge."""
-        self._mechanism, self._rates, self.place, self.side = mechanism, rates, place, side
-        self._is_angle = not mechanism.is_driven_by_slide
-        others = (self._turned(z / mechanism.input_unit - place)
-                  for z in mechanism.singular_inputs)
+                 side: int, with_loads: bool) -> None:
+        """Compute with many digits beside the place, within the nearest other singularity."""
+        unit, names = mechanism.input_unit, mechanism.MOTION._fields
+        self._is_angle, self._count = not mechanism.is_driven_by_slide, len(names)
+        self.place, self.side = place, side
+        others = (self._turned(z / unit - place) for z in mechanism.singular_inputs)
         self._scale = 2.0**frexp(min([1.0, *filter(None, map(abs, others))]))[1]
+        record = mechanism.record_with_loads if with_loads else mechanism.record_of_motion
+        self._trace = record.trace
+        self._values: list[Any] = [None, *rates, *record.constants[3:]]
+        self._results, (self._analytic, self._late) = flat(self._trace.results), _cut(self._trace)
+        with localcontext(MANY_DIGITS):
+            numbers = in_decimals(self._trace, numbers_of(formula_of(mechanism, with_loads)[1]),
+                                  [*self._analytic, *self._results])
+            start, scale = mechanism.flat_place(unit * place), Decimal(unit * side * self._scale)
+            steps = [Decimal(REACH) / NODES * k for k in range(1, NODES + 1)]
+            far, near, *beside = np.array([numbers(start + scale * t, *map(Decimal, rates))
+                                           for t in (*NEAR, *steps)])
+            values, count = np.array(beside), len(self._analytic)
+            names += mechanism.LOADS._fields if with_loads else ()
+            self.varies = {name: not is_nothing(max(v) - min(v), *v)
+                           for name, v in zip(names, values[:, count:].T)}
+            self._powers = np.array([round(log10(abs(a / b)) * 0.5) if a and b else 0
+                                     for a, b in zip(far[:count], near)])
+            scaled = values[:, :count] / np.array(steps)[:, None]**self._powers
+            self._c = (_weights() @ scaled).astype(float)[..., None]
 
     def _turned(self, difference: Any) -> Any:
         """Return a difference of two inputs, of angles the short way round: in [-pi, pi]."""
@@ -81,66 +103,26 @@ class FlatSide:
                 else difference)
 
     def distance(self, x: Array) -> Array:
-        """Return the distances of inputs on this side, in units of the scale of the series."""
+        """Return the distances of inputs on this side, in units of the scale."""
         return np.asarray(self.side * self._turned(x - self.place) / self._scale)
 
-    @cached_property
-    def motion(self) -> Fields:
-        """Return the fields of the motion as series of floats, computed with 80 digits."""
-        with many_digits():
-            return _fields(self._motion)
-
-    @cached_property
-    def loads(self) -> Fields:
-        """Return the series of the loads, of a mechanism with bodies."""
-        motion = self._motion
-        with many_digits():
-            return _fields(self._mechanism.loads_formula(LAURENT, self._constants)(motion))
-
-    @cached_property
-    def _constants(self) -> Constants:
-        """Return the data of the mechanism as constant series."""
-        found: Constants = converted(self._mechanism.constants, series)
-        return found
-
-    @cached_property
-    def _motion(self) -> tuple[Any, ...]:
-        """Return the fields of the motion as Laurent series of the scaled distance T."""
-        with many_digits():
-            unit = self._mechanism.input_unit
-            x = self._mechanism.flat_place(unit * self.place) + unit * self.side * self._scale * T
-            formula = self._mechanism.motion_formula(LAURENT, self._constants)
-            fields: tuple[Any, ...] = formula(x, *map(series, self._rates))
-            return fields
-
-    def state(self, t: Array, with_loads: bool) -> list[Array]:
-        """Return fields of motion and loads at scaled distances, each (fields, t.size)."""
-        return [self.motion.at(t), *([self.loads.at(t)] if with_loads else [])]
+    def state(self, t: Array) -> list[Array]:
+        """Return fields of motion and of loads, if any, at distances t, each (fields, t.size)."""
+        s = t * (NODES / REACH)
+        rows = np.zeros((len(self._analytic), t.size), t.dtype)
+        for c in self._c[::-1]:
+            rows = rows * s + c
+        values = list(self._values)
+        with np.errstate(all='ignore'):
+            for place, row, power in zip(self._analytic, rows, self._powers.tolist()):
+                values[place] = row * t**power if power >= 0 else row * (1.0 / t)**-power
+            run(self._trace, self._late, COMPLEX_ARRAYS, values)
+        fields = np.stack([np.broadcast_to(values[i], t.shape) for i in self._results])
+        return [part for part in np.split(fields, [self._count]) if part.size]
 
 
-def flat_sides(mechanism: Mechanism, rates: tuple[float, float],
-               path: InputPath) -> dict[int, FlatSide]:
+def flat_sides(mechanism: Mechanism, rates: tuple[float, float], path: InputPath,
+               with_loads: bool) -> dict[int, FlatSide]:
     """Return {side: FlatSide} of the ends of a path that are flat positions, +1 the lower end."""
-    return {side: FlatSide(mechanism, rates, end.x, side)
+    return {side: FlatSide(mechanism, rates, end.x, side, with_loads)
             for side, end in path.ends() if end.is_flat}
-
-
-def _fields(values: tuple[Any, ...]) -> Fields:
-    """
-    Return the :class:`Fields` of a motion or of loads, made of series, lengths and numbers.
-
-    The length of a vector is no series next to its zero, so both components are kept.
-    """
-    rows = [series(v.x if isinstance(v, Length) else v) for v in values]
-    partner, varies = [-1] * len(rows), []
-    for i, v in enumerate(values):
-        size = rows[i] if not isinstance(v, Length) else v.x * v.x + v.y * v.y
-        varies.append(bool(size.c) and (size.order != 0 or len(size.c) > 1))
-        if isinstance(v, Length):
-            partner[i] = len(rows)
-            rows.append(series(v.y))
-    c = np.zeros((TERMS, len(rows), 1))
-    for i, row in enumerate(rows):
-        c[:len(row.c), i, 0] = [float(v) for v in row.c]
-    return Fields(np.array([row.order if row.c else 0 for row in rows]), c, partner,
-                  np.array(varies))

@@ -92,8 +92,9 @@ def _constant_values(sampler: Sampler, samples: Samples) -> dict[int, tuple[floa
     """
     Return {row: (value, error)} of the quantities that are constant along a path.
 
-    Next to flat positions series tell. Where a quantity varies by no more than its rounding errors
-    may, the error is their bound, and zero elsewhere; if it is itself less, its value is zero.
+    Next to flat positions numbers of many digits tell. Where a quantity varies by no more than its
+    rounding errors may, the error is their bound, and zero elsewhere; if it is itself less, its
+    value is zero.
     """
     middle = np.median(samples.values, axis=1)
     away = np.abs(samples.values - middle[:, None])

@@ -76,7 +76,7 @@ class Sampler:
 
     The input x is in units of :attr:`~fourbar_ros.mechanisms.mechanism.Mechanism.input_unit`. Next
     to the flat positions at the ends of the path that was given to :meth:`enter` motion and loads
-    come from series, see :mod:`fourbar_ros.extrema.flat_positions`.
+    are those of :mod:`fourbar_ros.extrema.flat_positions`.
 
     ``rates``: rate and acceleration of the input. Raises MissingBodies if a quantity needs loads
     and the linkage has no masses.
@@ -104,8 +104,9 @@ class Sampler:
                                   for numbers in types]))
 
     def enter(self, path: InputPath) -> None:
-        """Make the series for flat positions at the ends of a path, for samples beside them."""
-        self.flats = flat_sides(self.linkage, self.rates, path)
+        """Prepare the samples beside flat positions at the ends of a path."""
+        self.flats = flat_sides(self.linkage, self.rates, path,
+                                self._functions[1][0] is not None)
 
     def of(self, linkage: Mechanism) -> Sampler:
         """Return a sampler of the same quantities for another linkage."""
@@ -148,8 +149,8 @@ class Sampler:
         """
         Return by how much quantity ``row[i]`` at x[i] changes with relative changes of lengths.
 
-        Shape (n, lengths): its derivatives by the logarithms of lengths. No series are used at
-        change points.
+        Shape (n, lengths): its derivatives by the logarithms of lengths. Flat positions do
+        not count.
         """
         lengths = np.array(self.linkage.lengths)
         columns = lengths[:, None, None] * (1.0 + 1j * STEP * np.eye(lengths.size)[..., None])
@@ -171,7 +172,7 @@ class Sampler:
         return x if self.linkage.is_driven_by_slide else fold(x)
 
     def state(self, x: Array) -> State:
-        """Return motion and loads at real or complex x, by series next to flat positions."""
+        """Return motion and loads at real or complex x."""
         motions, of_loads = self._functions
         motion, loads = motions[x.dtype.kind == 'c'], of_loads[x.dtype.kind == 'c']
         with np.errstate(all='ignore'):
@@ -181,7 +182,7 @@ class Sampler:
             t = flat.distance(x)
             near = (t.real > 0.0) & (t.real < REACH)
             if near.any():
-                beside = flat.state(t[near], bool(loads))
+                beside = flat.state(t[near])
                 state = [_replaced(part, near, values) for part, values in zip(state, beside)]
         return self._named(state)
 
@@ -194,11 +195,11 @@ class Sampler:
         """
         Return the limits of the quantities at the flat position on this side; poles are infinite.
 
-        At 2^-60 and 2^-80 of the series' scale only their first terms count: a quantity that grows
-        by more than 2^10 from one to the other is a pole, one that falls so is zero.
+        At 2^-60 and 2^-80 of the scale only first powers of t count: a quantity that grows by more
+        than 2^10 from one to the other is a pole, one that falls so is zero.
         """
         t = np.array((2.0**-60, 2.0**-80))
-        state = self._named(self.flats[side].state(t, self._functions[1][0] is not None))
+        state = self._named(self.flats[side].state(t))
         with np.errstate(all='ignore'):
             one, other = self._rows(state, t).T
             growth = np.abs(other / one)
@@ -207,10 +208,7 @@ class Sampler:
 
     def varies_next_to(self, side: int) -> Array:
         """Return which quantities vary next to the flat position on this side, or may vary."""
-        flat = self.flats[side]
-        varies = dict(zip(self.linkage.MOTION._fields, flat.motion.varies))
-        if self.needs_loads:
-            varies.update(zip(self.linkage.LOADS._fields, flat.loads.varies))
+        varies = self.flats[side].varies
         return np.array([not isinstance(q, Quantity) or varies[q.name] for q in self.quantities])
 
     def values(self, x: Array) -> Array:

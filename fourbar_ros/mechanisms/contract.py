@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping
+from decimal import Decimal
 from functools import cached_property
 from math import fsum, inf, nan, pi, remainder
 from typing import Any, ClassVar, NamedTuple, TypeVar
@@ -31,7 +32,7 @@ from fourbar_ros.mechanisms.parts import (
     within_stroke,
 )
 from fourbar_ros.mechanisms.points import LinkMotion
-from fourbar_ros.numerics.laurent import Laurent, quarter_turns
+from fourbar_ros.numerics.digits import MANY_DIGITS, quarter_turn
 from fourbar_ros.numerics.number_types import Function, NumberType, power_of_two, Scalar
 import numpy as np
 
@@ -391,9 +392,10 @@ class Described(Contract):
         """Return the flat positions inside the ranges, and limits of the ranges [rad or m]."""
         return tuple([z.real for z in self.singular_inputs if z.imag == 0.0])
 
-    def flat_place(self, place: float) -> Laurent:
-        """Return the input of a flat position [rad or m] in many digits, a constant series."""
-        return quarter_turns(0 if self.is_driven_by_slide else round(place / (0.5 * pi)))
+    def flat_place(self, place: float) -> Decimal:
+        """Return the input of a flat position [rad or m] in many digits."""
+        quarters = 0 if self.is_driven_by_slide else round(place / (0.5 * pi))
+        return MANY_DIGITS.multiply(quarter_turn(), quarters)
 
     def unknown(self, position: float, rate: float, acceleration: float) -> NamedFields:
         """Return a motion with the input alone and NaN else: a sample that cannot be computed."""

@@ -10,20 +10,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from decimal import Decimal
+from decimal import Decimal, localcontext
 from functools import cache, lru_cache, partial
-from math import isfinite, nan, prod
+from math import copysign, inf, isfinite, nan, prod
 from typing import Any, NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanisms.contract import Constants
 from fourbar_ros.numerics.arrays import Array, Values
+from fourbar_ros.numerics.digits import in_decimals, MANY_DIGITS
 from fourbar_ros.numerics.given import array
-from fourbar_ros.numerics.laurent import LAURENT, Laurent, limit, many_digits, series
 from fourbar_ros.numerics.number_types import (
     COMPLEX,
     COMPLEX_WITH_ANGLES,
-    converted,
     Function,
     numbers_of,
     NumberType,
@@ -39,8 +38,8 @@ from numpy.typing import ArrayLike
 if TYPE_CHECKING:
     from fourbar_ros.mechanisms.mechanism import Formulas
 
-# An input x > 0 next to a flat position at 0, a series of 10 terms: loads start with x^-3.
-NEAR = Laurent([Decimal(1)], 1, 10)
+# Inputs beside a flat position, in its unit, so near that the first term of a result is all of it.
+NEAR = Decimal('1e-22'), Decimal('1e-24')
 MOST_STRUCTURES = 256      # whose traces and lines are kept
 
 
@@ -127,16 +126,16 @@ def limits_at_zero(mechanism: Formulas, rate: float, acceleration: float,
     """
     Return the limits of all fields for an input that falls to 0, a flat position.
 
-    Both parts of a quotient vanish there, so they are computed as series of the input, whose first
-    terms give the limit: finite, zero or infinite.
+    Both parts of a quotient vanish there, so they are computed with many digits at two places
+    beside it. What grows from one to the other is a pole, what falls is zero.
     """
-    with many_digits():
-        constants, x = converted(mechanism.constants, series), series(mechanism.input_unit) * NEAR
-        fields = mechanism.motion_formula(LAURENT, constants)(x, series(rate),
-                                                              series(acceleration))
-        if with_loads:
-            fields += mechanism.loads_formula(LAURENT, constants)(fields)
-        return list(map(limit, fields))
+    formula, data = formula_of(mechanism, with_loads)
+    trace, unit = trace_of(formula), Decimal(mechanism.input_unit)
+    with localcontext(MANY_DIGITS):
+        fields = in_decimals(trace, numbers_of(data), flat(trace.results))
+        far, near = [fields(unit * t, Decimal(rate), Decimal(acceleration)) for t in NEAR]
+        return [copysign(inf, b) if abs(b) > 8 * abs(a) else
+                float(b) if 8 * abs(b) > abs(a) else 0.0 for a, b in zip(far, near)]
 
 
 def with_limits(mechanism: Formulas, line: Function, with_loads: bool) -> Function:
@@ -149,7 +148,7 @@ def with_limits(mechanism: Formulas, line: Function, with_loads: bool) -> Functi
     count = len(mechanism.MOTION._fields)
 
     def line_with_limits(position: float, rate: float, acceleration: float) -> Any:
-        """Return motion, or (motion, loads); at 0 from series, elsewhere from the line."""
+        """Return motion, or (motion, loads); at 0 the limits, elsewhere from the line."""
         if position:
             return line(position, rate, acceleration)
         fields = limits_of(rate, acceleration)

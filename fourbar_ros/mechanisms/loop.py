@@ -63,7 +63,7 @@ from typing import NamedTuple
 
 from fourbar_ros.mechanisms.half_angle import bilinear_factors, half_angle_coefficients
 from fourbar_ros.numerics.exact_sums import difference_of_squares
-from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
+from fourbar_ros.numerics.number_types import Function, INFINITESIMAL, NumberType, Scalar
 
 
 class _Shape(NamedTuple):
@@ -159,7 +159,7 @@ def make_pose(n: NumberType, shape: _Shape, sign: Scalar) -> Function:
 
     Without derivatives: see :func:`make_loop`. ``sign``: of sin(mu).
     """
-    sqrt, where, nothing = n.sqrt, n.where, n.infinitesimal * n.infinitesimal
+    sqrt, where, nothing = n.sqrt, n.where, INFINITESIMAL * INFINITESIMAL
     s1, c1, s2, c2, if_adds, if_not, m_y, m_yx, m_bx = shape[:9]
 
     def pose(ss: Scalar, cc: Scalar, sc: Scalar) -> Pose:

@@ -210,5 +210,4 @@ def duals_of(numbers: NumberType) -> NumberType:
                       lambda x: (_root(x, numbers.sqrt) if isinstance(x, Dual)
                                  else numbers.sqrt(x)),
                       atan2, hypot, fabs, where, exact_sum,
-                      lambda *lengths: numbers.power_of_two(*map(value_of, lengths)),    # a unit
-                      numbers.infinitesimal)
+                      lambda *lengths: numbers.power_of_two(*map(value_of, lengths)))    # a unit

@@ -16,8 +16,6 @@ compares real parts, ``x.real > 0.0``, which floats, arrays and complex numbers 
 ``COMPLEX_WITH_ANGLES``    the same with the derivatives of angles
 ``columns_of(...)``        one of these for many mechanisms at once: lengths are columns (n, 1)
 ``RECORDED``               writes down what is done: :mod:`fourbar_ros.numerics.trace`
-``LAURENT``                series at change points: :mod:`fourbar_ros.numerics.laurent`
-``MANY_DIGITS``            where floats leave it open: the same, series of one term
 =========================  ==================================================================
 """
 from __future__ import annotations
@@ -62,10 +60,6 @@ class NumberType:
         Correctly rounded sum of a tuple of lengths, as :func:`math.fsum`.
     power_of_two : callable
         The power of two next above the largest of some lengths. Scaling by it rounds nothing.
-    infinitesimal : float
-        Added to a number that must not be exactly zero.
-    number : callable
-        Makes one of a float.
     call : callable
         ``call(function, x)``: a function that is no formula, as a table, of a float or an array.
 
@@ -81,8 +75,6 @@ class NumberType:
     where: Function
     exact_sum: Function
     power_of_two: Function
-    infinitesimal: float = INFINITESIMAL
-    number: Function = float
     call: Function = lambda function, x: function(x)
 
     def least(self, pairs: Sequence[tuple[Any, Any]]) -> tuple[Any, Any]:
@@ -106,7 +98,7 @@ def nudge(n: NumberType, *margins: Scalar) -> Scalar:
     """
     added = 0.0
     for margin in margins:
-        added = n.where(n.fabs(margin).real > 0.0, added, n.infinitesimal)
+        added = n.where(n.fabs(margin).real > 0.0, added, INFINITESIMAL)
     return added
 
 

@@ -16,6 +16,7 @@ from typing import Any
 
 from fourbar_ros.numerics.number_types import Function
 from fourbar_ros.numerics.trace import Trace
+import numpy as np
 
 Table = Mapping[str, Function]
 
@@ -30,6 +31,28 @@ def run(trace: Trace, order: Sequence[int], table: Table, values: list[Any]) -> 
         step = trace.steps[place]
         values[place] = table[step.operation](*[values[i] for i in step.arguments])
     return values
+
+
+# --- arrays, complex ones for derivatives by a complex step --------------------------------------
+
+def _angle(y: Any, x: Any) -> Any:
+    """Return the angle of (x, y), of complex numbers with its complex step."""
+    if not np.iscomplexobj(x) and not np.iscomplexobj(y):
+        return np.arctan2(y, x)
+    turn = 1j * (x.real * y.imag - y.real * x.imag) / (x.real**2 + y.real**2)
+    return np.arctan2(y.real, x.real) + turn
+
+
+def _size(x: Any) -> Any:
+    """Return x or -x, whichever has a positive real part: |x| with its complex step."""
+    return np.where(np.real(x) < 0.0, -x, x) if np.iscomplexobj(x) else np.abs(x)
+
+
+COMPLEX_ARRAYS: Table = {
+    'add': operator.add, 'sub': operator.sub, 'mul': operator.mul, 'truediv': operator.truediv,
+    'neg': operator.neg, 'sin': np.sin, 'cos': np.cos, 'sqrt': np.sqrt, 'atan2': _angle,
+    'hypot': lambda x, y: np.sqrt(x * x + y * y), 'fabs': _size, 'where': np.where,
+    'gt': lambda a, b: np.real(a) > np.real(b), 'lt': lambda a, b: np.real(a) < np.real(b)}
 
 
 # --- balls, by python-flint (Arb) ----------------------------------------------------------------

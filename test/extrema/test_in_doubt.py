@@ -8,8 +8,6 @@ from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.mechanisms.machine.describe.description import Cylinder, Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 from fourbar_ros.mechanisms.quantities import known, UnknownQuantity
-from fourbar_ros.numerics.laurent import MANY_DIGITS, many_digits, series
-import mpmath as mp
 import numpy as np
 import pytest
 from support.dyad_reference import exact_values
@@ -17,23 +15,6 @@ from support.samples import some
 
 EPS = 2.0**-52
 PAPER = (0.4, 1.2, 0.8, 1.0)
-
-
-# --- many digits ---------------------------------------------------------------------------------
-
-@pytest.mark.parametrize('x', [0.3, -5.7, 1e-20, np.pi, 0.5 * np.pi, 40.0, 0.0])
-def test_functions_of_many_digits(x):
-    with many_digits(), mp.workdps(100):
-        exact = mp.mpf(x)
-        for name in ('sin', 'cos'):
-            found = mp.mpf(str(getattr(MANY_DIGITS, name)(series(x)).coefficient(0)))
-            assert abs(found - getattr(mp, name)(exact)) <= mp.mpf(10)**-72
-        for y, other in ((x, -0.7), (-0.7, x), (x, 0.4)):
-            angle = MANY_DIGITS.atan2(series(y), series(other)).coefficient(0)
-            assert abs(mp.mpf(str(angle)) - mp.atan2(mp.mpf(y), mp.mpf(other))) <= mp.mpf(10)**-72
-        assert float(2.0 - series(x) * 0.5 / 4) == 2.0 - x / 8.0
-        with pytest.raises(ValueError):
-            series(-1.0).sqrt()
 
 
 # --- none invented -------------------------------------------------------------------------------

@@ -22,7 +22,6 @@ from fourbar_ros import (
 from fourbar_ros.errors import OutOfRange, Toggle
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.mechanisms.contract import CRANK, SLIDE
-from fourbar_ros.numerics.laurent import many_digits, quarter_turns, T
 import mpmath as mp
 import numpy as np
 import pytest
@@ -476,24 +475,3 @@ def test_decimal_lengths_that_are_one_rounding_off_a_change_point(lengths, mode,
 def test_lengths_that_no_scaling_may_round():
     found = find_extrema(FourBar(1.0, 2.0, 4.0, 5.0), 'omega4')
     assert [e.place for e in found] == ['one-sided', 'one-sided', 'interior']
-
-
-# --- the number type -----------------------------------------------------------------------------
-
-def test_series_divide_zero_by_zero():
-    """Quotients, roots and angles of numbers that vanish, against their Taylor coefficients."""
-    with many_digits():
-        sine, cosine = T.sin(), (quarter_turns(2) + T).cos()
-        ones = sine * sine + cosine * cosine
-        assert (ones.order, ones.c) == (0, [1]) and cosine < -0.5
-        quotient = (T - sine) / (T * T * T)
-        assert [float(quotient.coefficient(i)) for i in range(4)] == pytest.approx(
-            [1 / 6, 0.0, -1 / 120, 0.0], abs=1e-18)
-        root = (sine * sine).sqrt()
-        assert root.order == 1 and not (root - sine).c
-        pole = (cosine + 2.0) / (3.0 * T)
-        assert pole.order == -1 and pole > 1e300 and pole * 0.0 < 1.0
-        with pytest.raises(ValueError):
-            sine.sqrt()
-        with pytest.raises(ZeroDivisionError):
-            1.0 / (ones - 1.0)

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from fourbar_ros.numerics.number_types import choose, INFINITESIMAL, NumberType
+from fourbar_ros.numerics.number_types import choose, NumberType
 
 
 class Series:
@@ -70,4 +70,4 @@ def _fabs(v: Any) -> Any:
 # Balls need no scaling. Angles are left out.
 ARB_SERIES = NumberType('series of balls', Series.sin, Series.cos, Series.sqrt, lambda y, x: 0.0,
                         lambda x, y: (x * x + y * y).sqrt(), _fabs, choose, sum,
-                        lambda *lengths: 1.0, INFINITESIMAL)
+                        lambda *lengths: 1.0)

@@ -28,7 +28,7 @@ from fourbar_ros.mechanisms.machine.solve.frames import hangings, Poses
 from fourbar_ros.mechanisms.machine.solve.motion import make_driver
 from fourbar_ros.mechanisms.machine.solve.pairs import Closure, make_moves
 from fourbar_ros.mechanisms.points import Curve
-from fourbar_ros.numerics.number_types import converted, Function, NumberType, Scalar
+from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 
 CLOSING = (RRR, RRP, RPR, PRP)     # kinds that do not close at any input
 Closing = Function      # of an input, returns the closings of some dyads
@@ -44,7 +44,7 @@ def make_closing(n: NumberType, stage: Stage, own: Numbers) -> Function:
         of_pair = Closure(stage, own).make_closing(n)
         return lambda way, _first, _second: of_pair(way)
     kind, sizes = stage.kind, own.sizes
-    size = sum(map(abs, (*own.p, *own.q, *sizes)), start=0.0)
+    size = sum(map(n.fabs, (*own.p, *own.q, *sizes)), start=0.0)
 
     def closing(apart: Sequence[Scalar], first: Curve, second: Curve) -> Scalar:
         """Return the closing by (R1) to (R3), of the distance or the directions of its ends."""
@@ -66,9 +66,14 @@ def make_closing(n: NumberType, stage: Stage, own: Numbers) -> Function:
 
 
 def make_closings(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
-                  signs: Sequence[Scalar], count: int) -> Closing:
-    """Return input -> closings of the first ``count`` dyads; 1.0 of those without toggles."""
-    given = converted(tuple(numbers), n.number)
+                  signs: Sequence[Scalar], count: int,
+                  given: Sequence[Numbers] | None = None) -> Closing:
+    """
+    Return input -> closings of the first ``count`` dyads; 1.0 of those without toggles.
+
+    ``given``: the ``numbers`` as the number type has them, if it is not one of floats.
+    """
+    given = numbers if given is None else given
     return _make_along(n, layout, given, signs, count, [
         make_closing(n, stage, own if stage.pair else other)
         if has_toggles(stage, own) else None
@@ -97,11 +102,15 @@ def _make_square(n: NumberType, stage: Stage, own: Numbers) -> Function:
 
 
 def make_places(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
-                signs: Sequence[Scalar], count: int) -> Closing:
-    """Return input -> (distance from a flat position, side) of the last of ``count`` dyads."""
+                signs: Sequence[Scalar], count: int,
+                given: Sequence[Numbers] | None = None) -> Closing:
+    """
+    Return input -> (distance from a flat position, side) of the last of ``count`` dyads.
+
+    ``given``: as for :func:`make_closings`.
+    """
     place = Closure(layout.stages[count - 1], numbers[count - 1]).make_place(n)
-    given = converted(tuple(numbers), n.number)
-    along = _make_along(n, layout, given, signs, count,
+    along = _make_along(n, layout, numbers if given is None else given, signs, count,
                         [None] * (count - 1) + [lambda way, _first, _second: place(way)])
     return lambda x: along(x)[-1]
 

@@ -16,6 +16,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from decimal import Decimal
 from math import hypot, pi, remainder
 from typing import ClassVar, NamedTuple, NoReturn, TypeVar
 
@@ -52,7 +53,6 @@ from fourbar_ros.mechanisms.machine.solve.pairs import make_moves
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import GROUND
 from fourbar_ros.mechanisms.points import Coefficients, Curve, FIXED, point_of
-from fourbar_ros.numerics.laurent import Laurent
 from fourbar_ros.numerics.number_types import NumberType, REAL, Scalar
 
 LIMIT, FLAT_LIMIT, FLAT, TOGGLE, POLE = 'limit', 'flat limit', 'flat', 'toggle', 'pole'
@@ -151,8 +151,8 @@ class WithLimits(Mechanism):
         """Return the ends of :attr:`closing_ranges` that are change points [rad or m]."""
         return tuple([end.x for end in self._ends if end.is_flat])
 
-    def flat_place(self, place: float) -> Laurent:
-        """Return the input of a flat position [rad or m] in many digits, a constant series."""
+    def flat_place(self, place: float) -> Decimal:
+        """Return the input of a flat position [rad or m] in many digits."""
         pairs = self._flat_pairs_at(place)
         return flat_place(self.layout, self.numbers, self.signs,
                           min(pairs) if pairs else self._stage_at(place), place)

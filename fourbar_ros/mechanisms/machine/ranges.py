@@ -14,14 +14,14 @@ where it then lies flat, motion goes on with all its digits. Of other dyads a cl
 positive minimum, a double root, or a pair of roots: a minimum below :data:`DOUBTFUL` is decided in
 many digits, as the value of
 
-    (R4)  v = c0 - c1^2 / (4 c2),   c0, c1, c2: first terms of the closing's series at the minimum
+    (R4)  v = c0 - c1^2 / (4 c2),   c0 + c1 t + c2 t^2 + ... the closing at t beside the minimum
 
 A double root is a limit of the range, on both sides, where the dyad is at a toggle.
 """
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from decimal import Decimal
+from decimal import Decimal, localcontext
 from functools import partial
 from math import inf, nextafter, pi
 from typing import Any, NamedTuple
@@ -38,8 +38,9 @@ from fourbar_ros.mechanisms.machine.describe.description import CYLINDER, Number
 from fourbar_ros.mechanisms.machine.describe.layout import Layout
 from fourbar_ros.mechanisms.machine.solve.pairs import Closure, other_of
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.numerics.laurent import FIRST_TERMS, LAURENT, Laurent, many_digits, series
-from fourbar_ros.numerics.number_types import COMPLEX, Function, REAL
+from fourbar_ros.numerics.digits import in_decimals, MANY_DIGITS
+from fourbar_ros.numerics.number_types import COMPLEX, Function, numbers_of, REAL
+from fourbar_ros.numerics.trace import flat, Trace
 import numpy as np
 
 PIECES, MOST_HALVINGS, MOST_SAMPLES = 96, 26, 2**15
@@ -55,6 +56,7 @@ NEWTON_STEPS = 12
 DOUBTFUL = 1e-5
 # What is left of a double root in many digits. No margin of data that are floats was met between.
 NO_MARGIN = Decimal('1e-40')
+STEP_OF_DECIMALS = Decimal('1e-40')     # of central differences in many digits
 SAME = 1e-12      # [rad], or of the unit of a slide: flat positions of several dyads are one
 DOUBLE = 2.0**-20       # the same: so far a double root is found beside where it is
 
@@ -169,26 +171,44 @@ class _Path(NamedTuple):
 
 
 def flat_place(layout: Layout, numbers: Sequence[Numbers], signs: Sequence[float], number: int,
-               x: float) -> Laurent:
+               x: float) -> Decimal:
     """
     Return the input near x at which dyad ``number`` lies flat, in many digits by Newton's method.
 
     A root of :func:`.make_places` of a pair; of other dyads the minimum of their closing, a double
     root, of which floats know half the digits only.
     """
-    with many_digits():
-        count, is_pair = number + 1, layout.stages[number].pair is not None
-        places = make_places(LAURENT, layout, numbers, signs, count) if is_pair else make_closings(
-            LAURENT, layout, numbers, signs, count)
+    is_pair = layout.stages[number].pair is not None
+    with localcontext(MANY_DIGITS):
+        terms = _terms(make_places if is_pair else make_closings, layout, numbers, signs, number)
         at = Decimal(x)
         for _ in range(NEWTON_STEPS):
-            terms = series(places(series(at) + FIRST_TERMS)[0 if is_pair else -1])
-            c0, c1, c2 = [terms.coefficient(i) for i in range(3)]
+            c0, c1, c2 = terms(at)
             step = c0 / c1 if is_pair else c1 / (2 * c2)
             at -= step
             if abs(step) < NO_MARGIN * max(abs(at), Decimal(1)):
                 break
-        return series(at)
+        return at
+
+
+def _terms(make: Function, layout: Layout, numbers: Sequence[Numbers], signs: Sequence[float],
+           number: int) -> Callable[[Decimal], tuple[Decimal, Decimal, Decimal]]:
+    """
+    Return input -> c0, c1, c2 there, as in (R4), of a closing or place in many digits.
+
+    ``make``: :func:`.make_closings` or :func:`.make_places`, for dyad ``number``. To be made and
+    called within the context of many digits.
+    """
+    data, h = tuple(numbers), STEP_OF_DECIMALS
+    trace = Trace(lambda n, given: make(n, layout, numbers, signs, number + 1, given), 1, data)
+    place = flat(trace.results)[0 if make is make_places else -1]
+    value = in_decimals(trace, numbers_of(data), [place])
+
+    def terms(at: Decimal) -> tuple[Decimal, Decimal, Decimal]:
+        """Return the terms by central differences, whose error is h^2."""
+        (before,), (here,), (after,) = [value(at + k * h) for k in (-1, 0, 1)]
+        return here, (after - before) / (2 * h), (after - 2 * here + before) / (2 * h * h)
+    return terms
 
 
 def _screen(bound: Bound, layout: Layout, numbers: Sequence[Numbers],
@@ -318,15 +338,9 @@ class _Search:
         None if it is positive, twice the same for a double root, else two roots, each rounded to
         the side on which the dyad closes.
         """
-        with many_digits():
-            closings = make_closings(LAURENT, *self._machine, number + 1)
-
-            def terms(at: Decimal) -> list[Decimal]:
-                """Return c0, c1, c2 of the closing's series at an input."""
-                closing = closings(series(at) + FIRST_TERMS)[-1]
-                return [closing.coefficient(i) for i in range(3)]
-
-            at = flat_place(*self._machine, number, x).coefficient(0)
+        with localcontext(MANY_DIGITS):
+            terms = _terms(make_closings, *self._machine, number)
+            at = flat_place(*self._machine, number, x)
             c0, c1, c2 = terms(at)
             least = c0 - c1 * c1 / (4 * c2)
             if least > NO_MARGIN:
