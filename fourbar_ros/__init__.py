@@ -42,8 +42,7 @@ if TYPE_CHECKING:
     )
     from fourbar_ros.mechanisms.contract import CROSSED, OPEN
     from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
-    from fourbar_ros.mechanisms.four_bar.loads import Loads
-    from fourbar_ros.mechanisms.four_bar.motion import Motion
+    from fourbar_ros.mechanisms.four_bar.motion import Loads, Motion
     from fourbar_ros.mechanisms.four_bar.moving_joint import MovingJointFourBar
     from fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank import InvertedSlider
     from fourbar_ros.mechanisms.mechanism import Mechanism
@@ -68,8 +67,7 @@ __getattr__, __dir__ = lazily(__name__, {
     'fourbar_ros.mechanics.bodies': 'Applied, Bodies, Body, External, flat_bar, round_rod',
     'fourbar_ros.mechanisms.contract': 'CROSSED, OPEN',
     'fourbar_ros.mechanisms.four_bar.four_bar': 'FourBar',
-    'fourbar_ros.mechanisms.four_bar.loads': 'Loads',
-    'fourbar_ros.mechanisms.four_bar.motion': 'Motion',
+    'fourbar_ros.mechanisms.four_bar.motion': 'Loads, Motion',
     'fourbar_ros.mechanisms.four_bar.moving_joint': 'MovingJointFourBar',
     'fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank': 'InvertedSlider',
     'fourbar_ros.mechanisms.mechanism': 'Mechanism',

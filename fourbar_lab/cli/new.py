@@ -104,7 +104,7 @@ def _density(text: str) -> float:
 
 def _new(arguments: Namespace) -> None:
     """Write the scene file; delete it again if it does not load, as with impossible lengths."""
-    from fourbar_ros.scene.plausible import LONGEST
+    from fourbar_ros.scene.linkage import LONGEST
     from fourbar_ros.scene.scene import load
     path = Path(arguments.file)
     if not path.suffix:

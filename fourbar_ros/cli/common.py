@@ -138,7 +138,7 @@ def add_topics(parser: argparse.ArgumentParser, text: str) -> None:
 
 def warn(scene: Scene) -> None:
     """Print the warnings of a scene on stderr, a line each, after all other output."""
-    from fourbar_ros.scene.plausible import warnings_of
+    from fourbar_ros.scene.linkage import warnings_of
     sys.stdout.flush()
     for warning in warnings_of(scene):
         print(f'fourbar: warning: {warning}', file=sys.stderr)

@@ -32,7 +32,6 @@ from fourbar_ros.mechanisms.parts import (
     within_stroke,
 )
 from fourbar_ros.mechanisms.points import LinkMotion
-from fourbar_ros.numerics.digits import MANY_DIGITS, quarter_turn
 from fourbar_ros.numerics.number_types import Function, NumberType, power_of_two, Scalar
 import numpy as np
 
@@ -394,6 +393,7 @@ class Described(Contract):
 
     def flat_place(self, place: float) -> Decimal:
         """Return the input of a flat position [rad or m] in many digits."""
+        from fourbar_ros.numerics.digits import MANY_DIGITS, quarter_turn  # searches alone
         quarters = 0 if self.is_driven_by_slide else round(place / (0.5 * pi))
         return MANY_DIGITS.multiply(quarter_turn(), quarters)
 

@@ -18,7 +18,6 @@ from typing import Any, NamedTuple, TYPE_CHECKING
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanisms.contract import Constants
 from fourbar_ros.numerics.arrays import Array, Values
-from fourbar_ros.numerics.digits import in_decimals, MANY_DIGITS
 from fourbar_ros.numerics.given import array
 from fourbar_ros.numerics.number_types import (
     COMPLEX,
@@ -29,7 +28,6 @@ from fourbar_ros.numerics.number_types import (
     REAL,
     Scalar,
 )
-from fourbar_ros.numerics.program import program
 from fourbar_ros.numerics.straight_line import lines_of
 from fourbar_ros.numerics.trace import flat, Trace
 import numpy as np
@@ -131,6 +129,7 @@ def limits_at_zero(mechanism: Formulas, rate: float, acceleration: float,
     """
     formula, data = formula_of(mechanism, with_loads)
     trace, unit = trace_of(formula), Decimal(mechanism.input_unit)
+    from fourbar_ros.numerics.digits import in_decimals, MANY_DIGITS  # flat positions alone
     with localcontext(MANY_DIGITS):
         fields = in_decimals(trace, numbers_of(data), flat(trace.results))
         far, near = [fields(unit * t, Decimal(rate), Decimal(acceleration)) for t in NEAR]
@@ -197,6 +196,7 @@ def evaluate(mechanism: Formulas, given: tuple[ArrayLike, ...], wanted: tuple[in
         if any(v.dtype.kind == 'c' for v in inputs):
             rows = _complex_rows(mechanism, inputs, shape, wanted, with_loads)
         else:
+            from fourbar_ros.numerics.program import program  # nodes take one sample at a time
             # a rate that is one number stays one: all that follows from it is computed once
             flattened = [float(v) if i and not v.ndim else np.broadcast_to(v, shape).reshape(-1)
                          for i, v in enumerate(inputs)]

@@ -8,7 +8,6 @@ from math import cos, sin
 from typing import Any, ClassVar, NamedTuple, NoReturn, Protocol
 
 from fourbar_ros.errors import MissingBodies
-from fourbar_ros.mechanics.moving_frames import acceleration_terms
 from fourbar_ros.mechanisms.points import LinkMotion
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.number_types import Scalar
@@ -265,5 +264,6 @@ def around(start: Array, link: LinkMotion, arm: Array, name: str) -> list[Arrow]
     They are the acceleration of a point of a link relative to another one, ``arm`` [m] away;
     ``start`` is the tip of that one's arrow [m/s^2].
     """
+    from fourbar_ros.mechanics.moving_frames import acceleration_terms  # pictures alone need it
     terms = acceleration_terms(ORIGIN, link.omega, link.alpha, arm)
     return chain(start, (terms.normal, f'A_{{{name}}}^n'), (terms.tangential, f'A_{{{name}}}^t'))

@@ -6,13 +6,12 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Mapping
 from functools import partial
 from math import nan, nextafter
-from typing import Union
+from typing import TYPE_CHECKING, Union
 
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.mechanisms.points import link_fields, LinkFields, make_point, PointMotion
 from fourbar_ros.numerics.number_types import REAL
-from fourbar_ros.pipeline.joints import Joints
 from fourbar_ros.pipeline.status import (
     Evaluate,
     evaluate,
@@ -21,9 +20,11 @@ from fourbar_ros.pipeline.status import (
     OK,
     OUT_OF_RANGE,
 )
-from fourbar_ros.pipeline.wrenches import drive_wrench, external, in_silence, Wrench
 from fourbar_ros.scene.message_fields import joint_values, mode_number
 from fourbar_ros.scene.scene import Scene
+
+if TYPE_CHECKING:      # scenes with wrenches need it
+    from fourbar_ros.pipeline.wrenches import Wrench
 
 Wanted = Union[bool, Collection[str]]       # outputs points/NAME and links/NAME; True: all
 Sample = tuple[int, tuple[float, ...]]      # status and values
@@ -63,18 +64,22 @@ class Stepper:
         # for the policy hold: the last values within range; for clamp: inputs at the limits
         self._good: tuple[float, ...] | None = None
         self._limits: list[float] | None = None
-        self._joints = (None if scene.joint_states.are_plain
-                        else Joints(scene.layout, scene.joint_states))
+        self._joints = self._drive_wrench = None
+        if not scene.joint_states.are_plain:
+            from fourbar_ros.pipeline.joints import Joints
+            self._joints = Joints(scene.layout, scene.joint_states)
         own_joints = joint_values(len(scene.layout.joints)) if self._joints else ()
         # the values of a sample where nothing is known, without those of its joints
         self._nothing = (nan,) * (len(scene.layout.place) - len(own_joints))
-        self._drive_wrench = (drive_wrench(scene.linkage, scene.layout.place)
-                              if 'drive_wrench' in scene.outputs else None)
+        if 'drive_wrench' in scene.outputs:
+            from fourbar_ros.pipeline.wrenches import drive_wrench
+            self._drive_wrench = drive_wrench(scene.linkage, scene.layout.place)
         # (position, rate) -> linkage with the forces of springs and dampers there, if any
         self._with_element_forces = scene.make_loaded(self.linkage)
         self.wrenches: dict[str, Wrench] = {}
         self._loads_unknown = False
         for link in scene.wrenches.links:
+            from fourbar_ros.pipeline.wrenches import in_silence
             self.act(link, (wrenches or {}).get(link) or in_silence(scene, link, None))
 
     def act(self, link: str, wrench: Wrench) -> None:
@@ -83,6 +88,7 @@ class Stepper:
 
         If one wrench is not known, no load is.
         """
+        from fourbar_ros.pipeline.wrenches import external  # other scenes do without
         self.wrenches[link] = wrench
         applied = external(self._scene, self.wrenches)
         self._loads_unknown = applied is None and self._scene.needs_loads

@@ -15,8 +15,7 @@ from fourbar_ros.errors import BagError
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.pipeline.status import OK as KNOWN
 from fourbar_ros.pipeline.stepper import InModes
-from fourbar_ros.ros.messages import resolve, sec_nanosec, set_constants, to_stamp
-from fourbar_ros.ros.node import packed
+from fourbar_ros.ros.messages import packer, resolve, sec_nanosec, set_constants, to_stamp
 from fourbar_ros.ros.node.recording import about_of
 from fourbar_ros.ros.node.run import drive_layout
 from fourbar_ros.ros.schemas import channel
@@ -126,7 +125,7 @@ def _maker(topic: Topic, scene: Scene) -> Callable[..., bytes]:
     message = resolve(topic.type)()
     set_constants(topic.name, message, scene)
     layout = drive_layout() if topic is DRIVE_STATE else scene.layout
-    return packed.writer(topic.name, message, layout)[0]
+    return packer(topic.name, message, layout)[0]
 
 
 def _torque(scene: Scene, torque: float, start: int) -> bytes:

@@ -16,7 +16,7 @@ from fourbar_ros.optional import lazily
 
 if TYPE_CHECKING:
     from fourbar_ros.scene.files import find, read_values, SceneError
-    from fourbar_ros.scene.plausible import warnings_of
+    from fourbar_ros.scene.linkage import warnings_of
     from fourbar_ros.scene.scene import from_values, load, Scene
     from fourbar_ros.scene.simulated import simulate_scene
 
@@ -27,7 +27,7 @@ __all__ = [
 
 __getattr__, __dir__ = lazily(__name__, {
     'fourbar_ros.scene.files': 'find, read_values, SceneError',
-    'fourbar_ros.scene.plausible': 'warnings_of',
+    'fourbar_ros.scene.linkage': 'warnings_of',
     'fourbar_ros.scene.scene': 'from_values, load, Scene',
     'fourbar_ros.scene.simulated': 'simulate_scene',
 })

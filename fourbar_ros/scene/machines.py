@@ -9,6 +9,7 @@ from typing import Any
 
 from fourbar_ros.errors import InvalidParameter, nearest
 from fourbar_ros.mechanics.bodies import Body
+from fourbar_ros.mechanisms.kinds import DIMENSIONS as OF_KIND
 from fourbar_ros.mechanisms.machine.describe.description import (
     ANGLES,
     by_link,
@@ -18,7 +19,6 @@ from fourbar_ros.mechanisms.machine.describe.description import (
     Numbers,
     Point,
 )
-from fourbar_ros.mechanisms.machine.describe.description import DIMENSIONS as OF_KIND
 from fourbar_ros.mechanisms.machine.machine import Machine, NO_BODY
 from fourbar_ros.mechanisms.machine.solve.pairs import shaped, slides_of
 from fourbar_ros.mechanisms.mechanism import Mechanism

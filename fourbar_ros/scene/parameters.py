@@ -23,8 +23,8 @@ from fourbar_ros.scene.settings import (
     PARAMETERS,
     ParameterValues,
     REQUIRED,
+    with_motors,
 )
-from fourbar_ros.scene.units import in_unit, UNITS
 
 VALUES = {'double': float, 'integer': int, 'string': str, 'bool': bool, 'strings': list,
           'doubles': list}
@@ -44,7 +44,8 @@ def member_of(name: str) -> tuple[str, str, str] | None:
 
 def find(name: str) -> Parameter | None:
     """Return the Parameter of this name, one of the table or of a member of a family, or None."""
-    return PARAMETERS.get(name) or _of_member(name)
+    return PARAMETERS.get(name) or (with_motors().get(name) if name.startswith('motor.')
+                                    else _of_member(name))
 
 
 @lru_cache(maxsize=4096)
@@ -101,24 +102,28 @@ def check(values: ParameterValues) -> dict[str, Any]:
     Raises InvalidParameter for the first unknown, missing or bad one.
     """
     is_machine = values.get('linkage.kind') == MACHINE
+    table = PARAMETERS
+    if values.get('drive.source') == 'motor' or any(
+            name.startswith('motor.') and name not in PARAMETERS for name in values):
+        table = with_motors()
     for name in values:
-        if not _is_known(name, is_machine):
+        if not (name in table or _is_of_member(name, is_machine)):
             raise InvalidParameter(name, values[name],
                                    _why_unknown(name, is_machine, values[name]))
     of_members = [parameter for family, name in _members(values, is_machine)
                   for parameter in _parameters_of(family, name)]
-    every = {parameter.name: parameter for parameter in of_members} | PARAMETERS
+    every = {parameter.name: parameter for parameter in of_members} | table
     for parameter in every.values():
         if parameter.default is REQUIRED and parameter.name not in values:
             raise InvalidParameter(parameter.name, None, f'must be given: {parameter.text}')
     return {name: check_value(every[name], values.get(name, every[name].default))
-            for name in (*PARAMETERS, *(name for name in every if name not in PARAMETERS))}
+            for name in (*table, *(name for name in every if name not in table))}
 
 
-def _is_known(name: str, is_machine: bool) -> bool:
-    """Return whether a scene may have a parameter; only machines name dyads and links."""
-    return name in PARAMETERS or (_of_member(name) is not None and (
-        is_machine or name.partition('.')[0] not in OF_MACHINES))
+def _is_of_member(name: str, is_machine: bool) -> bool:
+    """Return whether it is a parameter of a member; only machines name dyads and links."""
+    return _of_member(name) is not None and (
+        is_machine or name.partition('.')[0] not in OF_MACHINES)
 
 
 def _why_unknown(name: str, is_machine: bool, value: Any) -> str:
@@ -133,7 +138,7 @@ def _why_unknown(name: str, is_machine: bool, value: Any) -> str:
     if with_unit := _named_with_unit(name, value):
         return with_unit
     below = list(dict.fromkeys(known.removeprefix(f'{name}.').split('.')[0]
-                               for known in PARAMETERS if known.startswith(f'{name}.')))
+                               for known in with_motors() if known.startswith(f'{name}.')))
     if below and isinstance(value, str) and ':' in value:
         return f'a blank is missing behind the colon: {value.replace(":", ": ", 1)}'
     if below:
@@ -144,7 +149,7 @@ def _why_unknown(name: str, is_machine: bool, value: Any) -> str:
                 'digits and _, starting with a letter')
     if parts[0] == 'dyads' and not is_machine:
         return f'linkage.kind {MACHINE} alone has dyads'
-    known = [*PARAMETERS, *FAMILIES['points']]
+    known = [*with_motors(), *FAMILIES['points']]
     if member_of(name) and (is_machine or parts[0] not in OF_MACHINES):
         known = [p.name for p in _parameters_of(parts[0], parts[1])]
     group, _, last = name.rpartition('.')
@@ -162,11 +167,12 @@ def _named_with_unit(name: str, value: Any) -> str:
 
     For linkage.a1_mm: 50 it names linkage.a1 [m], 50 mm = 0.05. Empty for other names.
     """
+    from fourbar_ros.scene.units import in_unit, UNITS  # good scenes do without
     group, _, last = name.rpartition('.')
     base, _, suffix = last.rpartition('_')
     units = {unit.lower().replace('/', '_'): unit for its in UNITS.values() for unit in its}
     for word in (last, suffix):
-        parameter = PARAMETERS.get('drive.speed' if name == f'drive.{word}' and word == last
+        parameter = with_motors().get('drive.speed' if name == f'drive.{word}' and word == last
                                    else f'{group}.{base}')
         if parameter and word.lower() in units:
             of_unit = units[word.lower()]
@@ -264,6 +270,7 @@ def _meant(parameter: Parameter, value: Any) -> str:
     """Return ': 0.05' for a text such as 50mm or 0,05 that means a number; else an empty text."""
     if not isinstance(value, str):
         return ''
+    from fourbar_ros.scene.units import in_unit  # good scenes do without
     with_point = value.replace(',', '.') if value.count(',') == 1 else value
     number = in_unit(with_point, parameter.unit)
     return f': {number:.5g}' if number is not None and isfinite(number) else ''

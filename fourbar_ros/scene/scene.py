@@ -17,10 +17,6 @@ from typing import Any, cast, NamedTuple, NoReturn, TYPE_CHECKING, TypeVar
 from attrs import evolve, fields
 from fourbar_ros.errors import FourBarError, InvalidParameter, one_of, OutOfRange
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.quantities import Function, point_acceleration, point_speed
-from fourbar_ros.scene.dynamics import Dynamics, of_values
-from fourbar_ros.scene.files import as_text, read_values
-from fourbar_ros.scene.forces import forces_of, with_tables
 from fourbar_ros.scene.linkage import linkage_of
 from fourbar_ros.scene.message_fields import FieldMap, layout, Names
 from fourbar_ros.scene.parameters import check, names_in, of_name
@@ -30,6 +26,7 @@ from fourbar_ros.scene.settings import (
     JointStates,
     ParameterValues,
     Recording,
+    SOURCES,
 )
 from fourbar_ros.scene.topics import (
     ANSWERS,
@@ -51,6 +48,8 @@ if TYPE_CHECKING:      # other scenes do without
     from fourbar_ros.dynamics.elements import Element, PositionForce
     from fourbar_ros.dynamics.node_step import Mover
     from fourbar_ros.mechanisms.parts import NamedFields
+    from fourbar_ros.mechanisms.quantities import Function
+    from fourbar_ros.scene.dynamics import Dynamics
     from fourbar_ros.transmission import Transmission
     from numpy.typing import ArrayLike
 
@@ -116,6 +115,7 @@ class Scene(NamedTuple):
     @property
     def as_text(self) -> str:
         """Return the scene as the text of a parameter file, without defaults."""
+        from fourbar_ros.scene.files import as_text
         return as_text({name: value for name, value in self.values.items()
                         if value != of_name(name).default})
 
@@ -312,6 +312,7 @@ class Scene(NamedTuple):
     @property
     def point_quantities(self) -> list[Function]:
         """Return NAME.speed [m/s] and NAME.acceleration [m/s^2] of its points, for extrema."""
+        from fourbar_ros.mechanisms.quantities import point_acceleration, point_speed
         return [make(self.linkage, *point, name=name)
                 for name, point in self.points.items()
                 for make in (point_speed, point_acceleration)]
@@ -323,7 +324,11 @@ def from_values(values: ParameterValues) -> Scene:
 
     InvalidParameter names the parameter, its value and the allowed values.
     """
-    values = check(with_tables(values))
+    has_forces = any(name.startswith('forces.') for name in values)
+    if has_forces:
+        from fourbar_ros.scene.forces import forces_of, with_tables  # other scenes do without
+        values = with_tables(values)
+    values = check(values)
     points = {name: Point(*(values[f'points.{name}.{field}'] for field in Point._fields))
               for name in names_in('points', values)}
     linkage = linkage_of(values)
@@ -337,8 +342,12 @@ def from_values(values: ParameterValues) -> Scene:
     names = values['joint_names'] or [joint.name or joint.place for joint in linkage.JOINTS]
     wrenches = _group(External, 'external', values, links=tuple(
         link for link in linkage.EXTERNAL._fields if values[f'external.{link}.from_topic']))
-    forces = forces_of(values, linkage)
-    dynamics = of_values(values, linkage, forces)
+    forces = forces_of(values, linkage) if has_forces else ()
+    dynamics = None
+    if values['drive.source'] in SOURCES or any(
+            names_in(family, values) for family in ('springs', 'torsion_springs')):
+        from fourbar_ros.scene.dynamics import of_values  # other scenes do without
+        dynamics = of_values(values, linkage, forces)
     has_elements = dynamics.elements if dynamics else forces
     honest = replace(linkage, bodies=None) if has_elements else linkage
     scene = Scene(honest, linkage, points, wrenches, _group(Drive, 'drive', values),
@@ -364,6 +373,7 @@ def load(path: str | Path) -> Scene:
     Raises SceneError if it is no parameter file of one node, InvalidParameter for a value that is
     not allowed.
     """
+    from fourbar_ros.scene.files import read_values
     return from_values(read_values(path))
 
 

@@ -11,24 +11,20 @@ of which a scene may have any number: in ``points.NAME.link`` NAME is free.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from functools import cache
 from math import inf, isfinite, nan, pi
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import Any, cast, NamedTuple, TYPE_CHECKING
 
 from attrs import field, fields, frozen
-from fourbar_ros.dynamics.sources import (
-    DCMotor,
-    InductionMotor,
-    Law,
-    MotorLine,
-    SpeedController,
-)
 from fourbar_ros.mechanisms.contract import find_link
-from fourbar_ros.mechanisms.kinds import AT_MOVING_JOINTS, KINDS
-from fourbar_ros.mechanisms.machine.describe.description import DIMENSIONS
+from fourbar_ros.mechanisms.kinds import AT_MOVING_JOINTS, DIMENSIONS, FACTS
 from fourbar_ros.mechanisms.parts import GROUND
 from fourbar_ros.numerics.given import FASTEST, quantities_of
 from fourbar_ros.scene.topics import INPUTS, OUTPUTS, PICTURES, SERVICES, TORQUE, wrench_topic
+
+if TYPE_CHECKING:      # only scenes with a motor need it
+    from fourbar_ros.dynamics.sources import Law
 
 ParameterValues = Mapping[str, Any]       # {name: value}; their types stand in the table
 Relevant = Callable[[ParameterValues], bool]   # whether a parameter has a meaning in a scene
@@ -143,10 +139,10 @@ def _kinds_by_text(pairs: Iterable[tuple[str, str]]) -> dict[str, list[str]]:
 
 def _length(name: str) -> Parameter:
     """Return the parameter of a length; a text that is not of every kind names its kinds."""
-    lengths = {kind: length for kind, its in KINDS.items() for length in its.LENGTHS
+    lengths = {kind: length for kind, its in FACTS.items() for length in its.lengths
                if length.name == name}
     texts = _kinds_by_text((kind, length.text) for kind, length in lengths.items())
-    is_in_all = len(lengths) == len(KINDS)
+    is_in_all = len(lengths) == len(FACTS)
     text = next(iter(texts)) if is_in_all and len(texts) == 1 else '; '.join(
         f'{text} ({", ".join(kinds)})' for text, kinds in texts.items())
     if any(length.signed for length in lengths.values()):
@@ -159,36 +155,37 @@ def _length(name: str) -> Parameter:
 
 def _first_joint(link: str) -> str:
     """Return the first joint of a link as text: 'O1', or 'A (B of a slider_crank)' by kinds."""
-    joints = _kinds_by_text((kind, find_link(its.LINKS, link).first_joint)
-                            for kind, its in KINDS.items()
-                            if link in [its_link.name for its_link in its.LINKS])
+    joints = _kinds_by_text((kind, find_link(its.links, link).first_joint)
+                            for kind, its in FACTS.items()
+                            if link in [its_link.name for its_link in its.links])
     usual, *others = sorted(joints, key=lambda joint: -len(joints[joint]))
     return usual + ''.join(f' ({joint} of a {" or ".join(joints[joint])})' for joint in others)
 
 
 # of all kinds together: names of the lengths, {link: its first joint}
-LENGTHS = tuple(dict.fromkeys(length.name for kind in KINDS.values() for length in kind.LENGTHS))
+LENGTHS = tuple(dict.fromkeys(length.name for kind in FACTS.values() for length in kind.lengths))
 LINKS = {name: _first_joint(name)
-         for name in dict.fromkeys(link.name for kind in KINDS.values() for link in kind.LINKS)}
-_DRIVEN = tuple(dict.fromkeys(name for kind in (*KINDS.values(), *AT_MOVING_JOINTS.values())
-                              for name in kind.INPUTS))
-_KINDS_IN_WORDS = '; '.join(f'{kind.TEXT} ({name})' for name, kind in KINDS.items())
-_JOINTS_IN_WORDS = '; '.join(f'{", ".join(joint.name for joint in kind.JOINTS)} ({name})'
-                             for name, kind in KINDS.items())
-_WITH_SLIDES = ' or '.join(name for name, kind in KINDS.items() if len(kind.INPUTS) > 1)
+         for name in dict.fromkeys(link.name for kind in FACTS.values() for link in kind.links)}
+_DRIVEN = tuple(dict.fromkeys(name for names in (*(kind.inputs for kind in FACTS.values()),
+                                                 *AT_MOVING_JOINTS.values()) for name in names))
+_KINDS_IN_WORDS = '; '.join(f'{kind.text} ({name})' for name, kind in FACTS.items())
+_JOINTS_IN_WORDS = '; '.join(f'{", ".join(joint.name for joint in kind.joints)} ({name})'
+                             for name, kind in FACTS.items())
+_WITH_SLIDES = ' or '.join(name for name, kind in FACTS.items() if len(kind.inputs) > 1)
 
 
-# --- from the kinds of motors --------------------------------------------------------------------
+# --- motors --------------------------------------------------------------------------------------
 
-# each number of a law is a parameter motor.NAME, with its unit, limits and text
-MOTORS: dict[str, type[Law]] = {'line': MotorLine, 'dc': DCMotor, 'controller': SpeedController,
-                                'induction': InductionMotor}
+# {kind of motor: its law in :mod:`fourbar_ros.dynamics.sources`}, whose numbers are motor.NAME
+MOTORS = {'line': 'MotorLine', 'dc': 'DCMotor', 'controller': 'SpeedController',
+          'induction': 'InductionMotor'}
 
 
-def _motor_parameters(kind: str) -> dict[str, Parameter]:
-    """Return {field of a kind of motor: its parameter motor.NAME}, made from the field."""
+@cache
+def of_motor(kind: str) -> dict[str, Parameter]:
+    """Return {number of the law of a motor: its parameter motor.NAME}; imports the law."""
     parameters = {}
-    for name, default, quantity in quantities_of(MOTORS[kind]):
+    for name, default, quantity in quantities_of(law_of(kind)):
         is_given = isinstance(default, (int, float)) and isfinite(default)
         parameters[name] = Parameter(
             f'motor.{quantity.parameter or name}', 'integer' if quantity.is_whole else 'double',
@@ -197,7 +194,12 @@ def _motor_parameters(kind: str) -> dict[str, Parameter]:
     return parameters
 
 
-OF_MOTORS = {kind: _motor_parameters(kind) for kind in MOTORS}
+def law_of(kind: str) -> type[Law]:
+    """Return the law of a kind of motor; scenes without a motor do without."""
+    from fourbar_ros.dynamics import sources
+    return cast('type[Law]', getattr(sources, MOTORS[kind]))
+
+
 GEAR = Parameter('motor.gear', 'double', 1.0, '',
                  'gear ratio: speed of the motor over that of the shaft behind the gear; not zero')
 
@@ -380,7 +382,7 @@ class External:
 PARAMETERS = _table(
     Parameter('linkage.kind', 'string', 'four_bar', '',
               f'kind of linkage: {_KINDS_IN_WORDS}; a driven link and dyads ({MACHINE})',
-              choices=(*KINDS, MACHINE), live=False),
+              choices=(*FACTS, MACHINE), live=False),
     Parameter('linkage.input', 'string', 'crank', '',
               f'driven joint: the crank, or the slide of a {_WITH_SLIDES} or '
               f'{MACHINE}; of a {MACHINE} also a cylinder that turns the crank, of a four_bar '
@@ -393,7 +395,7 @@ PARAMETERS = _table(
               is_relevant=has_slide),
     Parameter('linkage.mode', 'integer', 2, '',
               'assembly mode: 1 or crossed, 2 or open; for the sliders see docs/conventions.md',
-              1, 2, words=MODES, is_relevant=of_kinds(KINDS)),
+              1, 2, words=MODES, is_relevant=of_kinds(FACTS)),
     Parameter('linkage.dyads', 'strings', [], '',
               f'names of the dyads of a {MACHINE}, each after those on whose links it hangs',
               live=False, is_relevant=of_kinds([MACHINE])),
@@ -442,8 +444,6 @@ PARAMETERS = _table(
     GEAR,
     Parameter('motor.rotor_inertia', 'double', 0.0, 'kg m^2 or kg',
               'inertia of the rotor itself; behind the gear it counts gear^2 times', low=0.0),
-    *(parameter for of_kind in OF_MOTORS.values() for parameter in of_kind.values()
-      if parameter.name != GEAR.name),
     Parameter('shaft.stiffness', 'double', nan, 'N m/rad or N/m',
               'elastic shaft between the drive and the input; default: a rigid one',
               positive=True),
@@ -475,6 +475,16 @@ PARAMETERS = _table(
               'effort', choices=('velocities', 'accelerations', 'effort')),
     *_fields(Recording, 'recording'),
 )
+
+
+@cache
+def with_motors() -> dict[str, Parameter]:
+    """Return all parameters, with the numbers of motors, which :data:`PARAMETERS` leaves out."""
+    behind = list(PARAMETERS).index('motor.rotor_inertia') + 1
+    every = list(PARAMETERS.values())
+    every[behind:behind] = [parameter for kind in MOTORS for parameter in of_motor(kind).values()
+                            if parameter.name != GEAR.name]
+    return _table(*every)
 
 
 # --- families ------------------------------------------------------------------------------------

@@ -115,13 +115,13 @@ def test_too_many_changes_are_refused_and_a_node_ends_within_one(run_node, clien
 def test_a_change_that_fails_after_the_swap_leaves_the_old_scene(run_node, client):
     broken = """
 from fourbar_ros.errors import FourBarError
-from fourbar_ros.ros.node.pictures import Pictures
-publish_latched = Pictures.publish_latched
-def fail(self, run):
-    if run.scene.values['gravity.y'] == -2.0:
+from fourbar_ros.ros.node.recording import Recording
+note = Recording.note
+def fail(self, key, text):
+    if '"gravity.y": -2.0' in text:
         raise FourBarError('as a test')
-    publish_latched(self, run)
-Pictures.publish_latched = fail
+    note(self, key, text)
+Recording.note = fail
 """
     run_node(LOADED, first=broken)
     inputs, changes = Inputs(client), Changes(client)

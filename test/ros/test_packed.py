@@ -13,8 +13,8 @@ from fourbar_msgs.msg import LinkageState
 from fourbar_ros.bag.layout import Layouts
 from fourbar_ros.pipeline.status import STATUS_NAMES
 from fourbar_ros.pipeline.stepper import Stepper
-from fourbar_ros.ros.messages import filler, resolve, set_constants
-from fourbar_ros.ros.node import packed
+from fourbar_ros.ros import messages
+from fourbar_ros.ros.messages import filler, packer, resolve, set_constants
 from fourbar_ros.scene import scene
 from fourbar_ros.scene.topics import DRIVEN, OUTPUTS
 import pytest
@@ -62,7 +62,7 @@ def test_packed_bytes_are_what_ros_serialises(name):
     for topic in topics_of(its):
         filled = message_of(topic, its)
         fill = filler(topic.name, filled, its.layout)
-        pack, is_packed = packed.writer(topic.name, message_of(topic, its), its.layout)
+        pack, is_packed = packer(topic.name, message_of(topic, its), its.layout)
         assert is_packed, topic.type
         for stamp, (status, values) in zip(itertools.cycle(STAMPS), steps_of(its)):
             fill(stamp, status, its.linkage.mode, values)
@@ -92,7 +92,7 @@ def test_any_frame_and_joint_names(frame):
                                         joint_names=tuple(frame + str(k) for k in range(4)))
     for topic in topics_of(its):
         message = message_of(topic, its)
-        pack, is_packed = packed.writer(topic.name, message, its.layout)
+        pack, is_packed = packer(topic.name, message, its.layout)
         assert is_packed
         status, values = Stepper(its).step(0.7, 25.0, 1.0, True, True)
         found = deserialize_message(pack((7, 8), status, 2, values), type(message))
@@ -133,11 +133,11 @@ def compressed():
                          ids=lambda made: made.__name__)
 def test_where_bytes_do_not_read_back_ros_serialises_every_message(middleware, monkeypatch):
     write, read = middleware()
-    monkeypatch.setattr(packed, 'serialize_message', write)
-    monkeypatch.setattr(packed, 'deserialize_message', read)
+    monkeypatch.setattr(messages, 'serialize_message', write)
+    monkeypatch.setattr(messages, 'deserialize_message', read)
     its = scene_of('four-bar')
     message = message_of(OUTPUTS['state'], its)
-    put, is_packed = packed.writer('state', message, its.layout)
+    put, is_packed = packer('state', message, its.layout)
     assert not is_packed
     status, values = Stepper(its).step(0.7, 25.0, 1.0, True, True)
     assert repr(read(put((7, 8), status, 2, values), LinkageState)) == repr(message)

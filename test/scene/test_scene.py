@@ -7,7 +7,7 @@ import math
 from fourbar_ros import FourBarError, InvalidParameter
 from fourbar_ros.scene import scene
 from fourbar_ros.scene.parameters import check_value, find
-from fourbar_ros.scene.settings import LINKS, OF_MOTORS, PARAMETERS, REQUIRED
+from fourbar_ros.scene.settings import LINKS, MOTORS, of_motor, REQUIRED, with_motors
 from hypothesis import given
 from hypothesis import strategies as st
 import pytest
@@ -24,7 +24,7 @@ def test_every_scene_that_is_shipped_is_good(file):
 
 
 def test_defaults_are_themselves_allowed():
-    for parameter in PARAMETERS.values():
+    for parameter in with_motors().values():
         if parameter.default is not REQUIRED:
             value = check_value(parameter, parameter.default)
             assert value == parameter.default or math.isnan(value)
@@ -123,8 +123,8 @@ def test_a_folder_of_the_name_of_a_scene_does_not_hide_it(tmp_path, monkeypatch)
 
 def test_kinds_of_motors_share_no_parameter_that_differs():
     found = {}
-    for kind in OF_MOTORS.values():
-        for parameter in kind.values():
+    for kind in MOTORS:
+        for parameter in of_motor(kind).values():
             same = found.setdefault(parameter.name, parameter)
             assert (same.unit, same.default) == (parameter.unit, parameter.default), parameter.name
 

@@ -8,7 +8,8 @@ from fourbar_lab.studies.design import Design
 from fourbar_lab.studies.measures import Measures
 from fourbar_ros import load_scene
 from fourbar_ros.mechanics.bodies import Applied, Body, unchecked
-from fourbar_ros.mechanisms.machine.describe.description import Cylinder, DIMENSIONS, Point
+from fourbar_ros.mechanisms.kinds import DIMENSIONS
+from fourbar_ros.mechanisms.machine.describe.description import Cylinder, Point
 from fourbar_ros.numerics.duals import derivatives_of, value_of
 from fourbar_ros.scene.scene import from_values
 import mpmath as mp

@@ -16,8 +16,8 @@ from typing import Any, NamedTuple
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Bodies, External
 from fourbar_ros.mechanisms.contract import Constants, CRANK, CROSSED, of_geometry, OPEN
-from fourbar_ros.mechanisms.four_bar.loads import Loads, make_loads
-from fourbar_ros.mechanisms.four_bar.motion import make_motion, Motion
+from fourbar_ros.mechanisms.four_bar.motion import Loads, make_motion, Motion
+from fourbar_ros.mechanisms.kinds import FACTS
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import (
     around,
@@ -27,9 +27,6 @@ from fourbar_ros.mechanisms.parts import (
     Connection,
     Diagram,
     GROUND,
-    Joint,
-    Length,
-    Link,
     NamedFields,
     ORIGIN,
     Output,
@@ -78,17 +75,9 @@ class FourBarLinks(Mechanism):
     a4: float
 
     TITLE = 'four-bar'
-    TEXT = 'four revolute joints'
-    LENGTHS = (Length('a1', 'length of the crank O1-A'), Length('a2', 'length of the coupler A-B'),
-               Length('a3', 'length of the output link O4-B'),
-               Length('a4', 'length of the ground link O1-O4'))
-    LINKS = (Link('crank', 'crank', 'O1', 'a1'),
-             Link('coupler', 'coupler', 'A', 'a2'),
-             Link('output', 'output link', 'O4', 'a3'))
+    TEXT, LENGTHS, LINKS, JOINTS = FACTS['four_bar'][:4]
     MODES = {CROSSED: '1 (crossed)', OPEN: '2 (open)'}
     MARGIN_SIGNS = ((-1, -1, 1, 1), (-1, 1, -1, 1), (-1, 1, 1, -1))
-    JOINTS = (Joint('O1', THETA1, 'crank'), Joint('A', THETA2, 'coupler'),
-              Joint('B', THETA3, 'coupler_output'), Joint('O4', THETA4, 'output'))
     REACTIONS = (reaction('O1', 'ground on crank', 'f41'),
                  reaction('A', 'coupler on crank', 'f21'),
                  reaction('B', 'output link on coupler', 'f32'),
@@ -129,6 +118,7 @@ class FourBarLinks(Mechanism):
 
     def loads_formula(self, numbers: NumberType, constants: Constants) -> Function:
         """Return (fields of MOTION) -> fields of LOADS for constants of a number type."""
+        from fourbar_ros.mechanisms.four_bar.loads import make_loads  # linkages with masses alone
         a1, a2, a3, a4 = constants.lengths
         return make_loads(numbers, a1, a2, a3, a4, constants.bodies, constants.gravity,
                           constants.external, self.input)

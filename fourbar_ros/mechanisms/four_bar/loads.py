@@ -43,7 +43,7 @@ crank, or on the second of two links from the first.
 """
 from __future__ import annotations
 
-from typing import Any, NamedTuple, TYPE_CHECKING
+from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.mechanics.bodies import Bodies, External
 from fourbar_ros.mechanics.newton_euler import (
@@ -58,6 +58,7 @@ from fourbar_ros.mechanics.newton_euler import (
     Turning,
 )
 from fourbar_ros.mechanisms.contract import CRANK, JOINT_A
+from fourbar_ros.mechanisms.four_bar.motion import Loads
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 from fourbar_ros.numerics.vectors import Vector
 
@@ -65,38 +66,10 @@ if TYPE_CHECKING:
     from fourbar_ros.mechanisms.four_bar.moving_joint import MovingJointMotion
 
 
-class Loads(NamedTuple):
-    """
-    Loads for one input; each field a float, or an array of the input's shape.
-
-    fij = force of link i ON link j (1 crank, 2 coupler, 3 output link, 4 ground) along the ground
-    axes (x from O1 to O4); fji = -fij. Forces in [N], moments in [N m], counter-clockwise
-    positive.
-    """
-
-    f41_x: float
-    f41_y: float
-    f21_x: float
-    f21_y: float
-    f32_x: float
-    f32_y: float
-    f43_x: float
-    f43_y: float
-    f41: float                # magnitudes
-    f21: float
-    f32: float
-    f43: float
-    driving_torque: float     # T41, of the drive on the crank, or on the next link at A or B
-    shaking_force_x: float    # F14 + F34, on the ground
-    shaking_force_y: float
-    shaking_force: float      # magnitude
-    shaking_moment: float     # on the ground about O1: T14 + (O4 - O1) x F34
-
-
 def make_loads(n: NumberType, a1: Scalar, a2: Scalar, a3: Scalar, a4: Scalar, bodies: Bodies,
                gravity: Gravity, external: External, driven: str = CRANK) -> Function:
     """
-    Return the function Motion -> :class:`Loads` for a fixed linkage.
+    Return the function Motion -> :class:`.Loads` for a fixed linkage.
 
     ``driven``: the crank, or the joint A or B, then of a :class:`.MovingJointMotion`; ``gravity``:
     (x, y) of the field [m/s^2]. Lengths [m] are scaled by a power of two, so that no square of one

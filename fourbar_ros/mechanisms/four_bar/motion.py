@@ -54,6 +54,34 @@ class Motion(NamedTuple):
     sin_mu: float
 
 
+class Loads(NamedTuple):
+    """
+    Loads for one input; each field a float, or an array of the input's shape.
+
+    fij = force of link i ON link j (1 crank, 2 coupler, 3 output link, 4 ground) along the ground
+    axes (x from O1 to O4); fji = -fij. Forces in [N], moments in [N m], counter-clockwise
+    positive.
+    """
+
+    f41_x: float
+    f41_y: float
+    f21_x: float
+    f21_y: float
+    f32_x: float
+    f32_y: float
+    f43_x: float
+    f43_y: float
+    f41: float                # magnitudes
+    f21: float
+    f32: float
+    f43: float
+    driving_torque: float     # T41, of the drive on the crank, or on the next link at A or B
+    shaking_force_x: float    # F14 + F34, on the ground
+    shaking_force_y: float
+    shaking_force: float      # magnitude
+    shaking_moment: float     # on the ground about O1: T14 + (O4 - O1) x F34
+
+
 def make_motion(n: NumberType, a1: Scalar, a2: Scalar, a3: Scalar, a4: Scalar,
                 sign: Scalar) -> Function:
     """

@@ -21,6 +21,7 @@ from fourbar_ros.mechanisms.inverted_slider_crank.motion import (
     make_crank_motion,
     make_slide_motion,
 )
+from fourbar_ros.mechanisms.kinds import FACTS
 from fourbar_ros.mechanisms.parts import (
     around,
     Arrow,
@@ -30,9 +31,6 @@ from fourbar_ros.mechanisms.parts import (
     Connection,
     Diagram,
     GROUND,
-    Joint,
-    Length,
-    Link,
     NamedFields,
     ORIGIN,
     Output,
@@ -122,16 +120,8 @@ class InvertedSlider(OffsetSlide):
     stroke: tuple[float, float] | None = None
 
     TITLE = 'inverted slider-crank'
-    TEXT = 'a block on a bar that turns about O4, e.g. an oscillating cylinder'
-    LENGTHS = (Length('a1', 'length of the crank O1-A'),
-               Length('a4', 'length of the ground link O1-O4'),
-               Length('offset', 'distance of the path of A on the bar from O4, positive to the '
-                                'left of the bar', signed=True))
-    LINKS = (Link('crank', 'crank', 'O1', 'a1'), Link('coupler', 'block', 'A'),
-             Link('output', 'bar', 'O4'))
+    TEXT, LENGTHS, LINKS, JOINTS = FACTS['inverted_slider'][:4]
     OUTPUTS = {CRANK: (Output(THETA4, 'output_ratio'),), SLIDE: (Output(THETA1, 'crank_ratio'),)}
-    JOINTS = (Joint('O1', THETA1, 'crank'), Joint('A', THETA2, 'block'),
-              Joint('slide', TRAVEL, 'slide'), Joint('O4', THETA4, 'bar'))
     REACTIONS = (reaction('O1', 'ground on crank', 'f41'), reaction('A', 'block on crank', 'f21'),
                  reaction('slide', 'bar on block', 'f32', 'guide_couple'),
                  reaction('O4', 'ground on bar', 'f43'))

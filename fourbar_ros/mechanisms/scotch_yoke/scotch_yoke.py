@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from fourbar_ros.mechanics.bodies import Bodies, External
 from fourbar_ros.mechanisms.contract import Constants, CRANK, OPEN, SLIDE
+from fourbar_ros.mechanisms.kinds import FACTS
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import (
     around,
@@ -19,9 +20,6 @@ from fourbar_ros.mechanisms.parts import (
     Connection,
     Diagram,
     GROUND,
-    Joint,
-    Length,
-    Link,
     NamedFields,
     ORIGIN,
     Output,
@@ -105,16 +103,9 @@ class ScotchYoke(Mechanism):
     stroke: tuple[float, float] | None = None
 
     TITLE = 'Scotch yoke'
-    TEXT = 'a crank pin in the slot of a yoke that slides parallel to x, a Scotch yoke'
-    LENGTHS = (Length('a1', 'length of the crank O1-A'),
-               Length('offset', 'y of the guide', signed=True))
-    LINKS = (Link('crank', 'crank', 'O1', 'a1'),
-             Link('coupler', 'block', 'A', turns=False),
-             Link('output', 'yoke', 'B', turns=False))
+    TEXT, LENGTHS, LINKS, JOINTS = FACTS['scotch_yoke'][:4]
     INPUTS = {CRANK: THETA1, SLIDE: TRAVEL}
     OUTPUTS = {CRANK: (Output(TRAVEL, 'slide_ratio'),), SLIDE: (Output(THETA1, 'crank_ratio'),)}
-    JOINTS = (Joint('O1', THETA1, 'crank'), Joint('A', THETA2, 'block'),
-              Joint('slot', SLOT, 'slot'), Joint('guide', TRAVEL, 'yoke'))
     REACTIONS = (reaction('O1', 'ground on crank', 'f41'), reaction('A', 'block on crank', 'f21'),
                  reaction('slot', 'yoke on block', 'f32', 'slot_couple'),
                  reaction('guide', 'guide on yoke', 'f43', 'guide_couple'))

@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 from fourbar_ros.mechanics.bodies import Bodies, External
 from fourbar_ros.mechanisms.contract import Constants, CRANK, of_geometry, OPEN, SLIDE
+from fourbar_ros.mechanisms.kinds import FACTS
 from fourbar_ros.mechanisms.parts import (
     around,
     Arrow,
@@ -22,9 +23,6 @@ from fourbar_ros.mechanisms.parts import (
     Connection,
     Diagram,
     GROUND,
-    Joint,
-    Length,
-    Link,
     NamedFields,
     ORIGIN,
     Output,
@@ -110,15 +108,8 @@ class SliderCrank(OffsetSlide):
     stroke: tuple[float, float] | None = None
 
     TITLE = 'slider-crank'
-    TEXT = 'a slider on a guide parallel to x'
-    LENGTHS = (Length('a1', 'length of the crank O1-A'), Length('a2', 'length of the coupler A-B'),
-               Length('offset', 'y of the guide', signed=True))
-    LINKS = (Link('crank', 'crank', 'O1', 'a1'),
-             Link('coupler', 'coupler', 'A', 'a2'),
-             Link('output', 'slider', 'B', turns=False))
+    TEXT, LENGTHS, LINKS, JOINTS = FACTS['slider_crank'][:4]
     OUTPUTS = {CRANK: (Output(TRAVEL, 'slide_ratio'),), SLIDE: (Output(THETA1, 'crank_ratio'),)}
-    JOINTS = (Joint('O1', THETA1, 'crank'), Joint('A', THETA2, 'rod'), Joint('B', THETA3, 'pin'),
-              Joint('guide', TRAVEL, 'slider'))
     REACTIONS = (reaction('O1', 'ground on crank', 'f41'),
                  reaction('A', 'coupler on crank', 'f21'),
                  reaction('B', 'slider on coupler', 'f32'),

@@ -10,15 +10,15 @@ from typing import Any, TYPE_CHECKING, Union
 
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.ros.messages import Message
-from fourbar_ros.ros.node import parameters, services
+from fourbar_ros.ros.node import parameters
 from fourbar_ros.ros.node.clock_input import ClockInput
 from fourbar_ros.ros.node.diagnostics import Diagnostics
 from fourbar_ros.ros.node.entities import log_of
 from fourbar_ros.ros.node.recording import Recording
 from fourbar_ros.ros.node.run import Run
 from fourbar_ros.ros.node.stream import Stream
-from fourbar_ros.ros.node.worker import answer_beside, WAITING, Worker
-from fourbar_ros.scene.plausible import warnings_of
+from fourbar_ros.ros.node.worker import answer_beside, both, WAITING, Worker
+from fourbar_ros.scene.linkage import warnings_of
 from fourbar_ros.scene.scene import check_for_node, Scene
 from fourbar_ros.scene.settings import SOURCES
 from fourbar_ros.scene.topics import SERVICES
@@ -72,7 +72,9 @@ class FourBarNode(Node):
             from fourbar_ros.ros.node.trajectories import Trajectories  # and its messages
             self.trajectories = Trajectories(self, self.stream, self.log)
         parameters.watch(self, lambda: self.stream.scene, self.apply)
-        services.create(self, self.stream, self.workers)
+        if scene.values['services']:
+            from fourbar_ros.ros.node import services  # and their messages
+            services.create(self, self.stream, self.workers)
         counting = [part for part in (self.wrenches, self.trajectories) if part]
         Diagnostics(self, self.stream, self.input, counting, self.recording, self.log)
         if scene.recording.start:
@@ -179,7 +181,7 @@ class FourBarNode(Node):
                 return response
         if srv_type not in (SetParameters, SetParametersAtomically):
             return super().create_service(srv_type, srv_name, guarded, **options)
-        service = super().create_service(srv_type, srv_name, services.both, **options)
+        service = super().create_service(srv_type, srv_name, both, **options)
         answer_beside(service, guarded, _busy, lambda _: self.workers[CHANGES])
         return service
 

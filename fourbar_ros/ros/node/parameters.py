@@ -10,7 +10,6 @@ from traceback import format_exc
 
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.ros.node.entities import OVERRIDES
-from fourbar_ros.scene.files import table_files
 from fourbar_ros.scene.parameters import find, meant, of_name
 from fourbar_ros.scene.scene import from_values, Scene
 from fourbar_ros.scene.settings import Parameter
@@ -53,7 +52,10 @@ def scene(node: Node, files: Sequence[str] = ()) -> Scene:
         if type(every.get(name, True)) is not bool:
             raise InvalidParameter(name, every[name], 'must be a bool')
     given = {name: value for name, value in every.items() if not name.startswith(BUILT_IN)}
-    tables = {name: str(path) for name in table_files(given) for file in files
+    tables = {}
+    if any(name.startswith('forces.') for name in given):
+        from fourbar_ros.scene.files import table_files  # other scenes do without
+        tables = {name: str(path) for name in table_files(given) for file in files
               if (path := Path(file).parent / given[name]).exists()}
     scene = from_values(given | tables)
     for name in given:

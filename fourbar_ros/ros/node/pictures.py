@@ -7,10 +7,10 @@ Only scenes that name them import their messages.
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from typing import NamedTuple, TYPE_CHECKING
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
 
-from fourbar_ros.ros.messages import Message, Stamp
+from fourbar_ros.ros.messages import Stamp
 from fourbar_ros.ros.node import entities
 from fourbar_ros.ros.node.recording import Recording
 from fourbar_ros.scene.scene import Scene
@@ -19,16 +19,7 @@ from rclpy.publisher import Publisher
 from rclpy.serialization import serialize_message
 
 if TYPE_CHECKING:      # run imports this file
-    from fourbar_ros.ros.node.run import Run
-
-Make = Callable[[Stamp, Sequence[float]], Message]      # None where the pose is not known
-
-
-class Drawn(NamedTuple):
-    """The pictures of a scene by name: functions for those of a step, bytes of latched ones."""
-
-    makers: dict[str, Make]
-    latched: dict[str, bytes]
+    from fourbar_ros.ros.node.run import Make, Run
 
 
 class Pictures:
@@ -50,17 +41,17 @@ class Pictures:
             if name not in self._publishers:
                 self._publishers[name] = entities.publisher(self._node, topic)
         self._last = None
-        for name, data in run.drawn.latched.items():
+        for name, data in run.latched.items():
             self._send(name, data)
 
     def record_latched(self, run: Run) -> None:
         """Write the latched pictures into a new bag, which then needs no earlier messages."""
-        for name, data in run.drawn.latched.items():
+        for name, data in run.latched.items():
             self._recording.write(name, data)
 
     def due(self, run: Run, stamp: Stamp) -> list[str]:
         """Return the pictures to make of the step of this stamp, and count from it for markers."""
-        names = [name for name in run.drawn.makers if self._recording.active
+        names = [name for name in run.makers if self._recording.active
                  or self._publishers[name].get_subscription_count() > 0]
         if 'markers' in names:
             now, rate = stamp[0] * 10**9 + stamp[1], run.scene.values['pictures.rate']
@@ -74,7 +65,7 @@ class Pictures:
     def send(self, run: Run, names: Iterable[str], stamp: Stamp, values: Sequence[float]) -> None:
         """Send these pictures of one step; ``values`` in the order of the scene's layout."""
         for name in names:
-            message = run.drawn.makers[name](stamp, values)
+            message = run.makers[name](stamp, values)
             if message is not None:
                 self._send(name, serialize_message(message))
 
@@ -83,17 +74,19 @@ class Pictures:
         self._recording.write(name, data)
 
 
-def drawn_of(scene: Scene) -> Drawn:
-    """Return the pictures of a scene; raise FourBarError for one that cannot be drawn."""
-    wanted = scene.pictures
-    if not wanted:
-        return Drawn({}, {})
+def drawn_of(scene: Scene) -> tuple[dict[str, Make], dict[str, bytes]]:
+    """
+    Return {name: function} of the pictures of a step, {name: bytes} of the latched ones.
+
+    FourBarError for one that cannot be drawn.
+    """
     from fourbar_ros.description.formats import describe
     from fourbar_ros.ros.node import markers, traces, transforms
     from std_msgs.msg import String
+    wanted = scene.pictures
     makers = {'tf': transforms.maker, 'markers': markers.maker}
     latched = {'robot_description': lambda scene: String(data=describe(scene)),
                'traces': traces.message}
-    return Drawn({name: make(scene) for name, make in makers.items() if name in wanted},
-                 {name: serialize_message(make(scene)) for name, make in latched.items()
-                  if name in wanted})
+    return ({name: make(scene) for name, make in makers.items() if name in wanted},
+            {name: serialize_message(make(scene)) for name, make in latched.items()
+             if name in wanted})

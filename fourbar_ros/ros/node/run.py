@@ -3,27 +3,29 @@
 """A scene with all that its steps need: made beside the stream, swapped as a whole."""
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from math import nan
-from typing import NamedTuple
+from typing import NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.pipeline.stepper import InModes
-from fourbar_ros.pipeline.wrenches import Wrench
-from fourbar_ros.ros.messages import resolve, set_constants
-from fourbar_ros.ros.node import packed
-from fourbar_ros.ros.node.pictures import drawn_of
+from fourbar_ros.ros.messages import Message, Pack, packer, resolve, set_constants, Stamp
 from fourbar_ros.scene.message_fields import FieldMap, mode_number
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import DRIVE_STATE, DRIVEN, Topic
 from rclpy.serialization import serialize_message
 from std_msgs.msg import String
 
+if TYPE_CHECKING:      # scenes with wrenches need it
+    from fourbar_ros.pipeline.wrenches import Wrench
+
+Make = Callable[[Stamp, Sequence[float]], Message]      # None where the pose is not known
+
 
 class Writer(NamedTuple):
     """Makes the messages of a topic; ``key``: all of the scene that is in their bytes."""
 
     key: object
-    pack: packed.Pack
+    pack: Pack
     is_packed: bool
 
 
@@ -53,7 +55,11 @@ class Run:
             self.writers[name] = writer_of(topic, scene, layout, known.get(name))
         # places of the values without which a message of an output is not sent
         self.needed = {name: scene.needed_for(name) for name in self.outputs}
-        self.drawn = drawn_of(scene)
+        self.makers: dict[str, Make] = {}        # of pictures
+        self.latched: dict[str, bytes] = {}
+        if scene.pictures:
+            from fourbar_ros.ros.node.pictures import drawn_of  # and their messages
+            self.makers, self.latched = drawn_of(scene)
         self.data = bytes(serialize_message(String(data=scene.as_json)))
         self.mover = scene.mover if scene.dynamics else None
         if self.mover:
@@ -85,7 +91,7 @@ def writer_of(topic: Topic, scene: Scene, layout: FieldMap, known: Writer | None
         return known
     message = kind()                         # one for all steps
     set_constants(topic.name, message, scene)
-    return Writer(key, *packed.writer(topic.name, message, layout))
+    return Writer(key, *packer(topic.name, message, layout))
 
 
 def drive_layout() -> FieldMap:

@@ -10,7 +10,6 @@ from traceback import format_exc
 
 from fourbar_ros.errors import FourBarError, OutOfRange
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.quantities import known
 from fourbar_ros.pipeline.status import (
     evaluate,
     INVALID_INPUT,
@@ -21,7 +20,7 @@ from fourbar_ros.pipeline.status import (
 )
 from fourbar_ros.ros.messages import filler, Message, resolve, set_constants, Stamp
 from fourbar_ros.ros.node.stream import Stream
-from fourbar_ros.ros.node.worker import answer_beside, WAITING, Worker
+from fourbar_ros.ros.node.worker import answer_beside, both, WAITING, Worker
 from fourbar_ros.scene.message_fields import mode_number
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import SERVICES
@@ -54,11 +53,6 @@ def create(node: Node, stream: Stream, workers: Mapping[str, Worker]) -> None:
 def _worker_for(workers: Mapping[str, Worker], names: Sequence[str], request: Message) -> Worker:
     """Return the thread that answers: proofs have their own, so nothing quick waits for one."""
     return workers[names[getattr(request, 'certify', False)]]
-
-
-def both(request: Message, response: Message) -> tuple[Message, Message]:
-    """Return both: what :func:`answer_beside` asks of the callback of a service."""
-    return request, response
 
 
 def _busy(_: Message, response: Message) -> Message:
@@ -173,6 +167,7 @@ def units_of(mechanism: Mechanism) -> dict[str, str]:
                                   f'{coordinate.unit}/s^2'))
     units |= {'transmission_angle': 'rad', 'condition': ''}
     if mechanism.bodies is not None:
+        from fourbar_ros.mechanisms.quantities import known
         for reaction in mechanism.REACTIONS:
             units |= dict.fromkeys((reaction.x, reaction.y, reaction.magnitude), 'N')
             if reaction.couple:

@@ -11,27 +11,29 @@ from collections.abc import Callable, Iterable, Sequence
 from math import isnan, sin
 from pathlib import Path
 import threading
-from typing import TYPE_CHECKING
+from typing import Any, NamedTuple, TYPE_CHECKING
 
 from builtin_interfaces.msg import Time
 from fourbar_ros.errors import FourBarError, InvalidParameter, OutOfRange
 from fourbar_ros.pipeline.status import INPUT_TIMEOUT, OK, OUT_OF_RANGE, STATUS_NAMES
-from fourbar_ros.pipeline.wrenches import Wrench
 from fourbar_ros.ros.messages import sec_nanosec, Stamp
 from fourbar_ros.ros.node import entities
 from fourbar_ros.ros.node.entities import Log
-from fourbar_ros.ros.node.outputs import TopicPublisher, Wanted
-from fourbar_ros.ros.node.pictures import Pictures
 from fourbar_ros.ros.node.recording import Recording
 from fourbar_ros.ros.node.run import Run
 from fourbar_ros.scene.scene import Scene
-from fourbar_ros.scene.topics import applied_topic, DRIVE_STATE, DRIVEN, SCENE
-from geometry_msgs.msg import WrenchStamped
+from fourbar_ros.scene.topics import applied_topic, DRIVE_STATE, DRIVEN, SCENE, Topic
+from rclpy.event_handler import PublisherEventCallbacks, UnsupportedEventTypeError
 from rclpy.node import Node
+from rclpy.publisher import Publisher
 from rclpy.serialization import serialize_message
 
-if TYPE_CHECKING:
+if TYPE_CHECKING:      # most scenes do without
     from fourbar_ros.dynamics.node_step import DriveValues
+    from fourbar_ros.pipeline.wrenches import Wrench
+    from fourbar_ros.ros.node.pictures import Pictures
+
+PARTS = 'points/', 'links/'    # outputs whose values are computed for their topic alone
 
 
 class Stream:
@@ -50,7 +52,7 @@ class Stream:
         self._values = run.unknown           # of that step
         self._publishers: dict[str, TopicPublisher] = {}     # of all runs so far, by short names
         self._sent: list[tuple[str, bytes]] = []     # (topic, bytes) to record at the step's end
-        self.pictures = Pictures(node, recording)
+        self._pictures: Pictures | None = None       # of the first scene that has any, and kept
         self._scene_publisher = entities.publisher(node, SCENE)
         links = run.scene.wrenches.links
         self._applied = {link: entities.publisher(node, applied_topic(link)) for link in links}
@@ -87,7 +89,11 @@ class Stream:
             for name, topic in run.topics.items():
                 if name not in self._publishers:
                     self._publishers[name] = TopicPublisher(self._node, topic, self._update)
-            self.pictures.publish_latched(run)
+            if run.scene.pictures and not self._pictures:
+                from fourbar_ros.ros.node.pictures import Pictures  # and their messages
+                self._pictures = Pictures(self._node, self._recording)
+            if self._pictures:
+                self._pictures.publish_latched(run)
             for link, wrench in self.run.stepper.wrenches.items():
                 if wrench is not run.stepper.wrenches[link]:     # it came while the run was made
                     run.stepper.act(link, wrench)
@@ -113,6 +119,7 @@ class Stream:
 
     def act(self, link: str, wrench: Wrench, stamp: Time) -> None:
         """Apply a Wrench [N, N m] to a link from the next step on; publish and record it."""
+        from geometry_msgs.msg import WrenchStamped  # scenes without wrenches do without
         message = WrenchStamped()
         message.header.stamp, message.header.frame_id = stamp, self.scene.frame_id
         message.wrench.force.x, message.wrench.force.y, message.wrench.torque.z = wrench
@@ -133,7 +140,8 @@ class Stream:
                 path = self._recording.attach(*bag)
                 run.renew(run.stepper.wrenches)      # a held value could not be recomputed
                 self._recording.write(SCENE.name, run.data)
-                self.pictures.record_latched(run)
+                if self._pictures:
+                    self._pictures.record_latched(run)
                 for topic, data in self._latched.items():
                     self._recording.write(topic, data)
                 return path
@@ -203,7 +211,7 @@ class Stream:
             for place, value in zip(run.input_places, (position, rate, acceleration)):
                 driven[place] = value
             self._send([DRIVEN.name], stamp, OK, mode, driven)
-        drawn = self.pictures.due(run, stamp)
+        drawn = self._pictures.due(run, stamp) if self._pictures else ()
         if not wanted.outputs and not drawn:
             self._record()
             return None
@@ -213,8 +221,8 @@ class Stream:
         outputs = wanted.outputs if status == OK else self._known(wanted.outputs)
         self._send(outputs, stamp, status, mode, self._values)
         self._record()
-        if drawn:
-            self.pictures.send(run, drawn, stamp, self._values)
+        if self._pictures and drawn:
+            self._pictures.send(run, drawn, stamp, self._values)
         return status
 
     def _known(self, outputs: Iterable[str]) -> list[str]:
@@ -263,3 +271,56 @@ class Stream:
             self._log('out_of_range', str(OutOfRange(name, position, linkage.input_ranges, unit)))
         else:
             self._log(f'status_{status}', f'{name} = {position!r} {unit}: {STATUS_NAMES[status]}')
+
+
+class TopicPublisher:
+    """
+    One published topic; ``is_subscribed`` tells whether it has subscribers.
+
+    ``changed()`` is called when the first subscriber has come or the last one has left. Where the
+    middleware has no event for that, the topic counts as subscribed. It is kept when a scene no
+    longer names it: rclpy's EventsExecutor ends the process at an event of a publisher that is
+    gone, as when its last subscriber leaves.
+    """
+
+    def __init__(self, node: Node, topic: Topic, changed: Callable[[], None]) -> None:
+        self._node, self._topic, self._changed = node, topic, changed
+        self.is_subscribed = False
+        try:
+            self._publisher = self._create(PublisherEventCallbacks(matched=self._matched))
+        except UnsupportedEventTypeError:
+            self.is_subscribed = True
+            self._publisher = self._create(None)
+        self.topic = str(self._publisher.topic_name)     # its full name
+        # This takes half the time of Publisher.publish, which also guards against its destruction
+        # meanwhile.
+        self.publish: Callable[[bytes], None] = self._publisher.handle.publish_raw
+
+    def _create(self, callbacks: PublisherEventCallbacks | None) -> Publisher:
+        return entities.publisher(self._node, self._topic, event_callbacks=callbacks)
+
+    def _matched(self, info: Any) -> None:
+        """Note how many subscribers there are: rclpy's event."""
+        is_subscribed = info.current_count > 0
+        if is_subscribed != self.is_subscribed:
+            self.is_subscribed = is_subscribed
+            self._changed()
+
+
+class Wanted(NamedTuple):
+    """The topics that a step has to send, and the parts of a step that they need."""
+
+    driven: bool
+    drive_state: bool
+    outputs: list[str]        # names of the scene's outputs
+    with_loads: bool
+    parts: frozenset[str]     # the points and links among them
+
+    @classmethod
+    def of(cls, run: Run, names: Iterable[str]) -> Wanted:
+        """Return the work of a step of a run that sends the topics of these names."""
+        wanted = set(names)
+        outputs = [name for name in run.outputs if name in wanted]
+        return cls(DRIVEN.name in wanted, DRIVE_STATE.name in wanted, outputs,
+                   any(map(run.needs_loads, outputs)),
+                   frozenset(name for name in outputs if name.startswith(PARTS)))

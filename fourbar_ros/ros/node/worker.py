@@ -73,6 +73,11 @@ class Worker:
 Answer = Callable[[Message, Message], Message]     # (request, response) -> response
 
 
+def both(request: Message, response: Message) -> tuple[Message, Message]:
+    """Return both: what :func:`answer_beside` asks of the callback of a service."""
+    return request, response
+
+
 def answer_beside(service: Service, answer: Answer, busy: Answer,
                   worker_for: Callable[[Message], Worker]) -> None:
     """

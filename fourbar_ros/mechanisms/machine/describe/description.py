@@ -19,6 +19,7 @@ from typing import Any, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter, nearest
 from fourbar_ros.mechanisms.contract import CROSSED, OPEN
+from fourbar_ros.mechanisms.kinds import DIMENSIONS
 from fourbar_ros.mechanisms.parts import Connection, GROUND
 from fourbar_ros.numerics.given import number
 from fourbar_ros.numerics.number_types import direction, Scalar
@@ -28,14 +29,6 @@ CRANK_LINK, SLIDER_LINK, CYLINDER = 'crank', 'slider', 'cylinder'
 LONGEST, SHORTEST = 2.0**250, 2.0**-250     # [m]
 
 RRR, RRP, RPR, RPP, PRP = 'RRR', 'RRP', 'RPR', 'RPP', 'PRP'
-# Names of the dimensions of each kind, in order: lengths and offsets [m], angles [rad].
-DIMENSIONS = {
-    RRR: ('length_1', 'length_2'),
-    RRP: ('length_1', 'direction_2'),
-    RPR: ('offset',),
-    RPP: ('direction_2', 'slot'),
-    PRP: ('direction_1', 'direction_2'),
-}
 ANGLES = ('direction_1', 'direction_2', 'slot')
 # Kinds that have one assembly mode.
 OF_ONE_MODE = (RPP, PRP)

@@ -13,11 +13,11 @@ from collections.abc import Sequence
 from functools import cache
 from typing import Any
 
+from fourbar_ros.mechanisms.kinds import DIMENSIONS
 from fourbar_ros.mechanisms.machine.describe.description import (
     ANGLES,
     CRANK_LINK,
     CYLINDER,
-    DIMENSIONS,
     Dyad,
     RRP,
     RRR,
