@@ -23,7 +23,7 @@ from . import pages, ROOT
 MODULES = {file.stem: file for file in sorted(Path(__file__).parent.glob('[a-z]*.py'))
            if 'def main(' in file.read_text()}
 # the page of a measurement, where it is not a page of its own
-PAGE_OF = {'before': 'speed', 'live_changes': 'node', 'smallest': 'node'}
+PAGE_OF = {'before': 'speed', 'live_changes': 'node', 'paths': 'node', 'smallest': 'node'}
 
 
 class Tee(io.StringIO):
