@@ -34,7 +34,7 @@ RECORDING = {**PAPER, **RODS, 'drive.speed': 25.0, 'drive.rate': 200.0, 'outputs
 LAUNCH = 5.0
 # [s] of CPU time from the signal to the end; the search takes some ten
 ABANDONED = 2.0
-FLOODS = 8
+FLOODS, SENT = 8, 50
 TICKS = os.sysconf('SC_CLK_TCK')
 
 
@@ -68,7 +68,7 @@ def flood(process, rng, period):
 
 def test_a_certified_search_is_abandoned_and_the_bag_closed(run_node, client, tmp_path):
     """All quantities of a machine whose proofs take ten seconds: nobody waits for them."""
-    node = run_node({**load_scene('gripper').values, 'drive.source': 'timer', 'drive.rate': 200.0,
+    node = run_node({**load_scene('jansen').values, 'drive.source': 'timer', 'drive.rate': 200.0,
                      'outputs': ['state', 'loads'], 'recording.start': True,
                      'recording.name': 'run'})
     client.listen(['state'])
@@ -111,6 +111,23 @@ def test_a_signal_while_it_starts_ends_it_without_a_traceback(run_node, wait):
     assert flood(node.process, random.Random(wait), 0.02) == 0, node.said
     node.wait()
     assert 'Traceback' not in node.said and 'KeyboardInterrupt' not in node.said
+
+
+@some('seed', range(SENT), 1)
+def test_a_signal_at_any_moment_ends_it_with_a_whole_bag(run_node, tmp_path, seed):
+    """While it starts, while it runs; half of them get another signal while it stops."""
+    rng = random.Random(seed)
+    node = run_node(RECORDING)
+    while node.process.poll() is None and not catches(node.process, signal.SIGTERM):
+        time.sleep(0.001)
+    time.sleep(rng.choice([rng.uniform(0.0, 1.0), rng.uniform(1.0, 2.5)]))
+    for wait in (0.0, rng.uniform(0.0, 0.2))[:rng.randint(1, 2)]:
+        time.sleep(wait)
+        node.process.send_signal(signal.Signals[rng.choice(SIGNALS)])
+    assert node.wait() == 0, node.said
+    assert 'Traceback' not in node.said
+    bag = tmp_path / 'bags/run'
+    assert not bag.exists() or info(bag, check=True).is_sound
 
 
 SLOW_DISK = """
