@@ -81,7 +81,8 @@ def page():
     return ('# Gallery\n\n<!-- gallery -->\n'
             'Every scene that comes with the package: `fourbar list` names them, and each verb '
             'takes a name or a file (`fourbar show watt_line`). Brown curves are paths of points. '
-            'To change one, save its file.\n\n' + '\n'.join(parts) + '<!-- end -->\n')
+            'To change one: `fourbar scene print watt_line > my.yaml`.\n\n'
+            + '\n'.join(parts) + '<!-- end -->\n')
 
 
 def draw(name, at):

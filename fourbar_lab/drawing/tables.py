@@ -114,7 +114,7 @@ def facts(linkage: Mechanism) -> list[tuple[str, str]]:
     margin = 'of the perimeter'
     if hasattr(linkage, 'stages'):
         unit = f'of {linkage.input_unit:g} m' if linkage.is_driven_by_slide else 'rad'
-        margin = f'{unit}, the imaginary part of the input at the nearest complex toggle'
+        margin = f'{unit}; the nearer to 0, the faster the links pass their flat pose'
     toggles = [shown(driven, end) for end in toggles_of(linkage)]
     rows += [('toggle', f'{driven.position} {", ".join(toggles)}' if toggles
               else 'none within the range of the input'),
@@ -122,7 +122,8 @@ def facts(linkage: Mechanism) -> list[tuple[str, str]]:
              ('change-point margin', f'{linkage.change_point_margin:.6g} {margin}')]
     if linkage.bodies:
         rows += [(name, f'{body.mass:.6g} kg, {body.inertia:.6g} kg m^2, CG at '
-                        f'({body.cg_along:g}, {body.cg_across:g}) m')
+                        f'({body.cg_along:g}, {body.cg_across:g}) m'
+                        if body.mass or body.inertia else 'no mass in the scene')
                  for name, body in linkage.bodies._asdict().items()]
         rows += [NO_WEIGHT] * (not any(linkage.gravity))
     return rows

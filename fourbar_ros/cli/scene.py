@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""``fourbar scene check``: what the node of a scene does and costs."""
+"""``fourbar scene``: what the node of a scene does and costs; the file of a scene."""
 from __future__ import annotations
 
 from argparse import Namespace
@@ -21,10 +21,10 @@ LONG = 20                      # numbers above which a table is shown by its end
 
 
 def add(verbs: Verbs) -> None:
-    """Add ``fourbar scene check`` with its arguments."""
+    """Add ``fourbar scene check`` and ``print`` with their arguments."""
     verb = verbs.add_parser('scene', help='check a scene file; explain what its node does and '
-                                          'costs',
-                            description='Check a scene file without starting anything.')
+                                          'costs; print a shipped one',
+                            description='Check or print a scene file without starting anything.')
     actions = verb.add_subparsers(dest='action', required=True, metavar='ACTION')
     check = actions.add_parser(
         'check', help='explain a scene, or report in one line what is wrong with it',
@@ -33,6 +33,17 @@ def add(verbs: Verbs) -> None:
                     'parameter, exit code 1.')
     add_scene(check)
     check.set_defaults(run=_check)
+    show = actions.add_parser(
+        'print', help='print the file of a scene, to make your own of it',
+        description='Print the file of a scene: fourbar scene print stephenson > my.yaml')
+    add_scene(show)
+    show.set_defaults(run=_print)
+
+
+def _print(arguments: Namespace) -> None:
+    """Print the file of a scene as it is."""
+    from fourbar_ros.scene.files import find
+    print(find(arguments.scene).read_text(encoding='utf-8'), end='')
 
 
 def _check(arguments: Namespace) -> None:

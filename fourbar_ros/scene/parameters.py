@@ -179,7 +179,7 @@ def _named_with_unit(name: str, value: Any) -> str:
             converted = in_unit(f'{value}{of_unit}', parameter.unit)
             own_unit = f' [{parameter.unit.partition(" or ")[0]}]'
             return (f'unknown parameter; did you mean {parameter.name}{own_unit}?'
-                    + (f' {value} {of_unit} = {converted:.5g}' if converted is not None else ''))
+                    + (f' {value} {of_unit} = {converted:.9g}' if converted is not None else ''))
     return ''
 
 
@@ -273,7 +273,7 @@ def _meant(parameter: Parameter, value: Any) -> str:
     from fourbar_ros.scene.units import in_unit  # good scenes do without
     with_point = value.replace(',', '.') if value.count(',') == 1 else value
     number = in_unit(with_point, parameter.unit)
-    return f': {number:.5g}' if number is not None and isfinite(number) else ''
+    return f': {number:.9g}' if number is not None and isfinite(number) else ''
 
 
 def _check_number(parameter: Parameter, value: float) -> None:

@@ -43,7 +43,7 @@ TABLE = [
         ('linkage.input', 'rocker', 'must be one of crank, slide, A, B, cylinder'),
         ('linkages.a1', 0.4, 'did you mean linkage.a1'),
         ('geometry.crank', 0.4, 'unknown parameter'),
-        ('drive.speed_rpm', 300, 'drive.speed [rad/s]? 300 rpm = 31.416'),
+        ('drive.speed_rpm', 300, 'drive.speed [rad/s]? 300 rpm = 31.4159265'),
         ('drive.speed', '300rpm', 'must be a number in rad/s or m/s: 31.416'),
         ('drive.sped', 3.0, 'did you mean drive.speed?'),
         ('drive.start', '90deg', 'must be a number in rad or m: 1.5708'),

@@ -166,7 +166,7 @@ def four_bar(base='leg', pin='crank', links=('output', 'ground'), own=('rod', 't
     ({'base': 'rod'}, 'cylinder.base = .*point of the ground, or of a moving link'),
     ({'base': 'a b'}, 'cylinder.base.link = .*letters'),
     ({'links': ('output', 'swing')}, 'cylinder.base.link = .leg.*ground among the links'),
-    ({'links': ('leg', 'ground')}, 'dyads.loop.links = .leg.: is the name of the link at the'),
+    ({'links': ('leg', 'ground')}, 'dyads.loop.links = .leg.: is the link at the'),
     ({'base': 'ground'}, 'dyads.loop.links.*unless cylinder.base'),
 ])
 def test_mistakes_are_refused_by_name(given, why):

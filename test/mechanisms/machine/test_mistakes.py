@@ -49,9 +49,9 @@ MISTAKES = {
         lambda: Machine([rrr(), rrr(links=('rod', 'arm'))]), 'name of a dyad = .d.: stands twice'),
     'a name of a link twice': (
         lambda: Machine([rrr(), rrr('e', links=('rod', 'rocker'))]),
-        r'dyads.e.links = .rocker.: is the name of dyad d already'),
+        r'dyads.e.links = .rocker.: is a link of dyad d already'),
     'a link named as the driven one': (lambda: Machine([rrr(links=('crank', 'b'))]),
-                                       'dyads.d.links = .crank.: is the name of the driven link'),
+                                       'dyads.d.links = .crank.: is the driven link'),
     'a name of a result twice': (
         lambda: Machine([rrr(), rrr('e', Point('rocker', 0.8), Point('ground', 2.0),
                                     ('d_first', 'arm'), length_1=1.1)]),

@@ -144,9 +144,9 @@ def layout_of(driver: str, dyads: Sequence[Dyad], output: str | None = None) -> 
     """
     driven = SLIDER_LINK if driver == 'slide' else CRANK_LINK
     frame = dyads[0].second.link if driver == CYLINDER else GROUND
-    links, owners, stages = [frame, driven], {frame: '', driven: 'of the driven link'}, []
+    links, owners, stages = [frame, driven], {frame: '', driven: 'the driven link'}, []
     if frame != GROUND:
-        owners[frame] = 'of the link at the base of the cylinder'
+        owners[frame] = 'the link at the base of the cylinder'
     names: set[str] = set()
     for dyad in dyads:
         where = f'dyads.{dyad.name}'
@@ -165,7 +165,7 @@ def layout_of(driver: str, dyads: Sequence[Dyad], output: str | None = None) -> 
         stages.append(Stage(dyad.name, dyad.kind, links.index(dyad.first.link),
                             links.index(dyad.second.link), dyad.links, len(links)))
         links += dyad.links
-        owners.update(dict.fromkeys(dyad.links, f'of dyad {dyad.name}'))
+        owners.update(dict.fromkeys(dyad.links, f'a link of dyad {dyad.name}'))
     if GROUND not in links:
         raise InvalidParameter('cylinder.base.link', frame, 'a machine with a cylinder on a link '
                                'that moves has the ground among the links of a dyad')
@@ -204,7 +204,7 @@ def _why_not_there(dyads: Sequence[Dyad], link: str, known: Sequence[str]) -> st
 
 
 def _require_new(where: str, links: Sequence[str], owners: dict[str, str]) -> None:
-    """Refuse names of links that are equal or taken; ``owners``: {link: whose it is, in words}."""
+    """Refuse names of links that are equal or taken; ``owners``: {link: what it is, in words}."""
     if links[0] == links[1]:
         raise InvalidParameter(f'{where}.links', tuple(links), 'must be two names')
     for link in links:
@@ -212,7 +212,7 @@ def _require_new(where: str, links: Sequence[str], owners: dict[str, str]) -> No
             raise InvalidParameter(f'{where}.links', tuple(links), 'the ground is no link of a '
                                    'dyad, unless cylinder.base is a point of a moving link')
         if link in owners:
-            raise InvalidParameter(f'{where}.links', link, f'is the name {owners[link]} already')
+            raise InvalidParameter(f'{where}.links', link, f'is {owners[link]} already')
 
 
 def _require_single(layout: Layout) -> None:
