@@ -19,7 +19,7 @@ from fourbar_ros.scene.scene import from_values, load
 import numpy as np
 import pytest
 from support import contract, ROOT
-from support.dyad_reference import random_machines
+from support.random_machines import random_machines
 from support.samples import some
 from support.scenes import PAPER, RODS, TIP, values_of
 

@@ -14,8 +14,8 @@ import mpmath as mp
 import numpy as np
 import pytest
 from support.andrews import ANDREWS_ANGLE, ANDREWS_RATE, energies, UNTIL
-from support.dyad_reference import random_machines
 from support.machines import andrews, ANDREWS_BETA
+from support.random_machines import random_machines
 from support.samples import some
 
 pytest.importorskip('scipy')

@@ -22,7 +22,6 @@ from fourbar_ros.pipeline.status import evaluate
 import numpy as np
 import pytest
 from support import ROOT
-from support.dyad_reference import random_machines
 from support.exported import (
     Code,
     COMPILERS,
@@ -32,6 +31,7 @@ from support.exported import (
     SCENES,
     STRICT,
 )
+from support.random_machines import random_machines
 from support.samples import some
 
 pytestmark = pytest.mark.skipif(not COMPILERS, reason='no C compiler')

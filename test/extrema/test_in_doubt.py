@@ -10,7 +10,7 @@ from fourbar_ros.mechanisms.machine.machine import Machine
 from fourbar_ros.mechanisms.quantities import known, UnknownQuantity
 import numpy as np
 import pytest
-from support.dyad_reference import exact_values
+from support.cartesian import exact_values
 from support.samples import some
 
 EPS = 2.0**-52

@@ -24,7 +24,7 @@ from fourbar_ros.mechanisms.machine.machine import Machine
 from fourbar_ros.mechanisms.quantities import known, point_speed, positions, select
 import numpy as np
 import pytest
-from support.dyad_reference import random_dyads
+from support.random_machines import random_dyads
 from support.samples import some
 
 PAPER = (0.4, 1.2, 0.8, 1.0)

@@ -8,8 +8,8 @@ from fourbar_ros.mechanisms.points import LinkMotion, point_of
 import numpy as np
 import pytest
 from support import contract
-from support.dyad_reference import random_machines
 from support.machines import andrews, jansen
+from support.random_machines import random_machines
 from support.samples import some
 
 EPS = 2.0**-52

@@ -3,6 +3,7 @@
 """Exact derivatives of machines of dyads beside those of another formulation in fifty digits."""
 from copy import copy
 
+from flint import ctx
 from fourbar_lab.studies.derivatives import Derivatives
 from fourbar_lab.studies.design import Design
 from fourbar_lab.studies.measures import Measures
@@ -15,7 +16,7 @@ from fourbar_ros.scene.scene import from_values
 import mpmath as mp
 import numpy as np
 import pytest
-from support.dyad_reference import loads_of, motion_of
+from support.cartesian import BITS, exact, values_of
 from support.samples import some
 
 STEP = mp.mpf(10)**-20           # of differences, whose error is its square
@@ -98,16 +99,15 @@ def body_of(link, lengths, number):
     return unchecked(Body, mass, length / 2, mp.mpf(0), mass * (3 * r * r + length**2) / 12)
 
 
-def reference(scene, x, moved, with_loads=True):
+def reference(scene, x, moved):
     """Return {field: value} of all that the reference knows, with one parameter moved."""
     values = dict(scene.values)
     values[moved[0]] = mp.mpf(values[moved[0]]) + moved[1]
     machine, given = machine_of(scene, values), (x, mp.mpf(values['drive.speed']), mp.mpf(0))
-    found, _, _ = motion_of(machine, given)
-    for name, value in loads_of(machine, given).items() if with_loads else ():
-        found |= ({f'{name}_x': value.real, f'{name}_y': value.imag, name: abs(value)}
-                  if isinstance(value, mp.mpc) else {name: value})
-    return found
+    near = [[getattr(scene.linkage.motion(float(x)), f'{what}_{link}') for what in
+             ('x', 'y', 'theta')] for link in machine.layout.moving]
+    with ctx.workprec(BITS):
+        return values_of(exact(machine, given, near))
 
 
 def slopes(function, step=STEP):
@@ -158,7 +158,7 @@ def test_extrema_move_as_in_fifty_digits(name, quantity, names):
     design.search([measure])
 
     def value(x, moved):
-        return reference(scene, x, moved, found.quantities[quantity].is_load)[quantity]
+        return reference(scene, x, moved)[quantity]
 
     def place(near, moved):
         def slope(x):

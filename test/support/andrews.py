@@ -3,15 +3,16 @@
 """
 Andrews' squeezer driven by its torque, to 25 digits by two routes.
 
-By quadrature of the energy integral, t = integral of sqrt(J / (2 (E - V))) d beta, with places by
-complex numbers and J from their derivatives; and by Taylor series of the equation of motion in
+By quadrature of the energy integral, t = integral of sqrt(J / (2 (E - V))) d beta, with places and
+J from Cartesian coordinates of all links; and by Taylor series of the equation of motion in
 time, in ball arithmetic. The first knows no equation of motion, the second no energy. Run as a
 program it computes both again.
 """
+from flint import acb, arb, ctx
 from fourbar_ros.numerics.number_types import converted
 import mpmath as mp
 from support.arb_series import ARB_SERIES, Series, series_of
-from support.dyad_reference import links_of
+from support.cartesian import BITS, exact, of_mpmath
 from support.machines import andrews, ANDREWS_BETA
 from support.taylor import taylor
 
@@ -22,16 +23,17 @@ ANDREWS_RATE = '1139.9203022591062132888514'
 
 
 def energies(machine, spring, torque, beta):
-    """Return J and the potential energy of spring and torque at an angle, by complex numbers."""
-    links, _ = links_of(machine, (beta, 1, 0))
-    inertia = mp.mpf(0)
-    for name, body in machine.bodies._asdict().items():
-        place, e = links[name]
-        centre = place + e * mp.mpc(body.cg_along, body.cg_across)
-        inertia += body.mass * abs(centre.rate)**2 + body.inertia * e.turning()[1]**2
-    ends = [links[at.link][0] + links[at.link][1] * mp.mpc(at.along, at.across)
-            for at in (spring.first, spring.second)]
-    stretch = abs(ends[1].value - ends[0].value) - mp.mpf(spring.free_length)
+    """Return J and the potential energy of spring and torque at an angle, by Cartesian links."""
+    with ctx.workprec(BITS):
+        found, inertia = exact(machine, (beta, 1, 0)), 0
+        for name, body in machine.bodies._asdict().items():
+            (_, z, _), (_, e, _) = found.link(name)
+            rate = abs(z[0] + e[0] * acb(body.cg_along, body.cg_across))
+            inertia += body.mass * rate * rate + body.inertia * found.angle(name, 1)[0]**2
+        ends = [z[0] + e[0] * acb(at.along, at.across) for at in (spring.first, spring.second)
+                for (z, *_), (e, *_) in [found.link(at.link)]]
+        stretch = of_mpmath(abs(ends[1] - ends[0])) - mp.mpf(spring.free_length)
+        inertia = of_mpmath(inertia)
     return inertia, mp.mpf(spring.stiffness) * stretch**2 / 2 - mp.mpf(torque) * beta
 
 
@@ -61,15 +63,13 @@ def by_quadrature(digits=25):
 
 def by_taylor_series(steps=240, order=36, digits=45):
     """Return beta and its rate at the end."""
-    import flint
-
     machine, spring, torque = andrews()
 
     def derivative(state):
         beta, rate = state
-        motion = machine.motion_formula(ARB_SERIES, converted(machine.constants, flint.arb))
-        fields = dict(zip(machine.MOTION._fields, motion(Series(beta), flint.arb(1),
-                                                         flint.arb(0))))
+        motion = machine.motion_formula(ARB_SERIES, converted(machine.constants, arb))
+        fields = dict(zip(machine.MOTION._fields, motion(Series(beta), arb(1),
+                                                         arb(0))))
         curves = {name: [series_of(fields[f'{part}_{name}']) for part in (
             'x', 'y', 'dx', 'dy', 'ddx', 'ddy', 'cos', 'sin', 'ratio', 'bend')]
             for name in machine.layout.moving}

@@ -17,6 +17,7 @@ from typing import NamedTuple
 from flint import acb, arb, arb_mat, ctx
 from fourbar_ros import Applied
 from fourbar_ros.mechanisms.machine.describe.description import direction
+import mpmath as mp
 import numpy as np
 from scipy.linalg import qr
 
@@ -34,6 +35,20 @@ def step():
     return arb(2)**(-ctx.prec // 2)
 
 
+def number(value):
+    """Return a number, also one of mpmath, as it is."""
+    if not isinstance(value, mp.mpf):
+        return arb(value)
+    sign, mantissa, exponent, _ = value._mpf_
+    return arb(-int(mantissa) if sign else int(mantissa)) * arb(2)**exponent
+
+
+def of_mpmath(value):
+    """Return a real number for mpmath."""
+    mantissa, exponent = value.mid().man_exp()
+    return mp.mpf(int(mantissa)) * mp.mpf(2)**int(exponent)
+
+
 class Columns:
     """Makes numbers in 1 + ``count`` columns, the next one moved in each; counts them in used."""
 
@@ -43,9 +58,9 @@ class Columns:
     def real(self, value, weight=None):
         """Return a number; ``weight``: what is moved by, if not the number."""
         self.used += 1
-        column = np.full(1 + self.count, arb(value), object)
+        column = np.full(1 + self.count, number(value), object)
         if self.count:
-            column[self.used] += step() * (value if weight is None else weight)
+            column[self.used] += step() * (column[0] if weight is None else weight)
         return column
 
     def point(self, along, across):
@@ -54,7 +69,7 @@ class Columns:
     def direction(self, angle):
         """Return a direction whose cosine and sine are data; exact at right angles."""
         cosine, sine = direction(angle)
-        exact = acb(cosine, sine) if 0.0 in (cosine, sine) else (J * arb(angle)).exp()
+        exact = acb(cosine, sine) if 0.0 in (cosine, sine) else (J * number(angle)).exp()
         return exact * exp(J * self.real(0.0, 2.0 * cosine * sine))
 
 
@@ -425,6 +440,28 @@ def exact(machine, given, near=None):
     if not found.is_in_modes():
         raise ArithmeticError('in another mode')
     return found
+
+
+def values_of(found):
+    """Return {field: value for mpmath} of a machine: places and forces by x, y and size too."""
+    values = {}
+    for name, (value, *_) in (found.motion() | found.loads()).items():
+        if not isinstance(value, acb):
+            values[name] = of_mpmath(value)
+            continue
+        place = name.startswith('place_')
+        x, y = (f'x{name[5:]}', f'y{name[5:]}') if place else (f'{name}_x', f'{name}_y')
+        values |= {x: of_mpmath(value.real), y: of_mpmath(value.imag)}
+        if not place:
+            values[name] = of_mpmath(abs(value))
+    return values
+
+
+def exact_values(machine, name, inputs, rates):
+    """Return a quantity at some inputs to many digits; None if the reference does not have it."""
+    with ctx.workprec(BITS), mp.workdps(40):
+        found = [values_of(exact(machine, (float(x), *rates))) for x in inputs]
+    return [values[name] for values in found] if name in found[0] else None
 
 
 # --- the library beside it -----------------------------------------------------------------------

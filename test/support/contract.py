@@ -13,7 +13,7 @@ from fourbar_ros.mechanisms.kinds import KINDS
 import mpmath as mp
 import numpy as np
 import pytest
-from support import dyad_reference
+from support import random_machines
 from support.references import REFERENCES
 
 FAMILIES = (
@@ -214,7 +214,7 @@ def random_masses(rng, case, reach, speed):
 def ordinary(case, seed, count):
     """Yield (mechanism, input) with everything acting, away from toggles and change points."""
     if case == MACHINES:
-        yield from dyad_reference.random_machines(seed, count, dyads=(1, 4), least_sine=0.2)
+        yield from random_machines.random_machines(seed, count, dyads=(1, 4), least_sine=0.2)
         return
     rng = np.random.default_rng(seed)
     while count:

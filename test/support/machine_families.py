@@ -14,7 +14,7 @@ from fourbar_ros import FourBarError, InvalidParameter
 from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 import numpy as np
-from support.dyad_reference import random_dyads, random_machines, random_masses
+from support.random_machines import random_dyads, random_machines, random_masses
 
 TRIPLES = ((3, 4, 5), (5, 12, 13), (8, 15, 17))
 PI = arb.pi

@@ -14,7 +14,7 @@ from hypothesis import assume
 from hypothesis import strategies as st
 import numpy as np
 from rosbags.interfaces import Nodetype
-from support import contract, dyad_reference
+from support import contract, random_machines
 
 seeds = st.integers(0, 2**32 - 1)
 shares = st.floats(0.02, 0.98)                  # of a range, away from its ends
@@ -44,8 +44,8 @@ def linkages(draw, case):
 
 
 def machines(**how):
-    """Draw (machine of dyads, input), as :func:`dyad_reference.random_machines` makes them."""
-    return seeds.map(lambda seed: next(dyad_reference.random_machines(seed, 1, **how)))
+    """Draw (machine of dyads, input), as :func:`random_machines.random_machines` makes them."""
+    return seeds.map(lambda seed: next(random_machines.random_machines(seed, 1, **how)))
 
 
 # --- values that a parameter should not have -----------------------------------------------------

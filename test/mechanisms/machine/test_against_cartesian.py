@@ -13,9 +13,19 @@ from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 from fourbar_ros.mechanisms.quantities import known
 import pytest
-from support.cartesian import BITS, Cartesian, errors, exact, kept_at, MANY_BITS, NoWay, toward
-from support.dyad_reference import exact_values, random_machines
+from support.cartesian import (
+    BITS,
+    Cartesian,
+    errors,
+    exact,
+    exact_values,
+    kept_at,
+    MANY_BITS,
+    NoWay,
+    toward,
+)
 from support.machine_families import BEGIN, Drawn, FAMILIES
+from support.random_machines import random_machines
 from support.samples import some
 from support.scans import check_against_scan
 

@@ -12,8 +12,7 @@ from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 from fourbar_ros.mechanisms.quantities import known
 import pytest
-from support.cartesian import BITS, errors, exact
-from support.dyad_reference import exact_values
+from support.cartesian import BITS, errors, exact, exact_values
 from support.scans import check_against_scan
 
 BOUND = 5.0        # in eps times condition, as of all motion

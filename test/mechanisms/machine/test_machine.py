@@ -21,8 +21,8 @@ from fourbar_ros.mechanisms.machine.machine import Machine
 from fourbar_ros.mechanisms.scotch_yoke.scotch_yoke import ScotchYoke
 import numpy as np
 import pytest
-from support.dyad_reference import random_machines
 from support.machines import andrews, ANDREWS_BETA, ANDREWS_POSE
+from support.random_machines import random_machines
 
 EPS = 2.0**-52
 STEP = 1e-40

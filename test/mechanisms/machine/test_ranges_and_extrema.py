@@ -9,7 +9,8 @@ from fourbar_ros.mechanisms.machine.machine import Machine
 from fourbar_ros.mechanisms.quantities import known, positions
 import numpy as np
 import pytest
-from support.dyad_reference import exact_values, random_machines
+from support.cartesian import exact_values
+from support.random_machines import random_machines
 from support.samples import some
 from support.scans import check_against_scan
 
