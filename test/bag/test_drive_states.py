@@ -9,7 +9,7 @@ from fourbar_ros.scene.scene import from_values
 import numpy as np
 import pytest
 from support.drive_states import STEP, take_all
-from support.samples import some
+from support.samples import more, some
 from support.scenes import PAPER, RODS
 
 ROCKER = {**PAPER, **RODS, 'linkage.a1': 1.2, 'linkage.a2': 0.4, 'drive.source': 'motor',
@@ -53,7 +53,7 @@ def test_a_whole_swing_is_stepped_again(swing):
     assert (found.stepped, found.alone, found.unknown) == (len(swing) - 1, 1, 0)
 
 
-@some('stride', [207, 69], 1)
+@pytest.mark.parametrize('stride', [more(207, 69)])
 def test_a_bag_may_begin_anywhere_and_miss_states(swing, stride):
     mover = from_values(ROCKER).mover
     told = [mover.tells_all(mover.place(mover.state(values), mode)) for _, mode, values in swing]

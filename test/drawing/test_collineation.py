@@ -14,7 +14,7 @@ from fourbar_ros import find_extrema, FourBar, InvalidParameter, InvertedSlider,
 from fourbar_ros.extrema import find_extrema_many
 import numpy as np
 import pytest
-from support.samples import some
+from support.samples import more
 
 RATES = ('omega4', 'alpha4')
 STEP = 1e-30
@@ -67,7 +67,7 @@ def drawn(count, seed):
             yield linkage
 
 
-@some('count', [2_000, 100_000], 1)
+@pytest.mark.parametrize('count', [more(400, 20_000)])
 def test_every_extremum_lies_where_the_axis_says(count):
     rng = np.random.default_rng(1)
     lengths, mode = rng.uniform(0.1, 1.0, (4, count)), rng.integers(1, 3, count)
@@ -91,7 +91,7 @@ def test_every_extremum_lies_where_the_axis_says(count):
     assert checked > 3 * count
 
 
-@some('count', [60, 400], 1)
+@pytest.mark.parametrize('count', [more(60, 400)])
 def test_there_are_no_others(count):
     """The conditions change their signs as often as extrema are found, in each range."""
     for linkage in drawn(count, 2):

@@ -23,7 +23,7 @@ from support.machines import (
     random_elements,
     random_machines,
 )
-from support.samples import some
+from support.samples import more
 
 
 def sizes(mechanism, position, rate, acceleration):
@@ -46,7 +46,7 @@ def sizes(mechanism, position, rate, acceleration):
 
 
 @pytest.mark.parametrize('name', KINDS)
-@some('seed, count', [(200, 10), (201, 60)], 1)
+@pytest.mark.parametrize('seed, count', [more((200, 10), (201, 60))])
 def test_its_torque_is_the_driving_torque_of_the_loads(name, seed, count):
     """Two formulations: virtual work of curves at unit rate, and Newton-Euler joint by joint."""
     rng = np.random.default_rng(seed)
@@ -76,7 +76,7 @@ def test_a_kind_made_later_has_an_equation_for_nothing(driven):
 
 
 @pytest.mark.parametrize('name', KINDS)
-@some('seed, count', [(210, 2), (211, 30)], 1)
+@pytest.mark.parametrize('seed, count', [more((210, 2), (211, 30))])
 def test_terms_are_derivatives_of_energies(name, seed, count):
     rng = np.random.default_rng(seed)
     for mechanism, position in random_machines(name, seed, count):

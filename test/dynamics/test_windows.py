@@ -12,13 +12,13 @@ import mpmath as mp
 import numpy as np
 import pytest
 from support.dynamics_problems import one_window, windows, windows_exact
-from support.samples import some
+from support.samples import more
 
 pytest.importorskip('scipy')
 TOLERANCE = 1e-9
 
 
-@some('count', [2, 40], 1)
+@pytest.mark.parametrize('count', [more(2, 40)])
 def test_windows_swing_as_one_pendulum(count):
     """21 half-turns, each through a posture flat on the ground, against elliptic functions."""
     run = simulate(windows(count), 20.0, TOLERANCE, times=(5.0, 12.0, 20.0))
@@ -30,7 +30,7 @@ def test_windows_swing_as_one_pendulum(count):
     assert run.drift <= TOLERANCE
 
 
-@some('count', [10, 40], 1)
+@pytest.mark.parametrize('count', [more(10, 40)])
 def test_posts_stay_parallel_to_the_crank(count):
     """At the flat posture and 1e-9 rad and less from it, and both postures are flat ones."""
     machine = windows(count).mechanism

@@ -32,7 +32,7 @@ from support.exported import (
     STRICT,
 )
 from support.random_machines import random_machines
-from support.samples import some
+from support.samples import more, some
 
 pytestmark = pytest.mark.skipif(not COMPILERS, reason='no C compiler')
 C = (COMPILERS[0], '-std=c99', '-O2') if COMPILERS else ()
@@ -63,7 +63,7 @@ def test_results_and_statuses_have_the_bits_of_the_node(name, tmp_path):
     compared(load_scene(name), tmp_path, name, 1000, [(*C, *STRICT)])
 
 
-@some('seed, count, dyads, rows', [(11, 3, 4, 500), (12, 8, 5, 10_000)], 1)
+@pytest.mark.parametrize('seed, count, dyads, rows', [more((11, 3, 4, 500), (12, 8, 5, 10_000))])
 def test_machines_at_random_have_them_too(seed, count, dyads, rows, tmp_path):
     for i, (machine, _) in enumerate(random_machines(seed, count, dyads=(1, dyads),
                                                      least_sine=0.1)):

@@ -20,7 +20,7 @@ import mpmath
 import numpy as np
 import pytest
 from support.extrema_reference import count_extrema, exact_roots, families
-from support.samples import some
+from support.samples import more
 
 EPS = 2.0**-52
 PAPER = (0.4, 1.2, 0.8, 1.0)
@@ -123,7 +123,7 @@ def draw(family, number):
             yield lengths
 
 
-@some('count', [2, 25], 1)
+@pytest.mark.parametrize('count', [more(2, 25)])
 @pytest.mark.parametrize('family', families())
 def test_rates_complete_and_accurate(family, count):
     for lengths in draw(family, count):
@@ -248,7 +248,7 @@ def random_linkage(rng, kind):
             return linkage
 
 
-@some('count', [8, 50], 1)
+@pytest.mark.parametrize('count', [more(8, 50)])
 @pytest.mark.parametrize('kind', ['crank', 'rocker'])
 def test_all_quantities_against_a_scan(kind, count):
     rng = np.random.default_rng(4)

@@ -11,7 +11,7 @@ from fourbar_ros.mechanisms.quantities import known, UnknownQuantity
 import numpy as np
 import pytest
 from support.cartesian import exact_values
-from support.samples import some
+from support.samples import more
 
 EPS = 2.0**-52
 PAPER = (0.4, 1.2, 0.8, 1.0)
@@ -150,7 +150,7 @@ def check_against_graded_scan(machine, points):
     return number
 
 
-@some('count, points', [(3, 4000), (20, 50000)], 1)
+@pytest.mark.parametrize('count, points', [more((3, 4000), (20, 50000))])
 def test_machines_near_two_toggles_against_a_graded_scan(count, points):
     rng = np.random.default_rng(902)
     assert sum(check_against_graded_scan(near_two_toggles(rng), points)

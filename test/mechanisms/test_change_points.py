@@ -27,7 +27,7 @@ import numpy as np
 import pytest
 from support import reference, slider_reference
 from support.extrema_reference import count_extrema
-from support.samples import some
+from support.samples import more, some
 
 EPS = 2.0**-52
 KINDS = [(FourBar, CRANK), (SliderCrank, CRANK), (SliderCrank, SLIDE), (InvertedSlider, CRANK),
@@ -223,7 +223,7 @@ def build(kind, driven, lengths, others):
     return kind(*lengths, **others) if kind is FourBar else kind(*lengths, input=driven, **others)
 
 
-@some('count', [2, 15], 1)
+@pytest.mark.parametrize('count', [more(2, 15)])
 @pytest.mark.parametrize('kind, driven', KINDS)
 def test_one_sided_values_of_decimal_change_points(kind, driven, count):
     rng = np.random.default_rng(31)
@@ -231,7 +231,7 @@ def test_one_sided_values_of_decimal_change_points(kind, driven, count):
                for others, rates in (random_loads(rng) for _ in range(count))) > 15
 
 
-@some('step', [261, 29], 1)
+@pytest.mark.parametrize('step', [more(261, 29)])
 def test_whole_change_points(step):
     rng = np.random.default_rng(5)
     every = list(whole_change_points(12))
@@ -283,7 +283,7 @@ def check_at_zero(mechanism, rates):
     return bool(np.isinf(loads).any())
 
 
-@some('count', [5, 30], 1)
+@pytest.mark.parametrize('count', [more(5, 30)])
 @pytest.mark.parametrize('kind, driven', [pair for pair in KINDS if pair != (SliderCrank, CRANK)])
 def test_at_a_flat_position_values_are_limits_and_unbounded_loads_a_toggle(kind, driven, count):
     rng = np.random.default_rng(77)
@@ -428,7 +428,7 @@ def exact_values_of_motion(linkage, x, rate):
 # --- near change points --------------------------------------------------------------------------
 
 @some('gap', [1e-6, 1e-7, 1e-9, 1e-12, 1e-16], 2)
-@some('count', [6, 30], 1)
+@pytest.mark.parametrize('count', [more(6, 30)])
 def test_rockers_next_to_a_change_point(gap, count):
     """
     A sum of lengths too short by this.

@@ -10,7 +10,7 @@ import pytest
 from support import contract
 from support.machines import andrews, jansen
 from support.random_machines import random_machines
-from support.samples import some
+from support.samples import more
 
 EPS = 2.0**-52
 STILL = LinkMotion(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
@@ -41,7 +41,7 @@ def test_joints_connect_their_links(case):
         assert max(errors(mechanism, given)) <= max(bound, 8.0 * EPS)
 
 
-@some('count', [20, 200], 1)
+@pytest.mark.parametrize('count', [more(20, 200)])
 def test_joints_of_machines_connect_their_links(count):
     kinds = set()
     for machine, given in [*random_machines(7, count), (andrews()[0], (-0.06, 1.0, 0.0)),

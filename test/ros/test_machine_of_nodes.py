@@ -10,8 +10,9 @@ from fourbar_msgs.msg import Motion
 from fourbar_ros import External
 from fourbar_ros.mechanics.bodies import Applied
 from fourbar_ros.scene.scene import from_values
+import pytest
 from support.power import power
-from support.samples import some
+from support.samples import more
 from support.scenes import PAPER, RODS, SLIDES_7_6
 
 SMALL = {name: 0.1 * value for name, value in SLIDES_7_6.items()}
@@ -48,7 +49,7 @@ def directly(count, given):
     return steps, torques
 
 
-@some('count', [2, 4], 1)
+@pytest.mark.parametrize('count', [more(2, 4)])
 def test_a_chain_is_one_computation_to_the_last_bit_and_conserves_power(run_node, client, count):
     start(run_node, count)
     inboxes = {}

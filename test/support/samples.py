@@ -1,7 +1,13 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """How much of a sample ``make test`` takes; ``make test-all`` takes all of it."""
+from hypothesis import settings
 import pytest
+
+
+def more(quick, long):
+    """Return what this profile of hypothesis takes: the one of ``make test-all`` is long."""
+    return long if settings.default.max_examples >= 100 else quick
 
 
 def some(names, cases, quick, ids=None):

@@ -4,9 +4,10 @@
 
 from fourbar_ros.mechanisms.quantities import point_acceleration, point_speed, select
 import numpy as np
+import pytest
 from support import contract
 from support.contract import every_case
-from support.samples import some
+from support.samples import more
 from support.scans import check_against_scan
 
 
@@ -32,7 +33,7 @@ def mechanisms_for_extrema(case, seed, count):
             yield rng, mechanism
 
 
-@some('count', [1, 10], 1)
+@pytest.mark.parametrize('count', [more(1, 10)])
 @every_case
 def test_extrema_against_a_scan(case, count):
     number = sum(

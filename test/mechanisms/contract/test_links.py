@@ -13,7 +13,7 @@ import pytest
 from support import contract
 from support.contract import every_case, every_mechanism
 from support.reference import EPS
-from support.samples import some
+from support.samples import more
 
 STEP = 1e-40  # of the complex step: its square is lost beside anything
 
@@ -76,7 +76,7 @@ def first(numbers):
     return complex(np.ravel(numbers)[0])
 
 
-@some('count', [6, 20], 1)
+@pytest.mark.parametrize('count', [more(6, 20)])
 @every_mechanism
 def test_rates_and_accelerations_are_derivatives(case, count):
     for mechanism, (value, _, _) in contract.ordinary(case, 208, count):

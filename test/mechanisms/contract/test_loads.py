@@ -7,10 +7,11 @@ from math import isfinite
 from fourbar_ros import Applied, InvalidParameter
 from fourbar_ros.mechanisms.points import link_motion, point_of
 import numpy as np
+import pytest
 from support import contract
 from support.contract import every_mechanism
 from support.reference import EPS
-from support.samples import some
+from support.samples import more
 
 
 @every_mechanism
@@ -55,7 +56,7 @@ def needed(mechanism, motion):
     return complex(*total[:2]), total[2], total[3], sizes
 
 
-@some('count', [15, 60], 1)
+@pytest.mark.parametrize('count', [more(15, 60)])
 @every_mechanism
 def test_power_and_momentum_balance(case, count):
     """Shaking = -dP/dt, -dH/dt + loads; power of the drive = dE/dt: 1e-13 of the summed sizes."""
@@ -73,7 +74,7 @@ def test_power_and_momentum_balance(case, count):
         assert drives[mechanism.is_driven_by_slide] != 0.0
 
 
-@some('count', [2, 10], 1)
+@pytest.mark.parametrize('count', [more(2, 10)])
 @every_mechanism
 def test_loads_that_overflow_are_refused(case, count):
     """At rising speeds each load is a number, or all are refused."""

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from support import contract
 from support.contract import every_case, every_mechanism
-from support.samples import some
+from support.samples import more, some
 
 
 @every_mechanism
@@ -25,7 +25,7 @@ def test_arrays_equal_single_values(case):
         assert mechanism.motion(np.float64(given[0]), *given[1:]) == one[0]
 
 
-@some('count', [1, 3], 1)
+@pytest.mark.parametrize('count', [more(1, 3)])
 @every_mechanism
 def test_some_fields_are_those_of_the_whole(case, count):
     for mechanism, given in contract.ordinary(case, 212, count):

@@ -26,7 +26,7 @@ from support.cartesian import (
 )
 from support.machine_families import BEGIN, Drawn, FAMILIES
 from support.random_machines import random_machines
-from support.samples import some
+from support.samples import more, some
 from support.scans import check_against_scan
 
 MOTION_BOUND, LOADS_BOUND = 5.0, 10.0       # in eps times condition
@@ -88,7 +88,7 @@ def failures(family, seed, count):
     return lines
 
 
-@some('count', [3, 15], 1)
+@pytest.mark.parametrize('count', [more(3, 15)])
 @pytest.mark.parametrize('family', FAMILIES)
 def test_random_machines(family, count):
     assert not failures(family, 411, count)
@@ -106,7 +106,7 @@ TOGETHER = {
 }
 
 
-@some('count', [2, 8], 1)
+@pytest.mark.parametrize('count', [more(2, 8)])
 @pytest.mark.parametrize('name', TOGETHER)
 def test_links_that_move_together(name, count):
     driver, *structure = TOGETHER[name]

@@ -23,7 +23,7 @@ import pytest
 from support.cartesian import BITS, Cartesian, errors, exact, value_and_condition
 from support.machine_families import between_moving_links
 from support.power import power
-from support.samples import some
+from support.samples import more
 
 EPS = 2.0**-52
 A1, A2, A3, A4 = 0.4, 1.2, 0.8, 1.0
@@ -82,7 +82,7 @@ def approx(value, slack):
     return pytest.approx(value, rel=slack, abs=slack)
 
 
-@some('count', [3, 10], 1)
+@pytest.mark.parametrize('count', [more(3, 10)])
 def test_near_toggles_loads_are_good_relative_to_the_largest(count):
     """The needs of the ground are a sum over all links, so small loads share the largest error."""
     for machine, given, _ in islice(between_moving_links(412, near_limit=True), count):

@@ -14,7 +14,7 @@ from fourbar_ros.mechanisms.machine.machine import Machine
 import mpmath as mp
 import numpy as np
 import pytest
-from support.samples import some
+from support.samples import more, some
 
 EPS = 2.0**-52
 # Each is within 5 eps times condition of the exact one; the conditions of accelerations and loads
@@ -119,7 +119,7 @@ def check_poses(maker, lengths):
                     BOUND * condition**2 * size), (lengths, x, name)
 
 
-@some('count', [60, 400], 1)
+@pytest.mark.parametrize('count', [more(60, 400)])
 def test_poses_at_change_points(count):
     for maker, lengths in sample(12, count):
         check_poses(maker, lengths)
