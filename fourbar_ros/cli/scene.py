@@ -9,7 +9,7 @@ from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.cli.common import add_scene, Verbs, warn
 from fourbar_ros.scene.scene import Scene
-from fourbar_ros.scene.topics import INPUTS, OUTPUTS, PICTURES, TORQUE
+from fourbar_ros.scene.topics import INPUTS, OUTPUTS, PICTURES, TORQUE, wrench_topic
 
 if TYPE_CHECKING:
     from fourbar_ros.mechanisms.mechanism import Mechanism
@@ -56,10 +56,13 @@ def _check(arguments: Namespace) -> None:
         from fourbar_ros.description.formats import check_pictures
         check_pictures(scene)
     console.print(f'{arguments.scene}: valid. {linkage.description}, mode {linkage.mode}.')
-    console.print(_drive_in_words(scene))
+    for line in (_drive_in_words(scene), *_inputs_in_words(scene)):
+        console.print(line)
     if drive.source == 'timer' and not linkage.turns_fully:
         console.print(_leaves_the_range(linkage, drive))
-    for part in (_outputs_table(scene), _changed_table(scene), _cost_in_words(scene)):
+    others = [name for name in (*OUTPUTS, *PICTURES) if name not in scene.outputs]
+    for part in (_outputs_table(scene), f'not created: {", ".join(others)}',
+                 _changed_table(scene), _cost_in_words(scene)):
         console.print()
         console.print(part)
     warn(scene)
@@ -98,15 +101,25 @@ def _drive_in_words(scene: Scene) -> str:
 
 
 def _outputs_table(scene: Scene) -> Table:
-    """Return the table of the outputs of a scene, and of outputs that it could add."""
+    """Return the table of the outputs of a scene."""
     from fourbar_ros.terminal import make_table
     table = make_table('outputs', ('name', 'topic', 'type', ''))
     for topic in (*scene.topics.values(), *scene.pictures.values()):
         table.add_row(topic.name, topic.topic, topic.type, 'loads' if topic.needs_loads else '')
-    for name in (*OUTPUTS, *PICTURES):
-        if name not in scene.outputs:
-            table.add_row(f'({name})', '', '', 'not listed in outputs: not created')
     return table
+
+
+def _inputs_in_words(scene: Scene) -> list[str]:
+    """Return a line for each external wrench that the node takes from a topic."""
+    wrenches, lines = scene.wrenches, []
+    for link in wrenches.links:
+        topic, frame = wrench_topic(link), scene.frame_id
+        lines.append(f'{topic.type} on {topic.topic} acts on the {link}, in frame {frame} or "".')
+    if lines:
+        lines.append(f'A link without one for {wrenches.timeout:g} s: loads are '
+                     + {'unknown': 'NaN', 'constant': 'those of the constants of the scene',
+                        'hold': 'those of the last wrench'}[wrenches.when_silent] + '.')
+    return lines
 
 
 def _changed_table(scene: Scene) -> Table:

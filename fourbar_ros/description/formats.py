@@ -36,9 +36,13 @@ def describe(scene: Scene, format_: str = 'urdf') -> str:
     """
     if format_ not in FORMATS:
         raise InvalidParameter('format', format_, f'must be one of {", ".join(FORMATS)}')
-    for name, ratio in zip(scene.joint_names, scene.joint_states.ratios):
+    ratios = [('joint_states.ratios', name, ratio)
+              for name, ratio in zip(scene.joint_names, scene.joint_states.ratios)]
+    if scene.drive.source == 'joint_state':
+        ratios.append(('drive.joint_ratio', scene.drive.joint, scene.drive.joint_ratio))
+    for parameter, name, ratio in ratios:
         if abs(ratio) != 1.0:
-            raise NoDescription('joint_states.ratios: a description has no gears, so the ratio '
-                                f'of {name} must be 1 or -1, not {ratio:g}')
+            raise NoDescription(f'{parameter}: a description has no gears, so the ratio of {name} '
+                                f'must be 1 or -1, not {ratio:g}; use the output tf instead')
     write = urdf if format_ == 'urdf' else lab(format_)
     return str(write(model_of(scene)))
