@@ -21,6 +21,7 @@ import formulas  # noqa: E402, I100
 from fourbar_lab.studies.measures import INPUT, OF_MECHANISM, PARTS, QUANTITY  # noqa: E402
 from fourbar_ros.cli import main  # noqa: E402, I100
 from fourbar_ros.mechanisms.kinds import KINDS  # noqa: E402
+from fourbar_ros.mechanisms.loads import LOADS  # noqa: E402
 from fourbar_ros.mechanisms.quantities import known, POSITIONS, positions, QUANTITIES  # noqa: E402
 from fourbar_ros.scene.settings import (  # noqa: E402
     FAMILIES,
@@ -42,7 +43,7 @@ from fourbar_ros.scene.topics import (  # noqa: E402
     wrench_topic,
 )
 
-DOCS = ROOT / 'docs'
+DOCS, MESSAGE = ROOT / 'docs', ROOT / 'msg_defs/msg/LinkageLoads.msg'
 COMMON = 3              # so many verbs share an argument that is listed once
 
 
@@ -180,9 +181,16 @@ def approximation_tables():
                                 list(approximations.static_rows()))}
 
 
+def with_loads(text):
+    """Return the text of LinkageLoads.msg with a field for each load."""
+    return text + ''.join(f'float64 {load.name:<21} # [{load.unit}] {load.text}\n'
+                          for load in LOADS.values() if f'float64 {load.name} ' not in text)
+
+
 def pages():
-    """Return {path: text as it should be} of the pages with tables."""
-    return {DOCS / name: filled(DOCS / name, tables)
+    """Return {path: text as it should be} of the pages with tables, and of LinkageLoads.msg."""
+    return {MESSAGE: with_loads(MESSAGE.read_text(encoding='utf-8'))} | {
+            DOCS / name: filled(DOCS / name, tables)
             for name, tables in (('reference.md', reference_tables()),
                                  ('formulas.md', formulas.tables()),
                                  ('command_line.md', command_tables()),

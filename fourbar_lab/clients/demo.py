@@ -18,6 +18,7 @@ from fourbar_lab.drawing.tables import mode_name, rate_unit, what_it_is
 from fourbar_msgs.msg import Extremum
 from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.errors import FourBarError
+from fourbar_ros.mechanisms.loads import LOADS
 from fourbar_ros.mechanisms.quantities import select
 from fourbar_ros.pipeline.status import STATUS_NAMES
 from fourbar_ros.ros.messages import Message, resolve, to_stamp
@@ -41,8 +42,6 @@ SHORT = {'minimum': 'min', 'maximum': 'max', 'constant': 'const'}
 ANGLES = ('theta1', 'theta4', 'transmission_angle')
 RATES = {'slide': 'm', 'omega4': 'rad/s', 'alpha4': 'rad/s^2', 'slide_velocity': 'm/s',
          'slide_acceleration': 'm/s^2'}
-LOADS = {'f41': 'N', 'f21': 'N', 'f32': 'N', 'f43': 'N', 'driving_torque': 'N m',
-         'driving_force': 'N', 'guide_force': 'N', 'shaking_force': 'N', 'shaking_moment': 'N m'}
 
 
 class DemoError(FourBarError):
@@ -110,7 +109,8 @@ def live_table(client: Driver, seconds: float) -> Table:
                 for name in ANGLES]
         rows += [(name, getattr(state, name), '.5g', unit) for name, unit in RATES.items()]
     if loads:
-        rows += [(name, getattr(loads, name), '.3f', unit) for name, unit in LOADS.items()]
+        rows += [(name, getattr(loads, name), '.3f', unit)
+                 for name, unit, text, *_ in LOADS.values() if text]
     for name, value, form, unit in rows:
         if not isnan(value):                             # NaN: a field of other mechanisms
             table.add_row(name.replace('_', ' '), format(value, form), unit)

@@ -8,6 +8,7 @@ import re
 from typing import NamedTuple
 
 from fourbar_ros.errors import FourBarError
+from fourbar_ros.mechanisms.loads import LOADS
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Coordinate, NamedFields, reaction
 from fourbar_ros.mechanisms.picture import Points
@@ -25,10 +26,8 @@ from fourbar_ros.terminal import make_table
 from rich.table import Table
 
 FORCES = (reaction('shaking force', 'linkage on ground', 'shaking_force'),)
-MOMENTS = {'driving_torque': ('driving torque T41', 'N m'),
-           'driving_force': ('driving force', 'N'),
-           'guide_force': ('guide force', 'N'), 'guide_couple': ('guide couple', 'N m'),
-           'shaking_moment': ('shaking moment about O1', 'N m')}
+MOMENTS = sorted((row for row in LOADS.values() if row.label),
+                 key=lambda row: row.name.startswith('shaking'))     # as of forces: at the end
 
 
 class NoPose(FourBarError, ValueError):
@@ -152,12 +151,14 @@ def loads_table(linkage: Mechanism, loads: NamedFields) -> Table:
                                       for field in (force.x, force.y, force.magnitude)), 'N',
                       force.text)
     torque = re.sub('[_{}]', '', linkage.TORQUE)             # mathtext: T_{41} becomes T41
-    for name, (text, unit) in MOMENTS.items():
-        if name in values:
-            table.add_row(text.replace('T41', torque), '', '', number(values[name]), unit)
+    for row in MOMENTS:
+        if row.name in values:
+            table.add_row(row.label.replace('T41', torque), '', '', number(values[row.name]),
+                          row.unit)
     quantities = known(linkage, linkage.input)
     for name, value in values.items():               # loads that only one kind of mechanism has
-        if name in quantities and name not in in_forces and name not in MOMENTS:
+        if name in quantities and name not in in_forces and not (
+                name in LOADS and LOADS[name].label):
             table.add_row(name.replace('_', ' '), '', '', number(value), quantities[name].unit)
     return table
 

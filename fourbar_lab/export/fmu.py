@@ -28,10 +28,10 @@ from fourbar_lab.export.statements import snippet
 from fourbar_ros import __version__
 
 # Exponents of kg, m, s, rad, A.
-BASES = {'rad': (0, 0, 0, 1), 'rad/s': (0, 0, -1, 1), 'rad/s^2': (0, 0, -2, 1),
-         'm': (0, 1, 0, 0), 'm/s': (0, 1, -1, 0), 'm/s^2': (0, 1, -2, 0), '1/m': (0, -1, 0, 0),
-         'kg': (1, 0, 0, 0), 'kg m^2': (1, 2, 0, 0), 'N': (1, 1, -2, 0), 'N m': (1, 2, -2, 0),
-         's': (0, 0, 1, 0), 'A': (0, 0, 0, 0, 1), 'V': (1, 2, -3, 0, -1)}
+# exponents of kg, m, s, rad and A in the units of which others are products
+BASES = {'kg': (1, 0, 0, 0, 0), 'm': (0, 1, 0, 0, 0), 's': (0, 0, 1, 0, 0), 'rad': (0, 0, 0, 1, 0),
+         'A': (0, 0, 0, 0, 1), 'N': (1, 1, -2, 0, 0), 'W': (1, 2, -3, 0, 0),
+         'V': (1, 2, -3, 0, -1), '1': (0, 0, 0, 0, 0)}
 PLATFORMS = {'linux': ('linux64', '{}-linux', 'so'), 'darwin': ('darwin64', '{}-darwin', 'dylib'),
              'win32': ('win64', '{}-windows', 'dll')}
 MADE = (1980, 1, 1, 0, 0, 0)     # of all files of the archive: the same scene, the same bytes
@@ -232,12 +232,23 @@ def _head(model: Model, version: str, **attributes: str) -> ElementTree.Element:
                     variableNamingConvention='structured', **attributes)
 
 
+def _exponents(unit: str) -> list[int]:
+    """Return the exponents of kg, m, s, rad and A in a unit such as N m or kg m^2."""
+    found = [0] * 5
+    above, _, below = unit.partition('/')
+    for part, sign in ((above, 1), (below, -1)):
+        for name, _, power in (factor.partition('^') for factor in part.split()):
+            found = [total + sign * int(power or 1) * own
+                     for total, own in zip(found, BASES[name])]
+    return found
+
+
 def _units(root: ElementTree.Element, variables: list[Variable]) -> None:
     """Add the definitions of all units in use, by exponents of kg, m, s, rad and A."""
     units = _element(root, 'UnitDefinitions')
     for unit in sorted({one.unit for one in variables if one.unit} | {'s'}):
         own = _element(units, 'Unit', name=_unit(unit))
-        exponents = zip(('kg', 'm', 's', 'rad', 'A'), BASES[unit])
+        exponents = zip(('kg', 'm', 's', 'rad', 'A'), _exponents(unit))
         _element(own, 'BaseUnit', **{name: value for name, value in exponents if value})
         if unit == 'rad':
             _element(own, 'DisplayUnit', name='deg', factor=repr(180.0 / pi))

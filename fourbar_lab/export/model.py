@@ -15,6 +15,7 @@ from fourbar_ros.dynamics.forces import make_external
 from fourbar_ros.errors import FourBarError, InvalidParameter, one_of
 from fourbar_ros.mechanisms import quantities
 from fourbar_ros.mechanisms.evaluation import limits_at_zero
+from fourbar_ros.mechanisms.loads import LOADS
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Ranges
 from fourbar_ros.mechanisms.points import make_point, PointMotion
@@ -378,8 +379,7 @@ class Model:
                                      f'{what.replace("_", " ")} of point {point}')
                  for point in self.scene.points for what, unit in UNITS_OF_POINTS.items()}
         for name in mechanism.LOADS._fields:
-            is_moment = name.endswith(('_couple', 'torque', 'moment'))
-            found[name] = 'N m' if is_moment else 'N', ''
+            found[name] = LOADS[name].unit if name in LOADS else 'N', ''
         for reaction in mechanism.REACTIONS:
             for name, which in zip(reaction[2:5], ('magnitude of', 'x of', 'y of')):
                 found[name] = 'N', f'{which} the force of {reaction.text}, at {reaction.joint}'

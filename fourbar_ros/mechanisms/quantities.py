@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, Union
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, nearest
 from fourbar_ros.mechanisms.contract import CRANK
-from fourbar_ros.mechanisms.kinds import KINDS
+from fourbar_ros.mechanisms.loads import LOADS
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields, Quantity
 from fourbar_ros.mechanisms.points import link_motion, point_of
@@ -77,18 +77,12 @@ QUANTITIES = {quantity.name: quantity for quantity in (
     Quantity('alpha_beta', 'rad/s^2', 'angular acceleration of the coupler', False),
     Quantity('slide_velocity', 'm/s', 'velocity of a slider that is not driven', False),
     Quantity('slide_acceleration', 'm/s^2', 'acceleration of a slider that is not driven', False),
-    Quantity('shaking_force', 'N', 'magnitude of the force on the ground', True),
-    Quantity('shaking_moment', 'N m', 'moment on the ground about O1', True),
-    Quantity('driving_torque', 'N m', 'torque of the drive on a driven crank', True),
-    Quantity('driving_force', 'N', 'force of the drive along a driven slide', True),
-    Quantity('f41', 'N', 'magnitude of the reaction at O1', True),
-    Quantity('f21', 'N', 'magnitude of the reaction at A', True),
-    Quantity('f32', 'N', 'magnitude of the reaction at B, or of the bar on its block', True),
-    Quantity('f43', 'N', 'magnitude of the reaction at O4, or of the guide', True),
-    Quantity('guide_force', 'N', 'force of the guide, square to it', True),
-    Quantity('guide_couple', 'N m', 'couple of the guide', True),
+    *(Quantity(row.name, row.unit, row.text, True) for row in LOADS.values() if row.text),
+    # of the Scotch yoke alone
+    Quantity('slot_velocity', 'm/s', 'velocity of the block in the slot', False),
+    Quantity('slot_acceleration', 'm/s^2', 'acceleration of the block in the slot', False),
+    Quantity('slot_couple', 'N m', 'couple of the slot on its block', True),
 )}
-QUANTITIES |= {quantity.name: quantity for kind in KINDS.values() for quantity in kind.QUANTITIES}
 
 # Given only if asked for by name, not with "all": their extrema are at dead points and at the ends
 # of the input, which are known in closed form.

@@ -15,6 +15,7 @@ from typing import NamedTuple
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanisms.contract import CRANK, of_geometry, SLIDE
+from fourbar_ros.mechanisms.loads import with_derived
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Ranges, THETA1, TRAVEL
 from fourbar_ros.numerics.exact_sums import difference_of_squares
@@ -327,7 +328,7 @@ class OffsetSlide(Mechanism):
     """Base of the kinds whose lengths p, r, e make a triangle p e^{ix} + r e^{ib} = s + i e."""
 
     INPUTS = {CRANK: THETA1, SLIDE: TRAVEL}
-    LOADS = SliderLoads
+    LOADS = with_derived(SliderLoads)
     MARGIN_SIGNS = ((-1, 1, -1), (1, -1, -1))
 
     def __post_init__(self) -> None:

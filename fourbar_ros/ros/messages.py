@@ -82,6 +82,8 @@ def filler(output: str, message: Message, layout: FieldMap
         target = message
         for step in path:
             target = getattr(target, step)
+        if not hasattr(target, attribute):
+            continue                         # messages of an older version are installed
         if isinstance(source, tuple):
             arrays.append((target, attribute,
                            [None if name is None else layout.place[name] for name in source]))

@@ -13,6 +13,7 @@ from functools import cache
 from math import nan
 from typing import Any, NamedTuple
 
+from fourbar_ros.mechanisms.loads import LOADS
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import (
     BETA,
@@ -28,13 +29,10 @@ from fourbar_ros.mechanisms.parts import (
 from fourbar_ros.mechanisms.points import LinkFields, PointMotion
 from fourbar_ros.numerics.arrays import Array
 
-# Fields of the messages LinkageState and LinkageLoads, which are made for four joints. Those that
-# a mechanism does not have are NaN; further links and joints have links/NAME, reactions/NAME.
+# Fields of LinkageState, which like LinkageLoads is made for four joints. Those that a mechanism
+# does not have are NaN; further links and joints have links/NAME, reactions/NAME.
 STATE_FIELDS = (*THETA1, *THETA2, *THETA3, *THETA4, *BETA, 'transmission_angle', 'velocity_ratio',
                 'condition', *TRAVEL)
-LOADS_FIELDS = ('f41_x', 'f41_y', 'f21_x', 'f21_y', 'f32_x', 'f32_y', 'f43_x', 'f43_y', 'f41',
-                'f21', 'f32', 'f43', 'driving_torque', 'shaking_force_x', 'shaking_force_y',
-                'shaking_force', 'shaking_moment', 'guide_force', 'guide_couple', 'driving_force')
 OF_JOINTS = ('position', 'velocity', 'effort')          # of a JointState
 DRIVE_WRENCH = ('drive wrench force_x', 'drive wrench force_y', 'drive wrench torque')
 PASSIVE_EFFORT = 0.0                                   # frictionless joints
@@ -147,7 +145,7 @@ def layout(mechanism: Names, points: tuple[str, ...] = (), with_effort: bool = T
         'output': dict(zip(motion, output)),
         'state': {'velocity_ratio': ratio, **renamed,
                   **{name: name for name in STATE_FIELDS if name in names}},
-        'loads': {name: name for name in LOADS_FIELDS if name in names},
+        'loads': {name: name for name in LOADS if name in names},
         'shaking_wrench': dict(zip(wrench, ('shaking_force_x', 'shaking_force_y',
                                             'shaking_moment'))),
         'joint_states': _joint_states(mechanism, with_effort, own_joints),
@@ -159,7 +157,7 @@ def layout(mechanism: Names, points: tuple[str, ...] = (), with_effort: bool = T
             reaction.x, reaction.y, reaction.couple)))) for reaction in mechanism.reactions},
     }
     absent = {'state': tuple(name for name in STATE_FIELDS if name not in fields['state']),
-              'loads': tuple(name for name in LOADS_FIELDS if name not in names)}
+              'loads': tuple(name for name in LOADS if name not in names)}
     for output_name in (*(f'points/{point}' for point in points),
                         *(f'links/{link}' for link in mechanism.links)):
         names += tuple(map(str, fields[output_name].values()))

@@ -18,6 +18,7 @@ from fourbar_ros.mechanics.bodies import Bodies, External
 from fourbar_ros.mechanisms.contract import Constants, CRANK, CROSSED, of_geometry, OPEN
 from fourbar_ros.mechanisms.four_bar.motion import Loads, make_motion, Motion
 from fourbar_ros.mechanisms.kinds import FACTS
+from fourbar_ros.mechanisms.loads import derives, with_derived
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import (
     around,
@@ -86,7 +87,7 @@ class FourBarLinks(Mechanism):
              THETA4: 'output link',
              BETA: 'coupler'}
     DRAWN = (THETA1, BETA, THETA4)
-    LOADS = Loads
+    LOADS = with_derived(Loads)
     BODIES, EXTERNAL = Bodies, External
 
     def __post_init__(self) -> None:
@@ -116,6 +117,7 @@ class FourBarLinks(Mechanism):
             return 'change point'
         return _CLASSES[tuple(1 if margin > 0.0 else -1 for margin in self.margins)]
 
+    @derives
     def loads_formula(self, numbers: NumberType, constants: Constants) -> Function:
         """Return (fields of MOTION) -> fields of LOADS for constants of a number type."""
         from fourbar_ros.mechanisms.four_bar.loads import make_loads  # linkages with masses alone

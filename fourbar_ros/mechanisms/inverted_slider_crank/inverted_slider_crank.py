@@ -22,6 +22,7 @@ from fourbar_ros.mechanisms.inverted_slider_crank.motion import (
     make_slide_motion,
 )
 from fourbar_ros.mechanisms.kinds import FACTS
+from fourbar_ros.mechanisms.loads import derives
 from fourbar_ros.mechanisms.parts import (
     around,
     Arrow,
@@ -193,6 +194,7 @@ class InvertedSlider(OffsetSlide):
         a1, a4, h = constants.lengths
         return make(numbers, a1, a4, h, constants.sign)
 
+    @derives
     def loads_formula(self, numbers: NumberType, constants: Constants) -> Function:
         """Return (fields of MOTION) -> fields of LOADS for constants of a number type."""
         a1, a4, h = constants.lengths

@@ -19,6 +19,7 @@ from fourbar_ros.mechanics.bodies import Applied, Body, NOT_APPLIED
 from fourbar_ros.mechanisms.checks import two_numbers
 from fourbar_ros.mechanisms.contract import Constants, CRANK, of_geometry, SLIDE
 from fourbar_ros.mechanisms.kinds import DIMENSIONS
+from fourbar_ros.mechanisms.loads import derives
 from fourbar_ros.mechanisms.machine.describe import diagram
 from fourbar_ros.mechanisms.machine.describe.description import (
     ANGLES,
@@ -248,6 +249,7 @@ class Machine(WithLimits):
         """Return (position, rate, acceleration) -> fields of MOTION for a number type."""
         return make_motion(numbers, self.layout, constants.lengths, constants.sign)
 
+    @derives
     def loads_formula(self, numbers: NumberType, constants: Constants) -> Function:
         """Return (fields of MOTION) -> fields of LOADS for constants of a number type."""
         return make_loads(numbers, self.layout, constants.lengths, constants.bodies,

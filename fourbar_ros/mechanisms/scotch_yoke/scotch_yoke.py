@@ -10,6 +10,7 @@ from typing import NamedTuple
 from fourbar_ros.mechanics.bodies import Bodies, External
 from fourbar_ros.mechanisms.contract import Constants, CRANK, OPEN, SLIDE
 from fourbar_ros.mechanisms.kinds import FACTS
+from fourbar_ros.mechanisms.loads import derives, with_derived
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import (
     around,
@@ -23,7 +24,6 @@ from fourbar_ros.mechanisms.parts import (
     NamedFields,
     ORIGIN,
     Output,
-    Quantity,
     reaction,
     SLOT,
     THETA1,
@@ -111,13 +111,9 @@ class ScotchYoke(Mechanism):
                  reaction('guide', 'guide on yoke', 'f43', 'guide_couple'))
     PARTS = {THETA1: 'crank', THETA2: 'block to crank', SLOT: 'block in the slot', TRAVEL: 'yoke'}
     DRAWN = (THETA1, TRAVEL, SLOT)
-    MOTION, LOADS = ScotchYokeMotion, ScotchYokeLoads
+    MOTION, LOADS = ScotchYokeMotion, with_derived(ScotchYokeLoads)
     BODIES, EXTERNAL = Bodies, External
     MARGIN_SIGNS = ((1, 0),)
-    QUANTITIES = (Quantity('slot_velocity', 'm/s', 'velocity of the block in the slot', False),
-                  Quantity('slot_acceleration', 'm/s^2', 'acceleration of the block in the slot',
-                           False),
-                  Quantity('slot_couple', 'N m', 'couple of the slot on its block', True))
 
     def __post_init__(self) -> None:
         self._check()
@@ -160,6 +156,7 @@ class ScotchYoke(Mechanism):
         a1, e = constants.lengths
         return make(numbers, a1, e, constants.sign)
 
+    @derives
     def loads_formula(self, numbers: NumberType, constants: Constants) -> Function:
         """Return (fields of MOTION) -> fields of LOADS for constants of a number type."""
         a1, e = constants.lengths

@@ -14,6 +14,7 @@ from typing import NamedTuple
 from fourbar_ros.mechanics.bodies import Bodies, External
 from fourbar_ros.mechanisms.contract import Constants, CRANK, of_geometry, OPEN, SLIDE
 from fourbar_ros.mechanisms.kinds import FACTS
+from fourbar_ros.mechanisms.loads import derives
 from fourbar_ros.mechanisms.parts import (
     around,
     Arrow,
@@ -199,6 +200,7 @@ class SliderCrank(OffsetSlide):
         """Return the data that mechanisms with the same formulas have in common."""
         return *super().structure, self._has_long_crank
 
+    @derives
     def loads_formula(self, numbers: NumberType, constants: Constants) -> Function:
         """Return (fields of MOTION) -> fields of LOADS for constants of a number type."""
         a1, a2, e = constants.lengths

@@ -14,6 +14,7 @@ from graphlib import CycleError, TopologicalSorter
 from typing import NamedTuple
 
 from fourbar_ros.errors import InvalidParameter, nearest
+from fourbar_ros.mechanisms.loads import DERIVED
 from fourbar_ros.mechanisms.machine.describe.description import (
     CRANK_LINK,
     CYLINDER,
@@ -266,4 +267,4 @@ def load_fields(layout: Layout) -> tuple[str, ...]:
         if is_slide:
             found += (f'{name}_normal', f'{name}_couple')
     return (*found, 'driving_torque', 'driving_force', 'shaking_force_x', 'shaking_force_y',
-            'shaking_force', 'shaking_moment')
+            'shaking_force', 'shaking_moment', *(row.name for row in DERIVED))

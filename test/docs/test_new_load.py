@@ -1,0 +1,81 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""A new load is one row of one table: the example of CONTRIBUTING, in a copy of the tree."""
+import json
+import re
+import shutil
+import subprocess
+import sys
+
+from support import ROOT
+
+GUIDE = (ROOT / '.github/CONTRIBUTING.md').read_text()
+TREES = ('fourbar_ros', 'fourbar_lab', 'docs', 'msg_defs', 'config')
+SCRIPT = """
+import json, sys
+from pathlib import Path
+from fourbar_lab.drawing.poses import loads_table
+from fourbar_lab.export import fmu
+from fourbar_lab.export.model import Model
+from fourbar_lab.live.model import shown
+from fourbar_ros import find_extrema, load_scene
+from fourbar_ros.ros.node.services import units_of
+import fourbar_ros
+from rich.console import Console
+
+found = {'home': fourbar_ros.__file__}
+for name in ('paper', 'cylinder', 'jansen'):
+    scene = load_scene(name)
+    linkage = scene.linkage
+    low, high = linkage.input_ranges[0]
+    motion, loads = linkage.step(0.3 * low + 0.7 * high, 2.0)
+    slides = linkage.is_driven_by_slide
+    found[name] = {'power': loads.drive_power,
+                   'expected': 2.0 * (loads.driving_force if slides else loads.driving_torque),
+                   'unit': units_of(linkage).get('drive_power'),
+                   'field': scene._replace(outputs=('loads',)).layout.fields['loads'].get(
+                       'drive_power'),
+                   'extrema': len(find_extrema(linkage, ('drive_power',), 2.0))}
+scene = load_scene('paper')
+page = shown(scene.values)
+found['page'] = [page.values(page.poses[0])['drive_power'], 'drive_power' in page.quantities]
+console = Console(width=100, record=True, file=open('/dev/null', 'w'))
+console.print(loads_table(scene.linkage, scene.linkage.loads(1.0, 25.0)))
+found['show'] = 'drive power' in console.export_text()
+model = Model(scene, 'paper', outputs=('drive_power',))
+found['texts'] = model.texts['drive_power']
+found['fmu'] = fmu._exponents('W')
+print(json.dumps(found))
+"""
+
+
+def test_a_row_makes_a_load_of_table_message_manual_page_and_fmu(tmp_path):
+    for name in TREES:
+        shutil.copytree(ROOT / name, tmp_path / name,
+                        ignore=shutil.ignore_patterns('__pycache__', '*.png', '*.svg', '*.gif'))
+    formula, row = re.search(r'```python\n(def drive_power.*?)\n\n\n(Load\(.*?)\n```', GUIDE,
+                             re.DOTALL).groups()
+    file = tmp_path / 'fourbar_ros/mechanisms/loads.py'
+    text = file.read_text()
+    text = text.replace('LOADS = {', f'{formula}\n\n\nLOADS = {{').replace(
+        '\n)}\nDERIVED', f'\n    {row}\n)}}\nDERIVED')
+    file.write_text(text)
+
+    def run(*words):
+        done = subprocess.run([sys.executable, *words], cwd=tmp_path, text=True, check=False,
+                              capture_output=True)
+        assert not done.returncode, done.stderr
+        return done.stdout
+    run('docs/tables.py')
+    assert '| `drive_power` | W | power of the drive | all |' in (
+        tmp_path / 'docs/reference.md').read_text()
+    assert '# [W] power of the drive' in (tmp_path / 'msg_defs/msg/LinkageLoads.msg').read_text()
+    found = json.loads(run('-c', SCRIPT).splitlines()[-1])
+    assert found['home'].startswith(str(tmp_path))
+    for name in ('paper', 'cylinder', 'jansen'):
+        own = found[name]
+        assert own['power'] == own['expected'] != 0.0
+        assert own['unit'] == 'W' and own['field'] == 'drive_power' and own['extrema']
+    assert found['page'][0][1] == 'W' and found['page'][1]
+    assert found['show'] and found['texts'] == ['W', 'power of the drive']
+    assert found['fmu'] == [1, 2, -3, 0, 0]
