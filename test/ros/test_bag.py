@@ -19,30 +19,31 @@ import pytest
 from rosbags.highlevel import AnyReader
 from rosbags.rosbag2 import Reader
 from rosbags.typesys import get_types_from_msg, get_typestore, Stores
-from support.harness import ALL_OUTPUTS
-from support.samples import some
+from support.harness import ALL_OUTPUTS, Client, NodeProcess
 from support.scenes import PAPER, RODS
 import yaml
 
 
-@pytest.fixture
-def bag(run_node, client, tmp_path):
+@pytest.fixture(scope='module')
+def bag(tmp_path_factory):
     """Return (directory of a bag, messages heard while it was written)."""
-    node = run_node({**PAPER, **RODS, 'drive.speed': 25.0, 'drive.rate': 200.0,
-                     'outputs': ALL_OUTPUTS,
-                     'recording.directory': str(tmp_path / 'deep/bags')})
+    folder, client = tmp_path_factory.mktemp('node'), Client()
+    node = NodeProcess({**PAPER, **RODS, 'drive.speed': 25.0, 'drive.rate': 200.0,
+                        'outputs': ALL_OUTPUTS,
+                        'recording.directory': str(folder / 'deep/bags')}, folder)
     client.listen()
     client.until(lambda: all(client.received.values()), 'the stream')
     # says that there is none: both sides know each other now
     client.call('stop_recording')
     answer = client.call('start_recording', name='run')
-    assert answer.success and answer.path == str(tmp_path / 'deep/bags/run')
+    assert answer.success and answer.path == str(folder / 'deep/bags/run')
     count = len(client.received['state'])
     client.until(lambda: len(client.received['state']) > count + 100, '100 more samples')
     answer = client.call('stop_recording')
-    assert answer.success and answer.message == str(tmp_path / 'deep/bags/run')
+    assert answer.success and answer.message == str(folder / 'deep/bags/run')
     assert node.stop(signal.SIGINT) == 0
-    return tmp_path / 'deep/bags/run', client.received
+    client.close()
+    return folder / 'deep/bags/run', client.received
 
 
 def plain(message, skip=('__msgtype__',)):
@@ -243,31 +244,15 @@ def test_a_name_that_is_taken_does_not_stop_the_node_it_records_under_the_next_f
     assert not any(list((tmp_path / 'bags' / name).iterdir()) for name in ('run', 'run_2'))
 
 
-@some('number', [signal.SIGINT, signal.SIGTERM, signal.SIGHUP], 1)
-def test_a_bag_says_which_signal_ended_its_node_or_that_the_service_did(run_node, client, tmp_path,
-                                                                        number):
-    node = run_node({**PAPER, 'outputs': ['state'], 'recording.start': True,
-                     'recording.name': 'first', 'recording.directory': str(tmp_path)})
-    client.listen(['state'])
-    client.until(lambda: len(client.received['state']) > 20, 'the stream')
-    assert client.call('stop_recording').success
-    assert client.call('start_recording', name='second').success
-    assert node.stop(number) == 0
-    assert info(tmp_path / 'first').ended == 'stopped by ~/stop_recording'
-    assert info(tmp_path / 'second').ended == f'the node ended by {number.name}'
-
-
-@some('by_service', [True, False], 1)
-def test_the_reason_of_a_fault_is_logged_once(run_node, client, tmp_path, by_service):
+def test_the_reason_of_a_fault_is_logged_once(run_node, client, tmp_path):
     node = run_node({**PAPER, 'outputs': ['state'], 'recording.start': True,
                      'recording.name': 'run', 'recording.directory': str(tmp_path / 'bags')})
     client.listen(['state'])
     client.until(lambda: len(client.received['state']) > 20, 'the stream')
     (tmp_path / 'bags/run/run_0.mcap').unlink()
     client.until(lambda: 'recording stopped' in node.said, 'the recorder looks for its file')
-    if by_service:
-        answer = client.call('stop_recording')
-        assert not answer.success and 'removed' in answer.message
+    answer = client.call('stop_recording')
+    assert not answer.success and 'removed' in answer.message
     assert node.stop() == 0
     assert node.said.count('recording stopped') == 1, node.said
 
