@@ -3,13 +3,12 @@
 """joint_states and the input joint over the wire: what is not known, ratio and offset, prefix."""
 import math
 
-from fourbar_msgs.msg import LinkageState, Motion
+from fourbar_msgs.msg import Motion
 from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.scene import scene
 import pytest
 from sensor_msgs.msg import JointState
 from support.harness import ALL_OUTPUTS
-from support.samples import some
 from support.scenes import PAPER, ROCKER, RODS
 
 
@@ -20,56 +19,6 @@ def exchange(client, publisher, messages, settle):
     client.until(lambda: len(client.received['state']) >= len(messages), 'the states')
     client.until(settle, 'the joint states')
     return client.received['state'], client.received['joint_states']
-
-
-@some('policy', ['skip', 'hold', 'send_nan'], ('hold',))
-def test_positions_out_of_range(run_node, client, policy):
-    run_node({**ROCKER, 'drive.source': 'motion', 'outputs': ['state', 'joint_states'],
-              'joint_states.when_unknown': policy})
-    client.listen(['state', 'joint_states'])
-    publisher = client.publisher()
-    client.handshake(lambda: publisher.publish(Motion(position=0.1)))
-    inputs = [Motion(position=0.2, velocity=1.0), Motion(position=1.0), Motion(position=math.nan),
-              Motion(position=0.3)]
-    _, joints = exchange(client, publisher, inputs, lambda: (
-        client.received['joint_states'] and client.received['joint_states'][-1].position[0]
-        == 0.3))
-    if policy == 'skip':
-        assert [m.position[0] for m in joints] == [0.2, 0.3]
-    else:
-        assert len(joints) == 4
-        for message in joints[1:3]:
-            if policy == 'hold':
-                assert message.position == joints[0].position
-            assert (math.isnan(message.velocity[3]) and (policy == 'hold')
-                    == math.isfinite(message.position[3]))
-    assert all(len(m.effort) == 0 for m in joints)               # no masses
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize('policy', ['skip', 'hold', 'send_nan'])
-def test_positions_after_a_silence(run_node, client, policy):
-    run_node({**PAPER, 'drive.source': 'motion', 'drive.timeout': 0.5,
-              'outputs': ['state', 'joint_states'],
-              'joint_states.when_unknown': policy})
-    client.listen(['state', 'joint_states'])
-    publisher = client.publisher()
-    client.handshake(lambda: publisher.publish(Motion(position=0.1)))
-
-    def silent():
-        return any(s.status == LinkageState.STATUS_INPUT_TIMEOUT for s in client.received['state'])
-    client.until(silent, 'the timeout')
-    sent = [m for m in client.received['joint_states'] if math.isnan(m.velocity[3])]
-    if policy == 'skip':
-        assert not sent
-    else:
-        client.until(lambda: any(math.isnan(m.velocity[3])
-                                 for m in client.received['joint_states']), 'the silence')
-        last = [m for m in client.received['joint_states'] if math.isnan(m.velocity[3])][-1]
-        if policy == 'hold':
-            assert last.position[0] == 0.1 and math.isfinite(last.position[3])
-        else:
-            assert all(map(math.isnan, last.position))
 
 
 def test_a_geared_joint_comes_in_and_goes_out_by_the_same_formula(run_node, client):
@@ -100,14 +49,12 @@ def test_a_geared_joint_comes_in_and_goes_out_by_the_same_formula(run_node, clie
     assert scene.from_values(given).linkage.motion(states[-1].theta1).theta4 == states[-1].theta4
 
 
-@some('policy', ['skip', 'hold', 'send_nan'], ('hold',))
-def test_a_bag_that_begins_while_positions_are_held_computes_again(run_node, client, tmp_path,
-                                                                   policy):
+def test_a_bag_that_begins_while_positions_are_held_computes_again(run_node, client, tmp_path):
     node = run_node({**ROCKER, **RODS, 'drive.source': 'motion', 'outputs': ALL_OUTPUTS,
                      'recording.directory': 'runs',
-                     'joint_states.when_unknown': policy,
+                     'joint_states.when_unknown': 'hold',
                      'joint_states.ratios': [1.0, 1.0, -1.5, 1.0],
-                     'drive.out_of_range': 'none' if policy == 'skip' else 'hold'})
+                     'drive.out_of_range': 'hold'})
     client.listen(['state', 'joint_states'])
     publisher = client.publisher()
     client.handshake(lambda: publisher.publish(Motion(position=0.1)))
@@ -130,17 +77,3 @@ def test_a_bag_that_begins_while_positions_are_held_computes_again(run_node, cli
             if d.topic == '/joint_states'} >= {'position', 'velocity', 'effort'}
     assert max(d.largest for d in found.differences) == 0.0, [d for d in found.differences
                                                               if d.largest]
-
-
-@pytest.mark.slow
-def test_evaluate_refuses_a_mode_with_nothing_that_looks_like_numbers(run_node, client):
-    run_node({**PAPER, **RODS, 'drive.source': 'motion'})
-    for mode in (3, 7, 255):
-        answer = client.call('evaluate', position=0.1, mode=mode)
-        assert (answer.result == answer.RESULT_INVALID_REQUEST
-                and f'mode = {mode}' in answer.message)
-        assert answer.state.status == answer.loads.status == LinkageState.STATUS_INVALID_INPUT
-        numbers = [getattr(part, name) for part in (answer.state, answer.loads)
-                   for name, kind in part.get_fields_and_field_types().items() if kind == 'double']
-        known = [x for x in numbers if not math.isnan(x)]
-        assert known == [answer.state.change_point_margin] and len(numbers) > 30

@@ -14,7 +14,7 @@ ALL = ['state', 'output', 'joint_states', 'loads', 'shaking_wrench', 'drive_wren
        'reactions', 'points']
 
 
-@some('name', ['lift_table', 'jansen', 'bucket'], 1)
+@some('name', ['lift_table', 'jansen'], 1)
 def test_topics_services_and_bag_are_those_of_the_core(name, run_node, client, tmp_path):
     parameters = {**read_values(name), **BY_MESSAGES, 'outputs': ALL}
     its = scene.from_values(parameters)

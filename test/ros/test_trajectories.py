@@ -14,6 +14,7 @@ from ros.test_start import start
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 from support import ROOT
+from support.harness import Client, NodeProcess
 from support.scenes import PAPER, RODS
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
@@ -65,20 +66,64 @@ class Asker:
         self._publishers[name].publish(what)
 
     def ask(self, name, what, answer):
-        self.client.spin(0.3)                # refusals on their way
         count = len(self.heard[answer])
         self.send(name, what)
         self.client.until(lambda: len(self.heard[answer]) > count, answer)
         return self.heard[answer][-1]
 
 
+    def refused(self, what, why):
+        """Wait for the refusal; those of the discovery may still be on their way."""
+        self.send('output_trajectory', what)
+        self.client.until(lambda: any(why in said.data for said in
+                                      self.heard['trajectory_refused']), why)
+
+
+@pytest.fixture(scope='module')
+def client():
+    """Return the Client of all tests."""
+    made = Client()
+    yield made
+    made.close()
+
+
+@pytest.fixture(scope='module')
+def geared(client, tmp_path_factory):
+    """Return (Asker of a node behind gears, function that sets its parameters)."""
+    node = NodeProcess({**GEARED, 'drive.timeout': 0.0}, tmp_path_factory.mktemp('geared'),
+                       name='geared')
+
+    def put(**values):
+        assert set_parameters(client, {
+            name.replace('__', '.'): value for name, value in values.items()},
+            node='geared')[0].successful
+    yield Asker(client, 'geared'), put
+    assert node.stop() == 0 and 'Traceback' not in node.said, node.said
+
+
 def column(trajectory, name):
     return np.array([getattr(point, name)[-1] for point in trajectory.points])
 
 
-def test_a_wanted_output_becomes_a_drive_and_comes_back(run_node, client):
-    run_node({**GEARED, 'trajectory_fields': list(FIELDS[1:])})
-    asker, wanted = Asker(client), message('leg', 2.0 * np.linspace(1.7, 2.2, 5) - 0.5)
+def test_an_answer_holds_what_is_asked_for_and_known(geared):
+    """Without a word no effort, which joint_trajectory_controller would refuse."""
+    (asker, put), wanted = geared, message('leg', [3.0, 3.2])
+    plain = message('leg', [3.0, 3.2], accelerations=[], effort=[])
+    for asked, given, has in ((None, wanted, FIELDS[:3]), (None, plain, FIELDS[:2]),
+                              (['accelerations'], wanted, ('positions', 'accelerations')),
+                              (['effort'], wanted, ('positions', 'effort'))):
+        if asked is not None:
+            put(trajectory_fields=asked)
+        answer = asker.ask('output_trajectory', given, 'drive_trajectory')
+        assert all(len(getattr(point, name)) == (name in has)
+                   for point in answer.points for name in FIELDS), answer
+    asker.refused(plain, 'acceleration: must be given for an effort')
+
+
+def test_a_wanted_output_becomes_a_drive_and_comes_back(geared):
+    asker, put = geared
+    put(trajectory_fields=list(FIELDS[1:]))
+    wanted = message('leg', 2.0 * np.linspace(1.7, 2.2, 5) - 0.5)
     drive = asker.ask('output_trajectory', wanted, 'drive_trajectory')
     assert list(drive.joint_names) == ['motor']
     assert [p.time_from_start.sec for p in drive.points] == [0, 1, 2, 3, 4]
@@ -104,34 +149,15 @@ REFUSED = [
     (message('leg', [float('nan')]), 'must be finite'),
     (backwards(message('leg', [3.0, 3.1, 3.2])),
      'points[2].time_from_start = 0.5: must not decrease: the point before has 1 s'),
-    (message('leg', [1e308]), 'theta4 = 1.4285714e+307 rad tells no angle'),
-    (message('leg', [14.0], velocities=[0.0, 1e308]), 'of theta1 overflows'),
+    (message('leg', [1e308]), 'theta4 = 5e+307 rad tells no angle'),
+    (message('leg', [3.2], velocities=[0.0, 1e308]), 'of theta1 overflows'),
 ]
 
 
-def test_what_cannot_be_followed_is_refused_with_its_reason(run_node, client):
-    run_node({**GEARED, 'joint_states.ratios': [1.0, 1.0, 1.0, 7.0]})
-    asker = Asker(client)
+def test_what_cannot_be_followed_is_refused_with_its_reason(geared):
+    asker, _ = geared
     for wrong, why in REFUSED:
-        assert why in asker.ask('output_trajectory', wrong, 'trajectory_refused').data
-
-
-def test_an_answer_holds_what_is_asked_for_and_known(run_node, client):
-    """Without a word no effort, which joint_trajectory_controller would refuse."""
-    node = run_node(GEARED)
-    asker, wanted = Asker(client), message('leg', [3.0, 3.2])
-    plain = message('leg', [3.0, 3.2], accelerations=[], effort=[])
-    for asked, given, has in ((None, wanted, FIELDS[:3]), (None, plain, FIELDS[:2]),
-                              (['accelerations'], wanted, ('positions', 'accelerations')),
-                              (['effort'], wanted, ('positions', 'effort'))):
-        if asked is not None:
-            assert set_parameters(client, {'trajectory_fields': asked})[0].successful
-        answer = asker.ask('output_trajectory', given, 'drive_trajectory')
-        assert all(len(getattr(point, name)) == (name in has)
-                   for point in answer.points for name in FIELDS), answer
-    why = asker.ask('output_trajectory', plain, 'trajectory_refused').data
-    assert 'acceleration: must be given for an effort' in why
-    assert 'Traceback' not in node.said
+        asker.refused(wrong, why)
 
 
 TURNING = {'linkage.a1': 0.5, 'linkage.a2': 0.6, 'linkage.a3': 0.55, 'linkage.a4': 0.2,
@@ -156,24 +182,18 @@ def test_a_stream_of_single_points_turns_on_and_on(run_node, client):
     assert np.abs(through.to_output(trajectory(answers)).position - positions).max() <= 1e-11
 
 
-@pytest.mark.slow
-def test_what_is_not_answered_is_counted(run_node, client):
-    run_node({**GEARED, 'drive.timeout': 0.0})
-    newest = []
-    client.node.create_subscription(DiagnosticArray, '/diagnostics', newest.append, 10)
-    asker = Asker(client)
-    asker.ask('output_trajectory', message('leg', [20.0]), 'trajectory_refused')
-    asker.ask('output_trajectory', message('leg', [3.0]), 'drive_trajectory')
-    refused, answered = (len(asker.heard[name])
-                         for name in ('trajectory_refused', 'drive_trajectory'))
+def test_what_is_not_answered_is_counted(geared):
+    (asker, _), newest = geared, []
+    asker.client.node.create_subscription(DiagnosticArray, '/diagnostics', newest.append, 10)
 
     def counted():
         values = {pair.key: pair.value for pair in newest[-1].status[0].values} if newest else {}
-        return (values.get('trajectories') == str(refused + answered)
+        refused, answered = (len(asker.heard[name]) for name in (
+            'trajectory_refused', 'drive_trajectory'))
+        return (values.get('trajectories') == str(refused + answered + 1)       # one came back
                 and values['trajectories refused'] == str(refused)
                 and values['trajectories lost'] == '0')
-    client.until(counted, 'the counts')
-    assert any('trajectories refused' in array.status[0].message for array in newest)
+    asker.client.until(counted, 'the counts')
 
 
 WAITING = """

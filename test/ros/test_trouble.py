@@ -24,7 +24,6 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from support.faults import Faults
 from support.harness import PATIENCE
-from support.samples import some
 from support.scenes import PAPER
 
 DRIVEN = {**PAPER, 'drive.source': 'motion', 'drive.timeout': 0.0, 'outputs': ['state']}
@@ -53,8 +52,7 @@ Stream.step = lambda self, *given: (time.sleep(0.001), step(self, *given))
 """
 
 
-@some('publishers', [1, 2], (2,))
-def test_what_is_lost_is_counted_to_the_last_message(run_node, client, heard, publishers):
+def test_what_is_lost_is_counted_to_the_last_message(run_node, client, heard):
     """
     Inputs faster than a step, and more of them than are kept.
 
@@ -62,7 +60,7 @@ def test_what_is_lost_is_counted_to_the_last_message(run_node, client, heard, pu
     """
     run_node(DRIVEN, first=SLOW)
     client.listen(['state'])
-    sending = [client.publisher() for _ in range(publishers)]
+    sending = [client.publisher() for _ in range(2)]
     for publisher in sending:
         client.handshake(lambda publisher=publisher: publisher.publish(Motion(position=0.1)))
 
@@ -74,7 +72,7 @@ def test_what_is_lost_is_counted_to_the_last_message(run_node, client, heard, pu
         seen, number = counted(), len(heard.messages)
         client.until(lambda number=number: len(heard.messages) > number + 1, 'diagnostics')
     for k in range(3000):
-        sending[k % publishers].publish(Motion(position=0.001 * k))
+        sending[k % 2].publish(Motion(position=0.001 * k))
     client.until(lambda: counted() == seen + 3000, 'all counted')
     status, values = heard()
     assert int(values['lost']) > 0
@@ -101,32 +99,35 @@ def test_gaps_in_the_numbers_of_several_publishers():
 
 # --- the log -------------------------------------------------------------------------------------
 
-@some('bad', [Motion(position=math.nan), Motion(velocity=math.inf)], 1)
-def test_good_and_bad_inputs_in_turns_are_a_few_lines(run_node, client, heard, bad):
-    node = run_node(DRIVEN)
+def test_good_and_bad_inputs_in_turns_are_a_few_lines(run_node, client, heard):
+    node, began = run_node(DRIVEN), time.monotonic()
     client.listen(['state'])
     publisher = client.publisher()
     client.handshake(lambda: publisher.publish(Motion(position=0.1)))
     # as many at once as are kept for certain
     for _ in range(30):
-        states = answers(client, publisher.publish, [Motion(position=0.2), bad] * 10)
+        states = answers(client, publisher.publish,
+                         [Motion(position=0.2), Motion(position=math.nan)] * 10)
     assert [s.status for s in states[:2]] == [LinkageState.STATUS_OK,
                                               LinkageState.STATUS_INVALID_INPUT]
+    for use_sim_time in (True, False):
+        changed = set_parameters(client, {'use_sim_time': use_sim_time})[0]
+        assert changed.successful is not use_sim_time
+        assert changed.successful or 'at start' in changed.reason
     assert node.stop() == 0
     lines = [line for line in node.said.splitlines() if 'theta1 =' in line or 'good again' in line]
-    assert 2 <= len(lines) <= 8          # each once in ten seconds, on a slow machine
+    assert 2 <= len(lines) <= 2 * (1 + (time.monotonic() - began) / 10.0)    # each in ten seconds
 
 
 # --- clocks --------------------------------------------------------------------------------------
 
 @pytest.mark.skipif(not shutil.which('cc'), reason='needs a C compiler')
-@some('step', [-3600.0, 3600.0], 1)
-def test_a_node_on_a_timer_stops_whatever_the_clock(run_node, client, heard, tmp_path, step):
+def test_a_node_on_a_timer_stops_whatever_the_clock(run_node, client, heard, tmp_path):
     """Nothing comes in that would wake it, and its executor waits by the clock that was set."""
     faults = Faults(tmp_path)
     node = faults.start(lambda: run_node({**PAPER, 'outputs': ['state']}))
     client.until(lambda: heard.messages, 'diagnostics')
-    faults.set(clock=step)
+    faults.set(clock=-3600.0)
     node.process.send_signal(signal.SIGTERM)
     assert node.process.wait(PATIENCE) == 0
 
@@ -147,7 +148,7 @@ class Simulation:
 
 def test_a_timeout_counts_simulated_time(run_node, client):
     """While a simulation stands no input can come: that is no timeout."""
-    run_node({**DRIVEN, 'drive.timeout': 1.0, 'use_sim_time': True})
+    run_node({**DRIVEN, 'drive.timeout': 0.2, 'use_sim_time': True})
     simulation = Simulation(client)
     client.listen(['state'])
     publisher = client.publisher()
@@ -156,9 +157,7 @@ def test_a_timeout_counts_simulated_time(run_node, client):
     simulation.stands = True
     client.until(lambda: client.received['state'], 'the answer')
     client.received['state'].clear()
-    end = time.monotonic() + 2.5
-    while time.monotonic() < end:
-        client.executor.spin_once(timeout_sec=0.05)
+    client.spin(0.6)
     assert not client.received['state']
     simulation.stands = False
     client.until(lambda: client.received['state'], 'the timeout')
@@ -213,14 +212,6 @@ def test_a_simulation_that_is_reset_by_less_than_the_timeout_has_rates_at_once(
     assert node.stop() == 0
     found = recompute(tmp_path / 'run')
     assert not found.problems() and found.largest == 0.0 and found.inputs >= 30
-
-
-@pytest.mark.slow
-def test_simulated_time_is_chosen_at_start(run_node, client):
-    run_node(DRIVEN)
-    refused, kept = (set_parameters(client, {'use_sim_time': value})[0] for value in (True, False))
-    assert not refused.successful and 'at start' in refused.reason
-    assert kept.successful
 
 
 # --- stamps and estimates ------------------------------------------------------------------------

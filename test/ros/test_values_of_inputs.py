@@ -9,6 +9,7 @@ from fourbar_ros.mechanics.bodies import Applied
 from fourbar_ros.scene import scene
 from geometry_msgs.msg import WrenchStamped
 import pytest
+from ros.test_trouble import Simulation
 from rosgraph_msgs.msg import Clock
 from support.harness import set_parameters
 from support.scenes import PAPER, RODS
@@ -37,34 +38,34 @@ def motions(run_node, client):
     return start
 
 
-def test_an_acceleration_that_is_given_is_not_estimated(motions, client):
-    _, answer = motions({})
+def test_an_acceleration_that_is_given_is_not_estimated_and_a_stamp_ahead_is_said(motions, client):
+    node, answer = motions({})
     now = client.node.get_clock().now().nanoseconds
     states = [answer(now + k * SECOND // 100, 0.04 * k, NAN, 7.0) for k in range(8)]
     assert states[-1].status == LinkageState.STATUS_OK and states[-1].alpha1 == 7.0
     assert states[-1].omega1 == pytest.approx(4.0, rel=1e-9)
+    ahead = client.node.get_clock().now().nanoseconds + 9 * SECOND
+    assert answer(ahead, 0.3, 1.0, 0.0).theta1 == 0.3
+    client.until(lambda: 's ahead of the clock' in node.said, 'the warning')
 
 
 def test_after_a_timeout_the_estimate_starts_afresh(motions, client):
-    _, answer = motions({'drive.timeout': 1.0, 'drive.window': 3})
-    now = client.node.get_clock().now().nanoseconds
+    """On simulated time, which stands until the answers have come."""
+    simulation = Simulation(client)
+    _, answer = motions({'drive.timeout': 1.0, 'drive.window': 3, 'use_sim_time': True})
+    simulation.stands = True
+    now = simulation.now
     states = [answer(now + k * SECOND // 100, 0.04 * k, NAN, NAN) for k in range(4)]
     assert states[-1].status == LinkageState.STATUS_OK
-    client.until(lambda: client.received['state'][-1].status == LinkageState.STATUS_INPUT_TIMEOUT,
-                 'the timeout')
-    client.spin(1.0)                    # it is told once
-    assert [state.status for state in client.received['state']] == [
-        LinkageState.STATUS_OK, LinkageState.STATUS_INPUT_TIMEOUT]
+    for _ in range(3):                  # it is told once
+        simulation.now += 2 * SECOND
+        client.until(lambda: client.received['state'][-1].status
+                     == LinkageState.STATUS_INPUT_TIMEOUT, 'the timeout')
+        client.spin(0.2)
+    assert len(client.received['state']) == 2
     # by its stamp it follows at once
     after = answer(now + 4 * SECOND // 100, 0.16, NAN, NAN)
     assert after.status == LinkageState.STATUS_RATES_UNKNOWN and math.isnan(after.omega1)
-
-
-def test_a_stamp_ahead_of_the_clock_is_said(motions, client):
-    node, answer = motions({})
-    assert answer(client.node.get_clock().now().nanoseconds + 9 * SECOND, 0.3, 1.0, 0.0).theta1 \
-        == 0.3
-    client.until(lambda: 's ahead of the clock' in node.said, 'the warning')
 
 
 def test_on_simulated_time_the_angle_goes_on_at_a_new_speed(run_node, client):
@@ -88,20 +89,21 @@ def test_on_simulated_time_the_angle_goes_on_at_a_new_speed(run_node, client):
             states[k].omega1 * (times[k] - times[k - 1]), abs=1e-9)
 
 
-@pytest.mark.parametrize(('sent', 'acts'), [(-500.0, -20.0), (500.0, 20.0), (-3.0, -3.0)])
-def test_a_torque_is_cut_to_its_limit_on_both_sides(run_node, client, sent, acts):
+def test_a_torque_is_cut_to_its_limit_on_both_sides(run_node, client):
     run_node({**PAPER, **RODS, 'drive.source': 'torque', 'drive.torque_limit': 20.0,
               'drive.timeout': 0.0, 'drive.rate': 50.0, 'outputs': ['state']})
     heard = []
     client.node.create_subscription(DriveState, '/fourbar/drive_state', heard.append, 10)
     publisher = client.node.create_publisher(WrenchStamped, '/fourbar/torque', 10)
     message = WrenchStamped()
-    message.wrench.torque.z, message.wrench.torque.x, message.wrench.force.x = sent, 1.0, 2.0
+    message.wrench.torque.x, message.wrench.force.x = 1.0, 2.0
+    for sent, acts in ((-500.0, -20.0), (500.0, 20.0), (-3.0, -3.0)):
+        message.wrench.torque.z = sent
 
-    def acted():
-        publisher.publish(message)
-        return heard and heard[-1].torque == acts
-    client.until(acted, 'the torque')
+        def acted(acts=acts):
+            publisher.publish(message)
+            return heard and heard[-1].torque == acts
+        client.until(acted, 'the torque')
 
 
 def test_a_wrench_in_no_frame_acts_with_all_three_numbers(run_node, client):

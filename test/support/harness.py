@@ -96,7 +96,7 @@ class Client(NodeClient):
 
     def handshake(self, send, inbox='state'):
         """
-        Send until an answer comes on every listened topic, then forget the answers.
+        Send until an answer comes on every listened topic; return the answers, then forgotten.
 
         It ends when nothing more has come for ten times as long as an answer let wait, 0.3 to 3 s:
         one on its way would be taken for an answer of the test.
@@ -115,8 +115,10 @@ class Client(NodeClient):
             if (found := sum(map(len, self.received.values()))) != count:
                 wait, count, last = max(wait, 10.0 * (time.monotonic()
                                                       - now)), found, time.monotonic()
+        found = {name: list(messages) for name, messages in self.received.items()}
         for messages in self.received.values():
             messages.clear()
+        return found
 
     def introduce(self, service, service_name):
         """
@@ -143,7 +145,7 @@ class Client(NodeClient):
         rclpy.try_shutdown()
 
 
-def set_parameters(client, values, atomically=False):
+def set_parameters(client, values, atomically=False, node='fourbar'):
     """
     Change parameters of a node; return the results.
 
@@ -153,7 +155,7 @@ def set_parameters(client, values, atomically=False):
     from rcl_interfaces.srv import SetParameters, SetParametersAtomically
     from rclpy.parameter import Parameter
     kind = SetParametersAtomically if atomically else SetParameters
-    caller = client.node.create_client(kind, '/fourbar/set_parameters'
+    caller = client.node.create_client(kind, f'/{node}/set_parameters'
                                        + ('_atomically' if atomically else ''))
     client.until(caller.service_is_ready, 'the parameter service')
     request = kind.Request(parameters=[Parameter(name, value=value).to_parameter_msg()
