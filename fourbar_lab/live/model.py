@@ -67,7 +67,7 @@ class Shown:
     @property
     def rate(self) -> float:
         """Return the rate of the input [rad/s] or [m/s]."""
-        return self.scene.drive.speed
+        return float(self.scene.drive.speed)
 
     @property
     def ranges(self) -> tuple[tuple[float, float], ...]:

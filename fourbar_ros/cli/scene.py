@@ -13,7 +13,7 @@ from fourbar_ros.scene.topics import INPUTS, OUTPUTS, PICTURES, TORQUE, wrench_t
 
 if TYPE_CHECKING:
     from fourbar_ros.mechanisms.mechanism import Mechanism
-    from fourbar_ros.scene.settings import Drive
+    from fourbar_ros.scene.scene import Group
     from rich.table import Table
 
 STEPS, ROUNDS = 2000, 5        # of the measured computing time: some 50 ms in all
@@ -68,7 +68,7 @@ def _check(arguments: Namespace) -> None:
     warn(scene)
 
 
-def _leaves_the_range(linkage: Mechanism, drive: Drive) -> str:
+def _leaves_the_range(linkage: Mechanism, drive: Group) -> str:
     """Return the note that the timer drives the input beyond its range, at once or later."""
     from fourbar_ros.errors import in_words
     from fourbar_ros.pipeline.status import evaluate, OUT_OF_RANGE

@@ -184,7 +184,7 @@ def start_of(scene: Scene) -> float:
     """Return ``drive.start`` if the linkage closes there, else the middle of its first range."""
     try:
         scene.linkage.motion(scene.drive.start, 0.0, 0.0)
-        return scene.drive.start
+        return float(scene.drive.start)
     except FourBarError:
         low, high = scene.linkage.input_ranges[0]
         return 0.5 * (low + high)

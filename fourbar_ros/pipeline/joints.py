@@ -14,7 +14,7 @@ from typing import NamedTuple, TypeVar
 
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.scene.message_fields import FieldMap
-from fourbar_ros.scene.settings import JointStates
+from fourbar_ros.scene.scene import Group
 
 Number = TypeVar('Number', float, Array)
 
@@ -40,7 +40,7 @@ class Joints:
     whether the last known positions are held.
     """
 
-    def __init__(self, layout: FieldMap, shown: JointStates) -> None:
+    def __init__(self, layout: FieldMap, shown: Group) -> None:
         """Look up once where among the values of a sample each joint has its own."""
         place, joints = layout.place, layout.joints
         self._scales = [Scale(*pair) for pair in zip(shown.ratios, shown.offsets)]

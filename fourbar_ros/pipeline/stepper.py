@@ -65,7 +65,7 @@ class Stepper:
         self._good: tuple[float, ...] | None = None
         self._limits: list[float] | None = None
         self._joints = self._drive_wrench = None
-        if not scene.joint_states.are_plain:
+        if not scene.shows_plain_joints:
             from fourbar_ros.pipeline.joints import Joints
             self._joints = Joints(scene.layout, scene.joint_states)
         own_joints = joint_values(len(scene.layout.joints)) if self._joints else ()

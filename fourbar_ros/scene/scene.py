@@ -12,22 +12,15 @@ from dataclasses import replace
 import json
 from math import isnan, lcm, tau
 from pathlib import Path
-from typing import Any, cast, NamedTuple, NoReturn, TYPE_CHECKING, TypeVar
+from types import SimpleNamespace
+from typing import cast, NamedTuple, NoReturn, TYPE_CHECKING
 
-from attrs import evolve, fields
 from fourbar_ros.errors import FourBarError, InvalidParameter, one_of, OutOfRange
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.scene.linkage import linkage_of
 from fourbar_ros.scene.message_fields import FieldMap, layout, Names
 from fourbar_ros.scene.parameters import check, names_in, of_name
-from fourbar_ros.scene.settings import (
-    Drive,
-    External,
-    JointStates,
-    ParameterValues,
-    Recording,
-    SOURCES,
-)
+from fourbar_ros.scene.settings import ParameterValues, SOURCES
 from fourbar_ros.scene.topics import (
     ANSWERS,
     applied_topic,
@@ -57,8 +50,7 @@ if TYPE_CHECKING:      # other scenes do without
 COUNTS_IN_WORDS = {1: 'one', 2: 'two', 3: 'three', 4: 'four', 5: 'five', 6: 'six', 7: 'seven',
                    8: 'eight'}
 
-
-Settings = TypeVar('Settings')
+Group = SimpleNamespace     # the parameters of a group by name: drive.speed is scene.drive.speed
 
 
 class Point(NamedTuple):
@@ -83,13 +75,13 @@ class Scene(NamedTuple):
     linkage: Mechanism
     bare_linkage: Mechanism
     points: dict[str, Point]
-    wrenches: External
-    drive: Drive
+    wrenches: Group                   # external.* of all links, and the links with a topic
+    drive: Group
     outputs: tuple[str, ...]
     frame_id: str
     joint_names: tuple[str, ...]      # with their prefix
-    joint_states: JointStates
-    recording: Recording
+    joint_states: Group
+    recording: Group
     forces: tuple[PositionForce, ...]
     dynamics: Dynamics | None
     values: ParameterValues
@@ -278,9 +270,16 @@ class Scene(NamedTuple):
     def layout(self) -> FieldMap:
         """Return the map from the values of a sample to the fields of messages."""
         fields = layout(Names.of(self.linkage, 'links' in self.outputs), tuple(self.points),
-                        self.needs_loads, not self.joint_states.are_plain,
+                        self.needs_loads, not self.shows_plain_joints,
                         'drive_wrench' in self.outputs)
         return fields.showing(self.joints_shown) if self.joint_states.only_passive else fields
+
+    @property
+    def shows_plain_joints(self) -> bool:
+        """Return whether joint_states has the motion itself: neither scaled nor held."""
+        shown = self.joint_states
+        return (set(shown.ratios) == {1.0} and set(shown.offsets) == {0.0}
+                and shown.when_unknown != 'hold')
 
     @property
     def joints_shown(self) -> tuple[int, ...]:
@@ -336,12 +335,13 @@ def from_values(values: ParameterValues) -> Scene:
     for name, point in points.items():
         if point.link not in links:
             raise InvalidParameter(f'points.{name}.link', point.link, one_of(links, point.link))
-    shown = _group(JointStates, 'joint_states', values)
-    shown = evolve(shown, ratios=shown.ratios or [1.0] * len(linkage.JOINTS),
-                   offsets=shown.offsets or [0.0] * len(linkage.JOINTS))
+    shown = _group('joint_states', values)
+    shown.ratios = shown.ratios or [1.0] * len(linkage.JOINTS)
+    shown.offsets = shown.offsets or [0.0] * len(linkage.JOINTS)
     names = values['joint_names'] or [joint.name or joint.place for joint in linkage.JOINTS]
-    wrenches = _group(External, 'external', values, links=tuple(
-        link for link in linkage.EXTERNAL._fields if values[f'external.{link}.from_topic']))
+    wrenches = _group('external', values)
+    wrenches.links = tuple(link for link in linkage.EXTERNAL._fields
+                           if values[f'external.{link}.from_topic'])
     forces = forces_of(values, linkage) if has_forces else ()
     dynamics = None
     if values['drive.source'] in SOURCES or any(
@@ -350,20 +350,25 @@ def from_values(values: ParameterValues) -> Scene:
         dynamics = of_values(values, linkage, forces)
     has_elements = dynamics.elements if dynamics else forces
     honest = replace(linkage, bodies=None) if has_elements else linkage
-    scene = Scene(honest, linkage, points, wrenches, _group(Drive, 'drive', values),
+    scene = Scene(honest, linkage, points, wrenches, _group('drive', values),
                   tuple(values['outputs']),
                   values['frame_id'], tuple(shown.prefix + name for name in names), shown,
-                  _group(Recording, 'recording', values),
+                  _group('recording', values),
                   forces, dynamics, values)
     _check_together(scene)
     return scene
 
 
-def _group(kind: type[Settings], name: str, values: ParameterValues, **more: Any) -> Settings:
-    """Return the parameters ``name``.* as a record of a kind, with ``more`` fields."""
-    its: Any = kind
-    return cast(Settings, its(**{field.name: values[f'{name}.{field.name}']
-                                 for field in fields(its) if field.name not in more}, **more))
+def _group(name: str, values: ParameterValues) -> Group:
+    """Return the parameters ``name``.* as a record."""
+    found = {key.removeprefix(f'{name}.'): value for key, value in values.items()
+             if key.startswith(f'{name}.')}
+    return Group(**{key: value for key, value in found.items() if '.' not in key})
+
+
+def differ(one: Group, other: Group) -> bool:
+    """Return whether two groups have other values; NaN, for one that is not given, is itself."""
+    return one is not other and repr(one) != repr(other)
 
 
 def load(path: str | Path) -> Scene:

@@ -4,9 +4,8 @@
 All parameters of a scene: type, unit, default, allowed values, text. Imports no ROS.
 
 They feed the declaration in the node, the check of scene files, the manual and the tests;
-:mod:`fourbar_ros.scene.parameters` finds and checks them. Groups that a scene keeps as records are
-classes, whose fields are the parameters: ``Drive.speed`` is ``drive.speed``. Families are groups
-of which a scene may have any number: in ``points.NAME.link`` NAME is free.
+:mod:`fourbar_ros.scene.parameters` finds and checks them. Families are groups of which a scene may
+have any number: in ``points.NAME.link`` NAME is free.
 """
 from __future__ import annotations
 
@@ -16,7 +15,6 @@ from math import inf, isfinite, nan, pi
 from types import MappingProxyType
 from typing import Any, cast, NamedTuple, TYPE_CHECKING
 
-from attrs import field, fields, frozen
 from fourbar_ros.mechanisms.contract import find_link
 from fourbar_ros.mechanisms.kinds import AT_MOVING_JOINTS, DIMENSIONS, FACTS
 from fourbar_ros.mechanisms.parts import GROUND
@@ -38,8 +36,6 @@ SOURCES = (TORQUE.name, 'motor')   # of drive.source, with which the motion foll
 OF_PLACES = {'rad': 1.0, 'deg': pi / 180.0, 'm': 1.0, 'mm': 1e-3}
 PRESSURES = {'Pa': 1.0, 'kPa': 1e3, 'MPa': 1e6, 'bar': 1e5}
 OF_VALUES = {'N': 1.0, 'kN': 1e3, 'N m': 1.0, 'kN m': 1e3, **PRESSURES}
-TYPES = {'float': 'double', 'int': 'integer', 'str': 'string', 'bool': 'bool',
-         'list[str]': 'strings', 'list[float]': 'doubles'}
 
 
 class Parameter(NamedTuple):
@@ -79,16 +75,9 @@ class Parameter(NamedTuple):
         return ''
 
 
-def parameter(default: Any, unit: str, text: str, **more: Any) -> Any:
-    """Return a field of a class that is a :class:`Parameter`, of which ``more`` are fields."""
-    return field(default=default, metadata={'default': default, 'unit': unit, 'text': text,
-                                            **more})
-
-
-def _fields(kind: Any, group: str) -> list[Parameter]:
-    """Return the parameters ``group``.* that the fields of a class are."""
-    return [Parameter(f'{group}.{its.name}', TYPES[its.type], **its.metadata)
-            for its in fields(kind) if its.metadata]
+def _group(name: str, parameters: Iterable[Parameter]) -> list[Parameter]:
+    """Return the parameters of a group, which are written without its name."""
+    return [parameter._replace(name=f'{name}.{parameter.name}') for parameter in parameters]
 
 
 def _table(*parameters: Parameter) -> dict[str, Parameter]:
@@ -244,137 +233,116 @@ def _external(link: str, first_joint: str) -> tuple[Parameter, ...]:
     )
 
 
-# --- groups that a scene keeps as records --------------------------------------------------------
+# --- groups --------------------------------------------------------------------------------------
 
 _ON_CLOCK, _BY_MESSAGES = driven_by(TIMER, *SOURCES), driven_by(*MESSAGES)
 _BY_JOINT, _BY_TORQUE = driven_by('joint_state'), driven_by(*SOURCES)
 _BY_TOPIC = driven_by(TORQUE.name)
 
+_DRIVE = _group('drive', (
+    Parameter('source', 'string', TIMER, '',
+              'source of the input: the clock (timer), Motion messages (motion), one joint of '
+              'JointState messages (joint_state); or the motion follows from torque: of a topic '
+              '(torque) or of a motor (motor)', choices=(TIMER, *MESSAGES, *SOURCES), live=False),
+    Parameter('speed', 'double', 1.0, 'rad/s or m/s',
+              'with the timer: constant speed of the input',
+              low=-FASTEST, high=FASTEST, is_relevant=driven_by(TIMER)),
+    Parameter('start', 'double', 0.0, 'rad or m',
+              'with the timer, torque or motor: input at the first sample',
+              live=False, is_relevant=_ON_CLOCK),
+    Parameter('rate', 'double', 100.0, 'Hz',
+              'with the timer, torque or motor: samples per second',
+              low=0.001, high=5000.0, is_relevant=_ON_CLOCK),
+    Parameter('start_speed', 'double', 0.0, 'rad/s or m/s',
+              'with torque or motor: speed of the input at the start',
+              low=-FASTEST, high=FASTEST, live=False, is_relevant=_BY_TORQUE),
+    Parameter('tolerance', 'double', 1e-6, '',
+              'with torque or motor: largest error of one step of the node, of angles [rad] and, '
+              'over one sample, of speeds [rad/s]', low=1e-12, high=0.1, is_relevant=_BY_TORQUE),
+    Parameter('budget', 'integer', 60, '',
+              'with torque or motor: most evaluations of the equation of motion in one step; a '
+              'step that needs more is finished less accurately, as its status shows',
+              low=12, high=10000, is_relevant=_BY_TORQUE),
+    Parameter('when_silent', 'string', 'zero', '',
+              'with torque: torque in effect before the first message, and after drive.timeout '
+              'without one: none (zero), or the last one (hold; before the first, none)',
+              choices=('zero', 'hold'), is_relevant=_BY_TOPIC),
+    Parameter('torque_limit', 'double', nan, 'N m or N',
+              'with torque: a larger torque from the topic counts as this one; default: no limit',
+              positive=True, is_relevant=_BY_TOPIC),
+    Parameter('joint', 'string', '', '',
+              'with joint_state: name of the driven joint', live=False, is_relevant=_BY_JOINT),
+    Parameter('joint_ratio', 'double', 1.0, '',
+              'with joint_state: ratio in joint = ratio * input + offset; negative if they turn '
+              'in opposite directions', live=False, is_relevant=_BY_JOINT),
+    Parameter('joint_offset', 'double', 0.0, 'rad or m',
+              'with joint_state: offset in joint = ratio * input + offset',
+              live=False, is_relevant=_BY_JOINT),
+    Parameter('window', 'integer', 5, '',
+              'estimate of missing rates: number of latest samples that are fitted',
+              low=3, high=50, is_relevant=_BY_MESSAGES),
+    Parameter('jump', 'double', 1.0, 'rad or m',
+              'estimate of missing rates: a step between two samples that is larger, or differs '
+              'by more from the one expected, restarts it',
+              positive=True, is_relevant=_BY_MESSAGES),
+    Parameter('top_speed', 'double', nan, 'rad/s',
+              'where positions wrap after a turn: largest speed of the input; a step so long that '
+              'it could be a quarter turn at this speed restarts the estimate of missing rates; '
+              'default: positions count their turns',
+              positive=True,
+              is_relevant=lambda values: _BY_MESSAGES(values) and not has_slide(values)),
+    Parameter('timeout', 'double', 1.0, 's',
+              'with messages: after this time without input the status is STATUS_INPUT_TIMEOUT; '
+              '0: never', low=0.0, is_relevant=driven_by(*MESSAGES, TORQUE.name)),
+    Parameter('out_of_range', 'string', 'none', '',
+              'published where the linkage cannot be assembled: NaN (none), the last good values '
+              '(hold) or the pose at the nearest limit (clamp)',
+              choices=('none', 'hold', 'clamp')),
+))
 
-@frozen(eq=False)
-class Drive:
-    """What moves the input."""
+_JOINT_STATES = _group('joint_states', (
+    Parameter('prefix', 'string', '', '', 'prefix of every name in joint_names', live=False),
+    Parameter('ratios', 'doubles', [], '',
+              'ratio of each joint: published position = ratio * (angle or slide) + offset; '
+              'negative: opposite direction; empty: 1', live=False),
+    Parameter('offsets', 'doubles', [], 'rad or m',
+              'offset of each joint: published position = ratio * (angle or slide) + offset; '
+              'empty: 0', live=False),
+    Parameter('when_unknown', 'string', 'skip', '',
+              'published while a position is unknown: nothing (skip: robot_state_publisher keeps '
+              'the last pose), the last known positions with NaN rates (hold), or NaN (send_nan)',
+              choices=('skip', 'hold', 'send_nan')),
+    Parameter('only_passive', 'bool', False, '',
+              'leave the driven joint out of joint_states: for a node that publishes on the topic '
+              'it listens to, as a relay does', live=False),
+))
 
-    source: str = parameter(
-        TIMER, '', 'source of the input: the clock (timer), Motion messages (motion), one joint '
-        'of JointState messages (joint_state); or the motion follows from torque: of a topic '
-        '(torque) or of a motor (motor)', choices=(TIMER, *MESSAGES, *SOURCES), live=False)
-    speed: float = parameter(
-        1.0, 'rad/s or m/s', 'with the timer: constant speed of the input', low=-FASTEST,
-        high=FASTEST, is_relevant=driven_by(TIMER))
-    start: float = parameter(0.0, 'rad or m', 'with the timer, torque or motor: input at the '
-                             'first sample', live=False, is_relevant=_ON_CLOCK)
-    rate: float = parameter(100.0, 'Hz', 'with the timer, torque or motor: samples per second',
-                            low=0.001, high=5000.0, is_relevant=_ON_CLOCK)
-    start_speed: float = parameter(
-        0.0, 'rad/s or m/s', 'with torque or motor: speed of the input at the start',
-        low=-FASTEST, high=FASTEST, live=False, is_relevant=_BY_TORQUE)
-    tolerance: float = parameter(
-        1e-6, '', 'with torque or motor: largest error of one step of the node, of angles [rad] '
-        'and, over one sample, of speeds [rad/s]', low=1e-12, high=0.1, is_relevant=_BY_TORQUE)
-    budget: int = parameter(
-        60, '', 'with torque or motor: most evaluations of the equation of motion in one step; a '
-        'step that needs more is finished less accurately, as its status shows', low=12,
-        high=10000, is_relevant=_BY_TORQUE)
-    when_silent: str = parameter(
-        'zero', '', 'with torque: torque in effect before the first message, and after '
-        'drive.timeout without one: none (zero), or the last one (hold; before the first, none)',
-        choices=('zero', 'hold'), is_relevant=_BY_TOPIC)
-    torque_limit: float = parameter(
-        nan, 'N m or N', 'with torque: a larger torque from the topic counts as this one; '
-        'default: no limit', positive=True, is_relevant=_BY_TOPIC)
-    joint: str = parameter('', '', 'with joint_state: name of the driven joint', live=False,
-                           is_relevant=_BY_JOINT)
-    joint_ratio: float = parameter(
-        1.0, '', 'with joint_state: ratio in joint = ratio * input + offset; negative if they '
-        'turn in opposite directions', live=False, is_relevant=_BY_JOINT)
-    joint_offset: float = parameter(
-        0.0, 'rad or m', 'with joint_state: offset in joint = ratio * input + offset', live=False,
-        is_relevant=_BY_JOINT)
-    window: int = parameter(
-        5, '', 'estimate of missing rates: number of latest samples that are fitted', low=3,
-        high=50, is_relevant=_BY_MESSAGES)
-    jump: float = parameter(
-        1.0, 'rad or m', 'estimate of missing rates: a step between two samples that is larger, '
-        'or differs by more from the one expected, restarts it', positive=True,
-        is_relevant=_BY_MESSAGES)
-    top_speed: float = parameter(
-        nan, 'rad/s', 'where positions wrap after a turn: largest speed of the input; a step so '
-        'long that it could be a quarter turn at this speed restarts the estimate of missing '
-        'rates; default: positions count their turns', positive=True,
-        is_relevant=lambda values: _BY_MESSAGES(values) and not has_slide(values))
-    timeout: float = parameter(
-        1.0, 's', 'with messages: after this time without input the status is '
-        'STATUS_INPUT_TIMEOUT; 0: never', low=0.0,
-        is_relevant=driven_by(*MESSAGES, TORQUE.name))
-    out_of_range: str = parameter(
-        'none', '', 'published where the linkage cannot be assembled: NaN (none), the last good '
-        'values (hold) or the pose at the nearest limit (clamp)',
-        choices=('none', 'hold', 'clamp'))
+_RECORDING = _group('recording', (
+    Parameter('start', 'bool', False, '', 'start recording with the first sample', live=False),
+    Parameter('directory', 'string', 'bags', '', 'directory for the bags', live=False),
+    Parameter('name', 'string', '', '',
+              'name of the first bag; empty: a new name from the clock', live=False),
+    Parameter('split_size', 'double', 0.0, 'MB',
+              'continue a bag in a new file when the current one exceeds this size; 0: never',
+              low=0.0, live=False, least=0.01),
+    Parameter('split_duration', 'double', 0.0, 's',
+              'continue a bag in a new file when the current one exceeds this duration; 0: never',
+              low=0.0, live=False, least=0.1),
+))
 
-    def differs_from(self, other: Drive) -> bool:
-        """Return whether a parameter differs; NaN, for one that is not given, equals itself."""
-        return self is not other and repr(self) != repr(other)
-
-
-@frozen
-class JointStates:
-    """How joint_states shows the joints."""
-
-    prefix: str = parameter('', '', 'prefix of every name in joint_names', live=False)
-    ratios: list[float] = parameter(
-        [], '', 'ratio of each joint: published position = ratio * (angle or slide) + offset; '
-        'negative: opposite direction; empty: 1', live=False)
-    offsets: list[float] = parameter(
-        [], 'rad or m', 'offset of each joint: published position = ratio * (angle or slide) + '
-        'offset; empty: 0', live=False)
-    when_unknown: str = parameter(
-        'skip', '', 'published while a position is unknown: nothing (skip: robot_state_publisher '
-        'keeps the last pose), the last known positions with NaN rates (hold), or NaN (send_nan)',
-        choices=('skip', 'hold', 'send_nan'))
-    only_passive: bool = parameter(
-        False, '', 'leave the driven joint out of joint_states: for a node that publishes on the '
-        'topic it listens to, as a relay does', live=False)
-
-    @property
-    def are_plain(self) -> bool:
-        """Return whether the motion itself is published: neither scaled nor held."""
-        return (set(self.ratios) == {1.0} and set(self.offsets) == {0.0}
-                and self.when_unknown != 'hold')
-
-
-@frozen
-class Recording:
-    """Where a bag goes, when it is split."""
-
-    start: bool = parameter(False, '', 'start recording with the first sample', live=False)
-    directory: str = parameter('bags', '', 'directory for the bags', live=False)
-    name: str = parameter('', '', 'name of the first bag; empty: a new name from the clock',
-                          live=False)
-    split_size: float = parameter(
-        0.0, 'MB', 'continue a bag in a new file when the current one exceeds this size; 0: '
-        'never', low=0.0, live=False, least=0.01)
-    split_duration: float = parameter(
-        0.0, 's', 'continue a bag in a new file when the current one exceeds this duration; 0: '
-        'never', low=0.0, live=False, least=0.1)
-
-
-@frozen
-class External:
-    """External wrenches that come from topics, on these ``links``."""
-
-    timeout: float = parameter(1.0, 's', 'with from_topic: a link without a wrench for longer '
-                               'than this counts as silent; 0: never', low=0.0,
-                               is_relevant=has_wrenches)
-    when_silent: str = parameter(
-        'unknown', '', 'external wrench of a silent link, and before its first message: unknown '
-        '(all loads are NaN), constant (force_x, force_y, couple) or hold (the last wrench; '
-        'before the first, constant)', choices=('unknown', 'constant', 'hold'),
-        is_relevant=has_wrenches)
-    extrapolated: bool = parameter(
-        False, '', 'with from_topic: take from the last two wrenches the one that is due a step '
-        'later, for chains of nodes, whose reactions come one step late', is_relevant=has_wrenches)
-    links: tuple[str, ...] = ()
+_OF_TOPICS = _group('external', (
+    Parameter('timeout', 'double', 1.0, 's',
+              'with from_topic: a link without a wrench for longer than this counts as silent; 0: '
+              'never', low=0.0, is_relevant=has_wrenches),
+    Parameter('when_silent', 'string', 'unknown', '',
+              'external wrench of a silent link, and before its first message: unknown (all loads '
+              'are NaN), constant (force_x, force_y, couple) or hold (the last wrench; before the '
+              'first, constant)',
+              choices=('unknown', 'constant', 'hold'), is_relevant=has_wrenches),
+    Parameter('extrapolated', 'bool', False, '',
+              'with from_topic: take from the last two wrenches the one that is due a step later, '
+              'for chains of nodes, whose reactions come one step late', is_relevant=has_wrenches),
+))
 
 
 # --- the table -----------------------------------------------------------------------------------
@@ -436,7 +404,7 @@ PARAMETERS = _table(
               'thickness of these bars, square to the plane', positive=True),
     *(parameter for item in LINKS.items() for parameter in _body(*item)),
     *(parameter for item in LINKS.items() for parameter in _external(*item)),
-    *_fields(External, 'external'), *_fields(Drive, 'drive'),
+    *_OF_TOPICS, *_DRIVE,
     Parameter('motor.kind', 'string', 'line', '',
               'with motor: torque that falls linearly with speed (line), DC motor (dc), speed '
               "controller with a limited torque (controller), or induction motor by Kloss' "
@@ -465,7 +433,7 @@ PARAMETERS = _table(
     Parameter('joint_names', 'strings', [], '',
               f'names of the joints in joint_states, in this order; empty: {_JOINTS_IN_WORDS}',
               live=False),
-    *_fields(JointStates, 'joint_states'),
+    *_JOINT_STATES,
     Parameter('trajectories', 'bool', False, '',
               'translate trajectories of the output joint into those of the driven joint, and '
               'back; drive.start chooses the branch', live=False),
@@ -473,7 +441,7 @@ PARAMETERS = _table(
               'with trajectories: what answers hold beside positions. accelerations are answered '
               'where they are given; joint_trajectory_controller takes effort only if it commands '
               'effort', choices=('velocities', 'accelerations', 'effort')),
-    *_fields(Recording, 'recording'),
+    *_RECORDING,
 )
 
 

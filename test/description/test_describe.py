@@ -8,14 +8,13 @@ import shutil
 import subprocess
 from xml.etree import ElementTree
 
-from attrs import evolve
 from fourbar_ros import InvalidParameter
 from fourbar_ros.description.formats import describe
 from fourbar_ros.description.model import model_of, NoDescription, tree_of
 from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.scene.files import sections
-from fourbar_ros.scene.scene import from_values, load
+from fourbar_ros.scene.scene import from_values, Group, load
 import numpy as np
 import pytest
 from support import contract, ROOT
@@ -273,7 +272,8 @@ def scene_with(machine):
     scene, count = from_values(PAPER), len(machine.JOINTS)
     return scene._replace(
         linkage=machine, joint_names=tuple(joint.place for joint in machine.JOINTS),
-        joint_states=evolve(scene.joint_states, ratios=[1.0] * count, offsets=[0.0] * count))
+        joint_states=Group(**vars(scene.joint_states) | {
+            'ratios': [1.0] * count, 'offsets': [0.0] * count}))
 
 
 def gaps(scene, positions):

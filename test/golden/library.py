@@ -15,10 +15,10 @@ from pathlib import Path
 import re
 import tempfile
 
-from attrs import evolve
 from fourbar_lab.export import generate
 from fourbar_ros import find_extrema, load_scene
 from fourbar_ros.scene import read_values, simulate_scene
+from fourbar_ros.scene.scene import Group
 import numpy as np
 from support import ROOT
 import yaml
@@ -251,7 +251,7 @@ class Simulated:
         """Return status, error, states by name, energy and mode."""
         scene, _ = scene_of(key)
         until = self.until[key]
-        scene = scene._replace(drive=evolve(scene.drive, rate=COUNT / until))
+        scene = scene._replace(drive=Group(**vars(scene.drive) | {'rate': COUNT / until}))
         run = simulate_scene(scene, until, 1e-10).run
         energy = run.system.equation.energy(run.position, run.rate)
         return {'status': [run.status], 'error': [run.error], 'time': run.time.tolist(),

@@ -14,7 +14,6 @@ from collections import Counter, defaultdict
 from itertools import product
 import math
 
-from attrs import evolve
 from fourbar_ros.pipeline.joints import Scale
 from fourbar_ros.pipeline.rate_estimator import estimator_of
 from fourbar_ros.pipeline.status import evaluate, OK, RATES_UNKNOWN
@@ -115,9 +114,9 @@ class Answers:
         top_speed = math.nan
         if turns == 'wrapped':
             top_speed = truth.most[0] * rng.choice([1.0, 3.0]) + 1e-9
-        its_scene = SCENE._replace(drive=evolve(
-            SCENE.drive, source=source, joint_ratio=ratio, window=int(rng.choice([3, 5, 9])),
-            top_speed=top_speed))
+        its_scene = SCENE._replace(drive=scene.Group(**vars(SCENE.drive) | {
+            'source': source, 'joint_ratio': ratio, 'window': int(rng.choice([3, 5, 9])),
+            'top_speed': top_speed}))
         estimator = estimator_of(its_scene)
         motion = np.array(truth(true_times * NS))
         joint = ratio * motion[0]

@@ -9,7 +9,7 @@ from typing import Any
 from fourbar_ros.ros.messages import sec_nanosec
 from fourbar_ros.ros.node.entities import clock_of, Log
 from fourbar_ros.ros.node.stream import Stream
-from fourbar_ros.scene.settings import Drive
+from fourbar_ros.scene.scene import differ, Group
 from rclpy.node import Node
 
 TICK = 0.1             # [s] longest period of the timer: so soon it sees new settings
@@ -81,10 +81,10 @@ class ClockInput:
             self._sample(due + self._offset, self._next / self._settings.rate)
             self._next += 1
         before, self._settings = self._settings, self._stream.scene.drive
-        if self._settings.differs_from(before):
+        if differ(self._settings, before):
             self._go_on(before, now, self._began + round((self._next - 1) * period))
 
-    def _go_on(self, before: Drive, now: int, last: int) -> None:
+    def _go_on(self, before: Group, now: int, last: int) -> None:
         """Begin a new grid at the ``last`` sample [ns], or ``now`` if that is long ago."""
         assert self._began is not None
         begin = last if (now - last) * 1e-9 < 1.0 / self._settings.rate else now

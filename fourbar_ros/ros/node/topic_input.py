@@ -17,6 +17,7 @@ from fourbar_ros.ros.node.entities import Log
 from fourbar_ros.ros.node.sequence import Info, SequenceNumbers, WithInfo
 from fourbar_ros.ros.node.stream import Stream
 from fourbar_ros.scene.message_fields import driven_of, is_time
+from fourbar_ros.scene.scene import differ
 from fourbar_ros.scene.topics import INPUTS
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
@@ -168,7 +169,7 @@ class TopicInput:
         """Return (velocity, acceleration), missing ones estimated; by the scene in force."""
         scene, old, before = self._stream.scene, self._settings, self._estimator
         self._settings = scene.drive
-        if self._settings.differs_from(old):     # the estimate begins anew, its counters go on
+        if differ(self._settings, old):          # the estimate begins anew, its counters go on
             self._estimator = estimator_of(scene)
             self._estimator.late, self._estimator.restarts = before.late, before.restarts
         restarts = self._estimator.restarts
