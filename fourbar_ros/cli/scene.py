@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 STEPS, ROUNDS = 2000, 5        # of the measured computing time: some 50 ms in all
+INPUTS_OF_ERROR = 64
 LONG = 20                      # numbers above which a table is shown by its ends
 
 
@@ -32,6 +33,8 @@ def add(verbs: Verbs) -> None:
                     'a step costs on this machine. For an invalid scene: one line that names the '
                     'parameter, exit code 1.')
     add_scene(check)
+    check.add_argument('--error', action='store_true',
+                       help='also measure rounding errors, against the same formulas in 160 digits')
     check.set_defaults(run=_check)
     show = actions.add_parser(
         'print', help='print the file of a scene, to make your own of it',
@@ -65,6 +68,8 @@ def _check(arguments: Namespace) -> None:
                  _changed_table(scene), _cost_in_words(scene)):
         console.print()
         console.print(part)
+    if arguments.error:
+        console.print(_error_in_words(scene))
     warn(scene)
 
 
@@ -151,6 +156,26 @@ def step_cost(scene: Scene) -> float:
     position, speed = 0.5 * (low + high) + 0.1 * (high - low), scene.drive.speed
     return min(repeat(lambda: evaluate(linkage, position, speed, 0.0, scene.needs_loads),
                       number=STEPS, repeat=ROUNDS)) / STEPS
+
+
+def _error_in_words(scene: Scene) -> str:
+    """Return a sentence on the largest rounding errors at inputs all over the first range."""
+    from fourbar_ros.mechanisms.quantities import known
+    from fourbar_ros.mechanisms.rounding import rounding_errors
+    linkage, drive = scene.bare_linkage, scene.drive
+    low, high = linkage.input_ranges[0]
+    positions = [low + (high - low) * (k + 0.5) / INPUTS_OF_ERROR for k in range(INPUTS_OF_ERROR)]
+    errors = rounding_errors(linkage, positions, drive.speed, 0.0, scene.has_loads)
+    worst = []
+    for what, is_load in (('rates and accelerations', False), ('loads', True)):
+        names = [name for name, quantity in known(linkage, linkage.input).items()
+                 if quantity.is_load == is_load and name in errors]
+        if names:
+            name = max(names, key=errors.__getitem__)
+            worst.append(f'of {what} {errors[name]:.1g} ({name})')
+    return (f'Largest rounding errors at {INPUTS_OF_ERROR} inputs and {drive.speed:g} '
+            f'{linkage.input_coordinate.unit}/s, over the largest value of their sort: '
+            f'{", ".join(worst)}.')
 
 
 def _cost_in_words(scene: Scene) -> str:
