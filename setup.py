@@ -10,7 +10,7 @@ NAME, LAB = 'fourbar_ros', 'fourbar_lab'
 HERE = Path(__file__).resolve().parent      # colcon runs it through a link
 # Scenes are installed in the package, to be found by name, and in share, as ROS does.
 SCENES = {f'{NAME}.config{sub.replace("/", ".")}': f'config{sub}' for sub in (
-    '', '/classics', '/published', '/studies')}
+    '', '/classics', '/studies')}
 
 setup(
     name=NAME,
@@ -38,12 +38,12 @@ setup(
         'proof': ['python-flint'],
         'balance': ['clarabel>=0.9'],
         'study': ['pyarrow>=15', 'distributed'],
-        'live': ['nicegui>=3.5,<4'],
+        'live': ['nicegui>=3.5,<4', 'starlette'],
         # tests, benchmarks, the pictures of the docs
         'test': ['pytest<9', 'pytest-xdist', 'hypothesis', 'mpmath',
                  'mcap-ros2-support>=0.6,<1', 'matplotlib', 'python-flint', 'yourdfpy',
                  'mujoco', 'openpyxl', 'pyarrow', 'distributed',
-                 'clarabel', 'coverage', 'FMPy', 'argcomplete>=3', 'nicegui>=3.5,<4',
+                 'clarabel', 'coverage', 'FMPy', 'argcomplete>=3', 'nicegui>=3.5,<4', 'starlette',
                  'selenium', 'axe-core-python'],
         'docs': ['mkdocs', 'mkdocs-material', 'mkdocstrings', 'mkdocstrings-python'],
         # the last two groups are ament's own wrappers, and what they call

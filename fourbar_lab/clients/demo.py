@@ -11,7 +11,6 @@ import signal
 import subprocess
 import sys
 import time
-from typing import Any
 
 from fourbar_lab.clients.node_client import NodeClient, opened
 from fourbar_lab.drawing.tables import mode_name, rate_unit, what_it_is
@@ -31,14 +30,12 @@ from rclpy.node import Node
 from rich.console import Console
 from rich.live import Live
 from rich.table import Table
-import yaml
 
 PATIENCE = 20.0        # [s] for the node to start, be found and answer
 SWING = 0.95           # share of a limited input range that the demonstration swings through
 REFRESH = 8            # live tables per second
-KINDS = {Extremum.KIND_MINIMUM: 'minimum', Extremum.KIND_MAXIMUM: 'maximum',
-         Extremum.KIND_CONSTANT: 'constant'}
-SHORT = {'minimum': 'min', 'maximum': 'max', 'constant': 'const'}
+KINDS = {Extremum.KIND_MINIMUM: 'min', Extremum.KIND_MAXIMUM: 'max',
+         Extremum.KIND_CONSTANT: 'const'}
 ANGLES = ('theta1', 'theta4', 'transmission_angle')
 RATES = {'slide': 'm', 'omega4': 'rad/s', 'alpha4': 'rad/s^2', 'slide_velocity': 'm/s',
          'slide_acceleration': 'm/s^2'}
@@ -95,9 +92,6 @@ class Driver(NodeClient):
         self.input.publish(message)
 
 
-Entry = dict[str, Any]      # a printed extremum or pose: published/SCENE.yaml has a list of them
-
-
 def live_table(client: Driver, seconds: float) -> Table:
     """Return a table: the latest state and loads, how many messages came on each topic."""
     table = make_table(f'{NODE} at {seconds:4.1f} s', ('', '        value>', 'unit'))
@@ -137,19 +131,8 @@ def watch(client: Driver, node: subprocess.Popen[bytes], seconds: float, console
         console.print()
 
 
-def published_for(path: str | Path) -> list[Entry]:
-    """Return the published values for a scene file: the entries of published/NAME beside it."""
-    file = Path(path).parent / 'published' / Path(path).name
-    return yaml.safe_load(file.read_text(encoding='utf-8')) if file.exists() else []
-
-
-def compare_extrema(client: Driver, published: Sequence[Entry],
-                    console: Console) -> Sequence[Message]:
-    """
-    Ask the node for all extrema; print the global ones beside the values printed in the paper.
-
-    Returns the messages of all extrema; none if the node refused.
-    """
+def show_extrema(client: Driver, console: Console) -> Sequence[Message]:
+    """Ask the node for all extrema and print the global ones; return all, none if it refused."""
     linkage, speed = client.scene.linkage, client.scene.drive.speed
     answer = client.call('find_extrema', velocity=speed)
     if answer.result != answer.RESULT_OK:
@@ -157,47 +140,20 @@ def compare_extrema(client: Driver, published: Sequence[Entry],
         return ()
     table = make_table(f'global extrema at {speed:g} {rate_unit(linkage)}, mode '
                        f'{mode_name(linkage)}, from {NODE}/find_extrema',
-                       ('quantity', '', 'value>', 'unit', f'{linkage.input_coordinate.position}>',
-                        *(('published>', 'at>') if published else ())))
-    notes: list[str] = []
+                       ('quantity', '', 'value>', 'unit', f'{linkage.input_coordinate.position}>'))
     for extremum in answer.extrema:
-        if not extremum.is_global:
-            continue
-        kind = KINDS[extremum.kind]
-        place = extremum.theta1 if isnan(extremum.slide) else extremum.slide
-        row = [extremum.quantity, SHORT[kind], f'{extremum.value:.9g}', extremum.unit,
-               f'{place:.7f}']
-        for entry in published:
-            if (entry['quantity'], entry['kind']) == (extremum.quantity, kind):
-                mark = ''
-                if 'note' in entry:
-                    notes.append(f'({len(notes) + 1}) {entry["source"]}: {entry["note"]}')
-                    mark = f'({len(notes)}) '
-                row += [f'{mark}{entry["value"]!r}', f'{entry["theta1"]!r}']
-        table.add_row(*row)
+        if extremum.is_global:
+            table.add_row(extremum.quantity, KINDS[extremum.kind], f'{extremum.value:.9g}',
+                          extremum.unit, f'{place_of(extremum):.7f}')
     console.print(table)
-    for note in notes:
-        console.print(note)
     console.print()
     extrema: Sequence[Message] = answer.extrema
     return extrema
 
 
-def compare_poses(client: Driver, published: Sequence[Entry], console: Console) -> None:
-    """Have the node evaluate the published poses; print its values beside the published ones."""
-    for entry in published:
-        if 'at' not in entry:
-            continue
-        answer = client.call('evaluate', mode=entry['mode'], **entry['at'])
-        table = make_table(f'{entry["source"]}, mode '
-                           f'{client.scene.linkage.MODES[entry["mode"]]}, from {NODE}/evaluate',
-                           ('', 'ours>', 'published>'))
-        for name, value in entry['values'].items():
-            ours = getattr(answer.state, name.removesuffix('_deg'))
-            table.add_row(name, f'{degrees(ours) if name.endswith("_deg") else ours:.6f}',
-                          f'{value!r}')
-        console.print(table)
-        console.print()
+def place_of(extremum: Message) -> float:
+    """Return the input of an extremum [rad or m]."""
+    return float(extremum.theta1 if isnan(extremum.slide) else extremum.slide)
 
 
 def check_bag(path: str | Path, console: Console) -> bool:
@@ -229,9 +185,7 @@ def write_page_of(scene: Scene, extrema: Sequence[Message], bag: Path) -> Path:
     names = [quantity.name for quantity in select((), linkage, scene.point_quantities)]
     over_input = curves.curves_of(scene, linkage, names, speed)
     scale = degrees(1.0) if linkage.input_coordinate.unit == 'rad' else 1.0   # as curves have it
-    marks = [(extremum.quantity,
-              scale * (extremum.theta1 if isnan(extremum.slide) else extremum.slide),
-              extremum.value)
+    marks = [(extremum.quantity, scale * place_of(extremum), extremum.value)
              for extremum in extrema if extremum.kind != Extremum.KIND_CONSTANT]
     recorded = [f'{topic}.{name}' for name in names for topic in ('state', 'loads')
                 if topic in scene.outputs
@@ -246,14 +200,13 @@ def write_page_of(scene: Scene, extrema: Sequence[Message], bag: Path) -> Path:
 
 def run(path: str | Path, seconds: float, directory: str | Path, console: Console) -> bool:
     """
-    Start a node with a scene, show its stream, compare it with print, check its bag.
+    Start a node with a scene, show its stream and its extrema, check its bag.
 
     ``seconds``: how long the stream is shown; ``directory``: where the bag goes. Returns whether
     the node ended well and its bag recomputes without a difference.
     """
     path = find(path)
     scene = load(path)
-    published = published_for(path)
     console.print(what_it_is(scene.linkage, path))
     name = f'{Path(path).stem}_{time.strftime("%Y_%m_%d-%H_%M_%S")}'
     node = subprocess.Popen([sys.executable, '-m', 'fourbar_ros.ros.node.start', '--ros-args',
@@ -263,8 +216,7 @@ def run(path: str | Path, seconds: float, directory: str | Path, console: Consol
     try:
         with opened(lambda own: Driver(own, scene), 'fourbar_demo') as client:
             watch(client, node, seconds, console)
-            compare_poses(client, published, console)
-            extrema = compare_extrema(client, [p for p in published if 'quantity' in p], console)
+            extrema = show_extrema(client, console)
     finally:
         node.send_signal(signal.SIGTERM)
         code = node.wait()
