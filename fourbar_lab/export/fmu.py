@@ -175,6 +175,12 @@ def _source(code: Code, version: int) -> str:
                         f'enum {{ INPUTS = {len(model.inputs)}, PARAMETERS = '
                         f'{len(model.tunable)}, LOADS = {loads} }};\nenum {{ GIVEN'}
     shared = snippet('fmu.c') + snippet(f'fmu{version}.c')
+    # the versions differ in the type of flags and in some letters
+    meanings |= {'Flag': 'int' if version == 2 else 'bool', 'FMI_': f'fmi{version}'}
+    if version == 2:
+        shared = shared.replace('FMUState', 'FMUstate').replace('FMI_Des', 'FMI_DeS')
+    else:
+        shared = '#include <stdbool.h>\n\n' + shared
     for word, meaning in meanings.items():
         shared = shared.replace(word, meaning)
     text = code.source().replace(f'#include "{name}.h"\n', header)

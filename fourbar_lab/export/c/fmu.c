@@ -21,6 +21,12 @@ DRIVE_FIELD
 enum { GIVEN = INPUTS + PARAMETERS, RESULTS = GIVEN + MOTIONS + LOADS, STATUS = RESULTS,
        TIME = RESULTS + 1DRIVE_NUMBERS, NUMBERS };
 
+typedef void *Instance;
+typedef const char *Text;
+typedef int Status;
+enum { OK = 0, ERROR = 3 };
+#define STATE ((State *)instance)
+
 static void reset(State *state)
 {
   memset(state, 0, sizeof *state);
@@ -81,31 +87,99 @@ DERIVATIVES
 
 /* Model exchange: the inputs determine everything, so there are no states and no events. */
 #define STATES(name, type) \
-  EXPORT int name(void *instance, type values, size_t count) \
-  { (void)instance; (void)values; return count == 0 ? 0 : 3; }
+  EXPORT Status name(Instance instance, type values, size_t count) \
+  { (void)instance; (void)values; return count == 0 ? OK : ERROR; }
+/* What is offered nowhere: it must be there, and nobody calls it. */
+#define REFUSED(name) EXPORT Status name(void) { return ERROR; }
+#define PLAIN(name) EXPORT Status name(Instance instance) { (void)instance; return OK; }
+
+static Instance begun(void)
+{
+  State *state = (State *)calloc(1, sizeof *state);
+  if (state) reset(state);
+  return state;
+}
 
 /* Copies of the whole state, kept by the master; `to` is made if it is not there. */
-static int copy_state(const void *from, void **to)
+static Status copy_state(const void *from, void **to)
 {
   if (*to == NULL) *to = malloc(sizeof(State));
-  if (*to == NULL) return 3;
+  if (*to == NULL) return ERROR;
   memcpy(*to, from, sizeof(State));
-  return 0;
+  return OK;
 }
 
-static int free_state(void **kept)
+EXPORT void FMI_FreeInstance(Instance instance) { free(instance); }
+PLAIN(FMI_ExitInitializationMode)
+PLAIN(FMI_Terminate)
+PLAIN(FMI_EnterEventMode)
+PLAIN(FMI_EnterContinuousTimeMode)
+EXPORT Status FMI_Reset(Instance instance) { reset(STATE); return OK; }
+EXPORT Status FMI_SetTime(Instance instance, double time) { STATE->time = time; return OK; }
+
+EXPORT Status FMI_SetDebugLogging(Instance instance, Flag on, size_t count, const Text *which)
 {
+  (void)instance; (void)on; (void)count; (void)which;
+  return OK;
+}
+
+EXPORT Status FMI_GetFMUState(Instance instance, void **to) { return copy_state(instance, to); }
+
+EXPORT Status FMI_SetFMUState(Instance instance, void *from)
+{
+  memcpy(instance, from, sizeof(State));
+  return OK;
+}
+
+EXPORT Status FMI_FreeFMUState(Instance instance, void **kept)
+{
+  (void)instance;
   free(*kept);
   *kept = NULL;
-  return 0;
+  return OK;
 }
 
-static int write_state(const void *kept, void *to, size_t size)
+EXPORT Status FMI_SerializedFMUStateSize(Instance instance, void *kept, size_t *size)
 {
-  if (size < sizeof(State)) return 3;
-  memcpy(to, kept, sizeof(State));
-  return 0;
+  (void)instance; (void)kept;
+  *size = sizeof(State);
+  return OK;
 }
+
+EXPORT Status FMI_SerializeFMUState(Instance instance, void *kept, void *to, size_t size)
+{
+  (void)instance;
+  if (size < sizeof(State)) return ERROR;
+  memcpy(to, kept, sizeof(State));
+  return OK;
+}
+
+EXPORT Status FMI_DeserializeFMUState(Instance instance, const void *from, size_t size, void **to)
+{
+  (void)instance;
+  return size == sizeof(State) ? copy_state(from, to) : ERROR;
+}
+
+EXPORT Status FMI_CompletedIntegratorStep(Instance instance, Flag is_final, Flag *enters_event,
+                                          Flag *terminates)
+{
+  (void)instance; (void)is_final;
+  *enters_event = *terminates = 0;
+  return OK;
+}
+
+static Status moved(State *state, double time, double step)
+{
+  if (!(step >= 0.0 && step < HUGE_VAL)) return ERROR;
+  ADVANCE
+  state->time = time + step;
+  return OK;
+}
+
+STATES(FMI_SetContinuousStates, const double *)
+STATES(FMI_GetEventIndicators, double *)
+STATES(FMI_GetContinuousStates, double *)
+STATES(FMI_GetNominalsOfContinuousStates, double *)
 // --- number
   if (reference == TORQUE) return &COMMAND;
   if (reference == DRIVE_STATUS) return &state->drive_status;
@@ -119,7 +193,6 @@ static int write_state(const void *kept, void *to, size_t size)
     }
 // --- advance
   if (step > 0.0) {
-    State *state = STATE;
     state->drive_status = (double)NAME_advance(&state->drive, step GIVEN_TORQUE);
     state->has_moved = state->results_are_old = 1;
   }
