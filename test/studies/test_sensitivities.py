@@ -7,6 +7,7 @@ from math import isnan
 from fourbar_lab.studies.derivatives import Derivatives, sensitivities
 from fourbar_lab.studies.design import Design
 from fourbar_lab.studies.study import from_document
+from fourbar_ros import load_scene
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.numerics.duals import derivatives_of, Dual, duals_of, value_of
 from fourbar_ros.numerics.number_types import ARRAY
@@ -133,6 +134,14 @@ MEASURES = {
     'scotch_yoke': (['shaking_force', 'driving_torque.rms', 'stroke'], ['linkage.a1']),
     'cylinder': (['omega1', 'f32.peak', 'driving_force.rms', 'swing', 'input_range'],
                  ['linkage.a1', 'linkage.a4']),
+    'jansen': (['omega_foot', 'driving_torque.peak', 'least_transmission_angle'],
+               ['dyads.leg.first.along', 'dyads.lower.second.across', 'bodies.foot.cg_across']),
+    'watt': (['alpha_output', 'swing', 'shaking_moment.peak'],
+             ['dyads.one.length_1', 'dyads.two.first.across', 'bodies.rods.radius']),
+    'bucket': (['omega_bucket', 'driving_force.peak'],
+               ['cylinder.base.along', 'dyads.bucket.length_2', 'external.bucket.force_x']),
+    'quick_return': (['slide_ram_velocity', 'shaking_force.max'],
+                     ['dyads.lever.second.across', 'dyads.ram.direction_2']),
 }
 
 
@@ -158,6 +167,13 @@ def test_measures_of_every_kind_change_as_their_differences_say(name):
             size = abs(true) + abs(mine.value) / (abs(study.values[one]) or 0.1)
             assert abs(mine.by[one] - true) <= 2e-6 * size, (measure.name, one, mine.by[one], true)
     assert not any(isnan(value) for one in found for value in one.by.values())
+
+
+def test_where_another_dyad_is_nearest_to_its_toggle_an_angle_has_a_kink():
+    name = 'dyads.right.length_1'
+    # both cylinders of the V are alike at theta1 = 0
+    moves = Derivatives(load_scene('v_engine'), [name]).at_extremum('transmission_angle', 0.0)
+    assert isnan(moves.value[name]) and isnan(moves.place[name])
 
 
 def test_a_toggle_has_no_derivative_and_a_turn_none_but_zero():
