@@ -19,7 +19,6 @@ sys.path[:0] = [str(ROOT), str(ROOT / 'docs')]
 
 import axis  # noqa: E402, I100
 import conventions  # noqa: E402
-from fourbar_lab.drawing.mobility import octahedron_svg  # noqa: E402, I100
 import sliders  # noqa: E402
 
 STYLE = {'font.family': 'STIXGeneral', 'mathtext.fontset': 'stix', 'font.size': 12,
@@ -28,7 +27,6 @@ STYLE = {'font.family': 'STIXGeneral', 'mathtext.fontset': 'stix', 'font.size': 
 
 def main():
     """Draw and save."""
-    (ROOT / 'docs' / 'mobility.svg').write_text(octahedron_svg(axis.published.PAPER))
     with plt.rc_context({**plt.rcParamsDefault, **STYLE, 'backend': 'agg'}):
         for picture in (axis, conventions, sliders):
             figure = plt.figure(figsize=picture.SIZE)
