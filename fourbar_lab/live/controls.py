@@ -4,78 +4,38 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import inf, isfinite
-import re
 
 from fourbar_lab.live.model import Shown
-from fourbar_ros.errors import FourBarError
 from fourbar_ros.scene import parameters
 from fourbar_ros.scene.settings import Parameter
 from nicegui import ui
-from nicegui.events import ValueChangeEventArguments
 
-NUMBER = r'[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?'
-TYPED = re.compile(rf'({NUMBER})(?:\s*/\s*({NUMBER}))?', re.ASCII)
-THOUSANDS = re.compile(r'[-+]?[1-9]\d{0,2},\d{3}', re.ASCII)      # or a point and three digits
 GROUPS = {'linkage': 'Linkage', 'dyads': 'Dyads', 'drive': 'Input', 'gravity': 'Gravity',
           'bodies': 'Bodies', 'external': 'Loads from outside', 'points': 'Points'}
 OPEN = ('linkage', 'dyads', 'drive')       # groups that are open at first
 SPAN = 2.5                                 # sliders reach so many times the first value
 
 Change = Callable[[str, float], None]       # takes a parameter's name and new value
-Refuse = Callable[[str], None]              # takes the reason
 
 
-class NoNumber(FourBarError, ValueError):
-    """What was typed is no finite number, or could be two; the message says what to type."""
-
-
-def read_number(text: str) -> float:
-    """Return the number of a typed 0.5, 0,5 or 1/2; NoNumber of 1,234, thousands to some."""
-    text = text.strip().replace('\N{MINUS SIGN}', '-')
-    match = TYPED.fullmatch(text)
-    if not match:
-        raise NoNumber(f'{text!r}: must be a number, as 0.5, 0,5 or 1/2' if text
-                       else 'must be given')
-    for part in filter(None, match.groups()):
-        if THOUSANDS.fullmatch(part):
-            raise NoNumber(f'{text!r}: write {part.replace(",", ".")} or {part.replace(",", "")}')
-    above, below = (float(part.replace(',', '.')) if part else 1.0 for part in match.groups())
-    value = above / below if below else inf
-    if not isfinite(value):
-        raise NoNumber(f'{text[:40]!r}: must be a finite number')
-    return value
-
-
-def field(label: str, value: float, take: Callable[[float], None], refuse: Refuse,
-          name: str = '') -> ui.input:
+def field(label: str, value: float, take: Callable[[float], None], name: str = '') -> ui.number:
     """
     Build a field for a number with a label: a typed one takes effect on Enter or leaving it.
 
-    What is no number goes back, with its reason. ``name`` is the one for screen readers, by
-    default the label.
+    ``name`` is the one for screen readers, by default the label.
     """
     def commit() -> None:
         nonlocal value
-        text = str(made.value)
-        if text == written(value):
-            return
-        try:
-            value = read_number(text)
-        except NoNumber as error:
-            refuse(f'{name or label} = {error}')
-        else:
+        if made.value is None:              # emptied, or no number
+            made.set_value(value)
+        elif made.value != value:
+            value = float(made.value)
             take(value)
-        made.value = written(value)
 
-    made = ui.input(label, value=written(value)).props(
-        f'dense aria-label="{name or label}"').on('keydown.enter', commit).on('blur', commit)
+    made = ui.number(label, value=value, format='%.12g').props(
+        f'dense step=any aria-label="{name or label}"').on('keydown.enter', commit).on(
+        'blur', commit)
     return made
-
-
-def written(value: float) -> str:
-    """Return a number as a field has it."""
-    return f'{value:.12g}'
 
 
 def shown_parameters(shown: Shown) -> dict[str, list[Parameter]]:
@@ -101,13 +61,8 @@ def _has_effect(shown: Shown, group: str, *rest: str) -> bool:
     return True
 
 
-def build(shown: Shown, change: Change, refuse: Refuse) -> None:
-    """
-    Build the controls.
-
-    ``change(name, value)`` is called with each new value of the user, ``refuse(why)`` if there is
-    none in what he typed.
-    """
+def build(shown: Shown, change: Change) -> None:
+    """Build the controls; ``change(name, value)`` is called with each new value of the user."""
     for group, members in shown_parameters(shown).items():
         with ui.expansion(GROUPS[group], value=group in OPEN).classes('full-width').props(
                 'dense expand-separator'):
@@ -117,7 +72,7 @@ def build(shown: Shown, change: Change, refuse: Refuse) -> None:
                     if is_choice:
                         _choice(parameter, shown, change)
                     else:
-                        _number(parameter, shown, change, refuse)
+                        _number(parameter, shown, change)
 
 
 def _tooltip(parameter: Parameter) -> None:
@@ -139,36 +94,34 @@ def _choice(parameter: Parameter, shown: Shown, change: Change) -> None:
         _tooltip(parameter)
 
 
-def _number(parameter: Parameter, shown: Shown, change: Change, refuse: Refuse) -> None:
+def _number(parameter: Parameter, shown: Shown, change: Change) -> None:
     """
     Build a field for a number and a slider beside it.
 
     A typed number may lie beyond the ends of the slider, which then stands at an end.
     """
-    name, current = parameter.name, float(shown.scene.values[parameter.name])
-    low, high, step = _span(parameter, current, shown)
+    name, value = parameter.name, float(shown.scene.values[parameter.name])
+    low, high, step = _span(parameter, value, shown)
 
-    def take_typed(value: float) -> None:
-        nonlocal current
-        current = value
-        slider.set_value(min(max(value, low), high))
-        change(name, value)
+    def take(new: float) -> None:
+        nonlocal value
+        if new != value:
+            value = new
+            slider.set_value(min(max(new, low), high))
+            change(name, new)
 
-    def take_moved(event: ValueChangeEventArguments[float]) -> None:
-        nonlocal current
-        value = float(event.value)
-        if value != min(max(current, low), high):           # not what take_typed has just set
-            current = value
-            typed.set_value(written(value))
-            change(name, value)
+    def move(new: float) -> None:
+        if new != min(max(value, low), high):           # not what take has just set
+            typed.set_value(new)
+            take(new)
 
     unit = f' [{parameter.unit}]' if parameter.unit else ''
-    typed = field(f'{name.split(".", 1)[1]}{unit}', current, take_typed, refuse, name).classes(
-        'fb-number')
+    typed = field(f'{name.split(".", 1)[1]}{unit}', value, take, name).classes('fb-number')
     with typed:
         _tooltip(parameter)
-    slider = ui.slider(min=low, max=high, step=step, value=min(max(current, low), high),
-                       on_change=take_moved).props(f'aria-label="{name} slider"').classes('col')
+    slider = ui.slider(min=low, max=high, step=step, value=min(max(value, low), high),
+                       on_change=lambda event: move(float(event.value))).props(
+        f'aria-label="{name} slider"').classes('col')
 
 
 def _span(parameter: Parameter, value: float, shown: Shown) -> tuple[float, float, float]:

@@ -19,7 +19,6 @@ from pathlib import Path
 from typing import Any
 
 from fourbar_lab.drawing.axis import AXIS_ANGLE
-from fourbar_lab.drawing.mobility import octahedron_svg
 from fourbar_lab.drawing.tables import facts
 from fourbar_lab.live import charts, controls, downloads, link, tables
 from fourbar_lab.live.model import Pose, Shown
@@ -145,9 +144,9 @@ class Page:
                 'flat dense color=white aria-label="dark or light"')
         with ui.element('div').classes('fb-columns'):
             with ui.element('div').classes('fb-controls') as self.panel:
-                controls.build(self.shown, self.change, self.refuse)
+                controls.build(self.shown, self.change)
                 controls.field('acceleration of the input', self.acceleration,
-                               self.set_acceleration, self.refuse).classes('full-width')
+                               self.set_acceleration).classes('full-width')
             with ui.element('div').classes('fb-stage'):
                 self.alarm = ui.label().classes('text-negative text-subtitle1 fb-alarm').props(
                     'role=alert')
@@ -205,8 +204,6 @@ class Page:
             with _panel(FACTS):
                 columns = [{'name': name, 'label': '', 'field': name, 'align': 'left'}
                            for name in ('name', 'text')]
-                self.octahedron = ui.html('', sanitize=False).props(
-                    'role=img aria-label="octahedron of four-bars, this one in it"')
                 self.facts = _table(columns, 'name', 'wrap-cells hide-header').classes('fb-words')
 
     # --- what changes ---------------------------------------------------------------------------
@@ -215,11 +212,6 @@ class Page:
         """Take a new value of a parameter, and show the mechanism that has it."""
         self.values = {**self.values, name: value}
         self.rebuild()
-
-    def refuse(self, why: str) -> None:
-        """Say why something is not done; the page stays as it is."""
-        self.problem = why
-        self.alarm.set_text('; '.join(filter(None, (why, self.refusal))))
 
     def set_acceleration(self, value: float) -> None:
         """Take a new acceleration of the input."""
@@ -270,12 +262,9 @@ class Page:
         self._remember()
 
     def _rest(self, event: GenericEventArguments) -> None:
-        """Take (input as text, count) from the player, and answer with the count."""
-        text, count = event.args
-        try:
-            self.go(controls.read_number(text))
-        except controls.NoNumber as error:
-            self.refuse(f'{self.shown.linkage.input_coordinate.position}: {error}')
+        """Take (input, count) from the player, and answer with the count."""
+        at, count = event.args
+        self.go(float(at))
         show(self.player, answered=count)
 
     def go(self, at: float) -> None:
@@ -445,9 +434,8 @@ class Page:
         self.extrema.rows = tables.extrema_rows(self.shown, self.extrema_found())
 
     def fill_facts(self) -> None:
-        """Show type, ranges and letters of the mechanism, and where it is among all four-bars."""
+        """Show type, ranges and letters of the mechanism."""
         rows = [*facts(self.shown.scene.bare_linkage), *tables.joint_rows(self.shown)]
-        self.octahedron.content = octahedron_svg(self.shown.linkage)
         self.facts.rows = [{'name': name, 'text': text} for name, text in rows]
 
 

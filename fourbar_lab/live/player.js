@@ -16,7 +16,7 @@ export default {
         <q-slider class="col" aria-label="input" :min="bounds[0]" :max="bounds[1]" :step="(bounds[1] - bounds[0]) / 720"
                   :model-value="input" @update:model-value="scrub" @change="rest"
                   @keydown.home.prevent="rest(bounds[0])" @keydown.end.prevent="rest(bounds[1])"></q-slider>
-        <q-input dense class="fb-number" aria-label="input value" :label="label" :model-value="typed"
+        <q-input dense type="number" step="any" class="fb-number" aria-label="input value" :label="label" :model-value="typed"
                  @update:model-value="(text) => { typed = text; isTyping = true; }" @focus="isTyping = true"
                  @keydown.enter="type" @blur="type(); isTyping = false"></q-input>
         <span>seconds a cycle</span>
@@ -28,7 +28,7 @@ export default {
     // inputs and pictures of each frame, places of the joints in it, first and last frame of each range
     inputs: Array, frames: Array, joints: Array, ranges: Array, turns: Number,
   },
-  emits: ["rest", "refuse"],
+  emits: ["rest"],
   data() {
     return { frame: -1, scrubbed: this.at, typed: this.shown(this.at), isTyping: false, asked: this.answered,
              isPlaying: false, pace: 6, phase: 0, way: 1, last: 0, pointer: null, joint: 0 };
@@ -84,7 +84,7 @@ export default {
     rest(input) {
       this.scrubbed = input;
       this.asked += 1;
-      this.$emit("rest", [String(input), this.asked]);
+      this.$emit("rest", [input, this.asked]);
     },
     scrub(input) {
       this.isPlaying = false;
@@ -94,10 +94,12 @@ export default {
     },
     type() {
       if (!this.isTyping || this.typed === this.shown(this.input)) return;
-      this.isPlaying = false;
       this.isTyping = false;
+      const value = parseFloat(this.typed);
+      if (!isFinite(value)) return (this.typed = this.shown(this.input)); // emptied
+      this.isPlaying = false;
       this.asked += 1;
-      this.$emit("rest", [this.typed, this.asked]);
+      this.$emit("rest", [value, this.asked]);
     },
     play() {
       this.isPlaying = !this.isPlaying && Boolean(this.still);

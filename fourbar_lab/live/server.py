@@ -12,6 +12,9 @@ from fourbar_lab.live.page import Page
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.scene.settings import ParameterValues
 from nicegui import app, ui
+from starlette.datastructures import Headers
+from starlette.middleware.trustedhost import TrustedHostMiddleware
+from starlette.responses import PlainTextResponse
 
 HOST = '127.0.0.1'
 NAMES = (HOST, 'localhost')
@@ -33,17 +36,15 @@ Scope = dict[str, Any]          # of a request, as ASGI states it
 
 class OnlyHere:
     """
-    ASGI middleware that refuses requests of other hosts' names and of other pages.
+    ASGI middleware that refuses requests to other hosts' names and of other pages.
 
     A page elsewhere could otherwise reach this one through the browser: by its own name bound to
-    this address (the Host header shows it), by a script of its own (Origin does), or by an image
-    or a frame (Sec-Fetch-Site does). What it may do is what a user does: follow a link to here.
+    this address (the Host header shows it), or by a script of its own (Origin does).
     """
 
     def __init__(self, served: Asgi, port: int):
-        self.served = served
-        self.hosts = {f'{name}:{port}' for name in NAMES}
-        self.origins = {f'http://{host}' for host in self.hosts}
+        self.served = TrustedHostMiddleware(served, list(NAMES), www_redirect=False)
+        self.origins = {f'http://{name}:{port}' for name in NAMES}
 
     async def __call__(self, scope: Scope, receive: Asgi, send: Asgi) -> None:
         """Serve a request, or refuse it with status 403; of a websocket, with code 1008."""
@@ -53,26 +54,14 @@ class OnlyHere:
                 message['headers'] = [*message['headers'], *NOT_FRAMED]
             await send(message)
 
-        if scope['type'] in ('http', 'websocket') and not self._is_allowed(scope):
-            if scope['type'] == 'websocket':
-                await send({'type': 'websocket.close', 'code': 1008})
-                return
-            await send_for_us({'type': 'http.response.start', 'status': 403,
-                               'headers': [(b'content-type', b'text/plain')]})
-            await send({'type': 'http.response.body', 'body': b'only for this machine\n'})
-            return
-        await self.served(scope, receive, send_for_us)
-
-    def _is_allowed(self, scope: Scope) -> bool:
-        """Return whether a request comes from our own page, from no page, or from a link to us."""
-        headers = {name.decode('latin-1').lower(): value.decode('latin-1')
-                   for name, value in scope['headers']}
-        is_link = (scope['type'] == 'http' and scope['method'] == 'GET'
-                   and headers.get('sec-fetch-mode') == 'navigate'
-                   and headers.get('sec-fetch-dest') == 'document')
-        return (headers.get('host', '') in self.hosts
-                and headers.get('origin', f'http://{headers.get("host")}') in self.origins
-                and (is_link or headers.get('sec-fetch-site', 'none') in ('none', 'same-origin')))
+        origin = (Headers(scope=scope).get('origin') if scope['type'] in ('http', 'websocket')
+                  else None)
+        if origin is None or origin in self.origins:
+            await self.served(scope, receive, send_for_us)
+        elif scope['type'] == 'websocket':
+            await send({'type': 'websocket.close', 'code': 1008})
+        else:
+            await PlainTextResponse('only for this machine\n', 403)(scope, receive, send_for_us)
 
 
 def free_port(wanted: int | None) -> int:

@@ -57,14 +57,13 @@ def test_the_csv_has_the_core_s_numbers(download):
     from fourbar_ros import FourBar
     with download('numbers of a cycle', 'csv').open() as file:
         rows = list(csv.DictReader(file))
-    linkage = FourBar(0.4, 1.1, 0.8, 1.0)
-    theta1 = np.array([float(row['theta1']) for row in rows])
-    motion = linkage.motion(theta1, 25.0)
-    assert len(rows) == 361
-    for name in ('theta4', 'omega4', 'alpha4'):
-        written = np.array([float(row[name]) for row in rows])
-        assert np.array_equal(written, getattr(motion, name))
-    assert all(np.isfinite(float(row['driving_torque'])) for row in rows)
+    columns = {name.partition(' [')[0]: np.array([float(row[name]) for row in rows])
+               for name in rows[0]}
+    motion = FourBar(0.4, 1.1, 0.8, 1.0).motion(np.radians(columns['theta1']), 25.0)
+    assert len(rows) == 361 and np.isfinite(columns['driving_torque']).all()
+    np.testing.assert_allclose(columns['theta4'], np.degrees(motion.theta4), rtol=1e-12)
+    for name in ('omega4', 'alpha4'):
+        np.testing.assert_allclose(columns[name], getattr(motion, name), rtol=1e-9, atol=1e-9)
 
 
 def test_the_html_moves_without_a_server(download, tab):

@@ -7,7 +7,6 @@ from xml.etree import ElementTree
 
 from fourbar_lab.live import charts
 from fourbar_lab.live import link as links
-from fourbar_lab.live.controls import NoNumber, read_number
 from fourbar_lab.live.model import shown
 from fourbar_lab.live.picture import (
     document,
@@ -253,24 +252,6 @@ def test_an_angle_below_a_range_beyond_half_a_turn_is_found_a_turn_later():
     for angle in (0.5, 0.9, 3.0, -1.0):
         later = angle if angle > low else angle + 2.0 * pi
         assert evans.nearest_input(angle) == pytest.approx(later, abs=16 * EPS)
-
-
-@pytest.mark.parametrize(('text', 'value'), [
-    ('0.5', 0.5), ('0,5', 0.5), ('.5', 0.5), (',5', 0.5), ('5.', 5.0), ('1/3', 1 / 3),
-    (' 1 / 8 ', 0.125), ('-0,5/2', -0.25), ('+3', 3.0), ('1e-3', 1e-3), ('2,5E2', 250.0),
-    ('0,125', 0.125), ('\N{MINUS SIGN}2', -2.0), ('1.250', 1.25), ('0', 0.0), ('-0', -0.0)])
-def test_numbers_of_users_are_read(text, value):
-    assert read_number(text) == value
-
-
-@pytest.mark.parametrize('text', [
-    '', ' ', 'abc', '0.4.2', '1/0', '1/2/3', '0x10', '1e400', '1' + '0' * 400, 'nan', '.nan',
-    'inf', '-Infinity', '1,250', '12,500', '1,2,3', '1.000,5', '1,000.5', '1 000', '1_000', '--1',
-    '1e', 'e5', '.', ',', '-', '1/', '/2', '0.5 m', '½', '1e-400/1e-400', '٣'])
-def test_what_is_no_number_or_could_be_two_is_refused(text):
-    with pytest.raises(NoNumber) as caught:
-        read_number(text)
-    assert '\n' not in str(caught.value) and len(str(caught.value)) < 120
 
 
 def test_rounding_is_not_shown_as_a_value():

@@ -128,27 +128,16 @@ def test_an_emptied_input_gives_way_to_what_it_is(tab):
     tab.until(lambda: tab.text('input value') == '60', 'the input again')
 
 
-@pytest.mark.parametrize(('typed', 'why'), [
-    ('', 'must be given'), ('0.4.2', "'0.4.2': must be a number"), ('abc', 'must be a number'),
-    ('1,250', 'write 1.250 or 1250'), ('1e400', 'must be a finite number')])
-def test_what_is_no_number_goes_back_with_its_reason(tab, typed, why):
+@pytest.mark.parametrize('typed', ['', 'abc', '1e400', '-'])
+def test_what_is_no_number_gives_way_to_what_it_was(tab, typed):
     from selenium.webdriver.common.keys import Keys
     before = tab.text('linkage.a2')
     tab.select('linkage.a2')
     tab.keys(Keys.DELETE, *typed, Keys.ENTER)
-    tab.until(lambda: tab.alarm().startswith('linkage.a2 = ') and why in tab.alarm(), 'the reason')
     tab.until(lambda: tab.text('linkage.a2') == before and '<circle' in tab.picture(),
               'what was there')
-    tab.write('linkage.a2', '1.21')
-    tab.until(lambda: not tab.alarm() and tab.query().get('linkage.a2') == '1.21', 'the next')
-
-
-@pytest.mark.parametrize('typed', ['1,15', '23/20', ' 1.15', '115e-2'])
-def test_numbers_as_other_places_write_them_are_taken(tab, typed):
-    tab.write('linkage.a2', typed)
-    tab.until(lambda: tab.query().get('linkage.a2') == '1.15', 'the number')
-    tab.until(lambda: tab.text('linkage.a2') == '1.15', 'the field, still with the focus')
-    assert not tab.alarm()
+    tab.write('linkage.a2', '115e-2')
+    tab.until(lambda: tab.query().get('linkage.a2') == '1.15', 'the next')
 
 
 def test_an_input_of_two_turns_is_where_it_is_on_the_first(tab):
