@@ -34,7 +34,7 @@ def add(verbs: Verbs) -> None:
                     'parameter, exit code 1.')
     add_scene(check)
     check.add_argument('--error', action='store_true',
-                       help='also measure rounding errors, against the same formulas in 160 digits')
+                       help='also measure rounding errors, beside the same formulas in 160 digits')
     check.set_defaults(run=_check)
     show = actions.add_parser(
         'print', help='print the file of a scene, to make your own of it',

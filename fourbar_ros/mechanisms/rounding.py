@@ -30,13 +30,10 @@ def rounding_errors(mechanism: Mechanism, positions: Sequence[float], rate: floa
     with localcontext(MANY_DIGITS):
         exact = in_decimals(trace, numbers_of(data), places)
         for position in positions:
-            if with_loads:
-                motion, loads = mechanism.step(position, rate, acceleration)
-                found = (*motion, *loads)
-            else:
-                found = mechanism.motion(position, rate, acceleration)
-            inputs = [Decimal(value) for value in (position, rate, acceleration)]
-            for name, place, value, right in zip(names, places, found, exact(*inputs)):
+            given = position, rate, acceleration
+            found = (*mechanism.motion(*given), *(mechanism.loads(*given) if with_loads else ()))
+            for name, place, value, right in zip(names, places, found,
+                                                 exact(*map(Decimal, given))):
                 if trace.steps[place].operation != 'atan2' and right.is_finite():
                     errors[name] = max(errors.get(name, 0.0), abs(float(Decimal(value) - right)))
                     sort = _sort_of(name)
