@@ -3,7 +3,9 @@
 """Isolation: every test run has its own ROS domain on this machine only, and its own folders."""
 import atexit
 import contextlib
+from functools import cache
 import os
+import re
 import shutil
 import signal
 import socket
@@ -68,6 +70,20 @@ _let_children_have_signals()
 # Folders of tests that wait for processes, browsers and clocks, and of those that compute longest.
 _WAIT = ('live', 'ros', 'studies', 'bag', 'cli')
 _COMPUTE = ('docs', 'machine', 'extrema', 'dynamics')
+# Files that start processes, by their text, and those that compute for seconds, are not `unit`.
+_STARTS = re.compile('subprocess|Popen|run_node|get_context|COMPILERS')
+_LONG = {'test_golden', 'test_every_run_ends', 'test_stepper', 'test_steps', 'test_toggles',
+         'test_machines', 'test_induction_motor', 'test_long_and_extreme_runs',
+         'test_position_forces', 'test_find', 'test_proof', 'test_collineation',
+         'test_against_cartesian', 'test_change_points', 'test_drive_states', 'test_any_recording',
+         'test_simulate', 'test_reproduce', 'test_accuracy', 'test_connections', 'test_fields',
+         'test_between_moving_links', 'test_load_sources', 'test_ranges_and_extrema'}
+
+
+@cache
+def _is_unit(path):
+    return (path.parent.name not in ('live', 'ros', 'docs', 'contract') and path.stem not in _LONG
+            and not _STARTS.search(path.read_text(encoding='utf-8')))
 
 
 def pytest_collection_modifyitems(items):
@@ -75,6 +91,8 @@ def pytest_collection_modifyitems(items):
     files = {}
     for item in items:
         files.setdefault(item.path, []).append(item)
+        if _is_unit(item.path) and 'slow' not in item.keywords:
+            item.add_marker('unit')
 
     def rank(path, folders):
         name = path.parent.name

@@ -77,8 +77,8 @@ def test_a_margin_of_a_machine_is_no_share_of_its_perimeter():
     rows = {name: dict(facts(load_scene(name).linkage))['change-point margin']
             for name in ('paper', 'watt', 'bucket')}
     assert rows['paper'].endswith(' of the perimeter')
-    assert ' rad, the imaginary part' in rows['watt'] and 'perimeter' not in rows['watt']
-    assert ' m, the imaginary part' in rows['bucket'] or ' rad, ' in rows['bucket']
+    assert ' rad; the nearer to 0' in rows['watt'] and 'perimeter' not in rows['watt']
+    assert ' m; the nearer to 0' in rows['bucket'] or ' rad; ' in rows['bucket']
 
 
 def test_sums_in_messages_have_no_rounding():

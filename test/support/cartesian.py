@@ -445,7 +445,8 @@ def exact(machine, given, near=None):
 def values_of(found):
     """Return {field: value for mpmath} of a machine: places and forces by x, y and size too."""
     values = {}
-    for name, (value, *_) in (found.motion() | found.loads()).items():
+    loads = found.loads() if found.machine.bodies else {}
+    for name, (value, *_) in (found.motion() | loads).items():
         if not isinstance(value, acb):
             values[name] = of_mpmath(value)
             continue
