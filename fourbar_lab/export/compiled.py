@@ -15,7 +15,7 @@ from typing import Any
 
 from fourbar_lab.export.c_code import FLAGS
 from fourbar_lab.export.model import Model, NotGenerated
-from fourbar_ros.dynamics.node_step import DriveValues, Mover, OK, Place, SILENT
+from fourbar_ros.dynamics.node_step import At, DriveValues, Mover, OK, SILENT
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.numerics.number_types import numbers_of
@@ -23,7 +23,7 @@ from fourbar_ros.pipeline.status import Evaluated
 from fourbar_ros.scene.scene import from_values, Scene
 from fourbar_ros.scene.topics import TORQUE
 
-HIDDEN = 1 + 8 + 8 + 1      # mode, place, known, given: numbers besides the fields of a state
+HIDDEN = 1 + 6 + 1      # mode, place, given: numbers besides the fields of a state
 COMPILERS = ('cc', 'gcc', 'clang')
 
 
@@ -188,21 +188,22 @@ class CompiledMover(Mover):
              is_silent: bool = False, mode: int | None = None) -> tuple[int, DriveValues]:
         """Return (status, values) after a time [s]."""
         if values is not self._latest:
-            self._set(values, self.place(self.state(values), mode).mode, command)
+            self._set(values, self.at(self.state(values), mode).mode, command)
         status = self._of['advance'](self._drive, ctypes.c_double(step), *self._torques(command))
         return SILENT if status == OK and is_silent else status, self._taken()
 
-    def values(self, place: Place, step: float, command: float, evaluations: float) -> DriveValues:
-        """Return the values of a place in the input."""
-        position, rate, twist, speed, own = place.state
+    def values(self, at: At, step: float, command: float, evaluations: float) -> DriveValues:
+        """Return the values of a state in the input."""
+        position, rate, twist, speed, own = at.state
         self._set(DriveValues(step, command, position, rate, nan, twist, nan, speed, nan, nan,
-                              own, own, evaluations), place.mode, command)
+                              own, own, evaluations), at.mode, command)
         return self._taken()
 
     def _set(self, values: DriveValues, mode: int, command: float) -> None:
         size = len(values)
         self._drive[:size] = list(values)
-        self._drive[size] = mode              # where it passes toggles
+        if self.passes:
+            self._drive[size] = mode
         self._of['complete'](self._drive, *self._torques(command))
 
     def _taken(self) -> DriveValues:

@@ -3,30 +3,27 @@
 """
 The torque-driven step of a scene as C, with the bits of the node's.
 
-Formulas (terms of the equation of motion, the Rosenbrock step, the law of a smooth source) are
-written from their traces. The decisions (length of steps, kinks, limits) are C of this package.
+The formulas of a step are written from the traces of which the node's are written too. The
+decisions between them (length of steps, which coordinate, limits) are C of this package.
 """
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from functools import cached_property, partial
+from functools import cached_property
 from math import inf, tau
 from typing import Any, NamedTuple
 
 from fourbar_lab.export.model import Model, NotGenerated
 from fourbar_lab.export.statements import literal, snippet, Statements
-from fourbar_ros.dynamics import phase_steps
-from fourbar_ros.dynamics.coordinate import LONGEST, make_pose, Phase
+from fourbar_ros.dynamics import node_step, rosenbrock
+from fourbar_ros.dynamics.coordinate import Coordinate
 from fourbar_ros.dynamics.elements import LinkAngle, PositionForce, TableForce
-from fourbar_ros.dynamics.equation import Equation, make_reading, REACH
-from fourbar_ros.dynamics.node_step import modes_of
-from fourbar_ros.dynamics.rosenbrock import EVALUATIONS, GIVEN, Rosenbrock
-from fourbar_ros.dynamics.sources import Drive, Law, Piece
-from fourbar_ros.dynamics.step_equations import Elastic, Rigid
-from fourbar_ros.dynamics.system import NEAR_TOGGLE, System
+from fourbar_ros.dynamics.equation import REACH
+from fourbar_ros.dynamics.rosenbrock import StepFormulas
+from fourbar_ros.dynamics.sources import Law
 from fourbar_ros.numerics.given import quantities_of
 from fourbar_ros.numerics.number_types import Function
-from fourbar_ros.numerics.trace import flat, Trace
+from fourbar_ros.numerics.trace import Trace
 from fourbar_ros.scene.topics import TORQUE
 
 CHECKED = 3            # steps of the self-check
@@ -41,6 +38,16 @@ TEXTS = {
     'motor_torque': ('N m', 'of the motor behind its gear'), 'torque': ('N m', 'on the input'),
     'current': ('A', 'of a DC motor'), 'speed_error_integral': ('rad', 'of a controller'),
     'evaluations': ('', 'of the equation of motion')}
+TAKE_PLACE = '''  if (from->place[0] > 0.0) {
+    at->phase = (int)from->place[0] - 1;
+    memcpy(at->x, from->place + 1, sizeof at->x);
+  }
+'''
+GIVE_PLACE = '''  to->mode = MODES[is_input ? at->phase
+                   : NEXT[at->phase][is_known && known[OTHER_RATIO] > 0.0]];
+  to->place[0] = 1.0 + at->phase;
+  memcpy(to->place + 1, at->x, sizeof at->x);
+'''
 OF_SLIDES = {'rad': 'm', 'rad/s': 'm/s', 'rad/s^2': 'm/s^2', 'N m': 'N'}
 
 
@@ -70,92 +77,32 @@ class DriveCode:
         scene = model.scene
         assert scene.dynamics is not None
         self._model, self._scene, self._writer = model, scene, writer
-        self._system = System(scene.bare_linkage, scene.dynamics.position, scene.dynamics.rate,
-                              scene.dynamics.elements, scene.dynamics.drive)
         self.takes_torque = scene.drive.source == TORQUE.name
-        self._drive: Drive = scene.dynamics.drive
+        self._mover = scene.mover
+        self._system, self._drive = self._mover.system, scene.dynamics.drive
         self._source: Law = self._drive.source        # type: ignore[assignment]  # of scenes
-        self._check()
-        writer.used |= {'power'}
-        self._functions = self._formulas()
-
-    def _check(self) -> None:
-        """Refuse a scene for whose steps there is no C text."""
-        name = self._model.name
+        # coordinates and modes of its motion, those at the start first -> formulas, and what
+        # takes over
+        self._phases: dict[Coordinate, StepFormulas] = self._mover.formulas
         if any(phase.equation.changes_mode for phase in self._phases):
-            raise NotGenerated(f'{name}: motion by torque through a change point')
-
-    @cached_property
-    def modes(self) -> tuple[int, ...]:
-        """Return the two assembly modes between which it passes toggles; () if it passes none."""
-        return modes_of(self._system.mechanism)
-
-    @cached_property
-    def _phases(self) -> list[Phase]:
-        """Return the phases of its motion: first those in the input."""
-        course = self._system.course
-        return course.prepare() if self.modes else [course.first]
-
-    # --- its formulas ---------------------------------------------------------------------------
-
-    def _formulas(self) -> list[str]:
-        """
-        Return the C functions of one step: equations of shaft and source, terms, Rosenbrock step.
-
-        Each is a Python formula, recorded as a trace. Motion through toggles needs the readings
-        of the other coordinate too, motion with limits the sine that is zero at a toggle.
-        """
-        writer, drive = self._writer, self._drive
-        equations: Elastic | Rigid = (Elastic(drive.shaft, drive.rotor) if drive.shaft
-                                      else Rigid())
-        source = self._source
-
-        def make_law(n: Any) -> Function:
-            """Return (speed, own state, command) -> piece of the source."""
-            if self.takes_torque:
-                return lambda speed, own, command: Piece(command)
-            return lambda speed, own, command: source.make_piece(
-                n, command if source.command else None)(speed, own)
-
-        def euler(*x: Any) -> Any:
-            terms, state, piece = x[:7], x[7:12], Piece(*x[12:18])
-            return equations.linear(terms, state, piece, x[18])(x[19])(x[20:])
-        found = [writer.function('derivative', _plain(lambda *x: equations.derivative(
-                     x[:7], x[7:12], Piece(*x[12:])), 18)),
-                 writer.function('torque_on_input', _plain(lambda *x: (equations.on_input(
-                     x[:7], x[7:12], Piece(*x[12:])),), 18)),
-                 writer.function('implicit_euler', _plain(euler, 25)),
-                 *self._of_phases('terms_of', lambda equation, phase: partial(
-                     equation.make_with_ratio, equation.coordinate)),
-                 *self._of_phases('rosenbrock', lambda equation, phase: Rosenbrock(
-                     equation, equations, source).make, GIVEN),
-                 writer.function('piece_of', Trace(lambda n, _: make_law(n), 3))]
+            raise NotGenerated(f'{model.name}: motion by torque through a change point')
+        self.modes = self._mover.modes
+        writer.used |= {'power'}
+        self._functions = [
+            *self._of_phases('place', lambda formulas: formulas.make_place, rosenbrock.GIVEN),
+            *self._of_phases('attempt', lambda formulas: formulas.make_attempt,
+                             rosenbrock.GIVEN_STEP),
+            *self._of_phases('euler', lambda formulas: formulas.make_euler,
+                             rosenbrock.GIVEN_STEP)]
         if self._tables:
-            found += self._of_phases('places_of', lambda equation, phase: partial(
-                equation.make_places, equation.coordinate))
-        if self.modes:
-            found += [*self._of_phases('reading', lambda equation, phase: partial(
-                          phase.make_other, equation.coordinate)),
-                      *self._of_phases('input_from', lambda equation, phase: partial(
-                          make_reading(equation.mechanism), equation.coordinate)),
-                      *self._of_phases('pose_of', lambda equation, phase: partial(
-                          make_pose, equation.coordinate))]
-        elif self.has_limits:
-            mechanism = self._system.mechanism
+            self._functions += self._of_phases('places_of', lambda formulas: formulas.make_tables)
 
-            def make_sine(n: Any) -> Function:
-                motion_of = mechanism.motion_formula(n, mechanism.constants)
-                return lambda x: (mechanism.transmission_sine(
-                    mechanism.MOTION._make(motion_of(x, 0.0, 0.0))),)
-            found.append(writer.function('sine_of', Trace(lambda n, _: make_sine(n), 1)))
-        return found
-
-    def _of_phases(self, its_name: str, make: Callable[[Equation, Phase], Function],
+    def _of_phases(self, its_name: str, make: Callable[[StepFormulas], Function],
                    count: int = 1) -> list[str]:
         """Return the functions of all phases, and the function that chooses one by its number."""
         found, cases = [], []
-        for i, phase in enumerate(self._phases):
-            make_formula = make(phase.equation, phase)
+        for i, formulas in enumerate(self._phases.values()):
+            make_formula = make(formulas)
             trace = Trace(lambda n, _: make_formula(n), count)       # noqa: B023  # called at once
             found.append(self._writer.function(f'{its_name}_{i}',
                                                trace.simplified(trace.literals())))
@@ -228,9 +175,8 @@ class DriveCode:
             *(f'  double {field};{" " * (width - len(field))}  /* [{unit or "-"}] {text} */'
               for field, unit, text in self.fields),
             *([f'  double mode;{" " * (width - 4)}  /* assembly mode */',
-               f'  double place[8];{" " * (width - 8)}  /* near a toggle, where position and '
+               f'  double place[6];{" " * (width - 8)}  /* near a toggle, where position and '
                'velocity do not tell it */'] if self.modes else []),
-            f'  double known[8];{" " * (width - 8)}  /* of the last step, to save work */',
             *([f'  double {command.field};{" " * (width - len(command.field))}  '
                f'/* [{command.unit}] {command.text}: may be set anew */']
               if command and command.field else []),
@@ -260,23 +206,21 @@ class DriveCode:
         for word, meaning in (
                 (' ARGUMENT', ', double torque' * self.takes_torque),
                 (' PASSED', ', torque' * self.takes_torque),
-                ('GIVEN_TORQUE', command.place if command else '0.0'),
+                ('GIVEN_COMMAND', command.place if command else '0.0'),
                 ('OWN_FIELD', f'from->{own}' if own else '0.0'),
-                ('  GIVE_OWN\n', f'  to->{own} = own;\n' if own else ''),
                 ('MODE_FIELD', 'from->mode' if self.modes else '0.0'),
-                ('  TAKE_PLACE\n', snippet('places.c', 'take_place') if self.modes else ''),
-                ('  GIVE_PLACE\n', snippet('places.c', 'give_place') if self.modes else ''),
-                ('  FORGET_PLACE\n', '  drive->place[0] = 0.0;\n' if self.modes else ''),
+                ('  GIVE_OWN\n', f'  to->{own} = own;\n' if own else ''),
+                ('  TAKE_PLACE\n', TAKE_PLACE * bool(self.modes)),
+                ('  GIVE_PLACE\n', GIVE_PLACE * bool(self.modes)),
+                ('  FORGET_PLACE\n', '  drive->place[0] = 0.0;\n' * bool(self.modes)),
                 ('STARTS', '\n'.join(starts)), ('NAME', name)):
             text = text.replace(word, meaning)
-        return [*self._constants(), *self._functions, *self._limits(),
-                *(self._of_toggles() if self.modes else [snippet('places.c', 'no_toggles')]),
-                *self._of_tables(), snippet('step.c'),
-                snippet('places.c', 'toggles' if self.modes else 'held'), text]
+        return [*self._constants(), *self._functions, *self._of_tables(), snippet('step.c'),
+                text]
 
     def self_check(self) -> list[str]:
         """Return the C text that compares the state after some steps with Python's."""
-        mover, step, name = self._scene.mover, 1.0 / self._scene.drive.rate, self._model.name
+        mover, step, name = self._mover, 1.0 / self._scene.drive.rate, self._model.name
         values, torque = mover.start(), ', 0.0' * self.takes_torque
         for _ in range(CHECKED):
             _, values = mover.next(values, step)
@@ -287,27 +231,34 @@ class DriveCode:
                 f'    differ += differing(&drive, drive_of_python, {len(values)});', '  }']
 
     def _constants(self) -> list[str]:
-        """Return the C constants of the step: phases, budget, tolerances [rad] or [m], factors."""
-        units = [phase.equation.coordinate.input_unit for phase in self._phases]
-        settings = self._scene.drive
-        flags = {'STAGES': EVALUATIONS, 'HALVINGS': phase_steps.BISECTIONS,
-                 'IS_SMOOTH': int(self._source.is_smooth), 'PHASES': len(units),
-                 'TABLES': len(self._tables),
-                 'PASSES': int(bool(self.modes)),
-                 'BUDGET': settings.budget - phase_steps.RESERVE * bool(self.modes),
+        """Return the C constants of the step: phases, what takes over, budget, factors, limits."""
+        mover, middle = self._mover, literal(self._system.coordinates.middle)
+        low, high = self._scene.linkage.stroke or (-inf, inf)
+        numbers = {phase: i for i, phase in enumerate(self._phases)}
+        taking_over = [', '.join(str(numbers[other]) for other in mover.taking_over[phase])
+                       or '0, 0' for phase in self._phases]
+        flags = {'PHASES': len(self._phases), 'TABLES': len(self._tables),
+                 'PASSES': int(bool(self.modes)), 'BUDGET': mover.budget,
                  'HAS_SHAFT': int(self._drive.shaft is not None),
-                 'HAS_LIMITS': int(self.has_limits), 'TAKES_TORQUE': int(self.takes_torque)}
-        return ['enum { LIMIT = 1, DIVISION = 2 };      /* why a formula refuses, as bits */',
-                *(f'enum {{ {name} = {value} }};' for name, value in flags.items()),
+                 'HAS_LIMITS': int(self.has_limits), 'TAKES_TORQUE': int(self.takes_torque),
+                 'HALVINGS': node_step.BISECTIONS, 'OF_PLACE': node_step.PLACE,
+                 'OF_ATTEMPT': node_step.ATTEMPT, 'OF_EULER': node_step.EULER}
+        is_turned = self.modes and not self._system.mechanism.is_driven_by_slide
+        return [*(f'enum {{ {name} = {value} }};' for name, value in flags.items()),
                 f'static const int IS_INPUT[] = '
                 f'{{{", ".join(str(int(phase.is_input)) for phase in self._phases)}}};',
-                f'static const double TOLERANCE[] = '
-                f'{{{_list(settings.tolerance * unit for unit in units)}}};',
-                f'static const double DIFFERENCE[] = '
-                f'{{{_list(phase_steps.DIFFERENCE * unit for unit in units)}}};',
-                *_definitions({name: getattr(phase_steps, name) for name in (
-                    'SMALLEST', 'LARGEST', 'SAFETY', 'CLOSEST', 'DEEPEST', 'SHORTER', 'LATE')}
-                    | {'LEAST_PART': phase_steps.SHORTEST}), '']
+                '/* The mode of each phase; the phase that takes over where it falls or grows. */',
+                f'static const double MODES[] = '
+                f'{{{_list(float(phase.mode) for phase in self._phases)}}};',
+                'static const int NEXT[][2] = '
+                f'{{{", ".join(f"{{{pair}}}" for pair in taking_over)}}};',
+                *_definitions({name: getattr(node_step, name) for name in (
+                    'SMALLEST', 'DEEPEST', 'SHORTER', 'LATE', 'LEAST')}
+                    | {'LOW': low, 'HIGH': high}), '',
+                '/* An input, known but for whole turns, in the range of this motion. */',
+                'static double continuous(double value)\n{',
+                '  return value;' if not is_turned else
+                f'  return {middle} + remainder(value - {middle}, {literal(tau)});', '}', '']
 
     @property
     def _tables(self) -> list[tuple[PositionForce, TableForce]]:
@@ -328,45 +279,13 @@ class DriveCode:
                 f'static const int COUNTS[] = {{{counts}}};',
                 f'static const int IS_ANGLE[] = {{{is_angle}}};',
                 f'static const double REACHES[] = {{{_list(reaches)}}};',
-                *_definitions({'AT_PLACE': phase_steps.NEAREST, 'WHOLE_TURN': tau}), '',
+                *_definitions({'AT_PLACE': node_step.NEAREST,
+                                'LEAST_PART': node_step.SHORTEST, 'WHOLE_TURN': tau}), '',
                 '/* A place within a table, turns and periods taken off. */',
                 'static double base_of(int table, double place)\n{', '  (void)table;',
                 *(f'  if (table == {i}) return {_base(table)};'
                   for i, (_, table) in enumerate(tables) if _base(table)),
                 '  return place;', '}', '', snippet('tables.c', 'tables')]
-
-    def _of_toggles(self) -> list[str]:
-        """Return the C text for steps through toggles: modes, ratios of units, whole turns."""
-        mechanism, course = self._system.mechanism, self._system.course
-        links = len(self._pose)
-        middle = literal(course.middle)
-        return [f'enum {{ POSE = {links}, OWN_PHASE = {self.modes.index(mechanism.mode)} }};',
-                f'static const double MODES[] = {{{_list(map(float, self.modes))}}};',
-                f'static const double RATIO[] = '
-                f'{{{_list(phase.unit_of_ratio for phase in self._phases)}}};',
-                *_definitions({'LONGEST': LONGEST, 'TURN': tau}), '',
-                '/* An input, known but for whole turns, in the range of this motion. */',
-                'static double continuous(double value)\n{',
-                '  return value;' if mechanism.is_driven_by_slide else
-                f'  return {middle} + remainder(value - {middle}, TURN);', '}', '',
-                snippet('places.c', 'excess')]
-
-    @property
-    def _pose(self) -> tuple[int, ...]:
-        coordinate = self._system.equation.coordinate
-        trace = Trace(lambda n, _: make_pose(coordinate, n), 1)
-        return tuple(flat(trace.results))
-
-    def _limits(self) -> list[str]:
-        """Return the function that tells whether an input is at an end or near a toggle."""
-        low, high = self._scene.linkage.stroke or (-inf, inf)
-        ends = [f'x <= {literal(low)} || x >= {literal(high)}'] * (low > -inf and self.has_limits)
-        lines = list[str]()
-        if self.has_limits and not self.modes:
-            lines = ['  double sine;', '  if (sine_of(&x, &sine)) return 1;']
-            ends.append(f'fabs(sine) - {literal(NEAR_TOGGLE)} <= 0.0')
-        return ['static int is_at_end(double x)\n{', *lines, *['  (void)x;'] * (not ends),
-                f'  return {" || ".join(ends) or "0"};', '}', '']
 
 
 def tables(forces: Sequence[Any], name: str) -> list[str]:
@@ -411,8 +330,3 @@ def _definitions(numbers: dict[str, float]) -> list[str]:
 
 def _list(values: Iterable[float]) -> str:
     return ', '.join(map(literal, values))
-
-
-def _plain(formula: Function, count: int) -> Trace:
-    """Return the trace of a formula of numbers that the node computes as it stands."""
-    return Trace(lambda n, _: formula, count)

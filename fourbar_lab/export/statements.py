@@ -104,9 +104,9 @@ class Statements:
         """
         Return the C function of a trace without data: inputs x to results, flat.
 
-        ``refuses``: it returns what it refuses, as Python's floats do: 0 nothing, LIMIT a root of
-        a negative number or the sine of an infinite one, DIVISION a division by zero; both are
-        bits. Else it returns nothing, and such results are NaN or infinite.
+        ``refuses``: it returns whether it refuses its inputs, as Python's floats do: a root of a
+        negative number, the sine of an infinite one, a division by zero. Else it returns nothing,
+        and such results are NaN or infinite.
         """
         values, steps = trace.constants([]), trace.steps
 
@@ -142,7 +142,7 @@ def _refusal(step: Step, name_of: Callable[[int], str]) -> str:
     last = name_of(step.arguments[-1]) if step.arguments else ''
     if not last.startswith(('v', 'x')):
         return ''
-    return {'sqrt': f'if ({last} < 0.0) refused |= LIMIT;',
-            'truediv': f'if ({last} == 0.0) refused |= DIVISION;',
-            'sin': f'if (is_infinite({last})) refused |= LIMIT;',
-            'cos': f'if (is_infinite({last})) refused |= LIMIT;'}.get(step.operation, '')
+    return {'sqrt': f'refused |= {last} < 0.0;',
+            'truediv': f'refused |= {last} == 0.0;',
+            'sin': f'refused |= is_infinite({last});',
+            'cos': f'refused |= is_infinite({last});'}.get(step.operation, '')

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from math import inf, isfinite, isnan
 from typing import Any, Union
 
-from fourbar_ros.dynamics.node_step import DriveValues, KEY, Mover, name_of, OK, SILENT
+from fourbar_ros.dynamics.node_step import DriveValues, KEY, Mover, NAME, OK, SILENT
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import TORQUE
 
@@ -25,9 +25,9 @@ class DriveStates:
 
     If another version of the integrator made the bag, accelerations and torques alone are computed
     again, from the states. Next to a toggle, input and rate do not determine the state; a mover
-    that came there by its own steps knows it. If a bag begins there, the states up to the first
-    one past the toggle are not compared. ``about``: custom_data of the bag; ``moved_by`` makes the
-    mover that steps again, from a scene and a mode (None: its own).
+    that came there by its own steps knows it. Without such, as where a bag begins there, states
+    are not compared up to the first one past the toggle. ``about``: custom_data of the bag;
+    ``moved_by`` makes the mover that steps again, from a scene and a mode (None: its own).
 
     Attributes
     ----------
@@ -42,10 +42,8 @@ class DriveStates:
     def __init__(self, scene: Scene, about: Mapping[str, str], moved_by: MoverOf = mover_of
                  ) -> None:
         """Begin before the first message, with no state to step from."""
-        dynamics = scene.dynamics
         self._moved_by = moved_by
-        self._has_our_integrator = dynamics is not None and about.get(KEY) == name_of(
-            scene.bare_linkage, dynamics.drive.source, dynamics.elements)
+        self._has_our_integrator = scene.dynamics is not None and about.get(KEY) == NAME
         self.largest: dict[str, float] = {}
         self.stepped = self.alone = self.unknown = 0
         self._before: DriveValues | None = None     # None: there is none to step from
@@ -88,15 +86,15 @@ class DriveStates:
             self.stepped += 1
             if self._note_values(values, expected) == 0.0:
                 known = expected     # the mover also keeps what a message next to a toggle lacks
-        elif self._has_our_integrator and values.step and not self._mover.tells_all(
-                self._mover.place(self._mover.state(values), mode)):
+        elif values.step and not self._mover.tells_all(
+                self._mover.at(self._mover.state(values), mode)):
             known = None
             self.unknown += 1
         else:
             if mode not in self._movers:
                 self._movers[mode] = self._moved_by(self._scene, mode)
             mover = self._movers[mode]
-            self._note_values(values, mover.values(mover.place(mover.state(values)), values.step,
+            self._note_values(values, mover.values(mover.at(mover.state(values)), values.step,
                                                    values.command, values.evaluations))
             self.alone += 1
         self._before, self._mode, self._stamp = known, mode, stamp

@@ -1,163 +1,153 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Motion in one coordinate after the other: through the toggle positions of the input.
+The coordinates of a motion, one after the other: through the toggle positions of the input.
 
-At a toggle the input turns back, its rate is zero and the equation in it is singular, J = 0/0.
-Another coordinate (:meth:`~fourbar_ros.mechanisms.mechanism.Mechanism.driven_otherwise`: the slide
-of a driven crank, the crank of a driven slide, the output link) goes on there and is regular. A
-phase is a part of a motion in one coordinate p and one assembly mode. It lasts until the other
-coordinate o changes so fast with p that |do/dp| > 2, in units of about the size of the linkage:
-long before a toggle, so that both are accurate where one takes over from the other:
+At a toggle the input q turns back, its rate is zero and the equation in it is singular, J = 0/0.
+Another coordinate p (:meth:`~fourbar_ros.mechanisms.mechanism.Mechanism.driven_otherwise`: the
+slide of a driven crank, the crank of a driven slide, the output link) goes on there and is
+regular. Either takes over from the other where that changes so fast with it that |do/dp| > 2, in
+units of about the size of the linkage, long before a toggle, so that both are accurate there:
 
     o. = p. do/dp                                                                          (T1)
-    torque on p = T dq/dp,   dq/dp of the input q                                          (T2)
+    torque on p = T dq/dp                                                                  (T2)
     d2q/dt2 = p.. dq/dp + p.^2 d2q/dp2                                                     (T3)
+
+Along p the input turns back, dq/dp = 0, exactly where the assembly mode changes: so the sign of
+dq/dp tells the mode.
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from functools import cached_property, partial
+from collections.abc import Sequence
+from functools import cached_property
 from math import inf, remainder, sin, tau
-from typing import NamedTuple, TYPE_CHECKING, Union
+from typing import TYPE_CHECKING, Union
 
-from fourbar_ros.dynamics.equation import Equation, InBothModes, make_reading
-from fourbar_ros.dynamics.smooth import flat_positions, make_interval_of
+from fourbar_ros.dynamics.equation import (
+    Equation,
+    flat_positions,
+    InBothModes,
+    interval_of,
+    make_reading,
+)
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.mechanism import DrivenLinks, Mechanism
 from fourbar_ros.numerics.arrays import Array, Value
-from fourbar_ros.numerics.number_types import ARRAY, Function, NumberType, Scalar
-from fourbar_ros.numerics.straight_line import straight_line
+from fourbar_ros.numerics.number_types import Function, NumberType, REAL
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 if TYPE_CHECKING:
     from fourbar_ros.dynamics.system import System
 
 State = Union[Sequence[float], Array]
-# how a leg of a run ends
-COMPLETE, GAVE_UP, AT_LIMIT, AT_CHANGE_POINT, HANDED_OVER, AT_EVENT, AT_KINK = (
-    'complete', 'gave up', 'at a limit', 'at a change point', 'handed over', 'at an event',
-    'at a kink')
 LONGEST, FARTHEST = 2.0, 1e3      # |do/dp| at which o takes over from p; at most, in an event
-MakeEquation = Callable[[Mechanism, float, Union[DrivenLinks, None]], Equation]
+NEXT_TO_TOGGLE = 1e-6             # distance from an end of the range over half its length
 
 
-class Event(NamedTuple):
-    """Something that ends a leg of a run."""
-
-    function: Callable[..., float]       # (time, state in the phase) -> number: at its zeros
-    end: str                             # how the leg then ends, as AT_LIMIT
-    direction: float = 0.0               # 1: where it rises, -1: where it falls, 0: both
-    before: float | None = None          # its value at the start, if not that of the function
-
-
-class Phase:
+class Coordinate:
     """
-    Motion of a system in one coordinate, from one assembly mode on.
+    Motion of a system in one coordinate p: the input, or the one that goes on at its toggles.
 
-    ``start``: a value of the coordinate at which the mechanism is in the mode of the equation;
-    ``other``: the coordinate that takes over near a toggle, None where none does.
+    Parameters
+    ----------
+    coordinates : Coordinates
+    equation : Equation
+        In this coordinate.
+    mode : int
+        Assembly mode of the mechanism at ``start``, of another coordinate where the input grows
+        with it.
+    start : float
+        A value of the coordinate.
+
     """
 
-    def __init__(self, course: Course, equation: Equation, start: float,
-                 other: DrivenLinks | None = None) -> None:
-        """Make the derivative of the state in this coordinate."""
-        self.course, self.equation, self._other = course, equation, other
-        self.is_input = equation.coordinate is equation.mechanism
-        self._key = self.is_input, equation.coordinate.mode, start
-        self.derivative = course.system.make_derivative(self)
+    def __init__(self, coordinates: Coordinates, equation: Equation, mode: int, start: float
+                 ) -> None:
+        """Name the coordinate by its mode; its functions are made when first needed."""
+        self.all, self.equation, self.is_input = coordinates, equation, equation.is_input
+        self._key = equation.coordinate.mode, mode, start
+        self.mode, self.mode_beyond = mode, coordinates.partner(mode)
 
     def __reduce__(self) -> tuple[object, ...]:
-        """Pickle the system and which of its phases this is."""
-        return _of_system, (self.course.system, self._key)
-
-    @property
-    def _next_coordinate(self) -> DrivenLinks:
-        assert self._other is not None, 'no coordinate takes over'
-        return self._other
-
-    def make_other(self, coordinate: DrivenLinks, n: NumberType) -> Function:
-        """Return the formula of the coordinate that takes over, with its two derivatives."""
-        return make_reading(self._next_coordinate)(coordinate, n)
+        """Pickle the system and which of its coordinates this is."""
+        return _of_system, (self.all.system, self.is_input, *self._key)
 
     @cached_property
-    def _reading(self) -> InBothModes:
+    def derivative(self) -> Function:
+        """Return (time, state) -> d state / dt."""
+        return self.all.system.make_derivative(self)
+
+    @property
+    def can_end(self) -> bool:
+        """Return whether another coordinate may have to take over."""
+        return bool(self.all.others)
+
+    def make_other(self, links: DrivenLinks, n: NumberType) -> Function:
+        """Return the formula p -> the coordinate that takes over, its derivatives by p."""
+        return make_reading(self._taking_over)(links, n)
+
+    @property
+    def _taking_over(self) -> DrivenLinks:
+        """Return the links as the coordinate that takes over drives them, in one of its modes."""
+        return (next(iter(self.all.others.values())) if self.is_input
+                else self.equation.mechanism)
+
+    @cached_property
+    def other(self) -> InBothModes:
+        """Return p -> the coordinate that takes over, and its first two derivatives by p."""
         return self.equation.in_both_modes(self.make_other)
 
     @property
     def unit_of_ratio(self) -> float:
         """Return the unit of this coordinate in units of the one that takes over."""
-        return self.equation.coordinate.input_unit / self._next_coordinate.input_unit
-
-    @cached_property
-    def pose(self) -> InBothModes:
-        """Return the function p -> places and directions of all links, by which modes are told."""
-        return self.equation.in_both_modes(make_pose)
-
-    def prepare(self) -> None:
-        """Make the functions of this phase now: the first use takes as long as 100 steps."""
-        for function in (self._reading, self.pose, self.equation.input):
-            assert function is not None
+        return self.equation.coordinate.input_unit / self._taking_over.input_unit
 
     def excess(self, time: float, state: State) -> float:
         """
         Return |do/dp| - 2, positive where the other coordinate o has to take over.
 
-        An event of an integrator; both coordinates count in units of the linkage's size.
+        An event of an integrator; out of reach of this coordinate it is the largest number.
         """
-        ratio = abs(self._reading(float(state[0]))[1])
-        return float(min(ratio * self.unit_of_ratio, FARTHEST) - LONGEST)
-
-    def excess_or_most(self, time: float, state: State) -> float:
-        """Return the same; out of reach of the coordinate the largest excess."""
         try:
-            return self.excess(time, state)
+            ratio = abs(self.other(float(state[0]))[1])
         except (FourBarError, ArithmeticError):
-            return FARTHEST
+            return FARTHEST - LONGEST
+        return float(min(ratio * self.unit_of_ratio, FARTHEST) - LONGEST)
 
     def to_flat(self, time: float, state: State) -> float:
         """Return a product that changes its sign at each flat position, to stop a run there."""
-        coordinate, product = self.equation.coordinate, 1.0
-        for place in flat_positions(coordinate):
+        links, product = self.equation.coordinate, 1.0
+        for place in flat_positions(links):
             way = float(state[0]) - place
-            product *= way if coordinate.is_driven_by_slide else sin(0.5 * way)
+            product *= way if links.is_driven_by_slide else sin(0.5 * way)
         return product
 
-    @property
-    def can_end(self) -> bool:
-        """Return whether another coordinate may have to take over."""
-        return self._other is not None
-
-    def next(self, state: State) -> tuple[Phase, list[float]]:
-        """
-        Return the phase that takes over at a state, and the state in its coordinate, (T1).
-
-        Its assembly mode is the one in which the links stand as they do here.
-        """
-        position, ratio, _ = self._reading(float(state[0]))
-        other = self.course.like(self, float(state[0]), float(position))
-        if other.is_input:
-            position = self.course.continuous(position)
-        return other, [float(position), float(ratio * state[1]), *state[2:]]
+    def next(self, state: State) -> tuple[Coordinate, list[float]]:
+        """Return the coordinate that takes over at a state, and the state in it, (T1)."""
+        other, ratio, _ = map(float, self.other(float(state[0])))
+        taking_over = self.all.beyond(self, float(state[0]), other, ratio)
+        if taking_over.is_input:
+            other = self.all.continuous(other)
+        return taking_over, [other, ratio * float(state[1]), *state[2:]]
 
     def energy(self, state: State) -> float:
         """Return kinetic plus potential energy at a state [J]."""
         return float(self.equation.energy(float(state[0]), float(state[1])))
 
     def input_of(self, position: float) -> tuple[float, float, float]:
-        """Return the input and its first two derivatives by the coordinate, at one value of it."""
+        """Return the input and its first two derivatives by p, at one p."""
         if self.is_input:
             return position, 1.0, 0.0
         value, ratio, bend = self.equation.input.of_one(position)
-        return self.course.continuous(value), ratio, bend
+        return self.all.continuous(value), ratio, bend
 
     def states_of_input(self, states: Array) -> Array:
         """Return states in this coordinate as states in the input, of one shape (states, ...)."""
         if self.is_input:
             return states
         value, ratio, _ = self.equation.input(states[0])
-        return np.array([self.course.continuous(value), ratio * states[1], *states[2:]])
+        return np.array([self.all.continuous(value), ratio * states[1], *states[2:]])
 
     def acceleration(self, time: float, state: State) -> float:
         """Return the acceleration of the input at a state in this coordinate, (T3)."""
@@ -165,64 +155,63 @@ class Phase:
         _, ratio, bend = self.input_of(float(state[0]))
         return float(change * ratio + rate * rate * bend)
 
-    def modes(self, states: Array) -> NDArray[np.int64]:
-        """
-        Return the assembly mode at states (states, n) in this coordinate: n integers.
-
-        It is the mode whose pose at the input of the state is nearest to the pose of the state.
-        """
-        mechanism = self.equation.mechanism
-        inputs = self.states_of_input(states)[0]
-        own = self.pose(states[0])
-        distances = []
-        for mode in mechanism.modes_passed:
-            with np.errstate(all='ignore'):
-                pose = make_pose(mechanism.in_mode(mode), ARRAY)(inputs)
-            distances.append(np.nan_to_num(sum((a - b)**2 for a, b in zip(own, pose)), nan=np.inf))
-        modes: NDArray[np.int64] = np.array(mechanism.modes_passed)[np.argmin(distances, axis=0)]
-        return modes
+    def modes(self, positions: ArrayLike) -> NDArray[np.int64]:
+        """Return the assembly mode at values of p, integers of their shape."""
+        positions = np.asarray(positions, float)
+        is_other = np.asarray(self.equation.is_alternate(positions), bool)
+        if not self.is_input:
+            is_other = is_other ^ ~(np.asarray(self.equation.input(positions)[1]) > 0.0)
+        return np.where(is_other, self.mode_beyond, self.mode)
 
 
-def _of_system(system: System, key: tuple[bool, int, float]) -> Phase:
-    """Return a phase of a system that was pickled."""
-    return system.course.of(*key)
+def _of_system(system: System, *key: object) -> Coordinate:
+    """Return a coordinate of a system that was pickled."""
+    return system.coordinates.of(*key)       # type: ignore[arg-type]  # a key of a coordinate
 
 
-def make_pose(coordinate: DrivenLinks, n: NumberType
-              ) -> Callable[[Scalar], list[Scalar]]:
-    """Return the formula p -> (x, y, cosine, sine) of all links one after the other: the pose."""
-    coefficients = coordinate.make_coefficients(n)
-    return lambda position: [value for curve in coefficients(position)
-                             for value in (curve[0], curve[1], curve[6], curve[7])]
-
-
-class Course:
+class Coordinates:
     """
-    All phases of the motions of a system: each coordinate in each mode, made when first needed.
+    All coordinates of the motions of a system, in each assembly mode; made when first needed.
 
-    ``make_equation``: (mechanism in a mode, start, coordinate or None for the input) -> Equation;
     ``mechanism``: in its mode at the input ``start``.
     """
 
-    def __init__(self, make_equation: MakeEquation, mechanism: Mechanism, start: float,
-                 system: System) -> None:
-        """Make the phase of the start; middle: of the range of a crank between toggles [rad]."""
-        self._make_equation, self._mechanism = make_equation, mechanism
-        self.system, self._start = system, start
+    def __init__(self, system: System, mechanism: Mechanism, start: float) -> None:
+        """Make the coordinate of the start; middle: of the range of a crank between toggles."""
+        self.system, self._mechanism, self._start = system, mechanism, start
         others = () if mechanism.turns_fully else mechanism.driven_otherwise()
-        self._others = {other.mode: other for other in others}
-        self.middle = 0.0
-        if others and not mechanism.is_driven_by_slide:
-            middles = [0.5 * (low + high) for low, high in mechanism.input_ranges]
-            middle = min(middles, key=lambda value: abs(remainder(start - value, tau)))
-            self.middle = start - remainder(start - middle, tau)
-        # (whether the coordinate is the input, mode, parity of the interval) -> phase
-        self._phases: dict[tuple[bool, int, int], Phase] = {}
-        self._poses: dict[tuple[bool, int], Function] = {}
-        self.first = self.of(True, mechanism.mode, start)
+        # mode of the links as this other coordinate drives them -> the links so driven
+        self.others: dict[int, DrivenLinks] = {other.mode: other for other in others}
+        # of the range between toggles, shifted to the start by whole turns
+        self.middle, self.half = 0.0, inf
+        if others:
+            low, high = min(mechanism.input_ranges, key=lambda ends: abs(
+                mechanism.distance(start, 0.5 * (ends[0] + ends[1]))))
+            self.middle, self.half = 0.5 * (low + high), 0.5 * (high - low)
+            if not mechanism.is_driven_by_slide:
+                self.middle = start - remainder(start - self.middle, tau)
+        self._known: dict[tuple[bool, int, int, int], Coordinate] = {}
+        # (coordinate, whether the other one grows with it) -> coordinate that takes over
+        self._beyond: dict[tuple[Coordinate, bool], Coordinate] = {}
+        self.first = self.of(True, mechanism.mode, mechanism.mode, start)
 
-    def at(self, state: State) -> tuple[Phase, list[float]]:
-        """Return the phase in which a run begins at a state of the input, and its state there."""
+    def of(self, is_input: bool, number: int, mode: int, start: float) -> Coordinate:
+        """
+        Return a coordinate; ``number``: mode of its links as it drives them.
+
+        ``mode`` and ``start`` as of :class:`Coordinate`. Where flat positions make the mode
+        alternate, every second interval between them shares a coordinate.
+        """
+        links = self._mechanism.in_mode(number) if is_input else self.others[number]
+        key = is_input, number, mode, interval_of(links, start) % 2
+        if key not in self._known:
+            equation = self.system.make_equation(self._mechanism.in_mode(mode), start,
+                                                 None if is_input else links)
+            self._known[key] = Coordinate(self, equation, mode, start)
+        return self._known[key]
+
+    def at(self, state: State) -> tuple[Coordinate, list[float]]:
+        """Return the coordinate in which a run begins at a state of the input, its state there."""
         has_ended = self.first.can_end and self.first.excess(0.0, state) > 0.0
         return self.first.next(state) if has_ended else (self.first, list(state))
 
@@ -239,67 +228,69 @@ class Course:
             return self.middle + remainder(value - self.middle, tau)
         return value - tau * np.round((value - self.middle) / tau)
 
-    def _in_modes(self, is_input: bool) -> Mapping[int, DrivenLinks]:
-        """Return {mode: mechanism driven by the input, or by the other coordinate}."""
-        mechanism = self._mechanism
-        return ({mode: mechanism.in_mode(mode) for mode in mechanism.modes_passed} if is_input
-                else self._others)
+    def partner(self, mode: int) -> int:
+        """Return the mode beyond a flat position or a toggle."""
+        mechanism = self._mechanism.in_mode(mode)
+        for place in flat_positions(mechanism):
+            return int(mechanism.mode_beyond(place))
+        return next((other for other in mechanism.modes_passed if other != mode), mode)
 
-    def of(self, is_input: bool, mode: int, start: float) -> Phase:
+    def beyond(self, last: Coordinate, value: float, other: float, ratio: float) -> Coordinate:
         """
-        Return the phase of the input or of the other coordinate, in the mode at ``start``.
+        Return the coordinate that takes over from another one.
 
-        Where flat positions make the mode alternate, every second interval shares a phase.
+        ``value`` of the last one, of the ``other``, and the derivative ``ratio`` of that by this.
         """
-        coordinate = self._in_modes(is_input)[mode]
-        parity = make_interval_of(coordinate)(start) % 2 if flat_positions(coordinate) else 0
-        key = is_input, mode, parity
-        if key not in self._phases:
-            other = self._in_modes(not is_input) if self._others else {}
-            if is_input:
-                equation = self._make_equation(self._mechanism.in_mode(mode), start, None)
+        key = last, ratio > 0.0
+        if last.equation.changes_mode or key not in self._beyond:
+            mode = int(last.modes(value))
+            if last.is_input:
+                number = self._number_at(last, value, other)
+                mode = mode if ratio > 0.0 else self.partner(mode)
             else:
-                equation = self._make_equation(self._mechanism, start, coordinate)
-            self._phases[key] = Phase(self, equation, start, next(iter(other.values()), None))
-        return self._phases[key]
+                number = mode
+            self._beyond[key] = self.of(not last.is_input, number, mode, other)
+        return self._beyond[key]
 
-    def like(self, last: Phase, value: float, position: float) -> Phase:
+    def _number_at(self, last: Coordinate, value: float, other: float) -> int:
+        """Return the mode in which the other coordinate has the links where they are now."""
+        links = last.equation.links_in(bool(last.equation.is_alternate(value)))
+        pose, distances = _pose(links, value), {}
+        for number, driven in self.others.items():
+            try:
+                own = _pose(driven, other)
+            except (ValueError, ZeroDivisionError):
+                continue
+            distances[number] = sum((a - b)**2 for a, b in zip(pose, own))
+        return min(distances, key=lambda number: distances[number])
+
+    def prepare(self) -> dict[Coordinate, tuple[Coordinate, Coordinate]]:
         """
-        Return the phase of the other coordinate that continues another phase.
+        Return {coordinate: the ones that take over}, of a mechanism with two modes and toggles.
 
-        ``value`` is the coordinate of that phase, ``position`` the other coordinate in the same
-        pose. Its assembly mode is the one with the nearest pose there.
+        Of a pair the first takes over where it falls with the coordinate, the second where it
+        grows.
         """
-        pose, is_input = last.pose(value), not last.is_input
-        distances = {mode: self._distance(pose, is_input, mode, position)
-                     for mode in self._in_modes(is_input)}
-        return self.of(is_input, min(distances, key=distances.__getitem__), position)
+        inside = (1.0 - NEXT_TO_TOGGLE) * self.half
+        for mode in self._mechanism.modes_passed:
+            coordinate = self.of(True, mode, mode, self._start)
+            for position in (self.middle - inside, self.middle + inside):
+                coordinate.next([position, 0.0])
+        found = {}
+        for coordinate in list(self._known.values()):
+            if coordinate.is_input:        # it may come to both of its toggles with one sign
+                falls, grows = (self._beyond.get((coordinate, grows)) for grows in (False, True))
+            else:
+                falls, grows = (self.of(True, mode, mode, self._start)
+                                for mode in (coordinate.mode_beyond, coordinate.mode))
+            falls, grows = falls or grows, grows or falls
+            assert falls and grows, 'an input between toggles comes to them'
+            found[coordinate] = falls, grows
+            self._beyond |= {(coordinate, False): falls, (coordinate, True): grows}
+        return found
 
-    def input_in(self, mode: int) -> Phase:
-        """Return the phase of the input in a mode, of a mechanism without flat positions."""
-        return self.of(True, mode, self._start)
 
-    def prepare(self) -> list[Phase]:
-        """Return all phases of a mechanism without flat positions, ready for use."""
-        phases = [self.of(is_input, mode, self._start) for is_input in (True, False)
-                  for mode in self._in_modes(is_input)]
-        for phase in phases:
-            phase.prepare()
-            self._pose_line(phase.is_input, phase.equation.coordinate.mode)
-        return phases
-
-    def _pose_line(self, is_input: bool, mode: int) -> Function:
-        """Return the function of a float -> pose, of a coordinate in a mode; made once."""
-        if (is_input, mode) not in self._poses:
-            coordinate = self._in_modes(is_input)[mode]
-            self._poses[is_input, mode] = straight_line(partial(make_pose, coordinate))
-        return self._poses[is_input, mode]
-
-    def _distance(self, pose: Sequence[float], is_input: bool, mode: int,
-                  position: float) -> float:
-        """Return the squared distance of a pose from that of a mode; inf if it cannot close."""
-        try:
-            own = self._pose_line(is_input, mode)(position)
-        except (ValueError, ZeroDivisionError):
-            return inf
-        return float(sum((a - b)**2 for a, b in zip(pose, own)))
+def _pose(links: DrivenLinks, value: float) -> list[float]:
+    """Return the places and directions of all links, driven at a value, one after the other."""
+    return [number for curve in links.make_coefficients(REAL)(value)
+            for number in (curve[0], curve[1], curve[6], curve[7])]

@@ -38,7 +38,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
-from math import remainder, tau
+from math import floor, remainder, tau
 from typing import Any, NamedTuple
 
 from fourbar_ros.dynamics.elements import Element, LinkAngle, PositionForce, TableForce
@@ -50,7 +50,6 @@ from fourbar_ros.dynamics.forces import (
     place_of,
     work_of,
 )
-from fourbar_ros.dynamics.smooth import beyond, make_is_alternate
 from fourbar_ros.errors import InvalidParameter, MissingBodies
 from fourbar_ros.mechanics.bodies import NOT_APPLIED
 from fourbar_ros.mechanisms.mechanism import DrivenLinks, Mechanism
@@ -84,6 +83,40 @@ def _with_slope(function: Callable[[Any], Any], place: Any) -> Any:
 
 
 WITH_SLOPES = replace(COMPLEX_WITH_ANGLES, call=_with_slope)
+
+
+def flat_positions(links: DrivenLinks) -> tuple[float, ...]:
+    """
+    Return the inputs inside the range where an exact change point lies flat, in order.
+
+    There all links lie in line, both assembly modes meet, and a linkage that moves through keeps
+    the velocities of its links: the motion goes on in the other mode, as ``mode_beyond`` says.
+    Angles [rad] in [0, 2 pi), slides [m]. Without an exact change point there are none.
+    """
+    if links.change_point_margin != 0.0:
+        return ()
+    ranges = () if links.turns_fully else links.input_ranges
+    ends = {end for bounds in ranges for end in bounds}
+    inside = {value for value in map(float, links.flat_inputs)
+              if all(abs(links.distance(value, end)) > 1e-12 for end in ends)}
+    return tuple(sorted({value if links.is_driven_by_slide else value % tau for value in inside}))
+
+
+def interval_of(links: DrivenLinks, position: Any) -> Any:
+    """
+    Return the number of the interval between flat positions that an input, or each of many, is in.
+
+    An angle counts on over whole turns: with one flat position at 2 rad, 1 rad is in interval -1,
+    3 rad in interval 0 and 3 + 2 pi in interval 1. A flat position counts to the interval above.
+    """
+    return _number_in(flat_positions(links), links.is_driven_by_slide, position)
+
+
+def _number_in(flats: Sequence[float], is_slide: bool, position: Any) -> Any:
+    if is_slide:
+        return sum(position >= place for place in flats)
+    whole = floor if isinstance(position, float) else np.floor
+    return sum(whole((position - place) / tau) for place in flats)
 
 
 class Terms(NamedTuple):
@@ -166,7 +199,7 @@ class Equation:
         Constant inertia on the input, as of a flywheel [kg m^2], [kg].
     start : float, optional
         An input at which the mechanism is in its own mode. From there it goes smoothly through the
-        flat positions of a change point (:mod:`fourbar_ros.dynamics.coordinate`); without it, the
+        flat positions of a change point (:func:`flat_positions`); without it, the
         mechanism is in its own mode everywhere.
     coordinate : optional
         One of ``mechanism.driven_otherwise()``: q and all terms then refer to that coordinate. The
@@ -208,17 +241,26 @@ class Equation:
                        if isinstance(value := e.make_value(mechanism), TableForce)]
         self.has_couples = bool(self.forces) or any(applied.couple
                                                     for _, _, applied in self._bodies)
-        self._is_alternate = None if start is None else make_is_alternate(
-            self.coordinate, start)
+        self._flats = () if start is None else flat_positions(self.coordinate)
+        self._first = _number_in(self._flats, self.coordinate.is_driven_by_slide, start)
         self._terms = self.in_both_modes(self.make_terms)
         self.of_one = self._terms.of_one      # a float q -> (J, J'/2, Q, D, C), fast
 
     def in_both_modes(self, make_formula: MakeFormula) -> InBothModes:
         """Return a formula, made by (coordinate, number type), in the mode that holds at q."""
-        modes = [self.coordinate]
-        if self._is_alternate is not None:
-            modes.append(beyond(self.coordinate))
-        return InBothModes(make_formula, modes, self._is_alternate)
+        modes = [self.links_in(is_other) for is_other in ((False, True) if self._flats
+                                                          else (False,))]
+        return InBothModes(make_formula, modes, self.is_alternate if self._flats else None)
+
+    def is_alternate(self, position: Any) -> Any:
+        """Return whether the mechanism is in the other mode at a q, or at each of many."""
+        number_there = _number_in(self._flats, self.coordinate.is_driven_by_slide, position)
+        return (number_there - self._first) % 2 != 0
+
+    def links_in(self, is_other: bool) -> DrivenLinks:
+        """Return the links driven by q in their own mode, or in that beyond flat positions."""
+        links = self.coordinate
+        return links.in_mode(links.mode_beyond(self._flats[0])) if is_other else links
 
     @cached_property
     def input(self) -> InBothModes:
@@ -255,7 +297,7 @@ class Equation:
     @property
     def changes_mode(self) -> bool:
         """Return whether the mechanism goes on in the other mode at flat positions."""
-        return self._is_alternate is not None
+        return bool(self._flats)
 
     def _make_pose(self, coordinate: DrivenLinks, n: NumberType
                    ) -> Callable[[Scalar], tuple[list[LinkMotion], tuple[Scalar, ...]]]:
@@ -398,8 +440,8 @@ class Equation:
             return np.broadcast_to(-np.imag(force) / COMPLEX_STEP, positions.shape)
         with np.errstate(all='ignore'):
             found = of(self.coordinate)
-            if self._is_alternate is not None:
-                found = np.where(self._is_alternate(positions), of(beyond(self.coordinate)), found)
+            if self._flats:
+                found = np.where(self.is_alternate(positions), of(self.links_in(True)), found)
         result: Any = found if positions.shape else float(found)
         return result       # type: ignore[no-any-return]  # of the type of the position
 

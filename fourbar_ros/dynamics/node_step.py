@@ -1,57 +1,56 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""
-Steps of given length through the toggle positions of the input, in numbers of DriveState messages.
-
-A step is made in the input q, near a toggle in the other coordinate p of the phases of
-:mod:`fourbar_ros.dynamics.coordinate`. At its start p takes over if |dp/dq| > 2. Within the step
-the other coordinate takes over where the one in use changes too slowly. At the end of the first
-step with |dp/dq| <= 2, q takes over again. So q, its rate and the assembly mode tell the state of
-most samples. Next to a toggle they hardly change: there (p, dp/dt) is the state.
-"""
+"""Steps of the node: of given length, through toggles, in numbers of DriveState messages."""
 from __future__ import annotations
 
-from collections.abc import Sequence
-from math import inf, isfinite, isnan, nan, tau
+from collections.abc import Callable, Sequence
+from math import inf, isfinite, isnan, nan
 from typing import NamedTuple
 
-from fourbar_ros.dynamics.coordinate import Phase
-from fourbar_ros.dynamics.elements import Element, PositionForce
-from fourbar_ros.dynamics.force_table import ForceTable
-from fourbar_ros.dynamics.phase_steps import PhaseSteps
-from fourbar_ros.dynamics.sources import Law, Source, SpeedController
-from fourbar_ros.dynamics.step_equations import State
+from fourbar_ros.dynamics.coordinate import Coordinate
+from fourbar_ros.dynamics.rosenbrock import Place, SMALLEST, State, StepFormulas, TOLD
+from fourbar_ros.dynamics.sources import ConstantTorque, Drive, Law
 from fourbar_ros.dynamics.system import System
-from fourbar_ros.errors import FourBarError
+from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.mechanisms.mechanism import Mechanism
 
 KEY = 'integrator'         # key in a bag: the integrator of its motion
-# Only the same version steps a bag again. Versions differ where the input has toggles, for force
-# tables, which steps once passed over, and for controllers, whose integral once stopped where the
-# torque was at its limit.
-NAME, NAME_WITH_TOGGLES, NAME_WITH_TABLES, NAME_WITH_CONTROLLER = (
-    f'steps of the node, version {number}' for number in (1, 2, 4, 5))
+NAME = 'steps of the node, version 6'      # only the same version steps a bag again
 LARGEST_MODE = 255         # in a message
 # The same numbers as the STATUS_ constants of fourbar_msgs/DriveState (a test compares them).
 OK, SILENT, OUT_OF_BUDGET, AT_LIMIT, NOT_FINITE = range(5)
 STATUS_NAMES = ('ok', 'no torque comes', 'budget of the step used up', 'held at a limit',
                 'held: not finite')
+# evaluations of the equation of motion: of a state, of a step by RODAS, of one by implicit Euler
+PLACE, ATTEMPT, EULER = 1, 6, 1
+LATE = 1e-2                          # part of a step by which a bend of a law may be passed
+SHORTEST, BISECTIONS = 1e-3, 40      # part of a step, in the search for a place of a table
+NEAREST = 1e-9                       # distance beyond a place, in the size of it
+LEAST = 1.01 * SMALLEST              # of a step over the next one, where the budget is used up
+DEEPEST, SHORTER = 50.0, 0.3         # lack of room after a step; else it becomes shorter
+REFUSALS = FourBarError, ValueError, ArithmeticError
+UNKNOWN = Place(nan, nan, nan, nan, nan, nan, nan, ())
 
 
-class Place(NamedTuple):
+class Refused(FourBarError):
+    """The mechanism cannot reach a state, or its equation of motion has no finite terms there."""
+
+
+class At(NamedTuple):
     """The full state of a system between steps, next to a toggle in the other coordinate."""
 
-    phase: Phase
-    state: State           # in the coordinate of the phase
+    coordinate: Coordinate
+    state: State           # in this coordinate
     mode: int              # assembly mode of the mechanism
-    rising: int            # mode in which the input grows with the coordinate
-    turns: float           # of the input beyond the range of the course [rad]
+
+
+Part = tuple[At, float, bool]        # state, time left, whether the error is within the tolerance
 
 
 class Stepped(NamedTuple):
     """Result of a step."""
 
-    place: Place           # after it
+    at: At                 # after it
     status: int            # OK, OUT_OF_BUDGET, AT_LIMIT or NOT_FINITE
     evaluations: int       # of the equation of motion
 
@@ -95,56 +94,79 @@ def in_message(mode: int) -> int:
     return int(mode) if mode <= LARGEST_MODE else 0
 
 
-def name_of(mechanism: Mechanism, source: Source | None = None,
-            elements: Sequence[Element] = ()) -> str:
-    """
-    Return the name of the integrator that a bag records.
-
-    A recomputation steps a bag again only if it bears the name of its own steps.
-    """
-    if isinstance(source, SpeedController):
-        return NAME_WITH_CONTROLLER
-    if any(isinstance(e, PositionForce) and isinstance(e.value, ForceTable) for e in elements):
-        return NAME_WITH_TABLES
-    return NAME_WITH_TOGGLES if modes_of(mechanism) else NAME
-
-
 class Mover:
     """
-    Advances a drive and its linkage, from place to place or from message to message.
+    Advances a drive and its linkage, from state to state or from message to message.
 
-    A DriveState message holds the whole state, so a bag can be stepped again. Next to a toggle it
-    does not (:meth:`tells_all` is false); the mover then keeps the rest for the values that it
-    gave last.
+    A step is made in the input q, next to a toggle in the coordinate p that goes on there
+    (:mod:`fourbar_ros.dynamics.coordinate`). At its start p takes over if |dp/dq| > 2. Within the
+    step the other coordinate takes over where the one in use changes too slowly. At the end of the
+    first step with |dp/dq| <= 2, q takes over again. So q, its rate and the assembly mode tell the
+    state of most samples, as a message does, and a bag can be stepped again. Next to a toggle they
+    hardly change (:meth:`tells_all` is false); the mover then keeps (p, dp/dt) for the values that
+    it gave last.
 
-    ``tolerance``: allowed error of one step, in the coordinate and the twist, and in speeds times
-    its length. ``budget``: most evaluations of the equation of motion in one step.
-    ``takes_commands``: the torque comes from a topic. ``mode``: assembly mode of the values that
-    it gave last; 0: a message cannot tell it. ``passes``: whether it goes through toggles.
+    In a coordinate a step of RODAS (:mod:`fourbar_ros.dynamics.rosenbrock`) goes over the whole
+    length, or shorter steps where its error is too large or a force table bends: stable whatever
+    the stiffness, of bounded work. The next state follows from the state alone.
+
+    Parameters
+    ----------
+    system : System
+    tolerance : float
+        Allowed error of one step, in the coordinate and the twist, and in speeds times its length.
+    budget : int
+        Most evaluations of the equation of motion in one step.
+    takes_commands : bool
+        The torque comes from a topic.
+
+    Attributes
+    ----------
+    mode : int
+        Assembly mode of the values that it gave last; 0: a message cannot tell it.
+    modes : tuple of int
+        The two modes between which it goes through toggles; () where it does not.
+    formulas : dict
+        {coordinate: its formulas}; the first is the input in the mode of the system.
+    taking_over : dict
+        {coordinate: (one that takes over where it falls with it, one where it grows)}.
+
     """
 
     def __init__(self, system: System, tolerance: float, budget: int,
                  takes_commands: bool = False) -> None:
         """Set up steps within ``tolerance``, of at most ``budget`` evaluations each."""
-        self._system, self._given = system, (system, tolerance, budget)
-        self._takes_commands = takes_commands
-        self._modes = modes_of(system.mechanism)
-        self.passes = bool(self._modes)
-        self._phases: dict[Phase, PhaseSteps] = {}               # the steps of each coordinate
-        # the last message and its place: mostly the next step begins there
-        self._last: tuple[DriveValues, Place] | None = None
-        self._spent = 0            # evaluations in this step
+        drive = system.drive or Drive(ConstantTorque())
+        source = drive.source
+        if not isinstance(source, Law):
+            raise InvalidParameter('source', source, 'cannot drive steps: it must be a constant '
+                                   'torque, a motor or a controller')
+        self.system, self._takes_commands = system, takes_commands
+        self._torque = getattr(source, source.command) if source.command else 0.0
+        self.modes = modes_of(system.mechanism)
+        self.passes = bool(self.modes)            # through toggles
+        self.taking_over = (system.coordinates.prepare() if self.passes
+                             else {system.coordinates.first: ()})
+        # the formulas of each coordinate
+        self.formulas = {coordinate: StepFormulas(coordinate, drive, source, takes_commands,
+                                                   self.passes, tolerance)
+                          for coordinate in self.taking_over}
+        self.budget = budget - EULER - (PLACE + EULER if self.passes else 0)
+        self._evaluations = 0        # in this step
+        # the last message and its state: mostly the next step begins there; what is known of it
+        self._last: tuple[DriveValues, At] | None = None
+        self._known: tuple[At, Place] | None = None
         self.mode = in_message(system.mechanism.mode)
-        drive = system.drive
-        self._has_shaft = drive is not None and drive.shaft is not None
-        source = drive.source if drive else None
-        self._own = source.own if isinstance(source, Law) and source.start else ''
+        self._has_shaft = drive.shaft is not None
+        self._own = source.own if source.start else ''
+        own = source.start[0] if source.start else 0.0
+        position, rate = system.start[:2]
+        self.first = self.at((position, rate, 0.0, rate if self._has_shaft else 0.0, own))
 
     def prepare(self) -> None:
-        """Make the functions of all phases now: it takes as long as thousands of steps."""
-        phases = self._system.course.prepare() if self.passes else [self._system.course.first]
-        for phase in phases:
-            self._steps(phase)
+        """Make the functions of all coordinates now: it takes as long as thousands of steps."""
+        for formulas in self.formulas.values():
+            formulas.prepare()
 
     # --- messages -------------------------------------------------------------------------------
 
@@ -161,25 +183,25 @@ class Mover:
         not come for long. ``mode``: assembly mode of values from elsewhere, as a bag; None: that
         of the system.
         """
-        place = (self._last[1] if self._last and values is self._last[0]
-                 else self.place(self.state(values), mode))
-        place, status, evaluations = self.advance(place, step, self._torque(command))
+        at = (self._last[1] if self._last and values is self._last[0]
+              else self.at(self.state(values), mode))
+        at, status, evaluations = self.advance(at, step, command)
         return (SILENT if status == OK and is_silent else status,
-                self._kept(place, step, command, evaluations))
+                self._kept(at, step, command, evaluations))
 
-    def values(self, place: Place, step: float, command: float, evaluations: float) -> DriveValues:
-        """Return the fields of a DriveState message for a place; NaN where a drive has none."""
-        position, rate, twist, speed, own = self.state_of_input(place)
+    def values(self, at: At, step: float, command: float, evaluations: float) -> DriveValues:
+        """Return the fields of a DriveState message for a state; NaN where a drive has none."""
+        self._take(command)
+        position, rate, twist, speed, own = self.state_of_input(at)
         try:
-            acceleration, on_input, of_motor = self._steps(place.phase).torques(
-                place.state, self._torque(command))
-        except FourBarError:           # the rounded input of a run through a toggle is beyond it
-            acceleration, on_input, of_motor = nan, nan, nan
+            place = self._place(at)
+        except Refused:                # the rounded input of a run through a toggle is beyond it
+            place = UNKNOWN
         twist, speed = (twist, speed) if self._has_shaft else (nan, rate)
         return DriveValues(
-            step, command if self._takes_commands else nan, position, rate, acceleration, twist,
-            position + twist if self._has_shaft else position, speed, of_motor, on_input,
-            own if self._own == 'current' else nan,
+            step, command if self._takes_commands else nan, position, rate, place.acceleration,
+            twist, position + twist if self._has_shaft else position, speed, place.of_motor,
+            place.on_input, own if self._own == 'current' else nan,
             own if self._own == 'speed_error_integral' else nan, float(evaluations))
 
     def state(self, values: DriveValues) -> State:
@@ -191,144 +213,219 @@ class Mover:
         twist = 0.0 if isnan(values.twist) else values.twist
         return values.position, values.velocity, twist, values.motor_velocity, own
 
-    def _kept(self, place: Place, step: float, command: float, evaluations: int) -> DriveValues:
-        """Return the values of a place, and keep the place: next to a toggle it tells more."""
-        self.mode = in_message(place.mode)
-        values = self.values(place, step, command, evaluations)
-        self._last = values, place
+    def _kept(self, at: At, step: float, command: float, evaluations: int) -> DriveValues:
+        """Return the values of a state, and keep it: next to a toggle it tells more."""
+        self.mode = in_message(at.mode)
+        values = self.values(at, step, command, evaluations)
+        self._last = values, at
         return values
 
-    def _torque(self, command: float) -> float | None:
-        return command if self._takes_commands else None
+    # --- states ---------------------------------------------------------------------------------
 
-    # --- places ---------------------------------------------------------------------------------
+    def at(self, state: State, mode: int | None = None) -> At:
+        """Return a state of the input in a mode; None: the mode of the system."""
+        mode = mode if mode in self.modes else int(self.system.mechanism.mode)
+        coordinate = next(one for one in self.taking_over if one.is_input and one.mode == mode)
+        return At(coordinate, state, mode)
 
-    @property
-    def first(self) -> Place:
-        """Return the place at the start."""
-        return self.place(self._steps(self._system.course.first).start)
-
-    def place(self, state: State, mode: int | None = None) -> Place:
-        """Return the place of a state of the input in a mode; None: the mode of the system."""
-        own, course = int(self._system.mechanism.mode), self._system.course
-        if mode is None or mode == own or mode not in self._modes:
-            return Place(course.first, state, own, own, 0.0)
-        return Place(course.input_in(mode), state, mode, mode, 0.0)
-
-    def tells_all(self, place: Place) -> bool:
+    def tells_all(self, at: At) -> bool:
         """
-        Return whether a message with input, rate and mode tells the place, as it mostly does.
+        Return whether a message with input, rate and mode tells a state, as it mostly does.
 
         Next to a toggle it does not: there the input hardly changes with the state.
         """
         if not self.passes:
             return True
         try:
-            return place.phase.is_input and place.phase.excess(0.0, place.state) <= 0.0
-        except FourBarError:
+            return at.coordinate.is_input and self._place(at).room >= 0.0
+        except Refused:
             return False
 
-    def state_of_input(self, place: Place) -> State:
-        """Return the state of a place in the input, turns of a crank counted on."""
-        if place.phase.is_input:
-            return place.state
-        p, rate, twist, speed, own = place.state
-        value, ratio, _ = place.phase.input_of(p)
-        return value + place.turns, ratio * rate, twist, speed, own
+    def state_of_input(self, at: At) -> State:
+        """Return a state in the input."""
+        if at.coordinate.is_input:
+            return at.state
+        place, (_, rate, *others) = self._place(at), at.state
+        return (self.system.coordinates.continuous(place.other), place.other_ratio * rate,
+                *others)
 
-    def advance(self, place: Place, length: float, command: float | None = None) -> Stepped:
-        """
-        Return the place after a step of a length [s]; at a limit or an overflow, the same at rest.
+    def _take(self, command: float) -> None:
+        """Take a torque of the source [N m], where it comes from outside."""
+        if self._takes_commands and command != self._torque:
+            self._torque, self._known = command, None
 
-        ``command``: torque of the source during the step [N m], in place of the drive's own law.
+    def _place(self, at: At) -> Place:
+        """Return what is known of a state; the last one is kept, as values ask for it again."""
+        if self._known is None or self._known[0] != at:
+            try:
+                found = self.formulas[at.coordinate].place(*at.state, self._torque)
+            except REFUSALS:
+                raise Refused from None
+            self._known = at, Place._make((*found[:TOLD], found[TOLD:]))
+        return self._known[1]
+
+    # --- steps ----------------------------------------------------------------------------------
+
+    def advance(self, at: At, length: float, command: float = 0.0) -> Stepped:
         """
-        self._spent = 0
-        if not (0.0 < length < inf and all(map(isfinite, place.state))):
-            return Stepped(_held(place), NOT_FINITE, 0)
+        Return the state after a step of a length [s]; at a limit or an overflow, the same at rest.
+
+        ``command``: torque of the source during the step [N m], where it takes commands.
+        """
+        self._take(command)
+        self._evaluations, limited = 0, not self.system.has_no_limits
+        held = at._replace(state=(at.state[0], 0.0, 0.0, 0.0, 0.0))
+        if not (0.0 < length < inf and all(map(isfinite, at.state))):
+            return Stepped(held, NOT_FINITE, 0)
         try:
-            new, is_good = self._passed(place, length, command)
-        except (FourBarError, ArithmeticError) as error:
-            # an input that turns fully has no limit: a number was too large
-            is_limit = isinstance(error, FourBarError) and not self._system.has_no_limits
-            return Stepped(_held(place), AT_LIMIT if is_limit else NOT_FINITE,
-                           self._spent if self.passes
-                           else self._steps(place.phase).evaluations)
-        if not all(map(isfinite, new.state)):
-            return Stepped(_held(place), NOT_FINITE, self._spent)
-        if self._is_at_limit(new):
-            return Stepped(_held(place), AT_LIMIT, self._spent)
-        return Stepped(new, OK if is_good else OUT_OF_BUDGET, self._spent)
+            new, is_good = self._moved(at, length)
+            status = OK if is_good else OUT_OF_BUDGET
+            if not all(map(isfinite, new.state)):
+                status = NOT_FINITE
+            elif limited and self._is_at_end(new):
+                status = AT_LIMIT
+        except REFUSALS:           # an input that turns fully has no limit: a number was too large
+            status = AT_LIMIT if limited else NOT_FINITE
+        return Stepped(new if status in (OK, OUT_OF_BUDGET) else held, status, self._evaluations)
 
-    def _is_at_limit(self, place: Place) -> bool:
+    def _is_at_end(self, at: At) -> bool:
         """Return whether the input is at an end of its stroke, or at a toggle it cannot pass."""
-        if self.passes:
-            return self._system.distance_to_end(self.state_of_input(place)[0]) <= 0.0
-        return (not self._system.has_no_limits
-                and self._system.distance_to_limit(place.state[0]) <= 0.0)
+        return (self.system.distance_to_end(self.state_of_input(at)[0]) <= 0.0
+                or not self.passes and self._place(at).room <= 0.0)
 
-    def _steps(self, phase: Phase) -> PhaseSteps:
-        """Return the steps in the coordinate of a phase, made when first needed."""
-        steps = self._phases.get(phase)
-        if steps is None:
-            steps = self._phases[phase] = PhaseSteps(*self._given, phase if self.passes else None)
-        return steps
-
-    def _passed(self, place: Place, left: float, command: float | None) -> tuple[Place, bool]:
+    def _moved(self, at: At, left: float) -> tuple[At, bool]:
         """
-        Return the place after ``left`` seconds, and whether its error is within the tolerance.
+        Return the state after ``left`` seconds, and whether its error is within the tolerance.
 
         The step is made in parts, each in one coordinate, until no time is left. A second part in
-        a row that is not good means that no coordinate can finish: FourBarError.
+        a row that is not good means that no coordinate can finish.
         """
-        if self.passes and place.phase.is_input and not self.tells_all(place):
-            place = self._next(place)
-        steps = self._steps(place.phase)
-        is_good, law = True, steps.law(command)
+        is_good = True
+        if at.coordinate.is_input and self._place(at).room < 0.0 and self.passes:
+            at = self._handed_over(at)
         while True:
-            steps.evaluations = self._spent
-            state, left, is_part_good = steps.part(place.state, left, law)
-            place, self._spent = place._replace(state=state), steps.evaluations
-            if not left:
-                return self._settled(place), is_good and is_part_good
-            if not (is_good or is_part_good):
-                raise FourBarError('no coordinate finishes this step')
+            at, left, is_part_good = self._part(at, left)
+            if not left > 0.0:
+                break
+            if not (self.passes and (is_good or is_part_good)):
+                raise Refused
             is_good = is_good and is_part_good
-            place = self._next(place)
-            steps = self._steps(place.phase)
+            at = self._handed_over(at)
+        is_good = is_good and is_part_good
+        if at.coordinate.is_input or not all(map(isfinite, at.state)):
+            return at, is_good
+        in_input = self._handed_over(at)
+        return (in_input if self.tells_all(in_input) else at._replace(mode=in_input.mode)), is_good
 
-    def _next(self, place: Place) -> Place:
-        """Return the same place in the coordinate that takes over from its own."""
-        if not place.phase.is_input:
-            return self._in_input(place)
-        course, q = self._system.course, place.state[0]
-        turns = tau * round((q - course.continuous(q)) / tau)
-        phase, state = place.phase.next(place.state)
-        grows = phase.input_of(state[0])[1] > 0.0
-        rising = place.mode if grows else self._partner(place.mode)
-        p, rate, twist, speed, own = state
-        return Place(phase, (p, rate, twist, speed, own), place.mode, rising, turns)
+    def _handed_over(self, at: At) -> At:
+        """Return the same state in the coordinate that takes over; its mode by dq/dp."""
+        place, (_, rate, *others) = self._place(at), at.state
+        coordinate = self.taking_over[at.coordinate][place.other_ratio > 0.0]
+        other, mode = place.other, at.mode
+        if coordinate.is_input:
+            other, mode = self.system.coordinates.continuous(other), coordinate.mode
+        return At(coordinate, (other, place.other_ratio * rate, *others), mode)
 
-    def _in_input(self, place: Place) -> Place:
+    def _part(self, at: At, left: float) -> tuple[At, float, bool]:
         """
-        Return a place in the other coordinate as one in the input.
+        Return (state, time left, is_good) after ``left`` seconds, or after a part of them.
 
-        Its assembly mode follows from the sign of dq/dp: it is ``rising`` where q grows with p.
+        Time is left [s] where another coordinate has to take over. ``is_good``: the error is
+        within the tolerance; if not and time is left, this coordinate cannot finish within the
+        budget. Steps that fail are made shorter; one that would pass a place of a force table ends
+        there. Where the budget is used up, all that is left is one step of RODAS, or else of
+        implicit Euler: stable, its error bounded.
         """
-        grows = place.phase.input_of(place.state[0])[1] > 0.0
-        mode = place.rising if grows else self._partner(place.rising)
-        return self.place(self.state_of_input(place), mode)
+        formulas, equation, h = self.formulas[at.coordinate], at.coordinate.equation, left
+        place, latest = self._place(at), LATE * left
+        while left > 0.0:
+            self._evaluations += PLACE
+            excess = equation.make_excess(at.state[0]) if equation.tables else None
+            while True:
+                longest = min(h, left)
+                h = min(longest, max(place.to_bend, latest))
+                if excess:
+                    h = h * _to_table(excess, at.state[0], h * at.state[1],
+                                                  0.5 * h * h * place.linear[1])
+                more = 0 if h == left else PLACE + ATTEMPT
+                if self._evaluations + ATTEMPT + more > self.budget:
+                    return self._rest(formulas, at, place, left)
+                new, scale = self._attempted(formulas, at, place, h, 1.0)
+                if new:
+                    break
+                h *= scale
+            at, left, h = new, left - h, max(h * scale, longest)
+            place = self._place(at)
+            if left > 0.0 and place.room < 0.0:
+                break
+        return at, left, True
 
-    def _settled(self, place: Place) -> Place:
-        """Return a place at the end of a step: in the input again, if a message can tell that."""
-        if place.phase.is_input:
-            return place
-        in_input = self._in_input(place)
-        return in_input if self.tells_all(in_input) else place._replace(mode=in_input.mode)
+    def _attempted(self, formulas: StepFormulas, at: At, place: Place, h: float, least: float
+                   ) -> tuple[At | None, float]:
+        """
+        Return the state after a step of RODAS of ``h`` seconds, and the next length over it.
 
-    def _partner(self, mode: int) -> int:
-        return self._modes[self._modes[0] == mode]
+        None where that is below ``least``: the error is too large, or the step left the range of
+        the coordinate; it is to be made again, so much shorter.
+        """
+        self._evaluations += ATTEMPT
+        try:
+            *state, scale = formulas.attempt(*at.state, h, self._torque, *place.linear)
+        except REFUSALS:
+            if self.system.has_no_limits:               # a number was too large
+                raise
+            return None, SMALLEST                        # a shorter step may be inside
+        if not scale >= least:
+            return None, scale
+        new = self._here(at, state)
+        return new, scale if new else SHORTER
+
+    def _here(self, at: At, state: Sequence[float]) -> At | None:
+        """Return a state after another one, None where its coordinate is not regular."""
+        new = at._replace(state=tuple(state))
+        try:
+            return new if self._place(new).room >= -DEEPEST else None
+        except Refused:
+            return None
+
+    def _rest(self, formulas: StepFormulas, at: At, place: Place, left: float) -> Part:
+        """
+        Return the state after all the time left in one step, as the budget is used up.
+
+        It is one of RODAS if evaluations are left for it, else of implicit Euler. Both are stable:
+        the error is bounded, but above the tolerance.
+        """
+        new = None
+        if self._evaluations + ATTEMPT <= self.budget:
+            new, _ = self._attempted(formulas, at, place, left, LEAST)
+        if new is None:
+            self._evaluations += EULER
+            new = self._here(at, formulas.euler(*at.state, left, self._torque, *place.linear))
+        return (new, 0.0, False) if new else (at, left, False)
 
 
-def _held(place: Place) -> Place:
-    """Return a place at rest, nothing twisted, nothing summed up."""
-    return place._replace(state=(place.state[0], 0.0, 0.0, 0.0, 0.0))
+def _to_table(excess: Callable[[float, bool], float], position: float, gain: float, bend: float
+              ) -> float:
+    """
+    Return the part of a step, in (0, 1], after which a force table comes to its next piece.
+
+    1: it comes to none. The position is quadratic: after a part x of the step it is
+    ``position`` + x (gain + x bend); out of reach counts as beyond.
+    """
+    def is_beyond(part: float) -> bool:
+        try:
+            return excess(position + part * (gain + part * bend), False) > NEAREST
+        except REFUSALS:
+            return True
+    if not is_beyond(1.0):
+        return 1.0
+    low, high = 0.0, 1.0
+    for _ in range(BISECTIONS):
+        part = 0.5 * (low + high)
+        if is_beyond(part):
+            high = part
+        else:
+            low = part
+        if high - low <= SHORTEST * high:
+            break
+    return high if high < 1.0 - SHORTEST else 1.0

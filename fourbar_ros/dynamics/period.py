@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from math import inf, pi, tau
 
-from fourbar_ros.dynamics.smooth import flat_positions
+from fourbar_ros.dynamics.equation import flat_positions
 from fourbar_ros.dynamics.statics import roots_of
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import FourBarError, InvalidParameter
@@ -115,7 +115,7 @@ def _turning_point(system: System, energy: float, side: float) -> float | None:
     """
     mechanism, (start, rate), reach = system.mechanism, system.start[:2], tau
     if not mechanism.turns_fully:
-        start = float(system.course.continuous(float(start)))
+        start = float(system.coordinates.continuous(float(start)))
         inside = [(low, high) for low, high in mechanism.input_ranges if low <= start <= high]
         if not inside:
             raise InvalidParameter('system', None, 'must start in the range of its input')

@@ -1,23 +1,42 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-RODAS of Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.7.
+The formulas of an implicit step: RODAS of Hairer and Wanner, of input, shaft and source.
 
-Order 4, an error estimate of order 3, L-stable, stiffly accurate. A step is a formula of floats
-and nothing else: written down once, it becomes one function without calls
-(:mod:`fourbar_ros.numerics.straight_line`) with the bits of the formula.
+The state is x = (p, u, s, v, z): coordinate and its rate, twist of the elastic shaft, speed of the
+motor behind the gear, state of the torque source. Twist and motor speed are zero for a rigid
+shaft. The terms are those of (E1) in p and (M1) for the source; the shaft has the stiffness k and
+the damping c. With r = dq/dp, q the input, and r' = dr/dp (1 and 0 if p is the input),
+
+    dp/dt = u                       du/dt = (Q - D u - J'/2 u^2 + r T_in) / J
+    ds/dt = v - r u                 dv/dt = (T - T_in) / J_m                               (N1)
+    T_in = k s + c (v - r u), of a rigid shaft T at the speed r u;   dz/dt of the source
+
+The twist is a state of its own, not a difference of angles that grow: a stiff shaft would multiply
+their rounding.
+
+RODAS (Solving Ordinary Differential Equations II, section IV.7) has order 4, an error estimate of
+order 3, is L-stable and stiffly accurate. Its Jacobian is exact at the start of the step, except
+for the derivative of du/dt by p, a finite difference.
+
+All are formulas of any number type. The node has them as functions of floats without calls
+(:mod:`fourbar_ros.numerics.straight_line`), generated code as C, both from one trace.
 """
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
+from functools import cached_property, partial, reduce
+from math import nan
+from typing import Any, NamedTuple
 
-from fourbar_ros.dynamics.equation import Equation
-from fourbar_ros.dynamics.sources import always, Law, Piece
-from fourbar_ros.dynamics.step_equations import Elastic, plus, Rigid, State, Terms
-from fourbar_ros.numerics.number_types import Function, NumberType, REAL
+from fourbar_ros.dynamics.coordinate import Coordinate, FARTHEST, LONGEST
+from fourbar_ros.dynamics.sources import always, Drive, Law, MakePiece, Piece
+from fourbar_ros.dynamics.system import NEAR_TOGGLE
+from fourbar_ros.mechanisms.mechanism import DrivenLinks
+from fourbar_ros.numerics.number_types import Function, NumberType, REAL, Scalar
 from fourbar_ros.numerics.straight_line import straight_line
 
+State = tuple[float, ...]        # five numbers
 GAMMA = 0.25
 # u_i depends on f(x + sum A_ij u_j) and on sum C_ij u_j / h; the last starts where the one before
 # ends, the result is where it ends, and it is itself the estimate of the error
@@ -31,92 +50,333 @@ C: tuple[tuple[float, ...], ...] = (
     (7.496443313967647, -10.24680431464352, -33.99990352819905, 11.70890893206160))
 C_LAST = (8.083246795921522, -7.981132988064893, -31.52159432874371, 16.31930543123136,
           -6.058818238834054)
-EVALUATIONS = len(A)       # of the equation of motion in one step, besides those at its start
-Stepped = tuple[float, float, float, float, float, float, float, float, float]
-# numbers that a step is a formula of: state, h, terms, derivative of du/dt by p, law of the source
-# at its start, and what commands the source
-GIVEN = 5 + 1 + 7 + 1 + len(Piece._fields) + 1
+DIFFERENCE = 1e-7          # step of p for the derivative of du/dt by it, in the unit of p
+HUGE = 1e100               # derivatives beyond it count as not finite
+SMALLEST, LARGEST, SAFETY = 0.1, 4.0, 0.85      # next step over this one: bounds, factor
 
 
-class Rosenbrock:
+class Terms(NamedTuple):
+    """The terms of (E1) in a coordinate, and the coordinate that takes over there."""
+
+    inertia: Scalar
+    half_slope: Scalar
+    force: Scalar
+    damping: Scalar
+    couples: Scalar
+    ratio: Scalar             # r = dq/dp
+    ratio_slope: Scalar       # r'
+    other: Scalar             # the coordinate that takes over, where one may
+    other_ratio: Scalar       # its derivative by p
+    room: Scalar              # positive while this coordinate may go on
+
+
+class Linear(NamedTuple):
+    """What a step needs to know of its start, besides the state: dx/dt, and its Jacobian."""
+
+    change: Any               # dx/dt, five numbers
+    inertia: Scalar
+    half_slope: Scalar
+    damping: Scalar
+    ratio: Scalar
+    ratio_slope: Scalar
+    by_speed: Scalar          # of the source's torque
+    by_own: Scalar
+    own_by_speed: Scalar      # of dz/dt
+    own_by_own: Scalar
+
+
+class Place(NamedTuple):
+    """What is known of a state, as flat as C returns it: first what is told, then Linear."""
+
+    room: float
+    other: float
+    other_ratio: float
+    to_bend: float            # time to the next bend of the source's law [s], about
+    acceleration: float       # of the input, (T3)
+    on_input: float           # torque (force) of the drive on it
+    of_motor: float           # torque of the source
+    linear: tuple[float, ...]
+
+
+TOLD = len(Place._fields) - 1
+GIVEN = 6                                          # numbers of a place: x and the command
+GIVEN_STEP = 5 + 2 + 5 + len(Linear._fields) - 1   # of a step: x, h, command, Linear
+
+
+class StepFormulas:
     """
-    One step of given length, of an equation of motion with the equations of shaft and source.
+    The formulas of a step in one coordinate, in the assembly mode of its equation.
 
-    ``source``: its law is that of the start of the step, a smooth one is taken anew at each stage.
+    Parameters
+    ----------
+    coordinate : Coordinate
+    drive : Drive
+    takes_commands : bool
+        The torque of the source is a number given at each step, in place of its own law.
+    passes : bool
+        Through toggles, where another coordinate takes over; else they are limits.
+    tolerance : float
+        Allowed error of a step, in the coordinate and the twist, and in speeds times its length.
+
     """
 
-    def __init__(self, equation: Equation, equations: Elastic | Rigid, source: Law) -> None:
-        """Write the step as one function of floats where there is one formula."""
-        self._equations, self._source, self._equation = equations, source, equation
-        self._command = getattr(source, source.command) if source.command else 0.0
-        self._formula = self._make(equation.of_one_with_ratio, REAL)
-        # in both modes of a change point there is no one formula
-        self._line = (self._formula if equation.changes_mode else
-                      straight_line(self.make, GIVEN))
+    def __init__(self, coordinate: Coordinate, drive: Drive, source: Law, takes_commands: bool,
+                 passes: bool, tolerance: float) -> None:
+        """Note which parts of the state there are, in the order in which they are eliminated."""
+        self._coordinate, self._equation = coordinate, coordinate.equation
+        self._source, self._takes_commands, self._passes = source, takes_commands, passes
+        self._shaft, self._rotor = drive.shaft, drive.rotor
+        self.unit = self._equation.coordinate.input_unit
+        self._tolerance = tolerance * self.unit
+        has_own = bool(source.start) and not takes_commands
+        self._order = (0, *((2,) if drive.shaft else ()), *((4,) if has_own else ()), 1,
+                       *((3,) if drive.shaft else ()))
 
-    def __call__(self, state: State, h: float, terms: Terms, by_position: float,
-                 piece: Piece) -> Stepped:
-        """
-        Return the state after a step of ``h`` seconds and its estimated error, as nine numbers.
+    # --- as functions of floats -----------------------------------------------------------------
 
-        They are (p, u, s, v, z, dp, du, ds, dv). ``terms``: at this state; ``by_position``:
-        derivative of its acceleration by p; ``piece``: law of the source. Raises FourBarError
-        where the mechanism cannot reach a stage, ArithmeticError where a number is too large.
-        """
-        try:
-            stepped: Stepped = self._line(*state, h, *terms, by_position, *piece, self._command)
-        except (ValueError, ArithmeticError):      # of a number; the formula says why
-            stepped = self._formula(*state, h, *terms, by_position, *piece, self._command)
-        return stepped
+    @cached_property
+    def place(self) -> Function:
+        """Return (p, u, s, v, z, command) -> numbers of a Place, flat."""
+        return self._function(self.make_place, self.make_terms, GIVEN)
 
-    def make(self, n: NumberType) -> Function:
-        """Return the formula of a step for a number type, in the mode of the equation."""
-        return self._make(self._equation.make_with_ratio(self._equation.coordinate, n), n)
+    @cached_property
+    def attempt(self) -> Function:
+        """Return (p, u, s, v, z, h, command, Linear) -> state after h, next length over h."""
+        return self._function(self.make_attempt, self._equation.make_with_ratio, GIVEN_STEP)
 
-    def _make(self, terms_at: Function, n: NumberType) -> Function:
-        """Return the function of GIVEN numbers -> step; ``terms_at``: position p -> Terms."""
-        derivative, linear = self._equations.derivative, self._equations.linear
-        has_shaft, source = isinstance(self._equations, Elastic), self._source
-        is_input, has_own = self._equation.is_input, bool(source.start)
+    @cached_property
+    def euler(self) -> Function:
+        """Return the same arguments -> state after h by implicit Euler."""
+        return self._function(self.make_euler, self._equation.make_with_ratio, GIVEN_STEP)
 
-        def formula(p: Any, u: Any, s: Any, v: Any, z: Any, h: Any, *given: Any) -> Any:
-            """
-            Return the nine numbers of ``__call__`` from its arguments one by one, of any type.
+    def _function(self, make: Function, make_terms: Function, count: int) -> Function:
+        if self._equation.changes_mode:      # there is no one formula in both modes
+            return make(REAL, self._equation.in_both_modes(make_terms).of_one)  # type: ignore[no-any-return]
+        return straight_line(make, count)
 
-            ``given``: 7 terms, by_position, 6 of the piece, the source's law (M1), and a command:
-            t and d are torque and dz/dt, t_w, d_w and t_z, d_z their derivatives by speed and own
-            state.
-            """
-            terms: Any = (*given[:5], 1.0, 0.0) if is_input else given[:7]
-            by_position, t, t_w, t_z, d, d_w, d_z, command = given[7:]
-            s, v = (s, v) if has_shaft else (0.0, 0.0)
-            z, t_z, d, d_w, d_z = (z, t_z, d, d_w, d_z) if has_own else (0.0,) * 5
-            state, piece = (p, u, s, v, z), Piece(t, t_w, t_z, d, d_w, d_z)
-            law = (source.make_piece(n, command if source.command else None)
-                   if source.is_smooth else always(piece))
-            solve = linear(terms, state, piece, by_position)(1.0 / (GAMMA * h))
-            stages = [solve(derivative(terms, state, piece))]
+    def prepare(self) -> None:
+        """Make them now: it takes as long as thousands of steps."""
+        for function in (self.place, self.attempt, self.euler):
+            assert function is not None
+
+    # --- formulas -------------------------------------------------------------------------------
+
+    def make_terms(self, links: DrivenLinks, n: NumberType) -> Function:
+        """Return the formula p -> :class:`Terms`."""
+        terms: Function = self._equation.make_with_ratio(links, n)
+        if self._passes:
+            other, coordinate = self._coordinate.make_other(links, n), self._coordinate
+            middle, half = coordinate.all.middle, coordinate.all.half
+
+            def between_toggles(p: Scalar) -> Any:
+                value, ratio, _ = other(p)
+                room = LONGEST - n.fabs(ratio) * coordinate.unit_of_ratio
+                if coordinate.is_input:            # not in another range, beyond a gap
+                    room = n.where(n.fabs(p - middle) < half, room, -FARTHEST)
+                return (*terms(p), value, ratio, room)
+            return between_toggles
+        mechanism = self._equation.mechanism
+        if mechanism.turns_fully:
+            return lambda p: (*terms(p), 0.0, 1.0, 1.0)
+        motion_of = mechanism.motion_formula(n, mechanism.constants)
+        return lambda p: (*terms(p), 0.0, 1.0, n.fabs(mechanism.transmission_sine(
+            mechanism.MOTION._make(motion_of(p, 0.0, 0.0)))) - NEAR_TOGGLE)
+
+    def make_tables(self, n: NumberType) -> Function:
+        """Return the formula p -> the places of all forces with a table."""
+        return self._equation.make_places(self._equation.coordinate, n)
+
+    def make_place(self, n: NumberType, terms_at: Function | None = None) -> Function:
+        """Return the formula of :attr:`place`."""
+        terms_at = terms_at or self.make_terms(self._equation.coordinate, n)
+
+        def place(p: Any, u: Any, s: Any, v: Any, z: Any, command: Any) -> Any:
+            terms = Terms(*terms_at(p))
+            change, on_input, of_motor, piece = self._rates(
+                terms, (p, u, s, v, z), self._law(n, command))
+            acceleration = (change[1] if self._equation.is_input else
+                            terms.ratio * change[1] + terms.ratio_slope * u * u)            # (T3)
+            slope = change[3] if self._shaft else acceleration
+            speed = v if self._shaft else terms.ratio * u
+            to_bend = self._to_bend(n, command, (speed, z), (slope, change[4]))
+            return (terms.room, terms.other, terms.other_ratio, to_bend, acceleration, on_input,
+                    of_motor, *change, terms.inertia, terms.half_slope, terms.damping, terms.ratio,
+                    terms.ratio_slope, piece.by_speed, piece.by_state, piece.change_by_speed,
+                    piece.change_by_state)
+        return place
+
+    def make_attempt(self, n: NumberType, terms_at: Function | None = None) -> Function:
+        """Return the formula of :attr:`attempt`: a step of RODAS."""
+        terms_at = terms_at or self._equation.make_with_ratio(self._equation.coordinate, n)
+
+        def attempt(p: Any, u: Any, s: Any, v: Any, z: Any, h: Any, command: Any,
+                    *given: Any) -> Any:
+            x, law = (p, u, s, v, z), self._law(n, command)
+            linear = Linear(given[:5], *given[5:])
+            solve = self._solver(n, x, law, linear, 1.0 / (GAMMA * h), terms_at)
+            stages = [solve(linear.change)]
 
             def add_stage(at: State, weights: Sequence[float]) -> None:
                 """Solve for the next u_i: dx/dt at a state, plus earlier u_j times weights / h."""
-                position, rate, _, motor_speed, _ = at
-                terms_there: Terms = terms_at(position)
-                *_, ratio, _ = terms_there               # r = dq/dp, r'
-                speed = motor_speed if has_shaft else ratio * rate
-                slope = derivative(terms_there, at, law(speed, at[4]))
-                stages.append(solve(_sum(slope, [weight / h for weight in weights], stages)))
-
+                change, *_ = self._rates(terms_at(at[0]), at, law)
+                stages.append(solve(_sum(change, [weight / h for weight in weights], stages)))
             for a, c in zip(A[1:], C[1:]):
-                place = _sum(state, a, stages)
-                add_stage(place, c)
-            place = plus(place, 1.0, stages[-1])
-            add_stage(place, C_LAST)
-            return (*plus(place, 1.0, stages[-1]), *stages[-1][:4])
-        return formula
+                at = _sum(x, a, stages)
+                add_stage(at, c)
+            at = _plus(at, 1.0, stages[-1])
+            add_stage(at, C_LAST)
+            dp, du, ds, dv, _ = stages[-1]
+            errors = [n.fabs(part) for part in (dp, ds, h * du, h * dv)]
+            return (*_plus(at, 1.0, stages[-1]), self._scale(n, errors))
+        return attempt
+
+    def make_euler(self, n: NumberType, terms_at: Function | None = None) -> Function:
+        """Return the formula of :attr:`euler`: less accurate, and stable whatever the error."""
+        terms_at = terms_at or self._equation.make_with_ratio(self._equation.coordinate, n)
+
+        def euler(p: Any, u: Any, s: Any, v: Any, z: Any, h: Any, command: Any,
+                  *given: Any) -> Any:
+            x, linear = (p, u, s, v, z), Linear(given[:5], *given[5:])
+            solve = self._solver(n, x, self._law(n, command), linear, 1.0 / h, terms_at)
+            # a rate that grows so fast would leave nothing of the Jacobian but rounding
+            whole = n.where(n.fabs(linear.change[1]) < HUGE, 1.0, nan)
+            return _plus(x, whole, solve(linear.change))
+        return euler
+
+    def _law(self, n: NumberType, command: Scalar) -> MakePiece:
+        """Return the law of the source during a step."""
+        if self._takes_commands:
+            return always(Piece(command))
+        return self._source.make_piece(n, command if self._source.command else None)
+
+    def _to_bend(self, n: NumberType, command: Scalar, at: Sequence[Scalar],
+                 slopes: Sequence[Scalar]) -> Scalar:
+        """
+        Return the time after which the law of the source bends, 1e300 where it does not.
+
+        By a tangent: of speed and own state of the source, ``at`` a place, with their ``slopes``
+        over time.
+        """
+        bounded = None if self._takes_commands else self._source.make_bounded(
+            command if self._source.command else None)
+        if bounded is None:
+            return 1e300
+        inner, bound = bounded
+        torque = inner.torque_at(*at)
+        slope = inner.by_speed * slopes[0] + inner.by_state * slopes[1]
+        sign = n.where(slope < 0.0, -1.0, 1.0)
+        torque, slope = sign * torque, n.fabs(slope)                 # rises
+        gap = n.where(torque < -bound, -bound - torque, bound - torque)
+        found: Scalar = n.where(gap > 0.0, gap / _larger(n, slope, 1e-300), 1e300)
+        return found
+
+    def _rates(self, terms: Sequence[Any], x: State, law: MakePiece
+               ) -> tuple[State, Scalar, Scalar, Piece]:
+        """Return dx/dt by (N1), the torques on the input and of the source, and its law there."""
+        _, u, s, v, z = x
+        inertia, half_slope, force, damping, _, r, *_ = terms
+        w, shaft = r * u, self._shaft
+        speed = v if shaft else w
+        piece = law(speed, z)
+        motor = on_input = piece.torque_at(speed, z)
+        if shaft:
+            on_input = shaft.stiffness * s + shaft.damping * (v - w)
+        change = (u, (force + r * on_input - (damping + half_slope * u) * u) / inertia,
+                  *((v - w, (motor - on_input) / self._rotor) if shaft else (0.0, 0.0)),
+                  piece.change_at(speed, z) if 4 in self._order else 0.0)
+        return change, on_input, motor, piece
+
+    def _solver(self, n: NumberType, x: State, law: MakePiece, linear: Linear, g: Scalar,
+                terms_at: Function) -> Callable[[State], State]:
+        """Return b -> y, the solution of (g - d(dx/dt)/dx) y = b at the start of a step."""
+        step = DIFFERENCE * self.unit
+        if self._equation.tables:                  # in the piece that lies ahead
+            step = n.where(x[1] < 0.0, -step, step)
+        aside = x[0] + step
+        (_, change, *_), *_ = self._rates(terms_at(aside), (aside, *x[1:]), law)
+        jacobian = self._jacobian(x, linear, (change - linear.change[1]) / (aside - x[0]))
+        solve = _eliminated([[(g if i == j else 0.0) - jacobian[i][j] for j in self._order]
+                             for i in self._order])
+
+        def solve_all(right: State) -> State:
+            found: list[Any] = [0.0] * 5
+            for i, y in zip(self._order, solve([right[i] for i in self._order])):
+                found[i] = y
+            return tuple(found)
+        return solve_all
+
+    def _jacobian(self, x: State, linear: Linear, by_position: Scalar) -> list[list[Scalar]]:
+        """
+        Return d(dx/dt)/dx of (N1), rows and columns in the order of x.
+
+        ``by_position``: derivative of du/dt by p, the one entry that is not known in closed form.
+        """
+        u, (_, J, half_slope, D, r, r_slope, T_w, T_z, d_w, d_z) = x[1], linear
+        w_p = r_slope * u                          # of the speed w = r u by p
+        if not self._shaft:
+            return [[0.0, 1.0, 0.0, 0.0, 0.0],
+                    [by_position, (r * r * T_w - D - 2.0 * half_slope * u) / J, 0.0, 0.0,
+                     r * T_z / J],
+                    [0.0] * 5,
+                    [0.0] * 5,
+                    [w_p * d_w, r * d_w, 0.0, 0.0, d_z]]
+        k, c, J_m = self._shaft.stiffness, self._shaft.damping, self._rotor
+        return [[0.0, 1.0, 0.0, 0.0, 0.0],
+                [by_position, -(D + r * r * c + 2.0 * half_slope * u) / J, r * k / J, r * c / J,
+                 0.0],
+                [-w_p, -r, 0.0, 1.0, 0.0],
+                [c * w_p / J_m, r * c / J_m, -k / J_m, (T_w - c) / J_m, T_z / J_m],
+                [0.0, 0.0, 0.0, d_w, d_z]]
+
+    def _scale(self, n: NumberType, errors: Sequence[Scalar]) -> Scalar:
+        """
+        Return the next length over that of a step, by its estimated errors.
+
+        Below 1 the step failed and is made again that much shorter. The fourth root follows from
+        the order of the method.
+        """
+        error = reduce(partial(_larger, n), errors) / self._tolerance
+        longer = SAFETY * _larger(n, error, 1e-10)**-0.25
+        longer = _larger(n, n.where(longer < LARGEST, longer, LARGEST), SMALLEST)
+        found: Scalar = n.where(sum(errors) < 1e300, longer, SMALLEST)
+        return found
+
+
+def _eliminated(rows: Sequence[Sequence[Scalar]]) -> Callable[[Sequence[Scalar]], list[Scalar]]:
+    """Return b -> y of M y = b, by elimination without pivots: M is g less a Jacobian, g large."""
+    count, left = len(rows), [list(row) for row in rows]
+    for k in range(count):
+        for i in range(k + 1, count):
+            left[i][k] = share = left[i][k] / left[k][k]
+            for j in range(k + 1, count):
+                left[i][j] = left[i][j] - share * left[k][j]
+
+    def solve(right: Sequence[Scalar]) -> list[Scalar]:
+        y = list(right)
+        for i in range(count):
+            for k in range(i):
+                y[i] = y[i] - left[i][k] * y[k]
+        for i in reversed(range(count)):
+            for k in range(i + 1, count):
+                y[i] = y[i] - left[i][k] * y[k]
+            y[i] = y[i] / left[i][i]
+        return y
+    return solve
+
+
+def _larger(n: NumberType, one: Scalar, other: Scalar) -> Scalar:
+    """Return the larger of two numbers."""
+    larger: Scalar = n.where(one < other, other, one)
+    return larger
+
+
+def _plus(x: State, weight: float, u: State) -> State:
+    """Return x + weight u for states."""
+    return tuple([a + weight * b for a, b in zip(x, u)])
 
 
 def _sum(x: State, weights: Sequence[float], stages: Sequence[State]) -> State:
     """Return the state x + weights[0] stages[0] + weights[1] stages[1] + ..."""
     for weight, u in zip(weights, stages):
-        x = plus(x, weight, u)
+        x = _plus(x, weight, u)
     return x

@@ -26,17 +26,8 @@ import time as clock
 from typing import Any, NamedTuple, TYPE_CHECKING
 import warnings
 
-from fourbar_ros.dynamics.coordinate import (
-    AT_CHANGE_POINT,
-    AT_EVENT,
-    AT_KINK,
-    AT_LIMIT,
-    COMPLETE,
-    Event,
-    GAVE_UP,
-    HANDED_OVER,
-    Phase,
-)
+from fourbar_ros.dynamics.coordinate import Coordinate
+from fourbar_ros.dynamics.equation import flat_positions
 from fourbar_ros.dynamics.forces import loads_with
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import FourBarError, InvalidParameter
@@ -51,6 +42,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Stop = Callable[[float, Any], float]      # (time, state) -> number, zero where a run stops
+# how a leg of a run ends
+COMPLETE, GAVE_UP, AT_LIMIT, AT_CHANGE_POINT, HANDED_OVER, AT_EVENT, AT_KINK = (
+    'complete', 'gave up', 'at a limit', 'at a change point', 'handed over', 'at an event',
+    'at a kink')
 REACHED, LIMIT = 'reached the end', 'reached a limit of the input'
 CHANGE_POINT, EVENT = 'reached a change point', 'stopped where asked'
 NOT_CONVERGED, NOT_CHECKED, STOPPED = 'not converged', 'not checked', 'gave up'
@@ -72,12 +67,21 @@ ROUNDING = 32.0 * EPS      # of an energy over the sizes of its parts
 _LSODA = Lock()            # before scipy 1.17 it serves one thread at a time
 
 
+class Event(NamedTuple):
+    """Something that ends a leg of a run."""
+
+    function: Callable[..., float]       # (time, state in the coordinate) -> number: at its zeros
+    end: str                             # how the leg then ends, as AT_LIMIT
+    direction: float = 0.0               # 1: where it rises, -1: where it falls, 0: both
+    before: float | None = None          # its value at the start, if not that of the function
+
+
 class Leg(NamedTuple):
     """A stretch of a run in one coordinate."""
 
-    phase: Phase
+    coordinate: Coordinate
     time: Array                        # steps of the integrator [s], (n,)
-    states: Array                      # there, in the coordinate of the phase, (states, n)
+    states: Array                      # there, in that coordinate, (states, n)
     between: Callable[[Array], Array]  # times -> states, interpolated
     end: str                           # how it ended: COMPLETE, AT_LIMIT, ...
 
@@ -206,7 +210,7 @@ class Run:
         """Return the states of the input at times, (n,), of the run."""
         found: Array = np.empty((len(self.system.names), times.size))
         for leg, there, states in self._on_legs(times):
-            found[:, there] = leg.phase.states_of_input(states)
+            found[:, there] = leg.coordinate.states_of_input(states)
         return found
 
     @cached_property
@@ -219,7 +223,7 @@ class Run:
         """Return the assembly mode over time, which changes at toggles and change points."""
         modes = np.empty(self.time.size, np.int64)
         for leg, there, states in self._on_legs(self.time):
-            modes[there] = leg.phase.modes(states)
+            modes[there] = leg.coordinate.modes(states[0])
         return modes
 
     @property
@@ -243,7 +247,7 @@ class Run:
         """Return the acceleration of the input over time [rad/s^2] or [m/s^2]."""
         found: Array = np.empty(self.time.size)
         for leg, there, states in self._on_legs(self.time):
-            found[there] = [leg.phase.acceleration(t, y) for t, y in
+            found[there] = [leg.coordinate.acceleration(t, y) for t, y in
                             zip(self.time[there].tolist(), states.T.tolist())]
         return found
 
@@ -454,12 +458,12 @@ def _is_stiff(system: System, until: float) -> bool:
     """
     if any(len(table.table.places) > MANY for _, table in system.equation.tables):
         return True
-    phase, state = system.course.at(system.start)
+    coordinate, state = system.coordinates.at(system.start)
     columns = []
     try:
         for i, value in enumerate(state):
             step = 1e-6 * (1.0 + abs(value))
-            rates = [phase.derivative(0.0, [*state[:i], value + side, *state[i + 1:]])
+            rates = [coordinate.derivative(0.0, [*state[:i], value + side, *state[i + 1:]])
                      for side in (step, -step)]
             columns.append([(a - b) / (2.0 * step) for a, b in zip(*rates)])
     except (FourBarError, ArithmeticError):
@@ -480,25 +484,25 @@ def _integrate(system: System, method: str, tolerance: float, work: Work, stop_w
     ``is_finer``: it also restarts between jumps of the torque, so that two runs differ.
     """
     breaks = _restarts(system, work.until, is_finer)
-    (phase, state), first = system.course.at(system.start), 0.0
+    (coordinate, state), first = system.coordinates.at(system.start), 0.0
     stop_value = nan         # of stop_when; nothing stops at the start: a zero there is none
     end = COMPLETE
     while first < work.until:
         if end == HANDED_OVER:
-            phase, state = phase.next(state)
-        events = [*system.events(phase), _watch(work, first)]
-        if phase.can_end:
-            events.append(Event(phase.excess_or_most, HANDED_OVER, 1.0))
-        if phase.equation.tables:
-            events.append(_piece(phase, first, state))
+            coordinate, state = coordinate.next(state)
+        events = [*_limits(system, coordinate), _watch(work, first)]
+        if coordinate.can_end:
+            events.append(Event(coordinate.excess, HANDED_OVER, 1.0))
+        if coordinate.equation.tables:
+            events.append(_piece(coordinate, first, state))
         if stop_when is not None:
-            stop = _of_input(phase, stop_when)
+            stop = _of_input(coordinate, stop_when)
             if first == 0.0:
                 stop_value = stop(first, np.array(state)) or nan
             events.append(Event(stop, AT_EVENT, 0.0, stop_value))
         after = int(np.searchsorted(breaks, first, 'right'))
         last = float(breaks[after]) if after < breaks.size else work.until
-        leg = _leg(phase, (first, last), state, method,
+        leg = _leg(coordinate, (first, last), state, method,
                    tolerance, work, events)
         # two coordinates that hand over to each other at one time: nothing goes on
         stands = leg.time[-1] <= nextafter(first, inf)
@@ -512,7 +516,7 @@ def _integrate(system: System, method: str, tolerance: float, work: Work, stop_w
             stop_value = stop(first, leg.states[:, -1]) or stop_value
 
 
-def _leg(phase: Phase, span: tuple[float, float],
+def _leg(coordinate: Coordinate, span: tuple[float, float],
          state: list[float], method: str, tolerance: float, work: Work,
          events: list[Event]) -> Leg:
     """Return the leg from a time and a state on, to the end of its span or to an event."""
@@ -521,7 +525,7 @@ def _leg(phase: Phase, span: tuple[float, float],
     except ModuleNotFoundError as error:
         raise MissingPackage('simulation', error) from error
     functions, start = [_remembered(event, span[0]) for event in events], np.array(state)
-    rates = work.counted(phase.derivative, span[1])
+    rates = work.counted(coordinate.derivative, span[1])
     tolerances = {'rtol': max(tolerance, 100.0 * EPS), 'atol': tolerance}
     with warnings.catch_warnings(), _LSODA if method == 'LSODA' else nullcontext():
         warnings.simplefilter('ignore')      # of what the end of the leg says
@@ -544,14 +548,14 @@ def _leg(phase: Phase, span: tuple[float, float],
             found = None
     if found is None or found.t.size < 2 or not np.all(np.abs(found.y) < HUGE):
         work.reason = f'no step of {method} is short enough at {span[0]:.6g} s'
-        return Leg(phase, np.array(span[:1]), start[:, None],
+        return Leg(coordinate, np.array(span[:1]), start[:, None],
                    lambda times: np.repeat(start[:, None], times.size, 1), GAVE_UP)
     end = COMPLETE
     if found.status == 1:
         end = ends[0]
     elif found.status == -1:
         end, work.reason = GAVE_UP, f'no step of {method} is short enough at {found.t[-1]:.6g} s'
-    return Leg(phase, found.t, found.y, found.sol, end)
+    return Leg(coordinate, found.t, found.y, found.sol, end)
 
 
 def _restarts(system: System, until: float, is_finer: bool) -> Array:
@@ -567,6 +571,23 @@ def _restarts(system: System, until: float, is_finer: bool) -> Array:
         ends = np.concatenate([[0.0], breaks, [until]])
         breaks = np.unique(np.concatenate([breaks, 0.5 * (ends[1:] + ends[:-1])]))
     return breaks
+
+
+def _limits(system: System, coordinate: Coordinate) -> list[Event]:
+    """Return the events that end a run in a coordinate: limits of the input, change points."""
+    passes_toggles = coordinate.can_end or system.has_no_limits
+
+    def limit(time: float, state: Any) -> float:
+        """Return the distance of the input to its limits, from a state in the coordinate."""
+        position = float(coordinate.states_of_input(np.asarray(state))[0])
+        return (system.distance_to_end(position) if passes_toggles
+                else system.distance_to_limit(position))
+    events = []
+    if not passes_toggles or system.has_stroke:
+        events.append(Event(limit, AT_LIMIT, -1.0))
+    if system.stops_at_change_points and flat_positions(coordinate.equation.coordinate):
+        events.append(Event(coordinate.to_flat, AT_CHANGE_POINT))
+    return events
 
 
 def _remembered(event: Event, first: float) -> Callable[..., float]:
@@ -601,9 +622,9 @@ def _watch(work: Work, first: float) -> Event:
     return Event(left, GAVE_UP, -1.0)
 
 
-def _piece(phase: Phase, first: float, state: list[float]) -> Event:
+def _piece(coordinate: Coordinate, first: float, state: list[float]) -> Event:
     """Return the event at the end of a piece of a force table, if a step passes over the next."""
-    excess, before = phase.equation.make_excess(state[0]), first
+    excess, before = coordinate.equation.make_excess(state[0]), first
 
     def passed(time: float, state: Array) -> float:
         nonlocal excess, before
@@ -613,16 +634,16 @@ def _piece(phase: Phase, first: float, state: list[float]) -> Event:
             if excess(position, True) > 0.0:
                 return 1.0
             if excess(position, False) > 0.0:
-                excess = phase.equation.make_excess(position)
+                excess = coordinate.equation.make_excess(position)
             return -1.0
         return excess(position, False) - SAME
     return Event(passed, AT_KINK, 1.0)
 
 
-def _of_input(phase: Phase, stop_when: Stop) -> Stop:
-    """Return a function of time and state of the input as one of the state in a phase."""
+def _of_input(coordinate: Coordinate, stop_when: Stop) -> Stop:
+    """Return a function of time and state of the input as one of the state in a coordinate."""
     return lambda time, state: number('stop_when', stop_when(
-        time, phase.states_of_input(np.asarray(state))))
+        time, coordinate.states_of_input(np.asarray(state))))
 
 
 # --- checks --------------------------------------------------------------------------------------
@@ -656,7 +677,7 @@ def energy_drift(run: Run) -> float:
     """
     of_legs: list[tuple[Array, ...]] = []
     for leg in run.legs:
-        equation, states = leg.phase.equation, leg.states
+        equation, states = leg.coordinate.equation, leg.states
         kinetic = 0.5 * equation.terms(states[0]).inertia * states[1]**2
         work = 0.0 * kinetic if run.system.is_conservative else states[-1]
         potential, size = equation.potential_and_size(states[0])

@@ -130,6 +130,10 @@ class Law(ABC):
         ``command``: a number in place of the field that ``self.command`` names.
         """
 
+    def make_bounded(self, command: Scalar | None = None) -> tuple[Piece, float] | None:
+        """Return a torque, linear in speed and state, and its bound, at which the law bends."""
+        return None
+
     @cached_property
     def _piece(self) -> MakePiece:
         return self.make_piece()
@@ -248,7 +252,7 @@ class SpeedController(Law):
         """
         wanted = self.speed if command is None else command
         kp, ki, limit = self.proportional, self.integral, self.limit
-        inner = Piece(kp * wanted, -kp, ki, *((wanted, -1.0) if ki else ()))
+        inner = self._inner(wanted)
         if limit == inf:
             return always(inner)
         by = kp or ki
@@ -266,6 +270,16 @@ class SpeedController(Law):
             return Piece(*n.where(torque.real > limit, tuple(upper), n.where(
                 torque.real < -limit, tuple(lower), tuple(inner))))
         return piece
+
+    def _inner(self, wanted: Scalar) -> Piece:
+        """Return the law between the limits of the torque."""
+        kp, ki = self.proportional, self.integral
+        return Piece(kp * wanted, -kp, ki, *((wanted, -1.0) if ki else ()))
+
+    def make_bounded(self, command: Scalar | None = None) -> tuple[Piece, float] | None:
+        """Return the law between the limits of the torque, and the limit."""
+        wanted = self.speed if command is None else command
+        return None if self.limit == inf else (self._inner(wanted), self.limit)
 
 
 @dataclass(frozen=True)

@@ -15,16 +15,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import inf
 
-from fourbar_ros.dynamics.coordinate import AT_CHANGE_POINT, AT_LIMIT, Course, Event, Phase
+from fourbar_ros.dynamics.coordinate import Coordinate, Coordinates
 from fourbar_ros.dynamics.elements import Element, PositionForce
 from fourbar_ros.dynamics.equation import Equation
-from fourbar_ros.dynamics.smooth import flat_positions
 from fourbar_ros.dynamics.sources import Answer, Drive
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.mechanisms.mechanism import DrivenLinks, Mechanism
 from fourbar_ros.numerics.given import number
 from fourbar_ros.numerics.number_types import Function
-import numpy as np
 
 State = Sequence[float]
 NEAR_TOGGLE = 1e-3        # sine of the angle of the dyad at which an input counts as at its limit
@@ -67,15 +65,11 @@ class System:
         mechanism = mechanism.without_stroke()
         self.mechanism = mechanism
         motion = (number('position', position), number('rate', rate))
-        elements = tuple(elements)
-
-        def make_equation(mechanism: Mechanism, start: float,
-                          coordinate: DrivenLinks | None) -> Equation:
-            """Return the equation of motion in a mode and a coordinate, with all that acts."""
-            return Equation(mechanism, elements, drive.rigid_inertia if drive else 0.0, start,
-                            coordinate)
-        self.equation = make_equation(mechanism, motion[0], None)
-        self.is_conservative = not (drive or self.equation.has_couples or _any_damps(elements))
+        self.elements = tuple(elements)
+        self.coordinates = Coordinates(self, mechanism, motion[0])
+        self.equation = self.coordinates.first.equation
+        self.is_conservative = not (drive or self.equation.has_couples
+                                    or _any_damps(self.elements))
         shaft, source = (drive.shaft, drive.source.start) if drive else (None, ())
         self.names = ('position', 'rate', *(('motor_position', 'motor_rate') if shaft else ()),
                       *(f'source_{i}' for i in range(len(source))),
@@ -84,18 +78,28 @@ class System:
                       *(() if self.is_conservative else (0.0,)))
         # index of the source's speed in a state: of the input's rate, or of dp/dt behind a shaft
         self._speed = 3 if shaft else 1
-        self.course = Course(make_equation, mechanism, motion[0], self)
-        self.derivative = self.course.first.derivative
+        self.derivative = self.coordinates.first.derivative
 
     def __reduce__(self) -> tuple[object, ...]:
         """Pickle the arguments only: functions cannot be pickled, and are made again."""
-        return System, (self._with_stroke, *self.start[:2], self.equation.elements, self.drive,
+        return System, (self._with_stroke, *self.start[:2], self.elements, self.drive,
                         self.stops_at_change_points)
+
+    def make_equation(self, mechanism: Mechanism, start: float,
+                      coordinate: DrivenLinks | None = None) -> Equation:
+        """Return the equation of motion in a mode and a coordinate, with all that acts."""
+        inertia = self.drive.rigid_inertia if self.drive else 0.0
+        return Equation(mechanism, self.elements, inertia, start, coordinate)
 
     @property
     def has_no_limits(self) -> bool:
         """Return whether the input can go on for ever: a crank that turns fully."""
         return bool(self.mechanism.turns_fully)
+
+    @property
+    def has_stroke(self) -> bool:
+        """Return whether the input has a stroke that ends a run."""
+        return self._stroke is not None
 
     def distance_to_limit(self, position: float) -> float:
         """
@@ -117,22 +121,6 @@ class System:
             return inf
         low, high = map(float, self._stroke)
         return min((position - low) / (high - low), (high - position) / (high - low))
-
-    def events(self, phase: Phase) -> list[Event]:
-        """Return the events that end a run in a phase: limits of the input, change points."""
-        passes_toggles = phase.can_end or self.has_no_limits
-
-        def limit(time: float, state: State) -> float:
-            """Return the distance of the input to its limits, from a state in the phase."""
-            position = float(phase.states_of_input(np.asarray(state))[0])
-            return (self.distance_to_end(position) if passes_toggles
-                    else self.distance_to_limit(position))
-        events = []
-        if not passes_toggles or self._stroke is not None:
-            events.append(Event(limit, AT_LIMIT, -1.0))
-        if self.stops_at_change_points and flat_positions(phase.equation.coordinate):
-            events.append(Event(phase.to_flat, AT_CHANGE_POINT))
-        return events
 
     def torque(self, time: float, state: State) -> float:
         """Return the torque (force) of the drive on the input."""
@@ -157,9 +145,9 @@ class System:
                     + drive.shaft.damping * (speed - rate))
         return on_input, (speed, (torque - on_input) / drive.rotor, *change)
 
-    def make_derivative(self, phase: Phase) -> Function:
-        """Return (time, state in a phase) -> d state / dt, by (E1) and, of the work, by (E6)."""
-        terms_of, is_input = phase.equation.of_one, phase.is_input
+    def make_derivative(self, coordinate: Coordinate) -> Function:
+        """Return (time, state in a coordinate) -> d state / dt, by (E1); of the work by (E6)."""
+        terms_of, is_input = coordinate.equation.of_one, coordinate.is_input
 
         def conservative(time: float, state: State) -> tuple[float, ...]:
             """Return (w, dw/dt): the state is q and w alone."""
@@ -171,7 +159,7 @@ class System:
             """Return the derivatives with a drive or dampers, of the work last."""
             position, rate, ratio = state[0], state[1], 1.0
             if not is_input:
-                value, ratio, _ = phase.input_of(position)
+                value, ratio, _ = coordinate.input_of(position)
                 state = (value, ratio * rate, *state[2:])
             torque, change = self._drive(time, state) if self.drive else (0.0, ())
             inertia, half_slope, force, damping, couples = terms_of(position)

@@ -59,7 +59,7 @@ class SimulatedScene(NamedTuple):
         for time, mode, state in zip(self.run.time.tolist(), modes, self.states.T.tolist()):
             step = 0.0 if isnan(before) else time - before
             mover = movers[mode]
-            values = mover.values(mover.place(tuple(state)), step, command, 0)
+            values = mover.values(mover.at(tuple(state)), step, command, 0)
             yield values._replace(evaluations=nan)
             before = time
 

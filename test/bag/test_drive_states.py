@@ -4,7 +4,7 @@
 from types import SimpleNamespace
 
 from fourbar_ros.bag.drive_states import DriveStates
-from fourbar_ros.dynamics.node_step import KEY, NAME, name_of
+from fourbar_ros.dynamics.node_step import KEY, NAME
 from fourbar_ros.scene.scene import from_values
 import numpy as np
 import pytest
@@ -40,8 +40,7 @@ def swing():
 def moved(*parts, values=ROCKER, key=None):
     """Return the DriveStates that has compared parts, each (rows, number of the first)."""
     scene = from_values(values)
-    found = DriveStates(scene, {KEY: key or name_of(scene.bare_linkage,
-                                                    scene.dynamics.drive.source)})
+    found = DriveStates(scene, {KEY: key or NAME})
     for rows, first in parts:
         take_all(found, rows, first)
     return found
@@ -56,7 +55,7 @@ def test_a_whole_swing_is_stepped_again(swing):
 @pytest.mark.parametrize('stride', [more(207, 69)])
 def test_a_bag_may_begin_anywhere_and_miss_states(swing, stride):
     mover = from_values(ROCKER).mover
-    told = [mover.tells_all(mover.place(mover.state(values), mode)) for _, mode, values in swing]
+    told = [mover.tells_all(mover.at(mover.state(values), mode)) for _, mode, values in swing]
     assert 0.3 < np.mean(told) < 0.95
     for first in range(3, len(swing) - 100, stride):
         found = moved((swing[first:], first))
@@ -98,7 +97,7 @@ def test_the_torque_in_effect_is_that_of_the_topic_cut_to_the_limit():
     def command(torque):
         return SimpleNamespace(wrench=SimpleNamespace(torque=SimpleNamespace(z=torque)))
     for wrong in (0.0, 0.125):
-        found = DriveStates(scene, {KEY: name_of(scene.bare_linkage)})
+        found = DriveStates(scene, {KEY: NAME})
         take_all(found, rows[:1])
         for k, torque in enumerate(torques):
             found.command(command(torque + wrong))

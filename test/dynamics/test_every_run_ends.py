@@ -92,13 +92,13 @@ def test_the_node_follows_the_limit_within_its_steps():
     for _ in range(2000):
         done = mover.advance(place, 1e-3)
         assert done.status == OK
-        place = done.place
+        place = done.at
         positions.append(place.state[0])
     assert np.abs(run.position - positions).max() <= 1e-6
 
 
 def test_a_crank_that_turns_fully_is_never_at_a_limit():
-    mover = Mover(System(HEAVY, 0.0, drive=Drive(ConstantTorque())), 1e-6, 60)
+    mover = Mover(System(HEAVY, 0.0, drive=Drive(ConstantTorque())), 1e-6, 60, True)
     assert mover.advance(mover.first, 1e-3, 1e300).status == NOT_FINITE
 
 

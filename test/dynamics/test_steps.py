@@ -2,17 +2,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """Steps of given length through toggles: accuracy, energy, modes, work, what messages tell."""
 from fourbar_ros import FourBar, SliderCrank
-from fourbar_ros.dynamics import phase_steps
+from fourbar_ros.dynamics import rosenbrock
 from fourbar_ros.dynamics.node_step import (
     AT_LIMIT,
     DriveValues,
+    modes_of,
     Mover,
-    NAME,
-    name_of,
-    NAME_WITH_TOGGLES,
     OK,
     OUT_OF_BUDGET,
 )
+from fourbar_ros.dynamics.rosenbrock import Linear, StepFormulas
 from fourbar_ros.dynamics.simulation import simulate
 from fourbar_ros.dynamics.sources import (
     ConstantTorque,
@@ -23,9 +22,9 @@ from fourbar_ros.dynamics.sources import (
     Shaft,
     SpeedController,
 )
-from fourbar_ros.dynamics.step_equations import Elastic, Rigid
 from fourbar_ros.dynamics.system import System
-from fourbar_ros.scene.scene import from_values, load
+from fourbar_ros.numerics.number_types import REAL
+from fourbar_ros.scene.scene import from_values
 import numpy as np
 import pytest
 from support.samples import some
@@ -48,10 +47,10 @@ def swing(system, until, tick=TICK, tolerance=1e-6, budget=10_000):
     place, rows, modes, energies, went = mover.first, [], [], [], []
     for _ in range(round(until / tick)):
         done = mover.advance(place, tick)
-        place = done.place
+        place = done.at
         rows.append(mover.state_of_input(place))
         modes.append(place.mode)
-        energies.append(place.phase.energy(place.state))
+        energies.append(place.coordinate.energy(place.state))
         went.append(done)
     return np.array(rows).T, modes, np.array(energies), went
 
@@ -59,7 +58,7 @@ def swing(system, until, tick=TICK, tolerance=1e-6, budget=10_000):
 @some('name', SWINGS, 2)
 def test_a_released_linkage_swings_through_its_limits_as_simulate_says(name, monkeypatch):
     """Steps of one length, of order 4: those of half the length err by 1/15 of what changes."""
-    monkeypatch.setattr(phase_steps, 'DIFFERENCE', 1e-8)     # its error is below that of steps
+    monkeypatch.setattr(rosenbrock, 'DIFFERENCE', 1e-8)     # its error is below that of steps
     mechanism, position, rate = CASES[name]
     system, until, unit = System(mechanism, position, rate), 3.0, mechanism.input_unit
     times = TICK * np.arange(1, 3001)
@@ -81,7 +80,7 @@ def test_a_released_linkage_swings_through_its_limits_as_simulate_says(name, mon
 @pytest.mark.parametrize('drive', DRIVES)
 @some('name', ['rocker of a crank-rocker', 'driven slider'], 1)
 def test_the_order_is_four_through_toggles_with_every_drive(name, drive, monkeypatch):
-    monkeypatch.setattr(phase_steps, 'DIFFERENCE', 1e-8)     # its error is below that of steps
+    monkeypatch.setattr(rosenbrock, 'DIFFERENCE', 1e-8)     # its error is below that of steps
     mechanism, position, rate = CASES[name]
     system = System(mechanism, position, rate, drive=DRIVES[drive])
     times = 0.1 * np.arange(1, 9)
@@ -95,75 +94,38 @@ def test_the_order_is_four_through_toggles_with_every_drive(name, drive, monkeyp
     assert np.log2(errors[0] / errors[2]) > 2 * 3.0 and errors[2] < 1e-7, errors
 
 
-@pytest.mark.parametrize('equations', [Rigid(), Elastic(Shaft(70.0, 3.0), 0.4)],
-                         ids=['rigid', 'elastic'])
-def test_the_linear_system_is_that_of_the_derivatives(equations):
+@pytest.mark.parametrize('shaft', [None, Shaft(70.0, 3.0)])
+def test_the_linear_system_is_that_of_the_derivatives(shaft):
     """(g - d(dx/dt)/dx) y = b, with terms that vary with p, by differences of the derivatives."""
     rng = np.random.default_rng(5)
     piece = Piece(*rng.normal(size=6))
+    drive = Drive(DCMotor(48.0, 0.5, 0.3, 1e-3, 10.0), 0.4, shaft=shaft)
+    system = System(*CASES['driven slider'], drive=drive)
+    formulas = StepFormulas(system.coordinates.first, drive, drive.source, False, True, 1e-6)
 
     def terms_at(p):
         return (2.0 + p * p, p, 3.0 - p + 0.4 * p * p, 0.5 + 0.1 * p, 0.0,
                 0.3 + 0.7 * p - 0.2 * p * p, 0.7 - 0.4 * p)      # the last two: r, dr/dp
 
+    def law(speed, own):
+        return piece
+
     x = np.array([0.4, 1.3, 0.2, -0.8, 0.6])
 
     def rates(x):
-        return np.array(equations.derivative(terms_at(x[0]), tuple(x), piece))
+        return np.array(formulas._rates(terms_at(x[0]), tuple(x), law)[0])
 
     step = 1e-5
     jacobian = np.array([(rates(x + step * e) - rates(x - step * e)) / (2.0 * step)
                          for e in np.eye(5)]).T
     right = rng.normal(size=5)
-    if isinstance(equations, Rigid):
+    if shaft is None:
         right[2:4] = 0.0
-    g = 3.0
-    solve = equations.linear(terms_at(x[0]), tuple(x), piece, jacobian[1, 0])(g)
-    assert (g * np.eye(5) - jacobian) @ solve(tuple(right)) == pytest.approx(right, abs=1e-8)
-
-
-def plain(equations, terms, state, piece, by_position, g, right):
-    """Return dx/dt and y of a step in the input itself, (N1) with r = 1, r' = 0 left out."""
-    inertia, half_slope, force, damping = terms[:4]
-    torque, t_w, t_z, own, z_w, z_z = piece
-    _, w, s, v, z = state
-    if isinstance(equations, Rigid):
-        change = (w, (force + torque + t_z * z + (t_w - damping - half_slope * w) * w) / inertia,
-                  0.0, 0.0, own + z_w * w + z_z * z)
-        by_rate, by_own = (t_w - damping - 2.0 * half_slope * w) / inertia, t_z / inertia
-        share = 1.0 / (g - z_z)
-        whole = 1.0 / (g - by_rate - by_position / g - by_own * z_w * share)
-        rate = (right[1] + by_position * right[0] / g + by_own * right[4] * share) * whole
-        return change, ((right[0] + rate) / g, rate, 0.0, 0.0, (right[4] + z_w * rate) * share)
-    k, c, rotor = 70.0, 3.0, 0.4
-    on_input = k * s + c * (v - w)
-    change = (w, (force + on_input - (damping + half_slope * w) * w) / inertia, v - w,
-              (torque + t_w * v + t_z * z - on_input) / rotor, own + z_w * v + z_z * z)
-    share, coupling = 1.0 / (g - z_z), c + k / g
-    by_rate = -(damping + c + 2.0 * half_slope * w) / inertia
-    m11 = g - by_rate - by_position / g + k / (g * inertia)
-    m12, m21 = -coupling / inertia, -coupling / rotor
-    m22 = g - (t_w - c) / rotor + k / (g * rotor) - t_z / rotor * z_w * share
-    whole = 1.0 / (m11 * m22 - m12 * m21)
-    pull = k * right[2] / g
-    r1 = right[1] + by_position * right[0] / g + pull / inertia
-    r2 = right[3] - pull / rotor + t_z / rotor * right[4] * share
-    rate, speed = (m22 * r1 - m12 * r2) * whole, (m11 * r2 - m21 * r1) * whole
-    return change, ((right[0] + rate) / g, rate, (right[2] + speed - rate) / g, speed,
-                    (right[4] + z_w * speed) * share)
-
-
-@pytest.mark.parametrize('equations', [Rigid(), Elastic(Shaft(70.0, 3.0), 0.4)],
-                         ids=['rigid', 'elastic'])
-def test_in_the_input_no_bit_comes_from_the_ratio(equations):
-    rng = np.random.default_rng(6)
-    for _ in range(1000):
-        terms, state = (*rng.normal(size=5).tolist(), 1.0, 0.0), tuple(rng.normal(size=5).tolist())
-        piece, right = Piece(*rng.normal(size=6).tolist()), tuple(rng.normal(size=5).tolist())
-        by_position, g = rng.normal(size=2).tolist()
-        change, found = plain(equations, terms, state, piece, by_position, g, right)
-        assert equations.derivative(terms, state, piece) == change
-        assert equations.linear(terms, state, piece, by_position)(g)(right) == found
+    inertia, half_slope, _, damping, _, ratio, ratio_slope = terms_at(x[0])
+    linear = Linear(tuple(rates(x)), inertia, half_slope, damping, ratio, ratio_slope, piece[1],
+                    piece[2], *piece[4:])
+    solve = formulas._solver(REAL, tuple(x), law, linear, 3.0, terms_at)
+    assert (3.0 * np.eye(5) - jacobian) @ solve(tuple(right)) == pytest.approx(right, abs=1e-6)
 
 
 @some('budget', [12, 20, 60], (20,))
@@ -202,7 +164,7 @@ def test_messages_tell_the_state_except_next_to_a_toggle():
     for (_, mode, values), command, (status, mode_then, then) in zip(found, commands[1:],
                                                                      found[1:]):
         copy = DriveValues(*values)
-        told.append(other.tells_all(other.place(other.state(copy), mode)))
+        told.append(other.tells_all(other.at(other.state(copy), mode)))
         again = other.next(copy, TICK, command, mode=mode)
         if told[-1]:
             assert (again[0], other.mode, repr(again[1])) == (status, mode_then, repr(then))
@@ -238,28 +200,11 @@ def test_the_end_of_a_stroke_is_a_limit_and_toggles_are_not():
     assert len(set(modes[:at])) == 2 and min(states[0, :at]) < low + 0.01
 
 
-@pytest.mark.parametrize('turns', [0.0, 6.0])
-def test_whole_turns_of_an_input_are_kept(turns):
-    mechanism, position, rate = CASES['non-Grashof']
-    system = System(mechanism, position, rate)
-    mover = Mover(system, 1e-6, 60)
-    place = mover.place((position + turns * np.pi, rate, 0.0, 0.0, 0.0))
-    modes = set()
-    for _ in range(1000):
-        place = mover.advance(place, TICK).place
-        modes.add(place.mode)
-        assert abs(mover.state_of_input(place)[0] - turns * np.pi) < 2.0
-    assert modes == {1, 2}
-
-
-def test_names_of_integrators_tell_whether_they_go_through_toggles():
+def test_steps_go_through_toggles_where_two_modes_and_another_coordinate_are():
     crank, rocker = (from_values({**ROCKER, **lengths}).linkage for lengths in (PAPER, {}))
-    assert (name_of(crank), name_of(rocker)) == (NAME, NAME_WITH_TOGGLES)
-    assert name_of(Alone(0.8, 1.2, 0.4, 1.0, bodies=BODIES)) == NAME
-    parallelogram = FourBar(0.5, 1.0, 0.5, 1.0, bodies=BODIES)
-    assert name_of(parallelogram) == NAME
-    for scene in ('motor', 'controlled', 'released', 'sundials'):
-        assert name_of(load(scene).linkage) == NAME
+    assert (modes_of(crank), modes_of(rocker)) == ((), (1, 2))
+    assert modes_of(Alone(0.8, 1.2, 0.4, 1.0, bodies=BODIES)) == ()
+    assert modes_of(FourBar(0.5, 1.0, 0.5, 1.0, bodies=BODIES)) == ()
 
 
 def test_a_message_has_the_motor_before_its_shaft_and_says_when_the_budget_is_used_up():
@@ -272,6 +217,6 @@ def test_a_message_has_the_motor_before_its_shaft_and_says_when_the_budget_is_us
     assert values.torque == pytest.approx(
         shaft.stiffness * values.twist
         + shaft.damping * (values.motor_velocity - values.velocity), rel=1e-12)
-    short = Mover(system, 1e-14, 7)              # one step without a check of its halves
+    short = Mover(system, 1e-14, 12)
     status, values = short.next(short.start(), 0.05)
-    assert status == OUT_OF_BUDGET and 0.0 < values.evaluations <= 7.0
+    assert status == OUT_OF_BUDGET and 0.0 < values.evaluations <= 12.0

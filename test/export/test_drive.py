@@ -10,7 +10,7 @@ from fourbar_lab.export.compiled import build, CompiledMover
 from fourbar_lab.export.model import NotGenerated
 from fourbar_ros import load_scene
 from fourbar_ros.bag.drive_states import DriveStates
-from fourbar_ros.dynamics.node_step import KEY, name_of, NOT_FINITE, OK, OUT_OF_BUDGET
+from fourbar_ros.dynamics.node_step import KEY, NAME, NOT_FINITE, OK, OUT_OF_BUDGET
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.pipeline.stepper import InModes
 from fourbar_ros.scene.message_fields import mode_number
@@ -171,7 +171,7 @@ def test_states_of_a_bag_are_stepped_by_the_code(rocker):
         rows.append((status, mover.mode, values))
     assert {mode for _, mode, _ in rows} == {1, 2}
     for first in (0, 60):               # a bag may begin anywhere
-        found = DriveStates(scene, {KEY: name_of(scene.bare_linkage)}, code.mover)
+        found = DriveStates(scene, {KEY: NAME}, code.mover)
         take_all(found, rows[first:], first)
         assert found.stepped > 200 and set(found.largest.values()) == {0.0}
     # motion and loads in both modes
@@ -185,7 +185,7 @@ def test_states_of_a_bag_are_stepped_by_the_code(rocker):
 def test_a_state_can_be_set_and_a_wrong_step_holds_it(rocker):
     scene, code = rocker
     mine, theirs = code.mover(scene), scene.mover
-    place = theirs.place((0.3, -2.0, 0.0, 0.0, 0.0), 1)
+    place = theirs.at((0.3, -2.0, 0.0, 0.0, 0.0), 1)
     assert bits(mine.values(place, 0.0, 0.0, 0.0)) == bits(theirs.values(place, 0.0, math.nan, 0))
     for step in (0.0, -1.0, math.nan, math.inf, -math.inf):
         for mover in (mine, theirs):

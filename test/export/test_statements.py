@@ -9,7 +9,7 @@ from fourbar_lab.export.statements import literal, Statements
 from fourbar_ros.numerics.trace import Trace
 import pytest
 
-HEAD = '#include <math.h>\nenum { LIMIT = 1, DIVISION = 2 };\n'
+HEAD = '#include <math.h>\n'
 
 
 def compiled(folder, text):
@@ -28,7 +28,7 @@ def quotient_and_root(tmp_path_factory):
 
 
 @pytest.mark.parametrize('given', [(4.0, 2.0), (2.0, 4.0), (-4.0, 2.0), (4.0, 0.0), (-4.0, 0.0)])
-def test_it_refuses_what_floats_refuse_and_says_which(quotient_and_root, given):
+def test_it_refuses_what_floats_refuse(quotient_and_root, given):
     x, y = given
     to = (ctypes.c_double * 3)()
     refused = quotient_and_root((ctypes.c_double * 2)(*given), to)
@@ -36,11 +36,11 @@ def test_it_refuses_what_floats_refuse_and_says_which(quotient_and_root, given):
     try:
         assert x / y == to[0] or refused
     except ZeroDivisionError:
-        expected |= 2
+        expected = 1
     try:
         assert sqrt(x) == to[1]
     except ValueError:
-        expected |= 1
+        expected = 1
     assert refused == expected
     assert to[2] == (2.0 if x > y else 3.0)
 

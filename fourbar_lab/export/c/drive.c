@@ -1,58 +1,57 @@
-static void take(Place *at, const NAME_drive *from, double torque)
+/* Whether the input is at an end of its stroke, or at a toggle it cannot pass. */
+static int is_at_end(const At *at, const double *known)
 {
-  const double own = OWN_FIELD;
-  double *state = at->it.state;
-  state[0] = from->position;
-  state[1] = from->velocity;
-  state[2] = !HAS_SHAFT || from->twist != from->twist ? 0.0 : from->twist;
-  state[3] = HAS_SHAFT ? from->motor_velocity : 0.0;
-  state[4] = own != own ? 0.0 : own;
-  at->it.torque = torque;
-  at->it.evaluations = 0;
-  memcpy(at->it.known, from->known, sizeof at->it.known);
-  place_at(at, MODE_FIELD);
+  const double q = IS_INPUT[at->phase] ? at->x[0] : continuous(known[OTHER]);
+  return q <= LOW || q >= HIGH || (!PASSES && known[ROOM] <= 0.0);
+}
+
+static void take(At *at, const NAME_drive *from, double command)
+{
+  const double own = OWN_FIELD, mode = MODE_FIELD;
+  int i;
+  at->x[0] = from->position;
+  at->x[1] = from->velocity;
+  at->x[2] = !HAS_SHAFT || from->twist != from->twist ? 0.0 : from->twist;
+  at->x[3] = HAS_SHAFT ? from->motor_velocity : 0.0;
+  at->x[4] = own != own ? 0.0 : own;
+  at->command = command;
+  at->evaluations = at->phase = 0;
+  for (i = 0; i < PHASES; ++i) if (IS_INPUT[i] && MODES[i] == mode) at->phase = i;
   TAKE_PLACE
 }
 
 /* All fields of a state but `step`. */
-static void give(Place *at, NAME_drive *to, double evaluations)
+static void give(const At *at, NAME_drive *to)
 {
-  Moving *it = &at->it;
-  const double own = it->state[4];
-  double piece[6] = {0.0}, speed, given[18], change[5], state[5];
-  double on_input = NAN, of_motor = NAN, slope = NAN;
-  int refused = law_at(it, piece) | speed_of(it, it->state, &speed) | terms_at(it, it->state[0]);
-  pack(it->known + 1, it->state, piece, given);
-  refused |= derivative(given, change);
-  if (!refused) {
-    (void)torque_on_input(given, &on_input);
-    of_motor = piece[0] + piece[1] * speed + piece[2] * own;
-    slope = slope_of(it, it->known + 1, it->state, change);
+  double known[PLACE], own = at->x[4], q = at->x[0], w = at->x[1];
+  const int is_known = !place_of(at, known), is_input = IS_INPUT[at->phase];
+  if (!is_input) {
+    q = is_known ? continuous(known[OTHER]) : NAN;
+    w = is_known ? known[OTHER_RATIO] * w : NAN;
   }
-  if (state_of_input(at, state)) state[0] = state[1] = NAN;
-  to->position = state[0];
-  to->velocity = state[1];
-  to->acceleration = slope;
-  to->twist = HAS_SHAFT ? state[2] : NAN;
-  to->motor_position = HAS_SHAFT ? state[0] + state[2] : state[0];
-  to->motor_velocity = HAS_SHAFT ? state[3] : state[1];
-  to->motor_torque = of_motor;
-  to->torque = on_input;
+  to->position = q;
+  to->velocity = w;
+  to->acceleration = is_known ? known[ACCELERATION] : NAN;
+  to->twist = HAS_SHAFT ? at->x[2] : NAN;
+  to->motor_position = HAS_SHAFT ? q + at->x[2] : q;
+  to->motor_velocity = HAS_SHAFT ? at->x[3] : w;
+  to->motor_torque = is_known ? known[OF_MOTOR] : NAN;
+  to->torque = is_known ? known[ON_INPUT] : NAN;
   to->current = to->speed_error_integral = NAN;
   GIVE_OWN
-  to->command = TAKES_TORQUE ? it->torque : NAN;
-  to->evaluations = evaluations;
-  memcpy(to->known, it->known, sizeof to->known);
+  to->command = TAKES_TORQUE ? at->command : NAN;
+  to->evaluations = at->evaluations;
   GIVE_PLACE
+  (void)own;
 }
 
 void NAME_complete(NAME_drive *drive ARGUMENT)
 {
-  Place at;
-  drive->known[0] = NAN;
+  At at;
   FORGET_PLACE
-  take(&at, drive, GIVEN_TORQUE);
-  give(&at, drive, drive->evaluations);
+  take(&at, drive, GIVEN_COMMAND);
+  at.evaluations = (int)drive->evaluations;
+  give(&at, drive);
 }
 
 void NAME_start(NAME_drive *drive ARGUMENT)
@@ -62,36 +61,27 @@ STARTS
   NAME_complete(drive PASSED);
 }
 
-static int are_finite(const double *state)
-{
-  int i;
-  for (i = 0; i < 5; ++i) if (!is_finite(state[i])) return 0;
-  return 1;
-}
-
 NAME_drive_status NAME_advance(NAME_drive *drive, double step ARGUMENT)
 {
-  Place at, before;
+  At at, held;
   NAME_drive_status status = NAME_drive_not_finite;
-  double state[5];
-  int refused = DIVISION, is_good = 0, is_number, i;
-  take(&at, drive, GIVEN_TORQUE);
-  before = at;
-  if (step > 0.0 && is_finite(step) && are_finite(at.it.state))
-    refused = move(&at, step, &is_good);
-  is_number = are_finite(at.it.state);
-  if (HAS_LIMITS && ((refused & LIMIT) != 0 || (!refused && is_number && (
-        state_of_input(&at, state) || is_at_end(state[0])))))
-    status = NAME_drive_at_limit;
-  else if (!refused && is_number)
-    status = is_good ? NAME_drive_ok : NAME_drive_out_of_budget;
+  double known[PLACE];
+  int is_good;
+  take(&at, drive, GIVEN_COMMAND);
+  held = at;                           /* at rest, nothing twisted, nothing summed up */
+  memset(held.x + 1, 0, 4 * sizeof *held.x);
+  if (step > 0.0 && is_finite(step) && are_finite(at.x)) {
+    if (moved(&at, step, known, &is_good))
+      status = HAS_LIMITS ? NAME_drive_at_limit : NAME_drive_not_finite;
+    else if (are_finite(at.x))
+      status = HAS_LIMITS && is_at_end(&at, known) ? NAME_drive_at_limit
+               : is_good ? NAME_drive_ok : NAME_drive_out_of_budget;
+  }
   if (status == NAME_drive_at_limit || status == NAME_drive_not_finite) {
-    const int evaluations = at.it.evaluations;
-    at = before;                     /* at rest, nothing twisted, nothing summed up */
-    for (i = 1; i < 5; ++i) at.it.state[i] = 0.0;
-    at.it.evaluations = evaluations;
+    held.evaluations = at.evaluations;
+    at = held;
   }
   drive->step = step;
-  give(&at, drive, (double)at.it.evaluations);
+  give(&at, drive);
   return status;
 }

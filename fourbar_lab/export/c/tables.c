@@ -7,10 +7,10 @@ static int pieces_at(int phase, double position, Pieces *to)
   return 0;
 }
 
-static int to_place(int phase, const Pieces *it, double gain, double bend, double *part)
+static double to_table(int phase, const Pieces *it, double gain, double bend)
 {
-  (void)phase; (void)it; (void)gain; (void)bend; (void)part;
-  return 0;
+  (void)phase; (void)it; (void)gain; (void)bend;
+  return 1.0;
 }
 // --- tables
 /* The pieces of all force tables at a position, and their ends. */
@@ -21,7 +21,7 @@ typedef struct {
 static int pieces_at(int phase, double position, Pieces *to)
 {
   int i;
-  if (places_of(phase, &position, to->start)) return LIMIT;
+  if (places_of(phase, &position, to->start)) return 1;
   to->position = position;
   for (i = 0; i < TABLES; ++i) {
     const double place = to->start[i], base = base_of(i, place), shift = place - base;
@@ -33,39 +33,35 @@ static int pieces_at(int phase, double position, Pieces *to)
   return 0;
 }
 
-/* How far a position is beyond the pieces; negative within all. */
-static int excess_at(int phase, const Pieces *it, double there, double *most)
+/* Whether a position is beyond the pieces, or out of reach. */
+static int is_beyond_pieces(int phase, const Pieces *it, double there)
 {
-  double places[TABLES];
+  double places[TABLES], most = fabs(there - it->position) - REACHES[phase];
   int i;
-  if (places_of(phase, &there, places)) return LIMIT;
-  *most = fabs(there - it->position) - REACHES[phase];
+  if (places_of(phase, &there, places)) return 1;
   for (i = 0; i < TABLES; ++i) {
     double place = places[i], below, above;
     if (IS_ANGLE[i]) place = it->start[i] + remainder(place - it->start[i], WHOLE_TURN);
     below = (it->low[i] - place) / it->unit[i];
     above = (place - it->high[i]) / it->unit[i];
-    if (below > *most) *most = below;
-    if (above > *most) *most = above;
+    if (below > most) most = below;
+    if (above > most) most = above;
   }
-  return 0;
+  return most > AT_PLACE;
 }
 
 /* The part of a step after which a table comes to its next piece; 1: it comes to none. */
-static int to_place(int phase, const Pieces *it, double gain, double bend, double *part)
+static double to_table(int phase, const Pieces *it, double gain, double bend)
 {
-  double low = 0.0, high = 1.0, most = 0.0;
-  int refused = excess_at(phase, it, it->position + (gain + bend), &most), i;
-  *part = 1.0;
-  if (refused || !(most > AT_PLACE)) return refused;
+  double low = 0.0, high = 1.0;
+  int i;
+  if (!is_beyond_pieces(phase, it, it->position + (gain + bend))) return 1.0;
   for (i = 0; i < HALVINGS; ++i) {
     const double middle = 0.5 * (low + high);
-    refused = excess_at(phase, it, it->position + middle * (gain + middle * bend), &most);
-    if (refused) return refused;
-    if (most > AT_PLACE) high = middle;
+    if (is_beyond_pieces(phase, it, it->position + middle * (gain + middle * bend)))
+      high = middle;
     else low = middle;
     if (high - low <= LEAST_PART * high) break;
   }
-  *part = high < 1.0 - LEAST_PART ? high : 1.0;
-  return 0;
+  return high < 1.0 - LEAST_PART ? high : 1.0;
 }

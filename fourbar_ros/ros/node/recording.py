@@ -101,9 +101,7 @@ class Recording:
         about = about_of(scene, names, self._node.get_fully_qualified_name())
         if scene.dynamics:
             from fourbar_ros.dynamics import node_step
-            about[node_step.KEY] = node_step.name_of(scene.bare_linkage,
-                                                     scene.dynamics.drive.source,
-                                                     scene.dynamics.elements)
+            about[node_step.KEY] = node_step.NAME
         writer = BagWriter(directory_of(scene), name,
                            [channel(topic, names[topic.name]) for topic in topics], about,
                            scene.recording.split_size * 1e6, scene.recording.split_duration,
