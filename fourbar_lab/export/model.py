@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from functools import cached_property
 from math import isfinite
 import re
@@ -19,15 +19,14 @@ from fourbar_ros.mechanisms.loads import LOADS
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Ranges
 from fourbar_ros.mechanisms.points import make_point, PointMotion
-from fourbar_ros.numerics.duals import derivatives_of, Dual, duals_of
 from fourbar_ros.numerics.number_types import (
-    converted,
     Function,
     numbers_of,
     NumberType,
     REAL,
 )
-from fourbar_ros.numerics.trace import flat, REFUSING, Trace
+from fourbar_ros.numerics.tables import derivatives_of, Dual, duals_of, run
+from fourbar_ros.numerics.trace import flat, RECORDING, REFUSING, Trace
 from fourbar_ros.scene.scene import Scene
 
 UNITS_OF_BODIES = {'mass': 'kg', 'inertia': 'kg m^2', 'force_x': 'N', 'force_y': 'N',
@@ -215,38 +214,36 @@ class Model:
                 or any(step.operation == 'call' for step in self.trace.steps)):
             return None
 
-        def make(n: NumberType, _: Any) -> Function:
-            duals = duals_of(n)
+        base, parts, names = self._traced, _parts(self._traced), self.mechanism.LOADS._fields
+        places = dict(zip((*self.names_of_motion, *names), parts[0] + parts[2] + parts[1]))
+        wanted = [places[one.name] for one in (*self.motion, *self.loads)]
+        steps = [i for i in base.needed(wanted) if not base.steps[i].is_given]
+        table = duals_of(RECORDING)
+        length = table['hypot']
 
-            def hypot(*parts: Dual) -> Dual:
-                """Return a magnitude; where it is zero, with the magnitude of the change."""
-                size: Dual = duals.hypot(*parts)
-                change = n.hypot(*(derivatives_of(part).get('', 0.0) for part in parts))
-                return Dual(size.value, {'': n.where(size.value > 0.0, size.by.get('', 0.0),
-                                                     change)})
-            numbers = replace(duals, hypot=hypot)
+        def hypot(*parts: Any) -> Any:
+            """Return a magnitude; where it is zero, with the magnitude of the change."""
+            size = length(*parts)
+            if not isinstance(size, Dual):
+                return size
+            change = RECORDING['hypot'](*[derivatives_of(part).get('', 0.0) for part in parts])
+            return Dual(size.value, {'': RECORDING['where'](size.value > 0.0, size.by[''],
+                                                            change)})
 
-            def formula(*given: Any) -> Any:
-                """Return the derivatives, flat; a result that does not change has none."""
-                moved = [Dual(value, {'': along}) for value, along in zip(
-                    given, given[len(given) // 2:])]
-                values: list[Any] = list(self.data)
-                for one, dual in zip(self.tunable, moved[3:]):
-                    values[one.place] = dual
-                for place, (x, y) in self.derived.items():
-                    if isinstance(values[x], Dual) or isinstance(values[y], Dual):
-                        values[place] = numbers.hypot(values[x], values[y])
-                left = iter(values)
-                data = converted((self.constants, self._places), lambda _: next(left))
-                motion_of, loads_of, points_of = self._parts_of_formula(numbers, data)
-                motion = self.mechanism.MOTION._make(motion_of(*moved[:3]))
-                found = dict(zip(self.names_of_motion, (
-                    *motion, *(value for point in points_of(motion) for value in point))))
-                found |= zip(self.mechanism.LOADS._fields, loads_of(motion, moved[0]))
-                return [derivatives_of(found[one.name]).get('', 0.0)
-                        for one in (*self.motion, *self.loads)]
-            return formula
-        trace = Trace(make, 2 * (len(self.inputs) + len(self.tunable)))
+        def formula(*given: Any) -> Any:
+            """Return the derivatives, flat; a result that does not change has none."""
+            moved = [Dual(value, {'': along}) for value, along in zip(
+                given, given[len(given) // 2:])]
+            data: list[Any] = list(self.data)
+            for one, dual in zip(self.tunable, moved[3:]):
+                data[one.place] = dual
+            for place, (x, y) in self.derived.items():
+                if isinstance(data[x], Dual) or isinstance(data[y], Dual):
+                    data[place] = hypot(data[x], data[y])
+            known = [*moved[:3], *data, *[step.value for step in base.steps[3 + len(data):]]]
+            run(base, steps, {**table, 'hypot': hypot}, known)
+            return [derivatives_of(known[place]).get('', 0.0) for place in wanted]
+        trace = Trace(lambda _, __: formula, 2 * (len(self.inputs) + len(self.tunable)))
         return trace.simplified(trace.literals())
 
     # places of the first steps that are not of the motion, not of motion and loads

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from fourbar_lab.studies.study import read as read_study
     from fourbar_lab.studies.study import Study, StudyError
     from fourbar_lab.studies.tolerance_analysis import Toleranced, tolerances
-    from fourbar_ros.numerics.duals import derivatives_of
+    from fourbar_ros.numerics.tables import derivatives_of
 
 __all__ = [
     'Chunk', 'Derivatives', 'Results', 'Sensitivity', 'Study', 'StudyError', 'Summary',
@@ -42,5 +42,5 @@ __getattr__, __dir__ = lazily(__name__, {
     'fourbar_lab.studies.study':
         'from_document as study_of, read as read_study, Study, StudyError',
     'fourbar_lab.studies.tolerance_analysis': 'Toleranced, tolerances',
-    'fourbar_ros.numerics.duals': 'derivatives_of',
+    'fourbar_ros.numerics.tables': 'derivatives_of',
 })

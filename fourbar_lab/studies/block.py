@@ -9,8 +9,8 @@ results are in doubt; these and all others are left to :mod:`fourbar_lab.studies
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from math import tau
+from typing import Any
 
 from fourbar_lab.studies.measures import (
     CHANGE_POINT,
@@ -26,21 +26,14 @@ from fourbar_lab.studies.parametric import constants_of, point_quantities_of, wi
 from fourbar_lab.studies.study import Curve, Study
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.extrema.full_turns import search_turns, Turns
-from fourbar_ros.extrema.sampling import needs_angles, State
+from fourbar_ros.extrema.sampling import State
 from fourbar_ros.mechanisms.contract import OPEN
+from fourbar_ros.mechanisms.evaluation import step_of_arrays
 from fourbar_ros.mechanisms.parts import NoLoads
 from fourbar_ros.mechanisms.points import link_motion, point_of
-from fourbar_ros.mechanisms.quantities import is_position
+from fourbar_ros.mechanisms.quantities import is_position, is_published
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.numerics.exact_sums import exact_sum_of_four
-from fourbar_ros.numerics.number_types import (
-    ARRAY,
-    columns_of,
-    COMPLEX,
-    COMPLEX_WITH_ANGLES,
-    Function,
-    NumberType,
-)
+from fourbar_ros.numerics.number_types import Function
 from fourbar_ros.scene.parameters import find
 from fourbar_ros.scene.scene import from_values, Scene
 from fourbar_ros.scene.settings import ParameterValues
@@ -131,10 +124,8 @@ class Block:
         a mask, shape of ``rows``: False where samples or search leave a doubt.
         """
         drawn = {name: column[rows] for name, column in self.drawn.items()}
-        fields = self._measures.quantities
-        designs = Designs(self.scene, self.study.values, drawn,
-                          any(needs_angles(fields[name]) for name in needed))
-        known = fields | designs.point_quantities()
+        designs = Designs(self.scene, self.study.values, drawn)
+        known = self._measures.quantities | designs.point_quantities()
         turns = self._search(designs, [known[name] for name in needed], count)
         done = ~turns.is_doubtful
         for measure in self.study.measures:
@@ -158,6 +149,8 @@ class Block:
     def _search(self, designs: Designs, quantities: Sequence[Searched], count: int) -> Turns:
         """Return the extrema of quantities of all designs, from ``count`` samples of a turn."""
         with_loads = any(quantity.is_load for quantity in quantities)
+        names = (tuple([quantity.name for quantity in quantities])
+                 if all(map(is_published, quantities)) else None)
         is_angle = np.array([is_position(quantity) and quantity.unit == 'rad'
                              for quantity in quantities], bool)
 
@@ -167,7 +160,7 @@ class Block:
             if which.size < designs.size:
                 of_all = np.ones((designs.size, x.shape[1]), x.dtype)
                 of_all[which] = x
-            state = designs.state(of_all, self.study.acceleration, with_loads)
+            state = designs.state(of_all, self.study.acceleration, with_loads, names)
             values = np.empty((len(quantities), *of_all.shape), x.dtype)
             for row, quantity in zip(values, quantities):
                 row[:] = quantity.of(*state)
@@ -224,15 +217,12 @@ class Designs:
     n designs of a scene, evaluated together: a mechanism whose lengths are columns, shape (n, 1).
 
     ``scene`` is any of them, ``values`` all of its parameters, ``drawn`` {parameter that varies:
-    values, shape (n,)}. Without ``with_angles``, angles of links are zero, which saves time.
+    values, shape (n,)}.
     """
 
-    def __init__(self, scene: Scene, values: ParameterValues, drawn: dict[str, Array],
-                 with_angles: bool = True):
-        """Make columns of all that varies; formulas are made when they are first asked for."""
+    def __init__(self, scene: Scene, values: ParameterValues, drawn: dict[str, Array]):
+        """Make columns of all that varies."""
         self.scene = scene
-        self._with_angles = with_angles
-        self._complex = COMPLEX_WITH_ANGLES if with_angles else COMPLEX
         self.size = len(next(iter(drawn.values())))
         columns = {name: np.asarray(column, float)[:, None] for name, column in drawn.items()}
         self.values = {**values, **columns}
@@ -242,8 +232,8 @@ class Designs:
             lengths=lengths, sign=np.where(np.equal(self.values['linkage.mode'], OPEN), 1.0, -1.0))
         self.lengths = self._constants.lengths
         self.many = with_lengths(scene.linkage, lengths)
-        # formulas of motion and loads for each type of the inputs
-        self._made: dict[NumberType, tuple[Function, Function | None]] = {}
+        # functions of motion and loads by what they are asked for
+        self._steps: dict[Any, Function] = {}
 
     def are_allowed(self) -> Array:
         """Return which designs have values that the table of parameters allows, shape (n,)."""
@@ -257,30 +247,27 @@ class Designs:
                                & ((value > 0.0) | (not parameter.positive)))
         return is_allowed
 
-    def state(self, x: Array, acceleration: float, with_loads: bool) -> State:
-        """Return (motion, loads) at inputs of shape (n, any), real or complex."""
-        motion_of, loads_of = self._formulas(x.dtype.kind == 'c')
+    def state(self, x: Array, acceleration: float, with_loads: bool,
+              names: tuple[str, ...] | None = None) -> State:
+        """
+        Return (motion, loads) at inputs of shape (n, any), real or complex.
+
+        ``names``: of the fields, by default all; others are NaN.
+        """
+        linkage = self.scene.linkage
+        with_loads, count = with_loads and linkage.bodies is not None, len(linkage.MOTION._fields)
+        key = with_loads, names
+        if key not in self._steps:
+            known = linkage.MOTION._fields + linkage.LOADS._fields
+            self._steps[key] = step_of_arrays(
+                linkage, with_loads, data=self._constants,
+                wanted=None if names is None else [*map(known.index, names)])
         if x.strides[0] == 0:       # the same inputs for all: functions of them alone once
             x = x[:1]
         with np.errstate(all='ignore'):
-            motion = self.scene.linkage.MOTION(*motion_of(
-                x, self.values['drive.speed'], acceleration))
-            loads = (self.scene.linkage.LOADS(*loads_of(motion)) if with_loads and loads_of
-                     else NoLoads())
-        return motion, loads
-
-    def _formulas(self, is_complex: bool) -> tuple[Function, Function | None]:
-        """Return the formulas of motion and loads (None: no masses) for real or complex inputs."""
-        numbers = self._complex if is_complex or not self._with_angles else ARRAY
-        if numbers not in self._made:
-            columns = replace(columns_of(numbers), exact_sum=_sum_of_columns)
-            linkage = self.scene.linkage
-            with np.errstate(all='ignore'):
-                self._made[numbers] = (
-                    linkage.motion_formula(columns, self._constants),
-                    linkage.loads_formula(columns, self._constants)
-                    if linkage.bodies is not None else None)
-        return self._made[numbers]
+            fields = self._steps[key](x, self.values['drive.speed'], acceleration)
+        return (linkage.MOTION(*fields[:count]),
+                linkage.LOADS(*fields[count:]) if with_loads else NoLoads())
 
     def point_quantities(self) -> dict[str, Searched]:
         """Return {name: quantity} of the points of the scene, for these designs."""
@@ -299,9 +286,3 @@ class Designs:
         if not np.allclose(signs @ lengths, linkage.margins, 0.0, NEARLY * lengths.sum()):
             return None
         return np.asarray((signs @ sizes.T) / sizes.sum(axis=1))
-
-
-def _sum_of_columns(columns: Sequence[Array]) -> Array:
-    """Return the sum of up to four columns, as good as exact."""
-    one, other, *rest = columns
-    return exact_sum_of_four((one, other, *rest, *[0.0 * one] * (2 - len(rest))))

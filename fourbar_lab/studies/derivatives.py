@@ -3,7 +3,7 @@
 """
 Exact derivatives of outputs, extrema and measures by the parameters of a scene: lengths, masses.
 
-All of them at once, by dual numbers through the formulas of motion and loads. With Q(x, p) a
+All of them at once, by dual numbers over the trace of motion and loads. With Q(x, p) a
 quantity, x the input, p the parameters, and an extremum inside the input range at x*(p),
 
     (S1)  d Q(x*, p)/dp = Q_p(x*, p)         as Q_x = 0 there (envelope theorem)
@@ -15,7 +15,7 @@ position) has NaN.
 """
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import isfinite, nan, pi
 from typing import Any, NamedTuple
@@ -31,14 +31,15 @@ from fourbar_lab.studies.measures import (
     SWING,
     TIME_RATIO,
 )
-from fourbar_lab.studies.parametric import dimensions_of, Formulas, formulas_of
+from fourbar_lab.studies.parametric import dimensions_of, formulas_of
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.extrema.find import Extremum
 from fourbar_ros.extrema.sampling import State
 from fourbar_ros.mechanisms.parts import NoLoads
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.numerics.duals import derivatives_of, Dual, duals_of, value_of
-from fourbar_ros.numerics.number_types import ARRAY, COMPLEX_WITH_ANGLES
+from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
+from fourbar_ros.numerics.tables import ARRAYS, derivatives_of, Dual, duals_of, run, value_of
+from fourbar_ros.numerics.trace import flat, Trace
 from fourbar_ros.scene.parameters import find
 from fourbar_ros.scene.scene import Scene
 import numpy as np
@@ -51,7 +52,8 @@ SHARP = 1e-5
 # Inputs of a mean square: of a full turn, of a range.
 POINTS, NODES = 4096, 512
 
-By = dict[str, Any]      # {parameter: derivative}
+By = Mapping[str, Any]   # {parameter: derivative}
+_DUALS = duals_of(ARRAYS)
 
 
 class AtExtremum(NamedTuple):
@@ -81,20 +83,44 @@ class Derivatives:
     """
 
     def __init__(self, scene: Scene, names: Sequence[str] = (), acceleration: float = 0.0) -> None:
-        """Make the formulas of the scene for parameters that are dual numbers."""
+        """Record the formulas of the scene with its parameters as data."""
         known = usable(scene)
         for name in names:
             if name not in known:
                 raise InvalidParameter(name, scene.values.get(name),
                                        'must be a number that the scene gives')
         self.scene, self.names, self.acceleration = scene, tuple(names) or known, acceleration
-        values = {**scene.values, **{name: Dual(scene.values[name], {name: 1.0})
-                                     for name in self.names}}
         self._sharp = SHARP * scene.linkage.input_unit          # [rad or m]
-        # for inputs that are real, and for those with a complex step
-        self._real = formulas_of(scene, duals_of(ARRAY), values)
-        self._complex = formulas_of(scene, duals_of(COMPLEX_WITH_ANGLES), values)
-        self.quantities = self._real.quantities
+        self.quantities = Measures(scene).quantities
+        self._trace = Trace(self._make, 1, tuple([scene.values[name] for name in self.names]))
+
+    def _make(self, numbers: NumberType, data: Sequence[Scalar]) -> Function:
+        """Return input -> fields of motion and of loads, quantities, for data of parameters."""
+        linkage = self.scene.linkage
+        formulas = formulas_of(self.scene, numbers,
+                               {**self.scene.values, **dict(zip(self.names, data))})
+        self.quantities = formulas.quantities
+
+        def results(x: Scalar) -> tuple[Any, ...]:
+            """Return all results; without masses there are no loads."""
+            fields = formulas.motion(x, formulas.rate, self.acceleration)
+            loads = formulas.loads(fields) if formulas.loads else ()
+            state = (linkage.MOTION(*fields), linkage.LOADS(*loads) if loads else NoLoads())
+            return tuple(fields), tuple(loads), [
+                quantity.of(*state) if loads or not quantity.is_load else nan
+                for quantity in formulas.quantities.values()]
+        return results
+
+    def _duals(self, places: Sequence[int], x: Any) -> list[Any]:
+        """Return the numbers at some places of the trace at inputs x, which may be a dual."""
+        trace, known = self._trace, [step.value for step in self._trace.steps]
+        known[0] = x
+        for i, name in enumerate(self.names):
+            known[1 + i] = Dual(self.scene.values[name], {name: 1.0})
+        steps = [i for i in trace.needed(places) if not trace.steps[i].is_given]
+        with np.errstate(all='ignore'):
+            run(trace, steps, _DUALS, known)
+        return [known[i] for i in places]
 
     def state(self, x: Array, with_loads: bool = True) -> State:
         """
@@ -102,22 +128,20 @@ class Derivatives:
 
         ``value_of(field)`` is its values, ``derivatives_of(field)`` {parameter: derivatives}.
         """
-        return self._state(self._real, x, with_loads)
+        linkage, count = self.scene.linkage, len(self.scene.linkage.MOTION._fields)
+        fields = self._duals([place for part in range(1 + with_loads)
+                              for place in flat(self._trace.part(part))], x)
+        return (linkage.MOTION(*fields[:count]),
+                linkage.LOADS(*fields[count:]) if fields[count:] else NoLoads())
 
-    def _state(self, formulas: Formulas, x: Array | Dual, with_loads: bool) -> State:
-        """Return (motion, loads) by formulas made for real or for complex inputs."""
-        linkage = self.scene.linkage
-        with np.errstate(all='ignore'):
-            fields = formulas.motion(x, formulas.rate, self.acceleration)
-            loads = (linkage.LOADS(*formulas.loads(fields)) if with_loads and formulas.loads
-                     else NoLoads())
-        return linkage.MOTION(*fields), loads
+    def _quantity(self, name: str, x: Any) -> Any:
+        """Return a quantity as a dual at inputs x, which may be one themselves."""
+        places = flat(self._trace.part(2))
+        return self._duals([places[[*self.quantities].index(name)]], x)[0]
 
     def of(self, name: str, x: Array) -> tuple[Array, By]:
         """Return values of a quantity at inputs x, shape (n,), and {parameter: derivatives}."""
-        quantity = self._real.quantities[name]
-        with np.errstate(all='ignore'):
-            dual = quantity.of(*self.state(x, quantity.is_load))
+        dual = self._quantity(name, x)
         value, by = value_of(dual), derivatives_of(dual)
         zero = np.zeros_like(x)
         return zero + value, {one: zero + by.get(one, 0.0) for one in self.names}
@@ -128,11 +152,9 @@ class Derivatives:
 
         NaN where the quantity has a kink or a jump; the place is NaN if the quantity is constant.
         """
-        quantity = self._complex.quantities[name]
         stepped = Dual(np.array([x + 1j * STEP]), {INPUT: 1.0})
         with np.errstate(all='ignore'):
-            by = derivatives_of(quantity.of(*self._state(self._complex, stepped,
-                                                         quantity.is_load)))
+            by = derivatives_of(self._quantity(name, stepped))
             # real parts are Q_p and Q_x, imaginary parts STEP times Q_xp and Q_xx
             parts = {one: np.ravel(by.get(one, 0.0) + 0j)[0] for one in (*self.names, INPUT)}
             slope = parts.pop(INPUT)
@@ -258,14 +280,13 @@ class _MeasureDerivatives:
         negative, as an offset may be, counts with its size.
         """
         linkage = self._derivatives.scene.linkage
-        sizes = [Dual(abs(length), {f'linkage.{name}': -1.0 if length < 0.0 else 1.0})
-                 for name, length in zip(linkage.length_names, linkage.lengths)]
-        margins = [sum((sign * size for sign, size in zip(signs, sizes)), start=Dual(0.0, {}))
-                   for signs in linkage.MARGIN_SIGNS]
-        values = np.abs([margin.value for margin in margins])
-        if not margins or not np.allclose(values, np.abs(linkage.margins), 1e-12,
-                                          1e-12 * sum(linkage.lengths)):
+        signs, lengths = np.array(linkage.MARGIN_SIGNS, float), np.array(linkage.lengths)
+        sizes = np.abs(lengths)
+        if not signs.size or not np.allclose(np.abs(signs @ sizes), np.abs(linkage.margins), 1e-12,
+                                             1e-12 * sum(linkage.lengths)):
             return self._unknown        # this kind has other margins than sums of lengths
-        least = margins[int(values.argmin())]
-        share = (least if least.value > 0.0 else -least) / sum(sizes, start=Dual(0.0, {}))
-        return self._array(derivatives_of(share))
+        least = signs[np.abs(signs @ sizes).argmin()]
+        least = least if least @ sizes > 0.0 else -least
+        slopes = (least - least @ sizes / sizes.sum()) / sizes.sum() * np.where(lengths < 0, -1, 1)
+        return self._array({f'linkage.{name}': slope
+                            for name, slope in zip(linkage.length_names, slopes)})

@@ -344,7 +344,7 @@ def loads_with(linkage: Mechanism, elements: Sequence[Element], position: ArrayL
     with np.errstate(all='ignore'):
         motion = linkage.motion(positions, rates, accelerations)
         external = make_external(ARRAY, linkage, elements)(motion, positions, linkage.external)
-        loads = linkage.with_external(external).make_loads(ARRAY)(motion)
+        loads = linkage.loads_formula(ARRAY, linkage.with_external(external).constants)(motion)
     rows = [np.broadcast_to(row, positions.shape).reshape(shape) for row in loads]
     record: NamedFields = linkage.LOADS(*(rows if shape else [float(row) for row in rows]))
     return record

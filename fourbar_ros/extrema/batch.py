@@ -22,11 +22,11 @@ from fourbar_ros.mechanisms.loop import make_loop
 from fourbar_ros.numerics.arrays import Array, EPS
 from fourbar_ros.numerics.exact_sums import exact_sum_of_four
 from fourbar_ros.numerics.given import array, FASTEST
-from fourbar_ros.numerics.number_types import NumberType, power_of_two_of_arrays
+from fourbar_ros.numerics.number_types import NumberType
 from fourbar_ros.numerics.program import keep_memory
 from fourbar_ros.numerics.roots import order_in_rows
-from fourbar_ros.numerics.tables import run, Table
-from fourbar_ros.numerics.trace import flat, OPERATIONS, Trace
+from fourbar_ros.numerics.tables import ARRAYS, run
+from fourbar_ros.numerics.trace import flat, Trace
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -38,12 +38,6 @@ TOGETHER, SAMPLES = 512, (64, 128, 256)
 CHUNK = 8192
 # Values nearer to each other than this part of them may be equal, as far as their conditions tell.
 NEARLY = 1e-8
-# Operations on columns of lengths and arrays of inputs, real or complex.
-_TABLE: Table = {
-    **OPERATIONS, 'gt': lambda a, b: np.real(a) > np.real(b),
-    'lt': lambda a, b: np.real(a) < np.real(b), 'sqrt': np.sqrt, 'where': np.where,
-    'fabs': lambda x: np.where(np.real(x) < 0.0, -x, x),
-    'exact_sum': lambda *terms: exact_sum_of_four(terms), 'power_of_two': power_of_two_of_arrays}
 
 
 class Extrema(NamedTuple):
@@ -185,7 +179,7 @@ def _together(lengths: Array, mode: Array, rate: Array,
     known: list[Any] = [step.value for step in trace.steps]
     known[trace.count:data] = *lengths[..., None], np.where(mode == OPEN, 1.0, -1.0)[:, None]
     with np.errstate(all='ignore'):
-        run(trace, once, _TABLE, known)
+        run(trace, once, ARRAYS, known)
     columns = [i for i in trace.used_constants if isinstance(known[i], np.ndarray)]
     # tanh^2 of half the imaginary parts of the inputs of both toggles, by the law of cosines
     inner, outer, low, high = (a2 - a3)**2, (a2 + a3)**2, (a1 - a4)**2, (a1 + a4)**2
@@ -202,7 +196,7 @@ def _together(lengths: Array, mode: Array, rate: Array,
         with np.errstate(all='ignore'):
             sine, cosine = np.sin(0.5 * x), np.cos(0.5 * x)
             own[:trace.count] = sine * sine, cosine * cosine, sine * cosine
-            run(trace, each, _TABLE, own)
+            run(trace, each, ARRAYS, own)
         return np.stack([own[i] for i in flat(trace.results)])
 
     turns = search_turns(evaluate, mode.size, count, np.zeros(2, bool), phase)

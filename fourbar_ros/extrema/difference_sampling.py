@@ -12,7 +12,6 @@ from fourbar_ros.extrema.sampling import not_real, Sampler, State
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.quantities import Asked
 from fourbar_ros.numerics.arrays import Array, EPS
-from fourbar_ros.numerics.number_types import ARRAY
 import numpy as np
 
 # Relative steps of a length, for conditions: at most the first; a part of the distance to the next
@@ -92,7 +91,7 @@ class DifferenceSampler(Sampler):
                                      PART * width * width))
         around = np.array(linkage.lengths)[:, None] * (
             1.0 + step * np.eye(count)[:, [*range(count)] * 2] * np.repeat((1.0, -1.0), count))
-        values = self._with(around[..., None], ARRAY).values(np.tile(x, (2 * count, 1)))
+        values = self._with(around[..., None]).values(np.tile(x, (2 * count, 1)))
         up, down = np.split(values[row, ..., np.arange(row.size)], 2, axis=1)
         return np.asarray(self.same_turn(0.0 * up, up - down, row[:, None]) / (2.0 * step))
 

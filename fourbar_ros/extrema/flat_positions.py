@@ -21,7 +21,7 @@ from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.digits import in_decimals, is_nothing, MANY_DIGITS
 from fourbar_ros.numerics.number_types import numbers_of
-from fourbar_ros.numerics.tables import COMPLEX_ARRAYS, run
+from fourbar_ros.numerics.tables import ARRAYS, run
 from fourbar_ros.numerics.trace import flat, Trace
 import numpy as np
 
@@ -73,7 +73,7 @@ class FlatSide:
                  side: int, with_loads: bool) -> None:
         """Compute with many digits beside the place, within the nearest other singularity."""
         unit, names = mechanism.input_unit, mechanism.MOTION._fields
-        self._is_angle, self._count = not mechanism.is_driven_by_slide, len(names)
+        self._is_angle = not mechanism.is_driven_by_slide
         self.place, self.side = place, side
         others = (self._turned(z / unit - place) for z in mechanism.singular_inputs)
         self._scale = 2.0**frexp(min([1.0, *filter(None, map(abs, others))]))[1]
@@ -106,8 +106,8 @@ class FlatSide:
         """Return the distances of inputs on this side, in units of the scale."""
         return np.asarray(self.side * self._turned(x - self.place) / self._scale)
 
-    def state(self, t: Array) -> list[Array]:
-        """Return fields of motion and of loads, if any, at distances t, each (fields, t.size)."""
+    def state(self, t: Array) -> Array:
+        """Return fields of motion and of loads, if any, at distances t, (fields, t.size)."""
         s = t * (NODES / REACH)
         rows = np.zeros((len(self._analytic), t.size), t.dtype)
         for c in self._c[::-1]:
@@ -116,9 +116,8 @@ class FlatSide:
         with np.errstate(all='ignore'):
             for place, row, power in zip(self._analytic, rows, self._powers.tolist()):
                 values[place] = row * t**power if power >= 0 else row * (1.0 / t)**-power
-            run(self._trace, self._late, COMPLEX_ARRAYS, values)
-        fields = np.stack([np.broadcast_to(values[i], t.shape) for i in self._results])
-        return [part for part in np.split(fields, [self._count]) if part.size]
+            run(self._trace, self._late, ARRAYS, values)
+        return np.stack([np.broadcast_to(values[i], t.shape) for i in self._results])
 
 
 def flat_sides(mechanism: Mechanism, rates: tuple[float, float], path: InputPath,

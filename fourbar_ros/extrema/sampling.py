@@ -7,7 +7,7 @@ The derivative is exact: a complex step through the same formulas that compute t
 """
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from copy import copy
 from math import pi
 from typing import Any, ClassVar, NamedTuple, Union
@@ -15,18 +15,13 @@ from typing import Any, ClassVar, NamedTuple, Union
 from fourbar_ros.errors import InvalidParameter, MissingBodies
 from fourbar_ros.extrema.flat_positions import flat_sides, FlatSide, REACH
 from fourbar_ros.extrema.input_paths import InputPath
+from fourbar_ros.mechanisms.evaluation import step_of_arrays
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields, NoLoads, Quantity
 from fourbar_ros.mechanisms.quantities import Asked, is_position, is_published
 from fourbar_ros.numerics.arrays import Array, EPS, Value
-from fourbar_ros.numerics.number_types import (
-    ARRAY,
-    columns_of,
-    COMPLEX,
-    COMPLEX_WITH_ANGLES,
-    NumberType,
-)
 from fourbar_ros.numerics.roots import fold
+from fourbar_ros.numerics.tables import ARRAYS, WITHOUT_ANGLES
 import numpy as np
 
 # Complex step: its square vanishes next to one, and it is far below the distance of any sample
@@ -87,7 +82,7 @@ class Sampler:
 
     def __init__(self, linkage: Mechanism, quantities: Sequence[Asked],
                  rates: tuple[float, float]) -> None:
-        """Make the formulas of motion and loads for real and for complex arrays."""
+        """Make the function of motion and loads of real and complex arrays."""
         self.linkage, self.quantities, self.rates = linkage, quantities, rates
         self.with_angles = with_angles = any(map(needs_angles, quantities))
         self.needs_loads = any(q.is_load for q in quantities)
@@ -96,17 +91,13 @@ class Sampler:
         self.unit: float = linkage.input_unit
         self.is_angle = np.array([is_position(q) and q.unit == 'rad' for q in quantities])
         self.flats: dict[int, FlatSide] = {}
-        has_loads = linkage.bodies is not None and (self.needs_loads or with_angles)
-        self._complex = COMPLEX_WITH_ANGLES if with_angles else COMPLEX
-        types = ARRAY, self._complex
-        self._functions = (tuple([linkage.make_motion(numbers) for numbers in types]),
-                           tuple([linkage.make_loads(numbers) if has_loads else None
-                                  for numbers in types]))
+        self._has_loads = linkage.bodies is not None and (self.needs_loads or with_angles)
+        self._table = ARRAYS if with_angles else WITHOUT_ANGLES
+        self._step = step_of_arrays(linkage, self._has_loads, self._table)
 
     def enter(self, path: InputPath) -> None:
         """Prepare the samples beside flat positions at the ends of a path."""
-        self.flats = flat_sides(self.linkage, self.rates, path,
-                                self._functions[1][0] is not None)
+        self.flats = flat_sides(self.linkage, self.rates, path, self._has_loads)
 
     def of(self, linkage: Mechanism) -> Sampler:
         """Return a sampler of the same quantities for another linkage."""
@@ -154,17 +145,15 @@ class Sampler:
         """
         lengths = np.array(self.linkage.lengths)
         columns = lengths[:, None, None] * (1.0 + 1j * STEP * np.eye(lengths.size)[..., None])
-        found: Array = self._with(columns, self._complex).values(
+        found: Array = self._with(columns).values(
             np.tile(x + 0.0j, (lengths.size, 1)))[row, ..., np.arange(row.size)].imag / STEP
         return found
 
-    def _with(self, lengths: Sequence[Any], numbers: NumberType) -> Sampler:
+    def _with(self, lengths: Sequence[Any]) -> Sampler:
         """Return a copy for other lengths, columns (n, 1), and for inputs of shape (n, ...)."""
-        other, constants = copy(self), self.linkage.constants_of(lengths, numbers.hypot)
-        numbers = columns_of(numbers)
-        motion = self.linkage.motion_formula(numbers, constants)
-        loads = self._functions[1][0] and self.linkage.loads_formula(numbers, constants)
-        other.flats, other._functions = {}, ((motion,) * 2, (loads,) * 2)
+        other, other.flats = copy(self), {}
+        other._step = step_of_arrays(self.linkage, self._has_loads, self._table,
+                                     self.linkage.constants_of(lengths, ARRAYS['hypot']))
         return other
 
     def fold(self, x: Value) -> Value:
@@ -173,23 +162,23 @@ class Sampler:
 
     def state(self, x: Array) -> State:
         """Return motion and loads at real or complex x."""
-        motions, of_loads = self._functions
-        motion, loads = motions[x.dtype.kind == 'c'], of_loads[x.dtype.kind == 'c']
+        position, reaches = self.unit * x, self.linkage.reaches
+        if reaches is not None:
+            position = np.where(reaches(position), position, np.nan)
         with np.errstate(all='ignore'):
-            fields = motion(self.unit * x, *self.rates)
-            state = [fields, loads(fields)] if loads else [fields]
+            fields = self._step(position, *self.rates)
         for flat in self.flats.values():
             t = flat.distance(x)
             near = (t.real > 0.0) & (t.real < REACH)
             if near.any():
-                beside = flat.state(t[near])
-                state = [_replaced(part, near, values) for part, values in zip(state, beside)]
-        return self._named(state)
+                fields = _replaced(fields, near, flat.state(t[near]))
+        return self._named(fields)
 
-    def _named(self, state: Sequence[Iterable[Array]]) -> State:
-        """Return motion and loads as the records of the mechanism, from rows of their fields."""
-        return (self.linkage.MOTION(*state[0]), self.linkage.LOADS(*state[1]) if len(state) > 1
-                else NoLoads())
+    def _named(self, fields: Sequence[Array] | Array) -> State:
+        """Return motion and loads as the records of the mechanism."""
+        count = len(self.linkage.MOTION._fields)
+        return (self.linkage.MOTION(*fields[:count]),
+                self.linkage.LOADS(*fields[count:]) if self._has_loads else NoLoads())
 
     def limits(self, side: int) -> Array:
         """

@@ -20,15 +20,13 @@ from fourbar_ros.mechanisms.contract import Constants
 from fourbar_ros.numerics.arrays import Array, Values
 from fourbar_ros.numerics.given import array
 from fourbar_ros.numerics.number_types import (
-    COMPLEX,
-    COMPLEX_WITH_ANGLES,
     Function,
     numbers_of,
     NumberType,
-    REAL,
     Scalar,
 )
 from fourbar_ros.numerics.straight_line import lines_of
+from fourbar_ros.numerics.tables import ARRAYS, run, Table
 from fourbar_ros.numerics.trace import flat, Trace
 import numpy as np
 from numpy.typing import ArrayLike
@@ -235,44 +233,60 @@ def _inputs(mechanism: Formulas, given: tuple[ArrayLike, ...]
                                'must have shapes that broadcast') from None
 
 
+def step_of_arrays(mechanism: Formulas, with_loads: bool, table: Table = ARRAYS,
+                   data: Constants | None = None, wanted: Sequence[int] | None = None
+                   ) -> Function:
+    """
+    Return (position, rate, acceleration) -> fields of motion, and of loads, as a list.
+
+    Of arrays, real or complex, that broadcast; by the trace, with the operations of ``table``.
+    ``data``: columns in place of the mechanism's own :attr:`constants`, of many like it.
+    ``wanted``: numbers of the fields, by default all; no others are computed, they are NaN.
+    """
+    trace, known, _ = (mechanism.record_with_loads if with_loads else mechanism.record_of_motion)
+    places = flat(trace.results)
+    wanted = range_of(trace) if wanted is None else wanted
+    steps = [i for i in trace.needed([places[i] for i in wanted]) if not trace.steps[i].is_given]
+    if data is not None:
+        known = [trace.steps[i].value for i in range(len(known))]
+        known[trace.count:trace.count + trace.size] = numbers_of(
+            data if with_loads else data._replace(bodies=None))
+        with np.errstate(all='ignore'):
+            run(trace, [i for i in steps if i not in trace.varies], table, known)
+    steps = [i for i in steps if i in trace.varies]
+
+    def step(*inputs: Values) -> list[Values]:
+        """Return the fields, arrays or single numbers."""
+        values = run(trace, steps, table, [*inputs, *known[trace.count:]])
+        fields: list[Values] = [nan] * len(places)
+        for i in wanted:
+            fields[i] = values[places[i]]
+        return fields
+    return step
+
+
 def _complex_rows(mechanism: Formulas, inputs: list[Array], shape: tuple[int, ...],
                   wanted: tuple[int, ...] | None, with_loads: bool) -> list[Array]:
-    """
-    Return the wanted fields for complex inputs x + i h, an array each: derivatives are imag / h.
-
-    The angles are of numbers that carry derivatives, as arctan2 takes no complex ones.
-    """
+    """Return the wanted fields for complex inputs x + i h: derivatives are imag / h."""
     inputs = [np.broadcast_to(v.astype(complex), shape).reshape(-1) for v in inputs]
-    fields = mechanism.make_motion(COMPLEX_WITH_ANGLES)(*inputs)
-    if with_loads:
-        fields += mechanism.make_loads(COMPLEX)(fields)
-    fields = fields if wanted is None else [fields[i] for i in wanted]
-    return [np.array(np.broadcast_to(field, inputs[0].shape), complex) for field in fields]
+    fields = step_of_arrays(mechanism, with_loads, wanted=wanted)(*inputs)
+    return [np.array(np.broadcast_to(field, inputs[0].shape), complex)
+            for field in (fields if wanted is None else [fields[i] for i in wanted])]
 
 
-def motion_within(motion: Function, reaches: Function | None, numbers: NumberType) -> Function:
+def line_within(motion: Function, reaches: Function | None) -> Function:
     """
-    Return a function of motion limited to the inputs that ``reaches`` allows, all if it is None.
+    Return a line of motion limited to the inputs that ``reaches`` allows, all if it is None.
 
-    Elsewhere it gives NaN, or raises ValueError if numbers are floats. ``reaches``: see
+    Elsewhere it raises ValueError. ``reaches``: see
     :attr:`~fourbar_ros.mechanisms.contract.Described.reaches`.
     """
     if reaches is None:
         return motion
 
-    def motion_of_float(position: float, rate: float, acceleration: float) -> Any:
+    def within(position: float, rate: float, acceleration: float) -> Any:
         """Return the motion of one sample; ValueError if its position is out of reach."""
         if not reaches(position):
             raise ValueError
         return motion(position, rate, acceleration)
-
-    def motion_of_arrays(position: Array, rate: Values, acceleration: Values) -> Any:
-        """Return the motion; samples out of reach are NaN in all fields but the inputs."""
-        fields = motion(position, rate, acceleration)
-        outside = ~reaches(position)
-        if not outside.any():
-            return fields
-        make = getattr(fields, '_make', tuple)
-        return make([field if any(field is value for value in (position, rate, acceleration))
-                     else np.where(outside, nan, field) for field in fields])
-    return motion_of_float if numbers is REAL else motion_of_arrays
+    return within

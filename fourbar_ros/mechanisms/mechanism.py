@@ -24,7 +24,7 @@ from fourbar_ros.mechanisms.contract import Constants, Described, of_geometry, O
 from fourbar_ros.mechanisms.evaluation import (
     evaluate,
     line_of,
-    motion_within,
+    line_within,
     Recorded,
     recorded,
     with_limits,
@@ -33,7 +33,7 @@ from fourbar_ros.mechanisms.parts import NamedFields, Ranges
 from fourbar_ros.mechanisms.points import Coefficients, Curve, LinkMotion
 from fourbar_ros.numerics.arrays import EPS
 from fourbar_ros.numerics.given import number
-from fourbar_ros.numerics.number_types import Function, NumberType, REAL, Scalar
+from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 from numpy.typing import ArrayLike
 
 
@@ -147,7 +147,7 @@ class Formulas(Described):
         other.__dict__.update(fields, **changed)
         return other
 
-    # --- its formulas, made once for each type of numbers ----------------------------------------
+    # --- its formulas ----------------------------------------------------------------------------
 
     @of_geometry
     def _motion_line(self) -> Function:
@@ -158,36 +158,7 @@ class Formulas(Described):
         line = line_of(self, with_loads)
         if self.is_flat_at_zero:
             line = with_limits(self, line, with_loads)
-        return motion_within(line, self.reaches, REAL)
-
-    @of_geometry
-    def _motions(self) -> dict[NumberType, Function]:
-        return {}
-
-    @cached_property
-    def _loads(self) -> dict[NumberType, Function]:
-        return {}
-
-    def make_motion(self, numbers: NumberType) -> Function:
-        """
-        Return (position, rate, acceleration) -> MOTION for a number type, made once.
-
-        Out of range that gives NaN, or raises ValueError if numbers are floats.
-        """
-        if numbers not in self._motions:
-            if numbers is REAL:
-                line, as_motion = self._motion_line, self.MOTION._make
-                self._motions[numbers] = lambda *inputs: as_motion(line(*inputs))
-            else:
-                formula = self.motion_formula(numbers, self.constants)
-                self._motions[numbers] = motion_within(formula, self.reaches, numbers)
-        return self._motions[numbers]
-
-    def make_loads(self, numbers: NumberType) -> Function:
-        """Return the function MOTION -> LOADS for a number type, made once."""
-        if numbers not in self._loads:
-            self._loads[numbers] = self.loads_formula(numbers, self.constants)
-        return self._loads[numbers]
+        return line_within(line, self.reaches)
 
     def make_coefficients(self, numbers: NumberType) -> Coefficients:
         """

@@ -14,7 +14,6 @@ compares real parts, ``x.real > 0.0``, which floats, arrays and complex numbers 
 ``COMPLEX``                complex arrays, for exact derivatives by a complex step; angles are
                            left out (``atan2`` gives zero)
 ``COMPLEX_WITH_ANGLES``    the same with the derivatives of angles
-``columns_of(...)``        one of these for many mechanisms at once: lengths are columns (n, 1)
 ``RECORDED``               writes down what is done: :mod:`fourbar_ros.numerics.trace`
 =========================  ==================================================================
 """
@@ -22,7 +21,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from copy import copy
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import cache, reduce
 import math
 from typing import Any, TypeVar
@@ -143,16 +142,24 @@ def hypot_of_arrays(x: Values, y: Values, out: Array | None = None) -> Array:
     return length
 
 
-def _size_of_complex(x: Array) -> Array:
+def size_of_complex(x: Any) -> Array:
     """Return x or -x, whichever has a positive real part: |x| with its complex step."""
     return np.asarray(np.where(x.real < 0.0, -x, x) if np.iscomplexobj(x) else np.abs(x))
 
 
-def _angle_of_complex(y: Array, x: Array) -> Array:
-    """Return the angle of (x, y) with complex steps: atan2 of real parts, plus its step."""
+def angle_of_complex(y: Any, x: Any) -> Array:
+    """Return the angle of (x, y), of complex numbers with its complex step."""
+    if not np.iscomplexobj(x) and not np.iscomplexobj(y):
+        return np.asarray(np.arctan2(y, x))
     y, x = np.asarray(y), np.asarray(x)
     turn = 1j * (x.real * y.imag - y.real * x.imag) / (x.real**2 + y.real**2)
     return np.asarray(np.arctan2(y.real, x.real) + turn)
+
+
+def hypot_of_complex(x: Any, y: Any) -> Array:
+    """Return sqrt(x^2 + y^2) of real or complex arrays."""
+    return (np.asarray(np.sqrt(x * x + y * y)) if np.iscomplexobj(x) or np.iscomplexobj(y)
+            else hypot_of_arrays(x, y))
 
 
 REAL = NumberType('floats', math.sin, math.cos, math.sqrt, math.atan2, math.hypot, math.fabs,
@@ -161,36 +168,13 @@ ARRAY = NumberType('real arrays', np.sin, np.cos, np.sqrt, np.arctan2, hypot_of_
                    _choose_in_arrays, math.fsum, power_of_two)
 COMPLEX = replace(ARRAY, name='complex arrays without angles', atan2=lambda y, x: 0.0,
                   hypot=lambda x, y: np.sqrt(x * x + y * y),
-                  fabs=_size_of_complex)
-COMPLEX_WITH_ANGLES = replace(COMPLEX, name='complex arrays', atan2=_angle_of_complex)
-
-
-def _exact_sum_of_columns(columns: Sequence[Array]) -> Array:
-    rows = zip(*(column[:, 0].tolist() for column in np.broadcast_arrays(*columns)))
-    return np.array([[math.fsum(row)] for row in rows])
-
-
-def _exact_sum_of_complex_columns(columns: Sequence[Array]) -> Array:
-    columns = np.broadcast_arrays(*columns)
-    steps = np.sum([column.imag for column in columns], axis=0)
-    return np.asarray(_exact_sum_of_columns([column.real for column in columns]) + 1j * steps)
+                  fabs=size_of_complex)
+COMPLEX_WITH_ANGLES = replace(COMPLEX, name='complex arrays', atan2=angle_of_complex)
 
 
 def power_of_two_of_arrays(*lengths: Array) -> Array:
     """Return the same as :func:`power_of_two` for arrays of lengths, element by element."""
     return np.asarray(np.ldexp(1.0, np.frexp(reduce(np.maximum, map(np.abs, lengths)))[1]))
-
-
-_COLUMNS = {numbers: replace(numbers, name=f'columns of {numbers.name}',
-                             exact_sum=_exact_sum_of_columns if numbers is ARRAY
-                             else _exact_sum_of_complex_columns,
-                             power_of_two=power_of_two_of_arrays)
-            for numbers in (ARRAY, COMPLEX, COMPLEX_WITH_ANGLES)}
-
-
-def columns_of(numbers: NumberType) -> NumberType:
-    """Return a type of arrays for lengths that are columns of shape (n, 1), n small."""
-    return _COLUMNS[numbers]
 
 
 def converted(record: Any, number: Callable[[float], Any]) -> Any:
@@ -213,11 +197,11 @@ def converted(record: Any, number: Callable[[float], Any]) -> Any:
 
 
 def numbers_of(record: Any) -> list[float]:
-    """Return the floats of a nested record in the order in which :func:`converted` meets them."""
-    if isinstance(record, (float, int)):
-        return [record]
+    """Return the numbers of a nested record in the order in which :func:`converted` meets them."""
     if record is None:
         return []
+    if not isinstance(record, tuple) and not is_dataclass(record):
+        return [record]
     kind: Any = type(record)
     parts = (record if isinstance(record, tuple)
              else [getattr(record, name) for name in _names_of(kind)])

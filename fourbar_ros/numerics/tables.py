@@ -8,14 +8,21 @@ evaluates a trace with one.
 """
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 import operator
 from threading import RLock
-from typing import Any
+from typing import Any, NamedTuple
 
-from fourbar_ros.numerics.number_types import Function
-from fourbar_ros.numerics.trace import Trace
+from fourbar_ros.numerics.exact_sums import exact_sum_of_four
+from fourbar_ros.numerics.number_types import (
+    angle_of_complex,
+    Function,
+    hypot_of_complex,
+    power_of_two_of_arrays,
+    size_of_complex,
+)
+from fourbar_ros.numerics.trace import OPERATIONS, Trace
 import numpy as np
 
 Table = Mapping[str, Function]
@@ -33,26 +40,92 @@ def run(trace: Trace, order: Sequence[int], table: Table, values: list[Any]) -> 
     return values
 
 
-# --- arrays, complex ones for derivatives by a complex step --------------------------------------
+# --- arrays: real ones, complex ones for derivatives by a complex step, columns of data ----------
 
-def _angle(y: Any, x: Any) -> Any:
-    """Return the angle of (x, y), of complex numbers with its complex step."""
-    if not np.iscomplexobj(x) and not np.iscomplexobj(y):
-        return np.arctan2(y, x)
-    turn = 1j * (x.real * y.imag - y.real * x.imag) / (x.real**2 + y.real**2)
-    return np.arctan2(y.real, x.real) + turn
-
-
-def _size(x: Any) -> Any:
-    """Return x or -x, whichever has a positive real part: |x| with its complex step."""
-    return np.where(np.real(x) < 0.0, -x, x) if np.iscomplexobj(x) else np.abs(x)
+ARRAYS: Table = {
+    **OPERATIONS, 'sin': np.sin, 'cos': np.cos, 'sqrt': np.sqrt, 'atan2': angle_of_complex,
+    'hypot': hypot_of_complex, 'fabs': size_of_complex, 'where': np.where,
+    'gt': lambda a, b: np.real(a) > np.real(b), 'lt': lambda a, b: np.real(a) < np.real(b),
+    'exact_sum': lambda *terms: exact_sum_of_four(terms), 'power_of_two': power_of_two_of_arrays}
+# The same where angles are not asked for: they are zero.
+WITHOUT_ANGLES: Table = {**ARRAYS, 'atan2': lambda y, x: 0.0}
 
 
-COMPLEX_ARRAYS: Table = {
-    'add': operator.add, 'sub': operator.sub, 'mul': operator.mul, 'truediv': operator.truediv,
-    'neg': operator.neg, 'sin': np.sin, 'cos': np.cos, 'sqrt': np.sqrt, 'atan2': _angle,
-    'hypot': lambda x, y: np.sqrt(x * x + y * y), 'fabs': _size, 'where': np.where,
-    'gt': lambda a, b: np.real(a) > np.real(b), 'lt': lambda a, b: np.real(a) < np.real(b)}
+# --- duals of another table ----------------------------------------------------------------------
+
+class Dual(NamedTuple):
+    """A number, and its derivatives ``by`` = {parameter: derivative}; none is listed that is 0."""
+
+    value: Any
+    by: Mapping[str, Any]
+
+
+def value_of(number: Any) -> Any:
+    """Return the value of a dual, and any other number as it is."""
+    return number.value if isinstance(number, Dual) else number
+
+
+def derivatives_of(number: Any) -> Mapping[str, Any]:
+    """Return {parameter: derivative} of a dual, nothing of any other number."""
+    return number.by if isinstance(number, Dual) else {}
+
+
+def duals_of(table: Table) -> dict[str, Function]:
+    """
+    Return the table of numbers with their exact derivatives by any number of parameters.
+
+    Numbers and derivatives are those of another table. By the chain rule,
+
+        (D1)  (u v)' = v u' + u v',   (u/v)' = u'/v - (u/v^2) v',   sqrt(u)' = u' / (2 sqrt(u))
+        (D2)  atan2(y, x)' = (x y' - y x') / (x^2 + y^2),   hypot(x, y)' = (x x' + y y') / hypot
+    """
+    def by_rule(name: str, *rules: Callable[..., Any]) -> Function:
+        """
+        Return a function of duals, from its derivatives by each argument.
+
+        A rule: (derivative u' of the argument, result, values of all arguments) -> its term.
+        """
+        def call(*numbers: Any) -> Any:
+            """Return the dual; of numbers without derivatives, a number."""
+            values = [value_of(number) for number in numbers]
+            value, by = table[name](*values), dict[str, Any]()
+            for rule, number in zip(rules, numbers):
+                for parameter, change in derivatives_of(number).items():
+                    term = rule(change, value, *values)
+                    by[parameter] = by[parameter] + term if parameter in by else term
+            return Dual(value, by) if by else value
+        return call
+
+    def of_values(name: str) -> Function:
+        """Return a function of the values alone: a comparison, a unit."""
+        return lambda *numbers: table[name](*map(value_of, numbers))
+
+    def choice(condition: Any, one: Any, other: Any) -> Any:
+        """Return one or the other, with its derivatives."""
+        where, by, others = table['where'], derivatives_of(one), derivatives_of(other)
+        value = where(condition, value_of(one), value_of(other))
+        return Dual(value, {name: where(condition, by.get(name, 0.0), others.get(name, 0.0))
+                            for name in by.keys() | others.keys()}) if by or others else value
+
+    return {'add': by_rule('add', lambda du, w, u, v: du, lambda dv, w, u, v: dv),
+            'sub': by_rule('sub', lambda du, w, u, v: du, lambda dv, w, u, v: -dv),
+            'neg': by_rule('neg', lambda du, w, u: -du),
+            'mul': by_rule('mul', lambda du, w, u, v: v * du, lambda dv, w, u, v: u * dv),  # (D1)
+            'truediv': by_rule('truediv', lambda du, w, u, v: du / v,
+                               lambda dv, w, u, v: -(w / v * dv)),
+            'pow': by_rule('pow', lambda du, w, u, v: v * u**(v - 1.0) * du),
+            'sqrt': by_rule('sqrt', lambda du, w, u: 0.5 / w * du),
+            'sin': by_rule('sin', lambda du, w, u: table['cos'](u) * du),
+            'cos': by_rule('cos', lambda du, w, u: -(table['sin'](u) * du)),
+            'atan2': by_rule('atan2', lambda dy, w, y, x: x / (x * x + y * y) * dy,         # (D2)
+                             lambda dx, w, y, x: -(y / (x * x + y * y) * dx)),
+            'hypot': by_rule('hypot', lambda dx, w, x, y: x / w * dx,
+                             lambda dy, w, x, y: y / w * dy),
+            'fabs': by_rule('fabs', lambda du, w, u: table['where'](
+                table['lt'](u, 0.0), -du, du)),
+            'exact_sum': lambda *terms: by_rule(
+                'exact_sum', *[lambda du, *_: du] * len(terms))(*terms),
+            'where': choice, **{name: of_values(name) for name in ('gt', 'lt', 'power_of_two')}}
 
 
 # --- balls, by python-flint (Arb) ----------------------------------------------------------------

@@ -136,7 +136,10 @@ def _call(function: Function, x: Recordable) -> Any:
     return x.trace.add('call', x, value=function) if isinstance(x, Number) else function(x)
 
 
-_exact_sum = _function('exact_sum')
+# The table that writes a trace while another one is run.
+RECORDING: dict[str, Function] = {**{name: _function(name) for name in OPERATIONS},
+                                  'where': _choice}
+_exact_sum = RECORDING['exact_sum']
 RECORDED = NumberType('recorded', _function('sin'), _function('cos'), _function('sqrt'),
                       _function('atan2'), _function('hypot'), _function('fabs'), _choice,
                       lambda terms: _exact_sum(*terms), _function('power_of_two'), call=_call)

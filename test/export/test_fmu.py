@@ -11,7 +11,7 @@ import zipfile
 from fourbar_lab.export import compiled, generate
 from fourbar_ros import load_scene
 from fourbar_ros.dynamics.node_step import NOT_FINITE, OK
-from fourbar_ros.numerics.number_types import COMPLEX_WITH_ANGLES
+from fourbar_ros.mechanisms.evaluation import step_of_arrays
 from fourbar_ros.pipeline.status import evaluate
 from fourbar_ros.pipeline.stepper import InModes
 from fourbar_ros.scene.scene import from_values
@@ -133,12 +133,10 @@ def test_derivatives_are_those_of_a_complex_step_and_of_other_parameters(name, t
     inputs = list(linkage.input_coordinate)
     unit.set(**dict(zip(inputs, given)))
     # an imaginary step is exact; terms are up to 2^12 times larger than their sums
-    motion = linkage.make_motion(COMPLEX_WITH_ANGLES)
-    moved = motion(*(np.array([x + 1e-30j * along]) for x, along in zip(given, direction)))
-    of_loads = linkage.make_loads(COMPLEX_WITH_ANGLES)(moved)
+    moved = step_of_arrays(linkage, True)(
+        *(np.array([x + 1e-30j * along]) for x, along in zip(given, direction)))
     exact = {field: np.imag(np.asarray(value))[..., 0] / 1e-30 if np.ndim(value) else 0.0
-             for fields, part in ((linkage.MOTION, moved), (linkage.LOADS, of_loads))
-             for field, value in zip(fields._fields, part)}
+             for field, value in zip(linkage.MOTION._fields + linkage.LOADS._fields, moved)}
     found = dict(zip(outputs, unit.derivative(outputs, dict(zip(inputs, direction)))))
     size = max(map(abs, found.values()))
     for one in outputs:

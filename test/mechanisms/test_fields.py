@@ -42,9 +42,9 @@ def by_formula(mechanism, *given):
     """Return all fields by the formulas on arrays, in one piece."""
     given = [np.asarray(v, float) for v in np.broadcast_arrays(*given)]
     with np.errstate(all='ignore'):
-        motion = mechanism.make_motion(ARRAY)(*given)
+        motion = mechanism.motion_formula(ARRAY, mechanism.constants)(*given)
         return [np.broadcast_to(field, given[0].shape) for field in motion
-                + mechanism.make_loads(ARRAY)(motion)]
+                + mechanism.loads_formula(ARRAY, mechanism.constants)(motion)]
 
 
 @every_kind

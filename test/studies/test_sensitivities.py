@@ -9,8 +9,8 @@ from fourbar_lab.studies.design import Design
 from fourbar_lab.studies.study import from_document
 from fourbar_ros import load_scene
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.numerics.duals import derivatives_of, Dual, duals_of, value_of
-from fourbar_ros.numerics.number_types import ARRAY
+from fourbar_ros.numerics.tables import ARRAYS, derivatives_of, Dual, duals_of, run, value_of
+from fourbar_ros.numerics.trace import Trace
 from fourbar_ros.scene.scene import from_values
 import mpmath as mp
 import numpy as np
@@ -196,18 +196,22 @@ def test_what_has_no_derivative_is_refused():
 
 
 def test_duals_obey_the_chain_rule_whatever_stands_left_and_right():
-    n = duals_of(ARRAY)
-    u, v = np.array([0.7, 1.3]), np.array([0.4, 2.1])
+    def make(n, _):
+        def formula(u, v):
+            w = n.sqrt(u * u + v) / (1.0 + v**3) - 2.0 / u
+            w = n.where(u > v, w * n.hypot(u, v), n.atan2(w, u) + n.fabs(-v))
+            return 3.0 - (0.7 * w - n.sin(u) * n.cos(v)) / 2.0 * u + n.exact_sum((u, -v, 1.0))
+        return formula
 
-    def formula(n, u, v):
-        w = n.sqrt(u * u + v) / (1.0 + v**3) - 2.0 / u
-        w = n.where(u > v, w * n.hypot(u, v), n.atan2(w, u) + n.fabs(-v))
-        return 3.0 - (np.array([1.0, 2.0]) * w - n.sin(u) * n.cos(v)) / np.array([2.0, 4.0]) * u
+    def found(table, *inputs):
+        values = [*inputs, *[step.value for step in trace.steps[2:]]]
+        steps = [i for i in trace.needed([trace.results]) if not trace.steps[i].is_given]
+        return run(trace, steps, table, values)[trace.results]
 
-    found = formula(n, Dual(u, {'u': 1.0}), Dual(v, {'v': 1.0}))
-    np.testing.assert_array_equal(value_of(found), formula(ARRAY, u, v))
-    h = 2.0**-17
-    for name, (before, after) in {'u': ((u - h, v), (u + h, v)),
-                                  'v': ((u, v - h), (u, v + h))}.items():
-        slope = (formula(ARRAY, *after) - formula(ARRAY, *before)) / (2.0 * h)
-        np.testing.assert_allclose(derivatives_of(found)[name], slope, 1e-8)
+    trace, u, v = Trace(make, 2), np.array([0.7, 1.3]), np.array([0.4, 2.1])
+    dual = found(duals_of(ARRAYS), Dual(u, {'u': 1.0}), Dual(v, {'v': 1.0}))
+    np.testing.assert_array_equal(value_of(dual), found(ARRAYS, u, v))
+    step = 1j * 2.0**-200
+    for name, moved in {'u': (u + step, v), 'v': (u, v + step)}.items():
+        np.testing.assert_allclose(derivatives_of(dual)[name],
+                                   found(ARRAYS, *moved).imag / step.imag, 1e-14)
