@@ -7,7 +7,7 @@ import re
 
 from fourbar_ros.cli.main import main
 import pytest
-from support.samples import some
+from support.samples import more
 
 CASES = [('paper', '60'), ('slides_7_6', '60'), ('slider_crank', '40'), ('cylinder', '1.5'),
          ('watt', '20'), ('engine', '30'), ('quick_return', '75')]
@@ -29,7 +29,7 @@ def numbers_in(found):
         yield float(found)
 
 
-@some('name, at', CASES, 2)
+@pytest.mark.parametrize('name, at', more(CASES[:2], CASES))
 def test_every_number_that_is_printed_is_in_the_record(name, at, capsys):
     """Angles are printed in degrees with four decimals, all else with six digits or more."""
     text = said(capsys, 'show', name, '--at', at)

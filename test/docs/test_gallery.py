@@ -6,6 +6,7 @@ import sys
 from fourbar_ros.scene.files import folder
 import pytest
 from support import ROOT
+from support.samples import more
 
 sys.path.insert(0, str(ROOT / 'docs'))
 
@@ -32,9 +33,7 @@ def test_pictures_are_of_these_scenes():
         assert gallery.digest(name) in file.read_text(encoding='utf-8'), f'{name}: {AGAIN}'
 
 
-@pytest.mark.parametrize('name', [
-    pytest.param(name, marks=[pytest.mark.slow] * (name not in ('gripper', 'klann', 'engine')))
-    for name in NAMES])
+@pytest.mark.parametrize('name', more(('gripper', 'klann', 'engine'), NAMES[::3]))
 def test_no_label_lies_on_another_or_is_cropped(name):
     """Boxes of the texts as matplotlib's own renderer sets them."""
     import matplotlib
