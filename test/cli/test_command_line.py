@@ -12,11 +12,9 @@ from fourbar_ros import FourBar
 from fourbar_ros.cli.main import main
 from fourbar_ros.scene import files as scene_file
 from fourbar_ros.scene import scene
-from fourbar_ros.scene.files import read_values, SceneError
 import numpy as np
 import pytest
 from support import bags, ROOT
-from support.samples import some
 from support.scenes import PAPER, RODS
 
 LENGTHS = 'linkage: {a1: 0.4, a2: 1.2, a3: 0.8, a4: 1.0}'
@@ -39,26 +37,6 @@ def said(capsys, *arguments):
 
 
 # --- scene files ---------------------------------------------------------------------------------
-
-@pytest.mark.parametrize('text, value', [
-    ('4e-1', 0.4), ('1E+5', 1e5), ('.5', 0.5), ('1.', 1.0), ('0x10', 16), ('010', 8), ('08', 8.0),
-    ('+1', 1),
-    ('1_000', '1_000'), ('1:30', '1:30'), ('2020-01-01', '2020-01-01'), ('null', 'null'),
-    ('~', '~'), ('y', True),
-    ('Off', False), ('tRue', 'tRue'), ('1e400', '1e400'), ('0b11', '0b11'), ("'4e-1'", '4e-1'),
-    ('"1"', '1'), ('08x', '08x'),
-    ('99999999999999999999', 1e20), ('inf', float('inf')), ('-.inf', -float('inf')), ('-', None),
-    ('', None)])
-def test_scalars_are_read_as_ros_reads_them(text, value, tmp_path):
-    """test/ros/test_scene_file.py gives ROS itself the same texts."""
-    file = scene_with(tmp_path, f'    frame_id: {text}\n')
-    if value is None:
-        with pytest.raises(SceneError):
-            read_values(file)
-    else:
-        found = read_values(file)['frame_id']
-        assert found == value and type(found) is type(value)
-
 
 @pytest.mark.parametrize('key, is_good', [('/**', True), ('fourbar', True), ('/fourbar', True),
                                           ('/cell/fourbar', True),
@@ -182,18 +160,16 @@ def test_the_output_range_is_that_of_the_mode(lengths, mode):
 
 
 def test_the_output_does_not_change_from_run_to_run():
-    def text(*arguments, seed):
-        done = subprocess.run([sys.executable, '-c', 'import sys; from fourbar_ros.cli import '
-                               'main, scene\nscene.step_cost = lambda scene: 1e-5; '
-                               'sys.exit(main.main(sys.argv[1:]))',
-                               *arguments],
+    def text(seed):
+        done = subprocess.run([sys.executable, '-c', 'from fourbar_ros.cli import main, scene\n'
+                               'scene.step_cost = lambda scene: 1e-5\n'
+                               'for words in ("scene check slides_7_6", "show cylinder --at 1", '
+                               '"show nosuch"):\n    main.main(words.split())'],
                               capture_output=True, text=True,
                               env={**os.environ, 'PYTHONHASHSEED': str(seed)}, check=False)
         assert 'Traceback' not in done.stderr, done.stderr
         return done.stdout + done.stderr
-    for arguments in (('scene', 'check', 'slides_7_6'), ('show', 'cylinder', '--at', '1'),
-                      ('show', 'nosuch')):
-        assert len({text(*arguments, seed=seed) for seed in (1, 2)}) == 1
+    assert text(1) == text(2) != ''
 
 
 def test_a_picture_is_where_the_output_says(tmp_path, capsys):
@@ -204,11 +180,9 @@ def test_a_picture_is_where_the_output_says(tmp_path, capsys):
 
 # --- without what is optional --------------------------------------------------------------------
 
-@some('command, blocked, hint', [
+@pytest.mark.parametrize('command, blocked, hint', [
     (['bag', 'info', 'x'], 'mcap', 'fourbar: bag requires mcap: pip install mcap rosbags'),
-    (['bag', 'recover', 'x'], 'zstandard', 'fourbar: bag requires zstandard: pip install'),
-    (['record', 'start'], 'rclpy', 'fourbar: record requires ROS 2: source a ROS 2'),
-    (['replay', 'x'], 'rclpy', 'fourbar: replay requires ROS 2: source a ROS 2')], 1)
+    (['replay', 'x'], 'rclpy', 'fourbar: replay requires ROS 2: source a ROS 2')])
 def test_what_to_install_is_reported_in_one_line(command, blocked, hint):
     done = subprocess.run([sys.executable, '-c', f'import sys; sys.modules[{blocked!r}] = None\n'
                            f'from fourbar_ros.cli.main import main; sys.exit(main({command}))'],
@@ -229,7 +203,7 @@ def test_a_missing_lab_is_said_in_one_line(command, code, line):
         done.stderr)
 
 
-@some('name', ['node', 'demo'], 1)
+@pytest.mark.parametrize('name', ['node', 'demo'])
 def test_the_programs_that_need_ros_say_so(name):
     done = subprocess.run([sys.executable, '-c', 'import sys; sys.modules["rclpy"] = None\n'
                            f'from fourbar_ros.optional import {name}; sys.exit({name}())'],

@@ -5,8 +5,7 @@ import copy
 from datetime import datetime
 from decimal import Decimal
 from fractions import Fraction
-from math import inf, nan
-from multiprocessing import get_context
+from math import nan
 import pickle
 
 from fourbar_lab.drawing.figure import CannotDraw
@@ -242,7 +241,7 @@ def test_too_long_is_reported(kind, lengths, more):
                 kind(*lengths[:i], 2.0**power, *lengths[i + 1:], **more)
 
 
-# --- processes -----------------------------------------------------------------------------------
+# --- copies -----------------------------------------------------------------------------------
 
 ERRORS = [FourBarError('text'), InvalidParameter('mass', -1.0, 'must not be'),
           InvalidParameter('mass', None, 'is missing'),
@@ -271,21 +270,3 @@ def test_errors_and_objects_are_the_same_after_a_copy(again):
             assert again(quantity).of(*result[0]) == quantity.of(*result[0])
     extrema = find_extrema(with_rods(*KINDS[0]), ('omega4',))
     assert repr(again(extrema)) == repr(extrema)
-
-
-def _step(task):
-    mechanism, position = task
-    return mechanism.step(position, 1.0)
-
-
-def test_other_processes_get_mechanisms_and_return_results_and_errors():
-    mechanisms = [with_rods(*kind) for kind in KINDS]
-    here = [mechanism.step(1.2, 1.0) for mechanism in mechanisms]
-    rocker = FourBar(4.0, 3.0, 2.0, 8.0, bodies=RODS)
-    with get_context('spawn').Pool(2) as pool:
-        assert pool.map_async(_step, [(mechanism, 1.2)
-                                      for mechanism in mechanisms]).get(120) == here
-        for task, kind in (((rocker, 3.0), OutOfRange), ((rocker, inf), InvalidParameter),
-                           ((FourBar(0.4, 1.2, 0.8, 1.0), 1.0), MissingBodies)):
-            with pytest.raises(kind):
-                pool.map_async(_step, [task]).get(120)

@@ -244,20 +244,6 @@ def test_a_bag_with_wrenches_silences_and_changes_computes_again(run_node, clien
 
 
 @pytest.mark.slow
-def test_wrenches_are_counted_in_the_diagnostics(run_node, client):
-    from diagnostic_msgs.msg import DiagnosticArray
-    heard = []
-    client.node.create_subscription(DiagnosticArray, '/diagnostics', heard.append, 10)
-    node = Loaded(run_node, client, external__timeout=0.3)
-    node.load(5.0)
-
-    def values():
-        return {pair.key: pair.value for pair in heard[-1].status[0].values} if heard else {}
-    client.until(lambda: int(values().get('wrench silences', 0)) >= 1, 'the count')
-    assert values()['wrenches of another frame'] == '0'
-
-
-@pytest.mark.slow
 def test_a_split_bag_recomputes_and_a_later_file_alone_says_why_not(run_node, client, tmp_path):
     node = Loaded(run_node, client, external__timeout=0.0, recording__split_duration=0.5)
     node.load(5.0, 1.0, -1.0)                            # once, before the bag

@@ -10,7 +10,6 @@ from fourbar_ros.bag.reader import Bag, records
 from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.bag.recorder import FLUSH
 from fourbar_ros.bag.recovery import recover
-import pytest
 from support.harness import ALL_OUTPUTS
 from support.samples import some
 from support.scenes import PAPER, RODS
@@ -116,49 +115,3 @@ def test_a_recording_that_dies_is_reported_and_the_stream_goes_on(run_node, clie
     assert client.call(
         'start_recording',
         name='small').success and client.call('stop_recording').success
-
-
-@pytest.mark.slow
-def test_a_million_joints_on_the_input_neither_stop_the_node_nor_spoil_the_bag(
-        run_node, client, tmp_path):
-    from array import array
-
-    from sensor_msgs.msg import JointState
-    node = run_node({**PAPER,
-                     'outputs': ['state'],
-                     'drive.source': 'joint_state',
-                     'drive.joint': 'crank',
-                     'recording.directory': str(tmp_path / 'bags'),
-                     'recording.name': 'run',
-                     'recording.start': True})
-    client.listen(['state'])
-    publisher = client.publisher('joint_state')
-    small = JointState(name=['crank'], position=[0.5], velocity=[1.0])
-
-    def send(message, seconds):
-        message.header.stamp.sec = seconds
-        publisher.publish(message)
-    sent = iter(range(1, 10_000))
-    client.handshake(lambda: send(small, next(sent)))
-    zeros = array('d', bytes(8_000_000))
-    huge = JointState(
-        name=['crank'] +
-        [''] *
-        999_999,
-        position=zeros,
-        velocity=zeros,
-        effort=zeros)
-    send(huge, next(sent))
-    mark = next(sent)
-
-    def is_answered():
-        send(small, next(sent))
-        client.executor.spin_once(timeout_sec=0.05)
-        return any(m.header.stamp.sec >= mark for m in client.received['state'])
-
-    client.until(is_answered, 'the next input')
-    assert node.stop() == 0
-    path = tmp_path / 'bags/run'
-    found = recompute(path)
-    assert info(path, check=True).is_finished and max(
-        d.largest for d in found.differences) == 0.0

@@ -5,16 +5,13 @@ from math import pi
 import subprocess
 import sys
 
-from fourbar_msgs.msg import DriveState, LinkageLoads
-from fourbar_ros.bag.overview import info
+from fourbar_msgs.msg import DriveState
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.scene import scene
 from fourbar_ros.scene.files import folder
 import numpy as np
-import pytest
 from support.harness import set_parameters
-from support.scenes import PAPER, RODS
 
 TURN = 2.0 * pi
 GIVEN = {'linkage.kind': 'slider_crank', 'linkage.a1': 0.043, 'linkage.a2': 0.143,
@@ -49,31 +46,6 @@ def listen(client, kind, topic):
     return heard
 
 
-@pytest.mark.slow
-def test_gas_over_two_turns_loads_a_given_motion(run_node, client, tmp_path):
-    """Torque and piston force are those of virtual work and statics, in both turns."""
-    values, there = with_table(tmp_path, TIMER)
-    node = run_node({**values, **recording(tmp_path)})
-    heard = listen(client, LinkageLoads, 'loads')
-    client.until(lambda: len(heard) > 80, 'loads')
-    assert node.stop() == 0
-    found = recompute(tmp_path / 'run')
-    assert not found.problems() and found.largest == 0.0
-    assert info(tmp_path / 'run', check=True).is_sound
-    loads = in_bag(tmp_path / 'run', '/fourbar/loads')
-    driven = in_bag(tmp_path / 'run', '/fourbar/driven')
-    gas, = there.forces
-    angles = np.array([message.position for message in driven])
-    assert angles.max() > 2.0 * TURN
-    for angle, message in zip(angles.tolist(), loads):
-        plain = there.bare_linkage.step(angle, 40.0, 0.0)[1]
-        force = gas.factor * gas.value(angle)
-        ratio = there.linkage.motion(angle, 1.0, 0.0).slide_velocity
-        size = 1e-9 * (1.0 + abs(force))
-        assert abs(message.driving_torque - plain.driving_torque + force * ratio) < size
-        assert abs(message.f32_x - plain.f32_x - force) < size
-
-
 def test_an_engine_turns_by_its_gas_and_is_stepped_again(run_node, client, tmp_path):
     values, there = with_table(tmp_path, ENGINE)
     node = run_node({**values, **recording(tmp_path)})
@@ -99,24 +71,6 @@ def test_an_engine_turns_by_its_gas_and_is_stepped_again(run_node, client, tmp_p
         wanted = system.equation.acceleration(message.position, message.velocity, message.torque)
         assert abs(message.acceleration - wanted) <= 1e-9 * (1.0 + abs(wanted))
     assert gas.value.is_periodic
-
-
-@pytest.mark.slow
-def test_services_give_loads_of_a_pose_and_refuse_their_extrema(run_node, client):
-    values = {**PAPER, **RODS, 'drive.source': 'motion', 'outputs': ['state', 'loads'],
-              'forces.push.link': 'output', 'forces.push.along': 0.4, 'forces.push.acts': 'y',
-              'forces.push.places': [0.0, 2.0, TURN], 'forces.push.values': [5.0, 80.0, 5.0],
-              'forces.push.periodic': True}
-    run_node(values)
-    there = scene.from_values(values)
-    answer = client.call('evaluate', position=0.7, velocity=3.0)
-    wanted = there.loads(0.7, 3.0).driving_torque
-    assert answer.has_loads and answer.loads.driving_torque == wanted
-    assert abs(wanted - there.bare_linkage.loads(0.7, 3.0).driving_torque) > 1.0
-    answer = client.call('find_extrema', quantities=['driving_torque'], velocity=3.0)
-    assert answer.result == answer.RESULT_INVALID_REQUEST and 'forces.push' in answer.message
-    answer = client.call('find_extrema', velocity=3.0)
-    assert answer.result == answer.RESULT_OK and not any(e.unit == 'N' for e in answer.extrema)
 
 
 def test_a_wrong_table_is_one_line_of_the_node(tmp_path):

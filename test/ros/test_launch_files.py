@@ -4,7 +4,6 @@
 The launch files start what they say, with real nodes, where launch itself is no wheel.
 
 Stand-ins record what the one in Python asks of launch; the others are read as YAML.
-``test_launch.py`` does the same with launch where it is.
 """
 import os
 from pathlib import Path

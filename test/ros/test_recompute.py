@@ -6,18 +6,14 @@ from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recomputation import recompute
 from rosbags.rosbag2 import Reader
 from support.harness import ALL_OUTPUTS
-from support.samples import some
 from support.scenes import PAPER, RODS
 
 
-@some('split', [{'recording.split_duration': 0.3},
-                {'recording.split_size': 0.03}], 1,
-      ids=['duration', 'size'])
-def test_a_node_splits_its_bag_by_its_parameters(run_node, client, tmp_path, split):
+def test_a_node_splits_its_bag_by_its_parameters(run_node, client, tmp_path):
     node = run_node({**PAPER, **RODS, 'drive.speed': 25.0, 'drive.rate': 200.0,
                      'outputs': ALL_OUTPUTS,
                      'recording.directory': str(tmp_path / 'bags'), 'recording.name': 'run',
-                     'recording.start': True, **split})
+                     'recording.start': True, 'recording.split_duration': 0.3})
     client.until(lambda: (tmp_path / 'bags/run/run_3.mcap').exists(), 'the files')
     assert node.stop() == 0
     path = tmp_path / 'bags/run'

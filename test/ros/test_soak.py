@@ -162,7 +162,7 @@ def test_joint_states_of_every_shape(run_node, client):
                       position=[0.0] * 1_000_001)
     publisher.publish(many)
     client.received['state'].clear()
-    deadline = time.monotonic() + 60.0
+    deadline = time.monotonic() + PATIENCE
     while not any(s.theta1 == 1.25 for s in client.received['state']):
         assert time.monotonic() < deadline, (
             f'no answer to a good message; the newest: {client.received["state"][-1:]}')
@@ -430,7 +430,7 @@ def test_it_starts_and_stops_again_and_again(tmp_path, client):
         node = NodeProcess({**PAPER, **RODS, 'outputs': ALL_OUTPUTS, 'recording.start': True,
                             'recording.name': f'run{k}'}, tmp_path)
         file = tmp_path / f'bags/run{k}/run{k}_0.mcap'
-        deadline = time.monotonic() + 30.0
+        deadline = time.monotonic() + PATIENCE
         while not (file.exists() and file.stat().st_size > 20_000):
             assert time.monotonic() < deadline and node.process.poll() is None, node.said
             client.executor.spin_once(timeout_sec=0.02)
@@ -440,27 +440,3 @@ def test_it_starts_and_stops_again_and_again(tmp_path, client):
         # of all that it took, its end is the smaller part, on a machine of any speed
         assert cpu_of_ended() - ended < 2.0 * until_now
         assert file.read_bytes().endswith(b'\x89MCAP0\r\n') and 'Traceback' not in node.said
-
-
-@pytest.mark.slow
-def test_two_nodes_with_one_name_both_work(run_node, client, tmp_path):
-    other = tmp_path / 'other'
-    other.mkdir()
-    first = run_node({**PAPER, 'drive.source': 'motion', 'outputs': ['state']})
-    second = NodeProcess({**PAPER, 'drive.source': 'motion', 'outputs': ['state']}, other)
-    try:
-        client.listen(['state'])
-        publisher = client.publisher()
-
-        def twice():
-            return len(client.received['state']) >= 2
-        deadline = time.monotonic() + 30.0
-        while not twice():
-            assert time.monotonic() < deadline
-            client.received['state'].clear()
-            publisher.publish(Motion(position=0.5))
-            for _ in range(5):
-                client.executor.spin_once(timeout_sec=0.05)
-        assert len({s.theta4 for s in client.received['state']}) == 1
-    finally:
-        assert second.stop() == 0 and first.stop() == 0

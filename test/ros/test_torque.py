@@ -12,11 +12,8 @@ from fourbar_ros.bag.overview import info
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.dynamics import node_step
-from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.dynamics.simulation import simulate
-from fourbar_ros.dynamics.sources import MotorLine
 from fourbar_ros.scene import scene
-from fourbar_ros.scene.topics import DRIVE_STATE, TORQUE
 from geometry_msgs.msg import WrenchStamped
 import numpy as np
 import pytest
@@ -152,19 +149,6 @@ def test_silence_may_hold_the_torque(run_node, client, tmp_path):
                  == (4.0, DriveState.STATUS_SILENT), 'silence')
 
 
-@pytest.mark.slow
-def test_a_bag_of_another_motor_is_found_out(run_node, client, tmp_path, monkeypatch):
-    node = run_node({**MOTOR_DRIVEN, **recording(tmp_path)})
-    heard = states(client)
-    client.until(lambda: len(heard) > 20, 'states')
-    assert node.stop() == 0
-    assert not recompute(tmp_path / 'run').problems()
-    monkeypatch.setattr(MotorLine, '__post_init__', lambda line: object.__setattr__(
-        line, 'stall_torque', 1.000001 * line.stall_torque))
-    found = recompute(tmp_path / 'run')
-    assert {d.field for d in found.differences if d.largest} >= {'position', 'motor_torque'}
-
-
 def test_parameters_change_while_it_runs_and_the_state_goes_on(run_node, client, tmp_path):
     node = run_node({**MOTOR_DRIVEN, **recording(tmp_path)})
     heard = states(client)
@@ -186,28 +170,10 @@ def test_parameters_change_while_it_runs_and_the_state_goes_on(run_node, client,
     assert not recompute(tmp_path / 'run').problems()
 
 
-@pytest.mark.slow
-def test_topics_of_other_drives_are_not_there(run_node, client):
-    run_node({**PAPER, **RODS})
-    client.call('evaluate', position=0.5)
-    names = [name for name, _ in client.node.get_topic_names_and_types()]
-    assert not any(name.endswith((DRIVE_STATE.topic[1:], TORQUE.topic[1:])) for name in names)
-
-
 def test_a_change_point_linkage_is_refused(run_node):
     node = run_node({**TORQUE_DRIVEN, 'linkage.a1': 0.5, 'linkage.a2': 1.0, 'linkage.a3': 0.5,
                      'linkage.a4': 1.0, 'drive.start': 1.0})
     assert node.wait() == 2 and 'fourbar simulate' in node.said
-
-
-@pytest.mark.slow
-def test_a_change_to_a_change_point_is_refused_as_at_start(run_node, client):
-    run_node({**TORQUE_DRIVEN, 'linkage.a1': 0.5, 'linkage.a2': 1.0, 'linkage.a3': 0.5,
-              'linkage.a4': 0.9, 'drive.start': 1.0})
-    client.call('evaluate', position=0.5)
-    refused, = set_parameters(client, {'linkage.a4': 1.0})
-    assert not refused.successful and 'fourbar simulate' in refused.reason
-    assert set_parameters(client, {'linkage.a4': 0.95})[0].successful
 
 
 ROCKER = {**TORQUE_DRIVEN, 'linkage.a1': 1.2, 'linkage.a2': 0.4, 'drive.start': -0.5}
@@ -386,20 +352,3 @@ def test_silence_runs_on_simulated_time_that_may_pause_and_go_back(run_node, cli
     assert {(m.status, m.torque) for m in heard[count:]} == {(silent, 0.0)}
     found = recompute(tmp_path / 'run')
     assert not found.problems() and found.largest == 0.0, found
-
-
-@pytest.mark.slow
-def test_loads_of_a_scene_with_springs_are_given_at_a_pose_alone(run_node, client):
-    """The torque that the motion needs is that of Eksergian's equation; extrema are refused."""
-    given = {**TORQUE_DRIVEN, 'outputs': ['state'], 'torsion_springs.pivot.stiffness': 50.0}
-    run_node(given)
-    answer = client.call('evaluate', position=0.5, velocity=2.0)
-    assert answer.result == answer.RESULT_OK and answer.has_loads
-    known = scene.from_values(given)
-    needed = Equation(known.bare_linkage, known.elements).torque(0.5, 2.0, 0.0)
-    assert answer.loads.driving_torque == pytest.approx(needed, rel=1e-12)
-    found = client.call('find_extrema', quantities=['shaking_force'], velocity=2.0)
-    assert found.result == found.RESULT_INVALID_REQUEST and 'springs' in found.message
-    found = client.call('find_extrema', velocity=2.0)
-    assert {e.quantity for e in found.extrema} and not any(
-        e.quantity.startswith(('f', 'shaking', 'driving')) for e in found.extrema)
