@@ -41,14 +41,10 @@ if TYPE_CHECKING:
         round_rod,
     )
     from fourbar_ros.mechanisms.contract import CROSSED, OPEN
-    from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
-    from fourbar_ros.mechanisms.four_bar.motion import Loads, Motion
-    from fourbar_ros.mechanisms.four_bar.moving_joint import MovingJointFourBar
-    from fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank import InvertedSlider
+    from fourbar_ros.mechanisms.four_bars import FourBar, Loads, Motion, MovingJointFourBar
     from fourbar_ros.mechanisms.mechanism import Mechanism
     from fourbar_ros.mechanisms.points import point_motion
-    from fourbar_ros.mechanisms.scotch_yoke.scotch_yoke import ScotchYoke
-    from fourbar_ros.mechanisms.slider_crank.slider_crank import SliderCrank
+    from fourbar_ros.mechanisms.sliders import InvertedSlider, ScotchYoke, SliderCrank
     from fourbar_ros.scene.scene import load as load_scene
 
 __version__ = '1.0.0'
@@ -66,13 +62,9 @@ __getattr__, __dir__ = lazily(__name__, {
     'fourbar_ros.extrema.find': 'find_extrema',
     'fourbar_ros.mechanics.bodies': 'Applied, Bodies, Body, External, flat_bar, round_rod',
     'fourbar_ros.mechanisms.contract': 'CROSSED, OPEN',
-    'fourbar_ros.mechanisms.four_bar.four_bar': 'FourBar',
-    'fourbar_ros.mechanisms.four_bar.motion': 'Loads, Motion',
-    'fourbar_ros.mechanisms.four_bar.moving_joint': 'MovingJointFourBar',
-    'fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank': 'InvertedSlider',
+    'fourbar_ros.mechanisms.four_bars': 'FourBar, Loads, Motion, MovingJointFourBar',
     'fourbar_ros.mechanisms.mechanism': 'Mechanism',
     'fourbar_ros.mechanisms.points': 'point_motion',
-    'fourbar_ros.mechanisms.scotch_yoke.scotch_yoke': 'ScotchYoke',
-    'fourbar_ros.mechanisms.slider_crank.slider_crank': 'SliderCrank',
+    'fourbar_ros.mechanisms.sliders': 'InvertedSlider, ScotchYoke, SliderCrank',
     'fourbar_ros.scene.scene': 'load as load_scene',
 })

@@ -18,7 +18,7 @@ from collections.abc import Mapping, Sequence
 from math import prod
 from typing import Any, NamedTuple
 
-from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
+from fourbar_ros.mechanisms.four_bars import FourBar
 from fourbar_ros.mechanisms.half_angle import bilinear_factors
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.number_types import Scalar

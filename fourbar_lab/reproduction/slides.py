@@ -53,7 +53,7 @@ from fourbar_lab.reproduction.published import (
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.mechanics.moving_frames import acceleration_terms, turned
 from fourbar_ros.mechanisms.contract import CROSSED, OPEN
-from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
+from fourbar_ros.mechanisms.four_bars import FourBar
 from fourbar_ros.mechanisms.points import link_motion, point_motion
 from fourbar_ros.numerics.arrays import Array
 import numpy as np

@@ -16,7 +16,7 @@ from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.extrema.find import CONSTANT, Extremum, find_extrema, MAXIMUM
 from fourbar_ros.extrema.full_turns import Phase, search_turns
 from fourbar_ros.mechanisms.contract import CROSSED, OPEN
-from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
+from fourbar_ros.mechanisms.four_bars import FourBar
 from fourbar_ros.mechanisms.half_angle import bilinear_factors
 from fourbar_ros.mechanisms.loop import make_loop
 from fourbar_ros.numerics.arrays import Array, EPS

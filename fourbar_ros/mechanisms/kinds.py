@@ -54,7 +54,7 @@ FACTS = {
         (_CRANK, Link('coupler', 'coupler', 'A', 'a2'), Link('output', 'output link', 'O4', 'a3')),
         (_O1, Joint('A', THETA2, 'coupler'), Joint('B', THETA3, 'coupler_output'),
          Joint('O4', THETA4, 'output')),
-        ('crank',), ('four_bar.four_bar', 'FourBar')),
+        ('crank',), ('four_bars', 'FourBar')),
     'slider_crank': Facts(
         'a slider on a guide parallel to x',
         (_A1, Length('a2', 'length of the coupler A-B'), _GUIDE),
@@ -62,7 +62,7 @@ FACTS = {
          Link('output', 'slider', 'B', turns=False)),
         (_O1, Joint('A', THETA2, 'rod'), Joint('B', THETA3, 'pin'),
          Joint('guide', TRAVEL, 'slider')),
-        ('crank', 'slide'), ('slider_crank.slider_crank', 'SliderCrank')),
+        ('crank', 'slide'), ('sliders', 'SliderCrank')),
     'inverted_slider': Facts(
         'a block on a bar that turns about O4, e.g. an oscillating cylinder',
         (_A1, Length('a4', 'length of the ground link O1-O4'),
@@ -71,7 +71,7 @@ FACTS = {
         (_CRANK, Link('coupler', 'block', 'A'), Link('output', 'bar', 'O4')),
         (_O1, Joint('A', THETA2, 'block'), Joint('slide', TRAVEL, 'slide'),
          Joint('O4', THETA4, 'bar')),
-        ('crank', 'slide'), ('inverted_slider_crank.inverted_slider_crank', 'InvertedSlider')),
+        ('crank', 'slide'), ('sliders', 'InvertedSlider')),
     'scotch_yoke': Facts(
         'a crank pin in the slot of a yoke that slides parallel to x, a Scotch yoke',
         (_A1, _GUIDE),
@@ -79,7 +79,7 @@ FACTS = {
          Link('output', 'yoke', 'B', turns=False)),
         (_O1, Joint('A', THETA2, 'block'), Joint('slot', SLOT, 'slot'),
          Joint('guide', TRAVEL, 'yoke')),
-        ('crank', 'slide'), ('scotch_yoke.scotch_yoke', 'ScotchYoke')),
+        ('crank', 'slide'), ('sliders', 'ScotchYoke')),
 }
 # {kind: joints between two moving links, at which its links can be driven too}
 AT_MOVING_JOINTS = {'four_bar': ('A', 'B')}
@@ -117,5 +117,5 @@ KINDS = Kinds()
 def kind_of(name: str, driven: str) -> type[Mechanism]:
     """Return the class of a kind ('four_bar', ...) for an input; A and B have their own."""
     if driven in AT_MOVING_JOINTS.get(name, ()):
-        return _class_of('four_bar.moving_joint', 'MovingJointFourBar')
+        return _class_of('four_bars', 'MovingJointFourBar')
     return KINDS[name]

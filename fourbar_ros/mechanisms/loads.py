@@ -7,7 +7,6 @@ Manual, message LinkageLoads, services, extrema, pictures, page, FMU and C code 
 """
 from __future__ import annotations
 
-from collections import namedtuple
 from collections.abc import Callable
 from functools import wraps
 from types import SimpleNamespace
@@ -45,12 +44,6 @@ LOADS = {row.name: row for row in (
       for axis in 'xy'),
 )}
 DERIVED = tuple(row for row in LOADS.values() if row.of)
-
-
-def with_derived(record: Any) -> Any:
-    """Return a type of loads with the fields of those that follow from its own."""
-    return namedtuple(record.__name__,  # noqa: PYI024
-                      record._fields + tuple(row.name for row in DERIVED)) if DERIVED else record
 
 
 def derives(formula_of: Callable[..., Any]) -> Callable[..., Any]:

@@ -49,8 +49,6 @@ or minus an angle of the triangle A-B-O4. With e = a1^2 - a4^2, f = a2^2 - a3^2:
 where the second form of rho is for large q, so for all where a1 = a4. Every difference in these is
 one that the data make: the error stays within a few eps times the condition at any link ratio.
 
-    (M13)  condition = (a1 |cos(x - b)| + a2 + a3 |cos mu| + a4 |cos b|) / (a3 |sin mu|)
-
 Change points. Where a sum of lengths is zero (parallelogram, kite, ...), so is s1 or s2 exactly; u
 or w is then one term, which the divisions cancel: no other path is needed. At the flat position
 both modes meet; each mode keeps its sign of sin mu on either side of it, so that its rates jump
@@ -123,7 +121,6 @@ class LoopMotion(NamedTuple):
     dd_mu: Scalar
     dd_y: Scalar
     dd_b: Scalar
-    condition: Scalar
 
 
 def _shape(n: NumberType, a1: Scalar, a2: Scalar, a3: Scalar, a4: Scalar) -> _Shape:
@@ -167,7 +164,7 @@ def make_pose(n: NumberType, shape: _Shape, sign: Scalar) -> Function:
         u, w = s1 * ss + c1 * cc, c2 * ss + s2 * cc                                     # (M3)
         root = sign * sqrt(u * w)     # not real where the linkage cannot close
         # 1/(4 a2 a3) with the roundings of u and w; NaN where the root is not real
-        per = 1.0 / (u + w + 0.0 * root)
+        per = 1.0 / (u + w + (root - root))
         cos_mu, sin_mu = (u - w) * per, (root + root) * per
         # m and root have equal signs for all three angles, or for none: the sum does not cancel
         y_s, y_c, yx_s, yx_c, bx_s, bx_c, side = where(
@@ -203,10 +200,9 @@ def make_loop(n: NumberType, a1: Scalar, a2: Scalar, a3: Scalar, a4: Scalar,
     a14, four_a14, q_least, e_size = a1 * a4, 4.0 * a1 * a4, (a1 - a4)**2, fabs(e)
     s1_a14, s2_a14 = 2.0 * a1 * a4 * shape.s1, 2.0 * a1 * a4 * shape.s2
     per_theta2, per_theta3, per_y, per_b = -a4 / a2, a1 * a4 / (a2 * a3), -a1 / a3, -a1 / a2
-    by_a1, by_a2, by_a4 = sign * a1 / a3, sign * a2 / a3, sign * a4 / a3
 
     def loop(ss: Scalar, cc: Scalar, sc: Scalar) -> LoopMotion:
-        """Return the rods and their derivatives at a half-angle of the crank, (M4) to (M13)."""
+        """Return the rods and their derivatives at a half-angle of the crank, (M4) to (M12)."""
         cos_x, sin_x = cc - ss, sc + sc
         at = pose(ss, cc, sc)
         cos_b = cos_x * at.cos_bx - sin_x * at.sin_bx
@@ -216,8 +212,6 @@ def make_loop(n: NumberType, a1: Scalar, a2: Scalar, a3: Scalar, a4: Scalar,
         d_mu = per_theta3 * sin_x * per                                                 # (M5)
         d_y = per_y * at.sin_bx * per                                                   # (M6)
         d_b = per_b * at.sin_yx * per                                                   # (M7)
-        condition = (by_a1 * fabs(at.cos_bx) + by_a2 + sign * fabs(at.cos_mu)           # (M13)
-                     + by_a4 * fabs(cos_b)) * per
 
         q = q_least + four_a14 * ss                                                     # (M8)
         per = 1.0 / q
@@ -228,6 +222,5 @@ def make_loop(n: NumberType, a1: Scalar, a2: Scalar, a3: Scalar, a4: Scalar,
         return LoopMotion(
             cos_x=cos_x, sin_x=sin_x, cos_bx=at.cos_bx, sin_bx=at.sin_bx, cos_b=cos_b,
             sin_b=sin_b, cos_y=at.cos_y, sin_y=at.sin_y, cos_mu=at.cos_mu, sin_mu=at.sin_mu,
-            d_bx=d_bx, d_mu=d_mu, d_y=d_y, d_b=d_b, dd_mu=dd_mu, dd_y=dd_y, dd_b=dd_b,
-            condition=condition)
+            d_bx=d_bx, d_mu=d_mu, d_y=d_y, d_b=d_b, dd_mu=dd_mu, dd_y=dd_y, dd_b=dd_b)
     return loop

@@ -3,7 +3,9 @@
 """Records that describe mechanisms: coordinates, lengths, links, joints, pictures."""
 from __future__ import annotations
 
+from collections import namedtuple
 from collections.abc import Iterator, Mapping, Sequence
+from functools import cache
 from math import cos, sin
 from typing import Any, ClassVar, NamedTuple, NoReturn, Protocol
 
@@ -55,6 +57,23 @@ class NamedFields(Protocol):
     def __len__(self) -> int: ...
 
     def _asdict(self) -> dict[str, Any]: ...
+
+
+@cache
+def record_type(name: str, fields: tuple[str, ...]) -> Any:
+    """Return the type of this name with these fields, the same one each time."""
+    base: Any = namedtuple(name, fields)       # type: ignore[misc]  # noqa: PYI024
+
+    def reduce(self: Any) -> tuple[Any, ...]:
+        """Return how to unpickle a record: its type is none of this module's names."""
+        return restored, (name, fields, tuple(self))
+
+    return type(name, (base,), {'__slots__': (), '__reduce__': reduce, '__module__': __name__})
+
+
+def restored(name: str, fields: tuple[str, ...], values: tuple[Any, ...]) -> Any:
+    """Return a record of :func:`record_type` that was pickled."""
+    return record_type(name, fields)._make(values)
 
 
 class NoLoads:

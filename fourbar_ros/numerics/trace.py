@@ -97,8 +97,8 @@ Recordable = Union[Number, float]
 
 def _method(name: str, is_reflected: bool) -> Function:
     """Return the method of Number that records an operator; reflected: 2.0 - x, of x."""
-    def method(self: Number, *others: Recordable) -> Number:
-        """Record the operation and return its result, a Number."""
+    def method(self: Number, *others: Recordable) -> Recordable:
+        """Record the operation and return its result."""
         if not all(isinstance(other, (Number, float, int)) for other in others):
             return NotImplemented       # type: ignore[no-any-return]  # a sign for Python
         return self.trace.add(name, *(others + (self,) if is_reflected else (self, *others)))
@@ -178,8 +178,16 @@ class Trace:
         formula = make_formula(RECORDED, converted(data, lambda _: next(numbers)))
         self.results: Places = self._places_of(formula(*inputs))
 
-    def add(self, operation: str, *values: Recordable, value: Any = None) -> Number:
-        """Write down an operation on numbers of this trace and floats; return its result."""
+    def add(self, operation: str, *values: Recordable, value: Any = None) -> Recordable:
+        """
+        Write down an operation on numbers of this trace and floats; return its result.
+
+        Nothing is written for factors and terms 0.0 and 1.0 that stand in the formula; what must
+        be NaN where a number is not real adds the difference of that number and itself.
+        """
+        known = _without(operation, values)
+        if known is not None:
+            return known
         return Number(self, self._add(operation, tuple([self._place(v) for v in values]), value))
 
     def _add(self, operation: str, places: tuple[int, ...], value: Any = None) -> int:
@@ -305,6 +313,9 @@ class Trace:
                 other.steps[place] = step
                 continue
             same_as = _passed(step, values)
+            if step.operation == 'sub' and len({*step.arguments}) == 1:     # NaN or nothing
+                values[place], step = 0.0, Step('constant', (), 0.0)
+                same_as = other._places.setdefault(_key(step), place)
             if same_as is None:
                 try:
                     values[place] = step.of(*[values[i] for i in step.arguments])
@@ -328,6 +339,24 @@ def _key(step: Step) -> Hashable:
         return step.operation, float(step.value).hex()
     arguments = sorted(step.arguments) if step.operation in COMMUTES else step.arguments
     return step.operation, tuple(arguments), step.value
+
+
+def _without(operation: str, values: Sequence[Recordable]) -> Recordable | None:
+    """Return the result of a sum or product with a float 0.0 or 1.0, None if that is no other."""
+    if len(values) != 2 or isinstance(values[0], Number) and isinstance(values[1], Number):
+        return None
+    one, other = values
+    if operation in COMMUTES:
+        known, number = (other, one) if isinstance(one, Number) else (one, other)
+        if operation == 'mul' and known == 0.0:
+            return 0.0
+        return number if known == (1.0 if operation == 'mul' else 0.0) else None
+    if operation == 'sub' and one == 0.0 and isinstance(other, Number):
+        negative: Number = -other       # type: ignore[operator]  # as is set above
+        return negative
+    if isinstance(one, Number) and other == {'sub': 0.0, 'truediv': 1.0}.get(operation):
+        return one
+    return None
 
 
 def _passed(step: Step, values: Mapping[int, float]) -> int | None:

@@ -7,9 +7,8 @@ import sys
 from fourbar_lab.drawing.figure import renamed, significant
 from fourbar_lab.drawing.sheet import nice
 from fourbar_ros import Bodies, Body, FourBar
-from fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank import InvertedSlider
 from fourbar_ros.mechanisms.points import point_motion
-from fourbar_ros.mechanisms.slider_crank.slider_crank import SliderCrank
+from fourbar_ros.mechanisms.sliders import InvertedSlider, SliderCrank
 from fourbar_ros.scene.scene import load
 from mechanisms.test_points import four_bars
 import numpy as np

@@ -8,7 +8,7 @@ from fourbar_ros.dynamics.elements import Attachment, GROUND, Spring, TorsionSpr
 from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.mechanics.bodies import External, NOT_APPLIED
 from fourbar_ros.mechanisms.points import point_motion
-from fourbar_ros.mechanisms.scotch_yoke.scotch_yoke import ScotchYoke
+from fourbar_ros.mechanisms.sliders import ScotchYoke
 import mpmath as mp
 import numpy as np
 import pytest

@@ -8,7 +8,7 @@ from fourbar_ros.dynamics.elements import TorsionSpring
 from fourbar_ros.dynamics.simulation import CHANGE_POINT, LIMIT, REACHED, simulate
 from fourbar_ros.dynamics.sources import ConstantTorque, Drive, MotorLine, Shaft
 from fourbar_ros.dynamics.system import System
-from fourbar_ros.mechanisms.scotch_yoke.scotch_yoke import ScotchYoke
+from fourbar_ros.mechanisms.sliders import ScotchYoke
 from fourbar_ros.numerics.number_types import REAL
 import mpmath as mp
 import numpy as np

@@ -56,7 +56,13 @@ def test_a_program_gives_the_bits_of_the_formula(mechanism):
         for given in ((x, w, a), (x, 3.0, a), (x, w, 0.0), (x, 3.0, -2.0)):
             for name, one, other in zip(names_of(mechanism), sum(mechanism.step(*given), ()),
                                         by_formula(mechanism, *given)):
-                assert np.array_equal(one, other, equal_nan=True), name
+                assert are_equal(name, one, other), name
+
+
+def are_equal(name, one, other):
+    """Return whether numbers are equal; what no lengths and angles enter is known everywhere."""
+    known = ~np.isnan(other) if name in ('guide_couple', 'f43_x') else slice(None)
+    return np.array_equal(one[known], other[known], equal_nan=True)
 
 
 @every_kind
@@ -163,10 +169,9 @@ def test_what_adds_zero_may_be_left_out(mechanism, acting):
     for given in ((x, 3.0, -2.0), (x, np.cos(x), x), (x, 3.0, 0.0)):
         for name, one, other in zip(names_of(mechanism), sum(mechanism.step(*given), ()),
                                     by_formula(mechanism, *given)):
-            assert np.array_equal(one, other, equal_nan=True), name
+            assert are_equal(name, one, other), name
         for name, other in zip(names_of(mechanism), by_formula(mechanism, *given)):
-            assert np.array_equal(mechanism.step(*given, fields=(name,))[0], other,
-                                  equal_nan=True), name
+            assert are_equal(name, mechanism.step(*given, fields=(name,))[0], other), name
 
 
 @pytest.mark.parametrize('size', [8, 400])

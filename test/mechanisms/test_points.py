@@ -11,7 +11,7 @@ from fourbar_ros.mechanisms.points import (
     vector,
     velocity_image,
 )
-from fourbar_ros.mechanisms.slider_crank.slider_crank import SliderCrank
+from fourbar_ros.mechanisms.sliders import SliderCrank
 import mpmath as mp
 import numpy as np
 import pytest

@@ -13,7 +13,7 @@ SCRIPT = """
 import json, sys
 import rclpy
 from rclpy.parameter import Parameter
-import fourbar_ros.mechanisms.four_bar.four_bar as linkage
+import fourbar_ros.mechanisms.four_bars as linkage
 from fourbar_ros.ros.node.node import FourBarNode
 from fourbar_ros.ros.messages import sec_nanosec
 

@@ -10,8 +10,7 @@ package.
 from typing import NamedTuple
 
 from fourbar_ros import Applied, Bodies, Body, External
-from fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank import InvertedSlider
-from fourbar_ros.mechanisms.slider_crank.slider_crank import SliderCrank
+from fourbar_ros.mechanisms.sliders import InvertedSlider, SliderCrank
 import mpmath as mp
 import numpy as np
 from support.reference import cross

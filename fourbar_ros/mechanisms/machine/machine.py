@@ -278,7 +278,7 @@ class Machine(WithLimits):
     def transmission_sine(self, motion: NamedFields) -> Scalar:
         """Return the product of the sines of all dyads: zero where one is in line."""
         fields = tuple(motion)
-        product = 1.0 + 0.0 * fields[-1]
+        product = 1.0 + (fields[-1] - fields[-1])
         for sine in fields[len(fields) - len(self.stages):]:
             product = product * sine
         found: Scalar = product

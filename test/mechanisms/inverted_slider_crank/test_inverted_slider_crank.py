@@ -19,8 +19,7 @@ from fourbar_ros import (
 )
 from fourbar_ros.mechanics.moving_frames import acceleration_terms, turned
 from fourbar_ros.mechanisms.contract import CRANK, SLIDE
-from fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank import InvertedSlider
-from fourbar_ros.mechanisms.slider_crank.slider_crank import SliderCrank
+from fourbar_ros.mechanisms.sliders import InvertedSlider, SliderCrank
 import mpmath as mp
 import numpy as np
 import pytest
@@ -205,7 +204,7 @@ def test_an_excavator_at_rest():
     weight = Bodies(Body(100.0, 2.0), Body(0.0), Body(0.0))
     cylinder = InvertedSlider(1.0, 2.0, mode=2, input=SLIDE, bodies=weight, gravity=(0.0, -9.81))
     m, loads = cylinder.step(2.1)
-    assert loads.guide_force == 0.0 and loads.guide_couple == 0.0
+    assert abs(loads.guide_force) <= EPS * loads.f41 and loads.guide_couple == 0.0
     arm = m.cos_x * m.sin_y - m.sin_x * m.cos_y
     assert loads.driving_force * arm == pytest.approx(9.81 * 100.0 * 2.0 * m.cos_x, rel=1e-14)
     assert loads.f21 == pytest.approx(abs(loads.driving_force), rel=4 * EPS) == loads.f43

@@ -14,7 +14,7 @@ from flint import acb, arb, ctx
 from fourbar_ros import Body, InvalidParameter
 from fourbar_ros.machine import Cylinder, Dyad, Machine, Point
 from fourbar_ros.mechanics.bodies import Bodies
-from fourbar_ros.mechanisms.four_bar.moving_joint import MovingJointFourBar
+from fourbar_ros.mechanisms.four_bars import MovingJointFourBar
 from fourbar_ros.scene import scene
 from fourbar_ros.scene.files import read_values
 import mpmath as mp

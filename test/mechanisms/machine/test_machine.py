@@ -18,7 +18,7 @@ from fourbar_ros import (
 )
 from fourbar_ros.mechanisms.machine.describe.description import Cylinder, Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
-from fourbar_ros.mechanisms.scotch_yoke.scotch_yoke import ScotchYoke
+from fourbar_ros.mechanisms.sliders import ScotchYoke
 import numpy as np
 import pytest
 from support.machines import andrews, ANDREWS_BETA, ANDREWS_POSE

@@ -15,7 +15,7 @@ from fourbar_ros import (
 )
 from fourbar_ros.mechanics.moving_frames import acceleration_terms, turned
 from fourbar_ros.mechanisms.contract import CRANK, SLIDE
-from fourbar_ros.mechanisms.slider_crank.slider_crank import SliderCrank
+from fourbar_ros.mechanisms.sliders import SliderCrank
 import mpmath as mp
 import numpy as np
 import pytest

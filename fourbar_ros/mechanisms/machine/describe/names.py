@@ -8,7 +8,6 @@ pass from process to process.
 """
 from __future__ import annotations
 
-from collections import namedtuple
 from collections.abc import Sequence
 from functools import cache
 from typing import Any
@@ -42,6 +41,7 @@ from fourbar_ros.mechanisms.parts import (
     Quantity,
     Reaction,
     reaction,
+    record_type,
 )
 
 # Names of the links of each kind in texts.
@@ -179,20 +179,3 @@ def lengths_of(dyads: Sequence[Dyad]) -> list[tuple[Length, float]]:
         found += [(Length(f'{dyad.name}.{name}', f'of dyad {dyad.name}', name == 'offset'),
                    getattr(dyad, name)) for name in DIMENSIONS[dyad.kind] if name not in ANGLES]
     return [(length, value) for length, value in found if value]
-
-
-@cache
-def record_type(name: str, fields: tuple[str, ...]) -> Any:
-    """Return the type of this name with these fields, the same one each time."""
-    base: Any = namedtuple(name, fields)       # type: ignore[misc]  # noqa: PYI024
-
-    def reduce(self: Any) -> tuple[Any, ...]:
-        """Return how to unpickle a record: its type is none of this module's names."""
-        return restored, (name, fields, tuple(self))
-
-    return type(name, (base,), {'__slots__': (), '__reduce__': reduce, '__module__': __name__})
-
-
-def restored(name: str, fields: tuple[str, ...], values: tuple[Any, ...]) -> Any:
-    """Return a record of :func:`record_type` that was pickled."""
-    return record_type(name, fields)._make(values)

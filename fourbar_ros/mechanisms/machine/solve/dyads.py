@@ -229,7 +229,7 @@ def make_rpp(n: NumberType, _sign: Scalar, cos_t: Scalar, sin_t: Scalar, cos_g: 
              qdx - swing * ty + ds * tx, qdy + swing * tx + ds * ty,
              qddx + along * tx - across * ty, qddy + along * ty + across * tx,
              tx, ty, turn, bend),
-            (d, dd, ddd, s, ds, dds), sin_g + 0.0 * s, cos_g + 0.0 * s, {})
+            (d, dd, ddd, s, ds, dds), sin_g + (s - s), cos_g + (s - s), {})
     return motion
 
 
@@ -261,7 +261,7 @@ def make_prp(n: NumberType, _sign: Scalar, cos_1: Scalar, sin_1: Scalar, cos_2: 
                 pddx + (a1 + dds1) * x1 - b1 * y1, pddy + (a1 + dds1) * y1 + b1 * x1)
         return DyadMotion(
             (*at_b, x1, y1, turn1, bend1), (*at_b, x2, y2, turn2, bend2),
-            (s1, ds1, dds1, s2, ds2, dds2), cross + 0.0 * s1, x1 * x2 + y1 * y2, {})
+            (s1, ds1, dds1, s2, ds2, dds2), cross + (s1 - s1), x1 * x2 + y1 * y2, {})
     return motion
 
 

@@ -3,21 +3,23 @@
 """
 Loads of a machine: Newton-Euler backward through its dyads.
 
-For a link of mass m, first moment of mass r about its first joint X, inertia I about X, held at
-rest by the force W and the moment C of weight and applied loads, a = acceleration of X:
+The paper's 9x9 system, Eq. (9), is solved by hand as its Eq. (10) does by an inverse. Assumed:
+rigid links that move in one plane; joints without clearance and without friction; gravity uniform;
+external forces and couples constant along the ground axes, at points fixed in their link. The
+drive is a pure torque on the second of two links from the first, or a force along a slide.
 
-    (L1)  f = m a + alpha k x r - omega^2 r - W,   m_X = I alpha + r x a - C
+A link needs the force f and the moment m_X about its first joint X, by (N1) and (N2) of
+:mod:`fourbar_ros.mechanics.newton_euler`. The drive follows from virtual power with the velocities
+at unit rate of the input,
 
-The drive follows from virtual power with the velocities at unit rate of the input,
-
-    (L2)  T = sum of f . X' + m_X angle'
+    (L1)  T = sum of f . X' + m_X angle'
 
 the shaking force and moment about O1 from the links, -sum of f and -sum of m_X + X x f. Then the
 dyads are solved from the last to the first, each a statically determinate system solved by hand.
 Where the ground is a link of a dyad and the frame moves, the ground needs the loads that hold all
 other links,
 
-    (L3)  f, m of the ground = shaking force and moment
+    (L2)  f, m of the ground = shaking force and moment
 
 A dyad adds its forces to the *needs* of the links on which it hangs: the force f and the moment
 m about its first joint that the joints of a link must add up to. The force D of a
@@ -54,7 +56,7 @@ from functools import partial
 from typing import Any, NamedTuple
 
 from fourbar_ros.mechanics.bodies import Applied, applied_to, Body
-from fourbar_ros.mechanics.newton_euler import about_first_joint, Needs
+from fourbar_ros.mechanics.newton_euler import about_first_joint, Needs, needs_of
 from fourbar_ros.mechanisms.machine.describe.description import (
     CYLINDER,
     Numbers,
@@ -78,21 +80,20 @@ from fourbar_ros.mechanisms.points import Curve, FIXED
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 from fourbar_ros.numerics.vectors import Vector
 
+AXIS = Vector(1.0, 0.0)
+
 
 def make_needs(body: Body, gravity: tuple[Scalar, Scalar], applied: Applied) -> Function:
-    """Return (curve of a link, rate^2, rate, acceleration of the input) -> its needs, by (L1)."""
+    """Return (curve of a link, rate^2, rate, acceleration of the input) -> its needs."""
     link = about_first_joint(body, 1.0, gravity, applied)
 
     def needs(curve: Sequence[Scalar], square: Scalar, rate: Scalar,
               acceleration: Scalar) -> Needs:
         """Return force [N] and moment about its first joint [N m] that joints must give a link."""
         _, _, dx, dy, ddx, ddy, cosine, sine, turn, bend = curve
-        a = Vector(dx * acceleration + ddx * square, dy * acceleration + ddy * square)
-        alpha, omega = turn * acceleration + bend * square, turn * rate
-        direction = Vector(cosine, sine)
-        r = link.first_moment.along(direction)
-        force = a * link.mass + link.held + r.normal * alpha - r * (omega * omega)      # (L1)
-        return Needs(force, link.moment(direction, link.inertia * alpha + r.x * a.y - r.y * a.x))
+        return needs_of(link, Vector(dx * acceleration + ddx * square,
+                                     dy * acceleration + ddy * square),
+                        Vector(cosine, sine), turn * rate, turn * acceleration + bend * square)
     return needs
 
 
@@ -114,7 +115,7 @@ def make_loads(n: NumberType, layout: Layout, numbers: Sequence[Numbers], bodies
         drive, shaking = drive_and_shaking(curves, needs)
         if ground:
             curves[ground - 1] = FIXED
-            needs[ground - 1] = Needs(Vector(*shaking[:2]), shaking[3])                 # (L3)
+            needs[ground - 1] = Needs(Vector(*shaking[:2]), shaking[3])                 # (L2)
         forces = solve(curves, slides, sines, needs, drive)
         return (*base(needs[0], drive), *forces,
                 *((drive, 0.0) if is_crank else (0.0, drive)), *shaking)
@@ -148,7 +149,7 @@ def make_drive_and_shaking(n: NumberType) -> Function:
         """Return the drive by virtual power, and the loads of all links on the ground."""
         drive = shake_x = shake_y = moment = 0.0
         for (force, m), (x, y, dx, dy, _, _, _, _, turn, _) in zip(needs, curves):
-            drive = drive + (force.x * dx + force.y * dy + m * turn)                    # (L2)
+            drive = drive + (force.x * dx + force.y * dy + m * turn)                    # (L1)
             shake_x, shake_y = shake_x - force.x, shake_y - force.y
             moment = moment - (m + x * force.y - y * force.x)
         return drive, (shake_x, shake_y, hypot(shake_x, shake_y), moment)
@@ -156,13 +157,17 @@ def make_drive_and_shaking(n: NumberType) -> Function:
 
 
 def make_base(n: NumberType, layout: Layout) -> Function:
-    """Return (needs of the driven link, drive) -> fields of its joint with the frame."""
+    """Return (needs of the driven link, drive, direction) -> fields of its joint on the frame."""
     hypot, is_slide = n.hypot, layout.driver == 'slide'
 
-    def base(needs: Needs, drive: Scalar) -> tuple[Scalar, ...]:
-        """Return x, y and size of the force, and normal force and couple of a slide."""
-        x, y = (drive if is_slide else needs.force.x), needs.force.y
-        return (x, y, hypot(x, y), *((y, needs.moment) if is_slide else ()))
+    def base(needs: Needs, drive: Scalar, along: Vector = AXIS) -> tuple[Scalar, ...]:
+        """Return x, y and size of the force; of a slide its normal force, and the couple."""
+        force = needs.force
+        if not is_slide:
+            return force.x, force.y, hypot(force.x, force.y)
+        normal = along.cross(force)
+        force = along * drive + along.normal * normal
+        return force.x, force.y, hypot(force.x, force.y), normal, needs.moment
     return base
 
 

@@ -10,7 +10,7 @@ of the frame and a point of the crank, rho from O1. With b = |Q| and psi the ang
 seen from O1, from Q on:
 
     (C1)  psi = pi + theta2,   psi' = theta2',   psi'' = theta2''   of the cylinder's triangle,
-          (T1) to (T8) of :mod:`fourbar_ros.mechanisms.slide_dyad`, with b and rho for its sides
+          (T1) to (T8) of :mod:`fourbar_ros.mechanisms.slides`, with b and rho for its sides
 
 which gives its rod as well. Rates are ratios times the rate of the input, accelerations the ratio
 times its acceleration plus the second derivative times its rate squared. The condition is a bound
@@ -42,7 +42,7 @@ from fourbar_ros.mechanisms.machine.solve.dyads import Direction, Driven
 from fourbar_ros.mechanisms.machine.solve.frames import hangings, Poses, seen_from
 from fourbar_ros.mechanisms.machine.solve.pairs import make_moves, turned_by
 from fourbar_ros.mechanisms.points import Curve, FIXED
-from fourbar_ros.mechanisms.slide_dyad import make_triangle
+from fourbar_ros.mechanisms.slides import make_triangle
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 
 # Errors of a link for relative errors of the lengths: of the place of its first joint, its angle.
@@ -83,8 +83,8 @@ def make_cylinder(n: NumberType, sign: Scalar, own: Numbers) -> Driver:
 
     def crank(s: Scalar) -> Driven:
         """Return the crank, and the rod, at a length of the cylinder, by (C1)."""
-        (cos_x, sin_x, cos_b, sin_b, cos_2, sin_2, d_x, _, d_2, dd_x, _, dd_2,
-         _) = triangle((s + 0.0 * sqrt(s)) * per)       # no length is below zero       # (C1)
+        (cos_x, sin_x, cos_b, sin_b, cos_2, sin_2, d_x, _, d_2, dd_x, _,
+         dd_2) = triangle((s + (sqrt(s) - sqrt(s))) * per)  # no length is below zero   # (C1)
         directions = (turned_by(turned_by((cos_2, sin_2), of_base), of_pin),
                       turned_by((cos_x, -sin_x), of_base))
         error = (squares + 2.0 * fabs(cos_2)) / fabs(sin_2)                             # (C7)

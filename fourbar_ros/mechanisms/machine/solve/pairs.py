@@ -6,7 +6,7 @@ Dyads between two links that are joined to each other.
 Where a pin or a slide joins the links on which a dyad hangs, the dyad and that joint make a closed
 loop of four links: a 4R linkage, a slider-crank or an inverted one, that moves by one relative
 angle or slide. The formulas of these (:mod:`fourbar_ros.mechanisms.loop`,
-:mod:`fourbar_ros.mechanisms.slide_dyad`) keep all digits next to its toggles and go through its
+:mod:`fourbar_ros.mechanisms.slides`) keep all digits next to its toggles and go through its
 change points. The first dyad of every machine is one of these, and so are many others.
 
 One link of the pair is the frame. On it, O is the pin that joins both, Q the point of the dyad, g
@@ -54,7 +54,7 @@ from fourbar_ros.mechanisms.machine.solve.dyads import (
     Node,
 )
 from fourbar_ros.mechanisms.points import Curve
-from fourbar_ros.mechanisms.slide_dyad import make_block_on_bar, make_rod_on_line, make_triangle
+from fourbar_ros.mechanisms.slides import make_block_on_bar, make_rod_on_line, make_triangle
 from fourbar_ros.numerics.exact_sums import difference_of_squares
 from fourbar_ros.numerics.number_types import Function, nudge, NumberType, power_of_two, Scalar
 
@@ -249,7 +249,7 @@ def make_rrr_pair(n: NumberType, sign: Scalar, stage: Stage, own: Numbers) -> Mo
                _second: Curve) -> DyadMotion:
         """Return the curves of both rods from the angle between the links they hang on."""
         (_, _, cos_bx, sin_bx, cos_b, sin_b, cos_y, sin_y, cos_mu, sin_mu, d_bx, d_mu, d_y, d_b,
-         dd_mu, dd_y, dd_b, _) = loop(*half_angle(*turned_by(way[:2], (cos_0, sin_0))))
+         dd_mu, dd_y, dd_b) = loop(*half_angle(*turned_by(way[:2], (cos_0, sin_0))))
         coupler: Direction = *turned_by((cos_b, sin_b), of_g), *by_input(way, d_b, dd_b)
         output: Direction = *turned_by((cos_y, sin_y), of_g), *by_input(way, d_y, dd_y)
         on_other: Direction = *turned_by((cos_bx, sin_bx), of_a), *by_input(way, d_bx, dd_b)
@@ -268,7 +268,7 @@ def make_rrp_pair(n: NumberType, sign: Scalar, stage: Stage, own: Numbers) -> Mo
     """
     (a1, e, cos_0, sin_0, start, o_x, o_y), (a2, *line) = own.shape, own.sizes
     unit, of_0 = n.power_of_two(a1, a2, e), (cos_0, sin_0)
-    rod_on_line = make_rod_on_line(n, a1 / unit, a2 / unit, e / unit, sign, True)
+    rod_on_line = make_rod_on_line(n, a1 / unit, a2 / unit, e / unit, sign)
     of_a, (t_x, t_y) = turned_by(of_0, line), line
     beside_0 = nudge(n, *map(n.exact_sum, ((a2, -e, a1), (a2, -e, -a1), (a2, e, a1),
                                            (a2, e, -a1))))
@@ -279,7 +279,7 @@ def make_rrp_pair(n: NumberType, sign: Scalar, stage: Stage, own: Numbers) -> Mo
                _second: Curve) -> DyadMotion:
         """Return the curves of rod and block, and the slide, from the angle of the rod's link."""
         cos_x, sin_x = turned_by(way[:2], of_0)
-        cos_b, sin_b, cos_2, sin_2, s, d_b, d_2, d_s, dd_b, dd_s, _ = rod_on_line(
+        cos_b, sin_b, cos_2, sin_2, s, d_b, d_2, d_s, dd_b, dd_s = rod_on_line(
             cos_x + beside_0, sin_x)
         s = unit * s
         d_s, dd_s = by_input(way, unit * d_s, unit * dd_s)
@@ -316,7 +316,7 @@ def make_rpr_pair(n: NumberType, sign: Scalar, stage: Stage, own: Numbers) -> Mo
     def motion(at_p: Node, at_q: Node, way: Sequence[Scalar], _first: Curve,
                _second: Curve) -> DyadMotion:
         """Return the curves of block and bar, and the slide, from the angle of the other link."""
-        (_, _, cos_y, sin_y, cos_2, sin_2, l, d_l, d_y, d_2, dd_l, dd_y, _,
+        (cos_y, sin_y, cos_2, sin_2, l, d_l, d_y, d_2, dd_l, dd_y,
          per_q) = block_on_bar(*half_angle(*turned_by(way[:2], (cos_0, sin_0))))
         per = sqrt(per_q)
         bar: Direction = *turned_by((cos_y, sin_y), of_g), *by_input(way, d_y, dd_y)
@@ -342,8 +342,8 @@ def make_rrr_slide(n: NumberType, sign: Scalar, stage: Stage, own: Numbers) -> M
     def motion(at_p: Node, at_q: Node, way: Sequence[Scalar], _first: Curve,
                _second: Curve) -> DyadMotion:
         """Return the curves of both rods from the slide between the links they hang on."""
-        (cos_x, sin_x, cos_b, sin_b, cos_2, sin_2, d_x, d_b, d_2, dd_x, dd_b, dd_2,
-         _) = triangle((way[0] + shift) * per)
+        (cos_x, sin_x, cos_b, sin_b, cos_2, sin_2, d_x, d_b, d_2, dd_x, dd_b,
+         dd_2) = triangle((way[0] + shift) * per)
         scaled = way[1] * per, way[2] * per
         frames: Direction = *turned_by((cos_x, sin_x), line), *by_input(scaled, d_x, dd_x)
         others: Direction = *turned_by((-cos_b, -sin_b), line), *by_input(scaled, d_b, dd_b)

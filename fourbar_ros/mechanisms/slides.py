@@ -1,60 +1,22 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Shared by mechanisms with a sliding joint: how they close, and their loads by name.
+Three loops with one slide, for kinds and machines alike, stable in the last bits.
 
-Three loops with one slide, for the kinds and for machines alike, stable in the last bits: a
-triangle driven by a side that slides; a rod that a crank moves along a line; a bar through a block
-on a crank. The triangle is a slider-crank driven by its slider, and, for an observer on its bar,
-an inverted one driven by its cylinder.
+A triangle driven by a side that slides; a rod that a crank moves along a line; a bar through a
+block on a crank. The triangle is a slider-crank driven by its slider, and, for an observer on its
+bar, an inverted one driven by its cylinder.
 """
 from __future__ import annotations
 
-from math import fsum, sqrt
 from typing import NamedTuple
 
-from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.mechanisms.contract import CRANK, of_geometry, SLIDE
-from fourbar_ros.mechanisms.loads import with_derived
-from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import Ranges, THETA1, TRAVEL
 from fourbar_ros.numerics.exact_sums import difference_of_squares
-from fourbar_ros.numerics.number_types import Function, nudge, NumberType, power_of_two, Scalar
-
-
-class SliderLoads(NamedTuple):
-    """
-    Loads for one input; each field a float, or an array of the input's shape.
-
-    fij = all that link i does ON link j along the ground axes (1 crank, 2 coupler or block, 3
-    slider or bar, 4 ground), the drive's force included where the drive is between them; fji =
-    -fij. Forces [N], moments [N m], counter-clockwise positive.
-    """
-
-    f41_x: float
-    f41_y: float
-    f21_x: float
-    f21_y: float
-    f32_x: float
-    f32_y: float
-    f43_x: float
-    f43_y: float
-    f41: float                # magnitudes
-    f21: float
-    f32: float
-    f43: float
-    guide_force: float        # normal, at the pin; see the mechanism for its sense
-    guide_couple: float       # about the pin
-    driving_torque: float     # of the drive on the crank; zero for a driven slide
-    driving_force: float      # of the drive along the slide; zero for a driven crank
-    shaking_force_x: float    # of all links on the ground
-    shaking_force_y: float
-    shaking_force: float      # magnitude
-    shaking_moment: float     # about O1
+from fourbar_ros.numerics.number_types import Function, nudge, NumberType, Scalar
 
 
 class TriangleMotion(NamedTuple):
-    """Directions x, b and theta2 by (T1) to (T3), their derivatives by s, and 1/root."""
+    """Directions x, b and theta2 by (T1) to (T3), and their derivatives by s."""
 
     cos_x: Scalar
     sin_x: Scalar
@@ -68,11 +30,10 @@ class TriangleMotion(NamedTuple):
     dd_x: Scalar
     dd_b: Scalar
     dd_theta2: Scalar
-    per_root: Scalar
 
 
 class RodMotion(NamedTuple):
-    """Directions b and theta2, the place s, by (R1) to (R9), derivatives by x, and 1/root."""
+    """Directions b and theta2, the place s, by (R1) to (R9), derivatives by x."""
 
     cos_b: Scalar
     sin_b: Scalar
@@ -84,14 +45,11 @@ class RodMotion(NamedTuple):
     d_s: Scalar
     dd_b: Scalar
     dd_s: Scalar
-    per_root: Scalar
 
 
 class BarMotion(NamedTuple):
-    """Directions x, y, theta2 and the slide l by (B1) to (B6), derivatives by x, 1/l and 1/q."""
+    """Directions y, theta2 and the slide l by (B1) to (B6), derivatives by x, and 1/q."""
 
-    cos_x: Scalar
-    sin_x: Scalar
     cos_y: Scalar
     sin_y: Scalar
     cos_2: Scalar
@@ -102,7 +60,6 @@ class BarMotion(NamedTuple):
     d_theta2: Scalar
     dd_l: Scalar
     dd_y: Scalar
-    per_l: Scalar
     per_q: Scalar
 
 
@@ -111,7 +68,7 @@ def make_triangle(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar
     Return s -> :class:`TriangleMotion`: x and b of a1 e^{ix} + a2 e^{ib} = s + i e.
 
     With q = s^2 + e^2, f = a1^2 - a2^2, theta2 = b - x as the 4R's mu
-    (:mod:`fourbar_ros.mechanisms.four_bar.motion`):
+    (:mod:`fourbar_ros.mechanisms.loop`):
 
         (T1)  root^2 = (2 a1 a2 sin theta2)^2 = u w,   u = K+ - s^2,   w = s^2 - K-,
               K+- = (a1 +- a2)^2 - e^2
@@ -154,7 +111,7 @@ def make_triangle(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar
         large, change = u_plus_w - small, side * small
         uw, u_minus_w = small * large, side * (large - small)
         root = sign * sqrt(uw)
-        cos_2, sin_2 = -u_minus_w * per_a1_a2 + 0.0 * root, 2.0 * root * per_a1_a2
+        cos_2, sin_2 = -u_minus_w * per_a1_a2 + (root - root), 2.0 * root * per_a1_a2
         per_q, per_root = 1.0 / q, 1.0 / root
         # (q + f)/q, (q - f)/q, root/q
         more, less, turn = (sum_1 + change) * per_q, (sum_2 + change) * per_q, root * per_q
@@ -170,19 +127,19 @@ def make_triangle(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar
         # (T7), (T8)
         dd_x, dd_b = common - half * less, common + half * more
         return TriangleMotion(cos_x, sin_x, cos_b, sin_b, cos_2, sin_2, d_x, d_b, d_2, dd_x, dd_b,
-                              dd_2, per_root)
+                              dd_2)
     return triangle
 
 
-def make_rod_on_line(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar,
-                     is_long: bool) -> Function:
+def make_rod_on_line(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar) -> Function:
     """
     Return cos x, sin x -> where a rod that a crank carries meets a line, and its derivatives.
 
     The crank a1 at the angle x to the line, the rod a2 from its pin at the angle b; e is the
     distance of the line from the pivot of the crank, to its left, and s the place of the end of
-    the rod along it: a1 e^{ix} + a2 e^{ib} = s + i e; theta2 = b - x, primes are derivatives with
-    respect to x. The end is where a circle meets the line; with n = e - a1 sin x:
+    the rod along it: a1 e^{ix} + a2 e^{ib} = s + i e (slides, before Eq. (7)); theta2 = b - x,
+    primes are derivatives with respect to x. The end is where a circle meets the line; with n = e
+    - a1 sin x:
 
         (R1)  u w = (a2 cos b)^2 = root^2,   u = a2 - n,   w = a2 + n,   a2 sin b = n
         (R2)  s = a1 cos x + root = gap / (root - a1 cos x),
@@ -200,16 +157,16 @@ def make_rod_on_line(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Sca
         (R8)  u = u(start) + a1 d,   w = w(start) - a1 d,   gap = gap(start) + 2 a1 e d
               b'' root^3 / a1 = gap(start) sin x + a1 e (1 + d^2 about 0, d^2 about +-1)
 
-    s' and s'' are as small as s and e where crank and rod are nearly equal. A long crank (a1 > 2
-    a2) with its pin near the level of the line, |n| < a2/2, is treated by n alone,
+    s' and s'' are as small as s and e where crank and rod are nearly equal. A crank with
+    its pin near the level of the line, |n| < a2/2, is treated by n alone,
 
         (R9)  u w = (a2 - n)(a2 + n),   b'' = a1 (u w sin x + a1 n cos^2 x) / root^3
 
-    because n is there rounded by up to eps a1, which is much beside a2, and all must be rounded by
-    the same.
+    because n of a long crank is there rounded by up to eps a1, which is much beside a2, and all
+    must be rounded by the same.
 
-    Lengths within a few powers of two of one; ``sign``: of cos b; ``is_long``: whether the crank
-    is, so that (R9) may hold. Returns cos x, sin x -> :class:`RodMotion`.
+    Lengths within a few powers of two of one; ``sign``: of cos b. Returns cos x, sin x ->
+    :class:`RodMotion`.
     """
     sqrt, fabs, where, exact_sum = n.sqrt, n.fabs, n.where, n.exact_sum
 
@@ -231,13 +188,13 @@ def make_rod_on_line(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Sca
         d, curve = where(is_about_0, (sin_x, bulge), (-start * low, a1_e * low * low))
         at_x, step, nn = a1 * cos_x, a1 * d, e - a1 * sin_x
         u, w, by_sine, sine = u + step, w - step, gap, start + d                        # (R8)
-        if is_long:                                                                     # (R9)
-            up, down = a2 - nn, a2 + nn
-            u, w, by_sine, sine, curve = where(
-                (nn * nn).real < level_square, (up, down, up * down, sin_x, at_x * nn * cos_x),
-                (u, w, by_sine, sine, curve))
+        up, down = a2 - nn, a2 + nn
+        u, w, by_sine, sine, curve = where(                                             # (R9)
+            (nn * nn).real < level_square, (up, down, up * down, sin_x, at_x * nn * cos_x),
+            (u, w, by_sine, sine, curve))
         root = sign * sqrt(u * w)                                                       # (R1)
-        cos_b, sin_b = root * per_a2, nn * per_a2 + 0.0 * root     # NaN too where nothing is real
+        # NaN too where nothing is real
+        cos_b, sin_b = root * per_a2, nn * per_a2 + (root - root)
         cos_2, sin_2 = cos_b * cos_x + sin_b * sin_x, sin_b * cos_x - cos_b * sin_x
         over, under = where((root * cos_x).real > 0.0, (at_x + root, 1.0),
                             (gap + two_a1_e * d, root - at_x))
@@ -246,7 +203,7 @@ def make_rod_on_line(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Sca
         d_s = a1 * (e * cos_x - s * sin_x) * per                                        # (R5)
         dd_b = a1 * (by_sine * sine + curve) * per * per * per                          # (R6)
         dd_s = at_x * d_theta2 - nn * dd_b                                              # (R7)
-        return RodMotion(cos_b, sin_b, cos_2, sin_2, s, d_b, d_theta2, d_s, dd_b, dd_s, per)
+        return RodMotion(cos_b, sin_b, cos_2, sin_2, s, d_b, d_theta2, d_s, dd_b, dd_s)
     return rod_on_line
 
 
@@ -278,7 +235,7 @@ def make_block_on_bar(n: NumberType, a1: Scalar, a4: Scalar, h: Scalar, sign: Sc
 
     def block_on_bar(ss: Scalar, cc: Scalar, sc: Scalar) -> BarMotion:
         """Return block and bar at a half-angle of the crank, by (B1) to (B6)."""
-        cos_x, sin_x = cc - ss, sc + sc
+        sin_x = sc + sc
         l = sign * sqrt(near * cc + far * ss)  # (B1)  # noqa: E741, the slides' letter
         q = q_near * cc + q_far * ss
         per_q, per_l = 1.0 / q, 1.0 / l
@@ -292,56 +249,5 @@ def make_block_on_bar(n: NumberType, a1: Scalar, a4: Scalar, h: Scalar, sign: Sc
         d_y = (a1 * ahead + h * d_l) * per_q                                            # (B4)
         d_theta2 = (a4 * r_x + h * d_l) * per_q                                         # (B5)
         dd_y = (pull * (a4_minus_a1 - two_h * d_l) * per_q + h * dd_l) * per_q          # (B6)
-        return BarMotion(cos_x, sin_x, cos_y, sin_y, cos_2, sin_2, l, d_l, d_y, d_theta2, dd_l,
-                         dd_y, per_l, per_q)
+        return BarMotion(cos_y, sin_y, cos_2, sin_2, l, d_l, d_y, d_theta2, dd_l, dd_y, per_q)
     return block_on_bar
-
-
-def reach(p: float, r: float, e: float) -> tuple[float, float]:
-    """Return (p - r)^2 - e^2 and (p + r)^2 - e^2 [m^2]: s^2 of rods p, r folded, stretched."""
-    return difference_of_squares(p, -r, e, 0.0), difference_of_squares(p, r, e, 0.0)
-
-
-def slide_ranges(p: float, r: float, e: float) -> Ranges:
-    """Return the ranges of s [m] in which p e^{ix} + r e^{ib} = s + i e, from low to high."""
-    unit = power_of_two(p, r, e)
-    inner, outer = reach(p / unit, r / unit, e / unit)
-    far = unit * sqrt(outer)
-    if inner <= 0.0:
-        return ((-far, far),)
-    near = unit * sqrt(inner)
-    return ((-far, -near), (near, far))
-
-
-def singular_slides(p: float, r: float, e: float) -> list[complex]:
-    """Return the complex s [m] where the rods p, r are in line, or s^2 + e^2 = 0, as a list."""
-    unit = power_of_two(p, r, e)
-    roots = [complex(unit * sqrt(k)) if k >= 0.0 else complex(0.0, unit * sqrt(-k))
-             for k in reach(p / unit, r / unit, e / unit)]
-    return [*roots, *(-z for z in roots if z.imag == 0.0 != z.real),
-            *([complex(0.0, e)] if e else [])]
-
-
-# --- shared facts of both slider-cranks ----------------------------------------------------------
-
-class OffsetSlide(Mechanism):
-    """Base of the kinds whose lengths p, r, e make a triangle p e^{ix} + r e^{ib} = s + i e."""
-
-    INPUTS = {CRANK: THETA1, SLIDE: TRAVEL}
-    LOADS = with_derived(SliderLoads)
-    MARGIN_SIGNS = ((-1, 1, -1), (1, -1, -1))
-
-    def __post_init__(self) -> None:
-        """Check what is given, and that both rods together reach over the offset e."""
-        self._check()
-        (p, r, e), (p_name, r_name, _) = self.lengths, self.length_names
-        if fsum((p, r, -abs(e))) <= 0.0:
-            raise InvalidParameter('offset', e, 'the links cannot close: it must be shorter than '
-                                   f'{p_name} + {r_name} ({p + r:.12g})')
-        self._check_stroke()
-
-    @of_geometry
-    def margins(self) -> tuple[float, ...]:
-        """Return r - p - |e| and p - r - |e| [m], which are zero at change points."""
-        p, r, e = self.lengths
-        return fsum((r, -p, -abs(e))), fsum((p, -r, -abs(e)))

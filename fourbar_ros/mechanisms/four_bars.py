@@ -1,25 +1,52 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-The planar 4R linkage: its parts, range of motion and drawing.
+The four-bar, driven at its crank, at A or at B: names, classes, ranges and dead points.
 
-Its formulas are in :mod:`.motion` and :mod:`.loads`. :class:`SeenFromOutput` is the linkage driven
-at its output link.
+How it moves and what its joints bear follows from the machine that it is, see :mod:`.kind`. The
+condition of theta4 (theta1 or theta2 of a drive at A or B), relative errors of the lengths -> its
+error [rad], is exact, with p and q the driven link and the frame, r1 and r2 the rods of the dyad:
+
+    (C1)  condition = (p |cos c| + r1 + r2 |cos m| + q |cos b|) / (r2 |sin m|),   c from driven
+          link to r1, m from r1 to r2, b from frame to r1
+
+>>> linkage = MovingJointFourBar(0.4, 1.2, 0.8, 1.0, input='A')
+>>> motion = linkage.motion(-0.5, 2.0)
+>>> print(f'{motion.theta1:.6f} {motion.theta4:.6f} rad, {motion.omega1:.6f} rad/s')
+0.835757 1.045407 rad, -1.807550 rad/s
 """
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
-from math import asinh, atan2, fsum, pi, sqrt
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from math import atan2, fsum, pi, sqrt
+from typing import Any, NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Bodies, External
-from fourbar_ros.mechanisms.contract import Constants, CRANK, CROSSED, of_geometry, OPEN
-from fourbar_ros.mechanisms.four_bar.motion import Loads, make_motion, Motion
+from fourbar_ros.mechanisms.closed_forms import (
+    four_bar_ranges,
+    singular_angles,
+    turned_ranges,
+)
+from fourbar_ros.mechanisms.contract import (
+    CRANK,
+    CROSSED,
+    JOINT_A,
+    JOINT_B,
+    of_geometry,
+    OPEN,
+)
+from fourbar_ros.mechanisms.kind import (
+    acceleration_of_b,
+    Drive,
+    FORWARD,
+    Kind,
+    Lengths,
+    results,
+    velocity_of_b,
+)
 from fourbar_ros.mechanisms.kinds import FACTS
-from fourbar_ros.mechanisms.loads import derives, with_derived
-from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.machine.describe.description import Numbers
 from fourbar_ros.mechanisms.parts import (
     around,
     Arrow,
@@ -37,20 +64,14 @@ from fourbar_ros.mechanisms.parts import (
     THETA2,
     THETA3,
     THETA4,
-    total,
 )
-from fourbar_ros.mechanisms.points import (
-    Coefficients,
-    crank_motion,
-    Curve,
-    link_motion,
-    LinkMotion,
-    point_motion,
-    point_of,
-)
-from fourbar_ros.numerics.exact_sums import difference_of_squares, scaled
-from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
+from fourbar_ros.mechanisms.points import link_motion, point_motion
+from fourbar_ros.numerics.exact_sums import difference_of_squares
+from fourbar_ros.numerics.number_types import NumberType, Scalar
 import numpy as np
+
+if TYPE_CHECKING:
+    from fourbar_ros.mechanisms.machine.limits import SeenFromLink
 
 # Signs of (a4 - a1 + a3 - a2, a4 - a1 - a3 + a2, a2 + a3 - a4 - a1) for the eight basic planar 4R
 # linkages: McCarthy and Soh, Geometric Design of Linkages, with the first two exchanged. The name
@@ -67,7 +88,20 @@ _CLASSES: dict[tuple[int, ...], str] = {
 }
 
 
-class FourBarLinks(Mechanism):
+def two_rods(p: Scalar, q: Scalar, first: Scalar, second: Scalar) -> Numbers:
+    """Return the numbers of RRR: rods from p and q, along the driven link and the frame [m]."""
+    return Numbers((p, 0.0), (q, 0.0), (first, second), (), (p, q, 1.0, 0.0, 1.0, 0.0))
+
+
+class DeadPoint(NamedTuple):
+    """Crank and coupler in line, one behind the other (stretched) or folded; angles in [rad]."""
+
+    theta1: float
+    theta4: float
+    stretched: bool
+
+
+class FourBarLinks(Kind):
     """Base of the 4R linkages, whichever joint is driven: four bars, four joints."""
 
     a1: float
@@ -86,9 +120,34 @@ class FourBarLinks(Mechanism):
     PARTS = {THETA1: 'crank', THETA2: 'coupler to crank', THETA3: 'output link to coupler',
              THETA4: 'output link',
              BETA: 'coupler'}
+    FROM_HALF_A_TURN = THETA3
     DRAWN = (THETA1, BETA, THETA4)
-    LOADS = with_derived(Loads)
-    BODIES, EXTERNAL = Bodies, External
+    DIRECTIONS = {'x': THETA1, 'b': BETA, 'y': THETA4, 'mu': THETA3}
+    DRIVES = {
+        CRANK: Drive(
+            (GROUND, 'crank', 'coupler', 'output'), 'RRR',
+            lambda lengths: two_rods(lengths[0], lengths[3], lengths[1], lengths[2]), FORWARD,
+            ('sin_mu', 1.0), lambda f, a, d, _: (                                       # (C1)
+                a[0] * f(d[THETA2][0]) + a[1] + a[2] * f(d[THETA3][0]) + a[3] * f(d[BETA][0])
+            ) / (a[2] * f(d[THETA3][1]))),
+        JOINT_A: Drive(
+            ('crank', 'coupler', 'output', GROUND), 'RRR',
+            lambda lengths: two_rods(lengths[1], lengths[0], lengths[2], lengths[3]),
+            {'f41': ('second', -1.0), 'f21': ('base', -1.0), 'f32': ('first', -1.0),
+             'f43': ('inner', 1.0)},
+            ('sin_y', 1.0), lambda f, a, d, _: (                                        # (C1)
+                a[1] * f(d[THETA3][0]) + a[2] + a[3] * f(d[THETA4][0])
+                + a[0] * f(d[THETA1][0] * d[THETA4][0] + d[THETA1][1] * d[THETA4][1])
+            ) / (a[3] * f(d[THETA4][1])), reversed=('crank', 'output'), turn=-1.0),
+        JOINT_B: Drive(
+            ('coupler', 'output', GROUND, 'crank'), 'RRR',
+            lambda lengths: two_rods(lengths[2], lengths[1], lengths[3], lengths[0]),
+            {'f41': ('inner', -1.0), 'f21': ('second', 1.0), 'f32': ('base', -1.0),
+             'f43': ('first', -1.0)},
+            ('sin_x', 1.0), lambda f, a, d, _: (                                        # (C1)
+                a[2] * f(d[THETA4][0]) + a[3] + a[0] * f(d[THETA1][0]) + a[1] * f(d[BETA][0])
+            ) / (a[0] * f(d[THETA1][1])),
+            reversed=('coupler', 'output', GROUND, 'crank'), turn=-1.0)}
 
     def __post_init__(self) -> None:
         """Check the parameters, and that no link is as long as the other three together."""
@@ -117,13 +176,15 @@ class FourBarLinks(Mechanism):
             return 'change point'
         return _CLASSES[tuple(1 if margin > 0.0 else -1 for margin in self.margins)]
 
-    @derives
-    def loads_formula(self, numbers: NumberType, constants: Constants) -> Function:
-        """Return (fields of MOTION) -> fields of LOADS for constants of a number type."""
-        from fourbar_ros.mechanisms.four_bar.loads import make_loads  # linkages with masses alone
-        a1, a2, a3, a4 = constants.lengths
-        return make_loads(numbers, a1, a2, a3, a4, constants.bodies, constants.gravity,
-                          constants.external, self.input)
+    @staticmethod
+    def place_of_output(lengths: Lengths) -> tuple[Scalar, Scalar]:
+        """Return O4 [m]."""
+        return lengths[3], 0.0
+
+    def transmission_sine(self, motion: Any) -> Scalar:
+        """Return the sine of the dyad's transmission angle, zero at toggles."""
+        found: Scalar = getattr(motion, self.drive.sine[0])
+        return found
 
     @property
     def connections(self) -> tuple[Connection, ...]:
@@ -131,17 +192,6 @@ class FourBarLinks(Mechanism):
         return (Connection(GROUND, 'crank'), Connection('crank', 'coupler', (self.a1, 0.0)),
                 Connection('coupler', 'output', (self.a2, 0.0), (self.a3, 0.0), turn=pi),
                 Connection(GROUND, 'output', (self.a4, 0.0)))
-
-    def link_motion(self, motion: Any, link: str) -> LinkMotion:
-        """Return the motion of a link by name, its first joint O1, A or O4."""
-        if link == 'output':
-            return LinkMotion(self.a4, 0.0, 0.0, 0.0, 0.0, 0.0, motion.cos_y, motion.sin_y,
-                              motion.omega4, motion.alpha4)
-        crank = crank_motion(motion)
-        if link == 'crank':
-            return crank
-        return LinkMotion(*point_of(crank, self.a1), motion.cos_b, motion.sin_b,
-                          motion.omega_beta, motion.alpha_beta)
 
     def diagram(self, motion: Any) -> Diagram:
         """Return the picture of one pose: three bars, four joints."""
@@ -154,20 +204,12 @@ class FourBarLinks(Mechanism):
                                                           'f43': 'O_4'},
                        {'theta1': 'O_1', 'theta4': 'O_4'})
 
-    def velocity_polygon(self, motion: Any) -> list[Arrow]:
-        """Return the arrows of V_B = V_A + V_B/A [m/s]."""
-        v_a = point_motion(self, motion, 'crank', self.a1).velocity
-        v_b = point_motion(self, motion, 'coupler', self.a2).velocity
-        return [total(v_a, 'V_A'), total(v_b, 'V_B'), Arrow(v_a, v_b - v_a, 'V_{B/A}', False)]
+    velocity_polygon = velocity_of_b
 
     def acceleration_polygon(self, motion: Any) -> list[Arrow]:
         """Return the arrows of A_B = A_A + A_B/A, with normal and tangential parts [m/s^2]."""
-        crank, coupler, output = (link_motion(self, motion, link)
-                                  for link in ('crank', 'coupler', 'output'))
-        a_a = point_motion(self, motion, 'crank', self.a1).acceleration
-        a_b = point_motion(self, motion, 'coupler', self.a2).acceleration
-        return [total(a_a, 'A_A'), *around(ORIGIN, crank, self.a1 * crank.direction, 'A'),
-                *around(a_a, coupler, self.a2 * coupler.direction, 'B/A'), total(a_b, 'A_B'),
+        output = link_motion(self, motion, 'output')
+        return [*acceleration_of_b(self, motion),
                 *around(ORIGIN, output, self.a3 * output.direction, 'B')]
 
 
@@ -212,7 +254,7 @@ class FourBar(FourBarLinks):
 
     input = CRANK
     INPUTS, OUTPUTS = {CRANK: THETA1}, {CRANK: (Output(THETA4, 'velocity_ratio'),)}
-    MOTION = Motion
+    RATIOS = {'velocity_ratio': THETA4, 'coupler_ratio': BETA}
 
     # --- what it is -----------------------------------------------------------------------------
 
@@ -229,7 +271,7 @@ class FourBar(FourBarLinks):
         One range (-pi, pi) when the crank turns fully, one through 0 or one through pi (high >
         pi), or two. At an end that is no full turn, coupler and output link are in line (toggle).
         """
-        return ranges_of(*self.lengths)
+        return four_bar_ranges(*self.lengths)
 
     @property
     def singular_inputs(self) -> list[complex]:
@@ -244,8 +286,8 @@ class FourBar(FourBarLinks):
     def output_ranges(self) -> Ranges:
         """Return the ranges of theta4 [rad] over both modes; they end at dead points."""
         # seen from O4, of pi - theta4
-        return turned_ranges([(-high, -low) for low, high in ranges_of(self.a3, self.a2, self.a1,
-                                                                       self.a4)])
+        a1, a2, a3, a4 = self.lengths
+        return turned_ranges([(-high, -low) for low, high in four_bar_ranges(a3, a2, a1, a4)])
 
     @property
     def ranges_of_both_modes(self) -> dict[str, Ranges]:
@@ -274,22 +316,12 @@ class FourBar(FourBarLinks):
                 points.append(DeadPoint(theta1, theta4, stretched))
         return tuple(sorted(points))
 
-    # --- how it moves ---------------------------------------------------------------------------
-
-    def motion_formula(self, numbers: NumberType, constants: Constants) -> Function:
-        """Return (position, rate, acceleration) -> fields of MOTION for a number type."""
-        a1, a2, a3, a4 = constants.lengths
-        return make_motion(numbers, a1, a2, a3, a4, constants.sign)
-
-    def driven_otherwise(self) -> tuple[SeenFromOutput, ...]:
+    def driven_otherwise(self) -> tuple[SeenFromLink, ...]:  # type: ignore[override]  # never flat
         """Return the same linkage driven at its output link, once for each assembly mode."""
-        mirrored = replace(self, a1=self.a3, a3=self.a1, bodies=None, external=External())
-        return tuple(SeenFromOutput(mirrored.in_mode(mode), self.a1) for mode in self.MODES)
-
-    def transmission_sine(self, motion: NamedFields) -> Scalar:
-        """Return sin(mu), zero at toggles: errors of rates and loads grow as 1/sin(mu)."""
-        found: Scalar = motion.sin_mu
-        return found
+        from fourbar_ros.mechanisms.machine.limits import SeenFromLink  # motion by torque alone
+        drive = self.drive
+        return tuple([SeenFromLink(drive.layout, [drive.numbers(self.lengths)], [self.sign], 0,
+                                   mode) for mode in self.MODES])
 
     def term_sizes(self, motion: NamedFields, rate: Scalar, acceleration: Scalar
                    ) -> dict[str, Scalar]:
@@ -305,90 +337,99 @@ class FourBar(FourBarLinks):
                 (self.a4, 0.0, 1.0))
 
 
-class DeadPoint(NamedTuple):
-    """Crank and coupler in line, one behind the other (stretched) or folded; angles in [rad]."""
+def seen_lengths(lengths: tuple[Scalar, ...],
+                 joint: str) -> tuple[Scalar, Scalar, Scalar, Scalar]:
+    """Return the lengths as seen from the link before a driven joint: that one is the ground."""
+    a1, a2, a3, a4 = lengths
+    return (a2, a3, a4, a1) if joint == JOINT_A else (a3, a4, a1, a2)
 
-    theta1: float
-    theta4: float
-    stretched: bool
 
-
-def singular_angles(a1: float, a2: float, a3: float, a4: float) -> list[complex]:
+@dataclass(frozen=True)
+class MovingJointFourBar(FourBarLinks):
     """
-    Return the complex angles x between a1 and a4 at which a2 and a3 are in line, or A meets O4.
+    Planar four-bar linkage O1-A-B-O4 that is driven at A or at B, between two moving links.
 
-    With s1, s2 of (M3) in :mod:`fourbar_ros.mechanisms.loop`, the first from cos^2(x/2) = -s1 /
-    (4 a1 a4), the next from sin^2(x/2) = -s2 / (4 a1 a4), the last from q = 0.
-    """
-    a1, a2, a3, a4 = scaled((a1, a2, a3, a4))
-    root = 2.0 * sqrt(a1 * a4)
-    s1, s2 = difference_of_squares(a2, a3, a1, a4), difference_of_squares(a1, -a4, a2, -a3)
-    outer, inner = sqrt(abs(s1)) / root, sqrt(abs(s2)) / root
-    far = (complex(pi, 2.0 * asinh(outer)) if s1 >= 0.0 else complex(
-        2.0 * atan2(sqrt(max(difference_of_squares(a2, a3, a1, -a4), 0.0)), sqrt(-s1))))
-    near = (complex(0.0, 2.0 * asinh(inner)) if s2 >= 0.0 else complex(
-        2.0 * atan2(sqrt(-s2), sqrt(max(difference_of_squares(a1, a4, a2, -a3), 0.0)))))
-    return [far, -far, near, -near, complex(0.0, 2.0 * asinh(abs(a1 - a4) / root))]
+    Parameters
+    ----------
+    a1, a2, a3, a4 : float
+        As of :class:`~FourBar`.
+    mode : int
+        Assembly mode: 2 has sin(theta4) > 0 of a drive at A, sin(theta1) > 0 of one at B; 1 < 0.
+    input : str
+        'A': theta2, coupler to crank, is given; 'B': theta3, output link to coupler.
+    bodies : Bodies, optional
+        Masses; without them there are no loads.
+    gravity : tuple of 2 floats
+        Field of gravity (x, y) [m/s^2].
+    external : External
+        Forces and couples on the links.
 
+    Its ``driving_torque`` acts on the coupler from the crank (A), or on the output link from the
+    coupler (B).
 
-def ranges_of(a1: float, a2: float, a3: float, a4: float) -> Ranges:
-    """Return the ranges [rad] of the angle between a1 and a4; see FourBar.closing_ranges."""
-    a1, a2, a3, a4 = scaled((a1, a2, a3, a4))
-    s1 = difference_of_squares(a2, a3, a1, a4)
-    s2 = difference_of_squares(a1, -a4, a2, -a3)
-    far = 2.0 * atan2(sqrt(difference_of_squares(a2, a3, a1, -a4)), sqrt(-s1)) if s1 < 0.0 else pi
-    near = (2.0 * atan2(sqrt(-s2), sqrt(difference_of_squares(a1, a4, a2, -a3))) if s2 < 0.0
-            else 0.0)
-    if s1 >= 0.0:
-        return ((-pi, pi),) if s2 >= 0.0 else ((near, 2.0 * pi - near),)
-    return ((-far, far),) if s2 >= 0.0 else ((-far, -near), (near, far))
+    Raises
+    ------
+    InvalidParameter
+        Naming the parameter, its value and the allowed values.
 
-
-def turned_ranges(ranges: Iterable[tuple[float, float]]) -> Ranges:
-    """Return ranges of an angle moved by half a turn, each so that it begins in [-pi, pi)."""
-    turned = [(pi + low - turn, pi + high - turn) for low, high in ranges
-              for turn in (2.0 * pi if pi + low >= pi else 0.0,)]
-    return ((-pi, pi),) if turned == [(0.0, 2.0 * pi)] else tuple(sorted(turned))
-
-
-class SeenFromOutput:
-    """
-    A 4R linkage driven at its output link, by the coordinate p = pi - theta4.
-
-    Mirrored at the middle of its ground, x -> a4 - x, the linkage a1, a2, a3, a4 becomes the
-    linkage a3, a2, a1, a4. Its crank is then at p, its output link at pi - theta1, and its
-    coupler, from B to A, at -beta. Everything not defined here comes from the mirrored linkage, a
-    FourBar in one of its assembly modes; ``crank``: a1 [m].
     """
 
-    def __init__(self, mirrored: Any, crank: float) -> None:
-        self.mirrored, self._crank = mirrored, crank
+    a1: float
+    a2: float
+    a3: float
+    a4: float
+    mode: int = OPEN
+    input: str = JOINT_A
+    bodies: Bodies | None = None
+    gravity: tuple[float, float] = (0.0, 0.0)
+    external: External = External()
 
-    def __getattr__(self, name: str) -> Any:
-        """Return an attribute of the mirrored linkage."""
-        if name == 'mirrored':              # not set yet while this is copied
-            raise AttributeError(name)
-        return getattr(self.mirrored, name)
+    MODES = {1: '1', OPEN: '2'}
+    INPUTS = {JOINT_A: THETA2, JOINT_B: THETA3}
+    OUTPUTS = {joint: (Output(THETA4, 'velocity_ratio'), Output(THETA1, 'crank_ratio'))
+               for joint in INPUTS}
+    RATIOS = {'velocity_ratio': THETA4, 'coupler_ratio': BETA, 'crank_ratio': THETA1}
 
-    def in_mode(self, mode: int) -> SeenFromOutput:
-        """Return the same in another assembly mode."""
-        return SeenFromOutput(self.mirrored.in_mode(mode), self._crank)
+    @property
+    def description(self) -> str:
+        """Return a short text: type, input."""
+        return f'{self.classification}, driven at its joint {self.input}'
 
-    def make_coefficients(self, numbers: NumberType) -> Coefficients:
-        """Return p -> coefficients of crank, coupler and output, as those of a mechanism."""
-        mirrored, crank, ground = self.mirrored.make_coefficients(numbers), self._crank, self.a4
+    @property
+    def TORQUE(self) -> str:        # type: ignore[override]  # of each input  # noqa: N802
+        """Return the symbol of the torque: of crank on coupler, of coupler on output link."""
+        return 'T_{12}' if self.input == JOINT_A else 'T_{23}'
 
-        def coefficients(position: Scalar) -> list[Curve]:
-            """Return the curves of crank, coupler and output, mirrored back."""
-            (*_, cos_p, sin_p, _, _), (*_, cos_b, sin_b, d_b, dd_b), (
-                *_, cos_x, sin_x, d_x, dd_x) = mirrored(position)
-            first = LinkMotion(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -cos_x, sin_x, -d_x, -dd_x)
-            return [first, (*point_of(first, crank), cos_b, -sin_b, -d_b, -dd_b),
-                    (ground, 0.0, 0.0, 0.0, 0.0, 0.0, -cos_p, sin_p, -1.0, 0.0)]
-        return coefficients
+    @of_geometry
+    def closing_ranges(self) -> Ranges:
+        """Return the ranges of theta2 or theta3 in which the linkage can be assembled [rad]."""
+        return turned_ranges(four_bar_ranges(*seen_lengths(self.lengths, self.input)))
 
-    def read_coordinate(self, numbers: NumberType,
-                        curves: Sequence[Curve]) -> tuple[Scalar, Scalar, Scalar]:
-        """Return p in (-pi, pi] and its two derivatives from coefficients of the links."""
-        *_, cosine, sine, turn, bend = curves[2]
-        return pi - numbers.atan2(sine, cosine), -turn, -bend
+    @property
+    def singular_inputs(self) -> list[complex]:
+        """Return the complex inputs at which output and ground (A), or crank and ground, align."""
+        return [complex(x.real + (pi if x.real <= 0.0 else -pi), x.imag)
+                for x in singular_angles(*seen_lengths(self.lengths, self.input))]
+
+    @property
+    def turns_fully(self) -> bool:
+        """Return whether the driven joint makes full turns."""
+        return self.input_ranges == ((-pi, pi),)
+
+    def driven_otherwise(self) -> tuple[FourBar, ...]:
+        """Return the same links driven at the crank, which goes on at toggles of this drive."""
+        a1, a2, a3, a4 = self.lengths
+        return tuple(FourBar(a1, a2, a3, a4, mode, self.bodies, self.gravity, self.external)
+                     for mode in FourBar.MODES)
+
+    def read_coordinate(self, numbers: NumberType, curves: Any) -> tuple[Any, Any, Any]:
+        """Return theta2 or theta3 and two derivatives by the input; ``curves`` of the links."""
+        # angle of the second link to the first; theta3 counts from B A, half a turn on
+        first, side = (0, 1.0) if self.input == JOINT_A else (1, -1.0)
+        (*_, c1, s1, d1, dd1), (*_, c2, s2, d2, dd2) = curves[first:first + 2]
+        return (numbers.atan2(side * (s2 * c1 - c2 * s1), side * (c2 * c1 + s2 * s1)),
+                d2 - d1, dd2 - dd1)
+
+
+Motion, Loads = results(FourBar, 'Motion', 'Loads')
+results(MovingJointFourBar, 'MovingJointMotion', 'Loads')

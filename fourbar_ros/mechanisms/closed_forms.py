@@ -1,0 +1,129 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Where the kinds close and where their formulas have poles, in closed form."""
+from __future__ import annotations
+
+from collections.abc import Iterable
+from math import asin, asinh, atan2, atanh, fsum, log1p, pi, sqrt
+
+from fourbar_ros.mechanisms.parts import Ranges
+from fourbar_ros.numerics.arrays import EPS
+from fourbar_ros.numerics.exact_sums import difference_of_squares, scaled
+from fourbar_ros.numerics.number_types import power_of_two
+
+
+def singular_angles(a1: float, a2: float, a3: float, a4: float) -> list[complex]:
+    """
+    Return the complex angles x between a1 and a4 at which a2 and a3 are in line, or A meets O4.
+
+    With s1, s2 of (M3) in :mod:`fourbar_ros.mechanisms.loop`, the first from cos^2(x/2) = -s1 /
+    (4 a1 a4), the next from sin^2(x/2) = -s2 / (4 a1 a4), the last from q = 0.
+    """
+    a1, a2, a3, a4 = scaled((a1, a2, a3, a4))
+    root = 2.0 * sqrt(a1 * a4)
+    s1, s2 = difference_of_squares(a2, a3, a1, a4), difference_of_squares(a1, -a4, a2, -a3)
+    outer, inner = sqrt(abs(s1)) / root, sqrt(abs(s2)) / root
+    far = (complex(pi, 2.0 * asinh(outer)) if s1 >= 0.0 else complex(
+        2.0 * atan2(sqrt(max(difference_of_squares(a2, a3, a1, -a4), 0.0)), sqrt(-s1))))
+    near = (complex(0.0, 2.0 * asinh(inner)) if s2 >= 0.0 else complex(
+        2.0 * atan2(sqrt(-s2), sqrt(max(difference_of_squares(a1, a4, a2, -a3), 0.0)))))
+    return [far, -far, near, -near, complex(0.0, 2.0 * asinh(abs(a1 - a4) / root))]
+
+
+def four_bar_ranges(a1: float, a2: float, a3: float, a4: float) -> Ranges:
+    """Return the ranges [rad] of the angle between a1 and a4; see FourBar.closing_ranges."""
+    a1, a2, a3, a4 = scaled((a1, a2, a3, a4))
+    s1 = difference_of_squares(a2, a3, a1, a4)
+    s2 = difference_of_squares(a1, -a4, a2, -a3)
+    far = 2.0 * atan2(sqrt(difference_of_squares(a2, a3, a1, -a4)), sqrt(-s1)) if s1 < 0.0 else pi
+    near = (2.0 * atan2(sqrt(-s2), sqrt(difference_of_squares(a1, a4, a2, -a3))) if s2 < 0.0
+            else 0.0)
+    if s1 >= 0.0:
+        return ((-pi, pi),) if s2 >= 0.0 else ((near, 2.0 * pi - near),)
+    return ((-far, far),) if s2 >= 0.0 else ((-far, -near), (near, far))
+
+
+def turned_ranges(ranges: Iterable[tuple[float, float]]) -> Ranges:
+    """Return ranges of an angle moved by half a turn, each so that it begins in [-pi, pi)."""
+    turned = [(pi + low - turn, pi + high - turn) for low, high in ranges
+              for turn in (2.0 * pi if pi + low >= pi else 0.0,)]
+    return ((-pi, pi),) if turned == [(0.0, 2.0 * pi)] else tuple(sorted(turned))
+
+
+def reach(p: float, r: float, e: float) -> tuple[float, float]:
+    """Return (p - r)^2 - e^2 and (p + r)^2 - e^2 [m^2]: s^2 of rods p, r folded, stretched."""
+    return difference_of_squares(p, -r, e, 0.0), difference_of_squares(p, r, e, 0.0)
+
+
+def slide_ranges(p: float, r: float, e: float) -> Ranges:
+    """Return the ranges of s [m] in which p e^{ix} + r e^{ib} = s + i e, from low to high."""
+    unit = power_of_two(p, r, e)
+    inner, outer = reach(p / unit, r / unit, e / unit)
+    far = unit * sqrt(outer)
+    if inner <= 0.0:
+        return ((-far, far),)
+    near = unit * sqrt(inner)
+    return ((-far, -near), (near, far))
+
+
+def singular_slides(p: float, r: float, e: float) -> list[complex]:
+    """Return the complex s [m] where the rods p, r are in line, or s^2 + e^2 = 0, as a list."""
+    unit = power_of_two(p, r, e)
+    roots = [complex(unit * sqrt(k)) if k >= 0.0 else complex(0.0, unit * sqrt(-k))
+             for k in reach(p / unit, r / unit, e / unit)]
+    return [*roots, *(-z for z in roots if z.imag == 0.0 != z.real),
+            *([complex(0.0, e)] if e else [])]
+
+
+def rod_ranges(a1: float, a2: float, e: float) -> Ranges:
+    """Return the ranges [rad] of a crank a1 whose rod a2 reaches a line in the distance e."""
+    a1, a2, e = scaled((a1, a2, e))
+    below, above = fsum((a2, -e, -a1)), fsum((a2, e, -a1))      # of a2 -+ n at x = -+ pi/2
+    low = atan2(e - a2, sqrt(-below * fsum((a2, -e, a1)))) if below < 0.0 else None
+    high = atan2(e + a2, sqrt(-above * fsum((a2, e, a1)))) if above < 0.0 else None
+    if low is None:
+        return ((-pi, pi),) if high is None else ((-pi - high, high),)
+    return ((low, pi - low),) if high is None else ((low, high), (pi - high, pi - low))
+
+
+def singular_angles_of_rod(a1: float, a2: float, e: float) -> list[complex]:
+    """
+    Return the complex angles of such a crank at which the rod is square to the line.
+
+    sin x = (e +- a2)/a1, also beyond +-1, where x is +-pi/2 + i arcosh.
+    """
+    found = []
+    for r in (a2, -a2):
+        side = 1.0 if e + r > 0.0 else -1.0
+        excess = fsum((side * e, side * r, -a1)) / a1          # |sin x| - 1
+        if excess >= 0.0:
+            found.append(complex(side * 0.5 * pi,
+                                 log1p(excess + sqrt(excess * (2.0 + excess)))))
+        else:
+            angle = side * (0.5 * pi - 2.0 * asin(sqrt(-0.5 * excess)))
+            found += [complex(angle), complex(pi - angle)]
+    return found
+
+
+def bar_ranges(a1: float, a4: float, h: float) -> Ranges:
+    """Return the ranges [rad] of a crank a1 whose pin reaches a bar, h from its pivot a4 away."""
+    near, far = reach(*scaled((a1, a4, h)))
+    if near >= 0.0:
+        return ((-pi, pi),)
+    low = 2.0 * atan2(sqrt(-near), sqrt(far))
+    return ((low, 2.0 * pi - low),)
+
+
+def singular_angles_of_bar(a1: float, a4: float, h: float) -> list[complex]:
+    """
+    Return the complex angles of such a crank at which its pin is at the foot or at the pivot.
+
+    l = 0 and q = 0 of (B1) in :mod:`fourbar_ros.mechanisms.slides`, linear in tan^2(x/2).
+    """
+    a1, a4, h = scaled((a1, a4, h))
+    near, far = reach(a1, a4, h)
+    pole = complex(0.0, 2.0 * atanh(min(abs(a1 - a4) / (a1 + a4), 1.0 - EPS)))
+    if near > 0.0:
+        return [complex(0.0, 2.0 * atanh(min(sqrt(near / far), 1.0 - EPS))), pole]
+    angle = 2.0 * atan2(sqrt(-near), sqrt(far))
+    return [complex(angle), complex(-angle), pole]

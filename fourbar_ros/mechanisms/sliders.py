@@ -1,0 +1,661 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+The kinds with a slide: slider-crank, inverted slider-crank, Scotch yoke.
+
+Each has names and pictures of its own, classes, and ranges and dead points in closed form; how it
+moves and what its joints bear follows from the machine that it is, see :mod:`.kind`. The condition
+of the output, relative errors of the lengths -> its error [rad or m], is exact:
+
+    (C2)  slider-crank: (a1 |cos theta2| + a2 + |offset sin beta|) over |cos beta| of a driven
+          crank, over a1 |sin theta2| of a driven slide
+    (C3)  inverted one: (a1 |sin theta2| + a4 |sin theta4| + |offset|) / |slide|; of a driven slide
+          (a1 |a1 - a4 cos theta1| + a4 |a4 - a1 cos theta1| + offset^2) / (a1 a4 |sin theta1|)
+    (C4)  yoke: a1 |cos theta1|; of a driven slide 1 / |tan theta1|
+"""
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import atan2, fsum, pi, sqrt
+from typing import NamedTuple
+
+from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.mechanics.bodies import Bodies, External
+from fourbar_ros.mechanics.moving_frames import acceleration_terms, turned
+from fourbar_ros.mechanisms.closed_forms import (
+    bar_ranges,
+    reach,
+    rod_ranges,
+    singular_angles_of_bar,
+    singular_angles_of_rod,
+    singular_slides,
+    slide_ranges,
+)
+from fourbar_ros.mechanisms.contract import (
+    CRANK,
+    of_geometry,
+    OPEN,
+    SLIDE,
+)
+from fourbar_ros.mechanisms.kind import (
+    acceleration_of_b,
+    Drive,
+    FORWARD,
+    Kind,
+    Lengths,
+    results,
+    velocity_of_b,
+)
+from fourbar_ros.mechanisms.kinds import FACTS
+from fourbar_ros.mechanisms.machine.describe.description import Numbers
+from fourbar_ros.mechanisms.parts import (
+    around,
+    Arrow,
+    Bar,
+    BETA,
+    Block,
+    chain,
+    Connection,
+    Diagram,
+    GROUND,
+    NamedFields,
+    ORIGIN,
+    Output,
+    Ranges,
+    reaction,
+    SLOT,
+    THETA1,
+    THETA2,
+    THETA3,
+    THETA4,
+    total,
+    TRAVEL,
+)
+from fourbar_ros.mechanisms.points import Curve, link_motion, point_motion
+from fourbar_ros.numerics.exact_sums import difference_of_squares, scaled
+from fourbar_ros.numerics.number_types import NumberType, power_of_two, Scalar
+import numpy as np
+
+AT_O = (0.0, 0.0)      # as a place
+X, Y = np.array([1.0, 0.0]), np.array([0.0, 1.0])
+
+
+def rods_of_slide(height: Scalar, first: Scalar, second: Scalar) -> Numbers:
+    """Return the numbers of RRR: rods from a driven slider at this height, from the frame [m]."""
+    return Numbers(AT_O, AT_O, (first, second), (), (0.0, height, 1.0, 0.0))
+
+
+def rod_on_line(a1: Scalar, a2: Scalar, height: Scalar) -> Numbers:
+    """Return the numbers of RRP: a rod a2 from a crank a1 to a line at this height [m]."""
+    return Numbers((a1, 0.0), (0.0, height), (a2, 1.0, 0.0), (),
+                   (a1, height, 1.0, 0.0, 0.0, 0.0, 0.0))
+
+
+def bar_through_block(a1: Scalar, a4: Scalar, offset: Scalar) -> Numbers:
+    """Return the numbers of RPR: a block on a crank a1, on a bar from a4 on [m]."""
+    return Numbers((a1, 0.0), (a4, 0.0), (offset,), (), (a1, a4, 1.0, 0.0, 1.0, 0.0))
+
+
+class OffsetSlide(Kind):
+    """Base of the kinds whose lengths p, r, e make a triangle p e^{ix} + r e^{ib} = s + i e."""
+
+    INPUTS = {CRANK: THETA1, SLIDE: TRAVEL}
+    MARGIN_SIGNS = ((-1, 1, -1), (1, -1, -1))
+
+    def __post_init__(self) -> None:
+        """Check what is given, and that both rods together reach over the offset e."""
+        self._check()
+        (p, r, e), (p_name, r_name, _) = self.lengths, self.length_names
+        if fsum((p, r, -abs(e))) <= 0.0:
+            raise InvalidParameter('offset', e, 'the links cannot close: it must be shorter than '
+                                   f'{p_name} + {r_name} ({p + r:.12g})')
+        self._check_stroke()
+
+    @of_geometry
+    def margins(self) -> tuple[float, ...]:
+        """Return r - p - |e| and p - r - |e| [m], which are zero at change points."""
+        p, r, e = self.lengths
+        return fsum((r, -p, -abs(e))), fsum((p, -r, -abs(e)))
+
+class SliderDeadPoint(NamedTuple):
+    """Crank and coupler in line, stretched or folded: the slider turns back."""
+
+    theta1: float     # [rad]
+    slide: float      # [m]
+    stretched: bool
+
+
+@dataclass(frozen=True)
+class SliderCrank(OffsetSlide):
+    """
+    Slider-crank O1-A-B whose pin B slides along y = offset.
+
+    Parameters
+    ----------
+    a1, a2 : float
+        Lengths of crank and coupler [m], positive.
+    offset : float
+        y of the guide [m], shorter than a1 + a2.
+    mode : int
+        Assembly mode. Crank input: 2 has cos(beta) > 0 (slider ahead of A), 1 has cos(beta) < 0.
+        Slider input: 2 has sin(theta2) > 0 (from O1 over A to B one turns left), 1 < 0.
+    input : str
+        'crank' or 'slide': the driven coordinate, theta1 or slide.
+    bodies : Bodies, optional
+        Crank from O1, coupler from A, slider (``output``) from B along x.
+    gravity : tuple of 2 floats
+        Field of gravity (x, y) [m/s^2].
+    external : External
+        Forces and couples on coupler and slider (``output``), as gas forces.
+    stroke : tuple of 2 floats, optional
+        Shortest and longest slide [m] of a driven slide, as a cylinder has; not given: all where
+        the links close.
+
+    Guide force: of the ground on the slider, + along y; guide couple: of the ground on the slider
+    about B.
+
+    Raises
+    ------
+    InvalidParameter
+        Naming the parameter, its value and the allowed values.
+
+    """
+
+    a1: float
+    a2: float
+    offset: float = 0.0
+    mode: int = OPEN
+    input: str = CRANK
+    bodies: Bodies | None = None
+    gravity: tuple[float, float] = (0.0, 0.0)
+    external: External = External()
+    stroke: tuple[float, float] | None = None
+
+    TITLE = 'slider-crank'
+    TEXT, LENGTHS, LINKS, JOINTS = FACTS['slider_crank'][:4]
+    OUTPUTS = {CRANK: (Output(TRAVEL, 'slide_ratio'),), SLIDE: (Output(THETA1, 'crank_ratio'),)}
+    REACTIONS = (reaction('O1', 'ground on crank', 'f41'),
+                 reaction('A', 'coupler on crank', 'f21'),
+                 reaction('B', 'slider on coupler', 'f32'),
+                 reaction('guide', 'guide on slider', 'f43', 'guide_couple'))
+    PARTS = {THETA1: 'crank', THETA2: 'coupler to crank', THETA3: 'slider to coupler',
+             TRAVEL: 'slider', BETA: 'coupler'}
+    DRAWN = (THETA1, BETA, TRAVEL)
+    RATIOS = {'crank_ratio': THETA1, 'coupler_ratio': BETA, 'slide_ratio': TRAVEL}
+    DIRECTIONS = {'x': THETA1, 'b': BETA, '2': THETA2}
+    OUTPUT = ''
+    DRIVES = {
+        CRANK: Drive(
+            (GROUND, 'crank', 'coupler', 'output'), 'RRP',
+            lambda lengths: rod_on_line(*lengths),
+            {**FORWARD, 'guide_force': ('second_normal', 1.0),
+             'guide_couple': ('second_couple', 1.0)},
+            ('cos_b', 1.0), lambda f, a, d, _: (                                        # (C2)
+                a[0] * f(d[THETA2][0]) + a[1] + f(a[2] * d[BETA][1])) / f(d[BETA][0]),
+            slides=(TRAVEL,)),
+        SLIDE: Drive(
+            (GROUND, 'output', 'coupler', 'crank'), 'RRR',
+            lambda lengths: rods_of_slide(lengths[2], lengths[1], lengths[0]),
+            {'f41': ('second', 1.0), 'f21': ('inner', -1.0), 'f32': ('first', 1.0),
+             'f43': ('base', 1.0), 'guide_force': ('base_normal', 1.0),
+             'guide_couple': ('base_couple', 1.0)},
+            ('sin_2', 1.0), lambda f, a, d, _: (                                        # (C2)
+                a[0] * f(d[THETA2][0]) + a[1] + f(a[2] * d[BETA][1])) / (a[0] * f(d[THETA2][1])),
+            lambda f, a, d: (f(d[THETA2][1]), d[THETA2][0]),
+            reversed=('coupler',), start=lambda lengths: (0.0, lengths[2]))}
+
+    @property
+    def classification(self) -> str:
+        """Return the type: whose full turns there are, the crank's, the coupler's or nobody's."""
+        if 0.0 in self.margins:
+            return 'change point'
+        crank, coupler = self.margins
+        return ('Grashof crank-slider' if crank > 0.0 else
+                'Grashof rocker-slider' if coupler > 0.0 else 'non-Grashof rocker-slider')
+
+    @of_geometry
+    def closing_ranges(self) -> Ranges:
+        """
+        Return the ranges of theta1 [rad] or slide [m] in which the links close, from low to high.
+
+        For a crank that turns fully (-pi, pi). At an end that is no full turn the coupler is
+        square to the guide (crank input), or in line with the crank (slider input): a toggle.
+        """
+        return (slide_ranges if self.input == SLIDE else rod_ranges)(*self.lengths)
+
+    @property
+    def singular_inputs(self) -> list[complex]:
+        """Return the complex inputs where coupler and guide are square, or crank and coupler."""
+        return (singular_slides if self.input == SLIDE else singular_angles_of_rod)(*self.lengths)
+
+    @property
+    def dead_points(self) -> tuple[SliderDeadPoint, ...]:
+        """Return up to two poses where the slider of a driven crank turns back in this mode."""
+        points, unit = [], power_of_two(*self.lengths)
+        a1, a2, e = (length / unit for length in self.lengths)
+        folded, stretched = reach(a1, a2, e)
+        for is_stretched, r, square in ((True, a1 + a2, stretched), (False, a1 - a2, folded)):
+            if square > 0.0 and self.input == CRANK:
+                x = self.sign * sqrt(square) if is_stretched else -self.sign * sqrt(square)  # of A
+                side = -1.0 if r < 0.0 else 1.0     # B is on the other side of O1
+                points.append(SliderDeadPoint(atan2(side * e, x), unit * side * x, is_stretched))
+        return tuple(sorted(points))
+
+    @staticmethod
+    def place_of_output(lengths: Lengths) -> tuple[Scalar, Scalar]:
+        """Return where the slide is zero [m]."""
+        return 0.0, lengths[2]
+
+    @property
+    def connections(self) -> tuple[Connection, ...]:
+        """Return which links the four joints connect."""
+        return (Connection(GROUND, 'crank'), Connection('crank', 'coupler', (self.a1, 0.0)),
+                Connection('coupler', 'output', (self.a2, 0.0)),
+                Connection(GROUND, 'output', (0.0, self.offset), axis=(1.0, 0.0)))
+
+    def transmission_sine(self, motion: NamedFields) -> Scalar:
+        """Return cos(beta), or of a driven slide sin(theta2): zero at toggles."""
+        found: Scalar = motion.cos_b if self.input == CRANK else motion.sin_2
+        return found
+
+    def corners(self, motion: NamedFields) -> tuple[tuple[Scalar, Scalar, float], ...]:
+        """Return O1, A, B, O4, each as (x w, y w, w); O4 is at infinity, square to the guide."""
+        if self.is_driven_by_slide:
+            return ()
+        return ((0.0, 0.0, 1.0),
+                (self.a1 * np.cos(motion.theta1), self.a1 * np.sin(motion.theta1), 1.0),
+                (motion.slide, self.offset, 1.0), (0.0, 1.0, 0.0))
+
+    def diagram(self, motion: NamedFields) -> Diagram:
+        """Return the picture of one pose: two bars and the slider on its guide."""
+        a, b = (point_motion(self, motion, link, along).place
+                for link, along in (('crank', self.a1), ('output', 0.0)))
+        return Diagram({'O_1': ORIGIN, 'A': a, 'B': b}, ('O_1',), (Bar(ORIGIN, a), Bar(a, b)),
+                       (Block(b, np.array([1.0, 0.0]), is_guided=True),),
+                       {'f41': 'O_1', 'f21': 'A', 'f32': 'B', 'f43': 'B'}, {'theta1': 'O_1'})
+
+    velocity_polygon, acceleration_polygon = velocity_of_b, acceleration_of_b
+
+
+class InvertedDeadPoint(NamedTuple):
+    """Crank square to the bar: the bar turns back."""
+
+    theta1: float     # [rad]
+    theta4: float     # [rad]
+
+
+BEYOND = 0.14      # length of the bar drawn beyond its block, over the size of the mechanism
+
+
+@dataclass(frozen=True)
+class InvertedSlider(OffsetSlide):
+    """
+    Inverted slider-crank: a block pinned to the crank at A slides on a bar that turns about O4.
+
+    With a driven slide it is the oscillating cylinder (of every excavator): block = piston with
+    its rod, bar = tube, crank = boom.
+
+    Parameters
+    ----------
+    a1, a4 : float
+        Lengths of crank and ground [m], positive.
+    offset : float
+        Distance of the path of A from O4, to the left of the bar [m], shorter than a1 + a4.
+    mode : int
+        Assembly mode. Crank input: 2 has slide > 0 (bar points from O4 towards A), 1 has slide <
+        0.
+        Slide input: 2 has sin(theta1) > 0 (A to the left of O1-O4), 1 < 0.
+    input : str
+        'crank' or 'slide': the driven coordinate, theta1 or slide.
+    bodies : Bodies, optional
+        Crank from O1, block (``coupler``) from A along the bar, bar (``output``) from O4 along
+        itself.
+    gravity : tuple of 2 floats
+        Field of gravity (x, y) [m/s^2].
+    external : External
+        Forces and couples on block (``coupler``) and bar (``output``).
+    stroke : tuple of 2 floats, optional
+        Shortest and longest slide [m] of a driven slide, as a cylinder has; not given: all where
+        the links close.
+
+    Guide force: of the bar on the block, + to the left of the bar; guide couple: of the bar on the
+    block about A. The driving force pushes the block along the bar as ``slide`` grows, and the bar
+    back.
+
+    Raises
+    ------
+    InvalidParameter
+        Naming the parameter, its value and the allowed values.
+
+    """
+
+    a1: float
+    a4: float
+    offset: float = 0.0
+    mode: int = OPEN
+    input: str = CRANK
+    bodies: Bodies | None = None
+    gravity: tuple[float, float] = (0.0, 0.0)
+    external: External = External()
+    stroke: tuple[float, float] | None = None
+
+    TITLE = 'inverted slider-crank'
+    TEXT, LENGTHS, LINKS, JOINTS = FACTS['inverted_slider'][:4]
+    OUTPUTS = {CRANK: (Output(THETA4, 'output_ratio'),), SLIDE: (Output(THETA1, 'crank_ratio'),)}
+    REACTIONS = (reaction('O1', 'ground on crank', 'f41'), reaction('A', 'block on crank', 'f21'),
+                 reaction('slide', 'bar on block', 'f32', 'guide_couple'),
+                 reaction('O4', 'ground on bar', 'f43'))
+    PARTS = {THETA1: 'crank', THETA2: 'block to crank', THETA4: 'bar', TRAVEL: 'block on the bar'}
+    SLIDE_DIRECTION = ('cos_y', 'sin_y')
+    DRAWN = (THETA1, THETA4, TRAVEL)
+    RATIOS = {'crank_ratio': THETA1, 'output_ratio': THETA4, 'slide_ratio': TRAVEL}
+    DIRECTIONS = {'x': THETA1, 'y': THETA4, '2': THETA2}
+    COUPLER = 'y'
+    DRIVES = {
+        CRANK: Drive(
+            (GROUND, 'crank', 'coupler', 'output'), 'RPR',
+            lambda lengths: bar_through_block(*lengths),
+            {**FORWARD, 'guide_force': ('inner_normal', 1.0),
+             'guide_couple': ('inner_couple', 1.0)},
+            ('', 1.0), lambda f, a, d, s: (                                             # (C3)
+                a[0] * f(d[THETA2][1]) + a[1] * f(d[THETA4][1]) + f(a[2])) / f(s[TRAVEL][0]),
+            slides=(TRAVEL,)),
+        SLIDE: Drive(
+            ('output', 'coupler', 'crank', GROUND), 'RRR',
+            lambda lengths: rods_of_slide(lengths[2], lengths[0], lengths[1]),
+            {'f41': ('inner', 1.0), 'f21': ('first', 1.0), 'f32': ('base', 1.0),
+             'f43': ('second', -1.0), 'guide_force': ('base_normal', 1.0),
+             'guide_couple': ('base_couple', 1.0)},
+            ('sin_x', -1.0), lambda f, a, d, _: (                                       # (C3)
+                a[0] * f(a[0] - a[1] * d[THETA1][0]) + a[1] * f(a[1] - a[0] * d[THETA1][0])
+                + a[2] * a[2]) / (a[0] * a[1] * f(d[THETA1][1])),
+            lambda f, a, d: (a[1] * f(d[THETA1][1]), a[0] - a[1] * d[THETA1][0]),
+            reversed=('crank', GROUND), start=lambda lengths: (0.0, lengths[2]), sign=-1.0)}
+
+    @property
+    def classification(self) -> str:
+        """Return the type: crank and bar turn fully, or only the crank, or neither."""
+        if 0.0 in self.margins:
+            return 'change point'
+        rocks, turns = self.margins
+        return ('Grashof crank-rocker' if rocks > 0.0 else
+                'Grashof double-crank' if turns > 0.0 else 'non-Grashof double-rocker')
+
+    @of_geometry
+    def closing_ranges(self) -> Ranges:
+        """
+        Return the ranges of theta1 [rad] or slide [m] in which the links close, from low to high.
+
+        For a crank that turns fully (-pi, pi), else one range through pi. At an end that is no
+        full turn A is at the foot of O4 (crank input), or crank and ground in line (slide input):
+        a toggle.
+        """
+        return (slide_ranges if self.input == SLIDE else bar_ranges)(*self.lengths)
+
+    @property
+    def singular_inputs(self) -> list[complex]:
+        """Return the complex inputs where the dyad is in line or A meets O4."""
+        return (singular_slides if self.input == SLIDE else singular_angles_of_bar)(*self.lengths)
+
+    @property
+    def dead_points(self) -> tuple[InvertedDeadPoint, ...]:
+        """Return up to two poses where the bar of a driven crank turns back in this mode."""
+        points, (a1, a4, h) = [], scaled(self.lengths)
+        for side in (1.0, -1.0):                       # A = +-i a1 e^{iy}
+            rise = h - side * a1        # a4 sin y
+            run = difference_of_squares(a4, 0.0, h, -side * a1)
+            if run > 0.0 and self.input == CRANK:
+                cosine, sine = -self.sign * sqrt(run), rise
+                points.append(InvertedDeadPoint(atan2(side * cosine, -side * sine),
+                                                atan2(sine, cosine)))
+        return tuple(sorted(points))
+
+    @staticmethod
+    def place_of_output(lengths: Lengths) -> tuple[Scalar, Scalar]:
+        """Return O4 [m]."""
+        return lengths[1], 0.0
+
+    @property
+    def connections(self) -> tuple[Connection, ...]:
+        """Return which links the four joints connect."""
+        return (Connection(GROUND, 'crank'), Connection('crank', 'coupler', (self.a1, 0.0)),
+                Connection('output', 'coupler', (0.0, self.offset), axis=(1.0, 0.0)),
+                Connection(GROUND, 'output', (self.a4, 0.0)))
+
+    def read_coordinate(self, numbers: NumberType,
+                        curves: Sequence[Curve]) -> tuple[Scalar, Scalar, Scalar]:
+        """Return the input and its two derivatives from coefficients of the links."""
+        if not self.is_driven_by_slide:
+            return super().read_coordinate(numbers, curves)
+        # the slide is the part of O4-A along the bar, which turns
+        x, y, d_x, d_y, dd_x, dd_y, cosine, sine, turn, bend = curves[1]
+        x = x - self.a4
+        along, across = x * cosine + y * sine, y * cosine - x * sine
+        d_along, d_across = d_x * cosine + d_y * sine, d_y * cosine - d_x * sine
+        return (along, d_along + turn * across,
+                dd_x * cosine + dd_y * sine + 2.0 * turn * d_across + bend * across
+                - turn * turn * along)
+
+    def transmission_sine(self, motion: NamedFields) -> Scalar:
+        """Return slide / |A O4|, or of a driven slide a4 sin(theta1) / |A O4|: zero at toggles."""
+        size = max(map(abs, self.lengths))
+        slide, aside = motion.slide / size, self.offset / size
+        opposite = slide if self.input == CRANK else self.a4 / size * motion.sin_x
+        found: Scalar = opposite / (slide * slide + aside * aside)**0.5
+        return found
+
+    def corners(self, motion: NamedFields) -> tuple[tuple[Scalar, Scalar, float], ...]:
+        """Return O1, A, B, O4, each as (x w, y w, w); B is at infinity, square to the bar."""
+        if self.is_driven_by_slide:
+            return ()
+        return ((0.0, 0.0, 1.0),
+                (self.a1 * np.cos(motion.theta1), self.a1 * np.sin(motion.theta1), 1.0),
+                (-np.sin(motion.theta4), np.cos(motion.theta4), 0.0), (self.a4, 0.0, 1.0))
+
+    def diagram(self, motion: NamedFields) -> Diagram:
+        """Return the picture of one pose: a bar with its block, or a cylinder with its rod."""
+        a = point_motion(self, motion, 'crank', self.a1).place
+        o4 = point_motion(self, motion, 'output', 0.0).place
+        bar = link_motion(self, motion, 'output').direction
+        foot, sense = a - motion.slide * bar, np.sign(motion.slide) * bar
+        bars, blocks = [Bar(ORIGIN, a), Bar(o4, foot)], []
+        if self.is_driven_by_slide:        # a cylinder: the tube from O4, the rod out of it to A
+            low, high = sorted(map(abs, self.input_ranges[-1]))
+            tube = max(0.9 * low, 0.45 * high)      # as long as it can be with the rod in
+            end = foot + min(tube, 0.98 * abs(motion.slide)) * sense
+            bars += [Bar(foot, a, 0.7), Bar(foot, end, 2.4)]
+        else:
+            size = max(np.ptp(np.array([ORIGIN, a, o4]), axis=0))
+            bars.append(Bar(foot, a + BEYOND * size * sense))
+            blocks.append(Block(a, bar))
+        return Diagram({'O_1': ORIGIN, 'A': a, 'O_4': o4}, ('O_1', 'O_4'), tuple(bars),
+                       tuple(blocks), {'f41': 'O_1', 'f21': 'A', 'f32': 'A', 'f43': 'O_4'},
+                       {'theta1': 'O_1', 'theta4': 'O_4'}, drawn_whole=('output',))
+
+    def velocity_polygon(self, motion: NamedFields) -> list[Arrow]:
+        """Return the arrows of V_A = V_Q + V_rel, Q of the bar at A [m/s]."""
+        output = link_motion(self, motion, 'output')
+        v_a = point_motion(self, motion, 'crank', self.a1).velocity
+        v_q = point_motion(self, motion, 'output', motion.slide, self.offset).velocity
+        return [total(v_a, 'V_A'), total(v_q, 'V_Q'),
+                Arrow(v_q, motion.slide_velocity * output.direction, 'V_{rel}', False)]
+
+    def acceleration_polygon(self, motion: NamedFields) -> list[Arrow]:
+        """Return the arrows of A_A = A_Q + A_Cor + A_rel, Eq. (9), Q of the bar at A [m/s^2]."""
+        crank, output = (link_motion(self, motion, link) for link in ('crank', 'output'))
+        a_a = point_motion(self, motion, 'crank', self.a1).acceleration
+        arm = motion.slide * output.direction + self.offset * turned(1.0, output.direction)
+        relative = motion.slide_acceleration * output.direction
+        terms = acceleration_terms(ORIGIN, output.omega, output.alpha, arm,
+                                   motion.slide_velocity * output.direction, relative)
+        a_q = terms.normal + terms.tangential
+        return [total(a_a, 'A_A'), *around(ORIGIN, crank, self.a1 * crank.direction, 'A'),
+                *around(ORIGIN, output, arm, 'Q'), total(a_q, 'A_Q'),
+                *chain(a_q, (terms.coriolis, 'A_{Cor}'), (relative, 'A_{rel}'))]
+
+
+class YokeDeadPoint(NamedTuple):
+    """Crank along the guide: the yoke turns back."""
+
+    theta1: float     # [rad]
+    slide: float      # [m]
+
+
+@dataclass(frozen=True)
+class ScotchYoke(Kind):
+    """
+    Scotch yoke: the crank pin A, on a block, moves a slotted yoke along y = offset.
+
+    The slot is square to it.
+
+    Parameters
+    ----------
+    a1 : float
+        Length of the crank [m], positive.
+    offset : float
+        y of the guide [m]; it matters for couples alone.
+    mode : int
+        Assembly mode. A driven slide: 2 has sin(theta1) > 0, 1 < 0. A driven crank has one mode,
+        2.
+    input : str
+        'crank' or 'slide': the driven coordinate, theta1 or slide.
+    bodies : Bodies, optional
+        Crank from O1, block (``coupler``) from A along the slot (y), yoke (``output``) from B,
+        where slot and guide cross, along x. Block and yoke do not turn.
+    gravity : tuple of 2 floats
+        Field of gravity (x, y) [m/s^2].
+    external : External
+        Forces and couples on block (``coupler``) and yoke (``output``).
+    stroke : tuple of 2 floats, optional
+        Shortest and longest slide [m] of a driven slide; not given: [-a1, a1].
+
+    Raises
+    ------
+    InvalidParameter
+        Naming the parameter, its value and the allowed values.
+
+    """
+
+    a1: float
+    offset: float = 0.0
+    mode: int = OPEN
+    input: str = CRANK
+    bodies: Bodies | None = None
+    gravity: tuple[float, float] = (0.0, 0.0)
+    external: External = External()
+    stroke: tuple[float, float] | None = None
+
+    TITLE = 'Scotch yoke'
+    TEXT, LENGTHS, LINKS, JOINTS = FACTS['scotch_yoke'][:4]
+    INPUTS = {CRANK: THETA1, SLIDE: TRAVEL}
+    OUTPUTS = {CRANK: (Output(TRAVEL, 'slide_ratio'),), SLIDE: (Output(THETA1, 'crank_ratio'),)}
+    REACTIONS = (reaction('O1', 'ground on crank', 'f41'), reaction('A', 'block on crank', 'f21'),
+                 reaction('slot', 'yoke on block', 'f32', 'slot_couple'),
+                 reaction('guide', 'guide on yoke', 'f43', 'guide_couple'))
+    PARTS = {THETA1: 'crank', THETA2: 'block to crank', TRAVEL: 'yoke',
+             SLOT: 'block in the slot'}
+    DRAWN = (THETA1, TRAVEL, SLOT)
+    RATIOS = {'crank_ratio': THETA1, 'slide_ratio': TRAVEL}
+    DIRECTIONS = {'x': THETA1}
+    COUPLER = OUTPUT = ''
+    DRIVES = {
+        CRANK: Drive(
+            (GROUND, 'crank', 'coupler', 'output'), 'RPP',
+            lambda lengths: Numbers((lengths[0], 0.0), (0.0, lengths[1]), (1.0, 0.0, 0.0, 1.0)),
+            {**FORWARD, 'guide_force': ('second_normal', 1.0),
+             'guide_couple': ('second_couple', 1.0), 'slot_couple': ('inner_couple', 1.0)},
+            ('', 1.0), lambda f, a, d, _: a[0] * f(d[THETA1][0]),                      # (C4)
+            slides=(SLOT, TRAVEL)),
+        SLIDE: Drive(
+            (GROUND, 'output', 'crank', 'coupler'), 'RRP',
+            lambda lengths: Numbers(AT_O, AT_O, (lengths[0], 0.0, 1.0)),
+            {'f41': ('first', 1.0), 'f21': ('inner', 1.0), 'f32': ('second', 1.0),
+             'f43': ('base', 1.0), 'guide_force': ('base_normal', 1.0),
+             'guide_couple': ('base_couple', 1.0), 'slot_couple': ('second_couple', 1.0)},
+            ('sin_x', 1.0), lambda f, a, d, _: f(d[THETA1][0] / d[THETA1][1]),           # (C4)
+            lambda f, a, d: (f(d[THETA1][1]), d[THETA1][0]), slides=(SLOT,), first=0,
+            start=lambda lengths: (0.0, lengths[1]))}
+    MARGIN_SIGNS = ((1, 0),)
+
+    def __post_init__(self) -> None:
+        self._check()
+        self._check_stroke()
+
+    @property
+    def modes(self) -> dict[int, str]:
+        """Return the assembly modes: two for a driven slide, one for a driven crank."""
+        return {1: '1', 2: '2'} if self.input == SLIDE else {2: '2, the only one'}
+
+    @property
+    def margins(self) -> tuple[float, ...]:
+        """Return a1: no lengths make a change point."""
+        return (self.a1,)
+
+    @property
+    def classification(self) -> str:
+        """Return the type: the crank of every one can turn fully."""
+        return 'harmonic motion'
+
+    @property
+    def closing_ranges(self) -> tuple[tuple[float, float], ...]:
+        """Return the range of the input: a full turn, or -a1 to a1 [m], the crank along x."""
+        return ((-pi, pi),) if self.input == CRANK else ((-self.a1, self.a1),)
+
+    @property
+    def singular_inputs(self) -> list[complex]:
+        """Return the toggles of a driven slide; of a driven crank there are no singular inputs."""
+        return [] if self.input == CRANK else [complex(-self.a1), complex(self.a1)]
+
+    @property
+    def dead_points(self) -> tuple[YokeDeadPoint, ...]:
+        """Return where the yoke of a driven crank turns back."""
+        return ((YokeDeadPoint(0.0, self.a1), YokeDeadPoint(pi, -self.a1)) if self.input == CRANK
+                else ())
+
+    @staticmethod
+    def place_of_output(lengths: Lengths) -> tuple[Scalar, Scalar]:
+        """Return where the slide is zero [m]."""
+        return 0.0, lengths[1]
+
+    @property
+    def connections(self) -> tuple[Connection, ...]:
+        """Return which links the four joints connect; the block points along the slot, y."""
+        return (Connection(GROUND, 'crank'), Connection('crank', 'coupler', (self.a1, 0.0)),
+                Connection('output', 'coupler', axis=(0.0, 1.0), turn=0.5 * pi),
+                Connection(GROUND, 'output', (0.0, self.offset), axis=(1.0, 0.0)))
+
+    def transmission_sine(self, motion: NamedFields) -> Scalar:
+        """Return 1, or of a driven slide sin(theta1): zero where that cannot turn the crank."""
+        sine: Scalar = motion.sin_x
+        return 1.0 + (sine - sine) if self.input == CRANK else sine
+
+    def diagram(self, motion: NamedFields) -> Diagram:
+        """Return the picture of one pose; the slot reaches over the whole travel of the block."""
+        a, b = (point_motion(self, motion, link, along).place
+                for link, along in (('crank', self.a1), ('output', 0.0)))
+        travel = [b + (end - self.offset) * Y for end in (-1.1 * self.a1, 1.1 * self.a1)]
+        low, _, high = sorted((b, *travel), key=lambda place: float(place[1]))
+        return Diagram({'O_1': ORIGIN, 'A': a, 'B': b}, ('O_1',), (Bar(low, high), Bar(ORIGIN, a)),
+                       (Block(b, X, is_guided=True), Block(a, Y)),
+                       {'f41': 'O_1', 'f21': 'A', 'f32': 'A', 'f43': 'B'}, {'theta1': 'O_1'})
+
+    def velocity_polygon(self, motion: NamedFields) -> list[Arrow]:
+        """Return the arrows of V_A = V_B + V_rel, along guide and slot [m/s]."""
+        v_a = point_motion(self, motion, 'crank', self.a1).velocity
+        v_b = motion.slide_velocity * X
+        return [total(v_a, 'V_A'), total(v_b, 'V_B'),
+                *chain(v_b, (motion.slot_velocity * Y, 'V_{rel}'))]
+
+    def acceleration_polygon(self, motion: NamedFields) -> list[Arrow]:
+        """Return the arrows of A_A = A_B + A_rel [m/s^2]; the slot does not turn: no Coriolis."""
+        crank = link_motion(self, motion, 'crank')
+        a_a = point_motion(self, motion, 'crank', self.a1).acceleration
+        a_b = motion.slide_acceleration * X
+        return [total(a_a, 'A_A'), *around(ORIGIN, crank, self.a1 * crank.direction, 'A'),
+                total(a_b, 'A_B'), *chain(a_b, (motion.slot_acceleration * Y, 'A_{rel}'))]
+
+
+results(SliderCrank, 'SliderCrankMotion', 'SliderLoads')
+results(InvertedSlider, 'InvertedSliderMotion', 'SliderLoads')
+results(ScotchYoke, 'ScotchYokeMotion', 'ScotchYokeLoads')
