@@ -64,7 +64,7 @@ from fourbar_ros.numerics.number_types import (
     NumberType,
     Scalar,
 )
-from fourbar_ros.numerics.straight_line import straight_line
+from fourbar_ros.numerics.write import straight_line
 import numpy as np
 
 MakeFormula = Callable[[DrivenLinks, NumberType], Function]      # of the coordinate

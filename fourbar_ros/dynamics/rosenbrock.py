@@ -20,7 +20,7 @@ order 3, is L-stable and stiffly accurate. Its Jacobian is exact at the start of
 for the derivative of du/dt by p, a finite difference.
 
 All are formulas of any number type. The node has them as functions of floats without calls
-(:mod:`fourbar_ros.numerics.straight_line`), generated code as C, both from one trace.
+(:mod:`fourbar_ros.numerics.write`), generated code as C, both from one trace.
 """
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ from fourbar_ros.dynamics.sources import always, Drive, Law, MakePiece, Piece
 from fourbar_ros.dynamics.system import NEAR_TOGGLE
 from fourbar_ros.mechanisms.mechanism import DrivenLinks
 from fourbar_ros.numerics.number_types import Function, NumberType, REAL, Scalar
-from fourbar_ros.numerics.straight_line import straight_line
+from fourbar_ros.numerics.write import straight_line
 
 State = tuple[float, ...]        # five numbers
 GAMMA = 0.25

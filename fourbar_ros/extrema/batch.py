@@ -23,10 +23,10 @@ from fourbar_ros.numerics.arrays import Array, EPS
 from fourbar_ros.numerics.exact_sums import exact_sum_of_four
 from fourbar_ros.numerics.given import array, FASTEST
 from fourbar_ros.numerics.number_types import NumberType
-from fourbar_ros.numerics.program import keep_memory
 from fourbar_ros.numerics.roots import order_in_rows
 from fourbar_ros.numerics.tables import ARRAYS, run
 from fourbar_ros.numerics.trace import flat, Trace
+from fourbar_ros.numerics.write import keep_memory
 import numpy as np
 from numpy.typing import ArrayLike
 

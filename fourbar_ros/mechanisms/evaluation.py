@@ -25,9 +25,9 @@ from fourbar_ros.numerics.number_types import (
     NumberType,
     Scalar,
 )
-from fourbar_ros.numerics.straight_line import lines_of
 from fourbar_ros.numerics.tables import ARRAYS, run, Table
 from fourbar_ros.numerics.trace import flat, Trace
+from fourbar_ros.numerics.write import lines_of, program
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -194,7 +194,6 @@ def evaluate(mechanism: Formulas, given: tuple[ArrayLike, ...], wanted: tuple[in
         if any(v.dtype.kind == 'c' for v in inputs):
             rows = _complex_rows(mechanism, inputs, shape, wanted, with_loads)
         else:
-            from fourbar_ros.numerics.program import program  # nodes take one sample at a time
             # a rate that is one number stays one: all that follows from it is computed once
             flattened = [float(v) if i and not v.ndim else np.broadcast_to(v, shape).reshape(-1)
                          for i, v in enumerate(inputs)]
@@ -202,7 +201,7 @@ def evaluate(mechanism: Formulas, given: tuple[ArrayLike, ...], wanted: tuple[in
                                        else mechanism.record_of_motion)
             wanted = range_of(trace) if wanted is None else wanted
             rows = program(trace, wanted, tuple([type(v) is float for v in flattened]),
-                           zeros).run(flattened, constants, prod(shape))
+                           zeros)(flattened, constants, prod(shape))
             if mechanism.is_flat_at_zero:
                 _set_limits(mechanism, inputs, rows, wanted, with_loads)
     if reaches is not None:             # the position itself is known out of reach too

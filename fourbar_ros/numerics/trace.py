@@ -8,8 +8,8 @@ The operations of a formula, written down once; all fast code is written from th
 belongs to a structure, not to one mechanism: lengths and masses are *data*, as the inputs are
 inputs, and what depends on data alone is computed once for each mechanism.
 
-Writers make functions of a trace: :mod:`fourbar_ros.numerics.straight_line` Python of floats,
-:mod:`fourbar_ros.numerics.program` calls of numpy for arrays. One for another language has to walk
+Functions of a trace are made by :mod:`fourbar_ros.numerics.write`: Python of floats, calls of
+numpy for arrays. One for another language has to walk
 :attr:`Trace.steps`, and needs nothing else.
 
 A step is there once, however often the formula asks for it, and a minus sign is moved into the

@@ -15,9 +15,9 @@ from fourbar_ros import (
     SliderCrank,
 )
 from fourbar_ros.mechanisms import evaluation as arrays
-from fourbar_ros.numerics import program
+from fourbar_ros.numerics import write
 from fourbar_ros.numerics.number_types import ARRAY
-from fourbar_ros.numerics.trace import Number
+from fourbar_ros.numerics.trace import flat, Number
 import numpy as np
 import pytest
 from support.samples import some
@@ -31,7 +31,7 @@ KINDS = [FourBar(0.4, 1.2, 0.8, 1.0, **ACTING), FourBar(0.9, 0.4, 0.8, 1.0, mode
            for driven in ('crank', 'slide') for mode in (1, 2))]
 every_kind = pytest.mark.parametrize('mechanism', KINDS,
                                      ids=lambda m: f'{type(m).__name__}-{m.input}-{m.mode}')
-SIZES = (1, 5, 30, 1000, program.CHUNK + 1)
+SIZES = (1, 5, 30, 1000, write.CHUNK + 1)
 
 
 def names_of(mechanism):
@@ -69,7 +69,7 @@ def are_equal(name, one, other):
 def test_chunks_give_the_bits_of_one_piece(mechanism, monkeypatch):
     x = np.linspace(-3.0, 3.0, 1003)
     whole = mechanism.step(x, 3.0, x)
-    monkeypatch.setattr(program, 'CHUNK', 128)
+    monkeypatch.setattr(write, 'CHUNK', 128)
     for one, other in zip(sum(mechanism.step(x, 3.0, x), ()), sum(whole, ())):
         assert np.array_equal(one, other, equal_nan=True)
 
@@ -133,13 +133,11 @@ def test_a_trace_is_made_once_for_a_kind_and_less_is_done_for_less():
     one, other = (FourBar(a1, 1.2, 0.8, 1.0,
                           bodies=Bodies(*(round_rod(0.5, 7750.0, 0.01) for _ in range(3))))
                   for a1 in (0.4, 0.5))
-    (trace, constants, zeros), (same, others, _) = (arrays.recorded(m, True)
-                                                    for m in (one, other))
+    (trace, constants, _), (same, others, _) = (arrays.recorded(m, True) for m in (one, other))
     assert trace is same and constants != others
-    single = (False, True, True)
-    whole = program.program(trace, arrays.range_of(trace), single, zeros)
-    angle = program.program(trace, (one.MOTION._fields.index('theta4'),), single, zeros)
-    assert len(angle.steps) < 0.25 * len(whole.steps)
+    places = flat(trace.results)
+    angle = trace.needed([places[one.MOTION._fields.index('theta4')]])
+    assert len(angle) < 0.3 * len(trace.needed(places))
     with pytest.raises(TypeError, match='where'):
         bool(Number(trace, 0))
 

@@ -9,7 +9,8 @@ import traceback
 from fourbar_ros import Applied, Body
 from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.numerics.number_types import REAL
-from fourbar_ros.numerics.straight_line import KEPT, make_lines, straight_line
+from fourbar_ros.numerics.trace import Trace
+from fourbar_ros.numerics.write import KEPT, lines_of, straight_line
 from hypothesis import given
 from hypothesis import strategies as st
 import numpy as np
@@ -87,7 +88,7 @@ def test_a_line_is_written_once_for_a_structure():
         (a, b), c = data
         ratio, total = a / b, n.exact_sum((a, b, c))
         return lambda x: ((ratio * x, c * x), total)
-    lines = make_lines(formula, ((1.0, 3.0), 0.0), 1)
+    lines = lines_of(Trace(formula, 1, ((1.0, 3.0), 0.0)), (), 'one of many')
     for a, b, c in ((1.0, 3.0, 0.0), (2.0, 7.0, -1.0), (0.1, 0.2, -0.3)):
         assert lines((a, b, c))(-5.0) == ((a / b * -5.0, c * -5.0), fsum((a, b, c)))
     assert len(written) == 1
@@ -97,8 +98,8 @@ def test_a_line_is_written_once_for_a_structure():
 
 
 def test_data_known_to_be_zero_are_left_out():
-    lines = make_lines(lambda n, data: lambda x: (data[0] * x + data[1] * n.sin(x),),
-                       (2.0, 0.0), 1, zeros={1})
+    trace = Trace(lambda n, data: lambda x: (data[0] * x + data[1] * n.sin(x),), 1, (2.0, 0.0))
+    lines = lines_of(trace, {1}, 'of one datum')
     line = lines((3.0, 0.0))
     assert line(2.0) == (6.0,) and 'sin' not in line.__code__.co_varnames
 
