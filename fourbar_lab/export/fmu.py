@@ -71,8 +71,7 @@ def write(model: Model, directory: Path, version: int) -> tuple[Path, list[str],
     text = _source(code, version)
     guid = str(uuid.uuid5(uuid.NAMESPACE_URL, text + repr(variables)))
     source = text.replace('GUID', f'{{{guid}}}')
-    description = (_description_2 if version == 2 else _description_3)(model, variables,
-                                                                       f'{{{guid}}}')
+    description = _description(model, variables, f'{{{guid}}}', version)
     inside = {'modelDescription.xml': _as_text(description),
               f'sources/{model.name}.c': source.encode()}
     if version == 3:
@@ -295,51 +294,43 @@ def _feeds_through(one: Variable) -> bool:
             and not one.name.startswith('motor.'))
 
 
-def _description_2(model: Model, variables: list[Variable], guid: str) -> ElementTree.Element:
-    """Return modelDescription.xml of FMI 2.0: dependencies name variables by order, from 1."""
-    root = _head(model, '2.0', guid=guid)
-    for tag, more in _interfaces(model):
-        kind = _element(root, tag, modelIdentifier=model.name, canGetAndSetFMUstate='true',
-                        canSerializeFMUstate='true', **more)
-        _element(_element(kind, 'SourceFiles'), 'File', name=f'{model.name}.c')
+def _description(model: Model, variables: list[Variable], guid: str,
+                 version: int) -> ElementTree.Element:
+    """
+    Return modelDescription.xml.
+
+    Dependencies name variables by their order, from 1, in FMI 2.0, by value references in 3.0.
+    """
+    is_2 = version == 2
+    root = _head(model, f'{version}.0', **{'guid' if is_2 else 'instantiationToken': guid})
+    state = 'FMUstate' if is_2 else 'FMUState'
+    for tag, more in _interfaces(model, '' if is_2 else 's'):
+        kind = _element(root, tag, modelIdentifier=model.name, **{
+            f'canGetAndSet{state}': 'true', f'canSerialize{state}': 'true'}, **more)
+        if is_2:
+            _element(_element(kind, 'SourceFiles'), 'File', name=f'{model.name}.c')
     _units(root, variables)
     _element(root, 'DefaultExperiment', startTime='0', stopTime='1', stepSize=_step_of(model))
     listed = _element(root, 'ModelVariables')
+    if not is_2:
+        status = next(one for one in variables if one.name == 'status')
+        _element(listed, 'Float64', name='time', valueReference=status.reference + 1,
+                 causality='independent', variability='continuous', unit='s')
     for one in variables:
-        variable = _element(listed, 'ScalarVariable', **_attributes(one))
-        _element(variable, 'Real', **_real(one))
+        if is_2:
+            _element(_element(listed, 'ScalarVariable', **_attributes(one)), 'Real', **_real(one))
+        else:
+            _element(listed, 'Float64', **_attributes(one), **_real(one))
     structure = _element(root, 'ModelStructure')
-    inputs = ' '.join(str(i + 1) for i, one in enumerate(variables) if _feeds_through(one))
-    known = ' '.join(str(i + 1) for i, one in enumerate(variables) if one.causality != 'output')
-    for tag, on in (('Outputs', inputs), ('InitialUnknowns', known)):
-        group = _element(structure, tag)
-        for i, one in enumerate(variables):
-            if one.causality == 'output':
-                _element(group, 'Unknown', index=i + 1).set('dependencies', on)
-    return root
-
-
-def _description_3(model: Model, variables: list[Variable], token: str) -> ElementTree.Element:
-    """Return modelDescription.xml of FMI 3.0: dependencies name variables by value references."""
-    root = _head(model, '3.0', instantiationToken=token)
-    for tag, more in _interfaces(model, 's'):
-        _element(root, tag, modelIdentifier=model.name, canGetAndSetFMUState='true',
-                 canSerializeFMUState='true', **more)
-    _units(root, variables)
-    _element(root, 'DefaultExperiment', startTime='0', stopTime='1', stepSize=_step_of(model))
-    listed = _element(root, 'ModelVariables')
-    status = next(one for one in variables if one.name == 'status')
-    _element(listed, 'Float64', name='time', valueReference=status.reference + 1,
-             causality='independent', variability='continuous', unit='s')
-    for one in variables:
-        _element(listed, 'Float64', **_attributes(one), **_real(one))
-    structure = _element(root, 'ModelStructure')
+    numbers = {one.name: i if is_2 else one.reference for i, one in enumerate(variables, 1)}
     for tag, is_on in (('Output', _feeds_through),
                        ('InitialUnknown', lambda one: one.causality != 'output')):
-        on = ' '.join(str(one.reference) for one in variables if is_on(one))
+        on = ' '.join(str(numbers[one.name]) for one in variables if is_on(one))
+        under, name, key = ((_element(structure, f'{tag}s'), 'Unknown', 'index') if is_2
+                            else (structure, tag, 'valueReference'))
         for one in variables:
             if one.causality == 'output':
-                _element(structure, tag, valueReference=one.reference).set('dependencies', on)
+                _element(under, name, **{key: numbers[one.name]}).set('dependencies', on)
     return root
 
 

@@ -5,7 +5,7 @@ Extrema lie where the collineation axis says, and nowhere else.
 
 The geometry is done here once more, from lengths alone: joints by the law of cosines, poles as
 intersections of lines, derivatives by the complex step. It is a third search beside samples and
-Sturm's chains.
+exact roots.
 """
 from math import pi
 

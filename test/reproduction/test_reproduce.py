@@ -150,16 +150,6 @@ def test_the_open_questions_are_answered_by_what_holds(sections):
     np.testing.assert_allclose(square, 90.0, rtol=0.0, atol=1e-12)
 
 
-def test_everything_asked_for_is_there(sections):
-    titles = ' '.join(section.title for section in sections)
-    for name in ('7.2', '7.3', '7.4', '7.5', '7.6', '7.7', '(16)-(37)', '(9)-(11)', '(1)-(8)',
-                 '(9) and (10)', 'Table 1', 'Table 2', 'Table 3',
-                 'Figure 3', 'Figure 4'):
-        assert name in titles
-    assert [row.what for row in rows(sections, '(16)-(37)')] == [f'Eq. ({n})'
-                                                                 for n in range(16, 38)]
-
-
 def test_the_misprinted_equations_are_these(sections):
     assert [row.what for row in rows(sections, '(16)-(37)') if row.verdict == MISPRINT] == [
         'Eq. (25)', 'Eq. (31)', 'Eq. (33)']
@@ -225,13 +215,6 @@ def test_examples_to_1e_12_of_an_independent_solution(sections):
     close('Example 7.6 -', {'omega4': 10 * p.dy, 'alpha4': 100 * (p.dy + p.ddy),
                             'omega2 (of the coupler)': 10 * p.db,
                             'alpha2 (of the coupler)': 100 * (p.db + p.ddb)})
-
-
-def test_every_reading_is_within_the_tolerance_of_the_drawing(sections):
-    for title, limit in (('Example 7.2', 0.022), ('Example 7.5', 0.03)):
-        for row in rows(sections, title):
-            if row.verdict == DRAWN and 'Coriolis' not in row.what and 'normal' not in row.what:
-                assert abs(row.difference / row.ours) <= limit, row
 
 
 @pytest.mark.parametrize('linkage, mode, theta1, printed, quantity', [
@@ -372,11 +355,3 @@ def test_the_tables_number_their_reasons(sections, capsys):
     assert ('misprint' in text and '(1) ' in text
             and text.splitlines()[-1].startswith(f'{count(sections)[AGREES]} agrees, '))
     assert list(sections[0].footnotes.values()) == [1, 2, 3, 4]
-
-
-def test_the_tables_need_no_matplotlib():
-    done = subprocess.run([sys.executable, '-c', 'import sys; sys.modules["matplotlib"] = None\n'
-                           'from fourbar_lab.reproduction.paper import reproduce; import '
-                           'fourbar_lab.drawing.figure; reproduce()'],
-                          capture_output=True, text=True, cwd=ROOT, check=False)
-    assert done.returncode == 0, done.stderr
