@@ -3,7 +3,7 @@
 """Tables for terminals and pipes, by rich: wrapped where they must be, never cropped."""
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from rich.console import Console
 from rich.table import Table
@@ -19,11 +19,13 @@ def make_console() -> Console:
     return console
 
 
-def make_table(title: str, columns: Sequence[str]) -> Table:
+def make_table(title: str, columns: Sequence[str], rows: Iterable[Sequence[str]] = ()) -> Table:
     """Return a table without lines; a ``>`` at the end of a head right-aligns its column."""
     table = Table(title=title or None, title_justify='left', title_style='bold', box=None,
                   padding=(0, 2, 0, 0), pad_edge=False, show_header=any(columns))
     for column in columns:
         table.add_column(column.rstrip('>'), justify='right' if column[-1:] == '>' else 'left',
                          overflow='fold')
+    for row in rows:
+        table.add_row(*row)
     return table

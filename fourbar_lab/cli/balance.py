@@ -132,14 +132,13 @@ def _tables(loads: Loads, balance: Balance) -> tuple[Table, Table]:
     """Return the tables of the counterweights and of the loads before and after."""
     from fourbar_lab.balancing import changes
     from fourbar_ros.terminal import make_table
-    table = make_table('counterweights, from the first joint of their link',
-                       ('link', 'mass [kg]>', 'along [m]>', 'across [m]>'))
-    for weight in balance.counterweights:
-        # a workshop's digits; those behind them are the solver's, and the scene file's
-        table.add_row(weight.link, *(f'{value:.7g}' for value in weight[1:]))
-    of_loads = make_table('loads of inertia', ('', 'unit', 'RMS before>', 'after>',
-                                               'peak before>', 'after>'))
-    for change in changes(loads, balance.numbers):
-        of_loads.add_row(change.name, change.unit,
-                         *(f'{value:.6g}' for value in (*change.rms, *change.peak)))
-    return table, of_loads
+    # a workshop's digits; those behind them are the solver's, and the scene file's
+    weights = [(weight.link, *(f'{value:.7g}' for value in weight[1:]))
+               for weight in balance.counterweights]
+    of_loads = [(change.name, change.unit,
+                 *(f'{value:.6g}' for value in (*change.rms, *change.peak)))
+                for change in changes(loads, balance.numbers)]
+    return (make_table('counterweights, from the first joint of their link',
+                       ('link', 'mass [kg]>', 'along [m]>', 'across [m]>'), weights),
+            make_table('loads of inertia', ('', 'unit', 'RMS before>', 'after>', 'peak before>',
+                                            'after>'), of_loads))

@@ -28,10 +28,9 @@ def _list(arguments: Namespace) -> None:
     from fourbar_ros.terminal import make_console, make_table
     console = make_console()
     for title, below in (('scenes', ''), ('classics', 'classics'), ('studies', 'studies')):
-        table = make_table(title, ['name', 'text'])
-        for path in sorted((folder() / below).glob('*.yaml')):
-            table.add_row(path.stem, about(path.read_text(encoding='utf-8')))
-        console.print(table)
+        console.print(make_table(title, ['name', 'text'], (
+            (path.stem, about(path.read_text(encoding='utf-8')))
+            for path in sorted((folder() / below).glob('*.yaml')))))
         console.print()
 
 

@@ -105,11 +105,8 @@ def _show(arguments: argparse.Namespace) -> None:
     results, console = Results(arguments.study), make_console()
 
     def show(title: str, heads: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
-        table = make_table(title, heads)
-        for row in rows:
-            table.add_row(*row)
         console.print()
-        console.print(table)
+        console.print(make_table(title, heads, rows))
 
     def show_designs(title: str, rows: Sequence[int]) -> None:
         names = [*(name for name, _ in results.objectives), *results.varied]

@@ -62,10 +62,7 @@ def _run(arguments: argparse.Namespace) -> None:
             ('derivatives, and what each tolerance contributes',
              ('measure', 'parameter', 'derivative>', 'unit', '+->'),
              [row for one in results for row in _derivative_rows(one, box, units)])):
-        table = make_table(title, heads)
-        for row in rows:
-            table.add_row(*row)
-        console.print(table)
+        console.print(make_table(title, heads, rows))
         console.print()
     if study.bounds:
         console.print(f'{100.0 * share:.6g} % of the designs fulfil the constraints')

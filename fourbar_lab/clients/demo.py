@@ -138,14 +138,12 @@ def show_extrema(client: Driver, console: Console) -> Sequence[Message]:
     if answer.result != answer.RESULT_OK:
         console.print(f'find_extrema: {answer.message}')
         return ()
-    table = make_table(f'global extrema at {speed:g} {rate_unit(linkage)}, mode '
-                       f'{mode_name(linkage)}, from {NODE}/find_extrema',
-                       ('quantity', '', 'value>', 'unit', f'{linkage.input_coordinate.position}>'))
-    for extremum in answer.extrema:
-        if extremum.is_global:
-            table.add_row(extremum.quantity, KINDS[extremum.kind], f'{extremum.value:.9g}',
-                          extremum.unit, f'{place_of(extremum):.7f}')
-    console.print(table)
+    console.print(make_table(
+        f'global extrema at {speed:g} {rate_unit(linkage)}, mode {mode_name(linkage)}, from '
+        f'{NODE}/find_extrema',
+        ('quantity', '', 'value>', 'unit', f'{linkage.input_coordinate.position}>'),
+        [(one.quantity, KINDS[one.kind], f'{one.value:.9g}', one.unit, f'{place_of(one):.7f}')
+         for one in answer.extrema if one.is_global]))
     console.print()
     extrema: Sequence[Message] = answer.extrema
     return extrema

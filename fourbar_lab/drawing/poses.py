@@ -165,11 +165,11 @@ def loads_table(linkage: Mechanism, loads: NamedFields) -> Table:
 
 def points_table(linkage: Mechanism, motion: NamedFields, points: Points) -> Table:
     """Return the table of the points of a scene: place, velocity, acceleration."""
-    table = make_table('points', ('', '', 'x>', 'y>', 'magnitude>', 'unit'))
+    rows = []
     for name, point in points.items():
         state = point_motion(linkage, motion, *point)
-        for label, what, (x, y), unit in ((name, 'place', state.place, 'm'),
-                                          ('', 'velocity', state.velocity, 'm/s'),
-                                          ('', 'acceleration', state.acceleration, 'm/s^2')):
-            table.add_row(label, what, number(x), number(y), number(hypot(x, y)), unit)
-    return table
+        rows += [(label, what, number(x), number(y), number(hypot(x, y)), unit)
+                 for label, what, (x, y), unit in (
+                     (name, 'place', state.place, 'm'), ('', 'velocity', state.velocity, 'm/s'),
+                     ('', 'acceleration', state.acceleration, 'm/s^2'))]
+    return make_table('points', ('', '', 'x>', 'y>', 'magnitude>', 'unit'), rows)

@@ -85,11 +85,8 @@ def known_output_ranges(linkage: Mechanism
 
 def what_it_is(linkage: Mechanism, scene: object) -> Table:
     """Return the table of a linkage's own properties; ``scene``: its file."""
-    table = make_table('', ('', ''))
-    table.add_row('scene', str(scene))
-    for row in (*facts(linkage), *mobility_rows(linkage)):
-        table.add_row(*row)
-    return table
+    return make_table('', ('', ''), [('scene', str(scene)), *facts(linkage),
+                                     *mobility_rows(linkage)])
 
 
 def facts(linkage: Mechanism) -> list[tuple[str, str]]:

@@ -165,10 +165,9 @@ def print_tables(sections: Sequence[Section]) -> None:
     console = make_console()
     for section in sections:
         notes = section.footnotes
-        table = make_table(section.title, COLUMNS)
-        for row in section.rows:
-            table.add_row(*row.cells, f'({notes[row.reason]})' if row.reason else '')
-        console.print(table)
+        console.print(make_table(section.title, COLUMNS, (
+            (*row.cells, f'({notes[row.reason]})' if row.reason else '')
+            for row in section.rows)))
         for reason, number in notes.items():
             console.print(f'({number}) {reason}', style='dim', markup=False)
         console.print()
