@@ -93,7 +93,7 @@ DERIVATIVES
 #define REFUSED(name) EXPORT Status name(void) { return ERROR; }
 #define PLAIN(name) EXPORT Status name(Instance instance) { (void)instance; return OK; }
 
-static Instance begun(void)
+static Instance new_instance(void)
 {
   State *state = (State *)calloc(1, sizeof *state);
   if (state) reset(state);
@@ -168,7 +168,7 @@ EXPORT Status FMI_CompletedIntegratorStep(Instance instance, Flag is_final, Flag
   return OK;
 }
 
-static Status moved(State *state, double time, double step)
+static Status do_step(State *state, double time, double step)
 {
   if (!(step >= 0.0 && step < HUGE_VAL)) return ERROR;
   ADVANCE

@@ -23,7 +23,7 @@ EXPORT Instance fmi2Instantiate(Text name, int type, Text guid, Text resources,
                                   : "NAME: co-simulation only, or another guid");
     return NULL;
   }
-  return begun();
+  return new_instance();
 }
 
 EXPORT Status fmi2SetupExperiment(Instance instance, int with_tolerance, double tolerance,
@@ -50,7 +50,7 @@ EXPORT Status fmi2SetReal(Instance instance, const unsigned *which, size_t count
 EXPORT Status fmi2DoStep(Instance instance, double time, double step, int is_final)
 {
   (void)is_final;
-  return moved(STATE, time, step);
+  return do_step(STATE, time, step);
 }
 
 typedef struct {

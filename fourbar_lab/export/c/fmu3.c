@@ -8,7 +8,7 @@ static Instance instance_of(Text token, void *environment, Log logger)
     if (logger) logger(environment, ERROR, "logStatusError", "NAME: another token");
     return NULL;
   }
-  return begun();
+  return new_instance();
 }
 
 EXPORT Instance fmi3InstantiateCoSimulation(
@@ -64,7 +64,7 @@ EXPORT Status fmi3DoStep(Instance instance, double time, double step, bool no_wa
   (void)no_way_back;
   *event = *terminate = *early = false;
   *last = time + step;
-  return moved(STATE, time, step);
+  return do_step(STATE, time, step);
 }
 
 EXPORT Status fmi3UpdateDiscreteStates(Instance instance, bool *needed, bool *terminate,
