@@ -85,9 +85,102 @@ class Joint(NamedTuple):
     is_driven: bool = False
 
 
+class Kind(NamedTuple):
+    """A four-bar or one with sliders, by its name, lengths and input: joints, pose, names."""
+
+    name: str
+    lengths: tuple
+    sign: int
+    input: str
+    bodies: object = None
+    external: object = None
+    gravity: tuple = (0.0, 0.0)
+
+    @property
+    def moving(self):
+        return 'crank', 'coupler', 'output'
+
+    def joints(self, data, here, along):
+        """Return O1, A, and the joints at both ends of the output link."""
+        a, *others = (data.real(v) for v in self.lengths)
+        found = [Joint('base', 'crank', here, GROUND, here)]
+        pin_a, is_slide = Joint('A', 'coupler', here, 'crank', a), self.input == 'slide'
+        if self.name == 'inverted_slider':
+            a4, offset = others
+            return [*found, pin_a,
+                    Joint('inner', 'coupler', here, 'output', J * offset, along, is_slide),
+                    Joint('outer', 'output', here, GROUND, a4)]
+        if self.name == 'four_bar':
+            a2, a3, a4 = others
+            return [*found, pin_a, Joint('inner', 'coupler', a2, 'output', a3),
+                    Joint('outer', 'output', here, GROUND, a4)]
+        inner = (Joint('inner', 'coupler', others[0], 'output', here)
+                 if self.name == 'slider_crank' else
+                 Joint('inner', 'coupler', here, 'output', here, J * along))
+        return [*found, pin_a, inner,
+                Joint('outer', 'output', here, GROUND, J * others[-1], along, is_slide)]
+
+    def mode(self, found):
+        """Return what has the sign of the assembly mode."""
+        (a, *_), (e, *_) = found.link('coupler')
+        if self.name == 'four_bar':
+            return imag(conj(acb(self.lengths[3]) - a) * e)
+        if self.name == 'slider_crank' and self.input == 'crank':
+            return real(e)
+        if self.name == 'slider_crank':
+            return imag(conj(a) * found.link('output')[0][0])
+        if self.name == 'inverted_slider' and self.input == 'crank':
+            return real(conj(e) * (a - acb(self.lengths[1])))
+        return imag(a) if self.input == 'slide' else np.array([arb(self.sign)])
+
+    def fields(self, found):
+        """Return the fields of motion and of loads: columns, those of forces complex."""
+        crank, coupler, output = ([found.angle(name, order) for order in range(3)]
+                                  for name in self.moving)
+        between = [one - other for one, other in zip(coupler, crank)]
+        motion = {**_named('theta1 omega1 alpha1', crank), **_named('theta2 omega2 alpha2',
+                                                                    between)}
+        if self.name in ('four_bar', 'slider_crank'):
+            motion |= _named('beta omega_beta alpha_beta', coupler)
+            last = [one - other for one, other in zip(output, coupler)]
+            last[0] = last[0] + (arb.pi() if self.name == 'four_bar' else 0)
+            motion |= _named('theta3 omega3 alpha3', last)
+        if self.name in ('four_bar', 'inverted_slider'):
+            motion |= _named('theta4 omega4 alpha4', output)
+        names = {'inverted_slider': ['slide'], 'slider_crank': ['slide'],
+                 'scotch_yoke': ['slot', 'slide']}.get(self.name, ())
+        sliding = [joint for joint in found.joints if joint.turn is not None]
+        for name, joint in zip(names, sliding):
+            p, q, t = found.ends(joint)
+            gap = [one - other for one, other in zip(p, q)]
+            motion |= _named(f'{name} {name}_velocity {name}_acceleration', [
+                real(leibniz(t, gap, order)) for order in range(3)])
+        if not self.bodies:
+            return motion, {}
+        found = found.loads()
+        loads = {'f41': found['base'], 'f21': -found['A'], 'f32': found['inner'],
+                 'f43': found['outer'], 'driving_torque': found['driving_torque'],
+                 'shaking_force': found['shaking_force'],
+                 'shaking_moment': found['shaking_moment']}
+        if names:
+            joint = sliding[-1].name
+            loads |= {'guide_force': found[f'{joint}_normal'],
+                      'guide_couple': found[f'{joint}_couple'],
+                      'driving_force': found['driving_force']}
+        if self.name == 'scotch_yoke':
+            loads['slot_couple'] = found['inner_couple']
+        return motion, loads
+
+
+def _named(names, levels):
+    return dict(zip(names.split(), levels))
+
+
 def joints_of(machine, data):
     """Return the joints of a machine, that of the driven link first."""
     here, along = np.full(1 + data.count, NONE, object), np.full(1 + data.count, ONE, object)
+    if isinstance(machine, Kind):
+        return machine.joints(data, here, along)
     is_slide = machine.input == 'slide'
     found = [Joint('base', machine.layout.driven, here, machine.layout.links[0], here,
                    along if is_slide else None, is_slide)]
@@ -122,7 +215,7 @@ class Cartesian:
 
     Parameters
     ----------
-    machine : Machine
+    machine : Machine or Kind
     given : tuple of 3 numbers
     near : array (links, 3) or Cartesian
         A pose near the one that is wanted; or the machine in one column, for its conditions.
@@ -130,7 +223,8 @@ class Cartesian:
     """
 
     def __init__(self, machine, given, near):
-        self.machine, self.names = machine, machine.layout.moving
+        self.machine = machine
+        self.names = machine.moving if isinstance(machine, Kind) else machine.layout.moving
         is_solved = isinstance(near, Cartesian)
         data = Columns()
         self.read(given, data)
@@ -253,6 +347,8 @@ class Cartesian:
 
     def is_in_modes(self):
         """Return whether each dyad lies as its mode says."""
+        if isinstance(self.machine, Kind):
+            return float(self.machine.mode(self)[0]) * self.machine.sign > 0
         for dyad in self.machine.stages:
             (_, (one, *_)), (_, (two, *_)) = map(self.link, dyad.links)
             p, q = (self.link(at.link)[0][0] + self.link(at.link)[1][0] * acb(*at[1:])
