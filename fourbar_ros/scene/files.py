@@ -1,10 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Find and read scene files: ROS 2 parameter files, read as ROS reads them but without it."""
+"""Find and read scene files, ROS 2 parameter files, without ROS."""
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import inf, isinf, nan
 from pathlib import Path
 import re
 from typing import Any
@@ -14,19 +13,12 @@ from fourbar_ros.scene.settings import ParameterValues
 import yaml
 
 NODE = '/fourbar'
-BOOLS = {word: value for value, words in ((True, 'y yes true on'), (False, 'n no false off'))
-         for small in words.split() for word in {small, small.capitalize(), small.upper()}}
-INTEGER = re.compile(r'[-+]?(0[xX][0-9a-fA-F]+|0[0-7]*|[1-9][0-9]*)')       # base 0 of C's strtoll
 TABLE = re.compile(r'forces\.\w+\.table')
 # PyYAML's problems as a user sees them
 IN_WORDS = {'<block end>': 'it is indented unlike the lines above it',
             "'<stream end>'": 'a bracket is open', 'end of stream': 'a quote is open',
             'mapping values are not allowed': 'a second colon, or indented unlike the line above'}
 NO_BLANK = re.compile(r'(?:^|[\s{,])([A-Za-z][\w.]*):([^\s:/,}]+)')
-DOUBLE = re.compile(r'[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?')
-NAMED = {'.nan': nan, '.inf': inf, '+.inf': inf, '-.inf': -inf,
-         **{sign + word: float(sign + word) for sign in ('', '+', '-')
-            for word in ('nan', 'inf', 'infinity')}}
 
 
 class SceneError(FourBarError, ValueError):
@@ -221,29 +213,6 @@ def flatten(tree: dict[Any, Any], path: str | Path = '', prefix: str = '') -> Tr
     return flat
 
 
-def scalar(text: str) -> bool | int | float | str:
-    """
-    Return a plain scalar as rcl's parser reads it, unlike YAML 1.1 in Python.
-
-    ``4e-1`` is a number; ``1_000`` and ``1:30`` are texts; ``010`` is 8.
-    """
-    if text in BOOLS:
-        return BOOLS[text]
-    if INTEGER.fullmatch(text):
-        sign, digits = -1 if text[0] == '-' else 1, text.lstrip('+-')
-        try:
-            whole = sign * int(digits, 16 if digits[:2] in ('0x', '0X') else 8 if digits[0] == '0'
-                               else 10)
-            return whole if -2**63 <= whole < 2**63 else float(whole)
-        except (OverflowError, ValueError):     # beyond doubles, or more digits than Python reads
-            return text
-    if DOUBLE.fullmatch(text):
-        value = float(text)
-        underflows = value == 0.0 and re.match('[^eE]*[1-9]', text)
-        return text if isinf(value) or underflows else value
-    return NAMED.get(text.lower(), text)
-
-
 def as_text(values: ParameterValues) -> str:
     """
     Return a flat dict of parameters as the text of a ROS 2 parameter file for any node.
@@ -263,44 +232,25 @@ def as_text(values: ParameterValues) -> str:
 
 
 class _Loader(yaml.SafeLoader):
-    """YAML as rcl reads it; duplicate keys, missing values and aliases are errors."""
+    """YAML with the numbers and truth values of rcl; a key that is given twice is an error."""
 
     yaml_implicit_resolvers = {}
 
-    def compose_node(self, parent: yaml.Node | None, index: int) -> yaml.Node | None:
-        """Refuse an alias; else as the base class."""
-        if self.check_event(yaml.AliasEvent):
-            # yaml has no types for it
-            event: Any = self.peek_event()      # type: ignore[no-untyped-call]
-            raise yaml.MarkedYAMLError(problem='ROS reads no aliases',
-                                       problem_mark=event.start_mark)
-        return super().compose_node(parent, index)
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
+        """Return a mapping whose keys differ."""
+        keys = [key.value for key, _ in node.value]
+        for place, (key, _) in enumerate(node.value):
+            if key.value in keys[:place]:
+                raise yaml.MarkedYAMLError(problem=f'{key.value} is given twice',
+                                           problem_mark=key.start_mark)
+        values: dict[Any, Any] = super().construct_mapping(node, deep)
+        return values
 
 
-def _plain_or_quoted(loader: yaml.SafeLoader, node: yaml.ScalarNode) -> bool | int | float | str:
-    """Return a plain scalar as rcl reads it, a quoted one as text; an empty one is an error."""
-    if node.style is not None:
-        return str(node.value)
-    if not node.value:
-        raise yaml.MarkedYAMLError(problem='a key without a value', problem_mark=node.start_mark)
-    return scalar(node.value)
-
-
-def _mapping(loader: yaml.SafeLoader, node: yaml.MappingNode) -> Tree:
-    """Return a mapping of YAML; a key that is no text, or given twice, is an error."""
-    values = {}
-    for key_node, value_node in node.value:
-        key = key_node.value if isinstance(key_node, yaml.ScalarNode) else None
-        if key is None:
-            raise yaml.MarkedYAMLError(problem='a key that is no text',
-                                       problem_mark=key_node.start_mark)
-        if key in values:
-            raise yaml.MarkedYAMLError(problem=f'{key} is given twice',
-                                       problem_mark=key_node.start_mark)
-        values[key] = loader.construct_object(value_node, deep=True)
-    return values
-
-
-for _tag in ('str', 'int', 'float', 'bool', 'null'):
-    _Loader.add_constructor(f'tag:yaml.org,2002:{_tag}', _plain_or_quoted)
-_Loader.add_constructor('tag:yaml.org,2002:map', _mapping)
+# 4e-1 is a number, unlike in YAML 1.1; 1_000 and 1:30 are texts; all else is text as it stands
+for _tag, _pattern in (
+        ('bool', '(?i:yes|no|true|false|on|off)'),
+        ('int', '[-+]?(0[xX][0-9a-fA-F]+|0[0-7]*|[1-9][0-9]*)'),
+        ('float', r'[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?'
+                  r'|[-+]?(\.?(?i:inf|nan)|(?i:infinity))')):
+    _Loader.add_implicit_resolver(f'tag:yaml.org,2002:{_tag}', re.compile(f'({_pattern})$'), None)

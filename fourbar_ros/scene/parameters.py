@@ -130,13 +130,9 @@ def _why_unknown(name: str, is_machine: bool, value: Any) -> str:
     """
     Return why a scene cannot have a parameter, with the name that was probably meant.
 
-    Tried in this order: a unit in the name, a group in place of a parameter, a bad name of a link
-    or point, dyads of a linkage without any, a misspelt name in a known group, any known name.
     ``is_machine``: the scene is of the kind that has dyads.
     """
     parts = name.split('.')
-    if with_unit := _named_with_unit(name, value):
-        return with_unit
     below = list(dict.fromkeys(known.removeprefix(f'{name}.').split('.')[0]
                                for known in with_motors() if known.startswith(f'{name}.')))
     if below and isinstance(value, str) and ':' in value:
@@ -155,32 +151,8 @@ def _why_unknown(name: str, is_machine: bool, value: Any) -> str:
     group, _, last = name.rpartition('.')
     beside = [other.rpartition('.')[2] for other in known if other.rpartition('.')[0] == group]
     if group and beside:
-        hint = nearest(last, beside)
-        return 'unknown parameter' + hint.replace('mean ', f'mean {group}.').replace(
-            '; known:', f'; {group} has')
+        return f'unknown parameter of {group}{nearest(last, beside)}'
     return f'unknown parameter{nearest(name, known)}'
-
-
-def _named_with_unit(name: str, value: Any) -> str:
-    """
-    Return advice in place of a name with a unit, as drive.rpm or linkage.a1_mm.
-
-    For linkage.a1_mm: 50 it names linkage.a1 [m], 50 mm = 0.05. Empty for other names.
-    """
-    from fourbar_ros.scene.units import in_unit, UNITS  # good scenes do without
-    group, _, last = name.rpartition('.')
-    base, _, suffix = last.rpartition('_')
-    units = {unit.lower().replace('/', '_'): unit for its in UNITS.values() for unit in its}
-    for word in (last, suffix):
-        parameter = with_motors().get('drive.speed' if name == f'drive.{word}' and word == last
-                                   else f'{group}.{base}')
-        if parameter and word.lower() in units:
-            of_unit = units[word.lower()]
-            converted = in_unit(f'{value}{of_unit}', parameter.unit)
-            own_unit = f' [{parameter.unit.partition(" or ")[0]}]'
-            return (f'unknown parameter; did you mean {parameter.name}{own_unit}?'
-                    + (f' {value} {of_unit} = {converted:.9g}' if converted is not None else ''))
-    return ''
 
 
 def _members(values: ParameterValues, is_machine: bool) -> list[tuple[str, str]]:
