@@ -11,7 +11,7 @@ import json
 from math import isfinite
 from pathlib import Path
 import sys
-from textwrap import wrap
+from textwrap import fill
 from typing import Any, Protocol, TYPE_CHECKING
 
 from fourbar_ros.scene.arguments import not_negative
@@ -36,28 +36,10 @@ class HelpFormatter(argparse.HelpFormatter):
     """Fills paragraphs of help to the terminal's width, but keeps lines of indented examples."""
 
     def _fill_text(self, text: str, width: int, indent: str) -> str:
-        """Return a description or epilog as lines of at most ``width``: argparse calls it."""
-        lines: list[str] = []
-        for is_example, part in groupby(text.splitlines(), lambda line: line[:1] in ('', ' ')):
-            if is_example:
-                lines += [filled for line in part for filled in self._example(line, width)]
-            else:
-                lines += wrap(' '.join(part), width, break_on_hyphens=False)
-        return '\n'.join(indent + line for line in lines)
-
-    @staticmethod
-    def _example(line: str, width: int) -> list[str]:
-        """Return an example 'COMMAND   remark' as it is, or too long, in lines for a shell."""
-        if len(line) <= width:
-            return [line]
-        start = ' ' * (len(line) - len(line.lstrip()))
-        example, _, remark = line.strip().partition('   ')
-        parts = wrap(example, width - 2, initial_indent=start, subsequent_indent=start + '    ',
-                     break_on_hyphens=False, break_long_words=False)
-        goes_on = ' \\' if example.startswith('fourbar') else ''       # as a shell wants it
-        return [*(part + goes_on for part in parts[:-1]), parts[-1],
-                *wrap(remark.strip(), width, initial_indent=start + '      ',
-                      subsequent_indent=start + '      ')]
+        """Return a description or epilog as text for the terminal: argparse calls it."""
+        parts = groupby(text.splitlines(), lambda line: line[:1] in ('', ' '))
+        return '\n'.join('\n'.join(part) if is_example else fill(' '.join(part), width)
+                         for is_example, part in parts)
 
 
 BAD = 3         # exit code: the verb has done its work, but the result is not good
@@ -159,7 +141,7 @@ def _plain(value: Any) -> Any:
 
 
 @contextmanager
-def bar(text: str, total: int) -> Iterator[Callable[[int], None]]:
+def bar(text: str, total: float) -> Iterator[Callable[[float], None]]:
     """Show a progress bar on a terminal; give the function to call with the amount done."""
     from rich.console import Console
     from rich.progress import Progress

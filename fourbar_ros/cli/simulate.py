@@ -4,8 +4,6 @@
 from __future__ import annotations
 
 from argparse import Namespace
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from math import inf, nan
 from pathlib import Path
 import time
@@ -75,7 +73,7 @@ def _simulate(arguments: Namespace) -> int:
     scene, began, out = load(arguments.scene), time.process_time(), arguments.output
     if out is not None and out.exists():         # refused before the work is done, not after
         raise BagError(f'{out}: exists already')
-    with _progress() as show:
+    with bar('integrating', 1.0) as show:       # goes back when another run begins
         simulated = simulate_scene(scene, arguments.until, arguments.tolerance, arguments.method,
                                    arguments.torque, evaluations=arguments.evaluations,
                                    seconds=arguments.seconds, progress=show)
@@ -88,39 +86,6 @@ def _simulate(arguments: Namespace) -> int:
     if out is not None:
         print(f'wrote {out}')
     return 0 if simulated.run.status == REACHED else BAD
-
-
-@contextmanager
-def _progress() -> Iterator[Callable[[float], None]]:
-    """
-    Give the function to call with the share of a run that is done, 0 to 1; a bar shows it.
-
-    A share that falls belongs to the next run, at a tighter tolerance.
-    """
-    from rich.console import Console
-    from rich.progress import (
-        BarColumn,
-        Progress,
-        TaskProgressColumn,
-        TextColumn,
-        TimeRemainingColumn,
-    )
-    console = Console(stderr=True)
-    with Progress(TextColumn('{task.description}'), BarColumn(), TaskProgressColumn(),
-                  TimeRemainingColumn(), console=console, transient=True,
-                  disable=not console.is_terminal) as progress:
-        task = progress.add_task('integrating, run 1', total=1.0)
-        run, before = 1, 0.0         # number of the run, and the share that the bar shows
-
-        def show(share: float) -> None:
-            nonlocal run, before
-            if share < before - 0.01:
-                run, before = run + 1, share
-                progress.reset(task, description=f'integrating, run {run}')
-            if share > before + 1e-3:      # integrators report far more often than eyes see
-                before = share
-                progress.update(task, completed=share)
-        yield show
 
 
 def print_summary(simulated: SimulatedScene, name: str, tolerance: float, took: float) -> None:

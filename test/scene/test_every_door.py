@@ -133,7 +133,7 @@ def test_searches_find_motion_and_refuse_loads_by_name(file):
 def test_the_service():
     pytest.importorskip('rclpy')
     from fourbar_ros.ros.messages import resolve
-    from fourbar_ros.ros.node.extrema import search
+    from fourbar_ros.ros.node.services import search
     service = resolve('fourbar_msgs/srv/FindExtrema')
     for names, count in (['f41'], 0), (['omega_beta'], 2), ([], None):
         answer = search(THERE, service.Request(quantities=names, velocity=SPEED),
