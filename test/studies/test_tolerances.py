@@ -82,4 +82,4 @@ def test_a_root_mean_square_of_zero_is_no_error():
     study = from_document({'scene': 'scotch_yoke', 'rows': 8, 'quantities': ['shaking_moment.rms'],
                            'vary': {'linkage.a1': {'uniform': 1e-4}}})
     found, = tolerances(study)
-    assert found.sensitivity.value == 0.0 and found.sensitivity.by == {'linkage.a1': 0.0}
+    assert found.sensitivity.value < 1e-15 and abs(found.sensitivity.by['linkage.a1']) < 1e-14
