@@ -405,8 +405,7 @@ def test_closing_does_not_wait_for_more_files_than_there_are(tmp_path):
     assert len(list(writer.path.glob('*.mcap'))) < 200
 
 
-@pytest.mark.parametrize('how', [{'split_duration': 0.1}, {'split_size': 3000},
-                                 {'split_duration': 1e-3}])
+@pytest.mark.parametrize('how', [{'split_duration': 0.1}, {'split_size': 3000}])
 def test_a_bag_is_split_without_losing_a_message(tmp_path, how):
     writer = split_bag(tmp_path, **how)
     writer.note('scene', 'new')
@@ -416,8 +415,6 @@ def test_a_bag_is_split_without_losing_a_message(tmp_path, how):
     spans = [(info(file).start, info(file).end) for file in files]
     if how == {'split_duration': 0.1}:
         assert counts == [11, *[10] * 5]
-    elif how == {'split_duration': 1e-3}:
-        assert counts == [2, *[1] * 59]
     else:
         assert len(files) > 2 and all(before[1] <= after[0] for before, after in
                                       zip(spans, spans[1:]))
