@@ -3,7 +3,6 @@ import random
 import signal
 import time
 
-from bag.test_crash import SLACK
 from bag.test_recorder import assert_every_reader_takes
 from fourbar_ros.bag.overview import info
 from fourbar_ros.bag.reader import Bag, records
@@ -14,12 +13,15 @@ from support.harness import ALL_OUTPUTS
 from support.samples import some
 from support.scenes import PAPER, RODS
 
+RATE = 200.0
+SLACK = 5.0             # [s] of a busy machine; test/bag/test_crash.py measures it
+
 
 def recording_node(run_node, tmp_path, **parameters):
     return run_node({**PAPER,
                      **RODS,
                      'drive.speed': 25.0,
-                     'drive.rate': 500.0,
+                     'drive.rate': RATE,
                      'outputs': ALL_OUTPUTS,
                      'recording.directory': str(tmp_path / 'bags'),
                      'recording.name': 'run',
@@ -46,7 +48,7 @@ def test_a_killed_node_leaves_all_but_the_newest_and_it_recomputes_exactly(
     node = recording_node(run_node, tmp_path)
     client.listen(['driven'])
     heard = client.received['driven']
-    client.until(lambda: len(heard) > 200, 'the stream')
+    client.until(lambda: len(heard) > 100, 'the stream')
     end = time.monotonic() + random.Random(seed).uniform(0.0, 1.0)
     while time.monotonic() < end:
         client.executor.spin_once(timeout_sec=0.01)
@@ -59,10 +61,11 @@ def test_a_killed_node_leaves_all_but_the_newest_and_it_recomputes_exactly(
     # what was heard is in the bag, but for the newest
     lost = (last.sec - stamps[-1][0]) + (last.nanosec - stamps[-1][1]) * 1e-9
     assert lost <= FLUSH + SLACK
-    period = 1.0 / 500.0
+    period = 1.0 / RATE
     steps = [(b[0] - a[0]) + (b[1] - a[1]) * 1e-9 for a, b in zip(stamps, stamps[1:])]
-    # on the grid, none missing
-    assert all(abs(step - period) < 1e-6 for step in steps)
+    # on the grid; a node that is more than a second late leaves samples out
+    assert all(abs(step - round(step * RATE) * period) < 1e-6 and step > 0.5 * period
+               for step in steps)
     recovered = recover(path)
     found = recompute(recovered.path)
     assert max(d.largest for d in found.differences) == 0.0 and found.inputs == len(
@@ -86,11 +89,11 @@ def test_a_signal_closes_the_bag_whole(run_node, client, tmp_path, number):
 def test_a_bag_can_be_read_while_the_node_writes_it(run_node, client, tmp_path):
     recording_node(run_node, tmp_path)
     client.listen(['driven'])
-    client.until(lambda: len(client.received['driven']) > 300, 'the stream')
+    client.until(lambda: len(client.received['driven']) > 150, 'the stream')
     path = tmp_path / 'bags/run'
     assert not info(path).is_finished
     found = recompute(path)
-    assert found.is_cut and found.inputs > 100 and max(d.largest for d in found.differences) == 0.0
+    assert found.is_cut and found.inputs > 50 and max(d.largest for d in found.differences) == 0.0
     assert Bag(path).about['node'] == '/fourbar'
 
 

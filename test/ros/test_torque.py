@@ -75,14 +75,17 @@ def test_a_motor_turns_the_paper_linkage_as_scipy_says(run_node, client, tmp_pat
     path = tmp_path / 'run'
     found = recompute(path)
     assert not found.problems() and found.largest == 0.0 and info(path, check=True).is_sound
-    assert found.stepped == found.inputs - 1 > 100
     there = in_bag(path, '/fourbar/drive_state')
-    assert there[0].step == 0.0 and {m.step for m in there[1:]} == {0.001}
+    stamps = np.array([m.header.stamp.sec * 10**9 + m.header.stamp.nanosec for m in there])
+    # a node that is more than a second late leaves samples out
+    gaps = np.flatnonzero(np.diff(stamps) > 1_500_000)
+    assert found.stepped == found.inputs - 1 - len(gaps)
+    there = there[:min([80, *gaps + 1])]
+    assert there[0].step == 0.0 and {m.step for m in there[1:]} == {0.001} and len(there) > 50
     assert {m.status for m in there} == {DriveState.STATUS_OK}
-    dynamics = scene.from_values(MOTOR_DRIVEN)
-    times = 0.001 * np.arange(1, 80)
-    run = simulate(dynamics.dynamics.system(dynamics.bare_linkage), 0.08, 1e-8, times=times)
-    ours = np.array([[m.position, m.velocity] for m in there[1:80]]).T
+    dynamics, times = scene.from_values(MOTOR_DRIVEN), 0.001 * np.arange(1, len(there))
+    run = simulate(dynamics.dynamics.system(dynamics.bare_linkage), times[-1], 1e-8, times=times)
+    ours = np.array([[m.position, m.velocity] for m in there[1:]]).T
     error = np.abs(ours - run.states[:2])
     # the torque comes at once: the shaft rings at 9 kHz, which 1 kHz damps instead of following
     assert error[0].max() < 1e-5 and error[1, 40:].max() < 1e-4
