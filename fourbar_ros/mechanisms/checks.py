@@ -7,7 +7,7 @@ from typing import Any
 
 from fourbar_ros.errors import in_words, InvalidParameter
 from fourbar_ros.mechanics.bodies import Applied, Body
-from fourbar_ros.mechanisms.contract import Described
+from fourbar_ros.mechanisms.contract import Contract
 from fourbar_ros.mechanisms.parts import within_stroke
 from fourbar_ros.numerics.given import number, records
 
@@ -15,7 +15,7 @@ LONGEST = 2.0**1000     # [m]
 STROKE = 'must be [shortest, longest] of the slide, two finite numbers'
 
 
-def checked(mechanism: Described) -> dict[str, Any]:
+def checked(mechanism: Contract) -> dict[str, Any]:
     """
     Return {name of a field: its value, as the numbers and records that a mechanism computes with}.
 
@@ -38,7 +38,7 @@ def checked(mechanism: Described) -> dict[str, Any]:
     return values
 
 
-def _lengths(mechanism: Described) -> dict[str, float]:
+def _lengths(mechanism: Contract) -> dict[str, float]:
     """Return {name: length [m]}, each checked; the signed ones, as an offset, may be negative."""
     values = {}
     for name, _, is_signed in mechanism.LENGTHS:
@@ -51,7 +51,7 @@ def _lengths(mechanism: Described) -> dict[str, float]:
     return values
 
 
-def checked_stroke(mechanism: Described) -> tuple[float, float] | None:
+def checked_stroke(mechanism: Contract) -> tuple[float, float] | None:
     """Return the stroke; refuse a wrong one, or one in which the links cannot close anywhere."""
     stroke = mechanism.stroke
     if stroke is None:

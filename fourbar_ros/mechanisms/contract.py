@@ -45,7 +45,7 @@ class of_geometry(cached_property[_T]):     # noqa: N801  (used as cached_proper
     """
     A cached property of lengths, assembly mode, input and stroke alone.
 
-    Copies with other loads share its value, see :meth:`.Formulas.with_external`; every other
+    Copies with other loads share its value, see :meth:`.Mechanism.with_external`; every other
     cached property they compute again.
     """
 
@@ -62,6 +62,11 @@ class Constants(NamedTuple):
     bodies: Any
     gravity: tuple[Scalar, Scalar]
     external: Any
+
+
+# Nearer to a limit that is a change point than this, in units of the input, accelerations are
+# noise: their error is some eps over the third power of the distance.
+BESIDE_FLAT_LIMITS = 2.0**-17
 
 
 class Contract(ABC):
@@ -204,14 +209,7 @@ class Contract(ABC):
         """Return which links each of ``JOINTS`` connects; URDF, SDF and MJCF are made of it."""
         return ()
 
-
-# Nearer to a limit that is a change point than this, in units of the input, accelerations are
-# noise: their error is some eps over the third power of the distance.
-BESIDE_FLAT_LIMITS = 2.0**-17
-
-
-class Described(Contract):
-    """Lengths, ranges, units and sizes of results, from the facts of a mechanism."""
+    # --- all that follows -----------------------------------------------------------------------
 
     @of_geometry
     def lengths(self) -> tuple[float, ...]:

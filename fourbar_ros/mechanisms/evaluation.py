@@ -32,7 +32,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 if TYPE_CHECKING:
-    from fourbar_ros.mechanisms.mechanism import Formulas
+    from fourbar_ros.mechanisms.mechanism import Mechanism
 
 # Inputs beside a flat position, in its unit, so near that the first term of a result is all of it.
 NEAR = Decimal('1e-22'), Decimal('1e-24')
@@ -45,7 +45,7 @@ class Formula:
 
     structure: tuple[object, ...]       # all in which formulas differ besides numbers
     with_loads: bool
-    mechanism: Formulas = field(compare=False, repr=False)      # any of the structure
+    mechanism: Mechanism = field(compare=False, repr=False)      # any of the structure
 
     def make(self, numbers: NumberType, data: Constants) -> Function:
         """Return (position, rate, acceleration) -> motion, or (motion, loads)."""
@@ -60,7 +60,7 @@ class Formula:
         return step
 
 
-def formula_of(mechanism: Formulas, with_loads: bool) -> tuple[Formula, Constants]:
+def formula_of(mechanism: Mechanism, with_loads: bool) -> tuple[Formula, Constants]:
     """Return the formula of a mechanism, and the data it is made for."""
     data = mechanism.constants if with_loads else mechanism.constants._replace(bodies=None)
     # springs load links, as a driven crank, for which ``external`` has no field else
@@ -87,7 +87,7 @@ class Recorded(NamedTuple):
     zeros: frozenset[int]
 
 
-def recorded(mechanism: Formulas, with_loads: bool) -> Recorded:
+def recorded(mechanism: Mechanism, with_loads: bool) -> Recorded:
     """Return the trace of a mechanism's motion, or motion and loads, and its own constants."""
     formula, data = formula_of(mechanism, with_loads)
     trace = trace_of(formula)
@@ -103,7 +103,7 @@ def _lines(formula: Formula, zeros: frozenset[int]) -> Callable[[Sequence[float]
     return lines_of(trace_of(formula), zeros, f'{formula.mechanism.TITLE}: {name}')
 
 
-def line_of(mechanism: Formulas, with_loads: bool) -> Function:
+def line_of(mechanism: Mechanism, with_loads: bool) -> Function:
     """
     Return (position, rate, acceleration) -> motion, or (motion, loads), of floats, as tuples.
 
@@ -117,7 +117,7 @@ def line_of(mechanism: Formulas, with_loads: bool) -> Function:
     return _lines(formula, zeros)(numbers)
 
 
-def limits_at_zero(mechanism: Formulas, rate: float, acceleration: float,
+def limits_at_zero(mechanism: Mechanism, rate: float, acceleration: float,
                    with_loads: bool) -> list[float]:
     """
     Return the limits of all fields for an input that falls to 0, a flat position.
@@ -135,7 +135,7 @@ def limits_at_zero(mechanism: Formulas, rate: float, acceleration: float,
                 float(b) if 8 * abs(b) > abs(a) else 0.0 for a, b in zip(far, near)]
 
 
-def with_limits(mechanism: Formulas, line: Function, with_loads: bool) -> Function:
+def with_limits(mechanism: Mechanism, line: Function, with_loads: bool) -> Function:
     """
     Return a line of :func:`line_of` that gives the limits at a flat position at 0.
 
@@ -156,7 +156,7 @@ def with_limits(mechanism: Formulas, line: Function, with_loads: bool) -> Functi
     return line_with_limits
 
 
-def _set_limits(mechanism: Formulas, inputs: list[Array], rows: Sequence[Array],
+def _set_limits(mechanism: Mechanism, inputs: list[Array], rows: Sequence[Array],
                 wanted: Sequence[int], with_loads: bool) -> None:
     """Write the limits into the rows of the fields ``wanted`` where the input is 0, a flat one."""
     at_zero = np.flatnonzero(inputs[0] == 0.0)
@@ -168,7 +168,7 @@ def _set_limits(mechanism: Formulas, inputs: list[Array], rows: Sequence[Array],
             row[samples] = fields[i]
 
 
-def evaluate(mechanism: Formulas, given: tuple[ArrayLike, ...], wanted: tuple[int, ...] | None,
+def evaluate(mechanism: Mechanism, given: tuple[ArrayLike, ...], wanted: tuple[int, ...] | None,
              with_loads: bool) -> list[Array]:
     """
     Return fields of motion, or of motion and loads, as arrays of the inputs' common shape.
@@ -218,7 +218,7 @@ def range_of(trace: Trace) -> tuple[int, ...]:
     return tuple(range(len(flat(trace.results))))
 
 
-def _inputs(mechanism: Formulas, given: tuple[ArrayLike, ...]
+def _inputs(mechanism: Mechanism, given: tuple[ArrayLike, ...]
             ) -> tuple[list[Array], tuple[int, ...]]:
     """Return position, rate and acceleration as arrays (complex if given so), and their shape."""
     names = mechanism.input_coordinate
@@ -232,7 +232,7 @@ def _inputs(mechanism: Formulas, given: tuple[ArrayLike, ...]
                                'must have shapes that broadcast') from None
 
 
-def step_of_arrays(mechanism: Formulas, with_loads: bool, table: Table = ARRAYS,
+def step_of_arrays(mechanism: Mechanism, with_loads: bool, table: Table = ARRAYS,
                    data: Constants | None = None, wanted: Sequence[int] | None = None
                    ) -> Function:
     """
@@ -264,7 +264,7 @@ def step_of_arrays(mechanism: Formulas, with_loads: bool, table: Table = ARRAYS,
     return step
 
 
-def _complex_rows(mechanism: Formulas, inputs: list[Array], shape: tuple[int, ...],
+def _complex_rows(mechanism: Mechanism, inputs: list[Array], shape: tuple[int, ...],
                   wanted: tuple[int, ...] | None, with_loads: bool) -> list[Array]:
     """Return the wanted fields for complex inputs x + i h: derivatives are imag / h."""
     inputs = [np.broadcast_to(v.astype(complex), shape).reshape(-1) for v in inputs]
@@ -278,7 +278,7 @@ def line_within(motion: Function, reaches: Function | None) -> Function:
     Return a line of motion limited to the inputs that ``reaches`` allows, all if it is None.
 
     Elsewhere it raises ValueError. ``reaches``: see
-    :attr:`~fourbar_ros.mechanisms.contract.Described.reaches`.
+    :attr:`~fourbar_ros.mechanisms.contract.Contract.reaches`.
     """
     if reaches is None:
         return motion

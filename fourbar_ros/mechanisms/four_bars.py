@@ -316,16 +316,22 @@ class FourBar(FourBarLinks):
                 points.append(DeadPoint(theta1, theta4, stretched))
         return tuple(sorted(points))
 
-    def driven_otherwise(self) -> tuple[SeenFromLink, ...]:  # type: ignore[override]  # never flat
-        """Return the same linkage driven at its output link, once for each assembly mode."""
+    def driven_otherwise(self) -> tuple[SeenFromLink, ...]:
+        """
+        Return the same linkage driven at its output link, once for each assembly mode.
+
+        Nothing at an exact change point: driven so it would lie flat somewhere too.
+        """
         from fourbar_ros.mechanisms.machine.limits import SeenFromLink  # motion by torque alone
+        if self.change_point_margin == 0.0:
+            return ()
         drive = self.drive
         return tuple([SeenFromLink(drive.layout, [drive.numbers(self.lengths)], [self.sign], 0,
                                    mode) for mode in self.MODES])
 
     def term_sizes(self, motion: NamedFields, rate: Scalar, acceleration: Scalar
                    ) -> dict[str, Scalar]:
-        """Return {unit: size of the terms}, see :meth:`.Described.term_sizes`, in closed form."""
+        """Return {unit: size of the terms}, see :meth:`.Contract.term_sizes`, in closed form."""
         gain = min(1.0, self.a1 / min(self.a2, self.a3))
         return {'rad/s': gain * abs(rate), 'rad/s^2': gain * (abs(acceleration) + rate**2)}
 

@@ -383,6 +383,7 @@ def velocity_of_b(mechanism: Kind, motion: NamedFields) -> list[Arrow]:
 
 def results(kind: Any, motion: str, loads: str) -> tuple[Any, Any]:
     """Give a kind the types of its motion and its loads, of these names, and return them."""
-    kind.MOTION = record_type(motion, kind.motion_fields())
+    fields = kind.motion_fields()       # the directions are for this package
+    kind.MOTION = record_type(motion, fields, len(fields) - 2 * len(kind.DIRECTIONS))
     kind.LOADS = record_type(loads, kind.load_fields())
     return kind.MOTION, kind.LOADS

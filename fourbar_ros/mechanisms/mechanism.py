@@ -15,12 +15,12 @@ from dataclasses import replace
 from functools import cache, cached_property
 from math import isfinite
 from numbers import Real
-from typing import Any, NoReturn, overload, Protocol, TypeVar
+from typing import Any, NoReturn, overload, TYPE_CHECKING, TypeVar, Union
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, MissingBodies, OutOfRange, Toggle
 from fourbar_ros.mechanics.bodies import External
 from fourbar_ros.mechanisms.checks import checked, checked_stroke
-from fourbar_ros.mechanisms.contract import Constants, Described, of_geometry, OPEN
+from fourbar_ros.mechanisms.contract import Constants, Contract, of_geometry, OPEN
 from fourbar_ros.mechanisms.evaluation import (
     evaluate,
     line_of,
@@ -29,70 +29,33 @@ from fourbar_ros.mechanisms.evaluation import (
     recorded,
     with_limits,
 )
-from fourbar_ros.mechanisms.parts import NamedFields, Ranges
+from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.mechanisms.points import Coefficients, Curve, LinkMotion
 from fourbar_ros.numerics.arrays import EPS
 from fourbar_ros.numerics.given import number
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 from numpy.typing import ArrayLike
 
+if TYPE_CHECKING:
+    from fourbar_ros.mechanisms.machine.limits import SeenFromLink
 
-class DrivenLinks(Protocol):
-    """Links and the coordinate that drives them: a mechanism, or one of its others."""
-
-    @property
-    def mode(self) -> int:
-        """Return the assembly mode."""
-
-    @property
-    def input_unit(self) -> float:
-        """Return the unit in which values of the coordinate are of the size of one."""
-
-    @property
-    def is_driven_by_slide(self) -> bool:
-        """Return whether the coordinate is a length."""
-
-    @property
-    def turns_fully(self) -> bool:
-        """Return whether the coordinate makes full turns."""
-
-    @property
-    def change_point_margin(self) -> float:
-        """Return zero at a change point."""
-
-    @property
-    def input_ranges(self) -> Ranges:
-        """Return the ranges of the coordinate."""
-
-    @property
-    def flat_inputs(self) -> tuple[float, ...]:
-        """Return where a change point lies flat."""
-
-    def distance(self, one: float, other: float) -> float:
-        """Return the signed distance of two values of the coordinate."""
-
-    def mode_beyond(self, _limit: float) -> int:
-        """Return the mode into which a motion goes on smoothly at a flat position."""
-
-    def in_mode(self, mode: int) -> DrivenLinks:
-        """Return the same in another assembly mode."""
-
-    def motion(self, position: float, rate: float, acceleration: float) -> NamedFields:
-        """Return the motion, or say why there is none."""
-
-    def make_coefficients(self, numbers: NumberType) -> Coefficients:
-        """Return the function of the coordinate that gives the curves of all links."""
-
-    def read_coordinate(self, numbers: NumberType,
-                        curves: Sequence[Curve]) -> tuple[Scalar, Scalar, Scalar]:
-        """Return the coordinate and its two derivatives from the curves of all links."""
+# Links and the coordinate that drives them: a mechanism, or one of its others.
+DrivenLinks = Union['Mechanism', 'SeenFromLink']
+_Self = TypeVar('_Self', bound='Mechanism')
+# what tab completion shows besides the fields
+SHOWN = ('acceleration_polygon', 'change_point_margin', 'classification', 'dead_points',
+         'description', 'diagram', 'in_mode', 'input', 'input_ranges', 'lengths', 'loads',
+         'margins', 'modes', 'motion', 'output_ranges', 'outputs', 'reactions', 'step',
+         'turns_fully', 'velocity_polygon', 'with_external', 'with_lengths')
 
 
-_Self = TypeVar('_Self', bound='Formulas')
+class Mechanism(Contract):
+    """
+    Base of the mechanisms: frozen dataclasses of lengths and what else they are made with.
 
-
-class Formulas(Described):
-    """Products of a mechanism's data: copies, formulas for any numbers, their records."""
+    The fields besides lengths: ``mode``, ``input``, ``bodies``, ``gravity``, ``external``; where a
+    slide can be driven, ``stroke``.
+    """
 
     # --- made and copied ------------------------------------------------------------------------
 
@@ -203,14 +166,10 @@ class Formulas(Described):
         """Return the trace of motion and loads, and this mechanism's constants in it."""
         return recorded(self, True)
 
-
-class Mechanism(Formulas):
-    """
-    Base of the mechanisms: frozen dataclasses of lengths and what else they are made with.
-
-    The fields besides lengths: ``mode``, ``input``, ``bodies``, ``gravity``, ``external``; where a
-    slide can be driven, ``stroke``.
-    """
+    def __dir__(self) -> list[str]:
+        """Return what tab completion shows: what a user asks of a mechanism."""
+        shown = {field.name for field in fields_of(self)}.union(SHOWN)
+        return sorted(name for name in shown if hasattr(type(self), name) or name in self.__dict__)
 
     @cached_property
     def _step_line(self) -> tuple[Function, Function, Function]:

@@ -60,20 +60,31 @@ class NamedFields(Protocol):
 
 
 @cache
-def record_type(name: str, fields: tuple[str, ...]) -> Any:
-    """Return the type of this name with these fields, the same one each time."""
+def record_type(name: str, fields: tuple[str, ...], shown: int | None = None) -> Any:
+    """
+    Return the type of this name with these fields, the same one each time.
+
+    ``shown``: how many of them, from the first on, text and tab completion show; None: all.
+    """
     base: Any = namedtuple(name, fields)       # type: ignore[misc]  # noqa: PYI024
 
     def reduce(self: Any) -> tuple[Any, ...]:
         """Return how to unpickle a record: its type is none of this module's names."""
-        return restored, (name, fields, tuple(self))
+        return restored, (name, fields, shown, tuple(self))
 
-    return type(name, (base,), {'__slots__': (), '__reduce__': reduce, '__module__': __name__})
+    def text(self: Any) -> str:
+        """Return name and fields."""
+        return f'{name}({", ".join(f"{one}={v!r}" for one, v in zip(fields[:shown], self))})'
+
+    return type(name, (base,), {
+        '__slots__': (), '__reduce__': reduce, '__module__': __name__, '__repr__': text,
+        '__dir__': lambda _: ['_asdict', '_fields', '_replace', *fields[:shown]]})
 
 
-def restored(name: str, fields: tuple[str, ...], values: tuple[Any, ...]) -> Any:
+def restored(name: str, fields: tuple[str, ...], shown: int | None,
+             values: tuple[Any, ...]) -> Any:
     """Return a record of :func:`record_type` that was pickled."""
-    return record_type(name, fields)._make(values)
+    return record_type(name, fields, shown)._make(values)
 
 
 class NoLoads:

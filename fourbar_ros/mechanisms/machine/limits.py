@@ -51,7 +51,7 @@ from fourbar_ros.mechanisms.machine.solve.frames import hangings, Poses
 from fourbar_ros.mechanisms.machine.solve.motion import EXACT
 from fourbar_ros.mechanisms.machine.solve.pairs import make_moves
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import GROUND
+from fourbar_ros.mechanisms.parts import GROUND, Ranges
 from fourbar_ros.mechanisms.points import Coefficients, Curve, FIXED, point_of
 from fourbar_ros.numerics.number_types import NumberType, REAL, Scalar
 
@@ -220,7 +220,7 @@ class WithLimits(Mechanism):
         ends = [end.x for end in self._ends if end.dyad]
         return tuple(sorted({*self.modes, *map(self.mode_beyond, ends)}))
 
-    def driven_otherwise(self) -> tuple[SeenFromLink, ...]:  # type: ignore[override]  # never flat
+    def driven_otherwise(self) -> tuple[SeenFromLink, ...]:
         """Return the machine driven at a link on the ground, if its dyad alone stops the crank."""
         names = {end.dyad for end in self._ends}
         dyads = [i for i, dyad in enumerate(self.stages) if {dyad.name} == names]
@@ -285,10 +285,12 @@ class SeenFromLink:
 
     ``layout``, ``numbers``, ``signs``: as for :func:`.motion.make_motion`; ``number``: of the dyad
     that has this link; ``mode`` 2: from the rod, B to P, to the crank, O1 to P, one turns left by
-    less than pi, 1: right.
+    less than pi, 1: right. It never lies flat.
     """
 
     change_point_margin, input_unit, is_driven_by_slide, turns_fully = 1.0, 1.0, False, False
+    input_ranges: Ranges = ()
+    flat_inputs: tuple[float, ...] = ()
 
     def __init__(self, layout: Layout, numbers: Sequence[Numbers], signs: Sequence[float],
                  number: int, mode: int) -> None:
@@ -302,6 +304,14 @@ class SeenFromLink:
     def in_mode(self, mode: int) -> SeenFromLink:
         """Return the same in another assembly mode."""
         return SeenFromLink(self._layout, self._numbers, self._signs, self._number, mode)
+
+    def distance(self, one: float, other: float) -> float:
+        """Return one angle less another, the short way round [rad]."""
+        return remainder(one - other, 2.0 * pi)
+
+    def mode_beyond(self, _limit: float) -> int:
+        """Return the other mode."""
+        return 3 - self.mode
 
     def motion(self, position: float, *_: float) -> NoReturn:
         """Refuse an angle at which the dyad does not close, which an integrator may try."""

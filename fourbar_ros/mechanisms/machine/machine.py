@@ -175,7 +175,7 @@ class Machine(WithLimits):
     @property
     def numbers_of_lengths(self) -> tuple[str | tuple[int, int], ...]:
         """
-        Return the meaning of each number of its dyads, see :attr:`.Described.numbers_of_lengths`.
+        Return the meaning of each number of its dyads, see :attr:`.Contract.numbers_of_lengths`.
 
         All '' where any dyad has the form of a pair, whose shape follows from several lengths.
         """

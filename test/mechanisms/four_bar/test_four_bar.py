@@ -212,3 +212,11 @@ def test_no_mode_flips_at_any_step_size(lengths, mode):
             for x, y in zip(theta1[inside].tolist(), motion.theta4[inside].tolist()):
                 assert abs(remainder(y - float(pose(lengths, linkage.sign, mp.mpf(x)).y),
                                      2 * pi)) <= 64 * EPS
+
+
+def test_tab_completion_shows_what_a_user_asks_for():
+    linkage = FourBar(0.4, 1.2, 0.8, 1.0)
+    motion = linkage.motion(1.0, 25.0)
+    assert len(dir(linkage)) <= 30 and {'a1', 'motion', 'dead_points'} <= set(dir(linkage))
+    assert 'cos_x' not in dir(motion) and 'cos_x' not in repr(motion)
+    assert all(hasattr(linkage, name) for name in dir(linkage))
