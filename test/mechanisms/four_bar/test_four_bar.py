@@ -28,18 +28,6 @@ def test_bad_lengths_are_refused_by_name(lengths, name):
     assert caught.value.name == name
 
 
-@pytest.mark.parametrize('mode', [0, 3, 'open', None])
-def test_bad_modes_are_refused(mode):
-    with pytest.raises(InvalidParameter, match='^mode'):
-        FourBar(1.0, 2.0, 2.0, 2.0, mode=mode)
-
-
-@pytest.mark.parametrize('gravity', [(nan, 0.0), (0.0, inf), (0.0,), (0.0, 0.0, -9.81)])
-def test_bad_gravity_is_refused(gravity):
-    with pytest.raises(InvalidParameter, match='^gravity = '):
-        FourBar(1.0, 2.0, 2.0, 2.0, gravity=gravity)
-
-
 @pytest.mark.parametrize('arguments, name', [
     ((-1.0,), 'mass'), ((nan,), 'mass'), ((1.0, inf), 'cg_along'), ((1.0, 0.0, nan), 'cg_across'),
     ((1.0, 0.0, 0.0, -1.0), 'inertia')])

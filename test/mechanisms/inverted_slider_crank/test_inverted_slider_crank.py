@@ -13,9 +13,6 @@ from fourbar_ros import (
     Body,
     External,
     InvalidParameter,
-    MissingBodies,
-    OutOfRange,
-    Toggle,
 )
 from fourbar_ros.mechanics.moving_frames import acceleration_terms, turned
 from fourbar_ros.mechanisms.contract import CRANK, SLIDE
@@ -176,22 +173,6 @@ def test_offset_at_and_past_its_limit(kind):
 
 
 # --- what is refused -----------------------------------------------------------------------------
-
-def test_errors_name_the_input():
-    with pytest.raises(OutOfRange,
-                       match=r'^theta1 = 0.1 rad is outside the input range \[') as caught:
-        InvertedSlider(4.0, 3.0, 2.0).motion(0.1)
-    assert (caught.value.name == 'theta1' and caught.value.ranges
-            == InvertedSlider(4.0, 3.0, 2.0).input_ranges)
-    with pytest.raises(OutOfRange, match='^slide = 1.0 m is outside'):
-        InvertedSlider(2.5, 6.0, input=SLIDE).motion(1)
-    with pytest.raises(Toggle, match='^slide = 8.5 m is a toggle position'):
-        InvertedSlider(2.5, 6.0, input=SLIDE).motion(8.5, 1.0)
-    with pytest.raises(InvalidParameter, match='^slide_acceleration = inf'):
-        InvertedSlider(2.5, 6.0, input=SLIDE).motion(5.0, 1.0, inf)
-    with pytest.raises(MissingBodies, match='mass properties'):
-        InvertedSlider(2.5, 6.0).step(0.3)
-
 
 # --- loads by hand -------------------------------------------------------------------------------
 
