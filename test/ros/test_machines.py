@@ -9,6 +9,7 @@ import pytest
 from support.exchange import BY_MESSAGES, check_bag, check_extrema, check_topics
 from support.harness import set_parameters
 from support.samples import some
+from support.scenes import PAPER, TIP
 
 ALL = ['state', 'output', 'joint_states', 'loads', 'shaking_wrench', 'drive_wrench', 'links',
        'reactions', 'points']
@@ -50,8 +51,9 @@ def check_meaning(received, its, sent):
 def check_services(client, its):
     """Compare the answers of the services with the core."""
     linkage = its.linkage
-    names = [linkage.REACTIONS[2].joint, linkage.outputs[0].coordinate.rate, 'shaking_force']
-    check_extrema(client, linkage, select(names, linkage), quantities=names)
+    names = [linkage.REACTIONS[2].joint, linkage.outputs[0].coordinate.rate, 'shaking_force',
+             *(f'{point}.speed' for point in its.points)]
+    check_extrema(client, linkage, select(names, linkage, its.point_quantities), quantities=names)
     low, high = linkage.input_ranges[0]
     middle = low + 0.55 * (high - low)
     answer = client.call('evaluate', position=middle, velocity=2.0, acceleration=-3.0)
@@ -106,3 +108,19 @@ def test_a_dyad_is_changed_live_and_a_wrong_one_refused(run_node, client):
     assert refused.reason == ('dyads.leg: cannot close at any input at which those before it do')
     refused = set_parameters(client, {'dyads.leg.kind': 'RRP'})[0]
     assert not refused.successful
+
+
+def test_points_are_changed_live_and_refused_with_a_reason(run_node, client):
+    run_node({**PAPER, **TIP, 'outputs': ['points'], 'drive.speed': 3.0})
+    client.listen(scene.from_values({**PAPER, **TIP, 'outputs': ['points']}).topics)
+    client.until(lambda: client.received['points/tip'], 'the stream')
+    before = client.received['points/tip'][-1]
+    assert before.speed > 0.0
+    assert set_parameters(client, {'points.tip.link': 'crank', 'points.tip.along': 0.4,
+                                   'points.tip.across': 0.0},
+                          atomically=True)[0].successful
+    client.until(lambda: client.received['points/tip'][-1].normal_acceleration
+                 == pytest.approx(9.0 * 0.4, rel=1e-12),
+                 'the point on the crank')
+    refused = set_parameters(client, {'points.tip.link': 'rocker'})[0]
+    assert 'must be one of crank, coupler, output' in refused.reason

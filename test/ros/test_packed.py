@@ -19,11 +19,33 @@ from fourbar_ros.scene import scene
 from fourbar_ros.scene.topics import DRIVEN, OUTPUTS
 import pytest
 from rclpy.serialization import deserialize_message, serialize_message
-from ros.test_mechanisms import MECHANISMS
 from support.bags import STORE
 from support.samples import more
-from support.scenes import TIP
+from support.scenes import PAPER, RODS, TIP
 
+BODIES = {**RODS, 'bodies.output.mass': 1.5, 'bodies.output.inertia': 0.02, 'gravity.y': -9.81}
+SLIDER_CRANK = {'linkage.kind': 'slider_crank', 'linkage.a1': 0.1, 'linkage.a2': 0.35,
+                'linkage.offset': 0.03, **BODIES,
+                'external.output.force_x': -200.0}
+INVERTED = {'linkage.kind': 'inverted_slider', 'linkage.a1': 0.2, 'linkage.a4': 0.5,
+            'linkage.offset': 0.04, **BODIES,
+            'bodies.coupler.mass': 0.8, 'bodies.coupler.inertia': 0.001}
+SCOTCH_YOKE = {'linkage.kind': 'scotch_yoke', 'linkage.a1': 0.1, 'linkage.offset': 0.03, **BODIES,
+               'bodies.coupler.mass': 0.2, 'external.output.force_x': -200.0}
+MECHANISMS = {
+    'four-bar': ({**PAPER, **RODS}, ['crank', 'coupler', 'coupler_output', 'output']),
+    'four-bar at A': ({**PAPER, **RODS, 'linkage.input': 'A'},
+                      ['crank', 'coupler', 'coupler_output', 'output']),
+    'slider-crank': (SLIDER_CRANK, ['crank', 'rod', 'pin', 'slider']),
+    'slider-crank, slide': ({**SLIDER_CRANK, 'linkage.input': 'slide'},
+                            ['crank', 'rod', 'pin', 'slider']),
+    'inverted': (INVERTED, ['crank', 'block', 'slide', 'bar']),
+    'scotch yoke': (SCOTCH_YOKE, ['crank', 'block', 'slot', 'yoke']),
+    'scotch yoke, slide': ({**SCOTCH_YOKE, 'linkage.input': 'slide', 'linkage.mode': 1},
+                           ['crank', 'block', 'slot', 'yoke']),
+    'cylinder': ({**INVERTED, 'linkage.input': 'slide', 'linkage.mode': 1},
+                 ['crank', 'block', 'slide', 'bar']),
+}
 STAMPS = (0, 0), (1, 999_999_999), (2**31 - 1, 0), (-1, 5)
 FRAMES = 'a', 'abcdefg', 'x' * 61, 'Größe', '\x00'.join('ab'), ''
 
