@@ -18,15 +18,16 @@ class Load(NamedTuple):
     A load, which the message LinkageLoads has as a field of its name.
 
     ``text`` says what it is where it can be asked for by name, as for extrema; ``label``: in the
-    table of a pose. ``of``: of a load that follows from others, the function (mechanism, motion,
-    loads above) -> its value; of it mechanisms need state nothing.
+    table of a pose. ``of``: of a load that follows from others, the function (mechanism, its
+    constants, motion, loads above) -> its value; of it mechanisms need state nothing. One trace
+    serves all mechanisms of a structure, so masses and lengths come from the constants.
     """
 
     name: str
     unit: str
     text: str = ''
     label: str = ''
-    of: Callable[[Any, Any, Any], Any] | None = None
+    of: Callable[[Any, Any, Any, Any], Any] | None = None
 
 
 LOADS = {row.name: row for row in (
@@ -49,8 +50,8 @@ DERIVED = tuple(row for row in LOADS.values() if row.of)
 def derives(formula_of: Callable[..., Any]) -> Callable[..., Any]:
     """Let a method ``loads_formula`` return the loads that follow from its own, too."""
     @wraps(formula_of)
-    def with_all(mechanism: Any, *arguments: Any) -> Any:
-        own = formula_of(mechanism, *arguments)
+    def with_all(mechanism: Any, numbers: Any, constants: Any) -> Any:
+        own = formula_of(mechanism, numbers, constants)
         names = mechanism.LOADS._fields
 
         def loads(fields: Any) -> Any:
@@ -59,7 +60,7 @@ def derives(formula_of: Callable[..., Any]) -> Callable[..., Any]:
                                                                                   own(fields))))
             for row in DERIVED:
                 assert row.of
-                setattr(found, row.name, row.of(mechanism, motion, found))
+                setattr(found, row.name, row.of(mechanism, constants, motion, found))
             return mechanism.LOADS(**vars(found))
         return loads if DERIVED else own
     return with_all

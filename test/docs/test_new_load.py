@@ -7,10 +7,15 @@ import shutil
 import subprocess
 import sys
 
+import pytest
 from support import ROOT
 
 GUIDE = (ROOT / '.github/CONTRIBUTING.md').read_text()
 TREES = ('fourbar_ros', 'fourbar_lab', 'docs', 'msg_defs', 'config')
+OF_MASSES = """Load(
+        'per_mass', 'N/kg', 'shaking force over the mass of the second link',
+        of=lambda mechanism, constants, motion, loads:
+            loads.shaking_force / (constants.bodies[1].mass + 1e-9)),"""
 SCRIPT = """
 import json, sys
 from pathlib import Path
@@ -18,7 +23,7 @@ from fourbar_lab.drawing.poses import loads_table
 from fourbar_lab.export import fmu
 from fourbar_lab.export.model import Model
 from fourbar_lab.live.model import shown
-from fourbar_ros import find_extrema, load_scene
+from fourbar_ros import Bodies, find_extrema, FourBar, load_scene, round_rod
 from fourbar_ros.ros.node.services import units_of
 import fourbar_ros
 from rich.console import Console
@@ -39,6 +44,11 @@ for name in ('paper', 'cylinder', 'jansen'):
 scene = load_scene('paper')
 page = shown(scene.values)
 found['page'] = [page.values(page.poses[0])['drive_power'], 'drive_power' in page.quantities]
+found['per_mass'] = []
+for density in (2700.0, 7750.0):      # two linkages that share a trace
+    rods = Bodies(*(round_rod(length, density, 0.01) for length in (0.4, 1.2, 0.8)))
+    linkage = FourBar(0.4, 1.2, 0.8, 1.0, bodies=rods)
+    found['per_mass'].append(linkage.step(1.0, 25.0)[1].per_mass)
 console = Console(width=100, record=True, file=open('/dev/null', 'w'))
 console.print(loads_table(scene.linkage, scene.linkage.loads(1.0, 25.0)))
 found['show'] = 'drive power' in console.export_text()
@@ -58,7 +68,7 @@ def test_a_row_makes_a_load_of_table_message_manual_page_and_fmu(tmp_path):
     file = tmp_path / 'fourbar_ros/mechanisms/loads.py'
     text = file.read_text()
     text = text.replace('LOADS = {', f'{formula}\n\n\nLOADS = {{').replace(
-        '\n)}\nDERIVED', f'\n    {row}\n)}}\nDERIVED')
+        '\n)}\nDERIVED', f'\n    {row}\n    {OF_MASSES}\n)}}\nDERIVED')
     file.write_text(text)
 
     def run(*words):
@@ -77,5 +87,6 @@ def test_a_row_makes_a_load_of_table_message_manual_page_and_fmu(tmp_path):
         assert own['power'] == own['expected'] != 0.0
         assert own['unit'] == 'W' and own['field'] == 'drive_power' and own['extrema']
     assert found['page'][0][1] == 'W' and found['page'][1]
+    assert found['per_mass'][0] == pytest.approx(found['per_mass'][1], rel=1e-7)
     assert found['show'] and found['texts'] == ['W', 'power of the drive']
     assert found['fmu'] == [1, 2, -3, 0, 0]
