@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
-from math import cos, degrees, isnan, remainder, sin
+from math import cos, degrees, isnan, nan, remainder, sin
 from pathlib import Path
 import signal
 import subprocess
@@ -17,8 +17,7 @@ from fourbar_lab.drawing.tables import mode_name, rate_unit, what_it_is
 from fourbar_msgs.msg import Extremum
 from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.errors import FourBarError
-from fourbar_ros.mechanisms.loads import LOADS
-from fourbar_ros.mechanisms.quantities import select
+from fourbar_ros.mechanisms.quantities import known, positions, select
 from fourbar_ros.pipeline.status import STATUS_NAMES
 from fourbar_ros.ros.messages import Message, resolve, to_stamp
 from fourbar_ros.scene.arguments import Parser, positive
@@ -36,9 +35,6 @@ SWING = 0.95           # share of a limited input range that the demonstration s
 REFRESH = 8            # live tables per second
 KINDS = {Extremum.KIND_MINIMUM: 'min', Extremum.KIND_MAXIMUM: 'max',
          Extremum.KIND_CONSTANT: 'const'}
-ANGLES = ('theta1', 'theta4', 'transmission_angle')
-RATES = {'slide': 'm', 'omega4': 'rad/s', 'alpha4': 'rad/s^2', 'slide_velocity': 'm/s',
-         'slide_acceleration': 'm/s^2'}
 
 
 class DemoError(FourBarError):
@@ -96,18 +92,19 @@ def live_table(client: Driver, seconds: float) -> Table:
     """Return a table: the latest state and loads, how many messages came on each topic."""
     table = make_table(f'{NODE} at {seconds:4.1f} s', ('', '        value>', 'unit'))
     state, loads = client.latest.get('state'), client.latest.get('loads')
-    rows = []
     if state:
         table.add_row('status', STATUS_NAMES[state.status], '')
-        rows = [(name, remainder(degrees(getattr(state, name)), 360.0), '.3f', 'deg')
-                for name in ANGLES]
-        rows += [(name, getattr(state, name), '.5g', unit) for name, unit in RATES.items()]
-    if loads:
-        rows += [(name, getattr(loads, name), '.3f', unit)
-                 for name, unit, text, *_ in LOADS.values() if text]
-    for name, value, form, unit in rows:
-        if not isnan(value):                             # NaN: a field of other mechanisms
-            table.add_row(name.replace('_', ' '), format(value, form), unit)
+    linkage = client.scene.linkage
+    quantities = {**positions(linkage, linkage.input), **known(linkage, linkage.input)}
+    rows = [(linkage.input_coordinate.position, linkage.input_coordinate.unit, state),
+            *((name, one.unit, loads if one.is_load else state)
+              for name, one in quantities.items())]
+    for name, unit, message in rows:
+        value = getattr(message, name, nan)
+        if not isnan(value):
+            table.add_row(name.replace('_', ' '), *(
+                (f'{remainder(degrees(value), 360.0):.3f}', 'deg') if unit == 'rad' else
+                (f'{value:.5g}', unit)))
     for name, count in client.received.items():
         table.add_row(f'received {name}', str(count), 'messages')
     return table
