@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from fourbar_lab.balancing.cone import Balance, peak
 from fourbar_lab.balancing.loads import body_of, Loads, NUMBERS
-from fourbar_lab.drawing.figure import save
+from fourbar_lab.drawing.figure import make_panels, save
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.scene.files import as_text
 from fourbar_ros.scene.parameters import find
@@ -75,37 +75,23 @@ def scene_text(scene: Scene, balance: Balance, what: str) -> str:
 
 def draw_changes(loads: Loads, numbers: Array, path: str | Path) -> None:
     """Draw force, moment and torque of inertia over the input, before and after."""
-    from matplotlib.figure import Figure
     is_angle = loads.mechanism.input_coordinate.unit == 'rad'
     x = np.sort(loads.nodes(SAMPLES)[0])
-    figure = Figure(figsize=(12, 3.6), layout='constrained')
-    panels = figure.subplots(1, len(DRAWN))
-    for axes, name in zip(panels, DRAWN):
+    panels = {}
+    for name in DRAWN:
         components = loads.group(name)
         matrices = np.stack(list(loads.matrices(x, components).values()))
-        for its_numbers, style, colour, label in ((loads.given, '--', '0.5', 'before'),
-                                                  (numbers, '-', 'C0', 'after')):
-            load = matrices @ its_numbers           # (components, inputs)
-            size = load[0] if len(load) == 1 else np.linalg.norm(load, axis=0)
-            axes.plot(np.degrees(x) if is_angle else x, size, style, color=colour, label=label)
         title = components[0].removesuffix('_x').replace('_', ' ')
-        axes.set(title=f'{title} about O1' if name == 'moment' else title,
-                 xlabel='input [deg]' if is_angle else 'input [m]',
-                 ylabel=f'[{unit_of(loads, name)}]')
-        axes.grid(alpha=0.3)
-    panels[0].legend()
-    save(figure, path)
+        panels[f'{title} [{unit_of(loads, name)}]'] = [
+            (label, np.degrees(x) if is_angle else x,
+             load[0] if len(load) == 1 else np.linalg.norm(load, axis=0))
+            for label, load in (('before', matrices @ loads.given), ('after', matrices @ numbers))]
+    save(make_panels(panels, 'input [deg]' if is_angle else 'input [m]',
+                     'loads of inertia, moment about O1'), path)
 
 
 def draw_front(names: Sequence[str], balances: Sequence[Balance], path: str | Path) -> None:
     """Draw the remaining loads over the added mass; the first balance has no added mass."""
-    from matplotlib.figure import Figure
-    figure = Figure(figsize=(6, 4), layout='constrained')
-    axes = figure.subplots()
-    unbalanced = balances[0].value or 1.0
-    axes.plot([one.added for one in balances],
-              [100.0 * one.value / unbalanced for one in balances], '-')
-    axes.set(xlabel='added mass [kg]', ylabel=f'RMS of {" and ".join(names)}, unbalanced = 100 %',
-             ylim=(0.0, 105.0))
-    axes.grid(alpha=0.3)
-    save(figure, path)
+    added, values = np.array([(one.added, one.value) for one in balances]).T
+    save(make_panels({f'RMS of {" and ".join(names)} [%]': [
+        ('', added, 100.0 * values / (values[0] or 1.0))]}, 'added mass [kg]', ''), path)

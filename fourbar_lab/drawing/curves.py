@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import NamedTuple, TYPE_CHECKING
 
 from fourbar_lab.drawing.cycles import cycles
-from fourbar_lab.drawing.figure import CannotDraw, need_matplotlib, save, STYLE, write_page
+from fourbar_lab.drawing.figure import CannotDraw, make_panels, save, write_page
 from fourbar_lab.drawing.labels import symbols_of
 from fourbar_lab.drawing.tables import counted
 from fourbar_ros.errors import InvalidParameter, nearest
@@ -215,33 +215,24 @@ def make_figure(curves: Curves, extrema: Sequence[tuple[str, float, float]] = ()
     ``extrema``: (name, input, value) of points to mark, in the units of the curves; angles of the
     input are brought into the turn that the curves show.
     """
-    need_matplotlib('plot')
-    import matplotlib
-    from matplotlib.figure import Figure
-    from matplotlib.ticker import MultipleLocator
-    units, low = list(dict.fromkeys(curves.units[1:])), np.nanmin(curves.values[0])
-    high = np.nanmax(curves.values[0])
+    low, high = np.nanmin(curves.values[0]), np.nanmax(curves.values[0])
     if curves.units[0] == 'deg':
         extrema = [(name, place, value) for name, first, value in extrema
                    for place in np.arange(low + (first - low) % 360.0, high + 1e-9, 360.0)]
-    with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(9.0, 0.6 + 2.4 * len(units)), layout='constrained')
-        axes = figure.subplots(len(units), 1, sharex=True, squeeze=False)[:, 0]
-        for axis, unit in zip(axes, units):
-            for name, symbol, its_unit, values in list(zip(
-                    curves.names, curves.symbols, curves.units, curves.values))[1:]:
-                if its_unit == unit:
-                    line, = axis.plot(curves.values[0], values, label=symbol)
-                    marked = [(place, value) for of, place, value in extrema if of == name]
-                    if marked:
-                        axis.plot(*zip(*marked), 'o', color=line.get_color(), markersize=4)
-            axis.set_ylabel(f'{AXES.get(unit, "value")} [{unit}]')
-            axis.grid(alpha=0.3)
-            axis.legend(loc='center left', bbox_to_anchor=(1.0, 0.5), frameon=False)
-        axes[0].set_title(curves.title)
-        axes[-1].set_xlabel(f'{curves.symbols[0]} [{curves.units[0]}]')
-        if curves.units[0] == 'deg' and high - low > 180.0:
-            axes[-1].xaxis.set_major_locator(MultipleLocator(90.0))
+    rows = list(zip(curves.names, curves.symbols, curves.units, curves.values))[1:]
+    by_unit = {unit: [row for row in rows if row[2] == unit] for unit in curves.units[1:]}
+    figure = make_panels({f'{AXES.get(unit, "value")} [{unit}]':
+                          [(symbol, curves.values[0], values) for _, symbol, _, values in its]
+                          for unit, its in by_unit.items()},
+                         f'{curves.symbols[0]} [{curves.units[0]}]', curves.title)
+    for axis, its in zip(figure.axes, by_unit.values()):
+        for line, (name, *_) in zip(list(axis.lines), its):
+            marked = [(place, value) for of, place, value in extrema if of == name]
+            if marked:
+                axis.plot(*zip(*marked), 'o', color=line.get_color(), markersize=4)
+    if curves.units[0] == 'deg' and high - low > 180.0:
+        from matplotlib.ticker import MultipleLocator
+        figure.axes[-1].xaxis.set_major_locator(MultipleLocator(90.0))
     return figure
 
 

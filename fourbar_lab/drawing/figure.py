@@ -21,6 +21,7 @@ from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Arrow, NamedFields, ORIGIN, without_repeats
 from fourbar_ros.mechanisms.picture import Points
+from fourbar_ros.numerics.arrays import Array
 
 if TYPE_CHECKING:      # drawings alone need it
     from matplotlib.axes import Axes
@@ -127,6 +128,27 @@ def make_figure(mechanism: Mechanism, motion: NamedFields, loads: NamedFields | 
         draw_polygon(axes[1], mechanism.velocity_polygon(motion), 'velocities', units.speed, names)
         draw_polygon(axes[2], mechanism.acceleration_polygon(motion), 'accelerations',
                      units.acceleration, names)
+    return figure
+
+
+def make_panels(panels: Mapping[str, Sequence[tuple[str, Array, Array]]], xlabel: str,
+                title: str) -> Figure:
+    """Return a figure of axes below each other: {text of an axis: (label, x, y) of its curves}."""
+    need_matplotlib('plot')
+    import matplotlib
+    from matplotlib.figure import Figure
+    with matplotlib.rc_context(STYLE):
+        figure = Figure(figsize=(9.0, 0.6 + 2.4 * len(panels)), layout='constrained')
+        axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
+        for axis, (text, curves) in zip(axes, panels.items()):
+            for label, x, y in curves:
+                axis.plot(x, y, label=label)
+            axis.set_ylabel(text)
+            axis.grid(alpha=0.3)
+            if curves[0][0]:
+                axis.legend(loc='center left', bbox_to_anchor=(1.0, 0.5), frameon=False)
+        axes[0].set_title(title)
+        axes[-1].set_xlabel(xlabel)
     return figure
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import re
 from typing import TYPE_CHECKING
 
+from fourbar_lab.drawing.figure import make_panels
 from fourbar_ros.bag.reader import Bag, Progress
 from fourbar_ros.bag.tables import table_of
 from fourbar_ros.errors import BagError, nearest
@@ -17,8 +18,7 @@ import numpy as np
 if TYPE_CHECKING:      # drawings alone need it
     from matplotlib.figure import Figure
 
-WIDTH, HEIGHT, DPI = 9.0, 2.4, 100      # [in] a picture, and each of its axes; pixels an inch
-STRETCHES = int(2 * WIDTH * DPI)        # of a curve, each drawn by its extrema: two a pixel
+STRETCHES = 1800        # of a curve, each drawn by its extrema: two a pixel of a picture
 _UNIT = re.compile(r'^\s*\S+\s+(\w+)\s*#\s*\[([^\]]+)\]', re.M)    # float64 f41  # [N] ...
 
 
@@ -31,32 +31,20 @@ def make_figure(path: str | Path, names: Sequence[str], progress: Progress | Non
     ``/joint_states.position[crank]``. A value belongs to the x of the same stamp; an angle x of
     more than a turn is taken modulo 2 pi. ``progress`` is called with the number of bytes read.
     """
-    try:
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise BagError('plot requires matplotlib: pip install matplotlib') from None
     bag = Bag(path)
     curves = _read(bag, dict.fromkeys([*names, *([x] if x else [])]), progress)
     start = min(stamps[0] for stamps, _, _ in curves.values())
     label = 'time since the first message [s]' if x is None else f'{x} [{curves[x][2]}]'
-    units = list(dict.fromkeys(curves[name][2] for name in names))
-    figure = Figure(figsize=(WIDTH, HEIGHT * len(units) + 0.6), dpi=DPI, layout='constrained')
-    axes = figure.subplots(len(units), 1, sharex=True, squeeze=False)[:, 0]
-    for axis, unit in zip(axes, units):
-        for name in (name for name in names if curves[name][2] == unit):
-            stamps, values, _ = curves[name]
-            if x is None:
-                keep = thinned(values, STRETCHES)
-                axis.plot((stamps[keep] - start) * 1e-9, values[keep], label=name, linewidth=1.0)
-            else:
-                axis.plot(*_over(curves[x], stamps, values), label=name, linewidth=1.0)
-        axis.set_ylabel(f'[{unit}]' if unit else '')
-        axis.legend(loc='lower left', bbox_to_anchor=(0.0, 0.98), ncols=4, frameon=False,
-                    fontsize='small')
-        axis.grid(True, alpha=0.3)
-    axes[-1].set_xlabel(label)
-    figure.suptitle(str(path), fontsize='medium')
-    return figure
+    panels: dict[str, list[tuple[str, Array, Array]]] = {}
+    for name in names:
+        stamps, values, unit = curves[name]
+        if x is None:
+            keep = thinned(values, STRETCHES)
+            line = (stamps[keep] - start) * 1e-9, values[keep]
+        else:
+            line = _over(curves[x], stamps, values)
+        panels.setdefault(f'[{unit}]' if unit else '', []).append((name, *line))
+    return make_panels(panels, label, str(path))
 
 
 def plot(path: str | Path, names: Sequence[str], out: str | Path, progress: Progress | None = None,
