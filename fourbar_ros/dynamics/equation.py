@@ -59,7 +59,6 @@ from fourbar_ros.numerics.arrays import Array, Value
 from fourbar_ros.numerics.given import number
 from fourbar_ros.numerics.number_types import (
     ARRAY,
-    COMPLEX_WITH_ANGLES,
     Function,
     NumberType,
     Scalar,
@@ -82,7 +81,7 @@ def _with_slope(function: Callable[[Any], Any], place: Any) -> Any:
     return function(place.real) + 1j * slope * place.imag
 
 
-WITH_SLOPES = replace(COMPLEX_WITH_ANGLES, call=_with_slope)
+WITH_SLOPES = replace(ARRAY, call=_with_slope)
 
 
 def flat_positions(links: DrivenLinks) -> tuple[float, ...]:

@@ -10,10 +10,7 @@ compares real parts, ``x.real > 0.0``, which floats, arrays and complex numbers 
 
 =========================  ==================================================================
 ``REAL``                   floats: one sample takes microseconds where numpy would take thirty
-``ARRAY``                  real numpy arrays
-``COMPLEX``                complex arrays, for exact derivatives by a complex step; angles are
-                           left out (``atan2`` gives zero)
-``COMPLEX_WITH_ANGLES``    the same with the derivatives of angles
+``ARRAY``                  numpy arrays, real, or complex for exact derivatives by a complex step
 ``RECORDED``               writes down what is done: :mod:`fourbar_ros.numerics.trace`
 =========================  ==================================================================
 """
@@ -21,7 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from copy import copy
-from dataclasses import dataclass, fields, is_dataclass, replace
+from dataclasses import dataclass, fields, is_dataclass
 from functools import cache, reduce
 import math
 from typing import Any, TypeVar
@@ -142,34 +139,29 @@ def hypot_of_arrays(x: Values, y: Values, out: Array | None = None) -> Array:
     return length
 
 
-def size_of_complex(x: Any) -> Array:
-    """Return x or -x, whichever has a positive real part: |x| with its complex step."""
-    return np.asarray(np.where(x.real < 0.0, -x, x) if np.iscomplexobj(x) else np.abs(x))
+def size_of_complex(x: Any) -> Any:
+    """Return x or -x, whichever has a positive real part: |x|, with its complex step if any."""
+    return np.where(x.real < 0.0, -x, x) if np.iscomplexobj(x) else np.abs(x)
 
 
-def angle_of_complex(y: Any, x: Any) -> Array:
-    """Return the angle of (x, y), of complex numbers with its complex step."""
+def angle_of_complex(y: Any, x: Any) -> Any:
+    """Return the angle of (x, y), with its complex step if any."""
     if not np.iscomplexobj(x) and not np.iscomplexobj(y):
-        return np.asarray(np.arctan2(y, x))
-    y, x = np.asarray(y), np.asarray(x)
+        return np.arctan2(y, x)
     turn = 1j * (x.real * y.imag - y.real * x.imag) / (x.real**2 + y.real**2)
-    return np.asarray(np.arctan2(y.real, x.real) + turn)
+    return np.arctan2(y.real, x.real) + turn
 
 
-def hypot_of_complex(x: Any, y: Any) -> Array:
+def hypot_of_complex(x: Any, y: Any) -> Any:
     """Return sqrt(x^2 + y^2) of real or complex arrays."""
-    return (np.asarray(np.sqrt(x * x + y * y)) if np.iscomplexobj(x) or np.iscomplexobj(y)
+    return (np.sqrt(x * x + y * y) if np.iscomplexobj(x) or np.iscomplexobj(y)
             else hypot_of_arrays(x, y))
 
 
 REAL = NumberType('floats', math.sin, math.cos, math.sqrt, math.atan2, math.hypot, math.fabs,
                   choose, math.fsum, power_of_two)
-ARRAY = NumberType('real arrays', np.sin, np.cos, np.sqrt, np.arctan2, hypot_of_arrays, np.abs,
-                   _choose_in_arrays, math.fsum, power_of_two)
-COMPLEX = replace(ARRAY, name='complex arrays without angles', atan2=lambda y, x: 0.0,
-                  hypot=lambda x, y: np.sqrt(x * x + y * y),
-                  fabs=size_of_complex)
-COMPLEX_WITH_ANGLES = replace(COMPLEX, name='complex arrays', atan2=angle_of_complex)
+ARRAY = NumberType('arrays', np.sin, np.cos, np.sqrt, angle_of_complex, hypot_of_complex,
+                   size_of_complex, _choose_in_arrays, math.fsum, power_of_two)
 
 
 def power_of_two_of_arrays(*lengths: Array) -> Array:

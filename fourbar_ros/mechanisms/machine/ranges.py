@@ -39,7 +39,7 @@ from fourbar_ros.mechanisms.machine.describe.layout import Layout
 from fourbar_ros.mechanisms.machine.solve.pairs import Closure, other_of
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.digits import in_decimals, MANY_DIGITS
-from fourbar_ros.numerics.number_types import COMPLEX, Function, numbers_of, REAL
+from fourbar_ros.numerics.number_types import ARRAY, Function, numbers_of, REAL
 from fourbar_ros.numerics.trace import flat, Trace
 import numpy as np
 
@@ -111,7 +111,7 @@ def find_ranges(layout: Layout, numbers: Sequence[Numbers], signs: Sequence[floa
         name = CYLINDER if layout.driver == CYLINDER else ''
         limits = [(Limit(low, name), Limit(high, name))]
     near: list[Near] = []
-    every = make_closings(COMPLEX, layout, numbers, signs, len(layout.stages))
+    every = make_closings(ARRAY, layout, numbers, signs, len(layout.stages))
     screens: dict[Bound, dict[int, Near]] = {}      # of each range that stood when it was screened
     flats: dict[float, frozenset[int]] = {}
     for count, (stage, own) in enumerate(zip(layout.stages, numbers)):
@@ -275,7 +275,7 @@ class _Search:
         """Return the parts of a range in which dyad ``number`` closes, and a search near them."""
         stage = self._machine[0].stages[number]
         in_complex, in_floats = [make_closings(n, *self._machine, number + 1)
-                                 for n in (COMPLEX, REAL)]
+                                 for n in (ARRAY, REAL)]
         path, is_signed = _Path.of(bound), stage.kind == PRP
 
         phi, value, slope = _resolved(path.start(), _sampled(
@@ -363,7 +363,7 @@ class _Search:
 
     def poles(self, bound: Bound) -> list[complex]:
         """Return the complex inputs near a range at which the ends of a dyad meet."""
-        path, squares = _Path.of(bound), make_squares(COMPLEX, *self._machine)
+        path, squares = _Path.of(bound), make_squares(ARRAY, *self._machine)
         phi = path.start()
         middle = 0.5 * (phi[1:] + phi[:-1])
         both = np.concatenate((phi, middle))
@@ -422,7 +422,7 @@ class _Search:
         motion has a kink, so that samples are taken between them.
         """
         in_complex, in_floats = [make_places(n, *self._machine, number + 1)
-                                 for n in (COMPLEX, REAL)]
+                                 for n in (ARRAY, REAL)]
         low, high = (-pi, pi) if bound is None else (bound[0].x, bound[1].x)
         turns = (0.0, 2.0 * pi) if self._machine[0].driver == 'crank' else (0.0,)
         inner = sorted({x + turn for x in known for turn in turns if low < x + turn < high})
