@@ -88,7 +88,7 @@ ROOMS = {
             'test/dynamics/test_equation.py'),
         Bug('fourbar_ros/dynamics/equation.py', 'extra * turn * bend', 'extra * bend',
             'test/dynamics/test_toggles.py'),
-        Bug('fourbar_ros/dynamics/equation.py', 'couple * motions[i].omega', 'couple',
+        Bug('fourbar_ros/dynamics/equation.py', 'couple * motions[name].omega', 'couple',
             'test/dynamics/test_equation.py'),
         Bug('fourbar_ros/dynamics/equation.py', 'energy, size = energy - work,',
             'energy, size = energy + work,',

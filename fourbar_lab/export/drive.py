@@ -80,7 +80,7 @@ class DriveCode:
         self.takes_torque = scene.drive.source == TORQUE.name
         self._mover = scene.mover
         self._system, self._drive = self._mover.system, scene.dynamics.drive
-        self._source: Law = self._drive.source        # type: ignore[assignment]  # of scenes
+        self._source: Law = self._drive.source
         # coordinates and modes of its motion, those at the start first -> formulas, and what
         # takes over
         self._phases: dict[Coordinate, StepFormulas] = self._mover.formulas

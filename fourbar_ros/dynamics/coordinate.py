@@ -131,10 +131,6 @@ class Coordinate:
             other = self.all.continuous(other)
         return taking_over, [other, ratio * float(state[1]), *state[2:]]
 
-    def energy(self, state: State) -> float:
-        """Return kinetic plus potential energy at a state [J]."""
-        return float(self.equation.energy(float(state[0]), float(state[1])))
-
     def input_of(self, position: float) -> tuple[float, float, float]:
         """Return the input and its first two derivatives by p, at one p."""
         if self.is_input:

@@ -223,18 +223,16 @@ class Equation:
                                     least=0.0)
         if mechanism.bodies is None:
             raise MissingBodies
-        self._links = (*(link.name for link in mechanism.LINKS), GROUND)
-        # (number of the link, body, applied load), without links that add nothing
-        self._bodies = [(self._links.index(name), body, applied)
+        links = [*(link.name for link in mechanism.LINKS), GROUND]
+        for name in (link for element in self.elements for link in element.links):
+            if name not in links:
+                raise InvalidParameter('link', name, f'must be one of {", ".join(links)}')
+        # (link, body, applied load), without links that add nothing
+        self._bodies = [(name, body, applied)
                         for name, (body, applied) in mechanism.loads_of_links().items()
                         if body.mass or body.inertia or applied != NOT_APPLIED]
-        for name in (link for element in self.elements for link in element.links):
-            if name not in self._links:
-                raise InvalidParameter('link', name, f'must be one of {", ".join(self._links)}')
         self.forces = tuple([e for e in self.elements if isinstance(e, PositionForce)])
-        # (spring, numbers of the links that it joins)
-        self._springs = [(e, self._links.index(e.links[0]), self._links.index(e.links[1]))
-                         for e in self.elements if not isinstance(e, PositionForce)]
+        self._springs = [e for e in self.elements if not isinstance(e, PositionForce)]
         # forces with a table, and their F(s)
         self.tables = [(e, value) for e in self.forces
                        if isinstance(value := e.make_value(mechanism), TableForce)]
@@ -299,16 +297,19 @@ class Equation:
         return bool(self._flats)
 
     def _make_pose(self, coordinate: DrivenLinks, n: NumberType
-                   ) -> Callable[[Scalar], tuple[list[LinkMotion], tuple[Scalar, ...]]]:
-        """Return q -> motions of all links, the ground last; input with two derivatives by q."""
-        coefficients, read = coordinate.make_coefficients(n), self.mechanism.read_coordinate
-        is_input = self.is_input
+                   ) -> Callable[[Scalar], tuple[dict[str, LinkMotion], tuple[Scalar, ...]]]:
+        """
+        Return q -> motions of all links by name; the input with its two derivatives by q.
 
-        def pose(position: Scalar) -> tuple[list[LinkMotion], tuple[Scalar, ...]]:
-            """Return the motions at unit rate and zero acceleration of q."""
+        The motions are those at unit rate and zero acceleration of q.
+        """
+        coefficients, read = coordinate.make_coefficients(n), self.mechanism.read_coordinate
+        names = [link.name for link in self.mechanism.LINKS]
+
+        def pose(position: Scalar) -> tuple[dict[str, LinkMotion], tuple[Scalar, ...]]:
             moving = coefficients(position)
-            return ([*map(LinkMotion._make, moving), FIXED],
-                    (position, 1.0, 0.0) if is_input else read(n, moving))
+            return ({**dict(zip(names, map(LinkMotion._make, moving))), GROUND: FIXED},
+                    (position, 1.0, 0.0) if self.is_input else read(n, moving))
         return pose
 
     def make_terms(self, coordinate: DrivenLinks, n: NumberType) -> Function:
@@ -318,10 +319,10 @@ class Equation:
         C is the part of Q that has no potential: of couples and of forces over a position.
         """
         pose, extra = self._make_pose(coordinate, n), self.extra_inertia
-        links = [(i, make_link_terms(body, self.mechanism.gravity, applied), applied.couple)
-                 for i, body, applied in self._bodies]
-        springs = [(one, two, make_tension(n, element), element.damping)
-                   for element, one, two in self._springs]
+        links = [(name, make_link_terms(body, self.mechanism.gravity, applied), applied.couple)
+                 for name, body, applied in self._bodies]
+        springs = [(element.links, make_tension(n, element), element.damping)
+                   for element in self._springs]
         forces = [make_force_term(n, element, self.mechanism) for element in self.forces]
 
         def terms(position: Scalar) -> tuple[Scalar, ...]:
@@ -329,20 +330,19 @@ class Equation:
             motions, (value, turn, bend) = pose(position)
             inertia, half_slope = extra * turn * turn, extra * turn * bend
             force, damping, couples = 0.0, 0.0, 0.0
-            for i, terms_of_link, couple in links:
-                j, k, f = terms_of_link(motions[i])
+            for name, terms_of_link, couple in links:
+                j, k, f = terms_of_link(motions[name])
                 inertia, half_slope, force = inertia + j, half_slope + k, force + f
-                couples = couples + couple * motions[i].omega
-            for one, two, tension, of_damper in springs:
+                couples = couples + couple * motions[name].omega
+            for (one, two), tension, of_damper in springs:
                 pull, growth, square = tension(motions[one], motions[two])
                 force = force - pull * growth
                 if of_damper:
                     damping = damping + of_damper * growth * growth / square
             if forces:
-                by_link = dict(zip(self._links, motions))
                 pushed = 0.0
                 for term in forces:
-                    pushed = pushed + term(by_link, value)
+                    pushed = pushed + term(motions, value)
                 force, couples = force + pushed, couples + pushed
             return inertia, half_slope, force, damping, couples
         return terms
@@ -352,10 +352,8 @@ class Equation:
         pose = self._make_pose(coordinate, n)
 
         def places(position: Scalar) -> tuple[Scalar, ...]:
-            """Return them at one q."""
             motions, (value, _, _) = pose(position)
-            by_link = dict(zip(self._links, motions))
-            return tuple([place_of(n, force, by_link, value) for force, _ in self.tables])
+            return tuple([place_of(n, force, motions, value) for force, _ in self.tables])
         return places
 
     @cached_property
@@ -397,11 +395,11 @@ class Equation:
             """Return the sums over links and springs; forces over a position have no potential."""
             motions, _ = pose(position)
             energy, size = 0.0, 0.0
-            for i, body, applied in self._bodies:
-                work = work_of(motions[i], body, gravity, applied)
+            for name, body, applied in self._bodies:
+                work = work_of(motions[name], body, gravity, applied)
                 energy, size = energy - work, size + n.fabs(work)
-            for element, one, two in self._springs:
-                stored = element_energy(n, element, motions[one], motions[two])
+            for element in self._springs:
+                stored = element_energy(n, element, *(motions[name] for name in element.links))
                 energy, size = energy + stored, size + stored
             return energy, size
         return potential

@@ -145,7 +145,7 @@ def _rates(gained: Array, total: Array, rate: float) -> Array:
     for _ in range(200):
         energy = 0.5 * (low + high)
         rates = rates_at(energy)
-        if 0.5 * (np.max(rates) + np.min(rates)) < abs(rate):
+        if np.max(rates) + np.min(rates) < 2.0 * abs(rate):
             low = energy
         else:
             high = energy

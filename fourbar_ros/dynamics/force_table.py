@@ -15,10 +15,10 @@ from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import isfinite
+from typing import Any
 
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.numerics.arrays import Array, Value
+from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.given import number
 from fourbar_ros.optional import MissingPackage
 import numpy as np
@@ -67,23 +67,22 @@ class ForceTable:
             given = np.ravel(np.asarray(getattr(self, name), dtype=object)).tolist()
             object.__setattr__(self, name, tuple([
                 number(f'{name}[{i}]', value) for i, value in enumerate(given, 1)]))
-        places, values = self.places, self.values
-        if not 2 <= len(places) <= MOST_POINTS:
-            raise InvalidParameter('places', len(places), f'must be 2 to {MOST_POINTS} points')
-        if len(values) != len(places):
-            raise InvalidParameter('values', len(values), f'must be as many as places, '
-                                   f'{len(places)}')
+        places, values, count = self.places, self.values, len(self.places)
+        if not 2 <= count <= MOST_POINTS:
+            raise InvalidParameter('places', count, f'must be 2 to {MOST_POINTS} points')
+        if len(values) != count:
+            raise InvalidParameter('values', len(values), f'must be as many as places, {count}')
         for i, (before, place) in enumerate(zip(places, places[1:]), 2):
             if not place > before:
                 raise InvalidParameter(f'places[{i}]', place, 'must be larger than the one '
                                                               f'before, {before!r}')
-        if self.is_periodic and abs(values[-1] - values[0]) > CLOSES * max(map(abs, values)):
-            raise InvalidParameter(f'values[{len(values)}]', values[-1], 'must be the first value '
-                                   f'again, {values[0]!r}: the table is periodic')
         if self.is_periodic:
+            if abs(values[-1] - values[0]) > CLOSES * max(map(abs, values)):
+                raise InvalidParameter(f'values[{count}]', values[-1], 'must be the first value '
+                                       f'again, {values[0]!r}: the table is periodic')
             object.__setattr__(self, 'values', (*values[:-1], values[0]))
         try:
-            is_finite = all(map(isfinite, self._coefficients.flat))
+            is_finite = bool(np.all(np.isfinite(self._coefficients)))
         except ValueError:     # from scipy: slopes that are not finite
             is_finite = False
         if not is_finite:
@@ -100,25 +99,21 @@ class ForceTable:
         """Return the middle of its places."""
         return 0.5 * (self.places[0] + self.places[-1])
 
-    def __call__(self, place: Value) -> Value:
+    def __call__(self, place: Any) -> Any:
         """Return the value at a place, a float or an array."""
         first, last = self.places[0], self.places[-1]
-        if not isinstance(place, float):
-            places, place = np.array(self.places), np.asarray(place, float)
-            if self.is_periodic:
-                place = first + (place - first) % self.span
-            place = np.clip(place, first, last)
-            i = np.clip(np.searchsorted(places, place, side='right') - 1, 0, places.size - 2)
-            a, b, c, d = self._coefficients[:, i]
-            t = place - places[i]
-            return np.asarray(((a * t + b) * t + c) * t + d)
+        is_one = isinstance(place, float)
         if self.is_periodic:
             place = first + (place - first) % self.span
         else:
-            place = min(max(place, first), last)
-        piece = bisect_right(self.places, place, 1, len(self.places) - 1) - 1
-        a, b, c, d = self._rows[piece]
-        t = place - self.places[piece]
+            place = min(max(place, first), last) if is_one else np.clip(place, first, last)
+        if is_one:
+            piece = bisect_right(self.places, place, 1, len(self.places) - 1) - 1
+            (a, b, c, d), start = self._rows[piece], self.places[piece]
+        else:
+            pieces = np.searchsorted(self.places[1:-1], place, side='right')
+            (a, b, c, d), start = self._coefficients[:, pieces], np.array(self.places)[pieces]
+        t = place - start
         return ((a * t + b) * t + c) * t + d
 
     @property

@@ -166,7 +166,8 @@ class Mover:
     def prepare(self) -> None:
         """Make the functions of all coordinates now: it takes as long as thousands of steps."""
         for formulas in self.formulas.values():
-            formulas.prepare()
+            for function in (formulas.place, formulas.attempt, formulas.euler):
+                assert function is not None
 
     # --- messages -------------------------------------------------------------------------------
 

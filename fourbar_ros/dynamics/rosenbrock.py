@@ -70,23 +70,8 @@ class Terms(NamedTuple):
     room: Scalar              # positive while this coordinate may go on
 
 
-class Linear(NamedTuple):
-    """What a step needs to know of its start, besides the state: dx/dt, and its Jacobian."""
-
-    change: Any               # dx/dt, five numbers
-    inertia: Scalar
-    half_slope: Scalar
-    damping: Scalar
-    ratio: Scalar
-    ratio_slope: Scalar
-    by_speed: Scalar          # of the source's torque
-    by_own: Scalar
-    own_by_speed: Scalar      # of dz/dt
-    own_by_own: Scalar
-
-
 class Place(NamedTuple):
-    """What is known of a state, as flat as C returns it: first what is told, then Linear."""
+    """What is known of a state. ``linear``: what a step from there needs, 14 numbers."""
 
     room: float
     other: float
@@ -95,12 +80,11 @@ class Place(NamedTuple):
     acceleration: float       # of the input, (T3)
     on_input: float           # torque (force) of the drive on it
     of_motor: float           # torque of the source
-    linear: tuple[float, ...]
+    linear: tuple[float, ...]    # dx/dt; J, J'/2, D, r, r'; dT/dw, dT/dz and those of dz/dt
 
 
-TOLD = len(Place._fields) - 1
-GIVEN = 6                                          # numbers of a place: x and the command
-GIVEN_STEP = 5 + 2 + 5 + len(Linear._fields) - 1   # of a step: x, h, command, Linear
+TOLD, LINEAR = len(Place._fields) - 1, 14
+GIVEN, GIVEN_STEP = 5 + 1, 5 + 2 + LINEAR     # x and a command; x, h, a command, linear
 
 
 class StepFormulas:
@@ -141,7 +125,7 @@ class StepFormulas:
 
     @cached_property
     def attempt(self) -> Function:
-        """Return (p, u, s, v, z, h, command, Linear) -> state after h, next length over h."""
+        """Return (p, u, s, v, z, h, command, linear) -> state after h, next length over h."""
         return self._function(self.make_attempt, self._equation.make_with_ratio, GIVEN_STEP)
 
     @cached_property
@@ -153,11 +137,6 @@ class StepFormulas:
         if self._equation.changes_mode:      # there is no one formula in both modes
             return make(REAL, self._equation.in_both_modes(make_terms).of_one)  # type: ignore[no-any-return]
         return straight_line(make, count)
-
-    def prepare(self) -> None:
-        """Make them now: it takes as long as thousands of steps."""
-        for function in (self.place, self.attempt, self.euler):
-            assert function is not None
 
     # --- formulas -------------------------------------------------------------------------------
 
@@ -212,9 +191,8 @@ class StepFormulas:
         def attempt(p: Any, u: Any, s: Any, v: Any, z: Any, h: Any, command: Any,
                     *given: Any) -> Any:
             x, law = (p, u, s, v, z), self._law(n, command)
-            linear = Linear(given[:5], *given[5:])
-            solve = self._solver(n, x, law, linear, 1.0 / (GAMMA * h), terms_at)
-            stages = [solve(linear.change)]
+            solve = self._solver(n, x, law, given, 1.0 / (GAMMA * h), terms_at)
+            stages = [solve(given[:5])]
 
             def add_stage(at: State, weights: Sequence[float]) -> None:
                 """Solve for the next u_i: dx/dt at a state, plus earlier u_j times weights / h."""
@@ -236,11 +214,11 @@ class StepFormulas:
 
         def euler(p: Any, u: Any, s: Any, v: Any, z: Any, h: Any, command: Any,
                   *given: Any) -> Any:
-            x, linear = (p, u, s, v, z), Linear(given[:5], *given[5:])
-            solve = self._solver(n, x, self._law(n, command), linear, 1.0 / h, terms_at)
+            x = p, u, s, v, z
+            solve = self._solver(n, x, self._law(n, command), given, 1.0 / h, terms_at)
             # a rate that grows so fast would leave nothing of the Jacobian but rounding
-            whole = n.where(n.fabs(linear.change[1]) < HUGE, 1.0, nan)
-            return _plus(x, whole, solve(linear.change))
+            whole = n.where(n.fabs(given[1]) < HUGE, 1.0, nan)
+            return _plus(x, whole, solve(given[:5]))
         return euler
 
     def _law(self, n: NumberType, command: Scalar) -> MakePiece:
@@ -286,7 +264,7 @@ class StepFormulas:
                   piece.change_at(speed, z) if 4 in self._order else 0.0)
         return change, on_input, motor, piece
 
-    def _solver(self, n: NumberType, x: State, law: MakePiece, linear: Linear, g: Scalar,
+    def _solver(self, n: NumberType, x: State, law: MakePiece, linear: Sequence[Scalar], g: Scalar,
                 terms_at: Function) -> Callable[[State], State]:
         """Return b -> y, the solution of (g - d(dx/dt)/dx) y = b at the start of a step."""
         step = DIFFERENCE * self.unit
@@ -294,7 +272,7 @@ class StepFormulas:
             step = n.where(x[1] < 0.0, -step, step)
         aside = x[0] + step
         (_, change, *_), *_ = self._rates(terms_at(aside), (aside, *x[1:]), law)
-        jacobian = self._jacobian(x, linear, (change - linear.change[1]) / (aside - x[0]))
+        jacobian = self._jacobian(x, linear, (change - linear[1]) / (aside - x[0]))
         solve = _eliminated([[(g if i == j else 0.0) - jacobian[i][j] for j in self._order]
                              for i in self._order])
 
@@ -305,13 +283,14 @@ class StepFormulas:
             return tuple(found)
         return solve_all
 
-    def _jacobian(self, x: State, linear: Linear, by_position: Scalar) -> list[list[Scalar]]:
+    def _jacobian(self, x: State, linear: Sequence[Scalar], by_position: Scalar
+                  ) -> list[list[Scalar]]:
         """
         Return d(dx/dt)/dx of (N1), rows and columns in the order of x.
 
         ``by_position``: derivative of du/dt by p, the one entry that is not known in closed form.
         """
-        u, (_, J, half_slope, D, r, r_slope, T_w, T_z, d_w, d_z) = x[1], linear
+        u, (J, half_slope, D, r, r_slope, T_w, T_z, d_w, d_z) = x[1], linear[5:]
         w_p = r_slope * u                          # of the speed w = r u by p
         if not self._shaft:
             return [[0.0, 1.0, 0.0, 0.0, 0.0],

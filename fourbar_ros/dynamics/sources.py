@@ -39,7 +39,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import inf, tau
-from typing import Any, ClassVar, NamedTuple, Protocol
+from typing import Any, ClassVar, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.numerics.given import array, check_quantities, quantity
@@ -53,21 +53,6 @@ Answer = tuple[float, tuple[float, ...]]      # torque [N m], derivative of the 
 # the whole range. A wave without such bends is at least pi / SHARP^0.5 = 10 000 times long, so no
 # step passes over it.
 FEW, SHARP, EVERY = 64, 1e-7, 4000
-
-
-class Source(Protocol):
-    """A torque source; it may have a state of its own, as a current."""
-
-    @property
-    def start(self) -> tuple[float, ...]:
-        """Return the state at the beginning."""
-
-    @property
-    def breaks(self) -> tuple[float, ...]:
-        """Return the times at which the torque jumps or bends [s]: integration restarts there."""
-
-    def torque(self, time: float, speed: float, state: State) -> Answer:
-        """Return the torque on the output shaft [N m] and the derivative of the state."""
 
 
 class Piece(NamedTuple):
@@ -391,7 +376,10 @@ class Drive:
 
     Parameters
     ----------
-    source : Source
+    source : Law, TorqueTable or any object with these
+        ``start``: its state at the beginning, a tuple; ``breaks``: times at which the torque jumps
+        or bends [s]; ``torque(time, speed, state)``: (torque on the output shaft [N m],
+        derivatives of the state).
     rotor : float
         Inertia of the motor side at the output shaft [kg m^2]; an elastic shaft needs one.
     flywheel : float
@@ -400,7 +388,7 @@ class Drive:
 
     """
 
-    source: Source
+    source: Any
     rotor: float = quantity(0.0, least=0.0)
     flywheel: float = quantity(0.0, least=0.0)
     shaft: Shaft | None = None

@@ -130,7 +130,8 @@ class System:
         """Return the torque (force) of the source, which an elastic shaft passes on."""
         if self.drive is None:
             return 0.0
-        return self.drive.source.torque(time, state[self._speed], state[self._speed + 1:-1])[0]
+        speed, own = state[self._speed], state[self._speed + 1:-1]
+        return float(self.drive.source.torque(time, speed, own)[0])
 
     def _drive(self, time: float, state: State) -> Answer:
         """Return the torque on the input and the derivatives of the states after q and w, (D1)."""

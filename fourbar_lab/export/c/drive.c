@@ -71,7 +71,7 @@ NAME_drive_status NAME_advance(NAME_drive *drive, double step ARGUMENT)
   held = at;                           /* at rest, nothing twisted, nothing summed up */
   memset(held.x + 1, 0, 4 * sizeof *held.x);
   if (step > 0.0 && is_finite(step) && are_finite(at.x)) {
-    if (moved(&at, step, known, &is_good))
+    if (stepped(&at, step, known, &is_good))
       status = HAS_LIMITS ? NAME_drive_at_limit : NAME_drive_not_finite;
     else if (are_finite(at.x))
       status = HAS_LIMITS && is_at_end(&at, known) ? NAME_drive_at_limit

@@ -129,7 +129,7 @@ static int handed_over(At *at, double *known)
   return place_of(at, known);
 }
 
-static int moved(At *at, double left, double *known, int *is_good)
+static int stepped(At *at, double left, double *known, int *is_good)
 {
   *is_good = 1;
   if (place_of(at, known)) return 1;
