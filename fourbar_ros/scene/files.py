@@ -247,10 +247,11 @@ class _Loader(yaml.SafeLoader):
         return values
 
 
-# 4e-1 is a number, unlike in YAML 1.1; 1_000 and 1:30 are texts; all else is text as it stands
+# 4e-1 is a number, unlike in YAML 1.1, and so is what has more digits than an integer; 1_000 and
+# 1:30 are texts; all else is text as it stands
 for _tag, _pattern in (
         ('bool', '(?i:yes|no|true|false|on|off)'),
-        ('int', '[-+]?(0[xX][0-9a-fA-F]+|0[0-7]*|[1-9][0-9]*)'),
+        ('int', '[-+]?(0[xX][0-9a-fA-F]{1,16}|0[0-7]{0,21}|[1-9][0-9]{0,18})'),
         ('float', r'[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?'
                   r'|[-+]?(\.?(?i:inf|nan)|(?i:infinity))')):
     _Loader.add_implicit_resolver(f'tag:yaml.org,2002:{_tag}', re.compile(f'({_pattern})$'), None)
