@@ -77,7 +77,8 @@ _LONG = {'test_golden', 'test_every_run_ends', 'test_stepper', 'test_steps', 'te
          'test_position_forces', 'test_find', 'test_proof', 'test_collineation',
          'test_against_cartesian', 'test_change_points', 'test_drive_states', 'test_any_recording',
          'test_simulate', 'test_reproduce', 'test_accuracy', 'test_connections', 'test_fields',
-         'test_between_moving_links', 'test_load_sources', 'test_ranges_and_extrema'}
+         'test_between_moving_links', 'test_load_sources', 'test_ranges_and_extrema',
+         'test_moving_joint', 'test_classics', 'test_cost'}
 
 
 @cache
