@@ -5,7 +5,6 @@ The node cannot be broken from outside: garbage, floods, storms, restarts; nothi
 
 ``make soak`` runs the same for SOAK_MINUTES (default there: 60) instead of some seconds.
 """
-from contextlib import contextmanager
 import math
 import os
 from pathlib import Path
@@ -28,7 +27,6 @@ from rclpy.serialization import serialize_message
 from ros.test_inputs import set_parameters
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
-from support import browser
 from support.faults import Faults
 from support.harness import ALL_OUTPUTS, NodeProcess, PATIENCE
 from support.scenes import PAPER, RODS
@@ -270,20 +268,6 @@ class Beside:
         assert 'Traceback' not in self.node.said, self.node.said
 
 
-@contextmanager
-def page_of_the_node(folder):
-    """Give the page of a node in a real browser and its server; None if none is to be soaked."""
-    if not (SOAK and browser.CHROMIUM and browser.DRIVER):
-        yield None
-        return
-    with browser.browser(folder / 'profile') as driver:
-        server, address = browser.start('--node', '/fourbar', '--wait', browser.PATIENCE)
-        try:
-            yield browser.Tab(driver, address), server
-        finally:
-            browser.stop(server)
-
-
 class Soak:
     """
     Rounds of every trouble in turn, for a node that records; :meth:`round` does one.
@@ -324,16 +308,6 @@ class Soak:
     def stream(self, seconds):
         """Send inputs to the one node, torques and trajectories to the one beside."""
         stream(self.client, self.publisher, seconds, 500.0, self._beside.disturb)
-
-    def look_at(self, page):
-        """Demand that the page moves; return the memory of its server [MB]."""
-        tab, server = page
-        before = tab.picture()
-        end = time.monotonic() + browser.PATIENCE
-        while tab.picture() == before:
-            assert time.monotonic() < end, f'the page does not move: {tab.alarm()!r}'
-            self.stream(1.0)
-        return usage(server)[0]
 
     def _flood(self):
         # as fast as it goes: 20 times a usual rate
@@ -391,7 +365,7 @@ def test_all_troubles_in_turn_leave_nothing_behind(run_node, client, tmp_path):
     """
     Floods, garbage, readers that pass, a clock that is set, a slow disk, restarts beside.
 
-    Beside it torques and trajectories, in a soak an open page too. Bags to the bit.
+    Beside it torques and trajectories. Bags to the bit.
     """
     faults = Faults(tmp_path)
     parameters = {**PAPER, **RODS, 'drive.source': 'motion', 'drive.timeout': 0.5,
@@ -401,25 +375,21 @@ def test_all_troubles_in_turn_leave_nothing_behind(run_node, client, tmp_path):
     publisher = client.publisher()
     client.handshake(lambda: publisher.publish(Motion(position=0.1)))
     soak = Soak((node, publisher, scene.from_values(parameters).linkage), client, faults, tmp_path)
-    began, found, served = time.monotonic(), [], []
-    with page_of_the_node(tmp_path) as page:
-        while len(found) < 2 or time.monotonic() - began < SOAK:
-            found.append(soak.round(20.0 if SOAK else 1.4))
-            served += [soak.look_at(page)] if page else []
-            if SOAK:
-                memory, threads, files, shared = found[-1]
-                print(f'{time.monotonic() - began:6.0f} s, round {soak.number}: {memory:.1f} MB, '
-                      f'{threads} threads, {files} files, {shared} shared maps; {soak.messages} '
-                      f'messages recorded, {soak.dropped} dropped, {soak.steps} clock steps; '
-                      f'server of the page {served[-1:]} MB', flush=True)
+    began, found = time.monotonic(), []
+    while len(found) < 2 or time.monotonic() - began < SOAK:
+        found.append(soak.round(20.0 if SOAK else 1.4))
+        if SOAK:
+            memory, threads, files, shared = found[-1]
+            print(f'{time.monotonic() - began:6.0f} s, round {soak.number}: {memory:.1f} MB, '
+                  f'{threads} threads, {files} files, {shared} shared maps; {soak.messages} '
+                  f'messages recorded, {soak.dropped} dropped, {soak.steps} clock steps',
+                  flush=True)
     # the first flood fills what the middleware keeps
     settled = found[len(found) // 4:]
     memory, threads, files, shared = (max(column) - column[0] for column in zip(*settled))
     # allocator noise; a leak per message is 100 MB
     assert memory < 20.0, f'memory grew by {memory:.1f} MB'
     assert (threads, files) == (0, 0)
-    settled_server = served[len(served) // 4:]
-    assert max(settled_server, default=0.0) - min(settled_server, default=0.0) < 50.0, served
     # Fast DDS keeps one map of each node that has left
     assert shared <= len(settled) + 2
 
