@@ -220,11 +220,6 @@ class Tab:
             "document.querySelector(`[role=slider][aria-label='${arguments[0]}']`)"
             ".querySelector('[tabindex]').focus()", label)
 
-    def answered(self, label):
-        """Return the value that the server has of a slider or field."""
-        return self.driver.execute_script(
-            'return getElement(+arguments[0].id.slice(1)).value', self.by(label))
-
     def labels(self, role):
         """Return the labels of all controls of a role."""
         return self.driver.execute_script(
