@@ -259,7 +259,8 @@ def test_the_code_checks_itself_and_says_what_it_is(tmp_path):
 
 
 CALLED = [('step', 'step_of', 'hypot_of', 'scaled'), (
-    'advance', 'move', 'part_of_step', 'attempt', 'rosenbrock', 'rosenbrock_2', 'power')]
+    'advance', 'stepped', 'part_of_step', 'attempted', 'by_formula', 'attempt', 'attempt_2',
+    'power')]
 
 
 @pytest.mark.skipif('gcc' not in COMPILERS, reason='gcc tells the size of a stack')
