@@ -148,7 +148,7 @@ ROOMS = {
             'test/pipeline/test_stepper.py'),
         Bug('pipeline/stepper.py', 'if status in (OK, LOADS_UNKNOWN)', 'if status == OK',
             'test/pipeline/test_stepper.py'),
-        Bug('pipeline/status.py', 'isinf(rate) or isinf(acceleration)', 'isinf(rate)',
+        Bug('pipeline/stepper.py', 'isinf(rate) or isinf(acceleration)', 'isinf(rate)',
             'test/pipeline/test_stepper.py'),
     ]),
     'bag': ('test/bag', 'fourbar_ros/bag', [

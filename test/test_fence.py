@@ -56,7 +56,7 @@ def test_public_faces_and_the_help_of_every_verb_load_nothing_heavy():
     done = run(f"""
 import sys
 import {', '.join(name for name in PUBLIC if name != 'fourbar_ros.machine')}
-import fourbar_ros.pipeline.status, fourbar_ros.scene.scene
+import fourbar_ros.pipeline.stepper, fourbar_ros.scene.scene
 from fourbar_ros.cli.main import parser
 parser()
 print([name for name in {HEAVY!r} if name in sys.modules and name not in ('rich', 'yaml')])

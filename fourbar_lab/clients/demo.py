@@ -18,7 +18,7 @@ from fourbar_msgs.msg import Extremum
 from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.quantities import known, positions, select
-from fourbar_ros.pipeline.status import STATUS_NAMES
+from fourbar_ros.pipeline.stepper import STATUS_NAMES
 from fourbar_ros.ros.messages import Message, resolve, to_stamp
 from fourbar_ros.scene.arguments import Parser, positive
 from fourbar_ros.scene.files import find, NODE

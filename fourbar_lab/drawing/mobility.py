@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from fourbar_ros.mechanisms.half_angle import bilinear_factors, Factors
+from fourbar_ros.mechanisms.loop import bilinear_factors, Factors
 from fourbar_ros.mechanisms.mechanism import Mechanism
 
 AXES = {'A1': 'a1 + a4 = a2 + a3', 'C1': 'a1 + a3 = a2 + a4', 'D1': 'a1 + a2 = a3 + a4'}

@@ -8,13 +8,13 @@ import re
 from typing import NamedTuple
 
 from fourbar_ros.errors import FourBarError
-from fourbar_ros.mechanisms.loads import LOADS
+from fourbar_ros.mechanisms.kinds import LOADS
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Coordinate, NamedFields, reaction
 from fourbar_ros.mechanisms.picture import Points
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.mechanisms.quantities import known
-from fourbar_ros.pipeline.status import (
+from fourbar_ros.pipeline.stepper import (
     evaluate,
     INVALID_INPUT,
     OUT_OF_RANGE,
@@ -35,7 +35,7 @@ class NoPose(FourBarError, ValueError):
 
 
 class Pose(NamedTuple):
-    """Motion and loads (None without masses) at one input; status as in pipeline.status."""
+    """Motion and loads (None without masses) at one input; status as in pipeline.stepper."""
 
     status: int
     motion: NamedFields

@@ -23,7 +23,7 @@ from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Coordinate
 from fourbar_ros.mechanisms.picture import Points
 from fourbar_ros.mechanisms.points import point_motion
-from fourbar_ros.pipeline.status import STATUS_NAMES
+from fourbar_ros.pipeline.stepper import STATUS_NAMES
 
 Record = dict[str, Any]        # text, numbers, lists and records
 

@@ -19,7 +19,7 @@ from fourbar_ros.dynamics.node_step import At, DriveValues, Mover, OK, SILENT
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.numerics.number_types import numbers_of
-from fourbar_ros.pipeline.status import Evaluated
+from fourbar_ros.pipeline.stepper import Evaluated
 from fourbar_ros.scene.scene import from_values, Scene
 from fourbar_ros.scene.topics import TORQUE
 
@@ -102,7 +102,7 @@ class Compiled:
     def evaluate(self, mechanism: Mechanism, position: float, rate: float, acceleration: float,
                  with_loads: bool) -> Evaluated:
         """
-        Return (status, motion, loads) as :func:`fourbar_ros.pipeline.status.evaluate` does.
+        Return (status, motion, loads) as :func:`fourbar_ros.pipeline.stepper.evaluate` does.
 
         NotGenerated where the code is not of this mechanism.
         """

@@ -15,7 +15,7 @@ from fourbar_ros.dynamics.forces import make_external
 from fourbar_ros.errors import FourBarError, InvalidParameter, one_of
 from fourbar_ros.mechanisms import quantities
 from fourbar_ros.mechanisms.evaluation import limits_at_zero
-from fourbar_ros.mechanisms.loads import LOADS
+from fourbar_ros.mechanisms.kinds import LOADS
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Ranges
 from fourbar_ros.mechanisms.points import make_point, PointMotion

@@ -18,7 +18,7 @@ from fourbar_ros.mechanisms.parts import NamedFields, Quantity
 from fourbar_ros.mechanisms.points import point_motion, PointMotion
 from fourbar_ros.mechanisms.quantities import Function, is_published, positions, select
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.pipeline.status import evaluate
+from fourbar_ros.pipeline.stepper import evaluate
 from fourbar_ros.scene.scene import from_values, Scene
 from fourbar_ros.scene.settings import ParameterValues
 import numpy as np

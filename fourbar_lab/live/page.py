@@ -37,7 +37,7 @@ from fourbar_lab.live.picture import (
 from fourbar_lab.live.svg import HEIGHT, STYLE, WIDTH
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.extrema.find import Extremum
-from fourbar_ros.pipeline.status import INVALID_INPUT, OK, STATUS_NAMES
+from fourbar_ros.pipeline.stepper import INVALID_INPUT, OK, STATUS_NAMES
 from fourbar_ros.scene.settings import ParameterValues
 from nicegui import background_tasks, run, ui
 from nicegui.element import Element

@@ -19,7 +19,7 @@ from math import prod
 from typing import Any, NamedTuple
 
 from fourbar_ros.mechanisms.four_bars import FourBar
-from fourbar_ros.mechanisms.half_angle import bilinear_factors
+from fourbar_ros.mechanisms.loop import bilinear_factors
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.number_types import Scalar
 import numpy as np

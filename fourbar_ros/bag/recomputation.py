@@ -20,8 +20,7 @@ from fourbar_ros.bag.origin import Origin, origin_of, scene_of
 from fourbar_ros.bag.reader import Bag, Progress, Raw, stamps_of
 from fourbar_ros.errors import BagError
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.pipeline.status import Evaluate, evaluate, INPUT_TIMEOUT, OK
-from fourbar_ros.pipeline.stepper import InModes
+from fourbar_ros.pipeline.stepper import Evaluate, evaluate, InModes, INPUT_TIMEOUT, OK
 from fourbar_ros.pipeline.wrenches import Wrench
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import DRIVE_STATE, DRIVEN, ON_LINK, SCENE, TORQUE

@@ -76,7 +76,7 @@ def _check(arguments: Namespace) -> None:
 def _leaves_the_range(linkage: Mechanism, drive: Group) -> str:
     """Return the note that the timer drives the input beyond its range, at once or later."""
     from fourbar_ros.errors import in_words
-    from fourbar_ros.pipeline.status import evaluate, OUT_OF_RANGE
+    from fourbar_ros.pipeline.stepper import evaluate, OUT_OF_RANGE
     unit = linkage.input_coordinate.unit
     allowed = in_words(linkage.input_ranges, unit)
     policy = f'(drive.out_of_range: {drive.out_of_range})'
@@ -150,7 +150,7 @@ def _shown(value: Any) -> str:
 
 def step_cost(scene: Scene) -> float:
     """Return the computing time of one step on this machine [s]: the least mean of 5 rounds."""
-    from fourbar_ros.pipeline.status import evaluate
+    from fourbar_ros.pipeline.stepper import evaluate
     linkage = scene.bare_linkage
     low, high = linkage.input_ranges[0]
     position, speed = 0.5 * (low + high) + 0.1 * (high - low), scene.drive.speed

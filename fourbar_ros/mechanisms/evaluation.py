@@ -25,7 +25,6 @@ from fourbar_ros.numerics.number_types import (
     NumberType,
     Scalar,
 )
-from fourbar_ros.numerics.tables import ARRAYS, run, Table
 from fourbar_ros.numerics.trace import flat, Trace
 from fourbar_ros.numerics.write import lines_of, program
 import numpy as np
@@ -33,6 +32,7 @@ from numpy.typing import ArrayLike
 
 if TYPE_CHECKING:
     from fourbar_ros.mechanisms.mechanism import Mechanism
+    from fourbar_ros.numerics.tables import Table
 
 # Inputs beside a flat position, in its unit, so near that the first term of a result is all of it.
 NEAR = Decimal('1e-22'), Decimal('1e-24')
@@ -232,16 +232,19 @@ def _inputs(mechanism: Mechanism, given: tuple[ArrayLike, ...]
                                'must have shapes that broadcast') from None
 
 
-def step_of_arrays(mechanism: Mechanism, with_loads: bool, table: Table = ARRAYS,
+def step_of_arrays(mechanism: Mechanism, with_loads: bool, table: Table | None = None,
                    data: Constants | None = None, wanted: Sequence[int] | None = None
                    ) -> Function:
     """
     Return (position, rate, acceleration) -> fields of motion, and of loads, as a list.
 
-    Of arrays, real or complex, that broadcast; by the trace, with the operations of ``table``.
+    Of arrays, real or complex, that broadcast; by the trace, with the operations of ``table``,
+    by default those of numpy.
     ``data``: columns in place of the mechanism's own :attr:`constants`, of many like it.
     ``wanted``: numbers of the fields, by default all; no others are computed, they are NaN.
     """
+    from fourbar_ros.numerics.tables import ARRAYS, run  # nodes take one sample at a time
+    table = ARRAYS if table is None else table
     trace, known, _ = (mechanism.record_with_loads if with_loads else mechanism.record_of_motion)
     places = flat(trace.results)
     wanted = range_of(trace) if wanted is None else wanted

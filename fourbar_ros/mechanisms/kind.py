@@ -20,7 +20,7 @@ from typing import Any, ClassVar, NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.mechanics.bodies import applied_to, Bodies, External
 from fourbar_ros.mechanisms.contract import Constants, CRANK, SLIDE
-from fourbar_ros.mechanisms.loads import DERIVED, derives
+from fourbar_ros.mechanisms.kinds import DERIVED, derives
 from fourbar_ros.mechanisms.machine.describe.description import Numbers, RPR, RRP, RRR
 from fourbar_ros.mechanisms.machine.describe.layout import Layout, Pair, PLACES, SLIDES, Stage
 from fourbar_ros.mechanisms.machine.solve.dyads import Direction, Driven, ORIGIN
@@ -47,10 +47,10 @@ from fourbar_ros.mechanisms.parts import (
 )
 from fourbar_ros.mechanisms.points import FIXED, link_motion, LinkMotion, point_motion, point_of
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
-from fourbar_ros.numerics.vectors import Vector
 
 if TYPE_CHECKING:
     from fourbar_ros.mechanics.newton_euler import Needs
+    from fourbar_ros.numerics.vectors import Vector
 
 LINKS = ('crank', 'coupler', 'output')
 FORCES = ('f41', 'f21', 'f32', 'f43')
@@ -171,6 +171,7 @@ class Drive(NamedTuple):
             names += [f'{place}_normal', f'{place}_couple'] * (place in SLIDES[self.dyad])
         of_base = 'base_x', 'base_y', 'base', 'base_normal', 'base_couple'
         wanted = self.fields_of_loads()
+        from fourbar_ros.numerics.vectors import Vector  # linkages with masses alone
 
         def forces(links: Mapping[str, LinkMotion], needs: Mapping[str, Needs], sine: Scalar,
                    slides: Sequence[Scalar], drive: Scalar) -> dict[str, Scalar]:
@@ -324,6 +325,7 @@ class Kind(Mechanism):
         # of linkages with masses alone
         from fourbar_ros.mechanics.newton_euler import about_first_joint, Needs, needs_of
         from fourbar_ros.mechanisms.machine.solve.loads import make_drive_and_shaking
+        from fourbar_ros.numerics.vectors import Vector
         n, drive, is_slide = numbers, self.drive, self.is_driven_by_slide
         unit = n.power_of_two(*constants.lengths)
         lengths, per_unit = [length / unit for length in constants.lengths], 1.0 / unit

@@ -1,30 +1,94 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Evaluate a scene input by input, by its policy out of range and in its assembly modes."""
+"""
+Evaluate inputs one by one: a status qualifies the numbers, nothing raises.
+
+Steppers evaluate those of a scene, by its policy out of range and in its assembly modes.
+"""
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping
-from functools import partial
-from math import nan, nextafter
-from typing import TYPE_CHECKING, Union
+from functools import cache, partial
+from math import isfinite, isinf, isnan, nan, nextafter
+from typing import cast, NamedTuple, TYPE_CHECKING, Union
 
+from fourbar_ros.errors import InvalidParameter, OutOfRange, Toggle
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.mechanisms.points import link_fields, LinkFields, make_point, PointMotion
 from fourbar_ros.numerics.number_types import REAL
-from fourbar_ros.pipeline.status import (
-    Evaluate,
-    evaluate,
-    INVALID_INPUT,
-    LOADS_UNKNOWN,
-    OK,
-    OUT_OF_RANGE,
-)
 from fourbar_ros.scene.message_fields import joint_values, mode_number
 from fourbar_ros.scene.scene import Scene
+import numpy as np
 
 if TYPE_CHECKING:      # scenes with wrenches need it
     from fourbar_ros.pipeline.wrenches import Wrench
+
+# The same numbers as the STATUS_ constants of fourbar_msgs/LinkageState (a test compares them).
+OK, OUT_OF_RANGE, INVALID_INPUT, TOGGLE, RATES_UNKNOWN, INPUT_TIMEOUT, LOADS_UNKNOWN = range(7)
+STATUS_NAMES = ('ok', 'out of range', 'invalid input', 'toggle', 'rates unknown', 'input timeout',
+                'loads unknown')
+
+
+Evaluated = tuple[int, NamedFields, NamedFields]      # status, MOTION and LOADS of the mechanism
+Evaluate = Callable[[Mechanism, float, float, float, bool], Evaluated]     # as evaluate()
+
+
+@cache
+def _none_of(fields: type[NamedTuple]) -> NamedFields:
+    """Return a record of this type, all NaN."""
+    return cast(NamedFields, fields._make([nan] * len(fields._fields)))
+
+
+def evaluate(mechanism: Mechanism, position: float, rate: float, acceleration: float,
+             with_loads: bool) -> Evaluated:
+    """
+    Return (status, motion, loads) at an input; unknown fields are NaN, as loads not asked for.
+
+    INVALID_INPUT: the input is NaN or infinite, or so fast that a result overflows. RATES_UNKNOWN:
+    the rate or acceleration is NaN; fields that do not depend on it are valid.
+    """
+    inputs = position, rate, acceleration
+    if not isfinite(position) or isinf(rate) or isinf(acceleration):
+        return INVALID_INPUT, mechanism.unknown(*inputs), _none_of(mechanism.LOADS)
+    if isnan(rate) or isnan(acceleration):
+        return _partly(RATES_UNKNOWN, mechanism, *inputs)
+    try:
+        if with_loads:
+            motion, loads = mechanism.step(*inputs)
+            is_finite = isfinite(sum(motion) + sum(loads))
+        else:
+            motion, loads = mechanism.motion(*inputs), _none_of(mechanism.LOADS)
+            is_finite = isfinite(sum(motion))
+    except InvalidParameter:     # numbers overflow
+        is_finite = False
+    except OutOfRange:
+        return OUT_OF_RANGE, mechanism.unknown(*inputs), _none_of(mechanism.LOADS)
+    except Toggle:
+        return _partly(TOGGLE, mechanism, *inputs)
+    if is_finite:
+        return OK, motion, loads
+    return INVALID_INPUT, mechanism.unknown(*inputs), _none_of(mechanism.LOADS)
+
+
+def _partly(status: int, mechanism: Mechanism, position: float, rate: float, acceleration: float
+            ) -> Evaluated:
+    """
+    Return (status, motion, loads) where a part of the motion exists, without loads.
+
+    It is evaluated as an array of one input. An array has infinite or undefined fields where a
+    single input raises; they become NaN.
+    """
+    motion = mechanism.motion(np.array([position]), rate, acceleration)
+    no_loads = _none_of(mechanism.LOADS)
+    if isnan(motion.transmission_angle[0]):
+        return OUT_OF_RANGE, mechanism.unknown(position, rate, acceleration), no_loads
+    values = [float(field[0]) for field in motion]
+    return (status, mechanism.MOTION(*[value if isfinite(value) else nan for value in values]),
+            no_loads)
+
+
+# --- samples of a scene --------------------------------------------------------------------------
 
 Wanted = Union[bool, Collection[str]]       # outputs points/NAME and links/NAME; True: all
 Sample = tuple[int, tuple[float, ...]]      # status and values
@@ -44,7 +108,7 @@ class Stepper:
 
     ``wrenches``: one for each link that a topic loads, by default the scene's before a first
     message. ``by`` evaluates within range in place of
-    :func:`~fourbar_ros.pipeline.status.evaluate`, as generated code does.
+    :func:`evaluate`, as generated code does.
     """
 
     def __init__(self, scene: Scene, wrenches: Mapping[str, Wrench] | None = None,

@@ -13,11 +13,11 @@ from fourbar_ros.dynamics.node_step import KEY, SILENT
 from fourbar_ros.dynamics.node_step import OK as MOVES
 from fourbar_ros.errors import BagError
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.pipeline.status import OK as KNOWN
 from fourbar_ros.pipeline.stepper import InModes
+from fourbar_ros.pipeline.stepper import OK as KNOWN
 from fourbar_ros.ros.messages import packer, resolve, sec_nanosec, set_constants, to_stamp
 from fourbar_ros.ros.node.recording import about_of
-from fourbar_ros.ros.node.run import drive_layout
+from fourbar_ros.ros.node.stream import drive_layout
 from fourbar_ros.ros.schemas import channel
 from fourbar_ros.scene.files import NODE
 from fourbar_ros.scene.message_fields import mode_number

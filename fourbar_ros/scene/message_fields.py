@@ -13,7 +13,7 @@ from functools import cache
 from math import nan
 from typing import Any, NamedTuple
 
-from fourbar_ros.mechanisms.loads import LOADS
+from fourbar_ros.mechanisms.kinds import LOADS
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import (
     BETA,

@@ -65,7 +65,7 @@ def test_a_row_makes_a_load_of_table_message_manual_page_and_fmu(tmp_path):
                         ignore=shutil.ignore_patterns('__pycache__', '*.png', '*.svg', '*.gif'))
     formula, row = re.search(r'```python\n(def drive_power.*?)\n\n\n(Load\(.*?)\n```', GUIDE,
                              re.DOTALL).groups()
-    file = tmp_path / 'fourbar_ros/mechanisms/loads.py'
+    file = tmp_path / 'fourbar_ros/mechanisms/kinds.py'
     text = file.read_text()
     text = text.replace('LOADS = {', f'{formula}\n\n\nLOADS = {{').replace(
         '\n)}\nDERIVED', f'\n    {row}\n    {OF_MASSES}\n)}}\nDERIVED')

@@ -15,8 +15,7 @@ from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.mechanisms.sliders import ScotchYoke
-from fourbar_ros.pipeline.status import OK
-from fourbar_ros.pipeline.stepper import Stepper
+from fourbar_ros.pipeline.stepper import OK, Stepper
 from fourbar_ros.scene import scene
 import numpy as np
 import pytest

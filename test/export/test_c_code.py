@@ -18,7 +18,7 @@ from fourbar_ros import load_scene, SliderCrank
 from fourbar_ros.cli.main import main
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Applied
-from fourbar_ros.pipeline.status import evaluate
+from fourbar_ros.pipeline.stepper import evaluate
 import numpy as np
 import pytest
 from support import ROOT

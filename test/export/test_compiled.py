@@ -9,7 +9,7 @@ from fourbar_lab.export import Compiled, generate
 from fourbar_lab.export.model import NotGenerated
 from fourbar_ros import load_scene
 from fourbar_ros.cli.main import main
-from fourbar_ros.pipeline.status import evaluate
+from fourbar_ros.pipeline.stepper import evaluate
 import numpy as np
 import pytest
 from support.bags import run

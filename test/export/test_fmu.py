@@ -12,8 +12,7 @@ from fourbar_lab.export import compiled, generate
 from fourbar_ros import load_scene
 from fourbar_ros.dynamics.node_step import NOT_FINITE, OK
 from fourbar_ros.mechanisms.evaluation import step_of_arrays
-from fourbar_ros.pipeline.status import evaluate
-from fourbar_ros.pipeline.stepper import InModes
+from fourbar_ros.pipeline.stepper import evaluate, InModes
 from fourbar_ros.scene.scene import from_values
 import numpy as np
 import pytest

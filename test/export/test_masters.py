@@ -8,8 +8,7 @@ import subprocess
 
 from fourbar_lab.export import generate
 from fourbar_ros import load_scene
-from fourbar_ros.pipeline.status import evaluate
-from fourbar_ros.pipeline.stepper import InModes
+from fourbar_ros.pipeline.stepper import evaluate, InModes
 from fourbar_ros.scene.scene import from_values
 import numpy as np
 import pytest

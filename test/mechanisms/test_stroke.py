@@ -7,8 +7,7 @@ from fourbar_ros import FourBarError, InvalidParameter, OutOfRange, Toggle
 from fourbar_ros.extrema.find import find_extrema, INTERIOR, LIMIT
 from fourbar_ros.mechanisms.quantities import select
 from fourbar_ros.mechanisms.sliders import InvertedSlider, SliderCrank
-from fourbar_ros.pipeline.status import evaluate, OK, OUT_OF_RANGE, RATES_UNKNOWN
-from fourbar_ros.pipeline.stepper import Stepper
+from fourbar_ros.pipeline.stepper import evaluate, OK, OUT_OF_RANGE, RATES_UNKNOWN, Stepper
 from fourbar_ros.scene import scene
 import numpy as np
 import pytest

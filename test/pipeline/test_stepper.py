@@ -3,14 +3,14 @@
 """A scene input by input: status, and what its policy shows where nothing is known."""
 from math import inf, isnan, nan
 
-from fourbar_ros.pipeline.status import (
+from fourbar_ros.pipeline.stepper import (
     INVALID_INPUT,
     LOADS_UNKNOWN,
     OK,
     OUT_OF_RANGE,
     RATES_UNKNOWN,
+    Stepper,
 )
-from fourbar_ros.pipeline.stepper import Stepper
 from fourbar_ros.pipeline.wrenches import UNKNOWN, Wrench
 from fourbar_ros.scene import from_values
 import pytest

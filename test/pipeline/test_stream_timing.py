@@ -16,7 +16,7 @@ import math
 
 from fourbar_ros.pipeline.joints import Scale
 from fourbar_ros.pipeline.rate_estimator import estimator_of
-from fourbar_ros.pipeline.status import evaluate, OK, RATES_UNKNOWN
+from fourbar_ros.pipeline.stepper import evaluate, OK, RATES_UNKNOWN
 from fourbar_ros.scene import scene
 from hypothesis import given
 import numpy as np

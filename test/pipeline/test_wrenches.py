@@ -7,8 +7,7 @@ Power balance of chains, what acts in a silence, what is not known.
 """
 import math
 
-from fourbar_ros.pipeline.status import LOADS_UNKNOWN, OK, OUT_OF_RANGE
-from fourbar_ros.pipeline.stepper import Stepper
+from fourbar_ros.pipeline.stepper import LOADS_UNKNOWN, OK, OUT_OF_RANGE, Stepper
 from fourbar_ros.pipeline.wrenches import a_step_later, constant, in_silence, UNKNOWN, Wrench
 from fourbar_ros.scene import scene as scenes
 from hypothesis import given

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Many long requests at once: proofs wait for proofs alone, and only so many of them."""
 from fourbar_msgs.srv import FindExtrema
-from fourbar_ros.ros.node.worker import WAITING
+from fourbar_ros.ros.node.entities import WAITING
 from fourbar_ros.scene.files import read_values
 import pytest
 

@@ -14,15 +14,15 @@ LOADED = {**PAPER, **RODS, 'drive.source': 'motion', 'outputs': ['loads', 'state
 WAITING = """
 from pathlib import Path
 import time
-from fourbar_ros.ros.node import parameters
-make = parameters.from_values
+import fourbar_ros.ros.node.node as node
+make = node.from_values
 def make_late(values):
     if values.get('gravity.y') == -2.0:
         print('at work', flush=True)
         while not Path('go').exists():
             time.sleep(0.01)
     return make(values)
-parameters.from_values = make_late
+node.from_values = make_late
 """
 
 
@@ -154,7 +154,7 @@ def test_what_depends_on_structure_alone_is_not_made_again():
 
 @pytest.mark.parametrize('change', [{'gravity.y': -2.0}, {'drive.speed': 3.0}])
 def test_messages_are_packed_anew_only_for_another_frame_or_structure(change):
-    from fourbar_ros.ros.node.run import writer_of
+    from fourbar_ros.ros.node.stream import writer_of
     from fourbar_ros.scene.topics import OUTPUTS
     scene, other = from_values(LOADED), from_values({**LOADED, **change})
     longer = from_values({**LOADED, 'linkage.a3': 0.81})

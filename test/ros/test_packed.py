@@ -11,8 +11,7 @@ import zlib
 
 from fourbar_msgs.msg import LinkageState
 from fourbar_ros.bag.layout import Layouts
-from fourbar_ros.pipeline.status import STATUS_NAMES
-from fourbar_ros.pipeline.stepper import Stepper
+from fourbar_ros.pipeline.stepper import STATUS_NAMES, Stepper
 from fourbar_ros.ros import messages
 from fourbar_ros.ros.messages import filler, packer, resolve, set_constants
 from fourbar_ros.scene import scene

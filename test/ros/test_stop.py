@@ -18,8 +18,8 @@ from fourbar_msgs.msg import Motion
 from fourbar_ros import load_scene
 from fourbar_ros.bag.overview import info
 from fourbar_ros.ros.messages import resolve
+from fourbar_ros.ros.node.entities import Abandoned, Worker
 from fourbar_ros.ros.node.start import caught_signals, SIGNALS
-from fourbar_ros.ros.node.worker import Abandoned, Worker
 from fourbar_ros.scene.topics import SERVICES
 import pytest
 from support.harness import ALL_OUTPUTS, PATIENCE

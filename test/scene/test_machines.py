@@ -5,8 +5,7 @@ from math import cos, pi, sin
 
 from fourbar_ros import FourBar
 from fourbar_ros.mechanisms.points import point_motion
-from fourbar_ros.pipeline.status import LOADS_UNKNOWN
-from fourbar_ros.pipeline.stepper import Stepper
+from fourbar_ros.pipeline.stepper import LOADS_UNKNOWN, Stepper
 from fourbar_ros.pipeline.wrenches import Wrench
 from fourbar_ros.scene import parameters, scene
 from fourbar_ros.scene.files import read_values

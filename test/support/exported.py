@@ -10,7 +10,7 @@ from fourbar_lab.export.files import generate
 from fourbar_lab.export.model import Model, word
 from fourbar_ros.mechanisms.points import make_point, PointMotion
 from fourbar_ros.numerics.number_types import REAL
-from fourbar_ros.pipeline.status import (
+from fourbar_ros.pipeline.stepper import (
     evaluate,
     INVALID_INPUT,
     OK,

@@ -18,8 +18,7 @@ from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Applied, Body, NOT_APPLIED
 from fourbar_ros.mechanisms.checks import two_numbers
 from fourbar_ros.mechanisms.contract import Constants, CRANK, of_geometry, SLIDE
-from fourbar_ros.mechanisms.kinds import DIMENSIONS
-from fourbar_ros.mechanisms.loads import derives
+from fourbar_ros.mechanisms.kinds import derives, DIMENSIONS
 from fourbar_ros.mechanisms.machine.describe import diagram
 from fourbar_ros.mechanisms.machine.describe.description import (
     ANGLES,

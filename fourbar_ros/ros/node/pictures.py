@@ -12,14 +12,13 @@ from typing import TYPE_CHECKING
 
 from fourbar_ros.ros.messages import Stamp
 from fourbar_ros.ros.node import entities
-from fourbar_ros.ros.node.recording import Recording
 from fourbar_ros.scene.scene import Scene
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.serialization import serialize_message
 
 if TYPE_CHECKING:      # run imports this file
-    from fourbar_ros.ros.node.run import Make, Run
+    from fourbar_ros.ros.node.stream import Make, Run, Stream
 
 
 class Pictures:
@@ -30,8 +29,8 @@ class Pictures:
     states.
     """
 
-    def __init__(self, node: Node, recording: Recording) -> None:
-        self._node, self._recording = node, recording
+    def __init__(self, node: Node, stream: Stream) -> None:
+        self._node, self._stream = node, stream
         self._publishers: dict[str, Publisher] = {}      # by the names of outputs, and kept
         self._last: int | None = None                    # [ns] stamp of the last markers
 
@@ -47,11 +46,11 @@ class Pictures:
     def record_latched(self, run: Run) -> None:
         """Write the latched pictures into a new bag, which then needs no earlier messages."""
         for name, data in run.latched.items():
-            self._recording.write(name, data)
+            self._stream.record(name, data)
 
     def due(self, run: Run, stamp: Stamp) -> list[str]:
         """Return the pictures to make of the step of this stamp, and count from it for markers."""
-        names = [name for name in run.makers if self._recording.active
+        names = [name for name in run.makers if self._stream.is_recording
                  or self._publishers[name].get_subscription_count() > 0]
         if 'markers' in names:
             now, rate = stamp[0] * 10**9 + stamp[1], run.scene.values['pictures.rate']
@@ -71,7 +70,7 @@ class Pictures:
 
     def _send(self, name: str, data: bytes) -> None:
         self._publishers[name].publish(data)
-        self._recording.write(name, data)
+        self._stream.record(name, data)
 
 
 def drawn_of(scene: Scene) -> tuple[dict[str, Make], dict[str, bytes]]:

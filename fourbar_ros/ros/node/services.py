@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from fourbar_ros.errors import FourBarError, InvalidParameter, OutOfRange
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.numerics.given import rate_of_input
-from fourbar_ros.pipeline.status import (
+from fourbar_ros.pipeline.stepper import (
     evaluate,
     INVALID_INPUT,
     OK,
@@ -21,8 +21,8 @@ from fourbar_ros.pipeline.status import (
     TOGGLE,
 )
 from fourbar_ros.ros.messages import filler, Message, resolve, set_constants, Stamp
+from fourbar_ros.ros.node.entities import answer_beside, both, WAITING, Worker
 from fourbar_ros.ros.node.stream import Stream
-from fourbar_ros.ros.node.worker import answer_beside, both, WAITING, Worker
 from fourbar_ros.scene.message_fields import mode_number
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import SERVICES

@@ -92,8 +92,9 @@ def run(given: Sequence[str], signals: Signals) -> int:
         for name in names:
             nodes.append(FourBarNode(name, namespace, files))
     except (FourBarError, *ros_errors) as error:
-        why = (f'ROS 2 knows no argument {error}' if isinstance(error, unknown)
-               else ' '.join(str(error).split()))
+        why = (wrong_in_file(given)
+               or (f'ROS 2 knows no argument {error}' if isinstance(error, unknown)
+                   else ' '.join(str(error).split())))
         print(f'fourbar_node: {why}', file=sys.stderr)
         close(nodes)
         rclpy.try_shutdown()
@@ -115,10 +116,9 @@ def asked(given: Sequence[str]) -> tuple[list[str], str, list[str]]:
     Return (names of the nodes, namespace of all, parameter files) of a command line.
 
     A name may begin with a namespace of its own, ``left/boom``. FourBarError for other words
-    before ``--ros-args``, for two nodes of one name, and for a file that is no parameter file.
+    before ``--ros-args``, and for two nodes of one name.
     """
     from fourbar_ros.errors import FourBarError
-    from fourbar_ros.scene.files import sections
     from rclpy.utilities import remove_ros_args
 
     names = remove_ros_args(list(given))
@@ -131,10 +131,20 @@ def asked(given: Sequence[str]) -> tuple[list[str], str, list[str]]:
         raise FourBarError('__node:= would rename every node: name them before --ros-args alone')
     if len(set(names)) < len(names):
         raise FourBarError(f'{", ".join(names)}: two nodes of one name')
-    for file in files:
-        sections(file)       # says what is wrong in it better than rcl
     namespaces = [word.partition(':=')[2] for word in given if word.startswith('__ns:=')]
     return names or ['fourbar'], namespaces[-1] if namespaces else '', files
+
+
+def wrong_in_file(given: Sequence[str]) -> str:
+    """Return what is wrong with a parameter file of a command line, in better words than rcl's."""
+    from fourbar_ros.scene.files import SceneError, sections
+    try:
+        for option, file in zip(given, given[1:]):
+            if option == '--params-file':
+                sections(file)
+    except SceneError as error:
+        return str(error)
+    return ''
 
 
 def begin_ros(given: Sequence[str]) -> None:

@@ -7,32 +7,42 @@ Each message is serialised once: the same bytes go to the subscribers and to the
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from math import isnan, sin
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from math import isnan, nan, sin
 from pathlib import Path
 import threading
 from typing import Any, NamedTuple, TYPE_CHECKING
 
 from builtin_interfaces.msg import Time
 from fourbar_ros.errors import FourBarError, InvalidParameter, OutOfRange
-from fourbar_ros.pipeline.status import INPUT_TIMEOUT, OK, OUT_OF_RANGE, STATUS_NAMES
-from fourbar_ros.ros.messages import sec_nanosec, Stamp
+from fourbar_ros.pipeline.stepper import InModes, INPUT_TIMEOUT, OK, OUT_OF_RANGE, STATUS_NAMES
+from fourbar_ros.ros.messages import (
+    Message,
+    Pack,
+    packer,
+    resolve,
+    sec_nanosec,
+    set_constants,
+    Stamp,
+)
 from fourbar_ros.ros.node import entities
 from fourbar_ros.ros.node.entities import Log
-from fourbar_ros.ros.node.recording import Recording
-from fourbar_ros.ros.node.run import Run
+from fourbar_ros.scene.message_fields import FieldMap, mode_number
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import applied_topic, DRIVE_STATE, DRIVEN, SCENE, Topic
 from rclpy.event_handler import PublisherEventCallbacks, UnsupportedEventTypeError
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.serialization import serialize_message
+from std_msgs.msg import String
 
 if TYPE_CHECKING:      # most scenes do without
     from fourbar_ros.dynamics.node_step import DriveValues
     from fourbar_ros.pipeline.wrenches import Wrench
     from fourbar_ros.ros.node.pictures import Pictures
+    from fourbar_ros.ros.node.recording import Recording
 
+Make = Callable[[Stamp, Sequence[float]], Message]      # None where the pose is not known
 PARTS = 'points/', 'links/'    # outputs whose values are computed for their topic alone
 
 
@@ -44,7 +54,7 @@ class Stream:
     two of them.
     """
 
-    def __init__(self, node: Node, run: Run, recording: Recording, log: Log) -> None:
+    def __init__(self, node: Node, run: Run, recording: Recording | None, log: Log) -> None:
         self._node, self.run, self._recording, self._log = node, run, recording, log
         self._lock = threading.Lock()        # held in a step, and while anything changes
         self.steps, self.bad_steps = 0, 0    # since the start; bad: the status was not OK
@@ -66,6 +76,11 @@ class Stream:
         """Return the scene in force."""
         return self.run.scene
 
+    @property
+    def is_recording(self) -> bool:
+        """Return whether messages are being recorded."""
+        return self._recording is not None and self._recording.active
+
     def now(self) -> Stamp:
         """Return the time of the node's clock."""
         return sec_nanosec(self._node.get_clock().now().nanoseconds)
@@ -84,14 +99,14 @@ class Stream:
         """
         outputs = run.scene.outputs
         with self._lock:
-            if self._recording.active and outputs != self.scene.outputs:
+            if self.is_recording and outputs != self.scene.outputs:
                 raise InvalidParameter('outputs', list(outputs), 'not while recording')
             for name, topic in run.topics.items():
                 if name not in self._publishers:
                     self._publishers[name] = TopicPublisher(self._node, topic, self._update)
             if run.scene.pictures and not self._pictures:
                 from fourbar_ros.ros.node.pictures import Pictures  # and their messages
-                self._pictures = Pictures(self._node, self._recording)
+                self._pictures = Pictures(self._node, self)
             if self._pictures:
                 self._pictures.publish_latched(run)
             for link, wrench in self.run.stepper.wrenches.items():
@@ -103,8 +118,9 @@ class Stream:
                 self._log('packing', f'{", ".join(unpacked)}: cannot be packed here, ROS '
                                      'serialises every message', 'info')
             self._scene_publisher.publish(run.data)
-            self._recording.write(SCENE.name, run.data)
-            self._recording.note(SCENE.name, run.scene.as_json)
+            self.record(SCENE.name, run.data)
+            if self._recording:
+                self._recording.note(SCENE.name, run.scene.as_json)
 
     def _update(self) -> None:
         """
@@ -128,10 +144,11 @@ class Stream:
             self.run.stepper.act(link, wrench)
             self._latched[name] = data
             self._applied[link].publish(data)
-            self._recording.write(name, data)
+            self.record(name, data)
 
     def start_recording(self, name: str = '') -> Path:
         """Start a bag whose first message is the scene; return its path; raises FourBarError."""
+        assert self._recording           # only nodes that have it are asked
         scene = self.scene
         bag = self._recording.open(scene, name)          # before the lock: the disk may be slow
         with self._lock:
@@ -139,11 +156,11 @@ class Stream:
             if (run.outputs, run.scene.pictures) == (scene.topics, scene.pictures):
                 path = self._recording.attach(*bag)
                 run.renew(run.stepper.wrenches)      # a held value could not be recomputed
-                self._recording.write(SCENE.name, run.data)
+                self.record(SCENE.name, run.data)
                 if self._pictures:
                     self._pictures.record_latched(run)
                 for topic, data in self._latched.items():
-                    self._recording.write(topic, data)
+                    self.record(topic, data)
                 return path
         bag[0].close()
         raise FourBarError('the outputs changed in the meantime: try again')
@@ -151,12 +168,14 @@ class Stream:
     def stop_recording(self, why: str) -> Path | None:
         """Close the bag after a whole step, note ``why`` in it; return its path, None if none."""
         with self._lock:
-            writer = self._recording.detach()
-        return self._recording.close(writer, why) if writer else None    # it waits for the disk
+            writer = self._recording.detach() if self._recording else None
+        # it waits for the disk
+        return self._recording.close(writer, why) if self._recording and writer else None
 
     def record(self, topic: str, data: bytes) -> None:
-        """Record a message of an input."""
-        self._recording.write(topic, data)
+        """Record a message of a topic (short name) if a bag is open; never waits."""
+        if self._recording:
+            self._recording.write(topic, data)
 
     # --- steps ----------------------------------------------------------------------------------
 
@@ -198,7 +217,7 @@ class Stream:
 
     def _wanted(self) -> Wanted:
         """Return the work of a step now: all outputs while recording, else subscribed ones."""
-        return self._all if self._recording.active else self._subscribed
+        return self._all if self.is_recording else self._subscribed
 
     def _step(self, stamp: Stamp, mode: int, position: float, rate: float, acceleration: float,
               wanted: Wanted) -> int | None:
@@ -243,12 +262,12 @@ class Stream:
             publisher = self._publishers[name]
             if publisher.is_subscribed:                  # others are for the bag alone
                 publisher.publish(data)
-        if self._recording.active:
+        if self.is_recording:
             self._sent += messages
 
     def _record(self) -> None:
         """Record all that was sent since the last time, in one call of the writer."""
-        if self._sent:
+        if self._sent and self._recording:
             sent, self._sent = self._sent, []
             self._recording.write_all(sent)
 
@@ -324,3 +343,86 @@ class Wanted(NamedTuple):
         return cls(DRIVEN.name in wanted, DRIVE_STATE.name in wanted, outputs,
                    any(map(run.needs_loads, outputs)),
                    frozenset(name for name in outputs if name.startswith(PARTS)))
+
+
+# --- a scene with all that its steps need --------------------------------------------------------
+
+class Writer(NamedTuple):
+    """Makes the messages of a topic; ``key``: all of the scene that is in their bytes."""
+
+    key: object
+    pack: Pack
+    is_packed: bool
+
+
+class Run:
+    """
+    A scene in force: its steppers, its messages, its pictures, its equation of motion.
+
+    ``topics`` and ``writers`` have an entry for each topic that answers a step. ``mover``
+    integrates the motion where it follows from torque. ``wrenches`` act on links from the first
+    step on. ``before`` is the run whose writers are used again where nothing in their bytes has
+    changed. FourBarError for a scene whose pictures cannot be drawn.
+    """
+
+    def __init__(self, scene: Scene, before: Run | None = None,
+                 wrenches: Mapping[str, Wrench] | None = None) -> None:
+        self.scene, self.layout = scene, scene.layout
+        self.mode = mode_number(scene.linkage.mode)
+        self.unknown = (nan,) * len(self.layout.place)
+        self.input_places = [self.layout.place[name] for name in scene.linkage.input_coordinate]
+        own = [DRIVEN, DRIVE_STATE] if scene.dynamics else [DRIVEN]
+        self.outputs = scene.topics
+        self.topics = {topic.name: topic for topic in own} | self.outputs
+        known: Mapping[str, Writer] = before.writers if before else {}
+        self.writers: dict[str, Writer] = {}
+        for name, topic in self.topics.items():
+            layout = drive_layout() if topic is DRIVE_STATE else self.layout
+            self.writers[name] = writer_of(topic, scene, layout, known.get(name))
+        # places of the values without which a message of an output is not sent
+        self.needed = {name: scene.needed_for(name) for name in self.outputs}
+        self.makers: dict[str, Make] = {}        # of pictures
+        self.latched: dict[str, bytes] = {}
+        if scene.pictures:
+            from fourbar_ros.ros.node.pictures import drawn_of  # and their messages
+            self.makers, self.latched = drawn_of(scene)
+        self.data = bytes(serialize_message(String(data=scene.as_json)))
+        self.mover = scene.mover if scene.dynamics else None
+        if self.mover:
+            self.mover.prepare()             # now, not in the first step
+        self.conversion = None
+        if scene.values['trajectories']:
+            from fourbar_ros.ros.node.trajectories import Conversion  # and its messages
+            self.conversion = Conversion(scene)
+        self.renew(wrenches)
+
+    def renew(self, wrenches: Mapping[str, Wrench] | None = None) -> None:
+        """Evaluate the scene from now on without values held from before."""
+        self.stepper = InModes(self.scene, wrenches)
+        if self.scene.dynamics:
+            self.stepper.prepare(self.scene.dynamics.modes_passed(self.scene.linkage))
+
+    def needs_loads(self, name: str) -> bool:
+        """Return whether an output needs the loads of a step."""
+        return self.outputs[name].needs_loads or (name == 'joint_states'
+                                                  and self.scene.needs_loads)
+
+
+def writer_of(topic: Topic, scene: Scene, layout: FieldMap, known: Writer | None) -> Writer:
+    """Return the Writer of a topic: the known one, unless more than numbers has changed."""
+    kind = resolve(topic.type)
+    key = (layout, scene.frame_id, scene.names_shown,
+           scene.linkage.change_point_margin if hasattr(kind, 'change_point_margin') else None)
+    if known and known.key == key:
+        return known
+    message = kind()                         # one for all steps
+    set_constants(topic.name, message, scene)
+    return Writer(key, *packer(topic.name, message, layout))
+
+
+def drive_layout() -> FieldMap:
+    """Return which value of DriveValues goes into which field of DriveState: names are equal."""
+    from fourbar_ros.dynamics.node_step import DriveValues  # only these scenes need it
+    names = DriveValues._fields
+    return FieldMap({DRIVE_STATE.name: dict(zip(names, names))}, {},
+                    {name: i for i, name in enumerate(names)}, ())

@@ -15,10 +15,9 @@ from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.pipeline.joints import Scale
 from fourbar_ros.ros.messages import Message
 from fourbar_ros.ros.node import entities
-from fourbar_ros.ros.node.entities import Log
+from fourbar_ros.ros.node.entities import Abandoned, Log, Worker
 from fourbar_ros.ros.node.sequence import Info, SequenceNumbers, WithInfo
 from fourbar_ros.ros.node.stream import Stream
-from fourbar_ros.ros.node.worker import Abandoned, Worker
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import ANSWERS, INPUT_DEPTH, TRAJECTORIES
 from fourbar_ros.transmission import Trajectory, trajectory

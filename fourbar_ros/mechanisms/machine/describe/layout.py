@@ -14,7 +14,7 @@ from graphlib import CycleError, TopologicalSorter
 from typing import NamedTuple
 
 from fourbar_ros.errors import InvalidParameter, nearest
-from fourbar_ros.mechanisms.loads import DERIVED
+from fourbar_ros.mechanisms.kinds import DERIVED
 from fourbar_ros.mechanisms.machine.describe.description import (
     CRANK_LINK,
     CYLINDER,

@@ -54,7 +54,6 @@ from fourbar_ros.mechanisms.machine.solve.dyads import (
     Node,
 )
 from fourbar_ros.mechanisms.points import Curve
-from fourbar_ros.mechanisms.slides import make_block_on_bar, make_rod_on_line, make_triangle
 from fourbar_ros.numerics.exact_sums import difference_of_squares
 from fourbar_ros.numerics.number_types import Function, nudge, NumberType, power_of_two, Scalar
 
@@ -268,6 +267,7 @@ def make_rrp_pair(n: NumberType, sign: Scalar, stage: Stage, own: Numbers) -> Mo
     """
     (a1, e, cos_0, sin_0, start, o_x, o_y), (a2, *line) = own.shape, own.sizes
     unit, of_0 = n.power_of_two(a1, a2, e), (cos_0, sin_0)
+    from fourbar_ros.mechanisms.slides import make_rod_on_line
     rod_on_line = make_rod_on_line(n, a1 / unit, a2 / unit, e / unit, sign)
     of_a, (t_x, t_y) = turned_by(of_0, line), line
     beside_0 = nudge(n, *map(n.exact_sum, ((a2, -e, a1), (a2, -e, -a1), (a2, e, a1),
@@ -306,6 +306,7 @@ def make_rpr_pair(n: NumberType, sign: Scalar, stage: Stage, own: Numbers) -> Mo
     """Return the function that moves RPR as block and bar of an inverted slider-crank."""
     (a1, a4, cos_0, sin_0, *of_g), (h,) = own.shape, own.sizes
     unit = n.power_of_two(a1, a4, h)
+    from fourbar_ros.mechanisms.slides import make_block_on_bar
     block_on_bar, half_angle = make_block_on_bar(
         n, a1 / unit, a4 / unit, h / unit, sign), make_half_angle(n, nudge(
             n, *map(n.exact_sum, ((a1, -a4, h), (a1, -a4, -h), (a1, a4, h), (a1, a4, -h)))))
@@ -337,6 +338,7 @@ def make_rrr_slide(n: NumberType, sign: Scalar, stage: Stage, own: Numbers) -> M
     on_other, on_frame = own.sizes if first else own.sizes[::-1]
     unit, side = n.power_of_two(on_other, on_frame, e), 1.0 if first else -1.0
     per, (one, two) = 1.0 / unit, (stage.number, stage.number + 1)
+    from fourbar_ros.mechanisms.slides import make_triangle
     triangle = make_triangle(n, on_frame * per, on_other * per, e * per, side * sign)
 
     def motion(at_p: Node, at_q: Node, way: Sequence[Scalar], _first: Curve,
