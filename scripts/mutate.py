@@ -200,7 +200,7 @@ ROOMS = {
         Bug('wrenches.py', "frame not in ('', ours)", 'frame != ours',
             'test/ros/test_values_of_inputs.py'),
         Bug('torque_input.py', 'wrench.force.x if self', 'wrench.force.y if self',
-            'test/ros/test_torque.py'),
+            'test/ros/test_values_of_inputs.py'),
         Bug('torque_input.py', 'min(max(torque, -limit), limit)', 'min(torque, limit)',
             'test/ros/test_values_of_inputs.py'),
         Bug('clock_input.py', 'self._angle += speed * passed', 'pass',

@@ -89,21 +89,30 @@ def test_on_simulated_time_the_angle_goes_on_at_a_new_speed(run_node, client):
             states[k].omega1 * (times[k] - times[k - 1]), abs=1e-9)
 
 
-def test_a_torque_is_cut_to_its_limit_on_both_sides(run_node, client):
-    run_node({**PAPER, **RODS, 'drive.source': 'torque', 'drive.torque_limit': 20.0,
+SLIDE = {**RODS, 'bodies.output.mass': 2.0, 'linkage.kind': 'slider_crank',
+         'linkage.input': 'slide', 'linkage.a1': 0.4, 'linkage.a2': 1.2, 'drive.start': 1.2}
+
+
+@pytest.mark.parametrize('values, part, axis', [
+    (PAPER, 'torque', 'z'), (SLIDE, 'force', 'x')])
+def test_a_torque_or_force_is_cut_to_its_limit_on_both_sides(run_node, client, values, part, axis):
+    run_node({**values, **RODS, 'drive.source': 'torque', 'drive.torque_limit': 20.0,
               'drive.timeout': 0.0, 'drive.rate': 50.0, 'outputs': ['state']})
     heard = []
     client.node.create_subscription(DriveState, '/fourbar/drive_state', heard.append, 10)
     publisher = client.node.create_publisher(WrenchStamped, '/fourbar/torque', 10)
     message = WrenchStamped()
-    message.wrench.torque.x, message.wrench.force.x = 1.0, 2.0
+    message.wrench.torque.x = message.wrench.force.x = message.wrench.force.y = 1.0
+    message.wrench.torque.z = 2.0
     for sent, acts in ((-500.0, -20.0), (500.0, 20.0), (-3.0, -3.0)):
-        message.wrench.torque.z = sent
+        setattr(getattr(message.wrench, part), axis, sent)
 
-        def acted(acts=acts):
+        def acted():
             publisher.publish(message)
-            return heard and heard[-1].torque == acts
+            return heard and heard[-1].command not in (0.0, before)
+        before = heard[-1].command if heard else 0.0
         client.until(acted, 'the torque')
+        assert heard[-1].command == acts
 
 
 def test_a_wrench_in_no_frame_acts_with_all_three_numbers(run_node, client):
