@@ -11,12 +11,12 @@ vectors and angles are no such functions next to a zero: they are taken of their
 from __future__ import annotations
 
 from decimal import Decimal, localcontext
-from functools import cache
+from functools import cache, lru_cache
 from math import frexp, log10, pi, prod
 from typing import Any
 
 from fourbar_ros.extrema.input_paths import InputPath
-from fourbar_ros.mechanisms.evaluation import formula_of, NEAR
+from fourbar_ros.mechanisms.evaluation import formula_of, MOST_STRUCTURES, NEAR
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.digits import in_decimals, is_nothing, MANY_DIGITS
@@ -42,6 +42,7 @@ def _weights() -> Array:
     return np.array(columns).T
 
 
+@lru_cache(maxsize=MOST_STRUCTURES)
 def _cut(trace: Trace) -> tuple[list[int], list[int]]:
     """Return the places of the analytic numbers that results need, and of the steps from these."""
     late = set[int]()

@@ -20,6 +20,7 @@ from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields, NoLoads, Quantity
 from fourbar_ros.mechanisms.quantities import Asked, is_position, is_published
 from fourbar_ros.numerics.arrays import Array, EPS, Value
+from fourbar_ros.numerics.number_types import Function
 from fourbar_ros.numerics.roots import fold
 from fourbar_ros.numerics.tables import ARRAYS, WITHOUT_ANGLES
 import numpy as np
@@ -94,6 +95,10 @@ class Sampler:
         self._has_loads = linkage.bodies is not None and (self.needs_loads or with_angles)
         self._table = ARRAYS if with_angles else WITHOUT_ANGLES
         self._step = step_of_arrays(linkage, self._has_loads, self._table)
+        # of published quantities no other field is needed for their values
+        known = linkage.MOTION._fields + linkage.LOADS._fields
+        self._wanted = None if with_angles else [known.index(q.name) for q in quantities]
+        self._values = step_of_arrays(linkage, self._has_loads, wanted=self._wanted)
 
     def enter(self, path: InputPath) -> None:
         """Prepare the samples beside flat positions at the ends of a path."""
@@ -152,21 +157,22 @@ class Sampler:
     def _with(self, lengths: Sequence[Any]) -> Sampler:
         """Return a copy for other lengths, columns (n, 1), and for inputs of shape (n, ...)."""
         other, other.flats = copy(self), {}
-        other._step = step_of_arrays(self.linkage, self._has_loads, self._table,
-                                     self.linkage.constants_of(lengths, ARRAYS['hypot']))
+        other._values = step_of_arrays(
+            self.linkage, self._has_loads, wanted=self._wanted,
+            data=self.linkage.constants_of(lengths, ARRAYS['hypot']))
         return other
 
     def fold(self, x: Value) -> Value:
         """Return inputs as they are reported: angles in [0, 2 pi)."""
         return x if self.linkage.is_driven_by_slide else fold(x)
 
-    def state(self, x: Array) -> State:
-        """Return motion and loads at real or complex x."""
+    def state(self, x: Array, step: Function | None = None) -> State:
+        """Return motion and loads at real or complex x; all fields, or those of ``step``."""
         position, reaches = self.unit * x, self.linkage.reaches
         if reaches is not None:
             position = np.where(reaches(position), position, np.nan)
         with np.errstate(all='ignore'):
-            fields = self._step(position, *self.rates)
+            fields = (step or self._step)(position, *self.rates)
         for flat in self.flats.values():
             t = flat.distance(x)
             near = (t.real > 0.0) & (t.real < REACH)
@@ -202,7 +208,7 @@ class Sampler:
 
     def values(self, x: Array) -> Array:
         """Return the quantities at x, shape (quantities, *x.shape)."""
-        state = self.state(x)
+        state = self.state(x, self._values)
         with np.errstate(all='ignore'):
             return self._rows(state, x)
 

@@ -232,6 +232,27 @@ def _inputs(mechanism: Mechanism, given: tuple[ArrayLike, ...]
                                'must have shapes that broadcast') from None
 
 
+@lru_cache(maxsize=2 * MOST_STRUCTURES)
+def _order(trace: Trace, wanted: tuple[int, ...]
+           ) -> tuple[list[int], list[int], dict[int, list[int]]]:
+    """
+    Return the steps that some results need, of data alone and of inputs, and what is done with.
+
+    {place of a step: places that it is the last one to need}, of inputs.
+    """
+    results = flat(trace.results)
+    places = [results[i] for i in wanted]
+    steps = [i for i in trace.needed(places) if not trace.steps[i].is_given]
+    once, varying = [[i for i in steps if (i in trace.varies) is varies]
+                     for varies in (False, True)]
+    last = {i: place for place in varying for i in trace.steps[place].arguments
+            if i in trace.varies}
+    done: dict[int, list[int]] = {}
+    for i in last.keys() - places:
+        done.setdefault(last[i], []).append(i)
+    return once, varying, done
+
+
 def step_of_arrays(mechanism: Mechanism, with_loads: bool, table: Table | None = None,
                    data: Constants | None = None, wanted: Sequence[int] | None = None
                    ) -> Function:
@@ -248,18 +269,17 @@ def step_of_arrays(mechanism: Mechanism, with_loads: bool, table: Table | None =
     trace, known, _ = (mechanism.record_with_loads if with_loads else mechanism.record_of_motion)
     places = flat(trace.results)
     wanted = range_of(trace) if wanted is None else wanted
-    steps = [i for i in trace.needed([places[i] for i in wanted]) if not trace.steps[i].is_given]
+    once, steps, done = _order(trace, tuple(wanted))
     if data is not None:
         known = [trace.steps[i].value for i in range(len(known))]
         known[trace.count:trace.count + trace.size] = numbers_of(
             data if with_loads else data._replace(bodies=None))
         with np.errstate(all='ignore'):
-            run(trace, [i for i in steps if i not in trace.varies], table, known)
-    steps = [i for i in steps if i in trace.varies]
+            run(trace, once, table, known)
 
     def step(*inputs: Values) -> list[Values]:
         """Return the fields, arrays or single numbers."""
-        values = run(trace, steps, table, [*inputs, *known[trace.count:]])
+        values = run(trace, steps, table, [*inputs, *known[trace.count:]], done)
         fields: list[Values] = [nan] * len(places)
         for i in wanted:
             fields[i] = values[places[i]]

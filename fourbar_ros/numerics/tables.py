@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 import operator
 from threading import RLock
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from fourbar_ros.numerics.exact_sums import exact_sum_of_four
@@ -28,15 +29,19 @@ import numpy as np
 Table = Mapping[str, Function]
 
 
-def run(trace: Trace, order: Sequence[int], table: Table, values: list[Any]) -> list[Any]:
+def run(trace: Trace, order: Sequence[int], table: Table, values: list[Any],
+        done: Mapping[int, Sequence[int]] = MappingProxyType({})) -> list[Any]:
     """
     Evaluate the steps of a trace at the places ``order`` with the operations of a table.
 
-    ``values``: by place, those that are known already; the results are written into it.
+    ``values``: by place, those that are known already; the results are written into it. ``done``:
+    by place, those that nobody needs after it: arrays are given back while they are in the cache.
     """
     for place in order:
         step = trace.steps[place]
         values[place] = table[step.operation](*[values[i] for i in step.arguments])
+        for i in done.get(place, ()):
+            values[i] = None
     return values
 
 
