@@ -44,58 +44,42 @@ class Chunk(NamedTuple):
     failures: list[tuple[int, str]]
 
 
-class Computed(NamedTuple):
+def measured(study: Study, drawn: dict[str, Array]
+             ) -> tuple[dict[str, Array], list[str], list[tuple[int, str]]]:
     """
-    What was computed of n designs.
+    Return the measures of n designs, why each is left out, and (index, error) of failures.
 
-    ``columns``: {measure or axis of a curve: array}, NaN where it was not computed; ``reasons``:
-    why each design is left out, or :data:`FEASIBLE`; ``is_known``: which have all columns;
-    ``failures``: (index, text of the error).
-    """
-
-    columns: dict[str, Array]
-    reasons: list[str]
-    is_known: Array
-    failures: list[tuple[int, str]]
-
-
-def measured(study: Study, drawn: dict[str, Array]) -> Computed:
-    """
-    Return the measures of designs: {parameter that varies: values, shape (n,)}.
-
-    As many as possible are computed together; those in doubt, and other kinds, one by one.
+    ``drawn``: {parameter that varies: values, shape (n,)}. Measures are {name of a measure or of
+    an axis of a curve: array}, NaN where it was not computed; a reason may be :data:`FEASIBLE`. As
+    many as possible are computed together; those in doubt, and other kinds, one by one.
     """
     found, reasons = _together(study, drawn)
     columns = _columns(study, len(reasons), found)
     failures: list[tuple[int, str]] = []
-    is_known = np.array([reason != UNKNOWN for reason in reasons])
-    for i in np.nonzero(~is_known)[0].tolist():
-        values = {name: column[i].item() for name, column in drawn.items()}
-        reasons[i], results = _row(study, values)
+    for i in [i for i, reason in enumerate(reasons) if reason == UNKNOWN]:
+        reasons[i], results = _row(study, {name: column[i].item()
+                                           for name, column in drawn.items()})
         if reasons[i] == FAILED:
             failures.append((i, results[FAILED]))
-        is_known[i] = bool(results) and reasons[i] != FAILED
         for name in results.keys() & columns.keys():
             columns[name][i] = results[name]
-    return Computed(columns, reasons, is_known, failures)
+    return columns, reasons, failures
 
 
 def compute(study: Study, chunk: int) -> Chunk:
     """Return the results of one of the chunks of a study, counted from 0: of the rows kept."""
     start, stop = study.rows_of(chunk)
     drawn = study.drawn(start, stop)
-    computed = measured(study, drawn)
-    is_feasible = np.array([reason == FEASIBLE for reason in computed.reasons])
-    kept = np.nonzero(is_feasible | (computed.is_known & study.keeps_all))[0]
-    head = {'row': kept + start}
+    measures, reasons, failures = measured(study, drawn)
+    kept = np.array([i for i, reason in enumerate(reasons) if reason == FEASIBLE
+                     or study.keeps_all and reason not in (NOT_BUILT, FAILED)], int)
+    columns: dict[str, Array] = {'row': kept + start}
     if study.keeps_all:
-        head[FEASIBLE] = is_feasible[kept]
+        columns[FEASIBLE] = np.array([reasons[i] == FEASIBLE for i in kept], bool)
+    columns |= {name: column[kept] for name, column in drawn.items()}
     types = types_of(study)
-    columns: dict[str, Array] = {name: column[kept] for name, column in drawn.items()}
-    columns |= {name: column[kept].astype(types[name])
-                for name, column in computed.columns.items()}
-    return Chunk(head | columns, dict(Counter(computed.reasons)),
-                 [(start + i, text) for i, text in computed.failures])
+    columns |= {name: column[kept].astype(types[name]) for name, column in measures.items()}
+    return Chunk(columns, dict(Counter(reasons)), [(start + i, text) for i, text in failures])
 
 
 def types_of(study: Study) -> dict[str, type]:

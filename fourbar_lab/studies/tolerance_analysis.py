@@ -82,7 +82,7 @@ def _corners(study: Study, box: dict[str, tuple[float, float]],
         signs = {*worst, *(tuple([-sign for sign in one]) for one in worst)}
     drawn = {name: centre + size * sign
              for (name, (centre, size)), sign in zip(box.items(), np.array(sorted(signs)).T)}
-    columns = measured(replace(study, bounds=(), keeps_all=True), drawn).columns
+    columns, *_ = measured(replace(study, bounds=(), keeps_all=True), drawn)
     known = {one.measure.name: columns[one.measure.name] for one in found}
     known = {name: column[~np.isnan(column)] for name, column in known.items()}
     return {name: (float(column.min()), float(column.max())) if column.size
