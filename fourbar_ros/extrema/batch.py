@@ -17,7 +17,7 @@ from fourbar_ros.extrema.find import CONSTANT, Extremum, find_extrema, MAXIMUM
 from fourbar_ros.extrema.full_turns import Phase, search_turns
 from fourbar_ros.mechanisms.contract import CROSSED, OPEN
 from fourbar_ros.mechanisms.four_bars import FourBar
-from fourbar_ros.mechanisms.loop import bilinear_factors, make_loop
+from fourbar_ros.mechanisms.loop import bilinear_factors, loop
 from fourbar_ros.numerics.arrays import Array, EPS
 from fourbar_ros.numerics.exact_sums import exact_sum_of_four
 from fourbar_ros.numerics.given import array, FASTEST
@@ -152,10 +152,8 @@ def _closing(lengths: Array) -> tuple[Array, Array]:
 def _trace() -> tuple[Trace, list[int], list[int]]:
     """Return the trace of theta4' and theta4'', steps that lengths alone give, and the others."""
     def make_rates(n: NumberType, data: Sequence[Any]) -> Callable[..., Any]:
-        loop = make_loop(n, *data)
-
-        def rates(ss: Any, cc: Any, sc: Any) -> tuple[Any, Any]:
-            at = loop(ss, cc, sc)
+        def rates(*half_angle: Any) -> tuple[Any, Any]:
+            at = loop(n, data[:4], data[4], *half_angle)
             return at.d_y, at.dd_y
         return rates
 

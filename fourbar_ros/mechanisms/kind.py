@@ -15,7 +15,8 @@ Lengths are scaled by a power of two, so that no square of one overflows.
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 from typing import Any, ClassVar, NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.mechanics.bodies import applied_to, Bodies, External
@@ -23,7 +24,7 @@ from fourbar_ros.mechanisms.contract import Constants, CRANK, SLIDE
 from fourbar_ros.mechanisms.kinds import DERIVED, derives
 from fourbar_ros.mechanisms.machine.describe.description import Numbers, RPR, RRP, RRR
 from fourbar_ros.mechanisms.machine.describe.layout import Layout, Pair, PLACES, SLIDES, Stage
-from fourbar_ros.mechanisms.machine.solve.dyads import Direction, Driven, ORIGIN
+from fourbar_ros.mechanisms.machine.solve.dyads import Direction, Driven, DyadMotion, ORIGIN
 from fourbar_ros.mechanisms.machine.solve.frames import hangings, Poses
 from fourbar_ros.mechanisms.machine.solve.pairs import make_moves
 from fourbar_ros.mechanisms.mechanism import Mechanism
@@ -124,74 +125,66 @@ class Drive(NamedTuple):
                       Pair(0, is_slide) if is_pair else None)
         return Layout(SLIDE if is_slide else CRANK, self.links, (stage,), self.links[3])
 
-    def make_pose(self, n: NumberType, lengths: Lengths, sign: Scalar,
-                  coordinates: Sequence[Coordinate]) -> Function:
-        """Return input -> (directions by coordinate, slides by coordinate, motion of the dyad)."""
-        layout, numbers = self.layout, [self.numbers(lengths)]
-        hanging, start = hangings(layout, numbers), self.start and self.start(lengths)
-        moves, = make_moves(n, layout, numbers, [sign if self.sign > 0.0 else -sign])
-        sin, cos, is_turned = n.sin, n.cos, self.turn < 0.0
-        angles = [(each, [self.links.index(link) for link in ANGLES[each]],
-                   len({*ANGLES[each]}.intersection(self.reversed)) == 1)
-                  for each in coordinates if each in ANGLES]
-
-        def pose(x: Scalar) -> Any:
-            """Return the pose of the machine, with the angles between links of the kind."""
-            if start:
-                driven = Driven((x + start[0], start[1], 1.0, 0.0, 0.0, 0.0, *ALONG), (0.0, 0.0),
-                                (x, 1.0, 0.0))
-            else:
-                c, s = cos(x), sin(x)
-                c, s = (-c, -s) if is_turned else (c, s)
-                driven = Driven((*ORIGIN, c, s, 1.0, 0.0), (0.0, 0.0))
-            poses, directions = Poses(hanging, driven), {}
-            moved = moves(*poses.hang(0))
-            poses.add(0, moved)
-            for coordinate, links, is_reversed in angles:
-                c, s, turn, bend = poses.relation(*links)
-                directions[coordinate] = (-c, -s, turn, bend) if is_reversed else (c, s, turn,
-                                                                                   bend)
-            return directions, {coordinate: moved.slides[3 * k:3 * k + 3]
-                                for k, coordinate in enumerate(self.slides)}, moved
-        return pose
-
-    def make_forces(self, n: NumberType, lengths: Mapping[str, Scalar],
-                    numbers: Numbers) -> Function:
+    def pose(self, n: NumberType, lengths: Lengths, sign: Scalar,
+             coordinates: Iterable[Coordinate], x: Scalar
+             ) -> tuple[dict[Coordinate, Direction], dict[Coordinate, tuple[Scalar, ...]],
+                        DyadMotion]:
         """
-        Return (links, needs, sine, slides, drive) -> {field: reaction}.
+        Return the pose of the machine, its angles those between links of the kind.
+
+        {coordinate: direction}, {coordinate: slide, first and second derivative}, and how the dyad
+        moves. ``x``: the input, of a slide in the unit of the lengths.
+        """
+        layout, numbers = self.layout, [self.numbers(lengths)]
+        if self.start:
+            x_0, y_0 = self.start(lengths)
+            driven = Driven((x + x_0, y_0, 1.0, 0.0, 0.0, 0.0, *ALONG), (0.0, 0.0), (x, 1.0, 0.0))
+        else:
+            c, s = n.cos(x), n.sin(x)
+            c, s = (-c, -s) if self.turn < 0.0 else (c, s)
+            driven = Driven((*ORIGIN, c, s, 1.0, 0.0), (0.0, 0.0))
+        poses, directions = Poses(hangings(layout, numbers), driven), {}
+        moves, = make_moves(n, layout, numbers, [sign if self.sign > 0.0 else -sign])
+        moved = moves(*poses.hang(0))
+        poses.add(0, moved)
+        for coordinate in [each for each in coordinates if each in ANGLES]:
+            c, s, turn, bend = poses.relation(*map(self.links.index, ANGLES[coordinate]))
+            if len({*ANGLES[coordinate]}.intersection(self.reversed)) == 1:
+                c, s = -c, -s
+            directions[coordinate] = c, s, turn, bend
+        return directions, {coordinate: moved.slides[3 * k:3 * k + 3]
+                            for k, coordinate in enumerate(self.slides)}, moved
+
+    def forces(self, n: NumberType, numbers: Numbers, lengths: Mapping[str, Scalar],
+               links: Mapping[str, LinkMotion], needs: Mapping[str, Needs], sine: Scalar,
+               slides: Sequence[Scalar], drive: Scalar) -> dict[str, Scalar]:
+        """
+        Return {field: reaction} at all joints of the machine.
 
         ``lengths``: of links; links and needs by name, those of the ground too, each about its own
         first joint.
         """
-        from fourbar_ros.mechanisms.machine.solve.loads import make_backward, make_base
-        layout, names = self.layout, list[str]()
-        backward, base = make_backward(n, layout, [numbers]), make_base(n, layout)
-        for place in PLACES:
-            names += [f'{place}_x', f'{place}_y', place]
-            names += [f'{place}_normal', f'{place}_couple'] * (place in SLIDES[self.dyad])
-        of_base = 'base_x', 'base_y', 'base', 'base_normal', 'base_couple'
-        wanted = self.fields_of_loads()
-        from fourbar_ros.numerics.vectors import Vector  # linkages with masses alone
-
-        def forces(links: Mapping[str, LinkMotion], needs: Mapping[str, Needs], sine: Scalar,
-                   slides: Sequence[Scalar], drive: Scalar) -> dict[str, Scalar]:
-            """Return the reactions at all joints of the machine by the names of the kind."""
-            directions: list[Vector] = []
-            own: list[Needs] = []
-            for name in self.links:
-                e, (force, moment) = Vector(links[name].cosine, links[name].sine), needs[name]
-                if name in self.reversed:
-                    moment, e = moment - lengths[name] * e.cross(force), -e
-                directions.append(e)
-                own.append(needs[name]._replace(moment=moment))
-            frame, *moving = directions
-            own = own[1:]
-            found = dict(zip(names, backward([(*ORIGIN, e.x, e.y) for e in moving], [slides],
-                                             [sine], own, drive)))
-            found.update(zip(of_base, base(own[0], drive, frame)))
-            return {name: -found[of] if sign < 0.0 else found[of]
-                    for name, (of, sign) in wanted.items()}
-        return forces
+        from fourbar_ros.mechanisms.machine.solve.loads import force_at_base, forces_of_dyads
+        from fourbar_ros.numerics.vectors import Vector
+        layout = self.layout
+        directions: list[Vector] = []
+        own: list[Needs] = []
+        for name in self.links:
+            e, (force, moment) = Vector(links[name].cosine, links[name].sine), needs[name]
+            if name in self.reversed:
+                moment, e = moment - lengths[name] * e.cross(force), -e
+            directions.append(e)
+            own.append(needs[name]._replace(moment=moment))
+        (frame, *moving), own = directions, own[1:]
+        names = [f'{place}{what}' for place in PLACES for what in (
+            '_x', '_y', '', *('_normal', '_couple') * (place in SLIDES[self.dyad]))]
+        found = dict(zip(names, forces_of_dyads(
+            n, layout, [numbers], [(*ORIGIN, e.x, e.y, 0.0, 0.0) for e in moving], [slides],
+            [sine], own, drive)))
+        found.update(zip(('base_x', 'base_y', 'base', 'base_normal', 'base_couple'),
+                         force_at_base(n, layout, own[0], drive, frame)))
+        return {name: -found[of] if sign < 0.0 else found[of]
+                for name, (of, sign) in self.fields_of_loads().items()}
 
     def fields_of_loads(self) -> dict[str, tuple[str, float]]:
         """Return {field of the loads: (field of a joint of the machine, sign)}."""
@@ -248,41 +241,40 @@ class Kind(Mechanism):
 
     def motion_formula(self, numbers: NumberType, constants: Constants) -> Function:
         """Return (position, rate, acceleration) -> fields of MOTION for a number type."""
-        n, drive, given, kind = numbers, self.drive, self.input_coordinate, type(self)
-        unit = n.power_of_two(*constants.lengths)
-        lengths = [length / unit for length in constants.lengths]
-        pose = drive.make_pose(n, lengths, constants.sign, tuple(kind.PARTS))
-        atan2, fabs, transmission = n.atan2, n.fabs, drive.transmission
-        per = 1.0 / unit if given.unit == 'm' else 1.0
-        of_output = unit if self.outputs[0].coordinate.unit == 'm' else 1.0
+        return partial(self._motion, numbers, constants)
 
-        def motion(position: Scalar, rate: Scalar, acceleration: Scalar) -> NamedFields:
-            """Return pose, rates and accelerations."""
-            v, a = rate * per, acceleration * per
-            directions, slides, moved = pose(position * per)
-            square, fields, ratios = v * v, list[Scalar](), {given: 1.0}
-            for coordinate in kind.PARTS:
-                if coordinate == given:
-                    fields += (position, rate, acceleration)
-                elif coordinate in slides:
-                    s, d_s, dd_s = slides[coordinate]
-                    fields += (unit * s, unit * (d_s * v), unit * (d_s * a + dd_s * square))
-                    ratios[coordinate] = unit * d_s * per
-                else:
-                    c, s, turn, bend = directions[coordinate]
-                    angle = (atan2(-s, -c) if coordinate == kind.FROM_HALF_A_TURN
-                             else atan2(s, c))
-                    fields += (angle, turn * v, turn * a + bend * square)
-                    ratios[coordinate] = turn * per
-            sine, cosine = (transmission(fabs, lengths, directions) if transmission
-                            else (fabs(moved.sine), moved.cosine))
-            fields += (atan2(sine, cosine), *[ratios[each] for each in kind.RATIOS.values()],
-                       of_output * drive.condition(fabs, lengths, directions, slides))
-            for coordinate in kind.DIRECTIONS.values():
-                fields += directions[coordinate][:2]
-            found: NamedFields = kind.MOTION._make(fields)
-            return found
-        return motion
+    def _motion(self, n: NumberType, constants: Constants, position: Scalar, rate: Scalar,
+                acceleration: Scalar) -> NamedFields:
+        """Return pose, rates and accelerations."""
+        drive, given, unit = self.drive, self.input_coordinate, n.power_of_two(*constants.lengths)
+        lengths = [length / unit for length in constants.lengths]
+        per = 1.0 / unit if self.is_driven_by_slide else 1.0
+        v, a = rate * per, acceleration * per
+        directions, slides, moved = drive.pose(n, lengths, constants.sign, self.PARTS,
+                                               position * per)
+        square, fields, ratios = v * v, list[Scalar](), {given: 1.0}
+        for coordinate in self.PARTS:
+            if coordinate == given:
+                fields += (position, rate, acceleration)
+            elif coordinate in slides:
+                s, d_s, dd_s = slides[coordinate]
+                fields += (unit * s, unit * (d_s * v), unit * (d_s * a + dd_s * square))
+                ratios[coordinate] = unit * d_s * per
+            else:
+                c, s, turn, bend = directions[coordinate]
+                angle = (n.atan2(-s, -c) if coordinate == self.FROM_HALF_A_TURN
+                         else n.atan2(s, c))
+                fields += (angle, turn * v, turn * a + bend * square)
+                ratios[coordinate] = turn * per
+        sine, cosine = (drive.transmission(n.fabs, lengths, directions) if drive.transmission
+                        else (n.fabs(moved.sine), moved.cosine))
+        of_output = unit if self.outputs[0].coordinate.unit == 'm' else 1.0
+        fields += (n.atan2(sine, cosine), *[ratios[each] for each in self.RATIOS.values()],
+                   of_output * drive.condition(n.fabs, lengths, directions, slides))
+        for coordinate in self.DIRECTIONS.values():
+            fields += directions[coordinate][:2]
+        found: NamedFields = self.MOTION._make(fields)
+        return found
 
     def link_motion(self, motion: NamedFields, link: str) -> LinkMotion:
         """Return the motion of a link by name, its first joint O1, A, and O4 or B."""
@@ -322,41 +314,38 @@ class Kind(Mechanism):
     @derives
     def loads_formula(self, numbers: NumberType, constants: Constants) -> Function:
         """Return (fields of MOTION) -> fields of LOADS for constants of a number type."""
+        return partial(self._loads, numbers, constants)
+
+    def _loads(self, n: NumberType, constants: Constants, m: Any) -> Any:
+        """Return needs of the links, then the drive by virtual power, then all reactions."""
         # of linkages with masses alone
         from fourbar_ros.mechanics.newton_euler import about_first_joint, Needs, needs_of
-        from fourbar_ros.mechanisms.machine.solve.loads import make_drive_and_shaking
+        from fourbar_ros.mechanisms.machine.solve.loads import drive_and_shaking
         from fourbar_ros.numerics.vectors import Vector
-        n, drive, is_slide = numbers, self.drive, self.is_driven_by_slide
+        drive, is_slide = self.drive, self.is_driven_by_slide
         unit = n.power_of_two(*constants.lengths)
         lengths, per_unit = [length / unit for length in constants.lengths], 1.0 / unit
         length_of = {link: length for link, name in LENGTH_OF.items()
                      for own, length in zip(self.length_names, lengths) if own == name}
-        terms = {name: about_first_joint(body, unit, constants.gravity,
-                                         applied_to(constants.external, name))
-                 for name, body in zip(LINKS, constants.bodies)}
-        balance = make_drive_and_shaking(n)
-        forces = drive.make_forces(n, length_of, drive.numbers(lengths))
-        sine, sign = drive.sine
-
-        def loads(m: Any) -> Any:
-            """Return the needs of the links, the drive by virtual power, then all reactions."""
-            links = self._links(lengths, m, per_unit)
-            needs = {name: needs_of(
-                term, Vector(link.a_x, link.a_y), Vector(link.cosine, link.sine), link.omega,
-                link.alpha) for (name, term), link in zip(terms.items(), links.values())}
-            push, (shake_x, shake_y, shake, moment) = balance(
-                self._links(lengths, m, per_unit, True).values(), needs.values())
-            push = unit * push
-            found = forces({**links, GROUND: FIXED},
-                           {**needs, GROUND: Needs(Vector(shake_x, shake_y), moment)},
-                           sign * getattr(m, sine) if sine else 1.0,
-                           [getattr(m, each.position) * per_unit for each in drive.slides], push)
-            drives = (0.0, push) if is_slide else (push, 0.0)
-            own = (*[unit * value if name.endswith('couple') else value
-                     for name, value in found.items()],
-                   *drives[:1 + (SLIDE in self.INPUTS)], shake_x, shake_y, shake, unit * moment)
-            return own if DERIVED else self.LOADS(*own)
-        return loads
+        links, needs = self._links(lengths, m, per_unit), {}
+        for (name, link), body in zip(links.items(), constants.bodies):
+            terms = about_first_joint(body, unit, constants.gravity,
+                                      applied_to(constants.external, name))
+            needs[name] = needs_of(terms, Vector(link.a_x, link.a_y),
+                                   Vector(link.cosine, link.sine), link.omega, link.alpha)
+        push, (shake_x, shake_y, shake, moment) = drive_and_shaking(
+            n, self._links(lengths, m, per_unit, True).values(), needs.values())
+        push, (sine, sign) = unit * push, drive.sine
+        found = drive.forces(
+            n, drive.numbers(lengths), length_of, {**links, GROUND: FIXED},
+            {**needs, GROUND: Needs(Vector(shake_x, shake_y), moment)},
+            sign * getattr(m, sine) if sine else 1.0,
+            [getattr(m, each.position) * per_unit for each in drive.slides], push)
+        drives = (0.0, push) if is_slide else (push, 0.0)
+        own = (*[unit * value if name.endswith('couple') else value
+                 for name, value in found.items()],
+               *drives[:1 + (SLIDE in self.INPUTS)], shake_x, shake_y, shake, unit * moment)
+        return own if DERIVED else self.LOADS(*own)
 
 
 # --- shared by kinds -----------------------------------------------------------------------------

@@ -57,6 +57,7 @@ there, and the values returned at theta1 = 0 itself are the limits for theta1 ->
 """
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import fsum
 from typing import NamedTuple
 
@@ -103,6 +104,7 @@ def half_angle_coefficients(f: Factors) -> tuple[tuple[Scalar, ...], tuple[Scala
             (f.A1 * f.B1, f.A2 * f.B2, f.C1 * f.D2, f.C2 * f.D1))
 
 
+
 class _Shape(NamedTuple):
     """Constants of the equations, of lengths scaled by a power of two to about one."""
 
@@ -123,21 +125,6 @@ class _Shape(NamedTuple):
     y_far: Scalar
     b_near: Scalar
     b_far: Scalar
-
-
-class Pose(NamedTuple):
-    """Where the rods of a loop are; root, u and w are those of (M3)."""
-
-    u: Scalar
-    w: Scalar
-    root: Scalar
-    cos_mu: Scalar
-    sin_mu: Scalar
-    cos_y: Scalar
-    sin_y: Scalar
-    sin_yx: Scalar        # of y - x
-    cos_bx: Scalar        # of b - x
-    sin_bx: Scalar
 
 
 class LoopMotion(NamedTuple):
@@ -189,77 +176,53 @@ def _shape(n: NumberType, a1: Scalar, a2: Scalar, a3: Scalar, a4: Scalar) -> _Sh
                   0.5 * y_near, 0.5 * y_far, 0.5 * b_near, 0.5 * b_far)
 
 
-def make_pose(n: NumberType, shape: _Shape, sign: Scalar) -> Function:
+def loop(n: NumberType, lengths: Sequence[Scalar], sign: Scalar, ss: Scalar, cc: Scalar,
+         sc: Scalar) -> LoopMotion:
     """
-    Return where the rods of a loop are, as a function of sin^2, cos^2 and sin cos of x/2.
+    Return the motion of a loop of crank a1, coupler a2, output a3 and ground a4, its ``lengths``.
 
-    Without derivatives: see :func:`make_loop`. ``sign``: of sin(mu).
+    ``ss``, ``cc``, ``sc``: sin^2, cos^2 and sin cos of half the crank's angle x, which keep their
+    digits near x = 0 and pi where cos x loses them. ``sign``: of sin(mu), the assembly mode.
     """
-    sqrt, where, nothing = n.sqrt, n.where, INFINITESIMAL * INFINITESIMAL
-    s1, c1, s2, c2, if_adds, if_not, m_y, m_yx, m_bx = shape[:9]
-
-    def pose(ss: Scalar, cc: Scalar, sc: Scalar) -> Pose:
-        """Return where the rods are at a half-angle of the crank, by (M1) to (M3)."""
-        u, w = s1 * ss + c1 * cc, c2 * ss + s2 * cc                                     # (M3)
-        root = sign * sqrt(u * w)     # not real where the linkage cannot close
-        # 1/(4 a2 a3) with the roundings of u and w; NaN where the root is not real
-        per = 1.0 / (u + w + (root - root))
-        cos_mu, sin_mu = (u - w) * per, (root + root) * per
-        # m and root have equal signs for all three angles, or for none: the sum does not cancel
-        y_s, y_c, yx_s, yx_c, bx_s, bx_c, side = where(
-            ((sc + nothing) * root).real > 0.0, if_adds, if_not)
-        signed = side * root
-        g, h = y_s * ss + y_c * cc, m_y * sc + signed                                   # (M1)
-        hh = h * h
-        per = 2.0 / (g * g + hh)
-        cos_y, sin_y = side * (hh * per - 1.0), g * h * per                             # (M2)
-        g, h = yx_s * ss + yx_c * cc, m_yx * sc + signed
-        sin_yx = 2.0 * g * h / (g * g + h * h)
-        g, h = bx_s * ss + bx_c * cc, m_bx * sc - signed
-        hh = h * h
-        per = 2.0 / (g * g + hh)
-        cos_bx, sin_bx = side * (hh * per - 1.0), g * h * per
-        return Pose(u, w, root, cos_mu, sin_mu, cos_y, sin_y, sin_yx, cos_bx, sin_bx)
-    return pose
-
-
-def make_loop(n: NumberType, a1: Scalar, a2: Scalar, a3: Scalar, a4: Scalar,
-              sign: Scalar) -> Function:
-    """
-    Return the motion of a loop of crank a1, coupler a2, output a3 and ground a4.
-
-    A function of sin^2, cos^2 and sin cos of half the crank's angle x, which keep their digits
-    near x = 0 and pi where cos x loses them. ``sign``: of sin(mu), the assembly mode.
-    """
-    fabs, where = n.fabs, n.where
-    unit = n.power_of_two(a1, a2, a3, a4)
-    a1, a2, a3, a4 = a1 / unit, a2 / unit, a3 / unit, a4 / unit
+    sqrt, where, unit = n.sqrt, n.where, n.power_of_two(*lengths)
+    a1, a2, a3, a4 = [length / unit for length in lengths]
     shape = _shape(n, a1, a2, a3, a4)
-    pose, (e, f, y_near, y_far, b_near, b_far) = make_pose(n, shape, sign), shape[9:]
-    a14, four_a14, q_least, e_size = a1 * a4, 4.0 * a1 * a4, (a1 - a4)**2, fabs(e)
-    s1_a14, s2_a14 = 2.0 * a1 * a4 * shape.s1, 2.0 * a1 * a4 * shape.s2
-    per_theta2, per_theta3, per_y, per_b = -a4 / a2, a1 * a4 / (a2 * a3), -a1 / a3, -a1 / a2
+    u, w = shape.s1 * ss + shape.c1 * cc, shape.c2 * ss + shape.s2 * cc                 # (M3)
+    root = sign * sqrt(u * w)     # not real where the linkage cannot close
+    # 1/(4 a2 a3) with the roundings of u and w; NaN where the root is not real
+    per = 1.0 / (u + w + (root - root))
+    cos_mu, sin_mu = (u - w) * per, (root + root) * per
+    # m and root have equal signs for all three angles, or for none: the sum does not cancel
+    y_s, y_c, yx_s, yx_c, bx_s, bx_c, side = where(
+        ((sc + INFINITESIMAL * INFINITESIMAL) * root).real > 0.0, shape.if_adds, shape.if_not)
+    signed = side * root
+    g, h = y_s * ss + y_c * cc, shape.m_y * sc + signed                                 # (M1)
+    hh = h * h
+    per = 2.0 / (g * g + hh)
+    cos_y, sin_y = side * (hh * per - 1.0), g * h * per                                 # (M2)
+    g, h = yx_s * ss + yx_c * cc, shape.m_yx * sc + signed
+    sin_yx = 2.0 * g * h / (g * g + h * h)
+    g, h = bx_s * ss + bx_c * cc, shape.m_bx * sc - signed
+    hh = h * h
+    per = 2.0 / (g * g + hh)
+    cos_bx, sin_bx = side * (hh * per - 1.0), g * h * per
+    cos_x, sin_x = cc - ss, sc + sc
+    cos_b, sin_b = cos_x * cos_bx - sin_x * sin_bx, sin_x * cos_bx + cos_x * sin_bx
 
-    def loop(ss: Scalar, cc: Scalar, sc: Scalar) -> LoopMotion:
-        """Return the rods and their derivatives at a half-angle of the crank, (M4) to (M12)."""
-        cos_x, sin_x = cc - ss, sc + sc
-        at = pose(ss, cc, sc)
-        cos_b = cos_x * at.cos_bx - sin_x * at.sin_bx
-        sin_b = sin_x * at.cos_bx + cos_x * at.sin_bx
-        per = 1.0 / at.sin_mu
-        d_bx = per_theta2 * at.sin_y * per                                              # (M4)
-        d_mu = per_theta3 * sin_x * per                                                 # (M5)
-        d_y = per_y * at.sin_bx * per                                                   # (M6)
-        d_b = per_b * at.sin_yx * per                                                   # (M7)
-
-        q = q_least + four_a14 * ss                                                     # (M8)
-        per = 1.0 / q
-        turn = a14 * sin_x * where(q.real > e_size, (e + f * d_mu) * per, d_y + d_bx)   # (M9)
-        dd_mu = (s2_a14 * cc * at.u - s1_a14 * ss * at.w) / (at.u * at.w * at.root)     # (M10)
-        dd_y = ((y_near * cc + y_far * ss) * dd_mu - turn) * per                        # (M11)
-        dd_b = ((b_near * cc + b_far * ss) * dd_mu - turn) * per                        # (M12)
-        return LoopMotion(
-            cos_x=cos_x, sin_x=sin_x, cos_bx=at.cos_bx, sin_bx=at.sin_bx, cos_b=cos_b,
-            sin_b=sin_b, cos_y=at.cos_y, sin_y=at.sin_y, cos_mu=at.cos_mu, sin_mu=at.sin_mu,
-            d_bx=d_bx, d_mu=d_mu, d_y=d_y, d_b=d_b, dd_mu=dd_mu, dd_y=dd_y, dd_b=dd_b)
-    return loop
+    per = 1.0 / sin_mu
+    d_bx = -a4 / a2 * sin_y * per                                                       # (M4)
+    d_mu = a1 * a4 / (a2 * a3) * sin_x * per                                            # (M5)
+    d_y = -a1 / a3 * sin_bx * per                                                       # (M6)
+    d_b = -a1 / a2 * sin_yx * per                                                       # (M7)
+    q = (a1 - a4)**2 + 4.0 * a1 * a4 * ss                                               # (M8)
+    per, e = 1.0 / q, shape.e
+    turn = a1 * a4 * sin_x * where(q.real > n.fabs(e), (e + shape.f * d_mu) * per,      # (M9)
+                                   d_y + d_bx)
+    dd_mu = (2.0 * a1 * a4 * shape.s2 * cc * u                                          # (M10)
+             - 2.0 * a1 * a4 * shape.s1 * ss * w) / (u * w * root)
+    dd_y = ((shape.y_near * cc + shape.y_far * ss) * dd_mu - turn) * per                # (M11)
+    dd_b = ((shape.b_near * cc + shape.b_far * ss) * dd_mu - turn) * per                # (M12)
+    return LoopMotion(
+        cos_x=cos_x, sin_x=sin_x, cos_bx=cos_bx, sin_bx=sin_bx, cos_b=cos_b, sin_b=sin_b,
+        cos_y=cos_y, sin_y=sin_y, cos_mu=cos_mu, sin_mu=sin_mu, d_bx=d_bx, d_mu=d_mu, d_y=d_y,
+        d_b=d_b, dd_mu=dd_mu, dd_y=dd_y, dd_b=dd_b)

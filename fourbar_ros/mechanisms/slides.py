@@ -12,7 +12,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from fourbar_ros.numerics.exact_sums import difference_of_squares
-from fourbar_ros.numerics.number_types import Function, nudge, NumberType, Scalar
+from fourbar_ros.numerics.number_types import nudge, NumberType, Scalar
 
 
 class TriangleMotion(NamedTuple):
@@ -63,9 +63,10 @@ class BarMotion(NamedTuple):
     per_q: Scalar
 
 
-def make_triangle(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar) -> Function:
+def triangle(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar,
+             s: Scalar) -> TriangleMotion:
     """
-    Return s -> :class:`TriangleMotion`: x and b of a1 e^{ix} + a2 e^{ib} = s + i e.
+    Return a triangle by its side s: x and b of a1 e^{ix} + a2 e^{ib} = s + i e.
 
     With q = s^2 + e^2, f = a1^2 - a2^2, theta2 = b - x as the 4R's mu
     (:mod:`fourbar_ros.mechanisms.loop`):
@@ -86,7 +87,6 @@ def make_triangle(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar
 
     ``sign``: of sin(theta2). Lengths within a few powers of two of one. At s = 0 of a change point
     the values are those for s -> 0 from above.
-
     """
     sqrt, where, ee = n.sqrt, n.where, e * e
     k_plus = difference_of_squares(a1, a2, e, 0.0, n.exact_sum)
@@ -97,43 +97,40 @@ def make_triangle(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar
     per_a1_a2, half_per_a1, half_per_a2 = 0.25 / (a1 * a2), 0.5 / a1, 0.5 / a2
     plus_1, plus_2 = 2.0 * a1 * (a1 + a2), 2.0 * a2 * (a1 + a2)       # q + f + u, q - f + u
     minus_1, minus_2 = 2.0 * a1 * (a1 - a2), 2.0 * a2 * (a2 - a1)     # q + f - w, q - f - w
-
-    def triangle(s: Scalar) -> TriangleMotion:
-        """Return directions and derivatives at a slide s, by (T1) to (T8)."""
-        s = s + beside_0
-        ss = s * s
-        q = ss + ee
-        u, w = k_plus - ss, ss - k_minus                                                # (T1)
-        # their sum is given: so the rounding of one is that of the other, as in the shape of a
-        # triangle
-        small, sum_1, sum_2, side = where(u.real < w.real, (u, plus_1, plus_2, -1.0),
-                                          (w, minus_1, minus_2, 1.0))
-        large, change = u_plus_w - small, side * small
-        uw, u_minus_w = small * large, side * (large - small)
-        root = sign * sqrt(uw)
-        cos_2, sin_2 = -u_minus_w * per_a1_a2 + (root - root), 2.0 * root * per_a1_a2
-        per_q, per_root = 1.0 / q, 1.0 / root
-        # (q + f)/q, (q - f)/q, root/q
-        more, less, turn = (sum_1 + change) * per_q, (sum_2 + change) * per_q, root * per_q
-        # (T2)
-        cos_x, sin_x = (s * more + e * turn) * half_per_a1, (e * more - s * turn) * half_per_a1
-        # (T3)
-        cos_b, sin_b = (s * less - e * turn) * half_per_a2, (e * less + s * turn) * half_per_a2
-        d_x, d_b = two_a2 * cos_b * per_root, -two_a1 * cos_x * per_root                # (T4)
-        d_2 = -2.0 * s * per_root                                                       # (T5)
-        bend = where(ss.real < u_plus_w, k_product - ss * ss, ss * u_minus_w - uw)
-        dd_2 = 2.0 * bend * per_root * per_root * per_root                              # (T6)
-        common, half = (two_e - f * d_2) * s * per_q * per_q, 0.5 * dd_2
-        # (T7), (T8)
-        dd_x, dd_b = common - half * less, common + half * more
-        return TriangleMotion(cos_x, sin_x, cos_b, sin_b, cos_2, sin_2, d_x, d_b, d_2, dd_x, dd_b,
-                              dd_2)
-    return triangle
+    s = s + beside_0
+    ss = s * s
+    q = ss + ee
+    u, w = k_plus - ss, ss - k_minus                                                    # (T1)
+    # their sum is given: so the rounding of one is that of the other, as in the shape of a
+    # triangle
+    small, sum_1, sum_2, side = where(u.real < w.real, (u, plus_1, plus_2, -1.0),
+                                      (w, minus_1, minus_2, 1.0))
+    large, change = u_plus_w - small, side * small
+    uw, u_minus_w = small * large, side * (large - small)
+    root = sign * sqrt(uw)
+    cos_2, sin_2 = -u_minus_w * per_a1_a2 + (root - root), 2.0 * root * per_a1_a2
+    per_q, per_root = 1.0 / q, 1.0 / root
+    # (q + f)/q, (q - f)/q, root/q
+    more, less, turn = (sum_1 + change) * per_q, (sum_2 + change) * per_q, root * per_q
+    # (T2)
+    cos_x, sin_x = (s * more + e * turn) * half_per_a1, (e * more - s * turn) * half_per_a1
+    # (T3)
+    cos_b, sin_b = (s * less - e * turn) * half_per_a2, (e * less + s * turn) * half_per_a2
+    d_x, d_b = two_a2 * cos_b * per_root, -two_a1 * cos_x * per_root                    # (T4)
+    d_2 = -2.0 * s * per_root                                                           # (T5)
+    bend = where(ss.real < u_plus_w, k_product - ss * ss, ss * u_minus_w - uw)
+    dd_2 = 2.0 * bend * per_root * per_root * per_root                                  # (T6)
+    common, half = (two_e - f * d_2) * s * per_q * per_q, 0.5 * dd_2
+    # (T7), (T8)
+    dd_x, dd_b = common - half * less, common + half * more
+    return TriangleMotion(cos_x, sin_x, cos_b, sin_b, cos_2, sin_2, d_x, d_b, d_2, dd_x, dd_b,
+                          dd_2)
 
 
-def make_rod_on_line(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar) -> Function:
+def rod_on_line(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar, cos_x: Scalar,
+                sin_x: Scalar) -> RodMotion:
     """
-    Return cos x, sin x -> where a rod that a crank carries meets a line, and its derivatives.
+    Return where a rod that a crank carries meets a line, and its derivatives.
 
     The crank a1 at the angle x to the line, the rod a2 from its pin at the angle b; e is the
     distance of the line from the pivot of the crank, to its left, and s the place of the end of
@@ -165,8 +162,7 @@ def make_rod_on_line(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Sca
     because n of a long crank is there rounded by up to eps a1, which is much beside a2, and all
     must be rounded by the same.
 
-    Lengths within a few powers of two of one; ``sign``: of cos b. Returns cos x, sin x ->
-    :class:`RodMotion`.
+    Lengths within a few powers of two of one; ``sign``: of cos b.
     """
     sqrt, fabs, where, exact_sum = n.sqrt, n.fabs, n.where, n.exact_sum
 
@@ -178,38 +174,35 @@ def make_rod_on_line(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Sca
     about_up = (exact_sum((a2, -e, a1)), exact_sum((a2, e, -a1)), squares(a2, 0.0, e, -a1), 1.0)
     about_down = (exact_sum((a2, -e, -a1)), exact_sum((a2, e, a1)), squares(a2, 0.0, e, a1), -1.0)
     per_a2, a1_e, two_a1_e, level_square = 1.0 / a2, a1 * e, 2.0 * a1 * e, 0.25 * a2 * a2
-
-    def rod_on_line(cos_x: Scalar, sin_x: Scalar) -> RodMotion:
-        """Return the rod at a direction of the crank, by (R1) to (R9)."""
-        low, is_about_0 = cos_x * cos_x / (1.0 + fabs(sin_x)), fabs(sin_x).real < 0.5
-        u, w, gap, start = where(is_about_0, about_0,
-                                 where(sin_x.real > 0.0, about_up, about_down))
-        bulge = a1_e * (1.0 + sin_x * sin_x)
-        d, curve = where(is_about_0, (sin_x, bulge), (-start * low, a1_e * low * low))
-        at_x, step, nn = a1 * cos_x, a1 * d, e - a1 * sin_x
-        u, w, by_sine, sine = u + step, w - step, gap, start + d                        # (R8)
-        up, down = a2 - nn, a2 + nn
-        u, w, by_sine, sine, curve = where(                                             # (R9)
-            (nn * nn).real < level_square, (up, down, up * down, sin_x, at_x * nn * cos_x),
-            (u, w, by_sine, sine, curve))
-        root = sign * sqrt(u * w)                                                       # (R1)
-        # NaN too where nothing is real
-        cos_b, sin_b = root * per_a2, nn * per_a2 + (root - root)
-        cos_2, sin_2 = cos_b * cos_x + sin_b * sin_x, sin_b * cos_x - cos_b * sin_x
-        over, under = where((root * cos_x).real > 0.0, (at_x + root, 1.0),
-                            (gap + two_a1_e * d, root - at_x))
-        s, per = over / under, 1.0 / root                                               # (R2)
-        d_b, d_theta2 = -at_x * per, -s * per                                   # (R3), (R4)
-        d_s = a1 * (e * cos_x - s * sin_x) * per                                        # (R5)
-        dd_b = a1 * (by_sine * sine + curve) * per * per * per                          # (R6)
-        dd_s = at_x * d_theta2 - nn * dd_b                                              # (R7)
-        return RodMotion(cos_b, sin_b, cos_2, sin_2, s, d_b, d_theta2, d_s, dd_b, dd_s)
-    return rod_on_line
+    low, is_about_0 = cos_x * cos_x / (1.0 + fabs(sin_x)), fabs(sin_x).real < 0.5
+    u, w, gap, start = where(is_about_0, about_0,
+                             where(sin_x.real > 0.0, about_up, about_down))
+    bulge = a1_e * (1.0 + sin_x * sin_x)
+    d, curve = where(is_about_0, (sin_x, bulge), (-start * low, a1_e * low * low))
+    at_x, step, nn = a1 * cos_x, a1 * d, e - a1 * sin_x
+    u, w, by_sine, sine = u + step, w - step, gap, start + d                            # (R8)
+    up, down = a2 - nn, a2 + nn
+    u, w, by_sine, sine, curve = where(                                                 # (R9)
+        (nn * nn).real < level_square, (up, down, up * down, sin_x, at_x * nn * cos_x),
+        (u, w, by_sine, sine, curve))
+    root = sign * sqrt(u * w)                                                           # (R1)
+    # NaN too where nothing is real
+    cos_b, sin_b = root * per_a2, nn * per_a2 + (root - root)
+    cos_2, sin_2 = cos_b * cos_x + sin_b * sin_x, sin_b * cos_x - cos_b * sin_x
+    over, under = where((root * cos_x).real > 0.0, (at_x + root, 1.0),
+                        (gap + two_a1_e * d, root - at_x))
+    s, per = over / under, 1.0 / root                                                   # (R2)
+    d_b, d_theta2 = -at_x * per, -s * per                                         # (R3), (R4)
+    d_s = a1 * (e * cos_x - s * sin_x) * per                                            # (R5)
+    dd_b = a1 * (by_sine * sine + curve) * per * per * per                              # (R6)
+    dd_s = at_x * d_theta2 - nn * dd_b                                                  # (R7)
+    return RodMotion(cos_b, sin_b, cos_2, sin_2, s, d_b, d_theta2, d_s, dd_b, dd_s)
 
 
-def make_block_on_bar(n: NumberType, a1: Scalar, a4: Scalar, h: Scalar, sign: Scalar) -> Function:
+def block_on_bar(n: NumberType, a1: Scalar, a4: Scalar, h: Scalar, sign: Scalar, ss: Scalar,
+                 cc: Scalar, sc: Scalar) -> BarMotion:
     """
-    Return sin^2(x/2), cos^2(x/2), sin(x/2) cos(x/2) -> motion of a bar through a block on a crank.
+    Return the motion of a bar through a block on a crank.
 
     The crank a1 at the angle x to the line to the pivot of the bar, a4 away; the block is pinned
     to its end A. l is how far A is along the bar from the foot of the pivot on the line of A, h
@@ -223,8 +216,8 @@ def make_block_on_bar(n: NumberType, a1: Scalar, a4: Scalar, h: Scalar, sign: Sc
         (B5)  theta2' = y' - 1 = (a4 (a1 cos x - a4) + h l') / q
         (B6)  y'' = (a1 a4 sin x (a4^2 - a1^2 - 2 h l')/q + h l'') / q
 
-    Lengths within a few powers of two of one; ``sign``: of l.
-
+    ``ss``, ``cc``, ``sc``: sin^2, cos^2 and sin cos of x/2. Lengths within a few powers of two of
+    one; ``sign``: of l.
     """
     sqrt = n.sqrt
     a1_a4, less, more, two_h = a1 * a4, a1 - a4, a1 + a4, 2.0 * h
@@ -232,22 +225,18 @@ def make_block_on_bar(n: NumberType, a1: Scalar, a4: Scalar, h: Scalar, sign: Sc
     q_near, q_far, a4_minus_a1 = (a1 - a4)**2, (a1 + a4)**2, (a4 - a1) * (a4 + a1)
     near = difference_of_squares(a1, -a4, h, 0.0, n.exact_sum)
     far = difference_of_squares(a1, a4, h, 0.0, n.exact_sum)
-
-    def block_on_bar(ss: Scalar, cc: Scalar, sc: Scalar) -> BarMotion:
-        """Return block and bar at a half-angle of the crank, by (B1) to (B6)."""
-        sin_x = sc + sc
-        l = sign * sqrt(near * cc + far * ss)  # (B1)  # noqa: E741, the slides' letter
-        q = q_near * cc + q_far * ss
-        per_q, per_l = 1.0 / q, 1.0 / l
-        r_x, r_y = less * cc - more * ss, a1 * sin_x     # A - O4
-        ahead = less * cc + more * ss                    # a1 - a4 cos x
-        cos_y, sin_y = (r_x * l + r_y * h) * per_q, (r_y * l - r_x * h) * per_q
-        cos_2, sin_2 = (ahead * l + a4 * h * sin_x) * per_q, (a4 * l * sin_x - ahead * h) * per_q
-        pull = a1_a4 * sin_x
-        d_l = pull * per_l                                                              # (B2)
-        dd_l = a1_a4 * (near * cc * cc - far * ss * ss) * per_l * per_l * per_l         # (B3)
-        d_y = (a1 * ahead + h * d_l) * per_q                                            # (B4)
-        d_theta2 = (a4 * r_x + h * d_l) * per_q                                         # (B5)
-        dd_y = (pull * (a4_minus_a1 - two_h * d_l) * per_q + h * dd_l) * per_q          # (B6)
-        return BarMotion(cos_y, sin_y, cos_2, sin_2, l, d_l, d_y, d_theta2, dd_l, dd_y, per_q)
-    return block_on_bar
+    sin_x = sc + sc
+    l = sign * sqrt(near * cc + far * ss)  # (B1)  # noqa: E741, the slides' letter
+    q = q_near * cc + q_far * ss
+    per_q, per_l = 1.0 / q, 1.0 / l
+    r_x, r_y = less * cc - more * ss, a1 * sin_x     # A - O4
+    ahead = less * cc + more * ss                    # a1 - a4 cos x
+    cos_y, sin_y = (r_x * l + r_y * h) * per_q, (r_y * l - r_x * h) * per_q
+    cos_2, sin_2 = (ahead * l + a4 * h * sin_x) * per_q, (a4 * l * sin_x - ahead * h) * per_q
+    pull = a1_a4 * sin_x
+    d_l = pull * per_l                                                                  # (B2)
+    dd_l = a1_a4 * (near * cc * cc - far * ss * ss) * per_l * per_l * per_l             # (B3)
+    d_y = (a1 * ahead + h * d_l) * per_q                                                # (B4)
+    d_theta2 = (a4 * r_x + h * d_l) * per_q                                             # (B5)
+    dd_y = (pull * (a4_minus_a1 - two_h * d_l) * per_q + h * dd_l) * per_q              # (B6)
+    return BarMotion(cos_y, sin_y, cos_2, sin_2, l, d_l, d_y, d_theta2, dd_l, dd_y, per_q)

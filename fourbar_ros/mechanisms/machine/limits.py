@@ -44,8 +44,8 @@ from fourbar_ros.mechanisms.machine.solve.dyads import (
     between,
     Driven,
     DyadMotion,
-    make_rrr,
     ORIGIN,
+    rrr,
 )
 from fourbar_ros.mechanisms.machine.solve.frames import hangings, Poses
 from fourbar_ros.mechanisms.machine.solve.motion import EXACT
@@ -342,15 +342,15 @@ class SeenFromLink:
         if not is_rod_first:
             pin, at_q, rod, output = at_q, pin, output, rod
         length = hypot(*pin)
-        moves = make_rrr(n, 1.0 if self.mode == 2 else -1.0, rod, length)
+        sign = 1.0 if self.mode == 2 else -1.0
         sin, cos, c0, s0 = n.sin, n.cos, pin[0] / length, pin[1] / length
 
         def inverse(p: Scalar) -> tuple[Curve, Curve, Curve]:
             """Return crank, first and second link of the dyad at an angle p, by (O1)."""
             driven = (*point_of(FIXED, *at_q), cos(p), sin(p), 1.0, 0.0)
             at_b = point_of(driven, output, 0.0)
-            (*_, c1, s1, d_rod, dd_rod), (*_, c2, s2, turn, bend), *_ = moves(
-                at_b, ORIGIN, between(at_b, ORIGIN), FIXED, FIXED)
+            (*_, c1, s1, d_rod, dd_rod), (*_, c2, s2, turn, bend), *_ = rrr(
+                n, sign, (rod, length), at_b, ORIGIN, between(at_b, ORIGIN), FIXED, FIXED)
             crank = (*ORIGIN, c2 * c0 + s2 * s0, s2 * c0 - c2 * s0, turn, bend)
             coupler = (*point_of(crank, *pin), -c1, -s1, d_rod, dd_rod)
             return crank, *((coupler, driven) if is_rod_first else (driven, coupler))

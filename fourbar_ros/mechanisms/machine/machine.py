@@ -36,7 +36,7 @@ from fourbar_ros.mechanisms.machine.describe.description import (
 from fourbar_ros.mechanisms.machine.describe.layout import layout_of
 from fourbar_ros.mechanisms.machine.describe.names import lengths_of, names_of
 from fourbar_ros.mechanisms.machine.limits import WithLimits
-from fourbar_ros.mechanisms.machine.solve.loads import make_loads
+from fourbar_ros.mechanisms.machine.solve.loads import loads_of
 from fourbar_ros.mechanisms.machine.solve.motion import make_motion
 from fourbar_ros.mechanisms.machine.solve.pairs import shaped, with_pairs
 from fourbar_ros.mechanisms.parts import Arrow, Connection, Diagram, NamedFields
@@ -251,8 +251,8 @@ class Machine(WithLimits):
     @derives
     def loads_formula(self, numbers: NumberType, constants: Constants) -> Function:
         """Return (fields of MOTION) -> fields of LOADS for constants of a number type."""
-        return make_loads(numbers, self.layout, constants.lengths, constants.bodies,
-                          constants.gravity, constants.external)
+        return partial(loads_of, numbers, self.layout, constants.lengths, constants.bodies,
+                       constants.gravity, constants.external)
 
     @property
     def classification(self) -> str:

@@ -57,7 +57,7 @@ the slide (RPP), the two lines (PRP).
 """
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 from fourbar_ros.mechanisms.points import Curve
@@ -103,37 +103,33 @@ def between(at_p: Node, at_q: Node) -> Node:
 ORIGIN = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
-def make_rrr(n: NumberType, sign: Scalar, r1: Scalar, r2: Scalar) -> MovesDyad:
-    """Return the function that moves RRR: rods of lengths r1 from P and r2 from Q, pinned at B."""
-    sqrt = n.sqrt
+def rrr(n: NumberType, sign: Scalar, sizes: Sequence[Scalar], at_p: Node, at_q: Node,
+        apart: Node, _first: Curve, _second: Curve) -> DyadMotion:
+    """Return how RRR moves, rods r1 from P and r2 from Q, pinned at B, by (D1) to (D3)."""
+    sqrt, (r1, r2) = n.sqrt, sizes
     difference, outer = (r1 - r2) * (r1 + r2), (r1 + r2) * (r1 + r2)
     inner = (r1 - r2) * (r1 - r2)
     per_r1, per_r2, half_sine = 1.0 / r1, 1.0 / r2, 0.5 / r1 / r2
-
-    def motion(at_p: Node, at_q: Node, apart: Node, _first: Curve,
-               _second: Curve) -> DyadMotion:
-        """Return the curves of both rods from P, Q and D = Q - P, by (D1) to (D3)."""
-        px, py, pdx, pdy, pddx, pddy = at_p
-        qx, qy, qdx, qdy, qddx, qddy = at_q
-        x, y, dx, dy, ddx, ddy = apart
-        q = x * x + y * y
-        root = sign * sqrt(outer - q) * sqrt(q - inner)                                 # (D1)
-        half = 0.5 / q
-        f1, f2, h = (q + difference) * half, (difference - q) * half, root * half
-        c1, s1 = (f1 * x - h * y) * per_r1, (f1 * y + h * x) * per_r1
-        c2, s2 = (f2 * x - h * y) * per_r2, (f2 * y + h * x) * per_r2
-        sine = root * half_sine
-        per_1, per_2 = per_r1 / sine, per_r2 / sine
-        turn1, turn2 = (dx * c2 + dy * s2) * per_1, (dx * c1 + dy * s1) * per_2         # (D2)
-        pull1, pull2 = turn1 * turn1 * r1, turn2 * turn2 * r2
-        gx = ddx + pull1 * c1 - pull2 * c2
-        gy = ddy + pull1 * s1 - pull2 * s2
-        bend1, bend2 = (gx * c2 + gy * s2) * per_1, (gx * c1 + gy * s1) * per_2         # (D3)
-        return DyadMotion(
-            (px, py, pdx, pdy, pddx, pddy, c1, s1, turn1, bend1),
-            (qx, qy, qdx, qdy, qddx, qddy, c2, s2, turn2, bend2),
-            (), sine, c1 * c2 + s1 * s2, {})
-    return motion
+    px, py, pdx, pdy, pddx, pddy = at_p
+    qx, qy, qdx, qdy, qddx, qddy = at_q
+    x, y, dx, dy, ddx, ddy = apart
+    q = x * x + y * y
+    root = sign * sqrt(outer - q) * sqrt(q - inner)                                     # (D1)
+    half = 0.5 / q
+    f1, f2, h = (q + difference) * half, (difference - q) * half, root * half
+    c1, s1 = (f1 * x - h * y) * per_r1, (f1 * y + h * x) * per_r1
+    c2, s2 = (f2 * x - h * y) * per_r2, (f2 * y + h * x) * per_r2
+    sine = root * half_sine
+    per_1, per_2 = per_r1 / sine, per_r2 / sine
+    turn1, turn2 = (dx * c2 + dy * s2) * per_1, (dx * c1 + dy * s1) * per_2             # (D2)
+    pull1, pull2 = turn1 * turn1 * r1, turn2 * turn2 * r2
+    gx = ddx + pull1 * c1 - pull2 * c2
+    gy = ddy + pull1 * s1 - pull2 * s2
+    bend1, bend2 = (gx * c2 + gy * s2) * per_1, (gx * c1 + gy * s1) * per_2             # (D3)
+    return DyadMotion(
+        (px, py, pdx, pdy, pddx, pddy, c1, s1, turn1, bend1),
+        (qx, qy, qdx, qdy, qddx, qddy, c2, s2, turn2, bend2),
+        (), sine, c1 * c2 + s1 * s2, {})
 
 
 def turned(curve: Curve, cosine: Scalar, sine: Scalar) -> tuple[Scalar, Scalar, Scalar, Scalar]:
@@ -142,128 +138,117 @@ def turned(curve: Curve, cosine: Scalar, sine: Scalar) -> tuple[Scalar, Scalar, 
     return c * cosine - s * sine, s * cosine + c * sine, turn, bend
 
 
-def make_rrp(n: NumberType, sign: Scalar, r1: Scalar, cos_t: Scalar, sin_t: Scalar) -> MovesDyad:
-    """Return the function that moves RRP: a rod r1 from P, its end on a line through Q."""
+def rrp(n: NumberType, sign: Scalar, sizes: Sequence[Scalar], at_p: Node, at_q: Node,
+        apart: Node, _first: Curve, second: Curve) -> DyadMotion:
+    """Return how RRP moves, a rod r1 from P, its end on a line through Q, by (D4) to (D6)."""
+    r1, cos_t, sin_t = sizes
     sqrt, per_r1 = n.sqrt, 1.0 / r1
-
-    def motion(at_p: Node, at_q: Node, apart: Node, _first: Curve,
-               second: Curve) -> DyadMotion:
-        """Return the curves of rod and block, and the slide, by (D4) to (D6)."""
-        px, py, pdx, pdy, pddx, pddy = at_p
-        qx, qy, qdx, qdy, qddx, qddy = at_q
-        x, y, dx, dy, ddx, ddy = apart
-        tx, ty, turn, bend = turned(second, cos_t, sin_t)
-        h = y * tx - x * ty
-        g = sign * sqrt((r1 - h) * (r1 + h))                                            # (D4)
-        s = g - (x * tx + y * ty)
-        c1, s1 = (g * tx - h * ty) * per_r1, (g * ty + h * tx) * per_r1
-        per_g, swing = 1.0 / g, turn * s
-        vx, vy = dx - swing * ty, dy + swing * tx
-        turn1 = (vy * tx - vx * ty) * per_g                                             # (D5)
-        ds = -turn1 * h - (vx * tx + vy * ty)
-        along, across = -turn * swing, bend * s + 2.0 * turn * ds
-        pull = turn1 * turn1
-        bend1 = (ddy * tx - ddx * ty + across + pull * h) * per_g                         # (D6)
-        dds = -bend1 * h - (ddx * tx + ddy * ty + along + pull * g)
-        return DyadMotion(
-            (px, py, pdx, pdy, pddx, pddy, c1, s1, turn1, bend1),
-            (qx + s * tx, qy + s * ty,
-             qdx - swing * ty + ds * tx, qdy + swing * tx + ds * ty,
-             qddx + (along + dds) * tx - across * ty,
-             qddy + (along + dds) * ty + across * tx, tx, ty, turn, bend),
-            (s, ds, dds), g * per_r1, h * per_r1, {})
-    return motion
+    px, py, pdx, pdy, pddx, pddy = at_p
+    qx, qy, qdx, qdy, qddx, qddy = at_q
+    x, y, dx, dy, ddx, ddy = apart
+    tx, ty, turn, bend = turned(second, cos_t, sin_t)
+    h = y * tx - x * ty
+    g = sign * sqrt((r1 - h) * (r1 + h))                                                # (D4)
+    s = g - (x * tx + y * ty)
+    c1, s1 = (g * tx - h * ty) * per_r1, (g * ty + h * tx) * per_r1
+    per_g, swing = 1.0 / g, turn * s
+    vx, vy = dx - swing * ty, dy + swing * tx
+    turn1 = (vy * tx - vx * ty) * per_g                                                 # (D5)
+    ds = -turn1 * h - (vx * tx + vy * ty)
+    along, across = -turn * swing, bend * s + 2.0 * turn * ds
+    pull = turn1 * turn1
+    bend1 = (ddy * tx - ddx * ty + across + pull * h) * per_g                           # (D6)
+    dds = -bend1 * h - (ddx * tx + ddy * ty + along + pull * g)
+    return DyadMotion(
+        (px, py, pdx, pdy, pddx, pddy, c1, s1, turn1, bend1),
+        (qx + s * tx, qy + s * ty,
+         qdx - swing * ty + ds * tx, qdy + swing * tx + ds * ty,
+         qddx + (along + dds) * tx - across * ty,
+         qddy + (along + dds) * ty + across * tx, tx, ty, turn, bend),
+        (s, ds, dds), g * per_r1, h * per_r1, {})
 
 
-def make_rpr(n: NumberType, sign: Scalar, h: Scalar) -> MovesDyad:
-    """Return the function that moves RPR: a block pinned at P on a bar pinned at Q."""
-    sqrt = n.sqrt
-
-    def motion(at_p: Node, at_q: Node, apart: Node, _first: Curve, _second: Curve) -> DyadMotion:
-        """Return the curves of block and bar, and the slide, by (D7) to (D9)."""
-        x, y, dx, dy, ddx, ddy = [-part for part in apart]
-        distance = sqrt(x * x + y * y)
-        s = sign * sqrt((distance - h) * (distance + h))                                # (D7)
-        per = 1.0 / distance
-        per_q = per * per
-        tx, ty = (s * x + h * y) * per_q, (s * y - h * x) * per_q
-        per_s = 1.0 / s
-        turn = (dy * tx - dx * ty) * per_s                                              # (D8)
-        ds = dx * tx + dy * ty + turn * h
-        bend = (ddy * tx - ddx * ty + (turn * h - 2.0 * ds) * turn) * per_s             # (D9)
-        dds = ddx * tx + ddy * ty + bend * h + turn * turn * s
-        bar: Direction = tx, ty, turn, bend
-        return DyadMotion((*at_p, *bar), (*at_q, *bar), (s, ds, dds), s * per, h * per, {})
-    return motion
+def rpr(n: NumberType, sign: Scalar, sizes: Sequence[Scalar], at_p: Node, at_q: Node,
+        apart: Node, _first: Curve, _second: Curve) -> DyadMotion:
+    """Return how RPR moves, a block pinned at P on a bar pinned at Q, by (D7) to (D9)."""
+    sqrt, (h,) = n.sqrt, sizes
+    x, y, dx, dy, ddx, ddy = [-part for part in apart]
+    distance = sqrt(x * x + y * y)
+    s = sign * sqrt((distance - h) * (distance + h))                                    # (D7)
+    per = 1.0 / distance
+    per_q = per * per
+    tx, ty = (s * x + h * y) * per_q, (s * y - h * x) * per_q
+    per_s = 1.0 / s
+    turn = (dy * tx - dx * ty) * per_s                                                  # (D8)
+    ds = dx * tx + dy * ty + turn * h
+    bend = (ddy * tx - ddx * ty + (turn * h - 2.0 * ds) * turn) * per_s                 # (D9)
+    dds = ddx * tx + ddy * ty + bend * h + turn * turn * s
+    bar: Direction = tx, ty, turn, bend
+    return DyadMotion((*at_p, *bar), (*at_q, *bar), (s, ds, dds), s * per, h * per, {})
 
 
-def make_rpp(n: NumberType, _sign: Scalar, cos_t: Scalar, sin_t: Scalar, cos_g: Scalar,
-             sin_g: Scalar) -> MovesDyad:
-    """Return the function that moves RPP: a block pinned at P in the slot of a yoke through Q."""
+def rpp(_n: NumberType, _sign: Scalar, sizes: Sequence[Scalar], at_p: Node, at_q: Node,
+        apart: Node, _first: Curve, second: Curve) -> DyadMotion:
+    """Return how RPP moves, a block pinned at P in the slot of a yoke through Q, by (D10)."""
+    cos_t, sin_t, cos_g, sin_g = sizes
     per_sine = 1.0 / sin_g
 
     def split(x: Scalar, y: Scalar, tx: Scalar, ty: Scalar) -> tuple[Scalar, Scalar]:
         """Return the parts of (x, y) along the slide t and along the slot c."""
-        across = (y * tx - x * ty) * per_sine                                           # (D10)
+        across = (y * tx - x * ty) * per_sine                                          # (D10)
         return x * tx + y * ty - across * cos_g, across
 
-    def motion(at_p: Node, at_q: Node, apart: Node, _first: Curve,
-               second: Curve) -> DyadMotion:
-        """Return the curves of block and yoke, and both slides, by (D10)."""
-        px, py, pdx, pdy, pddx, pddy = at_p
-        qx, qy, qdx, qdy, qddx, qddy = at_q
-        tx, ty, turn, bend = turned(second, cos_t, sin_t)
-        cx, cy = cos_g * tx - sin_g * ty, cos_g * ty + sin_g * tx
-        x, y, dx, dy, ddx, ddy = [-part for part in apart]
-        s, d = split(x, y, tx, ty)
-        ds, dd = split(dx + turn * y, dy - turn * x, tx, ty)
-        square, twice = turn * turn, 2.0 * turn
-        dds, ddd = split(ddx + bend * y + square * x + twice * (ds * ty + dd * cy),
-                         ddy - bend * x + square * y - twice * (ds * tx + dd * cx),
-                         tx, ty)
-        swing = turn * s
-        along, across = dds - turn * swing, bend * s + twice * ds
-        return DyadMotion(
-            (px, py, pdx, pdy, pddx, pddy, cx, cy, turn, bend),
-            (qx + s * tx, qy + s * ty,
-             qdx - swing * ty + ds * tx, qdy + swing * tx + ds * ty,
-             qddx + along * tx - across * ty, qddy + along * ty + across * tx,
-             tx, ty, turn, bend),
-            (d, dd, ddd, s, ds, dds), sin_g + (s - s), cos_g + (s - s), {})
-    return motion
+    px, py, pdx, pdy, pddx, pddy = at_p
+    qx, qy, qdx, qdy, qddx, qddy = at_q
+    tx, ty, turn, bend = turned(second, cos_t, sin_t)
+    cx, cy = cos_g * tx - sin_g * ty, cos_g * ty + sin_g * tx
+    x, y, dx, dy, ddx, ddy = [-part for part in apart]
+    s, d = split(x, y, tx, ty)
+    ds, dd = split(dx + turn * y, dy - turn * x, tx, ty)
+    square, twice = turn * turn, 2.0 * turn
+    dds, ddd = split(ddx + bend * y + square * x + twice * (ds * ty + dd * cy),
+                     ddy - bend * x + square * y - twice * (ds * tx + dd * cx),
+                     tx, ty)
+    swing = turn * s
+    along, across = dds - turn * swing, bend * s + twice * ds
+    return DyadMotion(
+        (px, py, pdx, pdy, pddx, pddy, cx, cy, turn, bend),
+        (qx + s * tx, qy + s * ty,
+         qdx - swing * ty + ds * tx, qdy + swing * tx + ds * ty,
+         qddx + along * tx - across * ty, qddy + along * ty + across * tx,
+         tx, ty, turn, bend),
+        (d, dd, ddd, s, ds, dds), sin_g + (s - s), cos_g + (s - s), {})
 
 
-def make_prp(n: NumberType, _sign: Scalar, cos_1: Scalar, sin_1: Scalar, cos_2: Scalar,
-             sin_2: Scalar) -> MovesDyad:
-    """Return the function that moves PRP: two blocks, pinned, on lines through P and Q."""
-    def motion(at_p: Node, _at_q: Node, apart: Node, first: Curve,
-               second: Curve) -> DyadMotion:
-        """Return the curves of both blocks, and both slides, from P, D and the lines, by (D11)."""
-        px, py, pdx, pdy, pddx, pddy = at_p
-        x_0, y_0, dx, dy, ddx, ddy = apart
-        x1, y1, turn1, bend1 = turned(first, cos_1, sin_1)
-        x2, y2, turn2, bend2 = turned(second, cos_2, sin_2)
-        cross = x1 * y2 - y1 * x2
-        per = 1.0 / cross
-        x, y = x_0 * per, y_0 * per
-        s1, s2 = x * y2 - y * x2, x * y1 - y * x1                                       # (D11)
-        swing1, swing2 = turn1 * s1, turn2 * s2
-        x = (dx - swing2 * y2 + swing1 * y1) * per
-        y = (dy + swing2 * x2 - swing1 * x1) * per
-        ds1, ds2 = x * y2 - y * x2, x * y1 - y * x1
-        a1, b1 = -turn1 * swing1, bend1 * s1 + 2.0 * turn1 * ds1
-        a2, b2 = -turn2 * swing2, bend2 * s2 + 2.0 * turn2 * ds2
-        x = (ddx + a2 * x2 - b2 * y2 - a1 * x1 + b1 * y1) * per
-        y = (ddy + a2 * y2 + b2 * x2 - a1 * y1 - b1 * x1) * per
-        dds1, dds2 = x * y2 - y * x2, x * y1 - y * x1
-        at_b = (px + s1 * x1, py + s1 * y1,
-                pdx - swing1 * y1 + ds1 * x1, pdy + swing1 * x1 + ds1 * y1,
-                pddx + (a1 + dds1) * x1 - b1 * y1, pddy + (a1 + dds1) * y1 + b1 * x1)
-        return DyadMotion(
-            (*at_b, x1, y1, turn1, bend1), (*at_b, x2, y2, turn2, bend2),
-            (s1, ds1, dds1, s2, ds2, dds2), cross + (s1 - s1), x1 * x2 + y1 * y2, {})
-    return motion
+def prp(_n: NumberType, _sign: Scalar, sizes: Sequence[Scalar], at_p: Node, _at_q: Node,
+        apart: Node, first: Curve, second: Curve) -> DyadMotion:
+    """Return how PRP moves, two blocks, pinned, on lines through P and Q, by (D11)."""
+    cos_1, sin_1, cos_2, sin_2 = sizes
+    px, py, pdx, pdy, pddx, pddy = at_p
+    x_0, y_0, dx, dy, ddx, ddy = apart
+    x1, y1, turn1, bend1 = turned(first, cos_1, sin_1)
+    x2, y2, turn2, bend2 = turned(second, cos_2, sin_2)
+    cross = x1 * y2 - y1 * x2
+    per = 1.0 / cross
+    x, y = x_0 * per, y_0 * per
+    s1, s2 = x * y2 - y * x2, x * y1 - y * x1                                          # (D11)
+    swing1, swing2 = turn1 * s1, turn2 * s2
+    x = (dx - swing2 * y2 + swing1 * y1) * per
+    y = (dy + swing2 * x2 - swing1 * x1) * per
+    ds1, ds2 = x * y2 - y * x2, x * y1 - y * x1
+    a1, b1 = -turn1 * swing1, bend1 * s1 + 2.0 * turn1 * ds1
+    a2, b2 = -turn2 * swing2, bend2 * s2 + 2.0 * turn2 * ds2
+    x = (ddx + a2 * x2 - b2 * y2 - a1 * x1 + b1 * y1) * per
+    y = (ddy + a2 * y2 + b2 * x2 - a1 * y1 - b1 * x1) * per
+    dds1, dds2 = x * y2 - y * x2, x * y1 - y * x1
+    at_b = (px + s1 * x1, py + s1 * y1,
+            pdx - swing1 * y1 + ds1 * x1, pdy + swing1 * x1 + ds1 * y1,
+            pddx + (a1 + dds1) * x1 - b1 * y1, pddy + (a1 + dds1) * y1 + b1 * x1)
+    return DyadMotion(
+        (*at_b, x1, y1, turn1, bend1), (*at_b, x2, y2, turn2, bend2),
+        (s1, ds1, dds1, s2, ds2, dds2), cross + (s1 - s1), x1 * x2 + y1 * y2, {})
 
 
-MAKERS: dict[str, Callable[..., MovesDyad]] = {
-    'RRR': make_rrr, 'RRP': make_rrp, 'RPR': make_rpr, 'RPP': make_rpp, 'PRP': make_prp}
+# (number type, sign, sizes, P, Q, D and the curves of the links that P and Q are of) -> motion
+DYADS: dict[str, Callable[..., DyadMotion]] = {
+    'RRR': rrr, 'RRP': rrp, 'RPR': rpr, 'RPP': rpp, 'PRP': prp}

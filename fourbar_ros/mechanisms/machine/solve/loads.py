@@ -52,10 +52,9 @@ PRP, with N1 n1, C1 and N2 n2, C2 of the lines on the blocks, f = f1 + f2:
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from functools import partial
 from typing import Any, NamedTuple
 
-from fourbar_ros.mechanics.bodies import Applied, applied_to, Body
+from fourbar_ros.mechanics.bodies import applied_to, Body
 from fourbar_ros.mechanics.newton_euler import about_first_joint, Needs, needs_of
 from fourbar_ros.mechanisms.machine.describe.description import (
     CYLINDER,
@@ -77,155 +76,118 @@ from fourbar_ros.mechanisms.machine.describe.layout import (
 )
 from fourbar_ros.mechanisms.machine.solve.pairs import slides_of
 from fourbar_ros.mechanisms.points import Curve, FIXED
-from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
+from fourbar_ros.numerics.number_types import NumberType, Scalar
 from fourbar_ros.numerics.vectors import Vector
 
 AXIS = Vector(1.0, 0.0)
 
 
-def make_needs(body: Body, gravity: tuple[Scalar, Scalar], applied: Applied) -> Function:
-    """Return (curve of a link, rate^2, rate, acceleration of the input) -> its needs."""
-    link = about_first_joint(body, 1.0, gravity, applied)
-
-    def needs(curve: Sequence[Scalar], square: Scalar, rate: Scalar,
-              acceleration: Scalar) -> Needs:
-        """Return force [N] and moment about its first joint [N m] that joints must give a link."""
+def loads_of(n: NumberType, layout: Layout, numbers: Sequence[Numbers], bodies: Iterable[Body],
+             gravity: tuple[Scalar, Scalar], external: NamedTuple,
+             motion: Sequence[Scalar]) -> tuple[Scalar, ...]:
+    """Return the fields of :func:`.layout.load_fields` for those of a motion."""
+    curves, slides, sines, rate, acceleration = parts_of(layout, motion)
+    square, needs = rate * rate, []
+    for curve, name, body in zip(curves, layout.moving, bodies):
         _, _, dx, dy, ddx, ddy, cosine, sine, turn, bend = curve
-        return needs_of(link, Vector(dx * acceleration + ddx * square,
-                                     dy * acceleration + ddy * square),
-                        Vector(cosine, sine), turn * rate, turn * acceleration + bend * square)
-    return needs
+        link = about_first_joint(body, 1.0, gravity, applied_to(external, name))
+        needs.append(needs_of(
+            link, Vector(dx * acceleration + ddx * square, dy * acceleration + ddy * square),
+            Vector(cosine, sine), turn * rate, turn * acceleration + bend * square))
+    drive, shaking = drive_and_shaking(n, curves, needs)
+    if layout.ground:
+        curves[layout.ground - 1] = FIXED
+        needs[layout.ground - 1] = Needs(Vector(*shaking[:2]), shaking[3])              # (L2)
+    forces = forces_of_dyads(n, layout, numbers, curves, slides, sines, needs, drive)
+    return (*force_at_base(n, layout, needs[0], drive), *forces,
+            *((drive, 0.0) if layout.driver == 'crank' else (0.0, drive)), *shaking)
 
 
-def make_loads(n: NumberType, layout: Layout, numbers: Sequence[Numbers], bodies: Iterable[Body],
-               gravity: tuple[Scalar, Scalar], external: NamedTuple) -> Function:
-    """Return the function (fields of motion) -> fields of :func:`.layout.load_fields`."""
-    needs_of = [make_needs(body, gravity, applied_to(external, name))
-                for name, body in zip(layout.moving, bodies)]
-    read, drive_and_shaking = make_reader(layout), make_drive_and_shaking(n)
-    solve, base = make_backward(n, layout, numbers), make_base(n, layout)
-    is_crank, ground = layout.driver == 'crank', layout.ground
-
-    def loads(motion: tuple[Scalar, ...]) -> tuple[Scalar, ...]:
-        """Return the loads of a motion: needs of all links, the drive, then dyad by dyad."""
-        curves, slides, sines, rate, acceleration = read(motion)
-        square = rate * rate
-        needs = [needs_of_link(curve, square, rate, acceleration)
-                 for needs_of_link, curve in zip(needs_of, curves)]
-        drive, shaking = drive_and_shaking(curves, needs)
-        if ground:
-            curves[ground - 1] = FIXED
-            needs[ground - 1] = Needs(Vector(*shaking[:2]), shaking[3])                 # (L2)
-        forces = solve(curves, slides, sines, needs, drive)
-        return (*base(needs[0], drive), *forces,
-                *((drive, 0.0) if is_crank else (0.0, drive)), *shaking)
-    return loads
-
-
-def make_reader(layout: Layout) -> Function:
-    """Return motion -> (curves of moving links, slides and sines of dyads, rate, acceleration)."""
+def parts_of(layout: Layout, motion: Sequence[Scalar]) -> tuple[
+        list[Any], list[list[Scalar]], Sequence[Scalar], Scalar, Scalar]:
+    """Return curves of the moving links, slides and sines of the dyads, rate, acceleration."""
     fields = motion_fields(layout)
     place = fields.index('rate')
     first, width = place + 2, len(COEFFICIENTS)
     last = first + width * len(layout.moving)
-    starts = range(first, last, width)
-    slides = [[fields.index(travel(link).position) for link in stage.slides()]
+    slides = [[motion[fields.index(travel(link).position)] for link in stage.slides()]
               for stage in layout.stages]
-
-    def read(motion: Sequence[Scalar]) -> Any:
-        """Return these parts of the fields of :func:`.motion_fields`."""
-        return ([motion[i:i + width] for i in starts],
-                [[motion[i] for i in places] for places in slides], motion[last:],
-                motion[place], motion[place + 1])
-    return read
+    return ([motion[i:i + width] for i in range(first, last, width)], slides, motion[last:],
+            motion[place], motion[place + 1])
 
 
-def make_drive_and_shaking(n: NumberType) -> Function:
-    """Return (curves, needs) -> drive and (shaking force x, y, magnitude, moment about O1)."""
-    hypot = n.hypot
-
-    def balance(curves: Sequence[Curve],
-                needs: Sequence[Needs]) -> tuple[Scalar, tuple[Scalar, ...]]:
-        """Return the drive by virtual power, and the loads of all links on the ground."""
-        drive = shake_x = shake_y = moment = 0.0
-        for (force, m), (x, y, dx, dy, _, _, _, _, turn, _) in zip(needs, curves):
-            drive = drive + (force.x * dx + force.y * dy + m * turn)                    # (L1)
-            shake_x, shake_y = shake_x - force.x, shake_y - force.y
-            moment = moment - (m + x * force.y - y * force.x)
-        return drive, (shake_x, shake_y, hypot(shake_x, shake_y), moment)
-    return balance
-
-
-def make_base(n: NumberType, layout: Layout) -> Function:
-    """Return (needs of the driven link, drive, direction) -> fields of its joint on the frame."""
-    hypot, is_slide = n.hypot, layout.driver == 'slide'
-
-    def base(needs: Needs, drive: Scalar, along: Vector = AXIS) -> tuple[Scalar, ...]:
-        """Return x, y and size of the force; of a slide its normal force, and the couple."""
-        force = needs.force
-        if not is_slide:
-            return force.x, force.y, hypot(force.x, force.y)
-        normal = along.cross(force)
-        force = along * drive + along.normal * normal
-        return force.x, force.y, hypot(force.x, force.y), normal, needs.moment
-    return base
-
-
-def make_backward(n: NumberType, layout: Layout, numbers: Sequence[Numbers]) -> Function:
+def drive_and_shaking(n: NumberType, curves: Iterable[Curve],
+                      needs: Iterable[Needs]) -> tuple[Scalar, tuple[Scalar, ...]]:
     """
-    Return (curves, slides, sines, needs, drive) -> fields of all joints of the dyads.
+    Return the drive by virtual power, and the loads of all links on the ground.
+
+    These are the shaking force x, y, its magnitude, and the moment about O1.
+    """
+    drive = shake_x = shake_y = moment = 0.0
+    for (force, m), (x, y, dx, dy, _, _, _, _, turn, _) in zip(needs, curves):
+        drive = drive + (force.x * dx + force.y * dy + m * turn)                        # (L1)
+        shake_x, shake_y = shake_x - force.x, shake_y - force.y
+        moment = moment - (m + x * force.y - y * force.x)
+    return drive, (shake_x, shake_y, n.hypot(shake_x, shake_y), moment)
+
+
+def force_at_base(n: NumberType, layout: Layout, needs: Needs, drive: Scalar,
+                  along: Vector = AXIS) -> tuple[Scalar, ...]:
+    """
+    Return x, y and size of the force on the driven link; of a slide its normal force, and couple.
+
+    ``along``: the direction in which a driven slide moves.
+    """
+    force = needs.force
+    if layout.driver != 'slide':
+        return force.x, force.y, n.hypot(force.x, force.y)
+    normal = along.cross(force)
+    force = along * drive + along.normal * normal
+    return force.x, force.y, n.hypot(force.x, force.y), normal, needs.moment
+
+
+def forces_of_dyads(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
+                    curves: Sequence[Curve], slides: Sequence[Sequence[Scalar]],
+                    sines: Sequence[Scalar], needs: list[Needs], drive: Scalar) -> list[Scalar]:
+    """
+    Return the fields of all joints of the dyads, in their order.
 
     Solves from the last dyad to the first: nothing hangs on the last one, so its needs are known,
     and each adds its forces to the needs of the links that carry it.
     """
-    work = [(i, stage.first - 1, stage.second - 1, stage.number - 1,
-             partial(SOLVERS[stage.kind], own.sizes), make_fields(n, stage),
-             make_arms(stage, own))
-            for i, (stage, own) in enumerate(zip(layout.stages, numbers))][::-1]
-    with_cylinder = layout.driver == CYLINDER
-
-    def backward(curves: Sequence[Curve], slides: Sequence[Sequence[Scalar]],
-                 sines: Sequence[Scalar], needs: list[Needs], drive: Scalar) -> list[Scalar]:
-        """Return the fields of the joints, in the order of the dyads."""
-        directions = [Vector(*curve[6:8]) for curve in curves]
-        found: list[tuple[Scalar, ...]] = [()] * len(work)
-        for number, on_first, on_second, own, solve, fields, arms in work:
-            forces = solve(directions[own], directions[own + 1], slides[number], sines[number],
-                           needs[own], needs[own + 1])
-            if with_cylinder and number == 0:
-                forces = with_drive_along(forces, directions[own] * drive)
-            found[number] = fields(forces)
-            first_arm, second_arm = arms(slides[number])
-            for parent, force, couple, arm in (
-                    (on_first, forces.first, forces.first_couple, first_arm),
-                    (on_second, forces.second, forces.second_couple, second_arm)):
-                if parent >= 0:                 # not the frame
-                    r, old = Vector(*arm).along(directions[parent]), needs[parent]
-                    needs[parent] = Needs(old.force + force, old.moment + couple + r.x * force.y
-                                          - r.y * force.x)
-        return [field for fields in found for field in fields]
-    return backward
+    directions = [Vector(*curve[6:8]) for curve in curves]
+    fields: list[Scalar] = []
+    for stage, own, its, sine in [*zip(layout.stages, numbers, slides, sines)][::-1]:
+        one = stage.number - 1
+        forces = SOLVERS[stage.kind](own.sizes, directions[one], directions[one + 1], its, sine,
+                                     needs[one], needs[one + 1])
+        if stage.name == CYLINDER:
+            forces = with_drive_along(forces, directions[one] * drive)
+        fields = [*fields_of(n, stage, forces), *fields]
+        for parent, force, couple, arm in (
+                (stage.first - 1, forces.first, forces.first_couple,
+                 arm_of(stage, own, 0, its)),
+                (stage.second - 1, forces.second, forces.second_couple,
+                 arm_of(stage, own, 1, its))):
+            if parent >= 0:                 # not the frame
+                r, old = Vector(*arm).along(directions[parent]), needs[parent]
+                needs[parent] = Needs(old.force + force, old.moment + couple + r.x * force.y
+                                      - r.y * force.x)
+    return fields
 
 
-def make_arms(stage: Stage, own: Numbers) -> Function:
+def arm_of(stage: Stage, own: Numbers, which: int, slides: Sequence[Scalar]
+           ) -> tuple[Scalar, Scalar]:
     """
-    Return slides -> the places of the first joints of a dyad's links on those it hangs on.
+    Return the arm of a force of a dyad: where a link of it begins on the link it hangs on.
 
-    (along, across) of each, from the first joint of that link: the arms of its forces. Differences
-    of places on the ground would lose digits far from O1.
+    (along, across) from the first joint of that one. Differences of places on the ground would
+    lose digits far from O1. ``which``: 0 the first of its links, 1 the second.
     """
-    sliding = {link: (k, *slide) for k, (link, slide) in enumerate(slides_of(stage, own))}
-
-    def arm_of(link: int, parent: int, at: Sequence[Scalar]) -> Function:
-        """Return slides -> arm on a parent: ``at`` a fixed point, or moving with the slide."""
-        k, carrier, start, (c, s) = sliding.get(link, (0, -1, at, (0.0, 0.0)))
-        if carrier != parent:
-            return lambda _slides: at
-        return lambda slides: (start[0] + slides[k] * c, start[1] + slides[k] * s)
-
-    first = arm_of(stage.number, stage.first, own.p)
-    second = arm_of(stage.number + 1, stage.second, own.q)
-    return lambda slides: (first(slides), second(slides))
+    for k, (link, (carrier, start, (c, s))) in enumerate(slides_of(stage, own)):
+        if (link, carrier) == (stage.number + which, (stage.first, stage.second)[which]):
+            return start[0] + slides[k] * c, start[1] + slides[k] * s
+    return (own.p, own.q)[which]
 
 
 class DyadForces(NamedTuple):
@@ -247,21 +209,15 @@ def with_drive_along(forces: DyadForces, push: Vector) -> DyadForces:
                            inner=forces.inner + push)
 
 
-def make_fields(n: NumberType, stage: Stage) -> Callable[[DyadForces], tuple[Scalar, ...]]:
-    """Return the function forces in a dyad -> fields of its joints, see :func:`.load_fields`."""
-    hypot, slides = n.hypot, list(SLIDES[stage.kind])
-
-    def fields(forces: DyadForces) -> tuple[Scalar, ...]:
-        """Return x, y and size at each joint, and normal force and couple of one that slides."""
-        found: list[Scalar] = []
-        for place in PLACES:
-            force: Vector = getattr(forces, place)
-            found += (force.x, force.y, hypot(force.x, force.y))
-            if place in slides:
-                found += (forces.normals[slides.index(place)],
-                          getattr(forces, f'{place}_couple'))
-        return tuple(found)
-    return fields
+def fields_of(n: NumberType, stage: Stage, forces: DyadForces) -> list[Scalar]:
+    """Return x, y and size at each joint, and normal force and couple of one that slides."""
+    found, slides = list[Scalar](), list(SLIDES[stage.kind])
+    for place in PLACES:
+        force: Vector = getattr(forces, place)
+        found += (force.x, force.y, n.hypot(force.x, force.y))
+        if place in slides:
+            found += (forces.normals[slides.index(place)], getattr(forces, f'{place}_couple'))
+    return found
 
 
 # (sizes of the dyad, directions of both links, slides, sine, needs of both) -> forces.

@@ -38,11 +38,11 @@ from fourbar_ros.mechanisms.machine.describe.description import (
     RRR,
 )
 from fourbar_ros.mechanisms.machine.describe.layout import Layout, Stage
-from fourbar_ros.mechanisms.machine.solve.dyads import Direction, Driven
+from fourbar_ros.mechanisms.machine.solve.dyads import Direction, Driven, ORIGIN
 from fourbar_ros.mechanisms.machine.solve.frames import hangings, Poses, seen_from
 from fourbar_ros.mechanisms.machine.solve.pairs import make_moves, turned_by
 from fourbar_ros.mechanisms.points import Curve, FIXED
-from fourbar_ros.mechanisms.slides import make_triangle
+from fourbar_ros.mechanisms.slides import triangle
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 
 # Errors of a link for relative errors of the lengths: of the place of its first joint, its angle.
@@ -77,21 +77,21 @@ def make_cylinder(n: NumberType, sign: Scalar, own: Numbers) -> Driver:
     (along, across), (base_x, base_y), (rho, b) = own.p, own.q, own.shape
     unit, fabs, sqrt = n.power_of_two(rho, b), n.fabs, n.sqrt
     per, per_rho, per_b = 1.0 / unit, 1.0 / rho, 1.0 / b
-    triangle, squares = make_triangle(n, b * per, rho * per, 0.0, -sign), rho / b + b / rho
+    squares = rho / b + b / rho
     of_pin = along * per_rho, -across * per_rho         # turned back from the crank
     of_base = -base_x * per_b, -base_y * per_b          # from the base to O1
 
     def crank(s: Scalar) -> Driven:
         """Return the crank, and the rod, at a length of the cylinder, by (C1)."""
-        (cos_x, sin_x, cos_b, sin_b, cos_2, sin_2, d_x, _, d_2, dd_x, _,
-         dd_2) = triangle((s + (sqrt(s) - sqrt(s))) * per)  # no length is below zero   # (C1)
-        directions = (turned_by(turned_by((cos_2, sin_2), of_base), of_pin),
-                      turned_by((cos_x, -sin_x), of_base))
-        error = (squares + 2.0 * fabs(cos_2)) / fabs(sin_2)                             # (C7)
+        at = triangle(n, b * per, rho * per, 0.0, -sign,                                # (C1)
+                      (s + (sqrt(s) - sqrt(s))) * per)          # no length is below zero
+        directions = (turned_by(turned_by((at.cos_2, at.sin_2), of_base), of_pin),
+                      turned_by((at.cos_x, -at.sin_x), of_base))
+        error = (squares + 2.0 * fabs(at.cos_2)) / fabs(at.sin_2)                       # (C7)
         square = per * per
-        return Driven((0.0, 0.0, 0.0, 0.0, 0.0, 0.0, *directions[0], d_2 * per, dd_2 * square),
+        return Driven((*ORIGIN, *directions[0], at.d_theta2 * per, at.dd_theta2 * square),
                       (0.0, error), None,
-                      (s, (*directions[1], -d_x * per, -dd_x * square), -sin_b, cos_b))
+                      (s, (*directions[1], -at.d_x * per, -at.dd_x * square), -at.sin_b, at.cos_b))
     return crank
 
 

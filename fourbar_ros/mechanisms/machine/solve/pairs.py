@@ -32,10 +32,11 @@ every type of numbers a change point is one, or none.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from math import atan2, fsum, hypot, pi, remainder
 from typing import Any, NamedTuple
 
-from fourbar_ros.mechanisms.loop import make_loop
+from fourbar_ros.mechanisms.loop import loop
 from fourbar_ros.mechanisms.machine.describe.description import (
     CYLINDER,
     Numbers,
@@ -49,7 +50,7 @@ from fourbar_ros.mechanisms.machine.describe.layout import Layout, Pair, Stage
 from fourbar_ros.mechanisms.machine.solve.dyads import (
     Direction,
     DyadMotion,
-    MAKERS,
+    DYADS,
     MovesDyad,
     Node,
 )
@@ -204,18 +205,13 @@ def _if_close(pair: Pair, stage: Stage, own: Numbers, joints: Joints) -> Pair | 
 Relations = dict[tuple[int, int], Direction]
 
 
-def make_half_angle(n: NumberType, beside_0: Scalar = 0.0) -> Function:
-    """Return cos x, sin x -> sin^2(x/2), cos^2(x/2), sin(x/2) cos(x/2), (P1)."""
-    fabs, where = n.fabs, n.where
-
-    def half_angle(cos_x: Scalar, sin_x: Scalar) -> tuple[Scalar, Scalar, Scalar]:
-        """Return squares and product of sine and cosine of x/2, without cancellation."""
-        sin_x = sin_x + beside_0
-        large = 0.5 * (1.0 + fabs(cos_x))
-        small = 0.25 * sin_x * sin_x / large
-        ss, cc = where(cos_x.real > 0.0, (small, large), (large, small))
-        return ss, cc, 0.5 * sin_x
-    return half_angle
+def half_angle(n: NumberType, cos_x: Scalar,
+               sin_x: Scalar) -> tuple[Scalar, Scalar, Scalar]:
+    """Return sin^2(x/2), cos^2(x/2), sin(x/2) cos(x/2), without cancellation, (P1)."""
+    large = 0.5 * (1.0 + n.fabs(cos_x))
+    small = 0.25 * sin_x * sin_x / large
+    ss, cc = n.where(cos_x.real > 0.0, (small, large), (large, small))
+    return ss, cc, 0.5 * sin_x
 
 
 def turned_by(one: Sequence[Scalar], other: Sequence[Scalar]) -> tuple[Scalar, Scalar]:
@@ -230,66 +226,58 @@ def by_input(way: Sequence[Scalar], first: Scalar, second: Scalar) -> tuple[Scal
     return first * rate, second * rate * rate + first * change
 
 
-def make_rrr_pair(n: NumberType, sign: Scalar, stage: Stage, own: Numbers) -> MovesDyad:
+def rrr_pair(n: NumberType, sign: Scalar, stage: Stage, own: Numbers, at_p: Node, at_q: Node,
+             way: Sequence[Scalar], _first: Curve, _second: Curve) -> DyadMotion:
     """
-    Return the function that moves RRR as coupler and output link of a 4R linkage.
+    Return how RRR moves as coupler and output link of a 4R linkage.
 
-    It takes the angle from g to a, the arms of the pin that joins the links the dyad hangs on.
+    ``way``: the angle from g to a, the arms of the pin that joins the links the dyad hangs on.
     """
     a1, a4, cos_0, sin_0, *of_g = own.shape
     first = stage.turns_first
     side, (a2, a3) = (1.0, own.sizes) if first else (-1.0, own.sizes[::-1])
-    loop, half_angle = make_loop(n, a1, a2, a3, a4, side * sign), make_half_angle(n, nudge(
-        n, *map(n.exact_sum, ((a1, -a4, a2, -a3), (a1, -a4, -a2, a3), (a1, a4, -a2, -a3)))))
-    of_a = turned_by((cos_0, sin_0), of_g)
+    beside_0 = nudge(n, *map(n.exact_sum, ((a1, -a4, a2, -a3), (a1, -a4, -a2, a3),
+                                           (a1, a4, -a2, -a3))))
+    of_a, (cos_x, sin_x) = turned_by((cos_0, sin_0), of_g), turned_by(way[:2], (cos_0, sin_0))
     one, two, other = stage.number, stage.number + 1, other_of(stage)
-
-    def motion(at_p: Node, at_q: Node, way: Sequence[Scalar], _first: Curve,
-               _second: Curve) -> DyadMotion:
-        """Return the curves of both rods from the angle between the links they hang on."""
-        (_, _, cos_bx, sin_bx, cos_b, sin_b, cos_y, sin_y, cos_mu, sin_mu, d_bx, d_mu, d_y, d_b,
-         dd_mu, dd_y, dd_b) = loop(*half_angle(*turned_by(way[:2], (cos_0, sin_0))))
-        coupler: Direction = *turned_by((cos_b, sin_b), of_g), *by_input(way, d_b, dd_b)
-        output: Direction = *turned_by((cos_y, sin_y), of_g), *by_input(way, d_y, dd_y)
-        on_other: Direction = *turned_by((cos_bx, sin_bx), of_a), *by_input(way, d_bx, dd_b)
-        between: Direction = cos_mu, side * sin_mu, *by_input(way, side * d_mu, side * dd_mu)
-        directions = (coupler, output) if first else (output, coupler)
-        return DyadMotion((*at_p, *directions[0]), (*at_q, *directions[1]), (), side * sin_mu,
-                          cos_mu, {(one if first else two, other): on_other, (two, one): between})
-    return motion
+    at = loop(n, (a1, a2, a3, a4), side * sign, *half_angle(n, cos_x, sin_x + beside_0))
+    coupler: Direction = *turned_by((at.cos_b, at.sin_b), of_g), *by_input(way, at.d_b, at.dd_b)
+    output: Direction = *turned_by((at.cos_y, at.sin_y), of_g), *by_input(way, at.d_y, at.dd_y)
+    on_other: Direction = (*turned_by((at.cos_bx, at.sin_bx), of_a),
+                           *by_input(way, at.d_bx, at.dd_b))
+    between: Direction = (at.cos_mu, side * at.sin_mu,
+                          *by_input(way, side * at.d_mu, side * at.dd_mu))
+    directions = (coupler, output) if first else (output, coupler)
+    return DyadMotion((*at_p, *directions[0]), (*at_q, *directions[1]), (), side * at.sin_mu,
+                      at.cos_mu, {(one if first else two, other): on_other, (two, one): between})
 
 
-def make_rrp_pair(n: NumberType, sign: Scalar, stage: Stage, own: Numbers) -> MovesDyad:
+def rrp_pair(n: NumberType, sign: Scalar, stage: Stage, own: Numbers, at_p: Node, _at_q: Node,
+             way: Sequence[Scalar], _first: Curve, _second: Curve) -> DyadMotion:
     """
-    Return the function that moves RRP as rod and block of a slider-crank.
+    Return how RRP moves as rod and block of a slider-crank.
 
     The frame has the line of the block; the crank is a, from the pin O to P on the other link.
     """
+    from fourbar_ros.mechanisms.slides import rod_on_line  # of these alone
     (a1, e, cos_0, sin_0, start, o_x, o_y), (a2, *line) = own.shape, own.sizes
     unit, of_0 = n.power_of_two(a1, a2, e), (cos_0, sin_0)
-    from fourbar_ros.mechanisms.slides import make_rod_on_line
-    rod_on_line = make_rod_on_line(n, a1 / unit, a2 / unit, e / unit, sign)
     of_a, (t_x, t_y) = turned_by(of_0, line), line
     beside_0 = nudge(n, *map(n.exact_sum, ((a2, -e, a1), (a2, -e, -a1), (a2, e, a1),
                                            (a2, e, -a1))))
     one, other = stage.number, stage.first
     foot_x, foot_y = o_x - e * t_y, o_y + e * t_x       # of O on the line
-
-    def motion(at_p: Node, _at_q: Node, way: Sequence[Scalar], _first: Curve,
-               _second: Curve) -> DyadMotion:
-        """Return the curves of rod and block, and the slide, from the angle of the rod's link."""
-        cos_x, sin_x = turned_by(way[:2], of_0)
-        cos_b, sin_b, cos_2, sin_2, s, d_b, d_2, d_s, dd_b, dd_s = rod_on_line(
-            cos_x + beside_0, sin_x)
-        s = unit * s
-        d_s, dd_s = by_input(way, unit * d_s, unit * dd_s)
-        rod = *at_p, *turned_by((cos_b, sin_b), line), *by_input(way, d_b, dd_b)
-        block = (foot_x + s * t_x, foot_y + s * t_y, d_s * t_x, d_s * t_y, dd_s * t_x,
-                 dd_s * t_y, t_x, t_y, 0.0, 0.0)
-        on_other: Direction = *turned_by((cos_2, sin_2), of_a), *by_input(way, d_2, dd_b)
-        return DyadMotion(rod, block, (s - start, d_s, dd_s), cos_b, sin_b,
-                          {(one, other): on_other})
-    return motion
+    cos_x, sin_x = turned_by(way[:2], of_0)
+    at = rod_on_line(n, a1 / unit, a2 / unit, e / unit, sign, cos_x + beside_0, sin_x)
+    s = unit * at.s
+    d_s, dd_s = by_input(way, unit * at.d_s, unit * at.dd_s)
+    rod = *at_p, *turned_by((at.cos_b, at.sin_b), line), *by_input(way, at.d_b, at.dd_b)
+    block = (foot_x + s * t_x, foot_y + s * t_y, d_s * t_x, d_s * t_y, dd_s * t_x,
+             dd_s * t_y, t_x, t_y, 0.0, 0.0)
+    on_other: Direction = (*turned_by((at.cos_2, at.sin_2), of_a),
+                           *by_input(way, at.d_theta2, at.dd_b))
+    return DyadMotion(rod, block, (s - start, d_s, dd_s), at.cos_b, at.sin_b,
+                      {(one, other): on_other})
 
 
 def _bar(stage: Stage, at_p: Node, at_q: Node, direction: Direction, slide: tuple[Scalar, ...],
@@ -302,91 +290,80 @@ def _bar(stage: Stage, at_p: Node, at_q: Node, direction: Direction, slide: tupl
                       relations)
 
 
-def make_rpr_pair(n: NumberType, sign: Scalar, stage: Stage, own: Numbers) -> MovesDyad:
-    """Return the function that moves RPR as block and bar of an inverted slider-crank."""
+def rpr_pair(n: NumberType, sign: Scalar, stage: Stage, own: Numbers, at_p: Node, at_q: Node,
+             way: Sequence[Scalar], _first: Curve, _second: Curve) -> DyadMotion:
+    """Return how RPR moves as block and bar of an inverted slider-crank."""
+    from fourbar_ros.mechanisms.slides import block_on_bar  # of these alone
     (a1, a4, cos_0, sin_0, *of_g), (h,) = own.shape, own.sizes
     unit = n.power_of_two(a1, a4, h)
-    from fourbar_ros.mechanisms.slides import make_block_on_bar
-    block_on_bar, half_angle = make_block_on_bar(
-        n, a1 / unit, a4 / unit, h / unit, sign), make_half_angle(n, nudge(
-            n, *map(n.exact_sum, ((a1, -a4, h), (a1, -a4, -h), (a1, a4, h), (a1, a4, -h)))))
-    h, sqrt, of_a = h / unit, n.sqrt, turned_by((cos_0, sin_0), of_g)
+    beside_0 = nudge(n, *map(n.exact_sum, ((a1, -a4, h), (a1, -a4, -h), (a1, a4, h),
+                                           (a1, a4, -h))))
+    h, of_a = h / unit, turned_by((cos_0, sin_0), of_g)
     side, link = (1.0, stage.number) if stage.turns_first else (-1.0, stage.number + 1)
     pinned = link, other_of(stage)
-
-    def motion(at_p: Node, at_q: Node, way: Sequence[Scalar], _first: Curve,
-               _second: Curve) -> DyadMotion:
-        """Return the curves of block and bar, and the slide, from the angle of the other link."""
-        (cos_y, sin_y, cos_2, sin_2, l, d_l, d_y, d_2, dd_l, dd_y,
-         per_q) = block_on_bar(*half_angle(*turned_by(way[:2], (cos_0, sin_0))))
-        per = sqrt(per_q)
-        bar: Direction = *turned_by((cos_y, sin_y), of_g), *by_input(way, d_y, dd_y)
-        on_other: Direction = (*turned_by((side * cos_2, side * sin_2), of_a),
-                               *by_input(way, d_2, dd_y))
-        return _bar(stage, at_p, at_q, bar, (unit * l, *by_input(way, unit * d_l, unit * dd_l)),
-                    l * per, h * per, {pinned: on_other})
-    return motion
+    cos_x, sin_x = turned_by(way[:2], (cos_0, sin_0))
+    at = block_on_bar(n, a1 / unit, a4 / unit, h, sign, *half_angle(n, cos_x, sin_x + beside_0))
+    per = n.sqrt(at.per_q)
+    bar: Direction = *turned_by((at.cos_y, at.sin_y), of_g), *by_input(way, at.d_y, at.dd_y)
+    on_other: Direction = (*turned_by((side * at.cos_2, side * at.sin_2), of_a),
+                           *by_input(way, at.d_theta2, at.dd_y))
+    return _bar(stage, at_p, at_q, bar,
+                (unit * at.l, *by_input(way, unit * at.d_l, unit * at.dd_l)),
+                at.l * per, h * per, {pinned: on_other})
 
 
-def make_rrr_slide(n: NumberType, sign: Scalar, stage: Stage, own: Numbers) -> MovesDyad:
+def rrr_slide(n: NumberType, sign: Scalar, stage: Stage, own: Numbers, at_p: Node, at_q: Node,
+              way: Sequence[Scalar], _first: Curve, _second: Curve) -> DyadMotion:
     """
-    Return the function that moves RRR as crank and coupler of a slider-crank.
+    Return how RRR moves as crank and coupler of a slider-crank.
 
     Its slider drives: the one of both links the dyad hangs on that slides in the other.
     """
+    from fourbar_ros.mechanisms.slides import triangle  # of these alone
     (shift, e, *line), first = own.shape, stage.turns_first
     on_other, on_frame = own.sizes if first else own.sizes[::-1]
     unit, side = n.power_of_two(on_other, on_frame, e), 1.0 if first else -1.0
     per, (one, two) = 1.0 / unit, (stage.number, stage.number + 1)
-    from fourbar_ros.mechanisms.slides import make_triangle
-    triangle = make_triangle(n, on_frame * per, on_other * per, e * per, side * sign)
-
-    def motion(at_p: Node, at_q: Node, way: Sequence[Scalar], _first: Curve,
-               _second: Curve) -> DyadMotion:
-        """Return the curves of both rods from the slide between the links they hang on."""
-        (cos_x, sin_x, cos_b, sin_b, cos_2, sin_2, d_x, d_b, d_2, dd_x, dd_b,
-         dd_2) = triangle((way[0] + shift) * per)
-        scaled = way[1] * per, way[2] * per
-        frames: Direction = *turned_by((cos_x, sin_x), line), *by_input(scaled, d_x, dd_x)
-        others: Direction = *turned_by((-cos_b, -sin_b), line), *by_input(scaled, d_b, dd_b)
-        d_2, dd_2 = by_input(scaled, -side * d_2, -side * dd_2)
-        directions = (others, frames) if first else (frames, others)
-        return DyadMotion((*at_p, *directions[0]), (*at_q, *directions[1]), (), side * sin_2,
-                          -cos_2, {(two, one): (-cos_2, side * sin_2, d_2, dd_2)})
-    return motion
+    at = triangle(n, on_frame * per, on_other * per, e * per, side * sign, (way[0] + shift) * per)
+    scaled = way[1] * per, way[2] * per
+    frames: Direction = (*turned_by((at.cos_x, at.sin_x), line),
+                         *by_input(scaled, at.d_x, at.dd_x))
+    others: Direction = (*turned_by((-at.cos_b, -at.sin_b), line),
+                         *by_input(scaled, at.d_b, at.dd_b))
+    between: Direction = (-at.cos_2, side * at.sin_2,
+                          *by_input(scaled, -side * at.d_theta2, -side * at.dd_theta2))
+    directions = (others, frames) if first else (frames, others)
+    return DyadMotion((*at_p, *directions[0]), (*at_q, *directions[1]), (), side * at.sin_2,
+                      -at.cos_2, {(two, one): between})
 
 
-def make_rpr_slide(n: NumberType, sign: Scalar, stage: Stage, own: Numbers) -> MovesDyad:
-    """Return the function that moves RPR whose block, or bar, hangs on a slider, (P3), (P4)."""
+def rpr_slide(n: NumberType, sign: Scalar, stage: Stage, own: Numbers, at_p: Node, at_q: Node,
+              way: Sequence[Scalar], _first: Curve, _second: Curve) -> DyadMotion:
+    """Return how RPR moves whose block, or bar, hangs on a slider, (P3), (P4)."""
     (shift, e, *line), (h,) = own.shape, own.sizes
     unit = n.power_of_two(e, h, shift)
     per, sqrt, where = 1.0 / unit, n.sqrt, n.where
     shift, e, h = shift * per, e * per, h * per
     k = (e - h) * (e + h)
     beside_0 = nudge(n, k)
-
-    def motion(at_p: Node, at_q: Node, way: Sequence[Scalar], _first: Curve,
-               _second: Curve) -> DyadMotion:
-        """Return the curves of block and bar, and their slide, from that of the other link."""
-        x = way[0] * per + shift + beside_0
-        q = x * x + e * e
-        l = sign * sqrt(x * x + k)  # noqa: E741                                        # (P3)
-        per_l, per_q, h_x, e_l = 1.0 / l, 1.0 / q, h * x, e * l
-        d_l, dd_l = x * per_l, k * per_l * per_l * per_l                                # (P4)
-        over, under = where((h_x * e_l).real > 0.0, (-k, h_x + e_l), (h_x - e_l, q))
-        d_y = over / (l * under)
-        dd_y = (h * dd_l - 2.0 * x * d_y) * per_q
-        scaled, root = (way[1] * per, way[2] * per), sqrt(per_q)
-        bar: Direction = (*turned_by(((l * x + h * e) * per_q, (l * e - h * x) * per_q), line),
-                          *by_input(scaled, d_y, dd_y))
-        d_l, dd_l = by_input(scaled, unit * d_l, unit * dd_l)
-        return _bar(stage, at_p, at_q, bar, (unit * l, d_l, dd_l), l * root, h * root, {})
-    return motion
+    x = way[0] * per + shift + beside_0
+    q = x * x + e * e
+    l = sign * sqrt(x * x + k)  # noqa: E741                                            # (P3)
+    per_l, per_q, h_x, e_l = 1.0 / l, 1.0 / q, h * x, e * l
+    d_l, dd_l = x * per_l, k * per_l * per_l * per_l                                    # (P4)
+    over, under = where((h_x * e_l).real > 0.0, (-k, h_x + e_l), (h_x - e_l, q))
+    d_y = over / (l * under)
+    dd_y = (h * dd_l - 2.0 * x * d_y) * per_q
+    scaled, root = (way[1] * per, way[2] * per), sqrt(per_q)
+    bar: Direction = (*turned_by(((l * x + h * e) * per_q, (l * e - h * x) * per_q), line),
+                      *by_input(scaled, d_y, dd_y))
+    d_l, dd_l = by_input(scaled, unit * d_l, unit * dd_l)
+    return _bar(stage, at_p, at_q, bar, (unit * l, d_l, dd_l), l * root, h * root, {})
 
 
-# {(kind, whether a slide, not a pin, joins the links it hangs on): maker of its function}
-PAIRS = {(RRR, False): make_rrr_pair, (RRP, False): make_rrp_pair, (RPR, False): make_rpr_pair,
-         (RRR, True): make_rrr_slide, (RPR, True): make_rpr_slide}
+# {(kind, whether a slide, not a pin, joins the links it hangs on): how it moves}
+PAIRS = {(RRR, False): rrr_pair, (RRP, False): rrp_pair, (RPR, False): rpr_pair,
+         (RRR, True): rrr_slide, (RPR, True): rpr_slide}
 
 
 def rod_of_cylinder(at_p: Node, at_q: Node, driven: Any, _first: Curve,
@@ -405,18 +382,18 @@ def make_moves(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
     """
     Return for each dyad the function that solves it for its links, a :data:`MovesDyad`.
 
-    ``PAIRS`` has the makers of those between links that are joined to each other and marked so
-    (``stage.pair``: the general form would lose digits), ``MAKERS`` the general ones of
-    :mod:`.dyads`. ``signs``: the assembly mode of each dyad as +-1.
+    Those of ``PAIRS`` are for dyads between links that are joined to each other and marked so
+    (``stage.pair``: the general form would lose digits). ``signs``: the assembly mode of each dyad
+    as +-1.
     """
     moves: list[MovesDyad] = []
     for stage, own, sign in zip(layout.stages, numbers, signs):
         if stage.name == CYLINDER:
             moves.append(rod_of_cylinder)
         elif stage.pair:
-            moves.append(PAIRS[stage.kind, stage.pair.slides](n, sign, stage, own))
+            moves.append(partial(PAIRS[stage.kind, stage.pair.slides], n, sign, stage, own))
         else:
-            moves.append(MAKERS[stage.kind](n, sign, *own.sizes))
+            moves.append(partial(DYADS[stage.kind], n, sign, own.sizes))
     return moves
 
 
@@ -504,14 +481,14 @@ class Closure:
 
     def make_closing(self, n: NumberType) -> Function:
         """Return angle or slide of a pair -> product of the scaled factors that have toggles."""
-        place, half_angle = self.make_place(n), make_half_angle(n)
+        place = self.make_place(n)
 
         def closing(way: Sequence[Scalar]) -> Scalar:
             """Return a number that is positive where the pair closes, zero at its toggles."""
             beside, ahead = place(way)
             one, other = beside * beside, 1.0
             if not self.slides:
-                other, one, _ = half_angle(ahead, beside)
+                other, one, _ = half_angle(n, ahead, beside)
             product = 1.0
             for plus, minus in self._toggles:
                 per = 1.0 / (abs(plus) * one + 1.0 if self.slides else abs(plus) + abs(minus))
@@ -521,7 +498,7 @@ class Closure:
 
     def make_square(self, n: NumberType) -> Function:
         """Return angle or slide of a pair -> |Q - P|^2, scaled: a pole where it is zero."""
-        place, half_angle = self.make_place(n), make_half_angle(n)
+        place = self.make_place(n)
         one, other = self._arms     # scaled in both directions, or (at sigma = 0, per sigma^2)
         one, other = (other * other if self.slides else (one - other)**2 / (one + other)**2), 1.0
 
@@ -531,7 +508,7 @@ class Closure:
             if self.slides:
                 size: Scalar = beside * beside + one
             else:
-                ss, cc, _ = half_angle(ahead, beside)
+                ss, cc, _ = half_angle(n, ahead, beside)
                 size = one * cc + other * ss
             return size
         return square
