@@ -25,7 +25,7 @@ from fourbar_ros.mechanisms.machine.describe.description import (
 from fourbar_ros.mechanisms.machine.describe.layout import Layout, Stage
 from fourbar_ros.mechanisms.machine.solve.dyads import turned
 from fourbar_ros.mechanisms.machine.solve.frames import hangings, Poses
-from fourbar_ros.mechanisms.machine.solve.motion import make_driver
+from fourbar_ros.mechanisms.machine.solve.motion import driven_link
 from fourbar_ros.mechanisms.machine.solve.pairs import Closure, make_moves
 from fourbar_ros.mechanisms.points import Curve
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
@@ -119,12 +119,12 @@ def _make_along(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
                 signs: Sequence[Scalar], count: int,
                 measures: Sequence[Function | None]) -> Closing:
     """Return input -> the measure of each of the first ``count`` dyads, 1.0 if it has none."""
-    driver, hanging = make_driver(n, layout, numbers, signs), hangings(layout, numbers)
+    hanging = hangings(layout, numbers)
     work = list(zip(make_moves(n, layout, numbers, signs), measures))[:count]
 
     def along(x: Scalar) -> list[Scalar]:
         """Go from dyad to dyad; the last need not be solved, so it may be unable to close."""
-        poses, found = Poses(hanging, driver(x)), []
+        poses, found = Poses(hanging, driven_link(n, layout, numbers, signs, x)), []
         for number, (moves, measure) in enumerate(work):
             ends = poses.hang(number)
             found.append(measure(*ends[2:]) if measure else 1.0)

@@ -283,7 +283,7 @@ class SeenFromLink:
     """
     A machine driven at a link on the ground, whose angle is the coordinate p [rad].
 
-    ``layout``, ``numbers``, ``signs``: as for :func:`.motion.make_motion`; ``number``: of the dyad
+    ``layout``, ``numbers``, ``signs``: as for :func:`.motion.motion_of`; ``number``: of the dyad
     that has this link; ``mode`` 2: from the rod, B to P, to the crank, O1 to P, one turns left by
     less than pi, 1: right. It never lies flat.
     """

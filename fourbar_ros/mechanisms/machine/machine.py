@@ -37,7 +37,7 @@ from fourbar_ros.mechanisms.machine.describe.layout import layout_of
 from fourbar_ros.mechanisms.machine.describe.names import lengths_of, names_of
 from fourbar_ros.mechanisms.machine.limits import WithLimits
 from fourbar_ros.mechanisms.machine.solve.loads import loads_of
-from fourbar_ros.mechanisms.machine.solve.motion import make_motion
+from fourbar_ros.mechanisms.machine.solve.motion import motion_of
 from fourbar_ros.mechanisms.machine.solve.pairs import shaped, with_pairs
 from fourbar_ros.mechanisms.parts import Arrow, Connection, Diagram, NamedFields
 from fourbar_ros.mechanisms.points import LinkMotion
@@ -246,7 +246,7 @@ class Machine(WithLimits):
 
     def motion_formula(self, numbers: NumberType, constants: Constants) -> Function:
         """Return (position, rate, acceleration) -> fields of MOTION for a number type."""
-        return make_motion(numbers, self.layout, constants.lengths, constants.sign)
+        return partial(motion_of, numbers, self.layout, constants.lengths, constants.sign)
 
     @derives
     def loads_formula(self, numbers: NumberType, constants: Constants) -> Function:

@@ -97,7 +97,7 @@ def find_ranges(layout: Layout, numbers: Sequence[Numbers], signs: Sequence[floa
     """
     Return where all dyads of a layout close; InvalidParameter if floats cannot tell.
 
-    ``layout``, ``numbers``, ``signs``: as for :func:`.motion.make_motion`; ``bounds``: where to
+    ``layout``, ``numbers``, ``signs``: as for :func:`.motion.motion_of`; ``bounds``: where to
     search the input of a driven slide [m]; ``unit``: in which inputs are about one [rad or m].
     """
     search = _Search(layout, numbers, signs, unit)

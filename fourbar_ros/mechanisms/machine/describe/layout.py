@@ -242,7 +242,7 @@ COEFFICIENTS = ('x', 'y', 'dx', 'dy', 'ddx', 'ddy', 'cos', 'sin', 'ratio', 'bend
 
 @cache
 def motion_fields(layout: Layout) -> tuple[str, ...]:
-    """Return the names of the fields of a motion, see :func:`.motion.make_motion`."""
+    """Return the names of the fields of a motion, see :func:`.motion.motion_of`."""
     found: list[str] = []
     for link in layout.moving:
         found += coordinate(link)
