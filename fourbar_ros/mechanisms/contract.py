@@ -41,7 +41,7 @@ JOINT_A, JOINT_B = 'A', 'B'         # ... between two moving links
 _T = TypeVar('_T')
 
 
-class of_geometry(cached_property[_T]):     # noqa: N801  (used as cached_property is)
+class cached_by_lengths(cached_property[_T]):     # noqa: N801  (used as cached_property is)
     """
     A cached property of lengths, assembly mode, input and stroke alone.
 
@@ -211,7 +211,7 @@ class Contract(ABC):
 
     # --- all that follows -----------------------------------------------------------------------
 
-    @of_geometry
+    @cached_by_lengths
     def lengths(self) -> tuple[float, ...]:
         """Return the lengths [m]."""
         return tuple([getattr(self, length.name) for length in self.LENGTHS])
@@ -251,7 +251,7 @@ class Contract(ABC):
         """Return a short text: kind, type, input."""
         return f'{self.TITLE}, {self.classification}, driven at its {self.input}'
 
-    @of_geometry
+    @cached_by_lengths
     def input_ranges(self) -> Ranges:
         """Return the parts of :attr:`closing_ranges` that lie in the stroke, from low to high."""
         return within_stroke(self.closing_ranges, self.stroke)

@@ -17,6 +17,7 @@ error [rad], is exact, with p and q the driven link and the frame, r1 and r2 the
 """
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import atan2, fsum, pi, sqrt
 from typing import Any, NamedTuple, TYPE_CHECKING
@@ -29,11 +30,11 @@ from fourbar_ros.mechanisms.closed_forms import (
     turned_ranges,
 )
 from fourbar_ros.mechanisms.contract import (
+    cached_by_lengths,
     CRANK,
     CROSSED,
     JOINT_A,
     JOINT_B,
-    of_geometry,
     OPEN,
 )
 from fourbar_ros.mechanisms.kind import (
@@ -67,7 +68,7 @@ from fourbar_ros.mechanisms.parts import (
 )
 from fourbar_ros.mechanisms.points import link_motion, point_motion
 from fourbar_ros.numerics.exact_sums import difference_of_squares
-from fourbar_ros.numerics.number_types import NumberType, Scalar
+from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 import numpy as np
 
 if TYPE_CHECKING:
@@ -91,6 +92,18 @@ _CLASSES: dict[tuple[int, ...], str] = {
 def two_rods(p: Scalar, q: Scalar, first: Scalar, second: Scalar) -> Numbers:
     """Return the numbers of RRR: rods from p and q, along the driven link and the frame [m]."""
     return Numbers((p, 0.0), (q, 0.0), (first, second), (), (p, q, 1.0, 0.0, 1.0, 0.0))
+
+
+def condition_of_rods(fabs: Function, lengths: Sequence[Scalar], c: Scalar, m: Sequence[Scalar],
+                      b: Scalar) -> Scalar:
+    """
+    Return the condition of a four-bar, (C1).
+
+    ``lengths``: p, q, r1 and r2; ``c``, ``b``: cosines; ``m``: cosine and sine, then any others.
+    """
+    p, q, r1, r2 = lengths
+    found: Scalar = (p * fabs(c) + r1 + r2 * fabs(m[0]) + q * fabs(b)) / (r2 * fabs(m[1]))  # (C1)
+    return found
 
 
 class DeadPoint(NamedTuple):
@@ -127,26 +140,24 @@ class FourBarLinks(Kind):
         CRANK: Drive(
             (GROUND, 'crank', 'coupler', 'output'), 'RRR',
             lambda lengths: two_rods(lengths[0], lengths[3], lengths[1], lengths[2]), FORWARD,
-            ('sin_mu', 1.0), lambda f, a, d, _: (                                       # (C1)
-                a[0] * f(d[THETA2][0]) + a[1] + a[2] * f(d[THETA3][0]) + a[3] * f(d[BETA][0])
-            ) / (a[2] * f(d[THETA3][1]))),
+            ('sin_mu', 1.0), lambda f, a, d, _: condition_of_rods(
+                f, (a[0], a[3], a[1], a[2]), d[THETA2][0], d[THETA3], d[BETA][0])),
         JOINT_A: Drive(
             ('crank', 'coupler', 'output', GROUND), 'RRR',
             lambda lengths: two_rods(lengths[1], lengths[0], lengths[2], lengths[3]),
             {'f41': ('second', -1.0), 'f21': ('base', -1.0), 'f32': ('first', -1.0),
              'f43': ('inner', 1.0)},
-            ('sin_y', 1.0), lambda f, a, d, _: (                                        # (C1)
-                a[1] * f(d[THETA3][0]) + a[2] + a[3] * f(d[THETA4][0])
-                + a[0] * f(d[THETA1][0] * d[THETA4][0] + d[THETA1][1] * d[THETA4][1])
-            ) / (a[3] * f(d[THETA4][1])), reversed=('crank', 'output'), turn=-1.0),
+            ('sin_y', 1.0), lambda f, a, d, _: condition_of_rods(
+                f, (a[1], a[0], a[2], a[3]), d[THETA3][0], d[THETA4],
+                d[THETA1][0] * d[THETA4][0] + d[THETA1][1] * d[THETA4][1]),
+            reversed=('crank', 'output'), turn=-1.0),
         JOINT_B: Drive(
             ('coupler', 'output', GROUND, 'crank'), 'RRR',
             lambda lengths: two_rods(lengths[2], lengths[1], lengths[3], lengths[0]),
             {'f41': ('inner', -1.0), 'f21': ('second', 1.0), 'f32': ('base', -1.0),
              'f43': ('first', -1.0)},
-            ('sin_x', 1.0), lambda f, a, d, _: (                                        # (C1)
-                a[2] * f(d[THETA4][0]) + a[3] + a[0] * f(d[THETA1][0]) + a[1] * f(d[BETA][0])
-            ) / (a[0] * f(d[THETA1][1])),
+            ('sin_x', 1.0), lambda f, a, d, _: condition_of_rods(
+                f, (a[2], a[1], a[3], a[0]), d[THETA4][0], d[THETA1], d[BETA][0]),
             reversed=('coupler', 'output', GROUND, 'crank'), turn=-1.0)}
 
     def __post_init__(self) -> None:
@@ -159,7 +170,7 @@ class FourBarLinks(Kind):
                                    'the links cannot close: it must be shorter than the other '
                                    f'three together ({fsum(lengths + (-longest,)):.12g})')
 
-    @of_geometry
+    @cached_by_lengths
     def margins(self) -> tuple[float, ...]:
         """
         Return the signed distances [m] from the three change points of Grashof's classification.
@@ -169,7 +180,7 @@ class FourBarLinks(Kind):
         a1, a2, a3, a4 = self.lengths
         return (fsum((a4, -a1, a3, -a2)), fsum((a4, -a1, -a3, a2)), fsum((a2, a3, -a4, -a1)))
 
-    @of_geometry
+    @cached_by_lengths
     def classification(self) -> str:
         """Return the Grashof type by name; 'change point' if two sums of two links are equal."""
         if 0.0 in self.margins:
@@ -263,7 +274,7 @@ class FourBar(FourBarLinks):
         """Return its type as text."""
         return self.classification
 
-    @of_geometry
+    @cached_by_lengths
     def closing_ranges(self) -> Ranges:
         """
         Return the ranges (low, high) of theta1 in which the linkage can be assembled [rad].
@@ -282,7 +293,7 @@ class FourBar(FourBarLinks):
         """
         return singular_angles(*self.lengths)
 
-    @of_geometry
+    @cached_by_lengths
     def output_ranges(self) -> Ranges:
         """Return the ranges of theta4 [rad] over both modes; they end at dead points."""
         # seen from O4, of pi - theta4
@@ -294,7 +305,7 @@ class FourBar(FourBarLinks):
         """Return the ranges of theta4 over both modes by its name."""
         return {'theta4': self.output_ranges}
 
-    @of_geometry
+    @cached_by_lengths
     def dead_points(self) -> tuple[DeadPoint, ...]:
         """
         Return where theta4 turns back in this mode: its rate is zero at any speed of the crank.
@@ -406,7 +417,7 @@ class MovingJointFourBar(FourBarLinks):
         """Return the symbol of the torque: of crank on coupler, of coupler on output link."""
         return 'T_{12}' if self.input == JOINT_A else 'T_{23}'
 
-    @of_geometry
+    @cached_by_lengths
     def closing_ranges(self) -> Ranges:
         """Return the ranges of theta2 or theta3 in which the linkage can be assembled [rad]."""
         return turned_ranges(four_bar_ranges(*seen_lengths(self.lengths, self.input)))

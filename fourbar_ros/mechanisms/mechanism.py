@@ -20,7 +20,7 @@ from typing import Any, NoReturn, overload, TYPE_CHECKING, TypeVar, Union
 from fourbar_ros.errors import FourBarError, InvalidParameter, MissingBodies, OutOfRange, Toggle
 from fourbar_ros.mechanics.bodies import External
 from fourbar_ros.mechanisms.checks import checked, checked_stroke
-from fourbar_ros.mechanisms.contract import Constants, Contract, of_geometry, OPEN
+from fourbar_ros.mechanisms.contract import cached_by_lengths, Constants, Contract, OPEN
 from fourbar_ros.mechanisms.evaluation import (
     evaluate,
     line_of,
@@ -100,7 +100,7 @@ class Mechanism(Contract):
     def _geometry(self) -> dict[str, object]:
         """Return what is known and follows from geometry alone."""
         return {name: value for name, value in list(self.__dict__.items())
-                if isinstance(getattr(type(self), name, None), of_geometry)}
+                if isinstance(getattr(type(self), name, None), cached_by_lengths)}
 
     def _copy(self: _Self, **changed: object) -> _Self:
         """Return a copy with other fields, unchecked and without any cached property."""
@@ -112,7 +112,7 @@ class Mechanism(Contract):
 
     # --- its formulas ----------------------------------------------------------------------------
 
-    @of_geometry
+    @cached_by_lengths
     def _motion_line(self) -> Function:
         return self._line(with_loads=False)
 
@@ -156,7 +156,7 @@ class Mechanism(Contract):
         *_, cosine, sine, turn, bend = curves[0]
         return numbers.atan2(sine, cosine), turn, bend
 
-    @of_geometry
+    @cached_by_lengths
     def record_of_motion(self) -> Recorded:
         """Return the trace of the motion, and this mechanism's constants in it."""
         return recorded(self, False)
@@ -178,7 +178,7 @@ class Mechanism(Contract):
             raise MissingBodies
         return self._line(with_loads=True), self.MOTION._make, self.LOADS._make
 
-    @of_geometry
+    @cached_by_lengths
     def _as_motion(self) -> Callable[[Iterable[Any]], NamedFields]:
         make: Callable[[Iterable[Any]], NamedFields] = self.MOTION._make
         return make

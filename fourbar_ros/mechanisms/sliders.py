@@ -33,8 +33,8 @@ from fourbar_ros.mechanisms.closed_forms import (
     slide_ranges,
 )
 from fourbar_ros.mechanisms.contract import (
+    cached_by_lengths,
     CRANK,
-    of_geometry,
     OPEN,
     SLIDE,
 )
@@ -112,7 +112,7 @@ class OffsetSlide(Kind):
                                    f'{p_name} + {r_name} ({p + r:.12g})')
         self._check_stroke()
 
-    @of_geometry
+    @cached_by_lengths
     def margins(self) -> tuple[float, ...]:
         """Return r - p - |e| and p - r - |e| [m], which are zero at change points."""
         p, r, e = self.lengths
@@ -214,7 +214,7 @@ class SliderCrank(OffsetSlide):
         return ('Grashof crank-slider' if crank > 0.0 else
                 'Grashof rocker-slider' if coupler > 0.0 else 'non-Grashof rocker-slider')
 
-    @of_geometry
+    @cached_by_lengths
     def closing_ranges(self) -> Ranges:
         """
         Return the ranges of theta1 [rad] or slide [m] in which the links close, from low to high.
@@ -382,7 +382,7 @@ class InvertedSlider(OffsetSlide):
         return ('Grashof crank-rocker' if rocks > 0.0 else
                 'Grashof double-crank' if turns > 0.0 else 'non-Grashof double-rocker')
 
-    @of_geometry
+    @cached_by_lengths
     def closing_ranges(self) -> Ranges:
         """
         Return the ranges of theta1 [rad] or slide [m] in which the links close, from low to high.

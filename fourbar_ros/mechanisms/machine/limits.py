@@ -22,7 +22,7 @@ from typing import ClassVar, NamedTuple, NoReturn, TypeVar
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, Toggle
 from fourbar_ros.mechanisms.checks import STROKE, two_numbers
-from fourbar_ros.mechanisms.contract import CRANK, CROSSED, of_geometry, OPEN, SLIDE
+from fourbar_ros.mechanisms.contract import cached_by_lengths, CRANK, CROSSED, OPEN, SLIDE
 from fourbar_ros.mechanisms.machine.closings import make_closings
 from fourbar_ros.mechanisms.machine.describe.description import (
     Dyad,
@@ -105,7 +105,7 @@ class WithLimits(Mechanism):
                    '' if name == self.dyads[0].name else ' at which those before it do')
             raise InvalidParameter(f'dyads.{name}', None, f'cannot close at any input{why}')
 
-    @of_geometry
+    @cached_by_lengths
     def _closings(self) -> Closings:
         """Return where all dyads close; of a slide searched twice as far as lengths and stroke."""
         size = sum(map(abs, self.lengths))
@@ -119,7 +119,7 @@ class WithLimits(Mechanism):
                                                           'slide')
         return found
 
-    @of_geometry
+    @cached_by_lengths
     def singularities(self) -> tuple[Singularity, ...]:
         """Return where a dyad is in line: real inputs, then complex ones near ranges."""
         real = [Singularity(complex(end.x), FLAT_LIMIT if end.is_flat else LIMIT)

@@ -17,7 +17,7 @@ from typing import Any
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Applied, Body, NOT_APPLIED
 from fourbar_ros.mechanisms.checks import two_numbers
-from fourbar_ros.mechanisms.contract import Constants, CRANK, of_geometry, SLIDE
+from fourbar_ros.mechanisms.contract import cached_by_lengths, Constants, CRANK, SLIDE
 from fourbar_ros.mechanisms.kinds import derives, DIMENSIONS
 from fourbar_ros.mechanisms.machine.describe import diagram
 from fourbar_ros.mechanisms.machine.describe.description import (
@@ -131,7 +131,7 @@ class Machine(WithLimits):
         for name, value in values.items():
             object.__setattr__(self, name, value)
 
-    @of_geometry
+    @cached_by_lengths
     def stages(self) -> tuple[Dyad, ...]:
         """Return all dyads; a cylinder is one whose slide is driven, and stands first."""
         if self.cylinder is None:
@@ -139,7 +139,7 @@ class Machine(WithLimits):
         base, pin, links, mode = self.cylinder
         return (Dyad(CYLINDER, RPR, pin, base, links, mode=mode), *self.dyads)
 
-    @of_geometry
+    @cached_by_lengths
     def numbers(self) -> tuple[Numbers, ...]:
         """Return the numbers that the formulas of each dyad take."""
         return tuple(shaped(self.layout, [dyad.numbers for dyad in self.stages]))
