@@ -263,7 +263,7 @@ class Sampler:
         """
         motion, loads = state
         sine = self.linkage.transmission_sine(motion).real
-        scales = self.linkage.term_sizes(motion, *self.rates)
+        scales = self.linkage.term_sizes(motion)
         scales |= {'rad': 1.0, 'm': max(map(abs, self.linkage.lengths))}
         if self.needs_loads:
             scales['N'] = force = sum(abs(getattr(loads, name).real)

@@ -349,14 +349,12 @@ class Contract(ABC):
         """Return one input less another: of angles the short way round [rad], else [m]."""
         return one - other if self.is_driven_by_slide else remainder(one - other, 2.0 * pi)
 
-    def term_sizes(self, motion: NamedFields, rate: Scalar, acceleration: Scalar
-                   ) -> dict[str, Scalar]:
+    def term_sizes(self, motion: NamedFields) -> dict[str, Scalar]:
         """
         Return {unit: size of the terms that add up to rates and accelerations in that unit}.
 
         A result is uncertain by rounding of its terms, so the search for extrema takes differences
-        below some eps times these sizes for noise. The rates in the motion hold the given ``rate``
-        [1/s] and ``acceleration`` [1/s^2] already; kinds with a closed form read these instead.
+        below some eps times these sizes for noise.
         """
         angles = [joint.coordinate for joint in self.JOINTS if joint.coordinate.unit == 'rad']
         omega = sum(abs(getattr(motion, joint.rate).real) for joint in angles)

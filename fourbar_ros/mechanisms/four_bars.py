@@ -340,12 +340,6 @@ class FourBar(FourBarLinks):
         return tuple([SeenFromLink(drive.layout, [drive.numbers(self.lengths)], [self.sign], 0,
                                    mode) for mode in self.MODES])
 
-    def term_sizes(self, motion: NamedFields, rate: Scalar, acceleration: Scalar
-                   ) -> dict[str, Scalar]:
-        """Return {unit: size of the terms}, see :meth:`.Contract.term_sizes`, in closed form."""
-        gain = min(1.0, self.a1 / min(self.a2, self.a3))
-        return {'rad/s': gain * abs(rate), 'rad/s^2': gain * (abs(acceleration) + rate**2)}
-
     def corners(self, motion: NamedFields) -> tuple[tuple[Scalar, Scalar, float], ...]:
         """Return O1, A, B, O4, each as (x w, y w, w) with w = 1; see Contract.corners."""
         return ((0.0, 0.0, 1.0),
