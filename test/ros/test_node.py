@@ -9,7 +9,7 @@ from builtin_interfaces.msg import Time
 from fourbar_msgs.msg import LinkageState, Motion
 from fourbar_ros import load_scene
 from fourbar_ros.extrema.find import find_extrema
-from fourbar_ros.pipeline import status as codes
+from fourbar_ros.pipeline import stepper as codes
 from fourbar_ros.scene import scene
 from fourbar_ros.scene.files import find, read_values
 import numpy as np
