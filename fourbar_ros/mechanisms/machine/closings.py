@@ -13,6 +13,7 @@ That of a pair is in :mod:`.pairs`; of others
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 from fourbar_ros.mechanisms.machine.describe.description import (
     CYLINDER,
@@ -34,35 +35,28 @@ CLOSING = (RRR, RRP, RPR, PRP)     # kinds that do not close at any input
 Closing = Function      # of an input, returns the closings of some dyads
 
 
-def make_closing(n: NumberType, stage: Stage, own: Numbers) -> Function:
+def closing(n: NumberType, kind: str, own: Numbers, apart: Sequence[Scalar], first: Curve,
+            second: Curve) -> Scalar:
     """
-    Return (D, or angle or slide of a pair; curves of the links a dyad hangs on) -> its closing.
+    Return a number that is positive where a dyad closes, zero at its toggles, by (R1) to (R3).
 
-    By (R1) to (R3): a number that is positive where the dyad closes, zero at its toggles.
+    ``apart``: D; ``first``, ``second``: curves of the links it hangs on.
     """
-    if stage.pair:
-        of_pair = Closure(stage, own).make_closing(n)
-        return lambda way, _first, _second: of_pair(way)
-    kind, sizes = stage.kind, own.sizes
-    size = sum(map(n.fabs, (*own.p, *own.q, *sizes)), start=0.0)
-
-    def closing(apart: Sequence[Scalar], first: Curve, second: Curve) -> Scalar:
-        """Return the closing by (R1) to (R3), of the distance or the directions of its ends."""
-        if kind == PRP:
-            (x1, y1), (x2, y2) = turned(first, *sizes[:2])[:2], turned(second, *sizes[2:])[:2]
-            return x1 * y2 - y1 * x2
-        x, y = apart[:2]
-        q = x * x + y * y
-        if kind == RRR:
-            r1, r2 = sizes
-            outer, inner = (r1 + r2) * (r1 + r2), (r1 - r2) * (r1 - r2)
-            return (outer - q) / outer * ((q - inner) / outer)
-        if kind == RRP:
-            t_x, t_y = turned(second, *sizes[1:])[:2]
-            h = (y * t_x - x * t_y) / sizes[0]
-            return (1.0 - h) * (1.0 + h)
-        return (q - sizes[0] * sizes[0]) / (q + size * size)
-    return closing
+    sizes, size = own.sizes, sum(map(n.fabs, (*own.p, *own.q, *own.sizes)), start=0.0)
+    if kind == PRP:
+        (x1, y1), (x2, y2) = turned(first, *sizes[:2])[:2], turned(second, *sizes[2:])[:2]
+        return x1 * y2 - y1 * x2
+    x, y = apart[:2]
+    q = x * x + y * y
+    if kind == RRR:
+        r1, r2 = sizes
+        outer, inner = (r1 + r2) * (r1 + r2), (r1 - r2) * (r1 - r2)
+        return (outer - q) / outer * ((q - inner) / outer)
+    if kind == RRP:
+        t_x, t_y = turned(second, *sizes[1:])[:2]
+        h = (y * t_x - x * t_y) / sizes[0]
+        return (1.0 - h) * (1.0 + h)
+    return (q - sizes[0] * sizes[0]) / (q + size * size)
 
 
 def make_closings(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
@@ -75,15 +69,15 @@ def make_closings(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
     """
     given = numbers if given is None else given
     return _make_along(n, layout, given, signs, count, [
-        make_closing(n, stage, own if stage.pair else other)
-        if has_toggles(stage, own) else None
+        (partial(Closure(stage, own).closing, n) if stage.pair
+         else partial(closing, n, stage.kind, other)) if has_toggles(stage, own) else None
         for stage, own, other in zip(layout.stages, numbers, given)])
 
 
 def make_squares(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
                  signs: Sequence[Scalar]) -> Function:
     """Return input -> {number of a dyad: |D|^2, scaled}; where one is zero, links have a pole."""
-    square_of = [_make_square(n, stage, own)
+    square_of = [(partial(Closure(stage, own).square, n) if stage.pair else partial(_square, own))
                  if stage.kind in (RRR, RPR) and stage.name != CYLINDER else None
                  for stage, own in zip(layout.stages, numbers)]
     along = _make_along(n, layout, numbers, signs, len(layout.stages), square_of)
@@ -91,14 +85,10 @@ def make_squares(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
         zip(along(x), square_of)) if function}
 
 
-def _make_square(n: NumberType, stage: Stage, own: Numbers) -> Function:
-    """Return (D, or angle or slide of a pair; two curves that are not read) -> |D|^2, scaled."""
-    if stage.pair:
-        of_pair = Closure(stage, own).make_square(n)
-        return lambda way, _first, _second: of_pair(way)
+def _square(own: Numbers, apart: Sequence[Scalar], *_: Curve) -> Scalar:
+    """Return |D|^2, scaled, of D."""
     size = sum(map(abs, (*own.p, *own.q, *own.sizes)), start=0.0)
-    return lambda apart, _first, _second: (
-        (apart[0] * apart[0] + apart[1] * apart[1]) / (size * size))
+    return (apart[0] * apart[0] + apart[1] * apart[1]) / (size * size)
 
 
 def make_places(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
@@ -109,7 +99,7 @@ def make_places(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
 
     ``given``: as for :func:`make_closings`.
     """
-    place = Closure(layout.stages[count - 1], numbers[count - 1]).make_place(n)
+    place = Closure(layout.stages[count - 1], numbers[count - 1]).place
     along = _make_along(n, layout, numbers if given is None else given, signs, count,
                         [None] * (count - 1) + [lambda way, _first, _second: place(way)])
     return lambda x: along(x)[-1]

@@ -467,51 +467,40 @@ class Closure:
             return [0.0] if factor.minus == 0.0 < factor.plus else []
         return [sign for sign, value in ((1.0, factor.plus), (-1.0, factor.minus)) if value == 0.0]
 
-    def make_place(self, n: NumberType) -> Function:
+    def place(self, way: Sequence[Scalar]) -> tuple[Scalar, Scalar]:
         """
-        Return a function of the angle or slide of a pair: distance from a flat position, and side.
+        Return the distance from a flat position, and the side, at an angle or slide of a pair.
 
         Of an angle (sin x, cos x), of RRP (cos x, sin x), of a slide (sigma, 0).
         """
         if self.slides:
-            return lambda way: (way[0] + self._start, 0.0)
-        if self.is_sine:
-            return lambda way: turned_by(way[:2], self._start)
-        return lambda way: turned_by(way[:2], self._start)[::-1]
+            return way[0] + self._start, 0.0
+        c, s = turned_by(way[:2], self._start)
+        return (c, s) if self.is_sine else (s, c)
 
-    def make_closing(self, n: NumberType) -> Function:
-        """Return angle or slide of a pair -> product of the scaled factors that have toggles."""
-        place = self.make_place(n)
+    def closing(self, n: NumberType, way: Sequence[Scalar], *_curves: Curve) -> Scalar:
+        """
+        Return the product of the scaled factors that have toggles at an angle or slide of a pair.
 
-        def closing(way: Sequence[Scalar]) -> Scalar:
-            """Return a number that is positive where the pair closes, zero at its toggles."""
-            beside, ahead = place(way)
-            one, other = beside * beside, 1.0
-            if not self.slides:
-                other, one, _ = half_angle(n, ahead, beside)
-            product = 1.0
-            for plus, minus in self._toggles:
-                per = 1.0 / (abs(plus) * one + 1.0 if self.slides else abs(plus) + abs(minus))
-                product = product * ((plus * one + minus * other) * per)
-            return product
-        return closing
+        It is positive where the pair closes, zero at its toggles.
+        """
+        beside, ahead = self.place(way)
+        one, other, product = beside * beside, 1.0, 1.0
+        if not self.slides:
+            other, one, _ = half_angle(n, ahead, beside)
+        for plus, minus in self._toggles:
+            per = 1.0 / (abs(plus) * one + 1.0 if self.slides else abs(plus) + abs(minus))
+            product = product * ((plus * one + minus * other) * per)
+        return product
 
-    def make_square(self, n: NumberType) -> Function:
-        """Return angle or slide of a pair -> |Q - P|^2, scaled: a pole where it is zero."""
-        place = self.make_place(n)
-        one, other = self._arms     # scaled in both directions, or (at sigma = 0, per sigma^2)
-        one, other = (other * other if self.slides else (one - other)**2 / (one + other)**2), 1.0
-
-        def square(way: Sequence[Scalar]) -> Scalar:
-            """Return the scaled square of the distance of the dyad's ends."""
-            beside, ahead = place(way)
-            if self.slides:
-                size: Scalar = beside * beside + one
-            else:
-                ss, cc, _ = half_angle(n, ahead, beside)
-                size = one * cc + other * ss
-            return size
-        return square
+    def square(self, n: NumberType, way: Sequence[Scalar], *_curves: Curve) -> Scalar:
+        """Return |Q - P|^2, scaled, at an angle or slide of a pair: a pole where it is zero."""
+        (one, other), (beside, ahead) = self._arms, self.place(way)
+        if self.slides:
+            return beside * beside + other * other
+        ss, cc, _ = half_angle(n, ahead, beside)
+        # scaled in both directions
+        return (one - other)**2 / (one + other)**2 * cc + ss
 
     def input_at(self, flat: float, is_driven: bool) -> float:
         """
