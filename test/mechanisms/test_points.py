@@ -1,9 +1,10 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Points fixed to links: against derivatives with many digits, of all mechanisms and inputs."""
+"""Points fixed to links: what splits and draws their motion, and points that stand still."""
 from math import nan, pi, radians
 
-from fourbar_ros import CROSSED, FourBar, InvalidParameter, OPEN
+from fourbar_ros import FourBar, InvalidParameter
+from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.mechanisms.points import (
     acceleration_image,
     link_motion,
@@ -12,77 +13,10 @@ from fourbar_ros.mechanisms.points import (
     velocity_image,
 )
 from fourbar_ros.mechanisms.sliders import SliderCrank
-import mpmath as mp
 import numpy as np
 import pytest
-from support import slider_reference
-from support.reference import EPS, pose, random_lengths
-
-LINKS = [link.name for link in FourBar.LINKS]
-
-
-def four_bars(seed, count):
-    """Yield four-bars away from toggles with an input."""
-    rng = np.random.default_rng(seed)
-    for i, lengths in enumerate(random_lengths(rng, 4 * count)):
-        linkage = FourBar(*lengths.tolist(), mode=(CROSSED, OPEN)[i % 2])
-        low, high = linkage.input_ranges[-1]
-        theta1 = float(rng.uniform(low + 0.05 * (high - low), high - 0.05 * (high - low)))
-        if linkage.motion(theta1).condition < 10.0:
-            yield linkage, (theta1, float(rng.normal()), float(rng.normal()))
-
-
-def place_at(mechanism, given, link, point):
-    """Return the exact place of a point as a function of time."""
-    value, rate, acceleration = map(mp.mpf, given)
-
-    def place(t):
-        now = value + rate * t + acceleration * t**2 / 2
-        if isinstance(mechanism, FourBar):
-            at = pose(mechanism.lengths, int(mechanism.sign), now)
-            x, other, origin = now, (at.b if link == 'coupler' else at.y), mp.mpf(mechanism.a4)
-        else:
-            kind = (type(mechanism), mechanism.input)
-            at = slider_reference.exact(kind, mechanism.lengths, int(mechanism.sign), (now, 0, 0))
-            x, other = at.angle[0], at.angle[1]
-            origin = (mp.mpc(at.angle[2], mechanism.offset) if kind[0] is SliderCrank
-                      else mp.mpf(mechanism.a4))
-            if kind[0] is SliderCrank and link == 'output':
-                other = mp.mpf(0)
-        if link == 'crank':
-            return mp.expj(x) * point
-        return ((mechanism.a1 * mp.expj(x) if link == 'coupler' else origin)
-                + mp.expj(other) * point)
-
-    return place
-
-
-def cases(count):
-    yield from list(four_bars(121, count))[:count]
-    for kind in slider_reference.KINDS:
-        yield from slider_reference.random_loaded(kind, 122, count)
-
-
-@pytest.mark.parametrize('link', LINKS)
-def test_points_move_as_their_path_says(link):
-    """
-    Value, first and second derivative of the exact place.
-
-    1e-12 of the sizes, away from toggles.
-    """
-    rng = np.random.default_rng(123)
-    for mechanism, given in cases(12):
-        along, across = rng.uniform(-1.0, 1.0, 2).tolist()
-        with mp.workdps(60):
-            place = place_at(mechanism, given, link, mp.mpc(along, across))
-            exact = [complex(place(0)), *(complex(mp.diff(place, 0, n, h=mp.mpf(10)**-15))
-                                          for n in (1, 2))]
-        motion = mechanism.motion(*given)
-        found = point_motion(mechanism, motion, link, along, across)
-        size = 1.0 + sum(abs(value) for name, value in motion._asdict().items()
-                         if name.startswith(('omega', 'alpha', 'slide')))
-        for ours, truth in zip((found.place, found.velocity, found.acceleration), exact):
-            assert abs(complex(*ours) - truth) <= 1e-11 * size**2
+from support import contract
+from support.reference import EPS
 
 
 def test_the_split_is_the_acceleration():
@@ -120,9 +54,9 @@ def test_images_of_links():
 
     Any two points of any link.
     """
-    for mechanism, given in cases(6):
+    for mechanism, given in contract.ordinary_of(tuple(KINDS), 122, 2):
         motion = mechanism.motion(*given)
-        for link in LINKS:
+        for link in mechanism.BODIES._fields:
             at = link_motion(mechanism, motion, link)
             one, other = (point_motion(mechanism, motion, link, *p)
                           for p in ((0.1, -0.2), (0.7, 0.5)))

@@ -256,6 +256,13 @@ def ordinary(case, seed, count):
             yield mechanism, given
 
 
+def ordinary_of(names, seed, count, driven=None):
+    """Yield what :func:`ordinary` does of each case of these kinds, or of one of their inputs."""
+    for case in CASES:
+        if case.name in names and driven in (None, case.driven):
+            yield from ordinary(case, seed, count)
+
+
 def coordinates(kind):
     """Return the coordinates of the joints of a kind or a mechanism."""
     return [joint.coordinate for joint in kind.JOINTS]

@@ -9,10 +9,8 @@ package.
 """
 from typing import NamedTuple
 
-from fourbar_ros import Applied, Bodies, Body, External
 from fourbar_ros.mechanisms.sliders import InvertedSlider, SliderCrank
 import mpmath as mp
-import numpy as np
 from support.reference import cross
 
 KINDS = ((SliderCrank, 'crank'), (SliderCrank, 'slide'), (InvertedSlider, 'crank'),
@@ -183,91 +181,3 @@ def loads_of(kind, lengths, sign, given, bodies, applied, gravity):
         f32, on_ground = guide * normal + drive, 0
     moment = on_ground - cross(origin3, f43) - (f[8] if is_crank else 0)
     return f41, f21, f32, f43, guide, couple, f[8], -f41 - f43, moment
-
-
-def pieces(values):
-    """Split a flat list after lengths and input: three bodies, two applied, gravity."""
-    return ([values[4 * i:4 * i + 4] for i in range(3)],
-            [values[12 + 5 * i:17 + 5 * i] for i in range(2)], values[22:24])
-
-
-def random_masses(rng, reach, speed):
-    """Return 24 numbers for :func:`pieces`, all of a size that matters."""
-    force = reach * speed**2
-    values = []
-    for _ in range(3):
-        values += [rng.uniform(0.1, 10.0), *(rng.uniform(-1.0, 1.0, 2) * reach),
-                   rng.uniform(0.0, 1.0) * reach**2]
-    for _ in range(2):
-        values += [*(rng.uniform(-5.0, 5.0, 2) * force), *(rng.uniform(-1.0, 1.0, 2) * reach),
-                   rng.uniform(-5.0, 5.0) * force * reach]
-    return [float(v) for v in (*values, *(rng.uniform(-1.0, 1.0, 2) * force))]
-
-
-def build(kind, lengths, mode, masses=None):
-    """Return the mechanism of a kind with or without the numbers of :func:`random_masses`."""
-    if masses is None:
-        return kind[0](*lengths, mode=mode, input=kind[1])
-    bodies, applied, gravity = pieces(masses)
-    return kind[0](*lengths, mode=mode, input=kind[1], bodies=Bodies(*(Body(*b) for b in bodies)),
-                   external=External(*(Applied(*a) for a in applied)), gravity=tuple(gravity))
-
-
-# --- what the tests of both sliders share --------------------------------------------------------
-
-FAMILIES = ('random', 'zero offset', 'near the limit of the offset', 'near a toggle',
-            'near a change point',
-            'equal lengths', 'link ratios 1e8', 'near zero')
-
-
-def small(rng, low, high):
-    """Return a number of either sign, uniform in its logarithm."""
-    return float(rng.choice((-1.0, 1.0)) * 10.0**rng.uniform(low, high))
-
-
-def draw(rng, kind, family):
-    """Return lengths, mode and input (value, rate, acceleration) of a case that closes."""
-    while True:
-        one, other = rng.uniform(0.1, 1.0, 2)
-        offset = rng.uniform(-1.0, 1.0) * (one + other)
-        if family == 'zero offset':
-            offset = 0.0
-        elif family == 'near the limit of the offset':
-            offset = (one + other) * (1.0 - 10.0**rng.uniform(-14, -1)) * rng.choice((-1.0, 1.0))
-        elif family == 'near a change point':
-            offset = (one - other) * (1.0 + small(rng, -16, -2))
-        elif family == 'equal lengths':
-            other, offset = (one * (1.0 + small(rng, -16, -2)),
-                             rng.choice((0.0, small(rng, -16, -2))))
-        elif family == 'link ratios 1e8':
-            one, other, offset = (10.0**rng.uniform(-4, 4, 2).tolist()[0],
-                                  10.0**rng.uniform(-4, 4), small(rng, -4, 4))
-        if abs(offset) >= one + other:
-            continue
-        lengths, mode = (float(one), float(other), float(offset)), int(rng.integers(1, 3))
-        ranges = build(kind, lengths, mode).input_ranges
-        low, high = ranges[rng.integers(len(ranges))]
-        share = rng.uniform()
-        if family == 'near a toggle':
-            share = 10.0**rng.uniform(-14, -1)
-            share = share if rng.random() < 0.5 else 1.0 - share
-        value = low + (high - low) * share
-        if family in ('near a change point', 'equal lengths') and rng.random() < 0.7:
-            value = (small(rng, -14, 0) + (rng.integers(-2, 3) * np.pi / 2.0 if kind[1] == 'crank'
-                                           else 0.0))
-        elif family == 'near zero':
-            value = small(rng, -30, -1)
-        given = (float(value), float(rng.normal()), float(rng.normal()))
-        if exact(kind, lengths, 2 * mode - 3, given) is not None:
-            return lengths, mode, given
-
-
-def random_loaded(kind, seed, count):
-    """Yield mechanisms with everything acting, away from toggles, with an input."""
-    rng = np.random.default_rng(seed)
-    while count:
-        lengths, mode, given = draw(rng, kind, 'random')
-        mechanism = build(kind, lengths, mode, random_masses(rng, max(lengths[:2]), 3.0))
-        if abs(np.sin(mechanism.motion(*given).transmission_angle)) > 0.1:
-            count -= 1
-            yield mechanism, given

@@ -20,7 +20,7 @@ STEP = 1e-40  # of the complex step: its square is lost beside anything
 @every_case
 def test_links_are_where_the_reference_has_them(case):
     """
-    First joint and direction of every link.
+    First joint and direction of every link, and the motion of a point of it.
 
     Away from toggles the condition is at most some hundred.
     """
@@ -28,11 +28,16 @@ def test_links_are_where_the_reference_has_them(case):
         motion = mechanism.motion(*given)
         exact, size = case.exact(mechanism, given), max(map(abs, mechanism.lengths))
         for link in mechanism.BODIES._fields:
-            at, ((place, *_), (direction, *_)) = (link_motion(mechanism, motion, link),
-                                                  exact.link(link))
-            place, direction = complex(place[0]), complex(direction[0])
-            assert abs(complex(at.x, at.y) - place) <= 1e-13 * (size + abs(place)), link
-            assert abs(complex(at.cosine, at.sine) - direction) <= 1e-12, link
+            at, point = (link_motion(mechanism, motion, link),
+                         point_motion(mechanism, motion, link, 0.3, -0.2))
+            places, directions = (np.array([complex(level[0]) for level in levels])
+                                  for levels in exact.link(link))
+            assert abs(complex(at.x, at.y) - places[0]) <= 1e-13 * (size + abs(places[0])), link
+            assert abs(complex(at.cosine, at.sine) - directions[0]) <= 1e-12, link
+            scale = size + np.abs([*places, *directions]).max()
+            for found, truth in zip((point.place, point.velocity, point.acceleration),
+                                    places + (0.3 - 0.2j) * directions):
+                assert abs(complex(*found) - truth) <= 1e-11 * scale, link
 
 
 @every_mechanism

@@ -20,11 +20,13 @@ from fourbar_ros.mechanisms.sliders import InvertedSlider, SliderCrank
 import mpmath as mp
 import numpy as np
 import pytest
-from support import slider_reference as reference
+from support import contract
 from support.reference import EPS
 from support.slider_reference import exact
 
 KINDS = [(InvertedSlider, CRANK), (InvertedSlider, SLIDE)]
+NAME = ('inverted_slider',)
+CASE = next(case for case in contract.CASES if case.name == 'inverted_slider')
 MASSES = Bodies(Body(1.0, 0.1, 0.02, 0.1), Body(2.0, 0.3, -0.1, 0.3), Body(1.5, 0.05, 0.1, 0.7))
 both_inputs = pytest.mark.parametrize('kind', KINDS, ids=lambda kind: kind[1])
 
@@ -36,7 +38,7 @@ def test_the_pin_moves_over_the_turning_bar(kind):
     """
     Eq. (9): the acceleration of A from the bar, with Coriolis term, is that from the crank.
     """
-    for mechanism, given in reference.random_loaded(kind, 109, 60):
+    for mechanism, given in contract.ordinary_of(NAME, 109, 30, kind[1]):
         m = mechanism.motion(*given)
         crank, bar = mechanism.a1 * np.array([m.cos_x, m.sin_x]), np.array([m.cos_y, m.sin_y])
         arm = m.slide * bar + mechanism.offset * np.array([-m.sin_y, m.cos_y])
@@ -70,7 +72,7 @@ def test_example_7_5():
 
 
 def test_the_cylinder_is_the_slider_crank_seen_from_its_bar():
-    for mechanism, given in reference.random_loaded(KINDS[1], 110, 60):
+    for mechanism, given in contract.ordinary_of(NAME, 110, 30, SLIDE):
         m = mechanism.motion(*given)
         seen = SliderCrank(mechanism.a4, mechanism.a1, mechanism.offset, 3 - mechanism.mode,
                            SLIDE).motion(*given)
@@ -102,7 +104,7 @@ def test_limits_are_exact_to_the_last_bits():
     rng = np.random.default_rng(114)
     for family in ('random', 'near the limit of the offset', 'near a change point'):
         for _ in range(60):
-            a1, a4, h = reference.draw(rng, KINDS[0], family)[0]
+            a1, a4, h = contract.draw(rng, CASE, family)[0]
             for low, high in (InvertedSlider(a1, a4, h).input_ranges if abs(a1 - a4) < abs(h)
                               else ()):
                 limit = mp.acos((mp.mpf(a1)**2 + mp.mpf(a4)**2 - mp.mpf(h)**2)
@@ -120,7 +122,7 @@ def test_dead_points_of_the_bar():
     """The crank is square to the bar, which stalls there; an oscillating block has two."""
     rng = np.random.default_rng(115)
     for _ in range(200):
-        lengths, mode, _ = reference.draw(rng, KINDS[0], 'random')
+        lengths, mode = contract.draw(rng, CASE)[0], int(rng.integers(1, 3))
         mechanism = InvertedSlider(*lengths, mode=mode)
         counts = {'Grashof crank-rocker': {2}, 'Grashof double-crank': {0},
                   'non-Grashof double-rocker': {0, 1}}
@@ -203,7 +205,7 @@ def test_couple_on_the_bar_is_carried_by_the_crank():
 
 
 def test_guide_force_is_square_to_the_bar():
-    for mechanism, given in reference.random_loaded(KINDS[0], 116, 40):
+    for mechanism, given in contract.ordinary_of(NAME, 116, 20, CRANK):
         m, loads = mechanism.step(*given)
         assert abs(loads.f32_x * m.cos_y + loads.f32_y * m.sin_y) <= 4 * EPS * loads.f32
         assert (loads.f32_y * m.cos_y - loads.f32_x * m.sin_y == pytest.approx(loads.guide_force,

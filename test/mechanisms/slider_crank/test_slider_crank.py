@@ -19,11 +19,13 @@ from fourbar_ros.mechanisms.sliders import SliderCrank
 import mpmath as mp
 import numpy as np
 import pytest
-from support import slider_reference as reference
+from support import contract
 from support.reference import EPS
 from support.slider_reference import exact
 
 KINDS = [(SliderCrank, CRANK), (SliderCrank, SLIDE)]
+NAME = ('slider_crank',)
+CASE = next(case for case in contract.CASES if case.name == 'slider_crank')
 MASSES = Bodies(Body(1.0, 0.1, 0.02, 0.1), Body(2.0, 0.3, -0.1, 0.3), Body(1.5, 0.05, 0.1, 0.7))
 both_inputs = pytest.mark.parametrize('kind', KINDS, ids=lambda kind: kind[1])
 
@@ -53,7 +55,7 @@ def test_the_slides_equations_hold(kind):
 
     (7): omega3, v4, alpha3 and a4 of the slides from ours; tolerance 1e-12 of their terms.
     """
-    for mechanism, given in reference.random_loaded(kind, 89, 60):
+    for mechanism, given in contract.ordinary_of(NAME, 89, 30, kind[1]):
         m, r2, r3 = mechanism.motion(*given), mechanism.a1, mechanism.a2
         w2, a2, w3, a3 = m.omega1, m.alpha1, m.omega_beta, m.alpha_beta
         scale = (r2 * (w2**2 + abs(a2)) + r3 * (w3**2 + abs(a3))) / abs(m.cos_b)
@@ -70,7 +72,7 @@ def test_the_slides_equations_hold(kind):
 @both_inputs
 def test_the_slider_moves_as_a_point_of_the_coupler(kind):
     """Eqs. (6) and (9) of moving_frames.py, from O1 over A to B."""
-    for mechanism, given in reference.random_loaded(kind, 90, 60):
+    for mechanism, given in contract.ordinary_of(NAME, 90, 30, kind[1]):
         m = mechanism.motion(*given)
         crank, coupler = (mechanism.a1 * np.array([m.cos_x, m.sin_x]),
                           mechanism.a2 * np.array([m.cos_b, m.sin_b]))
@@ -104,7 +106,7 @@ def test_limits_are_exact_to_the_last_bits():
     rng = np.random.default_rng(95)
     for family in ('random', 'near the limit of the offset', 'near a change point'):
         for _ in range(60):
-            a1, a2, e = reference.draw(rng, KINDS[0], family)[0]
+            a1, a2, e = contract.draw(rng, CASE, family)[0]
             for low, high in SliderCrank(a1, a2, e).input_ranges:
                 for end in (low, high) if high - low < 2.0 * pi else ():
                     # of B from A, across the guide
@@ -126,7 +128,7 @@ def test_dead_points():
     """The slider stalls there; they are the limits of the slide as an input."""
     rng = np.random.default_rng(96)
     for _ in range(200):
-        lengths, mode, _ = reference.draw(rng, KINDS[0], 'random')
+        lengths, mode = contract.draw(rng, CASE)[0], int(rng.integers(1, 3))
         mechanism = SliderCrank(*lengths, mode=mode)
         if abs(mechanism.a1 - mechanism.a2) < 0.05 or mechanism.change_point_margin < 1e-3:
             continue
