@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from fourbar_ros.dynamics.flywheel import Flywheel, flywheel_for
     from fourbar_ros.dynamics.force_table import ForceTable
     from fourbar_ros.dynamics.forces import loads_with
-    from fourbar_ros.dynamics.period import free_period
     from fourbar_ros.dynamics.simulation import (
         CHANGE_POINT,
         EVENT,
@@ -51,7 +50,7 @@ if TYPE_CHECKING:
         SpeedController,
         TorqueTable,
     )
-    from fourbar_ros.dynamics.statics import equilibria, Equilibrium
+    from fourbar_ros.dynamics.statics import equilibria, Equilibrium, free_period
     from fourbar_ros.dynamics.system import System
 
 __all__ = [
@@ -69,13 +68,12 @@ __getattr__, __dir__ = lazily(__name__, {
     'fourbar_ros.dynamics.flywheel': 'Flywheel, flywheel_for',
     'fourbar_ros.dynamics.force_table': 'ForceTable',
     'fourbar_ros.dynamics.forces': 'loads_with',
-    'fourbar_ros.dynamics.period': 'free_period',
     'fourbar_ros.dynamics.simulation':
         'CHANGE_POINT, EVENT, LIMIT, NOT_CHECKED, NOT_CONVERGED, REACHED, Run, simulate, '
         'STOPPED',
     'fourbar_ros.dynamics.sources':
         'ConstantTorque, DCMotor, Drive, InductionMotor, MotorLine, Shaft, SpeedController, '
         'TorqueTable',
-    'fourbar_ros.dynamics.statics': 'Equilibrium, equilibria',
+    'fourbar_ros.dynamics.statics': 'Equilibrium, equilibria, free_period',
     'fourbar_ros.dynamics.system': 'System',
 })

@@ -253,10 +253,6 @@ class Run:
 
     # --- between its times, and derived results -------------------------------------------------
 
-    def resampled(self, times: ArrayLike) -> Run:
-        """Return the same run at other times, increasing; InvalidParameter if not within it."""
-        return replace(self, asked=_checked_times(times, self._end))
-
     def at(self, time: ArrayLike) -> Array:
         """
         Return the states at any times, one or more, in any order, as a solution of scipy does.
@@ -294,7 +290,7 @@ class Run:
     def loads_at(self, time: ArrayLike) -> NamedFields:
         """Return the loads at increasing times [s], fields of their shape."""
         given = array('time', time)
-        loads = self.resampled(np.ravel(given)).loads
+        loads = replace(self, asked=_checked_times(np.ravel(given), self._end)).loads
         record: NamedFields = loads._make(
             [field.reshape(given.shape) if given.shape else float(field[0]) for field in loads])
         return record

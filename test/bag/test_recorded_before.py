@@ -8,7 +8,7 @@ import pytest
 
 RECORDED = Path(__file__).parent.parent / 'support' / 'data' / 'recorded'
 SCENES = {'paper': 5, 'slides_7_6': 3, 'slides_7_7': 3, 'slider_crank': 6, 'cylinder': 5}
-# Driven by torque: with these steps, and with earlier ones. rocker and pushed pass two toggles.
+# Driven by torque: with these steps, and with earlier ones. rocker and pushed pass toggles.
 STEPPED = {'controlled': 2, 'engine_tables': 2, 'rocker': 2}
 BEFORE = {'motor': 2, 'engine': 2, 'released': 3, 'pushed': 2}
 

@@ -6,7 +6,6 @@ from math import pi
 
 from fourbar_ros import Applied, Bodies, Body, External, FourBar
 from fourbar_ros.dynamics.elements import Attachment, GROUND, Spring, TorsionSpring
-from fourbar_ros.dynamics.period import free_period, NotResolved
 from fourbar_ros.dynamics.simulation import (
     energy_drift,
     NOT_CONVERGED,
@@ -15,6 +14,7 @@ from fourbar_ros.dynamics.simulation import (
     STOPPED,
 )
 from fourbar_ros.dynamics.sources import DCMotor, Drive
+from fourbar_ros.dynamics.statics import free_period, NotResolved
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.mechanisms.points import link_motion, point_motion
 import mpmath as mp

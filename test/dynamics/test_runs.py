@@ -9,9 +9,9 @@ import sys
 from fourbar_ros import Bodies, FourBar, round_rod, SliderCrank
 from fourbar_ros.dynamics.elements import Attachment, PositionForce, Spring, Way
 from fourbar_ros.dynamics.force_table import ForceTable
-from fourbar_ros.dynamics.period import free_period
 from fourbar_ros.dynamics.simulation import EVENT, REACHED, simulate
 from fourbar_ros.dynamics.sources import ConstantTorque, Drive, MotorLine, TorqueTable
+from fourbar_ros.dynamics.statics import free_period
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import FourBarError, InvalidParameter
 import numpy as np

@@ -8,10 +8,9 @@ from fourbar_ros import Bodies, Body, External, FourBar, InvalidParameter
 from fourbar_ros.dynamics.elements import TorsionSpring
 from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.dynamics.flywheel import flywheel_for
-from fourbar_ros.dynamics.period import free_period
 from fourbar_ros.dynamics.simulation import REACHED, simulate
 from fourbar_ros.dynamics.sources import ConstantTorque, Drive
-from fourbar_ros.dynamics.statics import equilibria
+from fourbar_ros.dynamics.statics import equilibria, free_period
 from fourbar_ros.dynamics.system import System
 import mpmath as mp
 import numpy as np
