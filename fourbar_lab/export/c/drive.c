@@ -20,11 +20,12 @@ static void take(At *at, const NAME_drive *from, double command)
   TAKE_PLACE
 }
 
-/* All fields of a state but `step`. */
-static void give(const At *at, NAME_drive *to)
+/* All fields of a state but `step`; `known`: of that state, unless that is to be computed. */
+static void give(const At *at, NAME_drive *to, double *known, int is_known)
 {
-  double known[PLACE], own = at->x[4], q = at->x[0], w = at->x[1];
-  const int is_known = !place_of(at, known), is_input = IS_INPUT[at->phase];
+  double own = at->x[4], q = at->x[0], w = at->x[1];
+  const int is_input = IS_INPUT[at->phase];
+  if (!is_known) is_known = !place_of(at, known);
   if (!is_input) {
     q = is_known ? continuous(known[OTHER]) : NAN;
     w = is_known ? known[OTHER_RATIO] * w : NAN;
@@ -48,10 +49,11 @@ static void give(const At *at, NAME_drive *to)
 void NAME_complete(NAME_drive *drive ARGUMENT)
 {
   At at;
+  double known[PLACE];
   FORGET_PLACE
   take(&at, drive, GIVEN_COMMAND);
   at.evaluations = (int)drive->evaluations;
-  give(&at, drive);
+  give(&at, drive, known, 0);
 }
 
 void NAME_start(NAME_drive *drive ARGUMENT)
@@ -66,7 +68,7 @@ NAME_drive_status NAME_advance(NAME_drive *drive, double step ARGUMENT)
   At at, held;
   NAME_drive_status status = NAME_drive_not_finite;
   double known[PLACE];
-  int is_good;
+  int is_good, is_held;
   take(&at, drive, GIVEN_COMMAND);
   held = at;                           /* at rest, nothing twisted, nothing summed up */
   memset(held.x + 1, 0, 4 * sizeof *held.x);
@@ -77,11 +79,12 @@ NAME_drive_status NAME_advance(NAME_drive *drive, double step ARGUMENT)
       status = HAS_LIMITS && is_at_end(&at, known) ? NAME_drive_at_limit
                : is_good ? NAME_drive_ok : NAME_drive_out_of_budget;
   }
-  if (status == NAME_drive_at_limit || status == NAME_drive_not_finite) {
+  is_held = status == NAME_drive_at_limit || status == NAME_drive_not_finite;
+  if (is_held) {
     held.evaluations = at.evaluations;
     at = held;
   }
   drive->step = step;
-  give(&at, drive);
+  give(&at, drive, known, !is_held);
   return status;
 }
