@@ -33,6 +33,9 @@ import numpy as np
 POLE = 5
 # Samples on either side of an end from which the value there is interpolated.
 NEIGHBOURS = 12
+# Distance from a toggle at which a quantity is sampled again, over that of the samples: by the
+# path's parameter a 64th.
+NEARER = 2.0**-12
 # Part of the bound of rounding errors that counts for an extremum; the least error of a value.
 PART_OF_NOISE = 0.25
 SMALLEST = 2.0**-1022
@@ -337,15 +340,20 @@ def _limits_at_toggle(sampler: Sampler, samples: Samples, where: tuple[int, End]
     near = path.half_a_step_from(side) + side * np.arange(NEIGHBOURS)
     mode = sampler.linkage.mode_beyond(sampler.unit * end.x)
     other = sampler.of(sampler.linkage.in_mode(mode))
-    here = values[:, near]
-    bounded = _continued(sampler, here, other.values(path.x[near]))
+    here, x = values[:, near], path.x[near]
+    bounded, is_coarse = _continued(sampler, here, other.values(x))
+    if is_coarse[rows].any():       # what turns between samples and toggle shows nearer to it
+        x = end.x + NEARER * (x - end.x)
+        nearer, _ = _continued(sampler, sampler.values(x), other.values(x))
+        bounded = np.where(is_coarse, sampler.same_turn(bounded, nearer, np.arange(nearer.size)),
+                           bounded)
     bounded[np.abs(bounded) <= 64.0 * EPS * np.abs(here).max(axis=1)] = 0.0
     return np.where(has_pole, limits, bounded)
 
 
-def _continued(sampler: Sampler, here: Array, beyond: Array) -> Array:
+def _continued(sampler: Sampler, here: Array, beyond: Array) -> tuple[Array, Array]:
     """
-    Return the limits of quantities at a toggle.
+    Return the limits of quantities at a toggle, and which were extrapolated from one side.
 
     ``here``, ``beyond``: samples on the path and on that of the other assembly mode, each from the
     toggle on, shape (quantities, 12). One polynomial through both sides is three digits better
@@ -361,7 +369,7 @@ def _continued(sampler: Sampler, here: Array, beyond: Array) -> Array:
     # Quantities that do not go on, such as some angles in functions, are extrapolated, at the loss
     # of three digits.
     goes_on = np.abs(one_sided - bounded) <= 1e-6 * np.ptp(here, axis=1)
-    return np.where(goes_on, bounded, one_sided)
+    return np.where(goes_on, bounded, one_sided), ~goes_on
 
 
 def sampled_conditions(sampler: Sampler, x: Array, row: Array,

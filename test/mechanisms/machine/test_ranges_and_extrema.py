@@ -142,6 +142,14 @@ def test_extrema_of_random_machines(most, machines, points):
     assert number > 12 * machines
 
 
+def test_a_magnitude_that_turns_close_to_a_limit_has_the_same_value_from_both_sides():
+    """By samples farther off than its least value, 0.02 rad from the limit, it was negative."""
+    machine = [machine for machine, _ in random_machines(611, 29, dyads=(1, 5))][28]
+    below, above = [e for e in find_extrema(machine, ('d3_second',), 1.3, -0.7)
+                    if e.place == 'limit' and abs(e.theta1 - 2.2645) < 1e-3]
+    assert below.value == pytest.approx(above.value, rel=1e-9)
+
+
 def test_where_slides_become_parallel_is_no_complex_toggle():
     """On some grids it was both, 1e-93 apart: a margin of that size, paths too narrow."""
     for turned in (1.0205267416665662, 1.02, 1.5):
