@@ -9,7 +9,6 @@ of a point, or by ``link NAME.FIELD`` in the motion of a link.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from functools import cache
 from math import nan
 from typing import Any, NamedTuple
 
@@ -18,8 +17,6 @@ from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import (
     BETA,
     Coordinate,
-    Output,
-    Reaction,
     THETA1,
     THETA2,
     THETA3,
@@ -98,76 +95,53 @@ class FieldMap(NamedTuple):
                 if name is not None}
 
 
-class Names(NamedTuple):
-    """
-    The names that a mechanism's FieldMap needs: a key by which equal maps are made once.
-
-    Fields of motion and loads, coordinate of the input, output with its ratio, coordinates of the
-    joints, reactions, and the links whose motion is published.
-    """
-
-    motion: tuple[str, ...]
-    loads: tuple[str, ...]
-    driven: Coordinate
-    output: Output
-    joints: tuple[Coordinate, ...]
-    reactions: tuple[Reaction, ...]
-    links: tuple[str, ...]
-
-    @classmethod
-    def of(cls, mechanism: Mechanism, with_links: bool = False) -> Names:
-        """Return the names of a mechanism; ``with_links``: the motion of links is published."""
-        return cls(mechanism.MOTION._fields, mechanism.LOADS._fields, mechanism.input_coordinate,
-                   mechanism.outputs[0], tuple(joint.coordinate for joint in mechanism.JOINTS),
-                   tuple(mechanism.REACTIONS),
-                   tuple(link.name for link in mechanism.LINKS) if with_links else ())
-
-
-@cache
-def layout(mechanism: Names, points: tuple[str, ...] = (), with_effort: bool = True,
-           own_joints: bool = False, with_drive: bool = False) -> FieldMap:
+def layout(mechanism: Mechanism, points: Iterable[str] = (), with_links: bool = False,
+           with_effort: bool = True, own_joints: bool = False, with_drive: bool = False
+           ) -> FieldMap:
     """
     Return the :class:`FieldMap` of a mechanism with named points.
 
-    ``with_effort``: joint_states have it; ``own_joints``: they show scaled values of
-    :mod:`fourbar_ros.pipeline.joints`, not the motion itself; ``with_drive``: with the drive
-    wrench.
+    ``with_links``: the motion of links is published; ``with_effort``: joint_states have it;
+    ``own_joints``: they show scaled values of :mod:`fourbar_ros.pipeline.joints`, not the motion
+    itself; ``with_drive``: with the drive wrench.
     """
-    names = mechanism.motion + mechanism.loads
-    output, ratio = mechanism.output
+    names = mechanism.MOTION._fields + mechanism.LOADS._fields
+    driven, (output, ratio) = mechanism.input_coordinate, mechanism.outputs[0]
+    joints = [joint.coordinate for joint in mechanism.JOINTS]
     motion = ('position', 'velocity', 'acceleration')
     wrench = ('wrench.force.x', 'wrench.force.y', 'wrench.torque.z')
     # a machine may call its input otherwise than LinkageState does
-    state = THETA1 if mechanism.driven.unit == 'rad' else TRAVEL
-    renamed = {} if state.position in names else dict(zip(state, mechanism.driven))
+    state = THETA1 if driven.unit == 'rad' else TRAVEL
+    renamed = {} if state.position in names else dict(zip(state, driven))
+    own: dict[str, Mapping[str, Source]] = {
+        f'points/{point}': {name: f'{point}.{name}' for name in PointMotion._fields}
+        for point in points}
+    own |= {f'links/{link.name}': {name: f'link {link.name}.{name}' for name in LinkFields._fields}
+            for link in mechanism.LINKS if with_links}
     fields: dict[str, Mapping[str, Source]] = {
-        'driven': dict(zip(motion, mechanism.driven)),
+        'driven': dict(zip(motion, driven)),
         'output': dict(zip(motion, output)),
         'state': {'velocity_ratio': ratio, **renamed,
                   **{name: name for name in STATE_FIELDS if name in names}},
         'loads': {name: name for name in LOADS if name in names},
         'shaking_wrench': dict(zip(wrench, ('shaking_force_x', 'shaking_force_y',
                                             'shaking_moment'))),
-        'joint_states': _joint_states(mechanism, with_effort, own_joints),
-        **{f'points/{point}': {name: f'{point}.{name}' for name in PointMotion._fields}
-           for point in points},
-        **{f'links/{link}': {name: f'link {link}.{name}' for name in LinkFields._fields}
-           for link in mechanism.links},
+        'joint_states': _joint_states(joints, driven, with_effort, own_joints),
+        **own,
         **{f'reactions/{reaction.joint}': dict(zip(wrench, filter(None, (
-            reaction.x, reaction.y, reaction.couple)))) for reaction in mechanism.reactions},
+            reaction.x, reaction.y, reaction.couple)))) for reaction in mechanism.REACTIONS},
     }
     absent = {'state': tuple(name for name in STATE_FIELDS if name not in fields['state']),
               'loads': tuple(name for name in LOADS if name not in names)}
-    for output_name in (*(f'points/{point}' for point in points),
-                        *(f'links/{link}' for link in mechanism.links)):
-        names += tuple(map(str, fields[output_name].values()))
+    for sources in own.values():
+        names += tuple(map(str, sources.values()))
     if with_drive:
         fields['drive_wrench'] = dict(zip(wrench, DRIVE_WRENCH))
         names += DRIVE_WRENCH
     if own_joints:
-        names += joint_values(len(mechanism.joints))
+        names += joint_values(len(joints))
     return FieldMap(fields, absent, {name: i for i, name in enumerate(names)},
-                    tuple((joint, _effort(joint, mechanism.driven)) for joint in mechanism.joints))
+                    tuple((joint, _effort(joint, driven)) for joint in joints))
 
 
 def _effort(joint: Coordinate, driven: Coordinate) -> str | None:
@@ -177,12 +151,12 @@ def _effort(joint: Coordinate, driven: Coordinate) -> str | None:
     return 'driving_torque' if driven.unit == 'rad' else 'driving_force'
 
 
-def _joint_states(mechanism: Names, with_effort: bool, own: bool) -> dict[str, Source]:
+def _joint_states(joints: Sequence[Coordinate], driven: Coordinate, with_effort: bool, own: bool
+                  ) -> dict[str, Source]:
     """Return {field of a JointState: names of the values of all joints}; ``own``: scaled ones."""
-    joints = mechanism.joints
     sources: list[tuple[str | None, ...]] = [
         tuple(joint.position for joint in joints), tuple(joint.rate for joint in joints),
-        tuple(_effort(joint, mechanism.driven) for joint in joints)]
+        tuple(_effort(joint, driven) for joint in joints)]
     if own:
         names, count = joint_values(len(joints)), len(joints)
         sources = [names[count * i:count * (i + 1)] for i in range(len(OF_JOINTS))]

@@ -8,7 +8,8 @@ Read from a ROS 2 parameter file, without ROS.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 import json
 from math import isnan, lcm, tau
 from pathlib import Path
@@ -18,7 +19,7 @@ from typing import cast, NamedTuple, NoReturn, TYPE_CHECKING
 from fourbar_ros.errors import FourBarError, InvalidParameter, one_of, OutOfRange
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.scene.linkage import linkage_of
-from fourbar_ros.scene.message_fields import FieldMap, layout, Names
+from fourbar_ros.scene.message_fields import FieldMap, layout
 from fourbar_ros.scene.parameters import check, names_in, of_name
 from fourbar_ros.scene.settings import ParameterValues, SOURCES
 from fourbar_ros.scene.topics import (
@@ -61,7 +62,8 @@ class Point(NamedTuple):
     across: float
 
 
-class Scene(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Scene:
     """
     A linkage with its drive, outputs and recording, checked: all that a node or a bag needs.
 
@@ -101,8 +103,8 @@ class Scene(NamedTuple):
 
     def taken_in(self, mode: int) -> Scene:
         """Return this scene with its linkage in another assembly mode, as beyond a toggle."""
-        return self._replace(linkage=self.linkage.in_mode(mode),
-                             bare_linkage=self.bare_linkage.in_mode(mode))
+        return replace(self, linkage=self.linkage.in_mode(mode),
+                       bare_linkage=self.bare_linkage.in_mode(mode))
 
     @property
     def as_text(self) -> str:
@@ -111,12 +113,12 @@ class Scene(NamedTuple):
         return as_text({name: value for name, value in self.values.items()
                         if value != of_name(name).default})
 
-    @property
+    @cached_property
     def topics(self) -> dict[str, Topic]:
         """Return {name: Topic} of all outputs; each point has one, named points/NAME."""
         return topics_of(self.outputs, self.members)
 
-    @property
+    @cached_property
     def members(self) -> dict[str, dict[str, str]]:
         """Return {family of outputs: {name: its text}}: points, links, reactions."""
         return {'points': {name: f'point of the {point.link}'
@@ -266,12 +268,11 @@ class Scene(NamedTuple):
         is_other = mode in self.linkage.modes_passed and self.linkage.change_point_margin != 0.0
         return self.taken_in(mode).mover if is_other else self.mover
 
-    @property
+    @cached_property
     def layout(self) -> FieldMap:
         """Return the map from the values of a sample to the fields of messages."""
-        fields = layout(Names.of(self.linkage, 'links' in self.outputs), tuple(self.points),
-                        self.needs_loads, not self.shows_plain_joints,
-                        'drive_wrench' in self.outputs)
+        fields = layout(self.linkage, self.points, 'links' in self.outputs, self.needs_loads,
+                        not self.shows_plain_joints, 'drive_wrench' in self.outputs)
         return fields.showing(self.joints_shown) if self.joint_states.only_passive else fields
 
     @property

@@ -270,8 +270,8 @@ def test_no_number_loses_digits():
 def scene_with(machine):
     """Return a scene of a machine, its joints named as its own."""
     scene, count = from_values(PAPER), len(machine.JOINTS)
-    return scene._replace(
-        linkage=machine, joint_names=tuple(joint.place for joint in machine.JOINTS),
+    return replace(
+        scene, linkage=machine, joint_names=tuple(joint.place for joint in machine.JOINTS),
         joint_states=Group(**vars(scene.joint_states) | {
             'ratios': [1.0] * count, 'offsets': [0.0] * count}))
 

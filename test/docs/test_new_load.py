@@ -17,8 +17,8 @@ OF_MASSES = """Load(
         of=lambda mechanism, constants, motion, loads:
             loads.shaking_force / (constants.bodies[1].mass + 1e-9)),"""
 SCRIPT = """
-import json, sys
-from pathlib import Path
+from dataclasses import replace
+import json
 from fourbar_lab.drawing.poses import loads_table
 from fourbar_lab.export import fmu
 from fourbar_lab.export.model import Model
@@ -38,7 +38,7 @@ for name in ('paper', 'cylinder', 'jansen'):
     found[name] = {'power': loads.drive_power,
                    'expected': 2.0 * (loads.driving_force if slides else loads.driving_torque),
                    'unit': units_of(linkage).get('drive_power'),
-                   'field': scene._replace(outputs=('loads',)).layout.fields['loads'].get(
+                   'field': replace(scene, outputs=('loads',)).layout.fields['loads'].get(
                        'drive_power'),
                    'extrema': len(find_extrema(linkage, ('drive_power',), 2.0))}
 scene = load_scene('paper')

@@ -55,7 +55,7 @@ def compared(scene, folder, name, count, commands, seed=1, is_strict=True):
 
 def with_linkage(machine):
     """Return a scene with a machine in it."""
-    return load_scene('paper')._replace(linkage=machine, bare_linkage=machine, points={})
+    return replace(load_scene('paper'), linkage=machine, bare_linkage=machine, points={})
 
 
 @pytest.mark.parametrize('name', ['paper', 'cylinder', 'bucket', 'released'])

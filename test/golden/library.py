@@ -7,6 +7,7 @@ Each part has ``cases()``, ``columns(key)``, a dict of lists, and ``tolerances(o
 that gives for each column of numbers one tolerance, or one for each number; others are exact.
 """
 from contextlib import redirect_stdout
+from dataclasses import replace
 import hashlib
 import io
 import math
@@ -251,7 +252,7 @@ class Simulated:
         """Return status, error, states by name, energy and mode."""
         scene, _ = scene_of(key)
         until = self.until[key]
-        scene = scene._replace(drive=Group(**vars(scene.drive) | {'rate': COUNT / until}))
+        scene = replace(scene, drive=Group(**vars(scene.drive) | {'rate': COUNT / until}))
         run = simulate_scene(scene, until, 1e-10).run
         energy = run.system.equation.energy(run.position, run.rate)
         return {'status': [run.status], 'error': [run.error], 'time': run.time.tolist(),

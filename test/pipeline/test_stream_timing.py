@@ -11,6 +11,7 @@ weights w, of samples that are e off, of a motion whose third derivative is at m
 where d is the error of a stamp, V the largest velocity, dx the rounding of a position.
 """
 from collections import Counter, defaultdict
+from dataclasses import replace
 from itertools import product
 import math
 
@@ -114,7 +115,7 @@ class Answers:
         top_speed = math.nan
         if turns == 'wrapped':
             top_speed = truth.most[0] * rng.choice([1.0, 3.0]) + 1e-9
-        its_scene = SCENE._replace(drive=scene.Group(**vars(SCENE.drive) | {
+        its_scene = replace(SCENE, drive=scene.Group(**vars(SCENE.drive) | {
             'source': source, 'joint_ratio': ratio, 'window': int(rng.choice([3, 5, 9])),
             'top_speed': top_speed}))
         estimator = estimator_of(its_scene)

@@ -5,6 +5,7 @@ Messages as packed bytes.
 
 Those that ROS makes, for every output of every mechanism, in every status.
 """
+from dataclasses import replace
 import itertools
 import math
 import zlib
@@ -109,8 +110,8 @@ def same_but_for_padding(type_name, data, expected):
 @pytest.mark.parametrize('frame', FRAMES)
 def test_any_frame_and_joint_names(frame):
     """Texts move the numbers; no text is taken for one."""
-    its = scene_of('four-bar')._replace(frame_id=frame,
-                                        joint_names=tuple(frame + str(k) for k in range(4)))
+    its = replace(scene_of('four-bar'), frame_id=frame,
+                  joint_names=tuple(frame + str(k) for k in range(4)))
     for topic in topics_of(its):
         message = message_of(topic, its)
         pack, is_packed = packer(topic.name, message, its.layout)
