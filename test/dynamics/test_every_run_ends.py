@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Every run ends with a status: limited controllers, hostile sources, bounds; threads, pickles."""
 from concurrent.futures import ThreadPoolExecutor
-from math import inf, nan, pi
+from math import inf, pi
 import pickle
 
 from fourbar_ros import Bodies, Body, FourBar, InvalidParameter
@@ -31,7 +31,7 @@ from fourbar_ros.scene.scene import load
 import mpmath as mp
 import numpy as np
 import pytest
-from support.dynamics_problems import one_window, paper_linkage, windows_exact
+from support.dynamics_problems import paper_linkage
 from support.samples import some
 
 scipy = pytest.importorskip('scipy')
@@ -242,16 +242,6 @@ def test_a_smooth_table_of_many_points_costs_about_what_its_interpolation_does()
 # --- free motion --------------------------------------------------------------------------------
 
 
-@some('until', [20.0, 200.0], (20.0,))
-def test_free_turns_are_those_of_a_pendulum(until):
-    """P3, which goes round through its change points: elliptic functions in 40 digits."""
-    with mp.workdps(40):
-        exact = windows_exact(mp.mpf(until), 1)
-        run = simulate(one_window(), until, 1e-7)
-        assert run.status == REACHED
-        assert abs(mp.mpf(float(run.position[-1])) - exact) <= 1e-7
-
-
 @some('amplitude', [1e-3, 0.5, 3.0], (0.5,))
 def test_free_swings_are_elliptic_functions(amplitude):
     pendulum = FourBar(0.4, 1.2, 0.8, 1.0, gravity=(0.0, -9.81),
@@ -301,8 +291,6 @@ def test_runs_in_threads_are_those_of_one(method):
     (lambda: MotorLine(-400.0, 26.0), 'free_speed'),
     (lambda: Drive(5), 'source'), (lambda: Drive(ConstantTorque(), 1.0, shaft=3.0), 'shaft'),
     (lambda: System(HEAVY, 0.0, drive=ConstantTorque(5.0)), 'drive'),
-    (lambda: simulate(System(HEAVY, 0.0), 1.0, times='ab'), 'times'),
-    (lambda: simulate(System(HEAVY, 0.0), 1.0, times=[nan, 1.0]), 'times'),
     (lambda: simulate(System(HEAVY, 0.0, 1e160), 1.0), 'rate'),
     (lambda: simulate(System(wheel(0.0), 0.0), 1.0), 'bodies'),
     (lambda: simulate(HEAVY, 1.0), 'system'),
