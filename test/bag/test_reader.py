@@ -369,16 +369,19 @@ def test_a_chunk_that_says_it_is_huge_is_refused(tmp_path, kind):
 
 # --- of version 1 --------------------------------------------------------------------------------
 
+ROUNDING = 1e-12  # of the kinds, which were no machines then
+
+
 def test_a_split_bag_of_version_1_is_read_without_the_messages_it_repeats():
     bag = Bag(BEFORE)
     assert [sum(1 for _ in Bag(file).raw()) for file in bag.files] == [91, 95, 94]
     of_topic = [raw.sequence for raw in bag.raw(['/fourbar/state'])]
     assert of_topic == list(range(90)) and info(BEFORE, check=True).is_sound
     found = recompute(BEFORE)
-    assert (found.inputs, found.compared, found.problems()) == (90, 180, [])
+    assert (found.inputs, found.compared, found.problems(ROUNDING)) == (90, 180, [])
     for place, file in enumerate(bag.files):        # each begins with the scene in force
         found = recompute(file)
-        assert (found.compared, found.problems()) == (60 + 2 * (place > 0), [])
+        assert (found.compared, found.problems(ROUNDING)) == (60 + 2 * (place > 0), [])
 
 
 def test_a_killed_split_bag_of_version_1_is_recovered_without_losing_or_doubling_one(tmp_path):
@@ -392,7 +395,7 @@ def test_a_killed_split_bag_of_version_1_is_recovered_without_losing_or_doubling
         assert [raw.sequence for raw in Bag(path).raw(['/fourbar/state'])] == list(range(90))
         assert not info(path, check=True).missing and not info(path).damage
         found = recompute(path)
-        assert (found.inputs, found.compared, found.problems()) == (90, 180, [])
+        assert (found.inputs, found.compared, found.problems(ROUNDING)) == (90, 180, [])
     assert Bag(tmp_path / 'split_recovered').about['ended'] == NO_END
 
 

@@ -18,11 +18,12 @@ def test_there_is_a_bag_of_every_scene():
 
 
 @pytest.mark.parametrize('scene', SCENES)
-def test_a_bag_recorded_before_computes_again_exactly(scene):
+def test_a_bag_recorded_before_computes_again_within_rounding(scene):
+    """Kinds were no machines then: their values have other last bits (CHANGELOG, Bags)."""
     found = recompute(RECORDED / scene)
     assert found.inputs > 90
     assert found.compared == SCENES[scene] * found.inputs
-    assert found.problems() == []
+    assert found.problems(1e-10) == []
 
 
 @pytest.mark.parametrize('scene', STEPPED)
