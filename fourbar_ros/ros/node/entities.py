@@ -149,7 +149,8 @@ class Worker:
             try:
                 job()
             except Exception:                            # the next one is done all the same
-                self._tell(f'a fault in {self._thread.name}: {format_exc()}')
+                if not self._stopping:       # else the service may be gone, to which it answers
+                    self._tell(f'a fault in {self._thread.name}: {format_exc()}')
 
 
 Answer = Callable[[Message, Message], Message]     # (request, response) -> response
