@@ -167,7 +167,7 @@ def warn_of_shared_frames(nodes: Sequence[FourBarNode]) -> None:
     publishers = [node for node in nodes if 'tf' in node.stream.scene.outputs]
     if len(publishers) < 2:
         return
-    from fourbar_ros.ros.node.transforms import frames_of
+    from fourbar_ros.ros.node.pictures import frames_of
     owners: dict[str, str] = {}              # {frame: node}
     for node in publishers:
         frames = frames_of(node.stream.scene)
