@@ -9,6 +9,7 @@ import subprocess
 from fourbar_lab.export.files import generate
 from fourbar_lab.export.model import Model, word
 from fourbar_ros.mechanisms.points import make_point, PointMotion
+from fourbar_ros.numerics.given import FASTEST
 from fourbar_ros.numerics.number_types import REAL
 from fourbar_ros.pipeline.stepper import (
     evaluate,
@@ -21,7 +22,7 @@ from fourbar_ros.pipeline.stepper import (
 import numpy as np
 from support import ROOT
 
-EPS = 2.0**-52
+EPS, TINY = 2.0**-52, 1e-30
 SCENES = sorted(path for folder in ('config', 'config/classics')
                 for path in (ROOT / folder).glob('*.yaml'))
 COMPILERS = tuple(filter(shutil.which, ('gcc', 'clang')))
@@ -102,6 +103,9 @@ def random_inputs(mechanism, seed, count, share_unknown=0.02):
         at = some(0.1)
         found[at, column] = rng.normal(size=at.sum()) * 10.0**rng.uniform(-310.0, 306.0, at.sum())
         found[some(0.1), column] = rng.choice([0.0, -0.0])
+    if mechanism.is_flat_at_zero:       # beyond the node's rates C says toggle there, not invalid;
+        rates, size = found[:, 1:], abs(found[:, 1:])   # nor do digits tell 1e-55 from nothing
+        rates[(found[:, :1] == 0.0) & (rates != 0.0) & ((size > FASTEST) | (size < TINY))] = 1.0
     for column, share in ((0, 0.01), (1, share_unknown), (2, share_unknown)):
         at = some(share)
         found[at, column] = rng.choice([math.nan, math.inf, -math.inf], at.sum())
