@@ -38,16 +38,16 @@ TEXTS = {
     'motor_torque': ('N m', 'of the motor behind its gear'), 'torque': ('N m', 'on the input'),
     'current': ('A', 'of a DC motor'), 'speed_error_integral': ('rad', 'of a controller'),
     'evaluations': ('', 'of the equation of motion')}
-TAKE_PLACE = '''  if (from->place[0] > 0.0) {
+TAKE_PLACE = """  if (from->place[0] > 0.0) {
     at->phase = (int)from->place[0] - 1;
     memcpy(at->x, from->place + 1, sizeof at->x);
   }
-'''
-GIVE_PLACE = '''  to->mode = MODES[is_input ? at->phase
+"""
+GIVE_PLACE = """  to->mode = MODES[is_input ? at->phase
                    : NEXT[at->phase][is_known && known[OTHER_RATIO] > 0.0]];
   to->place[0] = 1.0 + at->phase;
   memcpy(to->place + 1, at->x, sizeof at->x);
-'''
+"""
 OF_SLIDES = {'rad': 'm', 'rad/s': 'm/s', 'rad/s^2': 'm/s^2', 'N m': 'N'}
 
 
@@ -280,7 +280,7 @@ class DriveCode:
                 f'static const int IS_ANGLE[] = {{{is_angle}}};',
                 f'static const double REACHES[] = {{{_list(reaches)}}};',
                 *_definitions({'AT_PLACE': node_step.NEAREST,
-                                'LEAST_PART': node_step.SHORTEST, 'WHOLE_TURN': tau}), '',
+                               'LEAST_PART': node_step.SHORTEST, 'WHOLE_TURN': tau}), '',
                 '/* A place within a table, turns and periods taken off. */',
                 'static double base_of(int table, double place)\n{', '  (void)table;',
                 *(f'  if (table == {i}) return {_base(table)};'

@@ -48,7 +48,7 @@ class Row(NamedTuple):
 
     @property
     def cells(self) -> tuple[str, ...]:
-        """The texts under :data:`COLUMNS`, but for the last: where its reason is."""
+        """Return the texts under :data:`COLUMNS`, but for the last: where its reason is."""
         return (self.what, self.printed, '' if isnan(self.ours) else f'{self.ours:.10g}',
                 '' if isnan(self.difference) else f'{self.difference:.3g}', self.unit,
                 self.verdict)

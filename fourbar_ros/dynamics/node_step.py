@@ -146,11 +146,11 @@ class Mover:
         self.modes = modes_of(system.mechanism)
         self.passes = bool(self.modes)            # through toggles
         self.taking_over = (system.coordinates.prepare() if self.passes
-                             else {system.coordinates.first: ()})
+                            else {system.coordinates.first: ()})
         # the formulas of each coordinate
         self.formulas = {coordinate: StepFormulas(coordinate, drive, source, takes_commands,
-                                                   self.passes, tolerance)
-                          for coordinate in self.taking_over}
+                                                  self.passes, tolerance)
+                         for coordinate in self.taking_over}
         self.budget = budget - EULER - (PLACE + EULER if self.passes else 0)
         self._evaluations = 0        # in this step
         # the last message and its state: mostly the next step begins there; what is known of it
@@ -347,7 +347,7 @@ class Mover:
                 h = min(longest, max(place.to_bend, latest))
                 if excess:
                     h = h * _to_table(excess, at.state[0], h * at.state[1],
-                                                  0.5 * h * h * place.linear[1])
+                                      0.5 * h * h * place.linear[1])
                 more = 0 if h == left else PLACE + ATTEMPT
                 if self._evaluations + ATTEMPT + more > self.budget:
                     return self._rest(formulas, at, place, left)

@@ -27,7 +27,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import cached_property, partial, reduce
 from math import nan
-from typing import Any, NamedTuple
+from typing import Any, cast, NamedTuple
 
 from fourbar_ros.dynamics.coordinate import Coordinate, FARTHEST, LONGEST
 from fourbar_ros.dynamics.sources import always, Drive, Law, MakePiece, Piece
@@ -135,7 +135,8 @@ class StepFormulas:
 
     def _function(self, make: Function, make_terms: Function, count: int) -> Function:
         if self._equation.changes_mode:      # there is no one formula in both modes
-            return make(REAL, self._equation.in_both_modes(make_terms).of_one)  # type: ignore[no-any-return]
+            terms = self._equation.in_both_modes(make_terms).of_one
+            return cast(Function, make(REAL, terms))
         return straight_line(make, count)
 
     # --- formulas -------------------------------------------------------------------------------

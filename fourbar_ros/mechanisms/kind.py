@@ -43,15 +43,12 @@ from fourbar_ros.mechanisms.parts import (
     total,
     TRAVEL,
 )
-from fourbar_ros.mechanisms.parts import (
-    ORIGIN as AT_ORIGIN,
-)
+from fourbar_ros.mechanisms.parts import ORIGIN as AT_ORIGIN
 from fourbar_ros.mechanisms.points import FIXED, link_motion, LinkMotion, point_motion, point_of
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 
 if TYPE_CHECKING:
     from fourbar_ros.mechanics.newton_euler import Needs
-    from fourbar_ros.numerics.vectors import Vector
 
 LINKS = ('crank', 'coupler', 'output')
 FORCES = ('f41', 'f21', 'f32', 'f43')

@@ -67,6 +67,7 @@ from fourbar_ros.numerics.number_types import Function, INFINITESIMAL, NumberTyp
 # Every coefficient of Eqs. (16)-(21) of the slides is a product of two sums +-a1 +-a2 +-a3 +-a4.
 # Near a change point one of them cancels; as exact sums they keep all digits, and so do products.
 
+
 class Factors(NamedTuple):
     """The eight sums by the slides' letters [m]; the paper gives these letters to other sums."""
 
@@ -102,7 +103,6 @@ def half_angle_coefficients(f: Factors) -> tuple[tuple[Scalar, ...], tuple[Scala
     """
     return ((f.A1 * f.A2, f.B1 * f.B2, f.C1 * f.C2, f.D1 * f.D2),
             (f.A1 * f.B1, f.A2 * f.B2, f.C1 * f.D2, f.C2 * f.D1))
-
 
 
 class _Shape(NamedTuple):

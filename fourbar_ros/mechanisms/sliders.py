@@ -118,6 +118,7 @@ class OffsetSlide(Kind):
         p, r, e = self.lengths
         return fsum((r, -p, -abs(e))), fsum((p, -r, -abs(e)))
 
+
 class SliderDeadPoint(NamedTuple):
     """Crank and coupler in line, stretched or folded: the slider turns back."""
 

@@ -62,7 +62,7 @@ class Recording(RuleBasedStateMachine):
     @precondition(lambda self: self.kills < 2)
     @rule()
     def kill(self):
-        """What is there is a beginning, without damage, and is made whole."""
+        """Find a beginning without damage, and make it whole."""
         self.kills += 1
         path = self.folder / f'killed{self.kills}'
         path.mkdir()

@@ -71,7 +71,6 @@ class Asker:
         self.client.until(lambda: len(self.heard[answer]) > count, answer)
         return self.heard[answer][-1]
 
-
     def refused(self, what, why):
         """Wait for the refusal; those of the discovery may still be on their way."""
         self.send('output_trajectory', what)

@@ -264,7 +264,7 @@ def scene_of(node: Node, files: Sequence[str] = ()) -> Scene:
     if any(name.startswith('forces.') for name in given):
         from fourbar_ros.scene.files import table_files  # other scenes do without
         tables = {name: str(path) for name in table_files(given) for file in files
-              if (path := Path(file).parent / given[name]).exists()}
+                  if (path := Path(file).parent / given[name]).exists()}
     scene = from_values(given | tables)
     for name in given:
         node.undeclare_parameter(name)

@@ -35,9 +35,7 @@ both_inputs = pytest.mark.parametrize('kind', KINDS, ids=lambda kind: kind[1])
 
 @both_inputs
 def test_the_pin_moves_over_the_turning_bar(kind):
-    """
-    Eq. (9): the acceleration of A from the bar, with Coriolis term, is that from the crank.
-    """
+    """Eq. (9): the acceleration of A from the bar, with Coriolis term, is that from the crank."""
     for mechanism, given in contract.ordinary_of(NAME, 109, 30, kind[1]):
         m = mechanism.motion(*given)
         crank, bar = mechanism.a1 * np.array([m.cos_x, m.sin_x]), np.array([m.cos_y, m.sin_y])
