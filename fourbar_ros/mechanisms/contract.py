@@ -356,11 +356,14 @@ class Contract(ABC):
         A result is uncertain by rounding of its terms, so the search for extrema takes differences
         below some eps times these sizes for noise.
         """
-        angles = [joint.coordinate for joint in self.JOINTS if joint.coordinate.unit == 'rad']
-        omega = sum(abs(getattr(motion, joint.rate).real) for joint in angles)
-        alpha = omega * omega + sum(abs(getattr(motion, joint.acceleration).real)
-                                    for joint in angles)
-        size = max(map(abs, self.lengths))
+        size, omega, alpha = max(map(abs, self.lengths)), 0.0, 0.0
+        for joint in [joint.coordinate for joint in self.JOINTS]:
+            # a bar that reaches as far as a slide turns by what it moves, over the distance
+            reach = (1.0 if joint.unit == 'rad'
+                     else np.maximum(abs(getattr(motion, joint.position).real), size))
+            omega = omega + abs(getattr(motion, joint.rate).real) / reach
+            alpha = alpha + abs(getattr(motion, joint.acceleration).real) / reach
+        alpha = alpha + omega * omega
         return {'rad/s': omega, 'rad/s^2': alpha, 'm/s': size * omega, 'm/s^2': size * alpha}
 
     def crank_angle(self, motion: NamedFields) -> Scalar:

@@ -80,11 +80,17 @@ def check_against_scan(mechanism, quantities, rate, acceleration, points, exact=
 
 
 def _is_below_its_bound(mechanism, name, at, rates):
-    """Return whether the bound of rounding errors exceeds a value: such extrema are left out."""
+    """
+    Return whether an extremum is smaller than the bound of rounding errors, so left out.
+
+    Its value is, or its difference from that half the way to the next singular input.
+    """
     sampler = Sampler(mechanism, select((name,), mechanism), rates)
-    x = np.array([at / sampler.unit])
-    return bool(PART_OF_NOISE * sampler.noise(sampler.state(x))[0, 0]
-                > abs(sampler.values(x)[0, 0]))
+    half = 0.5 * _to_singular(mechanism, at)
+    x = np.array([at, at - half, at + half]) / sampler.unit
+    (here, *beside), (own, *noise) = sampler.values(x)[0], sampler.noise(sampler.state(x))[0]
+    return PART_OF_NOISE * own > abs(here) or any(
+        PART_OF_NOISE * bound > abs(value - here) for value, bound in zip(beside, noise))
 
 
 def _to_singular(mechanism, at):
