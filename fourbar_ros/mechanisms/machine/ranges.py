@@ -388,12 +388,18 @@ class _Search:
 
     def with_flats(self, flats: dict[float, frozenset[int]], closure: Closure,
                    limits: Sequence[Bound], number: int) -> dict[float, frozenset[int]]:
-        """Return {input: pairs that lie flat there} with one more pair, where motion goes on."""
+        """
+        Return {input: pairs that lie flat there} with pair ``number``, where motion goes on.
+
+        A pair between the frame (link 0) and the driven link (1) lies flat where the input itself
+        says so, unless a cylinder drives; any other pair is searched for within the ``limits``.
+        """
         stage = self._machine[0].stages[number]
         assert stage.pair is not None
-        other = other_of(stage)
-        if {stage.pair.frame, other} == {0, 1} and self._machine[0].driver != CYLINDER:
-            found = [closure.input_at(flat, other == 1) for flat in closure.flats]
+        frame, driven, hosts = 0, 1, (stage.pair.frame, other_of(stage))
+        if set(hosts) == {frame, driven} and self._machine[0].driver != CYLINDER:
+            found = [closure.input_at(direction, hosts[1] == driven)
+                     for direction in closure.flats]
             found = [x for x in found if any(
                 bound is None or bound[0].x < x + turn < bound[1].x for bound in limits
                 for turn in ((0.0,) if closure.slides else (-2.0 * pi, 0.0, 2.0 * pi)))]

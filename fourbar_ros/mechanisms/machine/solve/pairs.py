@@ -482,15 +482,16 @@ class Closure:
         """
         Return the product of the scaled factors that have toggles at an angle or slide of a pair.
 
-        It is positive where the pair closes, zero at its toggles.
+        A factor is plus cos^2(x/2) + minus sin^2(x/2) of an angle x, plus s^2 + minus of a slide
+        s, both from the flat position. It is positive where the pair closes, zero at its toggles.
         """
-        beside, ahead = self.place(way)
-        one, other, product = beside * beside, 1.0, 1.0
+        sine, cosine = self.place(way)
+        of_plus, of_minus, product = sine * sine, 1.0, 1.0      # a slide: place() gives (s, 0)
         if not self.slides:
-            other, one, _ = half_angle(n, ahead, beside)
+            of_minus, of_plus, _ = half_angle(n, cosine, sine)
         for plus, minus in self._toggles:
-            per = 1.0 / (abs(plus) * one + 1.0 if self.slides else abs(plus) + abs(minus))
-            product = product * ((plus * one + minus * other) * per)
+            size = abs(plus) * of_plus + 1.0 if self.slides else abs(plus) + abs(minus)
+            product = product * ((plus * of_plus + minus * of_minus) * (1.0 / size))
         return product
 
     def square(self, n: NumberType, way: Sequence[Scalar], *_curves: Curve) -> Scalar:
