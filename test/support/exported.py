@@ -137,6 +137,9 @@ def of_python(mechanism, points, inputs, loaded=None):
     first = len(mechanism.MOTION._fields)
     lost = (statuses == OUT_OF_RANGE) | (statuses == INVALID_INPUT)
     rows[lost, first:first + len(PointMotion._fields) * len(points)] = math.nan
+    of_points = rows[:, first:first + len(PointMotion._fields) * len(points)]
+    # with unknown rates the node knows no rate of a point, C the constant ones, as y of a yoke
+    of_points[(statuses == RATES_UNKNOWN)[:, None] & np.isnan(of_points)] = math.inf
     if mechanism.is_flat_at_zero:
         rows[(statuses == RATES_UNKNOWN) & (inputs[:, 0] == 0.0)] = math.inf
     return statuses, rows, (statuses == TOGGLE) | (statuses == RATES_UNKNOWN)
