@@ -19,7 +19,7 @@ help:
 	@echo
 	@echo '  make run        run a linkage in the node: live table, extrema, recorded bag, bag recomputed'
 	@echo '                    SCENE=$(SCENE)  SECONDS=$(SECONDS)'
-	@echo '  make test       run the tests, except the slow ones: six minutes     ARGS="-k loads" is passed to pytest'
+	@echo '  make test       run the tests, except the slow ones: five minutes    ARGS="-k loads" is passed to pytest'
 	@echo '  make test-slow  run the slow ones, all of them'
 	@echo '  make test-all   run all tests, to the end'
 	@echo '                    WORKERS=$(WORKERS) processes, of which many wait; 0: one that prints'
