@@ -64,8 +64,9 @@ def _check(arguments: Namespace) -> None:
     if drive.source == 'timer' and not linkage.turns_fully:
         console.print(_leaves_the_range(linkage, drive))
     others = [name for name in (*OUTPUTS, *PICTURES) if name not in scene.outputs]
-    for part in (_outputs_table(scene), f'not created: {", ".join(others)}',
-                 _changed_table(scene), _cost_in_words(scene)):
+    not_created = [f'not created: {", ".join(others)}'] if others else []
+    for part in (_outputs_table(scene), *not_created, _changed_table(scene),
+                 _cost_in_words(scene)):
         console.print()
         console.print(part)
     if arguments.error:

@@ -178,7 +178,7 @@ def _together(lengths: Array, mode: Array, rate: Array,
     with np.errstate(all='ignore'):
         run(trace, once, ARRAYS, known)
     columns = [i for i in trace.used_constants if isinstance(known[i], np.ndarray)]
-    # tanh^2 of half the imaginary parts of the inputs of both toggles, by the law of cosines
+    # tanh of half the imaginary parts of the inputs of both toggles, by the law of cosines
     inner, outer, low, high = (a2 - a3)**2, (a2 + a3)**2, (a1 - a4)**2, (a1 + a4)**2
     with np.errstate(all='ignore'):
         phase = Phase.of_toggles(np.sqrt((low - inner) / (high - inner)),

@@ -152,12 +152,6 @@ def point_of(link: Curve, along: Scalar, across: Scalar = 0.0) -> MovingPoint:
                        a_x - alpha * y - square * x, a_y + alpha * x - square * y)
 
 
-def crank_motion(motion: NamedFields) -> LinkMotion:
-    """Return the :class:`LinkMotion` of a crank that turns about O1."""
-    return LinkMotion(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, motion.cos_x, motion.sin_x, motion.omega1,
-                      motion.alpha1)
-
-
 def instant_centre(link: LinkMotion, other: LinkMotion | None = None) -> Array:
     """
     Return the instant centre of a link relative to another one, or to the ground (None).
@@ -215,25 +209,3 @@ def point_motion(mechanism: Mechanism, motion: NamedFields, link: str, along: fl
     with np.errstate(divide='ignore', invalid='ignore'):
         fields = make_point(ARRAY, mechanism, link, along, across)(motion)
     return PointMotion._make(np.broadcast_to(field, shape) for field in fields)
-
-
-def velocity_image(omega: Scalar) -> tuple[Scalar, Scalar]:
-    """
-    Return (scale [1/s], turn [rad]) of the velocity image of a link.
-
-    The link's figure, |omega| times as large and turned by 90 deg in the sense of omega, is the
-    figure of its points in the velocity polygon.
-    """
-    return np.abs(omega), np.copysign(0.5 * np.pi, omega)
-
-
-def acceleration_image(omega: Scalar, alpha: Scalar) -> tuple[Scalar, Scalar]:
-    """
-    Return (scale [1/s^2], turn [rad]) of the acceleration image of a link.
-
-    The link's figure, sqrt(omega^4 + alpha^2) times as large and turned by 180 deg -
-    atan(alpha/omega^2) counter-clockwise, is the figure of its points in the acceleration polygon
-    (slides, after Eq. (6)).
-    """
-    square = np.square(omega)
-    return np.hypot(square, alpha), np.pi - np.arctan2(alpha, square)

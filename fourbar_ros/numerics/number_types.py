@@ -3,10 +3,10 @@
 """
 One formula, several number types.
 
-Formulas are written once, as factories ``make_...(n, ...)`` that return a function of the input.
-They take every function they use from ``n``, a :class:`NumberType`, and contain no ``if``: a
-choice between two forms of a formula is ``n.where(condition, one, other)``, and a condition
-compares real parts, ``x.real > 0.0``, which floats, arrays and complex numbers all have.
+Formulas are written once. They take every function they use from ``n``, a :class:`NumberType`,
+and contain no ``if``: a choice between two forms of a formula is ``n.where(condition, one,
+other)``, and a condition compares real parts, ``x.real > 0.0``, which floats, arrays and complex
+numbers all have.
 
 =========================  ==================================================================
 ``REAL``                   floats: one sample takes microseconds where numpy would take thirty
@@ -16,7 +16,7 @@ compares real parts, ``x.real > 0.0``, which floats, arrays and complex numbers 
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from copy import copy
 from dataclasses import dataclass, fields, is_dataclass
 from functools import cache, reduce
@@ -72,18 +72,6 @@ class NumberType:
     exact_sum: Function
     power_of_two: Function
     call: Function = lambda function, x: function(x)
-
-    def least(self, pairs: Sequence[tuple[Any, Any]]) -> tuple[Any, Any]:
-        """
-        Return the pair (size, value) whose size is least, element by element.
-
-        As among distances to several ends, of which the nearest counts. A type with bounds must
-        know which one is least; with ``where`` either of two forms would be right.
-        """
-        least, *others = pairs
-        for pair in others:
-            least = self.where(pair[0].real < least[0].real, pair, least)
-        return least
 
 
 def nudge(n: NumberType, *margins: Scalar) -> Scalar:

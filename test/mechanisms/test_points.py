@@ -4,18 +4,10 @@
 from math import nan, pi, radians
 
 from fourbar_ros import FourBar, InvalidParameter
-from fourbar_ros.mechanisms.kinds import KINDS
-from fourbar_ros.mechanisms.points import (
-    acceleration_image,
-    link_motion,
-    point_motion,
-    vector,
-    velocity_image,
-)
+from fourbar_ros.mechanisms.points import point_motion, vector
 from fourbar_ros.mechanisms.sliders import SliderCrank
 import numpy as np
 import pytest
-from support import contract
 from support.reference import EPS
 
 
@@ -46,36 +38,6 @@ def test_a_point_that_hardly_moves_has_no_curvature():
     mechanism = SliderCrank(0.1, 0.3, 0.05)
     point = point_motion(mechanism, mechanism.motion(0.5, 1e-170, 1.0), 'crank', 0.1)
     assert point.speed > 0.0 and np.isnan(point.curvature)
-
-
-def test_images_of_links():
-    """
-    The polygon's figure of a link is the link, scaled and turned.
-
-    Any two points of any link.
-    """
-    for mechanism, given in contract.ordinary_of(tuple(KINDS), 122, 2):
-        motion = mechanism.motion(*given)
-        for link in mechanism.BODIES._fields:
-            at = link_motion(mechanism, motion, link)
-            one, other = (point_motion(mechanism, motion, link, *p)
-                          for p in ((0.1, -0.2), (0.7, 0.5)))
-            line = complex(*(other.place - one.place))
-            for image, difference in ((velocity_image(at.omega), other.velocity - one.velocity),
-                                      (acceleration_image(at.omega, at.alpha), other.acceleration
-                                       - one.acceleration)):
-                scale, turn = image
-                drawn = scale * np.exp(1j * turn) * line
-                size = np.abs(one.acceleration).max() + np.abs(one.velocity).max() + scale
-                assert abs(drawn - complex(*difference)) <= 16 * EPS * (size + 1.0)
-
-
-def test_the_turn_of_the_acceleration_image_is_that_of_the_slides():
-    for omega, alpha in ((3.0, 2.0), (-3.0, -50.0), (1.0, 0.0)):
-        assert acceleration_image(omega, alpha) == pytest.approx(
-            ((omega**4 + alpha**2)**0.5, pi - np.arctan(alpha / omega**2)), rel=4 * EPS)
-    assert (acceleration_image(0.0, 2.0) == (2.0, 0.5 * pi) and acceleration_image(0.0, -2.0)
-            == (2.0, 1.5 * pi))
 
 
 def test_example_7_3():

@@ -153,7 +153,10 @@ def motion_of(n: NumberType, layout: Layout, numbers: Sequence[Numbers], signs: 
     # transmission angles, and again the worst one, of the least |sine|
     sines = [n.fabs(moved.sine) for moved in dyads]
     angles = [n.atan2(sine, moved.cosine) for sine, moved in zip(sines, dyads)]
-    fields += (*angles, n.least(list(zip(sines, angles)))[1],
+    least, *others = zip(sines, angles)
+    for pair in others:
+        least = n.where(pair[0].real < least[0].real, pair, least)
+    fields += (*angles, least[1],
                turn if layout.output in turning else place, rate, acceleration)
     return (*fields, *[part for curve in curves[1:] for part in curve],
             *[moved.sine for moved in dyads])
