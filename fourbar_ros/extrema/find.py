@@ -127,7 +127,7 @@ def find_extrema(linkage: Mechanism, quantities: Wanted = (), rate: float = 1.0,
     progress : callable
         Called like ``check``, during a proof, with the share of it that is done.
     within : tuple of 2 floats, optional
-        Lowest and highest input, as of a robot's joint [rad or m]; of angles at most a turn apart,
+        Lowest and highest input [rad or m]; of angles at most a turn apart,
         so (-0.5, 0.5) goes through zero. The values at both count too, as 'limit'. What lies
         beyond the input range is left out.
 
