@@ -35,6 +35,7 @@ from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Coordinate
 from fourbar_ros.numerics.arrays import Array, EPS
 from fourbar_ros.numerics.given import number
+from fourbar_ros.numerics.newton import halve
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -242,7 +243,8 @@ class Transmission:
         Return the inputs at which the output is at targets on the branch, (T1).
 
         Newton's method from the samples of the branch, all targets at once, halving where a step
-        leaves the bracket, until no input moves by more than two of its last bits.
+        leaves the bracket, until no input moves by more than two of its last bits; a toggle, where
+        roots are double, is met exactly.
         """
         branch, turns = self.branch, np.zeros(len(targets))      # whole turns of the input
         sense = branch.sense
@@ -300,7 +302,6 @@ class Transmission:
 
 
 SAMPLES = 4097         # over a range of the input, to see where the output turns back
-HALVINGS = 64          # of an interval, down to neighbouring floats
 
 
 class End(NamedTuple):
@@ -392,24 +393,10 @@ def _range_around(mechanism: Mechanism, start: float) -> tuple[float, float]:
 def _turning_points(mechanism: Mechanism, inputs: Array) -> list[float]:
     """Return where the ratio changes its sign between inputs: there the output turns back."""
     ratios = ratio_of(mechanism, inputs)
-    known = np.flatnonzero(np.isfinite(ratios))
-    left, right = known[:-1], known[1:]
-    return [_root_of_ratio(mechanism, float(inputs[left[i]]), float(inputs[right[i]]))
-            for i in np.flatnonzero((ratios[left] < 0.0) != (ratios[right] < 0.0))]
-
-
-def _root_of_ratio(mechanism: Mechanism, low: float, high: float) -> float:
-    """Return the input between two at which the ratio changes its sign, by halving."""
-    is_negative = ratio_of(mechanism, low) < 0.0
-    for _ in range(HALVINGS):
-        middle = 0.5 * (low + high)
-        if not low < middle < high:
-            break
-        if (ratio_of(mechanism, middle) < 0.0) == is_negative:
-            low = middle
-        else:
-            high = middle
-    return 0.5 * (low + high)
+    inputs, is_negative = inputs[np.isfinite(ratios)], ratios[np.isfinite(ratios)] < 0.0
+    return [halve(lambda x, sign=is_negative[i]: (ratio_of(mechanism, x) < 0.0) == sign,
+                  *inputs[i:i + 2].tolist())[0]
+            for i in np.flatnonzero(is_negative[1:] != is_negative[:-1])]
 
 
 def _continuous(mechanism: Mechanism, inputs: Array, start: float) -> Array:

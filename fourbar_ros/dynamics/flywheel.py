@@ -21,6 +21,7 @@ from fourbar_ros.dynamics.equation import Equation, Terms
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.given import FASTEST, number, rate_of_input
+from fourbar_ros.numerics.newton import halve
 from fourbar_ros.optional import MissingPackage
 import numpy as np
 
@@ -132,7 +133,7 @@ def _integral(values: Array) -> Array:
 
 def _rates(gained: Array, total: Array, rate: float) -> Array:
     """
-    Return the rates w = sqrt(2 (E0 + gained) / total), (W1), with E0 found by bisection.
+    Return the rates w = sqrt(2 (E0 + gained) / total), (W1), with E0 found by halving.
 
     ``gained``: the integral of the forces; ``total``: J + I; ``rate``: mean wanted of the largest
     and the smallest w.
@@ -140,15 +141,9 @@ def _rates(gained: Array, total: Array, rate: float) -> Array:
     def rates_at(energy: float) -> Array:
         return np.asarray(np.sqrt(2.0 * np.maximum(energy + gained, 0.0) / total))
 
+    def is_slow(energy: float) -> bool:
+        rates = rates_at(energy)
+        return bool(np.max(rates) + np.min(rates) < 2.0 * abs(rate))
     low = -float(np.min(gained))
     high = low + float(np.max(total)) * rate**2 + float(np.ptp(gained))
-    for _ in range(200):
-        energy = 0.5 * (low + high)
-        rates = rates_at(energy)
-        if np.max(rates) + np.min(rates) < 2.0 * abs(rate):
-            low = energy
-        else:
-            high = energy
-        if high - low <= 2e-16 * high:
-            break
-    return np.copysign(rates_at(high), rate)
+    return np.copysign(rates_at(halve(is_slow, low, high)[1]), rate)

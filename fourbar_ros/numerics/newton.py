@@ -1,11 +1,13 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Newton's method in brackets that hold one root each, many at once, to the last bits.
+Roots in brackets, to the last bits: many at once by Newton's method, one by halving.
 
 :mod:`fourbar_ros.numerics.roots` finds the brackets.
 """
 from __future__ import annotations
+
+from collections.abc import Callable
 
 from fourbar_ros.numerics.arrays import Array, EPS
 from fourbar_ros.numerics.number_types import Function
@@ -30,8 +32,8 @@ def newton_roots(function: Function, row: Array, xa: Array, xb: Array, fa: Array
     Parameters
     ----------
     function : callable
-        (x, row) -> f, the step f/f' and any other arrays. As long as no root is found, ``row`` is
-        the same object.
+        (x, row) -> f, the step f/f' (NaN: not known, so halve) and any other arrays. As long as
+        no root is found, ``row`` is the same object.
     row : ndarray
         The row of each bracket.
     xa, xb, fa, x : ndarray
@@ -70,6 +72,22 @@ def newton_roots(function: Function, row: Array, xa: Array, xb: Array, fa: Array
             parts.append([v[ready] for v in (todo, better, taken, *state)])
             todo, row, xa, xb, x, last, width, positive = (
                 v[going] for v in (todo, row, xa, xb, x, last, width, positive))
+
+
+def halve(is_before: Callable[[float], bool], low: float, high: float) -> tuple[float, float]:
+    """
+    Return the neighbouring floats between which ``is_before`` turns from true to false.
+
+    It is true at ``low`` and false at ``high``, which may be the larger one.
+    """
+    while True:
+        middle = 0.5 * (low + high)
+        if not min(low, high) < middle < max(low, high):
+            return low, high
+        if is_before(middle):
+            low = middle
+        else:
+            high = middle
 
 
 def _in_order(parts: list[list[Array]]) -> list[Array]:

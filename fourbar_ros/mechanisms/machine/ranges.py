@@ -39,6 +39,7 @@ from fourbar_ros.mechanisms.machine.describe.layout import Layout
 from fourbar_ros.mechanisms.machine.solve.pairs import Closure, other_of
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.digits import in_decimals, MANY_DIGITS
+from fourbar_ros.numerics.newton import halve
 from fourbar_ros.numerics.number_types import ARRAY, Function, numbers_of, REAL
 from fourbar_ros.numerics.trace import flat, Trace
 import numpy as np
@@ -535,18 +536,12 @@ def _root(closing: Closing, low: float, high: float, opens_low: bool) -> float:
 
     ``opens_low``: whether it closes at low, else at high.
     """
-    while True:
-        middle = 0.5 * (low + high)
-        if not low < middle < high:
-            return low if opens_low else high
+    def closes(position: float) -> bool:
         try:
-            is_open = closing(middle) > 0.0
+            return bool(closing(position) > 0.0)
         except (ValueError, ZeroDivisionError):
-            is_open = False
-        if is_open is opens_low:
-            low = middle
-        else:
-            high = middle
+            return False
+    return halve(closes, *((low, high) if opens_low else (high, low)))[0]
 
 
 def _complex_toggle(closing: Closing, path: _Path, phi: Array, value: Array,
