@@ -32,12 +32,12 @@ from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.given import number
-from fourbar_ros.numerics.newton import newton_roots
 from fourbar_ros.numerics.number_types import Function
 from fourbar_ros.optional import MissingPackage
 import numpy as np
 
 SAMPLES = 2048      # in each range of the input
+HALVINGS = 60
 MOST_SAMPLES = 2**17
 SAME = 1e-14           # relative difference of the means of so many and half as many samples
 RESOLVED = 1e-6        # the same, at least
@@ -102,7 +102,7 @@ def _samples(mechanism: Mechanism, turns: int) -> list[Array]:
 
 
 def _inputs_of_tables(equation: Equation, samples: Array) -> Array:
-    """Return the inputs between samples at which a force table has a place."""
+    """Return the inputs between samples at which a force table has a place, by bisection."""
     found: list[Array] = [np.empty(0)]
     for i, (_, table) in enumerate(equation.tables):
         def beyond(inputs: Array, places: Array, i: int = i,
@@ -115,9 +115,12 @@ def _inputs_of_tables(equation: Equation, samples: Array) -> Array:
             np.abs(np.diff(ways)) < 0.5 * table.period)
         row, column = np.nonzero(passes)
         low, high, place = samples[column], samples[column + 1], places[row, 0]
-        found.append(newton_roots(
-            lambda x, which, place=place, beyond=beyond: (beyond(x, place[which]), nan * x),
-            np.arange(row.size), low, high, ways[row, column], low)[0])
+        side = ways[row, column] >= 0.0
+        for _ in range(HALVINGS):
+            middle = 0.5 * (low + high)
+            is_before = (beyond(middle, place) >= 0.0) == side
+            low, high = np.where(is_before, middle, low), np.where(is_before, high, middle)
+        found.append(high)
     return np.concatenate(found)
 
 
