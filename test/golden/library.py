@@ -174,7 +174,8 @@ class Extrema:
         Return those of place and value: 1e3 eps of their condition, at least of one.
 
         Places of the general search are roots to about 1e-10 of the input. Conditions themselves
-        are rough: a factor of two.
+        are rough: a factor of two. Below 1e-9 they are nothing, beyond 1 / eps the value is
+        rounding and so is its condition.
         """
         found = {}
         for name in old:
@@ -189,7 +190,8 @@ class Extrema:
                                for value, condition in zip(old[name],
                                                            old[f'{quantity}/value_condition'])]
             elif 'condition' in what:
-                found[name] = [known(value) for value in old[name]]
+                found[name] = [known(value) + 1e-9 if value < 1.0 / EPS else math.inf
+                               for value in old[name]]
         return found
 
 
