@@ -27,6 +27,7 @@ Positions mean what they say: an angle counts its turns, and is never taken the 
 """
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import inf, pi, tau
 from typing import Any, NamedTuple
 
@@ -392,10 +393,13 @@ def _range_around(mechanism: Mechanism, start: float) -> tuple[float, float]:
 
 def _turning_points(mechanism: Mechanism, inputs: Array) -> list[float]:
     """Return where the ratio changes its sign between inputs: there the output turns back."""
+    def has_sign_of(place: float) -> Callable[[float], bool]:
+        is_negative = ratio_of(mechanism, place) < 0.0
+        return lambda x: (ratio_of(mechanism, x) < 0.0) == is_negative
+
     ratios = ratio_of(mechanism, inputs)
     inputs, is_negative = inputs[np.isfinite(ratios)], ratios[np.isfinite(ratios)] < 0.0
-    return [halve(lambda x, sign=is_negative[i]: (ratio_of(mechanism, x) < 0.0) == sign,
-                  *inputs[i:i + 2].tolist())[0]
+    return [halve(has_sign_of(inputs[i]), *inputs[i:i + 2].tolist())[0]
             for i in np.flatnonzero(is_negative[1:] != is_negative[:-1])]
 
 
