@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from fourbar_ros.extrema.find import find_extrema
     from fourbar_ros.mechanics.bodies import (
         Applied,
+        Base,
         Bodies,
         Body,
         External,
@@ -50,7 +51,7 @@ if TYPE_CHECKING:
 __version__ = '1.0.0'
 
 __all__ = [
-    'CROSSED', 'OPEN', 'Applied', 'Bodies', 'Body', 'External', 'FourBar', 'FourBarError',
+    'CROSSED', 'OPEN', 'Applied', 'Base', 'Bodies', 'Body', 'External', 'FourBar', 'FourBarError',
     'InvalidParameter', 'InvertedSlider', 'Loads', 'Mechanism', 'MissingBodies', 'Motion',
     'MovingJointFourBar', 'OutOfRange', 'ScotchYoke', 'SliderCrank', 'Toggle', 'find_extrema',
     'find_extrema_many', 'flat_bar', 'load_scene', 'point_motion', 'round_rod',
@@ -60,7 +61,8 @@ __getattr__, __dir__ = lazily(__name__, {
     'fourbar_ros.errors': 'FourBarError, InvalidParameter, MissingBodies, OutOfRange, Toggle',
     'fourbar_ros.extrema.batch': 'find_extrema_many',
     'fourbar_ros.extrema.find': 'find_extrema',
-    'fourbar_ros.mechanics.bodies': 'Applied, Bodies, Body, External, flat_bar, round_rod',
+    'fourbar_ros.mechanics.bodies':
+        'Applied, Base, Bodies, Body, External, flat_bar, round_rod',
     'fourbar_ros.mechanisms.contract': 'CROSSED, OPEN',
     'fourbar_ros.mechanisms.four_bars': 'FourBar, Loads, Motion, MovingJointFourBar',
     'fourbar_ros.mechanisms.mechanism': 'Mechanism',

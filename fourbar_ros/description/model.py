@@ -164,8 +164,8 @@ def model_of(scene: Scene) -> Model:
     points = {point_frame(scene, name): (frames[point.link], point.along, point.across)
               for name, point in scene.points.items()}
     model = Model(scene.frame_id, f'{mechanism.description}, mode {mechanism.mode}',
-                  scene.frame_id, links, closures, points, shapes[GROUND], mechanism.gravity,
-                  max(map(abs, mechanism.lengths)), position)
+                  scene.frame_id, links, closures, points, shapes[GROUND],
+                  field_of(mechanism.gravity), max(map(abs, mechanism.lengths)), position)
     _check_names(model)
     return model
 

@@ -29,6 +29,12 @@ A force over a position, F(s) at a point P along the unit vector e, or a couple 
 
     Q = F e.P',   Q = F theta'                                                              (E7)
 
+On a base with the specific force f at O1, the rate w0 and the angular acceleration e0, -f stands
+in the place of g, and a link adds, by its moment of momentum and its moment of inertia about O1,
+
+    Q = -e0 (m X x X' + S x X' + theta' (X.S + I))
+        + w0^2 (m X.X' + S.X' - theta' (X x S))                                             (E8)
+
 X', X'', theta', theta'' are the motion at unit rate and zero acceleration: exact, without
 differences. Sources: Eksergian, Dynamical analysis of machines, J. Franklin Institute 209-211
 (1930-31); Paul, Kinematics and Dynamics of Planar Machinery (1979), chapter 12.
@@ -47,11 +53,12 @@ from fourbar_ros.dynamics.forces import (
     make_force_term,
     make_link_terms,
     make_tension,
+    make_turning_force,
     place_of,
     work_of,
 )
 from fourbar_ros.errors import InvalidParameter, MissingBodies
-from fourbar_ros.mechanics.bodies import NOT_APPLIED
+from fourbar_ros.mechanics.bodies import Base, field_of, NOT_APPLIED
 from fourbar_ros.mechanisms.mechanism import DrivenLinks, Mechanism
 from fourbar_ros.mechanisms.parts import GROUND
 from fourbar_ros.mechanisms.points import FIXED, LinkMotion
@@ -231,13 +238,17 @@ class Equation:
         self._bodies = [(name, body, applied)
                         for name, (body, applied) in mechanism.loads_of_links().items()
                         if body.mass or body.inertia or applied != NOT_APPLIED]
+        gravity = mechanism.gravity
+        self._gravity = field_of(gravity)
+        self._base = gravity if isinstance(gravity, Base) else Base()
+        self._is_turned = bool(self._base.rate or self._base.acceleration)
         self.forces = tuple([e for e in self.elements if isinstance(e, PositionForce)])
         self._springs = [e for e in self.elements if not isinstance(e, PositionForce)]
         # forces with a table, and their F(s)
         self.tables = [(e, value) for e in self.forces
                        if isinstance(value := e.make_value(mechanism), TableForce)]
-        self.has_couples = bool(self.forces) or any(applied.couple
-                                                    for _, _, applied in self._bodies)
+        self.has_couples = bool(self.forces) or self._is_turned or any(
+            applied.couple for _, _, applied in self._bodies)
         self._flats = () if start is None else flat_positions(self.coordinate)
         self._first = _number_in(self._flats, self.coordinate.is_driven_by_slide, start)
         self._terms = self.in_both_modes(self.make_terms)
@@ -316,11 +327,14 @@ class Equation:
         """
         Return the formula q -> (J, J'/2, Q, D, C) of (E1), for a coordinate and a number type.
 
-        C is the part of Q that has no potential: of couples and of forces over a position.
+        C is the part of Q that has no potential: of couples, of forces over a position, of the
+        turning of the base.
         """
         pose, extra = self._make_pose(coordinate, n), self.extra_inertia
-        links = [(name, make_link_terms(body, self.mechanism.gravity, applied), applied.couple)
+        links = [(name, make_link_terms(body, self._gravity, applied), applied.couple)
                  for name, body, applied in self._bodies]
+        turned = [(name, make_turning_force(body, self._base))
+                  for name, body, _ in self._bodies if self._is_turned]
         springs = [(element.links, make_tension(n, element), element.damping)
                    for element in self._springs]
         forces = [make_force_term(n, element, self.mechanism) for element in self.forces]
@@ -339,6 +353,9 @@ class Equation:
                 force = force - pull * growth
                 if of_damper:
                     damping = damping + of_damper * growth * growth / square
+            for name, turning_force in turned:
+                pushed = turning_force(motions[name])
+                force, couples = force + pushed, couples + pushed
             if forces:
                 pushed = 0.0
                 for term in forces:
@@ -389,14 +406,14 @@ class Equation:
 
         The sum of sizes gives the rounding error of V, even where V cancels to nothing.
         """
-        pose, gravity = self._make_pose(coordinate, n), self.mechanism.gravity
+        pose = self._make_pose(coordinate, n)
 
         def potential(position: Scalar) -> tuple[Scalar, ...]:
             """Return the sums over links and springs; forces over a position have no potential."""
             motions, _ = pose(position)
             energy, size = 0.0, 0.0
             for name, body, applied in self._bodies:
-                work = work_of(motions[name], body, gravity, applied)
+                work = work_of(motions[name], body, self._gravity, applied)
                 energy, size = energy - work, size + n.fabs(work)
             for element in self._springs:
                 stored = element_energy(n, element, *(motions[name] for name in element.links))
@@ -443,7 +460,7 @@ class Equation:
         return result       # type: ignore[no-any-return]  # of the type of the position
 
     def couples(self, position: Value) -> Value:
-        """Return C, the part of Q without a potential: of couples and forces over a position."""
+        """Return C, the part of Q without a potential, as of couples."""
         found: Value = self._terms(position)[4]
         return found
 

@@ -25,7 +25,7 @@ from fourbar_ros.dynamics.elements import (
     Way,
 )
 from fourbar_ros.errors import FourBarError, InvalidParameter, MissingBodies
-from fourbar_ros.mechanics.bodies import Applied, applied_to, Body, unchecked
+from fourbar_ros.mechanics.bodies import Applied, applied_to, Base, Body, unchecked
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import GROUND, NamedFields
 from fourbar_ros.mechanisms.points import FIXED, LinkMotion, MovingPoint, point_of
@@ -83,6 +83,23 @@ def make_link_terms(body: Body, gravity: Vector, applied: Applied
         moment = couple + by_cosine * cosine + by_sine * sine
         return LinkTerms(inertia_of, half_slope, f_x * dx + f_y * dy + moment * turn)        # (E4)
     return terms
+
+
+def make_turning_force(body: Body, base: Base) -> Callable[[LinkMotion], Scalar]:
+    """Return the function motion of a link -> Q of the turning of a base, (E8)."""
+    mass, along, across = body.mass, body.mass * body.cg_along, body.mass * body.cg_across
+    inertia = body.inertia + along * body.cg_along + across * body.cg_across
+    square, turned = base.rate * base.rate, base.acceleration
+
+    def turning_force(link: LinkMotion) -> Scalar:
+        """Return what the base's rate and angular acceleration push the input with."""
+        x, y, dx, dy, _, _, cosine, sine, turn, _ = link
+        s_x, s_y = along * cosine - across * sine, along * sine + across * cosine
+        m_x, m_y = mass * x + s_x, mass * y + s_y
+        momentum = m_x * dy - m_y * dx + turn * (x * s_x + y * s_y + inertia)
+        return (square * (m_x * dx + m_y * dy - turn * (x * s_y - y * s_x))
+                - turned * momentum)                                                     # (E8)
+    return turning_force
 
 
 def apart(one: LinkMotion, first: Attachment, two: LinkMotion, second: Attachment) -> MovingPoint:

@@ -80,6 +80,38 @@ class Applied:
 NOT_APPLIED = Applied()
 
 
+class Base(NamedTuple):
+    """
+    Motion of the body that carries the linkage, as an inertial measurement unit at O1 tells it.
+
+    All along the linkage's own axes. It stands in the place of gravity, which is part of the
+    specific force: at rest and level that is (0, 9.81).
+
+    Parameters
+    ----------
+    force_x, force_y : float
+        Specific force at O1, its acceleration less gravity [m/s^2].
+    rate, acceleration : float
+        Rate [rad/s] and angular acceleration [rad/s^2] of the body in the linkage's plane.
+    """
+
+    force_x: Scalar = 0.0
+    force_y: Scalar = 0.0
+    rate: Scalar = 0.0
+    acceleration: Scalar = 0.0
+
+
+# What the loads of masses come from besides their own motion: a field of gravity, or the base's.
+Gravity = tuple[Scalar, Scalar] | Base
+
+
+def field_of(gravity: Gravity) -> tuple[Scalar, Scalar]:
+    """Return the field of gravity (x, y) [m/s^2], of a base that which its specific force is."""
+    if isinstance(gravity, Base):
+        return -gravity.force_x, -gravity.force_y
+    return gravity
+
+
 def round_rod(length: float, density: float, radius: float) -> Body:
     """
     Return the body of a uniform round rod between its joints, the centre of gravity in the middle.

@@ -12,13 +12,19 @@ up to F, and their moment about X to M:
     (N1)  F = m a + alpha k x r - omega^2 r - W
     (N2)  M = I alpha + r x a - C
 
+On a base that moves, with the specific force f at O1, the rate w and the angular acceleration e,
+a link whose X is at p and moves with v and a on the base needs what a link without weight would
+need on the ground that turns with omega + w and alpha + e, and whose X has the acceleration
+
+    (N3)  a + f + e k x p + 2 w k x v - w^2 p
+
 Plain arithmetic, for whatever numbers motions are made of.
 """
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from fourbar_ros.mechanics.bodies import Applied, Body, NOT_APPLIED
+from fourbar_ros.mechanics.bodies import Applied, Base, Body, Gravity, NOT_APPLIED
 from fourbar_ros.numerics.number_types import Scalar
 from fourbar_ros.numerics.vectors import Vector
 
@@ -56,7 +62,7 @@ class Needs(NamedTuple):
     moment: Scalar
 
 
-def about_first_joint(body: Body, unit: Scalar, gravity: tuple[Scalar, Scalar],
+def about_first_joint(body: Body, unit: Scalar, gravity: Gravity,
                       applied: Applied = NOT_APPLIED) -> LinkTerms:
     """
     Return the constants of a link in the equations of motion about its first joint.
@@ -67,20 +73,37 @@ def about_first_joint(body: Body, unit: Scalar, gravity: tuple[Scalar, Scalar],
         In SI units; applied loads include no weight.
     unit : number
         A power of two [m] in which lengths are about one, so that no square of a length overflows.
-    gravity : tuple of 2
-        Field of gravity (x, y) [m/s^2].
+    gravity : tuple of 2, or Base
+        Field of gravity (x, y) [m/s^2]; a base is left to :func:`on_base`.
 
     """
     mass, along, across = body.mass * unit, body.cg_along / unit, body.cg_across / unit
     inertia = body.inertia / unit + mass * (along * along + across * across)
     along, across = mass * along, mass * across
-    g_x, g_y = gravity[0] / unit, gravity[1] / unit
+    g_x, g_y = ((0.0, 0.0) if isinstance(gravity, Base) else
+                (gravity[0] / unit, gravity[1] / unit))
     f_x, f_y = applied.force_x, applied.force_y
     p_along, p_across = applied.along / unit, applied.across / unit
     return LinkTerms(mass, Vector(along, across), inertia,
                      Vector(-mass * g_x - f_x, -mass * g_y - f_y), -applied.couple / unit,
                      across * g_x - along * g_y + p_across * f_x - p_along * f_y,
                      across * g_y + along * g_x + p_across * f_y + p_along * f_x)
+
+
+def on_base(base: Base, unit: Scalar, link: Any) -> Any:
+    """
+    Return the motion by which a link on a moving base is loaded, (N3).
+
+    Its first joint and its direction are those on the base, its accelerations and its rate are
+    those of the ground, less gravity. ``link``: a :class:`.LinkMotion` with lengths in ``unit``
+    [m].
+    """
+    w, e = base.rate, base.acceleration
+    f_x, f_y = base.force_x / unit, base.force_y / unit
+    return link._replace(
+        a_x=link.a_x + f_x - e * link.y - 2.0 * (w * link.v_y) - w * w * link.x,        # (N3)
+        a_y=link.a_y + f_y + e * link.x + 2.0 * (w * link.v_x) - w * w * link.y,
+        omega=link.omega + w, alpha=link.alpha + e)
 
 
 def needs_of(link: LinkTerms, a: Vector, direction: Vector, omega: Scalar,

@@ -6,7 +6,7 @@ from __future__ import annotations
 from typing import Any
 
 from fourbar_ros.errors import in_words, InvalidParameter
-from fourbar_ros.mechanics.bodies import Applied, Body
+from fourbar_ros.mechanics.bodies import Applied, Base, Body, Gravity
 from fourbar_ros.mechanisms.contract import Contract
 from fourbar_ros.mechanisms.parts import within_stroke
 from fourbar_ros.numerics.given import number, records
@@ -31,7 +31,7 @@ def checked(mechanism: Contract) -> dict[str, Any]:
                                if len(modes) > 1 else
                                f'must be {min(modes)}: driven at its {mechanism.input} it has '
                                'one assembly mode')
-    values.update(mode=int(mode), gravity=two_numbers('gravity', mechanism.gravity),
+    values.update(mode=int(mode), gravity=checked_gravity(mechanism.gravity),
                   external=records('external', mechanism.external, Applied, mechanism.EXTERNAL))
     if mechanism.bodies is not None:
         values['bodies'] = records('bodies', mechanism.bodies, Body, mechanism.BODIES)
@@ -66,6 +66,13 @@ def checked_stroke(mechanism: Contract) -> tuple[float, float] | None:
         raise InvalidParameter('stroke', (low, high), 'the links cannot close anywhere in it: '
                                f'they do in {in_words(mechanism.closing_ranges, unit)}')
     return low, high
+
+
+def checked_gravity(given: Any) -> Gravity:
+    """Return a field of gravity as two floats, or a base of floats."""
+    if isinstance(given, Base):
+        return Base._make([number(name, value) for name, value in given._asdict().items()])
+    return two_numbers('gravity', given, 'must be two finite numbers (x, y), or a Base')
 
 
 def two_numbers(name: str, given: Any,

@@ -15,7 +15,7 @@ from math import fsum, inf, nan, pi, remainder
 from typing import Any, ClassVar, NamedTuple, TypeVar
 
 from fourbar_ros.errors import InvalidParameter, one_of
-from fourbar_ros.mechanics.bodies import Applied, applied_to, Body
+from fourbar_ros.mechanics.bodies import Applied, applied_to, Body, Gravity
 from fourbar_ros.mechanisms.parts import (
     Arrow,
     Connection,
@@ -60,7 +60,7 @@ class Constants(NamedTuple):
     lengths: Any
     sign: Any
     bodies: Any
-    gravity: tuple[Scalar, Scalar]
+    gravity: Gravity
     external: Any
 
 
@@ -113,7 +113,7 @@ class Contract(ABC):
     mode: int
     input: str
     bodies: Any
-    gravity: tuple[float, float]
+    gravity: Gravity
     external: Any
     stroke: tuple[float, float] | None = None       # of mechanisms that have none
 

@@ -15,8 +15,10 @@ from functools import cache, lru_cache, partial
 from math import copysign, inf, isfinite, nan, prod
 from typing import Any, NamedTuple, TYPE_CHECKING
 
-from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.errors import FourBarError, InvalidParameter
+from fourbar_ros.mechanics.bodies import Base
 from fourbar_ros.mechanisms.contract import Constants
+from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.numerics.arrays import Array, Values
 from fourbar_ros.numerics.given import array
 from fourbar_ros.numerics.number_types import (
@@ -64,7 +66,8 @@ def formula_of(mechanism: Mechanism, with_loads: bool) -> tuple[Formula, Constan
     """Return the formula of a mechanism, and the data it is made for."""
     data = mechanism.constants if with_loads else mechanism.constants._replace(bodies=None)
     # springs load links, as a driven crank, for which ``external`` has no field else
-    return Formula((*mechanism.structure, type(mechanism.external)), with_loads, mechanism), data
+    return Formula((*mechanism.structure, type(mechanism.external), type(mechanism.gravity)),
+                   with_loads, mechanism), data
 
 
 @lru_cache(maxsize=MOST_STRUCTURES)
@@ -285,6 +288,37 @@ def step_of_arrays(mechanism: Mechanism, with_loads: bool, table: Table | None =
             fields[i] = values[places[i]]
         return fields
     return step
+
+
+def loads_on_bases(mechanism: Mechanism, given: tuple[ArrayLike, ...], base: Base) -> NamedFields:
+    """Return the loads for arrays of inputs and of motions of the base that broadcast, real."""
+    names = [*mechanism.input_coordinate, *base._fields]
+    values = [array(name, value, not i) for i, (name, value) in enumerate(
+        zip(names, (*given, *base)))]
+    try:
+        values = [np.array(value, float) for value in np.broadcast_arrays(*values)]
+    except ValueError:
+        raise InvalidParameter(', '.join(names), ', '.join(str(v.shape) for v in values),
+                               'must have shapes that broadcast') from None
+    position, reaches, on_base = values[0], mechanism.reaches, mechanism.with_base(Base())
+    shape, start = position.shape, len(mechanism.MOTION._fields)
+    if reaches is not None:
+        position[~np.asarray(reaches(position))] = np.nan
+    step = step_of_arrays(on_base, True, data=on_base.constants._replace(
+        gravity=Base._make(values[3:])), wanted=range(start, start + len(mechanism.LOADS._fields)))
+    with np.errstate(all='ignore'):
+        rows = [np.array(np.broadcast_to(row, shape)) for row in step(*values[:3])[start:]]
+    if mechanism.is_flat_at_zero:
+        for place in zip(*np.nonzero(position == 0.0)):
+            x, rate, acceleration, *of_base = [float(value[place]) for value in values]
+            try:
+                loads = mechanism.with_base(Base(*of_base)).loads(x, rate, acceleration)
+            except FourBarError:
+                loads = [nan] * len(rows)
+            for row, value in zip(rows, loads):
+                row[place] = value
+    found: NamedFields = mechanism.LOADS._make(rows)
+    return found
 
 
 def _complex_rows(mechanism: Mechanism, inputs: list[Array], shape: tuple[int, ...],

@@ -23,7 +23,7 @@ from math import atan2, fsum, pi, sqrt
 from typing import Any, NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.mechanics.bodies import Bodies, External
+from fourbar_ros.mechanics.bodies import Bodies, External, Gravity
 from fourbar_ros.mechanisms.closed_forms import (
     four_bar_ranges,
     singular_angles,
@@ -242,8 +242,8 @@ class FourBar(FourBarLinks):
         linkage, never guessed from an earlier pose.
     bodies : Bodies, optional
         Masses; without them there are no loads.
-    gravity : tuple of 2 floats
-        Field of gravity (x, y) [m/s^2].
+    gravity : tuple of 2 floats, or Base
+        Field of gravity (x, y) [m/s^2], or the motion of the base.
     external : External
         Forces and couples on coupler and output link.
 
@@ -260,7 +260,7 @@ class FourBar(FourBarLinks):
     a4: float
     mode: int = OPEN
     bodies: Bodies | None = None
-    gravity: tuple[float, float] = (0.0, 0.0)
+    gravity: Gravity = (0.0, 0.0)
     external: External = External()
 
     input = CRANK
@@ -370,8 +370,8 @@ class MovingJointFourBar(FourBarLinks):
         'A': theta2, coupler to crank, is given; 'B': theta3, output link to coupler.
     bodies : Bodies, optional
         Masses; without them there are no loads.
-    gravity : tuple of 2 floats
-        Field of gravity (x, y) [m/s^2].
+    gravity : tuple of 2 floats, or Base
+        Field of gravity (x, y) [m/s^2], or the motion of the base.
     external : External
         Forces and couples on the links.
 
@@ -392,7 +392,7 @@ class MovingJointFourBar(FourBarLinks):
     mode: int = OPEN
     input: str = JOINT_A
     bodies: Bodies | None = None
-    gravity: tuple[float, float] = (0.0, 0.0)
+    gravity: Gravity = (0.0, 0.0)
     external: External = External()
 
     MODES = {1: '1', OPEN: '2'}

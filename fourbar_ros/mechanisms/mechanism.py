@@ -18,13 +18,14 @@ from numbers import Real
 from typing import Any, NoReturn, overload, TYPE_CHECKING, TypeVar, Union
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, MissingBodies, OutOfRange, Toggle
-from fourbar_ros.mechanics.bodies import External
-from fourbar_ros.mechanisms.checks import checked, checked_stroke
+from fourbar_ros.mechanics.bodies import Base, External
+from fourbar_ros.mechanisms.checks import checked, checked_gravity, checked_stroke
 from fourbar_ros.mechanisms.contract import cached_by_lengths, Constants, Contract, OPEN
 from fourbar_ros.mechanisms.evaluation import (
     evaluate,
     line_of,
     line_within,
+    loads_on_bases,
     Recorded,
     recorded,
     with_limits,
@@ -46,7 +47,7 @@ _Self = TypeVar('_Self', bound='Mechanism')
 SHOWN = ('acceleration_polygon', 'change_point_margin', 'classification', 'dead_points',
          'description', 'diagram', 'in_mode', 'input', 'input_ranges', 'lengths', 'loads',
          'margins', 'modes', 'motion', 'output_ranges', 'outputs', 'reactions', 'step',
-         'turns_fully', 'velocity_polygon', 'with_external', 'with_lengths')
+         'turns_fully', 'velocity_polygon', 'with_base', 'with_external', 'with_lengths')
 
 
 class Mechanism(Contract):
@@ -95,6 +96,10 @@ class Mechanism(Contract):
         A node does this for each wrench message, so ranges and traces are not made again.
         """
         return self._copy(**self._geometry, external=external)
+
+    def with_base(self: _Self, base: Base) -> _Self:
+        """Return the same mechanism on a body that moves, which takes the place of gravity."""
+        return self._copy(**self._geometry, gravity=checked_gravity(base))
 
     @property
     def _geometry(self) -> dict[str, object]:
@@ -260,10 +265,21 @@ class Mechanism(Contract):
         except (ValueError, ZeroDivisionError):
             raise self._why_no_motion(position) from None
 
-    def loads(self, position: ArrayLike, rate: ArrayLike = 0.0,
-              acceleration: ArrayLike = 0.0) -> NamedFields:
-        """Return the loads; arguments and errors as in :meth:`motion`, or MissingBodies."""
-        return self.step(position, rate, acceleration)[1]
+    def loads(self, position: ArrayLike, rate: ArrayLike = 0.0, acceleration: ArrayLike = 0.0,
+              base: Base | None = None) -> NamedFields:
+        """
+        Return the loads; arguments and errors as in :meth:`motion`, or MissingBodies.
+
+        On a body that moves as ``base`` says, numbers or arrays that broadcast with the input,
+        they are those along the axes of that body; it takes the place of gravity.
+        """
+        if base is None:
+            return self.step(position, rate, acceleration)[1]
+        if _are_numbers(position, rate, acceleration, *base):
+            return self.with_base(base).step(position, rate, acceleration)[1]
+        if self.bodies is None:
+            raise MissingBodies
+        return loads_on_bases(self, (position, rate, acceleration), base)
 
     @overload
     def step(self, position: ArrayLike, rate: ArrayLike = 0.0, acceleration: ArrayLike = 0.0,

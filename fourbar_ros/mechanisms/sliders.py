@@ -21,7 +21,7 @@ from math import atan2, fsum, pi, sqrt
 from typing import NamedTuple
 
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.mechanics.bodies import Bodies, External
+from fourbar_ros.mechanics.bodies import Bodies, External, Gravity
 from fourbar_ros.mechanics.moving_frames import acceleration_terms, turned
 from fourbar_ros.mechanisms.closed_forms import (
     bar_ranges,
@@ -145,8 +145,8 @@ class SliderCrank(OffsetSlide):
         'crank' or 'slide': the driven coordinate, theta1 or slide.
     bodies : Bodies, optional
         Crank from O1, coupler from A, slider (``output``) from B along x.
-    gravity : tuple of 2 floats
-        Field of gravity (x, y) [m/s^2].
+    gravity : tuple of 2 floats, or Base
+        Field of gravity (x, y) [m/s^2], or the motion of the base.
     external : External
         Forces and couples on coupler and slider (``output``), as gas forces.
     stroke : tuple of 2 floats, optional
@@ -169,7 +169,7 @@ class SliderCrank(OffsetSlide):
     mode: int = OPEN
     input: str = CRANK
     bodies: Bodies | None = None
-    gravity: tuple[float, float] = (0.0, 0.0)
+    gravity: Gravity = (0.0, 0.0)
     external: External = External()
     stroke: tuple[float, float] | None = None
 
@@ -312,8 +312,8 @@ class InvertedSlider(OffsetSlide):
     bodies : Bodies, optional
         Crank from O1, block (``coupler``) from A along the bar, bar (``output``) from O4 along
         itself.
-    gravity : tuple of 2 floats
-        Field of gravity (x, y) [m/s^2].
+    gravity : tuple of 2 floats, or Base
+        Field of gravity (x, y) [m/s^2], or the motion of the base.
     external : External
         Forces and couples on block (``coupler``) and bar (``output``).
     stroke : tuple of 2 floats, optional
@@ -337,7 +337,7 @@ class InvertedSlider(OffsetSlide):
     mode: int = OPEN
     input: str = CRANK
     bodies: Bodies | None = None
-    gravity: tuple[float, float] = (0.0, 0.0)
+    gravity: Gravity = (0.0, 0.0)
     external: External = External()
     stroke: tuple[float, float] | None = None
 
@@ -524,8 +524,8 @@ class ScotchYoke(Kind):
     bodies : Bodies, optional
         Crank from O1, block (``coupler``) from A along the slot (y), yoke (``output``) from B,
         where slot and guide cross, along x. Block and yoke do not turn.
-    gravity : tuple of 2 floats
-        Field of gravity (x, y) [m/s^2].
+    gravity : tuple of 2 floats, or Base
+        Field of gravity (x, y) [m/s^2], or the motion of the base.
     external : External
         Forces and couples on block (``coupler``) and yoke (``output``).
     stroke : tuple of 2 floats, optional
@@ -543,7 +543,7 @@ class ScotchYoke(Kind):
     mode: int = OPEN
     input: str = CRANK
     bodies: Bodies | None = None
-    gravity: tuple[float, float] = (0.0, 0.0)
+    gravity: Gravity = (0.0, 0.0)
     external: External = External()
     stroke: tuple[float, float] | None = None
 

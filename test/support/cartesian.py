@@ -15,7 +15,7 @@ from copy import copy
 from typing import NamedTuple
 
 from flint import acb, arb, arb_mat, ctx
-from fourbar_ros import Applied
+from fourbar_ros import Applied, Base
 from fourbar_ros.mechanisms.machine.describe.description import direction
 import mpmath as mp
 import numpy as np
@@ -387,15 +387,20 @@ class Cartesian:
     def needs(self, data):
         """Return what joints must give to each link: force, moment about its first joint."""
         machine, found = self.machine, []
-        gravity = data.point(*machine.gravity)
+        base = machine.gravity if isinstance(machine.gravity, Base) else None
+        f = data.point(*(machine.gravity[:2] if base else (-g for g in machine.gravity)))
+        w, turned = [data.real(v) for v in base[2:]] if base else (ZERO, ZERO)
         for name in self.names:
-            (z, _, z_2), (e, _, e_2) = self.link(name)
+            joint, e = self.link(name)
             body, act = getattr(machine.bodies, name), getattr(machine.external, name, Applied())
             centre = data.point(body.cg_along, body.cg_across)
             at, push = data.point(act.along, act.across), data.point(act.force_x, act.force_y)
-            force = data.real(body.mass) * (z_2 + e_2 * centre - gravity)
-            moment = (data.real(body.inertia) * self.angle(name, 2) - data.real(act.couple)
-                      + imag(conj(e * centre) * force) - imag(conj(e * at) * push))
+            c, v, a = (place + arm * centre for place, arm in zip(joint, e))
+            # d^2/dt^2 of exp(j phi) c, turned back by exp(-j phi); phi' = w
+            force = data.real(body.mass) * (a + 2 * J * w * v + (J * turned - w * w) * c + f)
+            moment = (data.real(body.inertia) * (self.angle(name, 2) + turned)
+                      - data.real(act.couple)
+                      + imag(conj(e[0] * centre) * force) - imag(conj(e[0] * at) * push))
             found += [real(force - push), imag(force - push), moment]
         return np.array(found, object)
 

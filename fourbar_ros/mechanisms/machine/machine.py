@@ -15,8 +15,8 @@ from math import nan
 from typing import Any
 
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.mechanics.bodies import Applied, Body, NOT_APPLIED
-from fourbar_ros.mechanisms.checks import two_numbers
+from fourbar_ros.mechanics.bodies import Applied, Body, Gravity, NOT_APPLIED
+from fourbar_ros.mechanisms.checks import checked_gravity
 from fourbar_ros.mechanisms.contract import cached_by_lengths, Constants, CRANK, SLIDE
 from fourbar_ros.mechanisms.kinds import derives, DIMENSIONS
 from fourbar_ros.mechanisms.machine.describe import diagram
@@ -68,8 +68,8 @@ class Machine(WithLimits):
         Given if the machine is driven by a cylinder.
     bodies : mapping {link: Body}, optional
         Links that are not named have no mass. Not given: no loads.
-    gravity : tuple of 2 floats
-        Field of gravity (x, y) [m/s^2].
+    gravity : tuple of 2 floats, or Base
+        Field of gravity (x, y) [m/s^2], or the motion of the base.
     external : mapping {link: Applied}
         Forces and couples on links.
     stroke : tuple of 2 floats, optional
@@ -95,7 +95,7 @@ class Machine(WithLimits):
     output: str | None = None
     cylinder: Cylinder | None = None
     bodies: Any = None
-    gravity: tuple[float, float] = (0.0, 0.0)
+    gravity: Gravity = (0.0, 0.0)
     external: Any = field(default_factory=dict)
     stroke: tuple[float, float] | None = None
 
@@ -117,7 +117,7 @@ class Machine(WithLimits):
         self._set(bodies=by_link('bodies', self.bodies, Body, self.BODIES, NO_BODY),
                   external=by_link('external', self.external, Applied, self.EXTERNAL,
                                    NOT_APPLIED) or self.EXTERNAL(),
-                  gravity=two_numbers('gravity', self.gravity))
+                  gravity=checked_gravity(self.gravity))
         self.require_closing()
         self._check_stroke()
 

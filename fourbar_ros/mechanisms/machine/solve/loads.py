@@ -54,8 +54,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NamedTuple
 
-from fourbar_ros.mechanics.bodies import applied_to, Body
-from fourbar_ros.mechanics.newton_euler import about_first_joint, Needs, needs_of
+from fourbar_ros.mechanics.bodies import applied_to, Base, Body, Gravity
+from fourbar_ros.mechanics.newton_euler import about_first_joint, Needs, needs_of, on_base
 from fourbar_ros.mechanisms.machine.describe.description import (
     CYLINDER,
     Numbers,
@@ -75,7 +75,7 @@ from fourbar_ros.mechanisms.machine.describe.layout import (
     travel,
 )
 from fourbar_ros.mechanisms.machine.solve.pairs import slides_of
-from fourbar_ros.mechanisms.points import Curve, FIXED
+from fourbar_ros.mechanisms.points import Curve, FIXED, LinkMotion
 from fourbar_ros.numerics.number_types import NumberType, Scalar
 from fourbar_ros.numerics.vectors import Vector
 
@@ -83,17 +83,21 @@ AXIS = Vector(1.0, 0.0)
 
 
 def loads_of(n: NumberType, layout: Layout, numbers: Sequence[Numbers], bodies: Iterable[Body],
-             gravity: tuple[Scalar, Scalar], external: NamedTuple,
+             gravity: Gravity, external: NamedTuple,
              motion: Sequence[Scalar]) -> tuple[Scalar, ...]:
     """Return the fields of :func:`.layout.load_fields` for those of a motion."""
     curves, slides, sines, rate, acceleration = parts_of(layout, motion)
     square, needs = rate * rate, []
     for curve, name, body in zip(curves, layout.moving, bodies):
-        _, _, dx, dy, ddx, ddy, cosine, sine, turn, bend = curve
-        link = about_first_joint(body, 1.0, gravity, applied_to(external, name))
-        needs.append(needs_of(
-            link, Vector(dx * acceleration + ddx * square, dy * acceleration + ddy * square),
-            Vector(cosine, sine), turn * rate, turn * acceleration + bend * square))
+        x, y, dx, dy, ddx, ddy, cosine, sine, turn, bend = curve
+        link = LinkMotion(x, y, 0.0, 0.0, dx * acceleration + ddx * square,
+                          dy * acceleration + ddy * square, cosine, sine, turn * rate,
+                          turn * acceleration + bend * square)
+        if isinstance(gravity, Base):
+            link = on_base(gravity, 1.0, link._replace(v_x=dx * rate, v_y=dy * rate))
+        terms = about_first_joint(body, 1.0, gravity, applied_to(external, name))
+        needs.append(needs_of(terms, Vector(link.a_x, link.a_y), Vector(cosine, sine),
+                              link.omega, link.alpha))
     drive, shaking = drive_and_shaking(n, curves, needs)
     if layout.ground:
         curves[layout.ground - 1] = FIXED

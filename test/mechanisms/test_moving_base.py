@@ -1,0 +1,170 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Loads on a body that moves, against Cartesian coordinates of all links in many digits.
+
+The reference differentiates exp(j phi) c twice for each centre of gravity, phi the turn of the
+base, and knows nothing of frames.
+"""
+from dataclasses import replace
+from itertools import islice
+from math import inf, nan
+
+from flint import ctx
+from fourbar_ros import (
+    Applied,
+    Base,
+    Bodies,
+    FourBar,
+    InvalidParameter,
+    load_scene,
+    MissingBodies,
+)
+from fourbar_ros.dynamics.equation import Equation
+from fourbar_ros.dynamics.simulation import REACHED, simulate
+from fourbar_ros.dynamics.system import System
+from fourbar_ros.mechanisms.points import point_motion
+import numpy as np
+import pytest
+from support import contract, ROOT
+from support.cartesian import BITS, Cartesian, EPS, errors, exact, value_and_condition
+from support.random_machines import random_machines
+from support.samples import more
+
+BOUND = 10.0        # eps times condition
+RODS = Bodies(*load_scene(ROOT / 'config/paper.yaml').linkage.bodies)
+PAPER = FourBar(0.4, 1.2, 0.8, 1.0, bodies=RODS)
+
+
+def bases(seed):
+    """Yield bases with everything in them, or with one thing alone."""
+    rng = np.random.default_rng(seed)
+    while True:
+        values = rng.normal(0.0, (10.0, 10.0, 3.0, 30.0))
+        if rng.random() < 0.5:
+            values *= np.arange(4) == rng.integers(4)
+        yield Base(*values.tolist())
+
+
+@contract.every_case
+def test_every_kind_to_ten_eps_of_the_condition(case):
+    for (mechanism, given), base in zip(contract.ordinary(case, 601, more(3, 20)), bases(602)):
+        mechanism = mechanism.with_base(base)
+        with ctx.workprec(BITS):
+            found = case.exact(mechanism, given)
+            _, true = found.machine.fields(Cartesian(found.machine, given, found))
+            for name, column in true.items():
+                value, condition = value_and_condition(column)
+                ours = mechanism.loads(*given)
+                error = (complex(getattr(ours, f'{name}_x'), getattr(ours, f'{name}_y'))
+                         if hasattr(ours, f'{name}_x') else getattr(ours, name)) - value
+                assert float(abs(error)) <= BOUND * EPS * condition, (name, base)
+
+
+def test_machines_of_dyads_to_ten_eps_of_the_condition():
+    count, beyond = more(12, 200), []
+    for (machine, given), base in zip(islice(random_machines(603, count), count), bases(604)):
+        with ctx.workprec(BITS):
+            machine = machine.with_base(base)
+            beyond += [(name, error, base) for name, error, is_load in
+                       errors(machine, given, exact(machine, given))
+                       if is_load and not error <= BOUND]
+    assert beyond == []
+
+
+@contract.every_mechanism
+def test_a_base_at_rest_is_gravity(case):
+    for mechanism, given in contract.ordinary(case, 605, 5):
+        g_x, g_y = mechanism.gravity
+        loads, on_base = mechanism.loads(*given), mechanism.loads(*given, base=Base(-g_x, -g_y))
+        assert np.allclose(on_base, loads, rtol=1e-12, atol=1e-12 * max(map(abs, loads)))
+
+
+@contract.every_mechanism
+def test_power_of_drive_and_base_is_the_change_of_energy(case):
+    """The base gives minus the shaking loads at its own velocity; energies are differenced."""
+    for (mechanism, (position, rate, acceleration)), base in zip(
+            contract.ordinary(case, 606, 4), bases(607)):
+        nothing = mechanism.EXTERNAL(*[Applied()] * len(mechanism.EXTERNAL._fields))
+        mechanism = mechanism.with_external(nothing).with_base(base)
+        motion, loads = mechanism.step(position, rate, acceleration)
+        velocity = 0.7 - 0.4j                   # of O1, along the axes of the base
+
+        def momenta(motion, turn, mechanism=mechanism):
+            """Return the kinetic energy at a velocity of O1 and a rate of the base."""
+            energy = 0.0
+            for link, (body, _) in mechanism.loads_of_links().items():
+                at = point_motion(mechanism, motion, link, body.cg_along, body.cg_across)
+                own = mechanism.link_motion(motion, link)
+                v = (complex(at.velocity_x, at.velocity_y) + 1j * turn * complex(at.x, at.y)
+                     + velocity + moved)
+                energy += 0.5 * body.mass * abs(v)**2 + 0.5 * body.inertia * (own.omega + turn)**2
+            return energy
+        h = 1e-5 / max(1.0, abs(rate))
+        energies = []
+        for t in (-2 * h, -h, h, 2 * h):
+            # the specific force counts as the acceleration of O1: no gravity; turned axes
+            moved = t * (complex(base.force_x, base.force_y) - 1j * base.rate * velocity)
+            there = mechanism.motion(position + rate * t + 0.5 * acceleration * t * t,
+                                     rate + acceleration * t)
+            energies.append(momenta(there, base.rate + base.acceleration * t))
+        change = (energies[0] - 8 * energies[1] + 8 * energies[2] - energies[3]) / (12 * h)
+        drive = sum(getattr(loads, name, 0.0) for name in ('driving_torque', 'driving_force'))
+        push = complex(loads.shaking_force_x, loads.shaking_force_y)
+        power = (drive * rate - (push.conjugate() * velocity).real
+                 - loads.shaking_moment * base.rate)
+        size = (abs(drive * rate) + abs(push * velocity) + abs(loads.shaking_moment * base.rate)
+                + max(energies))
+        assert abs(change - power) <= 1e-5 * size
+
+
+def test_arrays_are_what_single_samples_are():
+    inputs = np.linspace(-3.0, 3.0, 7)
+    columns = [row for row, _ in zip(bases(608), inputs)]
+    together = PAPER.loads(inputs, 25.0, -4.0, base=Base(*np.transpose(columns)))
+    for i, (x, base) in enumerate(zip(inputs.tolist(), columns)):
+        one = PAPER.loads(x, 25.0, -4.0, base=base)
+        assert np.allclose([row[i] for row in together], one, rtol=1e-13, atol=1e-10)
+    rocker = FourBar(1.0, 0.5, 0.9, 1.1, bodies=RODS)
+    low, high = rocker.input_ranges[0]
+    loads = rocker.loads([high + 0.1, 0.5 * (low + high)], base=Base(0.0, 9.81, [1.0, 2.0]))
+    assert np.isnan(loads.f41[0]) and np.isfinite(loads.f41[1])
+    flat = FourBar(1.0, 1.0, 1.0, 1.0, bodies=RODS)
+    assert flat.loads([0.0], 9.0, base=Base(1.0)).f41[0] == flat.loads(0.0, 9.0, base=Base(1.0)).f41
+    assert np.isnan(flat.loads([0.0], base=Base(0.0, 9.81)).f41[0])
+
+
+@contract.every_mechanism
+def test_the_equation_of_motion_gives_the_drive(case):
+    for (mechanism, given), base in zip(contract.ordinary(case, 609, 10), bases(610)):
+        mechanism = mechanism.with_base(base)
+        loads, equation = mechanism.loads(*given), Equation(mechanism.without_stroke())
+        drive = sum(getattr(loads, name, 0.0) for name in ('driving_torque', 'driving_force'))
+        inertia, half_slope, force, _ = equation.terms(given[0])
+        size = abs(inertia * given[2]) + abs(half_slope * given[1]**2) + abs(force)
+        assert abs(equation.torque(*given) - drive) <= 1e-9 * (size + abs(drive))
+
+
+def test_a_run_on_a_base_that_turns_keeps_its_balance_of_energy():
+    linkage = PAPER.with_base(Base(1.0, 9.81, 2.0, 0.5))
+    run = simulate(System(linkage, 1.0), until=1.0, tolerance=1e-8)
+    assert run.status == REACHED
+    equation = Equation(linkage)
+    times = np.linspace(0.2, 0.8, 5)
+    h = 1e-4
+    for t in times:
+        (_, before), (x, rate), (_, after) = (run.at(t + k * h)[:2] for k in (-1, 0, 1))
+        found = (after - before) / (2 * h)
+        assert abs(found - equation.acceleration(x, rate)) <= 1e-5 * (1.0 + abs(found))
+
+
+def test_what_cannot_be_is_refused():
+    for value in (nan, inf, 'fast'):
+        with pytest.raises(InvalidParameter, match='rate'):
+            PAPER.with_base(Base(rate=value))
+    with pytest.raises(InvalidParameter, match='gravity'):
+        replace(PAPER, gravity=(0.0, 1.0, 2.0))
+    with pytest.raises(InvalidParameter, match='broadcast'):
+        PAPER.loads([1.0, 2.0], base=Base([0.0, 1.0, 2.0]))
+    with pytest.raises(MissingBodies):
+        FourBar(0.4, 1.2, 0.8, 1.0).loads([1.0], base=Base())
