@@ -93,7 +93,7 @@ def _resolved(scene: Scene, node: str, types: Mapping[str, str]) -> dict[str, st
     """
     namespace = node.rpartition('/')[0]
     topics = {}
-    for topic in (DRIVEN, SCENE, *scene.topics.values(), *scene.wrench_topics,
+    for topic in (DRIVEN, SCENE, *scene.topics.values(), *scene.acting_topics,
                   *scene.drive_topics, *INPUTS.values()):
         full = (topic.topic.replace('~', node, 1) if topic.topic.startswith('~')
                 else f'{namespace}/{topic.topic}')

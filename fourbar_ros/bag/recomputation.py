@@ -19,11 +19,20 @@ from fourbar_ros.bag.drive_states import DriveStates, mover_of, MoverOf
 from fourbar_ros.bag.origin import Origin, origin_of, scene_of
 from fourbar_ros.bag.reader import Bag, Progress, Raw, stamps_of
 from fourbar_ros.errors import BagError
+from fourbar_ros.mechanics.bodies import Base
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.pipeline.stepper import Evaluate, evaluate, InModes, INPUT_TIMEOUT, OK
-from fourbar_ros.pipeline.wrenches import Wrench
+from fourbar_ros.pipeline.wrenches import Acting, Wrench
 from fourbar_ros.scene.scene import Scene
-from fourbar_ros.scene.topics import DRIVE_STATE, DRIVEN, ON_LINK, SCENE, TORQUE
+from fourbar_ros.scene.topics import (
+    applied_topic,
+    BASE,
+    DRIVE_STATE,
+    DRIVEN,
+    ON_LINK,
+    SCENE,
+    TORQUE,
+)
 import numpy as np
 
 BLOCK = 5000                # motions that are compared together
@@ -32,9 +41,9 @@ DUST = 1e-90, 1e-60     # of this size are what version 1.0.0 recorded for 0, om
 # fields of standard messages that a planar linkage leaves 0
 PLANAR = ('wrench.force.z', 'wrench.torque.x', 'wrench.torque.y')
 STOPPED, NEAR_A_CHANGE, BEFORE_THE_FILE, UNTOLD = (
-    'say that the input had stopped', 'near a change of the scene or of a wrench',
+    'say that the input had stopped', 'near a change of the scene or of what acts',
     'depend on what came before this file',
-    'depend on a wrench that is not in the bag (~/applied)')
+    'depend on a wrench or a base that is not in the bag (~/applied, ~/base)')
 
 
 class Difference(NamedTuple):
@@ -123,12 +132,12 @@ class _Motion(NamedTuple):
     motion: tuple[float, float, float]
 
 
-class _Push(NamedTuple):
-    """A wrench on a link from here on."""
+class _Act(NamedTuple):
+    """A wrench on a link, or another motion of the base, from here on."""
 
     place: int
-    link: str
-    wrench: Wrench
+    name: str
+    what: Acting
 
 
 class _Output(NamedTuple):
@@ -151,11 +160,11 @@ class Recomputation:
         self._skipped: Counter[str] = Counter()
         self._inputs = self._unmatched = self._doubled = 0
         self._missing: dict[str, Missing] = {}
-        self._events: list[_Motion | _Push] = []    # not yet evaluated
+        self._events: list[_Motion | _Act] = []    # not yet evaluated
         self._outputs: defaultdict[str, list[_Output]] = defaultdict(list)
         self._modes: dict[int, int] = {}            # {stamp: mode}, where a drive passes toggles
-        self._wrenches: dict[str, Wrench] = {}      # the newest on each link
-        self._changes = [-inf]                      # log times [ns] of new scenes and wrenches
+        self._acting: dict[str, Acting] = {}    # the newest wrench on each link, and base
+        self._changes = [-inf]                  # log times [ns] of new scenes and what acts
         self._holds_unknown = origin.is_later
         self._drive_states = None
         if origin.scene.dynamics and origin.in_order:
@@ -165,12 +174,12 @@ class Recomputation:
 
     def _begin(self, scene: Scene) -> None:
         self._scene, self._topics = scene, scene.topics       # it makes them anew each time
-        wrenches = self._steppers.wrenches if self._steppers else None
-        self._steppers = InModes(scene, wrenches, self._by)
-        # links whose wrench the bag does not tell yet
-        self._untold = {link for link in scene.wrenches.links
-                        if ON_LINK + link not in self._origin.topics
-                        or self._origin.is_later and link not in self._wrenches}
+        acting = self._steppers.acting if self._steppers else None
+        self._steppers = InModes(scene, acting, self._by)
+        # what acts, but the bag does not tell yet
+        self._untold = {name for name in scene.acting
+                        if applied_topic(name).name not in self._origin.topics
+                        or self._origin.is_later and name not in self._acting}
         self._constant = {'change_point_margin': scene.linkage.change_point_margin,
                           **dict.fromkeys(PLANAR, 0.0)}
         self._texts = {'header.frame_id': scene.frame_id,
@@ -197,8 +206,8 @@ class Recomputation:
                 self._changes.append(raw.time)
                 self._compare(len(self._events))
                 self._begin(scene)
-        elif name.startswith(ON_LINK):
-            self._take_wrench(place, raw, name.removeprefix(ON_LINK))
+        elif name == BASE.name or name.startswith(ON_LINK):
+            self._take_acting(place, raw, name.removeprefix(ON_LINK))
         elif self._drive_states and name == TORQUE.name:
             self._drive_states.command(self._bag.decode(raw))
         elif name == DRIVE_STATE.name:
@@ -208,14 +217,19 @@ class Recomputation:
                 self._check_frame(name, message)
                 self._drive_states.take(_stamp_of(message), message)
 
-    def _take_wrench(self, place: int, raw: Raw, link: str) -> None:
-        """Take the wrench in effect on a link."""
-        message = self._bag.decode(raw).wrench
-        wrench = Wrench(message.force.x, message.force.y, message.torque.z)
-        if wrench != self._wrenches.get(link):
+    def _take_acting(self, place: int, raw: Raw, name: str) -> None:
+        """Take the wrench in effect on a link, or the motion of the base."""
+        message = self._bag.decode(raw)
+        what: Acting
+        if name == BASE.name:
+            what = Base(message.force_x, message.force_y, message.rate, message.acceleration)
+        else:
+            force, torque = message.wrench.force, message.wrench.torque
+            what = Wrench(force.x, force.y, torque.z)
+        if what != self._acting.get(name):
             self._changes.append(raw.time)
-        self._wrenches[link] = wrench
-        self._events.append(_Push(place, link, wrench))
+        self._acting[name] = what
+        self._events.append(_Act(place, name, what))
 
     # --- motions --------------------------------------------------------------------------------
 
@@ -230,7 +244,7 @@ class Recomputation:
         newest = window.times[-1] if window else 0
         self._changes = [-inf, *(time for time in self._changes if time > newest - UNSETTLED)]
 
-    def _evaluated(self, events: Sequence[_Motion | _Push]) -> Window | None:
+    def _evaluated(self, events: Sequence[_Motion | _Act]) -> Window | None:
         """
         Return the motions among events with the values that their outputs should have.
 
@@ -241,9 +255,9 @@ class Recomputation:
         own, known = steppers.own_mode, scene.linkage.modes_passed
         needs_loads = scene.needs_loads     # it looks through all outputs each time
         for event in events:
-            if isinstance(event, _Push):
-                steppers.act(event.link, event.wrench)
-                self._untold.discard(event.link)
+            if isinstance(event, _Act):
+                steppers.act(event.name, event.what)
+                self._untold.discard(event.name)
                 continue
             mode = self._modes.pop(event.stamp, own)
             mode = mode if mode in known else own

@@ -9,7 +9,7 @@ from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.cli.common import add_scene, Verbs, warn
 from fourbar_ros.scene.scene import Scene
-from fourbar_ros.scene.topics import INPUTS, OUTPUTS, PICTURES, TORQUE, wrench_topic
+from fourbar_ros.scene.topics import BASES, INPUTS, OUTPUTS, PICTURES, TORQUE, wrench_topic
 
 if TYPE_CHECKING:
     from fourbar_ros.mechanisms.mechanism import Mechanism
@@ -116,7 +116,7 @@ def _outputs_table(scene: Scene) -> Table:
 
 
 def _inputs_in_words(scene: Scene) -> list[str]:
-    """Return a line for each external wrench that the node takes from a topic."""
+    """Return a line for each wrench, and the base, that the node takes from a topic."""
     wrenches, lines = scene.wrenches, []
     for link in wrenches.links:
         topic, frame = wrench_topic(link), scene.frame_id
@@ -125,6 +125,10 @@ def _inputs_in_words(scene: Scene) -> list[str]:
         lines.append(f'A link without one for {wrenches.timeout:g} s: loads are '
                      + {'unknown': 'NaN', 'constant': 'those of the constants of the scene',
                         'hold': 'those of the last wrench'}[wrenches.when_silent] + '.')
+    if scene.base.topic:
+        topic = BASES[scene.base.topic]
+        lines.append(f'{topic.type} on {topic.topic} tells how the base moves, in frame '
+                     f'{scene.base.frame_id or scene.frame_id} or "".')
     return lines
 
 

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 from fourbar_ros.description.shapes import Shape, shapes_of
 from fourbar_ros.errors import FourBarError
-from fourbar_ros.mechanics.bodies import Body
+from fourbar_ros.mechanics.bodies import Body, field_of
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Connection, Coordinate, GROUND, NamedFields
 from fourbar_ros.mechanisms.points import LinkMotion

@@ -312,11 +312,11 @@ def loads_on_bases(mechanism: Mechanism, given: tuple[ArrayLike, ...], base: Bas
         for place in zip(*np.nonzero(position == 0.0)):
             x, rate, acceleration, *of_base = [float(value[place]) for value in values]
             try:
-                loads = mechanism.with_base(Base(*of_base)).loads(x, rate, acceleration)
+                limits = [*mechanism.with_base(Base(*of_base)).loads(x, rate, acceleration)]
             except FourBarError:
-                loads = [nan] * len(rows)
-            for row, value in zip(rows, loads):
-                row[place] = value
+                limits = [nan] * len(rows)
+            for row, limit in zip(rows, limits):
+                row[place] = limit
     found: NamedFields = mechanism.LOADS._make(rows)
     return found
 

@@ -22,7 +22,7 @@ from fourbar_ros.scene.scene import Scene
 import numpy as np
 
 if TYPE_CHECKING:      # scenes with wrenches need it
-    from fourbar_ros.pipeline.wrenches import Wrench
+    from fourbar_ros.pipeline.wrenches import Acting
 
 # The same numbers as the STATUS_ constants of fourbar_msgs/LinkageState (a test compares them).
 OK, OUT_OF_RANGE, INVALID_INPUT, TOGGLE, RATES_UNKNOWN, INPUT_TIMEOUT, LOADS_UNKNOWN = range(7)
@@ -106,12 +106,12 @@ class Stepper:
     or 'clamp' (the pose at the nearest limit; rates and loads are unbounded there, so NaN). The
     status says OUT_OF_RANGE in any case.
 
-    ``wrenches``: one for each link that a topic loads, by default the scene's before a first
-    message. ``by`` evaluates within range in place of
+    ``acting``: a wrench for each link that a topic loads, and the base if it has one, by default
+    the scene's before a first message. ``by`` evaluates within range in place of
     :func:`evaluate`, as generated code does.
     """
 
-    def __init__(self, scene: Scene, wrenches: Mapping[str, Wrench] | None = None,
+    def __init__(self, scene: Scene, acting: Mapping[str, Acting] | None = None,
                  by: Evaluate = evaluate) -> None:
         """Prepare all that depends on the scene alone; no step has been made."""
         self._scene, self._evaluate = scene, by
@@ -140,24 +140,24 @@ class Stepper:
             self._drive_wrench = drive_wrench(scene.linkage, scene.layout.place)
         # (position, rate) -> linkage with the forces of springs and dampers there, if any
         self._with_element_forces = scene.make_loaded(self.linkage)
-        self.wrenches: dict[str, Wrench] = {}
+        self.acting: dict[str, Acting] = {}
         self._loads_unknown = False
-        for link in scene.wrenches.links:
+        for name in scene.acting:
             from fourbar_ros.pipeline.wrenches import in_silence
-            self.act(link, (wrenches or {}).get(link) or in_silence(scene, link, None))
+            self.act(name, (acting or {}).get(name) or in_silence(scene, name, None))
 
-    def act(self, link: str, wrench: Wrench) -> None:
+    def act(self, name: str, what: Acting) -> None:
         """
-        Let a wrench act on a link from the next step on.
+        Let a wrench act on a link, or let the base move, from the next step on.
 
-        If one wrench is not known, no load is.
+        If anything that acts is not known, no load is.
         """
-        from fourbar_ros.pipeline.wrenches import external  # other scenes do without
-        self.wrenches[link] = wrench
-        applied = external(self._scene, self.wrenches)
-        self._loads_unknown = applied is None and self._scene.needs_loads
-        if applied is not None:
-            self.linkage = self.linkage.with_external(applied)
+        from fourbar_ros.pipeline.wrenches import loaded  # other scenes do without
+        self.acting[name] = what
+        linkage = loaded(self.linkage, self._scene, self.acting)
+        self._loads_unknown = linkage is None and self._scene.needs_loads
+        if linkage is not None:
+            self.linkage = linkage
             self._with_element_forces = self._scene.make_loaded(self.linkage)
 
     def step(self, position: float, rate: float, acceleration: float, with_loads: bool,
@@ -236,27 +236,27 @@ class InModes:
     A drive that passes a toggle goes on in another mode than the scene's.
     """
 
-    def __init__(self, scene: Scene, wrenches: Mapping[str, Wrench] | None = None,
+    def __init__(self, scene: Scene, acting: Mapping[str, Acting] | None = None,
                  by: Evaluate = evaluate) -> None:
         self._scene, self.own_mode, self._by = scene, mode_number(scene.linkage.mode), by
-        self._own = Stepper(scene, wrenches, by)
+        self._own = Stepper(scene, acting, by)
         self._all = {self.own_mode: self._own}
 
     @property
-    def wrenches(self) -> dict[str, Wrench]:
-        """Return the Wrench on each link that a topic loads."""
-        return self._own.wrenches
+    def acting(self) -> dict[str, Acting]:
+        """Return what acts as topics say, see :meth:`Stepper.act`."""
+        return self._own.acting
 
-    def act(self, link: str, wrench: Wrench) -> None:
-        """Apply a Wrench to a link from the next step on."""
+    def act(self, name: str, what: Acting) -> None:
+        """Let something act from the next step on."""
         for stepper in self._all.values():
-            stepper.act(link, wrench)
+            stepper.act(name, what)
 
     def prepare(self, modes: Iterable[int]) -> None:
         """Make the steppers of modes that may come, so that no step has to wait for one."""
         for mode in modes:
             if mode not in self._all:
-                self._all[mode] = Stepper(self._scene.taken_in(mode), self.wrenches, self._by)
+                self._all[mode] = Stepper(self._scene.taken_in(mode), self.acting, self._by)
 
     def step(self, mode: int, position: float, rate: float, acceleration: float,
              with_loads: bool, with_parts: Wanted) -> Sample:

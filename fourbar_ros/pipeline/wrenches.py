@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Forces between linkages in a chain: on a link from outside, and on the drive.
+What acts from outside, as topics say: wrenches on links, the base; and the force on the drive.
 
 All components are along the ground axes; couples and torques are positive counter-clockwise.
 """
@@ -9,11 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from math import isfinite, nan
-from typing import cast, NamedTuple
+from typing import cast, NamedTuple, Union
 
-from fourbar_ros.mechanics.bodies import Applied, External
+from fourbar_ros.mechanics.bodies import Applied, Base, External
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.scene.scene import Scene
+from fourbar_ros.scene.topics import BASE
 
 
 class Wrench(NamedTuple):
@@ -23,13 +24,9 @@ class Wrench(NamedTuple):
     force_y: float
     couple: float
 
-    @property
-    def is_known(self) -> bool:
-        """Return whether all components are finite."""
-        return all(map(isfinite, self))
-
 
 UNKNOWN = Wrench(nan, nan, nan)
+Acting = Union[Wrench, Base]      # on a link, or the motion of the base
 
 
 def a_step_later(last: Wrench, before: Wrench | None) -> Wrench:
@@ -43,7 +40,7 @@ def a_step_later(last: Wrench, before: Wrench | None) -> Wrench:
     if before is None:
         return last
     due = Wrench(*(2.0 * new - old for new, old in zip(last, before)))
-    return due if due.is_known else last
+    return due if all(map(isfinite, due)) else last
 
 
 def constant(scene: Scene, link: str) -> Wrench:
@@ -52,27 +49,32 @@ def constant(scene: Scene, link: str) -> Wrench:
     return Wrench(applied.force_x, applied.force_y, applied.couple)
 
 
-def in_silence(scene: Scene, link: str, last: Wrench | None) -> Wrench:
-    """Return the wrench on a link whose topic is silent, by the scene; ``last`` is the newest."""
+def in_silence(scene: Scene, link: str, last: Acting | None) -> Acting:
+    """Return what acts on a link, or as base, in a silence, by the scene; ``last``: the newest."""
+    if link == BASE.name:
+        return last if scene.base.when_silent == 'hold' and last else Base(nan, nan, nan, nan)
     policy = scene.wrenches.when_silent
     if policy == 'unknown':
         return UNKNOWN
     return last if policy == 'hold' and last is not None else constant(scene, link)
 
 
-def external(scene: Scene, acting: Mapping[str, Wrench]) -> External | None:
+def loaded(linkage: Mechanism, scene: Scene, acting: Mapping[str, Acting]) -> Mechanism | None:
     """
-    Return the forces on all links: the scene's, with the acting wrenches, {link: Wrench}, instead.
+    Return a linkage with what acts on it, {link: Wrench, 'base': Base}; None if any is unknown.
 
-    They act at the points that the scene gives. None if a wrench is unknown.
+    Wrenches act at the points that the scene gives, instead of its constant forces.
     """
-    if not all(wrench.is_known for wrench in acting.values()):
+    if not all(isfinite(value) for each in acting.values() for value in each):
         return None
     applied = scene.linkage.external._asdict()
-    for link, (force_x, force_y, couple) in acting.items():
-        applied[link] = Applied(force_x, force_y, applied[link].along, applied[link].across,
-                                couple)
-    return cast(External, scene.linkage.EXTERNAL(**applied))
+    for name, each in acting.items():
+        if isinstance(each, Base):
+            linkage = linkage.with_base(each)
+        else:
+            at = applied[name]
+            applied[name] = Applied(each.force_x, each.force_y, at.along, at.across, each.couple)
+    return linkage.with_external(cast(External, scene.linkage.EXTERNAL(**applied)))
 
 
 DriveWrench = Callable[[Sequence[float]], tuple[float, float, float]]

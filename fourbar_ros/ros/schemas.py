@@ -10,12 +10,21 @@ import re
 from ament_index_python.packages import get_package_share_directory
 from fourbar_ros.bag.metadata import Channel
 from fourbar_ros.ros.messages import resolve
-from fourbar_ros.scene.topics import INPUT_DEPTH, INPUTS, QUEUE_DEPTH, Topic, TORQUE, WRENCH
+from fourbar_ros.scene.topics import (
+    BASES,
+    INPUT_DEPTH,
+    INPUTS,
+    QUEUE_DEPTH,
+    Topic,
+    TORQUE,
+    WRENCH,
+)
 
 
 def channel(topic: Topic, name: str) -> Channel:
     """Return the channel of a topic in a bag: full name, type, definition, hash and QoS."""
-    is_input = topic in (*INPUTS.values(), TORQUE) or topic.name.startswith(WRENCH)
+    is_input = (topic in (*INPUTS.values(), *BASES.values(), TORQUE)
+                or topic.name.startswith(WRENCH))
     depth = 1 if topic.latched else INPUT_DEPTH if is_input else QUEUE_DEPTH
     return Channel(name, topic.type, definition(topic.type), type_hash(topic.type), depth,
                    topic.latched)

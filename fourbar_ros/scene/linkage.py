@@ -8,7 +8,7 @@ from math import isnan, radians, tau
 from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.errors import InvalidParameter, nearest
-from fourbar_ros.mechanics.bodies import Applied, Body, flat_bar, round_rod
+from fourbar_ros.mechanics.bodies import Applied, Base, Body, flat_bar, Gravity, round_rod
 from fourbar_ros.mechanisms.contract import SLIDE
 from fourbar_ros.mechanisms.kinds import AT_MOVING_JOINTS, FACTS, kind_of
 from fourbar_ros.mechanisms.mechanism import Mechanism
@@ -131,8 +131,15 @@ def _check_links(values: ParameterValues, machine: Mechanism) -> None:
                                    f'there is no such link here{nearest(link, links)}')
 
 
-def _gravity(values: ParameterValues) -> tuple[float, float]:
-    return values['gravity.x'], values['gravity.y']
+def _gravity(values: ParameterValues) -> Gravity:
+    """Return gravity, or a base that is still unknown where its motion comes from a topic."""
+    gravity = values['gravity.x'], values['gravity.y']
+    if not values['base.topic']:
+        return gravity
+    if any(gravity):
+        raise InvalidParameter('base.topic', values['base.topic'], 'has weight in it: gravity '
+                               'must be zero, else weight counts twice')
+    return Base()
 
 
 def external_of(values: ParameterValues, mechanism: Mechanism | type[Mechanism],

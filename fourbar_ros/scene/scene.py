@@ -25,6 +25,8 @@ from fourbar_ros.scene.settings import ParameterValues, SOURCES
 from fourbar_ros.scene.topics import (
     ANSWERS,
     applied_topic,
+    BASE,
+    BASES,
     DRIVE_STATE,
     DRIVEN,
     INPUTS,
@@ -78,6 +80,7 @@ class Scene:
     bare_linkage: Mechanism
     points: dict[str, Point]
     wrenches: Group                   # external.* of all links, and the links with a topic
+    base: Group
     drive: Group
     outputs: tuple[str, ...]
     frame_id: str
@@ -133,10 +136,20 @@ class Scene:
         return {name: PICTURES[name] for name in self.outputs if name in PICTURES}
 
     @property
-    def wrench_topics(self) -> list[Topic]:
-        """Return two topics for each link loaded by a topic: wrench received, and in effect."""
-        return [topic(link) for link in self.wrenches.links
-                for topic in (wrench_topic, applied_topic)]
+    def acting(self) -> tuple[str, ...]:
+        """Return what acts as a topic says: names of links, of their wrenches, and the base."""
+        return (*self.wrenches.links, *([BASE.name] if self.base.topic else []))
+
+    @property
+    def acting_received(self) -> list[Topic]:
+        """Return the topics from which the node takes wrenches and the motion of the base."""
+        base = [BASES[self.base.topic]] if self.base.topic else []
+        return [*map(wrench_topic, self.wrenches.links), *base]
+
+    @property
+    def acting_topics(self) -> list[Topic]:
+        """Return the topics of wrenches and base: received, and in effect."""
+        return [*self.acting_received, *map(applied_topic, self.acting)]
 
     @property
     def drive_topics(self) -> list[Topic]:
@@ -150,13 +163,13 @@ class Scene:
         """Return the topics to which its node listens."""
         source = self.drive.source
         inputs = [topic for topic in (*INPUTS.values(), TORQUE) if topic.name == source]
-        return [*map(wrench_topic, self.wrenches.links), *inputs,
+        return [*self.acting_received, *inputs,
                 *(TRAJECTORIES[name] for name in ANSWERS if self.values['trajectories'])]
 
     @property
     def published(self) -> list[Topic]:
         """Return the topics on which its node sends, except those of every ROS node."""
-        both = [*self.wrench_topics, *self.drive_topics,
+        both = [*self.acting_topics, *self.drive_topics,
                 *(TRAJECTORIES.values() if self.values['trajectories'] else ())]
         received = self.received
         return [*(topic for topic in both if topic not in received), DRIVEN, SCENE,
@@ -211,6 +224,8 @@ class Scene:
         force is not known, as of a spring whose ends meet, InvalidParameter, in arrays NaN.
         """
         own = self.in_mode(mode)
+        if self.base.topic and self.has_loads:
+            raise InvalidParameter('base.topic', self.base.topic, self.why_no_loads)
         if not (self.elements and self.has_loads):
             return own.loads(position, rate, acceleration)
         if any(map(np.ndim, (position, rate, acceleration))):
@@ -237,6 +252,9 @@ class Scene:
         """Return why :attr:`linkage` has no loads of its own, for a user; empty if it has."""
         if not self.has_loads:
             return 'the scene gives no masses'
+        if self.base.topic:
+            return ('the motion of the base comes from a topic: no loads but those that the node '
+                    'publishes, or of bare_linkage.loads(..., base=Base(...)) in Python')
         forces = ', '.join(f'forces.{name}' for name in names_in('forces', self.values))
         what = f'forces over a position ({forces})' if forces else 'springs or dampers'
         return (f'{what} act on the links, so no loads over the input '
@@ -350,8 +368,9 @@ def from_values(values: ParameterValues) -> Scene:
         from fourbar_ros.scene.dynamics import of_values  # other scenes do without
         dynamics = of_values(values, linkage, forces)
     has_elements = dynamics.elements if dynamics else forces
-    honest = replace(linkage, bodies=None) if has_elements else linkage
-    scene = Scene(honest, linkage, points, wrenches, _group('drive', values),
+    base = _group('base', values)
+    honest = replace(linkage, bodies=None) if has_elements or base.topic else linkage
+    scene = Scene(honest, linkage, points, wrenches, base, _group('drive', values),
                   tuple(values['outputs']),
                   values['frame_id'], tuple(shown.prefix + name for name in names), shown,
                   _group('recording', values),
@@ -420,7 +439,14 @@ def _check_together(scene: Scene) -> None:
     if scene.dynamics and scene.wrenches.links:
         refuse(f'external.{scene.wrenches.links[0]}.from_topic', 'motion that follows from torque '
                'takes constant external forces only')
-    if scene.values['trajectories'] and scene.elements:
+    if scene.dynamics and scene.base.topic:
+        refuse('base.topic', 'motion that follows from torque has a base at rest only')
+    if scene.base.topic and not scene.has_loads:
+        refuse('base.topic', 'has no effect without masses')
+    if scene.base.rotation:
+        from fourbar_ros.scene.base import rotation_of  # other scenes do without
+        rotation_of(scene.base.rotation)
+    if scene.values['trajectories'] and (scene.elements or scene.base.topic):
         refuse('trajectories', f'{scene.why_no_loads}: their effort would be wrong')
     if scene.drive.source == 'joint_state' and not scene.drive.joint:
         refuse('drive.joint', 'must name the joint that is the input')

@@ -19,7 +19,15 @@ from fourbar_ros.mechanisms.contract import find_link
 from fourbar_ros.mechanisms.kinds import AT_MOVING_JOINTS, DIMENSIONS, FACTS
 from fourbar_ros.mechanisms.parts import GROUND
 from fourbar_ros.numerics.given import FASTEST, quantities_of
-from fourbar_ros.scene.topics import INPUTS, OUTPUTS, PICTURES, SERVICES, TORQUE, wrench_topic
+from fourbar_ros.scene.topics import (
+    BASES,
+    INPUTS,
+    OUTPUTS,
+    PICTURES,
+    SERVICES,
+    TORQUE,
+    wrench_topic,
+)
 
 if TYPE_CHECKING:      # only scenes with a motor need it
     from fourbar_ros.dynamics.sources import Law
@@ -114,6 +122,11 @@ def has_masses(values: ParameterValues) -> bool:
 def has_wrenches(values: ParameterValues) -> bool:
     """Return whether a link has its external wrench from a topic."""
     return any(value for name, value in values.items() if name.endswith('.from_topic'))
+
+
+def has_base(values: ParameterValues) -> bool:
+    """Return whether the motion of the base comes from a topic."""
+    return bool(values['base.topic'])
 
 
 # --- the linkage ---------------------------------------------------------------------------------
@@ -344,6 +357,30 @@ _OF_TOPICS = _group('external', (
               'for chains of nodes, whose reactions come one step late', is_relevant=has_wrenches),
 ))
 
+_BASE = _group('base', (
+    Parameter('topic', 'string', '', '',
+              f'motion of the body that carries the linkage: from {BASES["imu"].topic} (imu), '
+              f'from {BASES["motion_of_base"].topic} (motion_of_base), or none, with gravity at '
+              'rest', choices=('', *BASES), live=False),
+    Parameter('rotation', 'doubles', [], '',
+              'with imu: frame of the linkage in that of the messages: roll, pitch, yaw [rad], '
+              'as in URDF, or a quaternion x, y, z, w; empty: the same axes',
+              is_relevant=has_base),
+    Parameter('frame_id', 'string', '', '',
+              'frame_id of the messages, which others are not taken; empty: that of the linkage',
+              is_relevant=has_base),
+    Parameter('window', 'integer', 2, '',
+              'with imu: number of latest rates whose slope is the angular acceleration',
+              low=2, high=50, live=False, is_relevant=has_base),
+    Parameter('timeout', 'double', 1.0, 's',
+              'after this time without a message the motion of the base counts as unknown; 0: '
+              'never', low=0.0, is_relevant=has_base),
+    Parameter('when_silent', 'string', 'unknown', '',
+              'motion of the base in a silence: unknown (all loads are NaN) or the last one '
+              '(hold; before the first message, unknown)', choices=('unknown', 'hold'),
+              is_relevant=has_base),
+))
+
 
 # --- the table -----------------------------------------------------------------------------------
 
@@ -404,7 +441,7 @@ PARAMETERS = _table(
               'thickness of these bars, square to the plane', positive=True),
     *(parameter for item in LINKS.items() for parameter in _body(*item)),
     *(parameter for item in LINKS.items() for parameter in _external(*item)),
-    *_OF_TOPICS, *_DRIVE,
+    *_OF_TOPICS, *_BASE, *_DRIVE,
     Parameter('motor.kind', 'string', 'line', '',
               'with motor: torque that falls linearly with speed (line), DC motor (dc), speed '
               "controller with a limited torque (controller), or induction motor by Kloss' "
@@ -597,5 +634,6 @@ FAMILIES = {'points': _POINT, 'springs': _SPRING, 'torsion_springs': _TORSION, '
 OF_MACHINES = 'dyads', 'bodies', 'external'      # families whose names only machines choose
 # when groups have a meaning, but for parameters that say so themselves
 OF_GROUPS: dict[str, Relevant] = {
-    'cylinder': has_cylinder, 'external': has_masses, 'motor': driven_by('motor'),
+    'cylinder': has_cylinder, 'external': has_masses, 'base': has_masses,
+    'motor': driven_by('motor'),
     'shaft': _BY_TORQUE, 'flywheel': _BY_TORQUE}

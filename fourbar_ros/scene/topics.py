@@ -61,6 +61,19 @@ DRIVE_STATE = Topic('drive_state', '~/drive_state', 'fourbar_msgs/msg/DriveState
                     'state of drive and input after every step, torques, current, effort of the '
                     'integration')
 
+# Motion of the base, with base.topic: as the node receives it, and as it is in effect.
+BASES = {topic.name: topic for topic in (
+    Topic('imu', '~/imu', 'sensor_msgs/msg/Imu',
+          'specific force and rate of the base at O1, turned by `base.rotation`; the angular '
+          'acceleration comes from the rates'),
+    Topic('motion_of_base', '~/input_base', 'fourbar_msgs/msg/Base',
+          'specific force, rate and angular acceleration of the base along the axes of the '
+          'linkage'),
+)}
+BASE = Topic('base', '~/base', 'fourbar_msgs/msg/Base',
+             'motion of the base in effect; NaN: unknown; latched, sent on every change',
+             latched=True)
+
 # External wrenches on links with external.LINK.from_topic. Short names: external_LINK for the
 # topic that the node receives, applied_LINK for the wrench in effect.
 WRENCH, ON_LINK = 'external_', 'applied_'
@@ -74,7 +87,9 @@ def wrench_topic(link: str) -> Topic:
 
 
 def applied_topic(link: str) -> Topic:
-    """Return the topic on which a node says which external wrench is in effect on a link."""
+    """Return the topic on which a node says what is in effect on a link, or as its base."""
+    if link == BASE.name:
+        return BASE
     return Topic(f'{ON_LINK}{link}', f'~/applied/{link}', 'geometry_msgs/msg/WrenchStamped',
                  f'external wrench in effect on the {link}; NaN: unknown; latched, sent on every '
                  'change', latched=True)

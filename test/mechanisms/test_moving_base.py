@@ -130,7 +130,8 @@ def test_arrays_are_what_single_samples_are():
     loads = rocker.loads([high + 0.1, 0.5 * (low + high)], base=Base(0.0, 9.81, [1.0, 2.0]))
     assert np.isnan(loads.f41[0]) and np.isfinite(loads.f41[1])
     flat = FourBar(1.0, 1.0, 1.0, 1.0, bodies=RODS)
-    assert flat.loads([0.0], 9.0, base=Base(1.0)).f41[0] == flat.loads(0.0, 9.0, base=Base(1.0)).f41
+    there = flat.loads([0.0], 9.0, base=Base(1.0))
+    assert there.f41[0] == flat.loads(0.0, 9.0, base=Base(1.0)).f41
     assert np.isnan(flat.loads([0.0], base=Base(0.0, 9.81)).f41[0])
 
 

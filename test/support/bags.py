@@ -134,7 +134,7 @@ def run(directory, name, values, cranks, changes=(), step_ns=10**6, paced=False,
     clock says.
     """
     scene = scenes.from_values(values)
-    topics = [DRIVEN, SCENE, *scene.wrench_topics, *scene.topics.values()]
+    topics = [DRIVEN, SCENE, *scene.acting_topics, *scene.topics.values()]
     resolved = {topic.name: f'/{topic.topic.replace("~", "fourbar")}' for topic in topics}
     about = {'scene': json.dumps(scene.values), 'topics': json.dumps(resolved), 'node': '/fourbar'}
     channels = [channel(resolved[t.name], t.type, latched=t is SCENE) for t in topics]

@@ -78,10 +78,10 @@ class FourBarNode(Node):
             self.recording = Recording(self)
         self.stream = Stream(self, Run(scene), self.recording, self.log)
         self.input = self._input_of(scene.drive.source)
-        self.wrenches = self.trajectories = None
-        if scene.wrenches.links:
-            from fourbar_ros.ros.node.wrenches import WrenchInputs  # and its messages
-            self.wrenches = WrenchInputs(self, self.stream)
+        self.acting = self.trajectories = None
+        if scene.acting:
+            from fourbar_ros.ros.node.acting import ActingInputs  # other scenes do without
+            self.acting = ActingInputs(self, self.stream, self.log)
         if scene.values['trajectories']:
             from fourbar_ros.ros.node.trajectories import Trajectories  # and its messages
             self.trajectories = Trajectories(self, self.stream, self.log)
@@ -89,7 +89,7 @@ class FourBarNode(Node):
         if scene.values['services']:
             from fourbar_ros.ros.node import services  # and their messages
             services.create(self, self.stream, self.workers)
-        counting = [part for part in (self.wrenches, self.trajectories) if part]
+        counting = [part for part in (self.acting, self.trajectories) if part]
         Diagnostics(self, self.stream, self.input, counting, self.recording, self.log)
         if self.recording and scene.recording.start:
             self.recording.begin(scene, self.stream.start_recording)
@@ -128,12 +128,12 @@ class FourBarNode(Node):
         callbacks of the executor and two steps, so that no input waits.
         """
         self._check(scene)
-        run = Run(scene, self.stream.run, self.stream.run.stepper.wrenches)
+        run = Run(scene, self.stream.run, self.stream.run.stepper.acting)
 
         def swap() -> None:
             self.stream.swap(run)
-            if self.wrenches:
-                self.wrenches.renew()
+            if self.acting:
+                self.acting.renew()
         self._between_callbacks(swap)
 
     def close(self, why: str = 'the node ended') -> None:

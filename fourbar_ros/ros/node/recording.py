@@ -88,7 +88,7 @@ class Recording:
         if self._writer:
             with contextlib.suppress(BagError):      # it ended by an error, which was logged
                 self._writer.close()
-        topics = [DRIVEN, SCENE, *scene.drive_topics, *scene.wrench_topics,
+        topics = [DRIVEN, SCENE, *scene.drive_topics, *scene.acting_topics,
                   *scene.topics.values(), *scene.pictures.values()]
         if scene.drive.source in INPUTS:
             topics.append(INPUTS[scene.drive.source])

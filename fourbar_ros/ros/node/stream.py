@@ -15,6 +15,7 @@ from typing import Any, NamedTuple, TYPE_CHECKING
 
 from builtin_interfaces.msg import Time
 from fourbar_ros.errors import FourBarError, InvalidParameter, OutOfRange
+from fourbar_ros.mechanics.bodies import Base
 from fourbar_ros.pipeline.stepper import InModes, INPUT_TIMEOUT, OK, OUT_OF_RANGE, STATUS_NAMES
 from fourbar_ros.ros.messages import (
     Message,
@@ -38,7 +39,7 @@ from std_msgs.msg import String
 
 if TYPE_CHECKING:      # most scenes do without
     from fourbar_ros.dynamics.node_step import DriveValues
-    from fourbar_ros.pipeline.wrenches import Wrench
+    from fourbar_ros.pipeline.wrenches import Acting
     from fourbar_ros.ros.node.pictures import Pictures
     from fourbar_ros.ros.node.recording import Recording
 
@@ -64,12 +65,12 @@ class Stream:
         self._sent: list[tuple[str, bytes]] = []     # (topic, bytes) to record at the step's end
         self._pictures: Pictures | None = None       # of the first scene that has any, and kept
         self._scene_publisher = entities.publisher(node, SCENE)
-        links = run.scene.wrenches.links
-        self._applied = {link: entities.publisher(node, applied_topic(link)) for link in links}
+        self._applied = {name: entities.publisher(node, applied_topic(name))
+                         for name in run.scene.acting}
         self._latched: dict[str, bytes] = {}     # newest messages of these topics, for a new bag
         self.swap(run)
-        for link, wrench in run.stepper.wrenches.items():
-            self.act(link, wrench, node.get_clock().now().to_msg())
+        for name, what in run.stepper.acting.items():
+            self.act(name, what, node.get_clock().now().to_msg())
 
     @property
     def scene(self) -> Scene:
@@ -109,9 +110,9 @@ class Stream:
                 self._pictures = Pictures(self._node, self)
             if self._pictures:
                 self._pictures.publish_latched(run)
-            for link, wrench in self.run.stepper.wrenches.items():
-                if wrench is not run.stepper.wrenches[link]:     # it came while the run was made
-                    run.stepper.act(link, wrench)
+            for name, what in self.run.stepper.acting.items():
+                if what is not run.stepper.acting[name]:     # it came while the run was made
+                    run.stepper.act(name, what)
             self.run, self._values = run, run.unknown
             self._update()
             if unpacked := [name for name, writer in run.writers.items() if not writer.is_packed]:
@@ -133,18 +134,21 @@ class Stream:
         self._subscribed = Wanted.of(self.run, [name for name in names
                                                 if self._publishers[name].is_subscribed])
 
-    def act(self, link: str, wrench: Wrench, stamp: Time) -> None:
-        """Apply a Wrench [N, N m] to a link from the next step on; publish and record it."""
-        from geometry_msgs.msg import WrenchStamped  # scenes without wrenches do without
-        message = WrenchStamped()
+    def act(self, name: str, what: Acting, stamp: Time) -> None:
+        """Let a wrench act on a link, or the base move, from the next step on; say so."""
+        topic = applied_topic(name)
+        message = resolve(topic.type)()
         message.header.stamp, message.header.frame_id = stamp, self.scene.frame_id
-        message.wrench.force.x, message.wrench.force.y, message.wrench.torque.z = wrench
-        data, name = serialize_message(message), applied_topic(link).name
+        if isinstance(what, Base):
+            message.force_x, message.force_y, message.rate, message.acceleration = what
+        else:
+            message.wrench.force.x, message.wrench.force.y, message.wrench.torque.z = what
+        data = serialize_message(message)
         with self._lock:
-            self.run.stepper.act(link, wrench)
-            self._latched[name] = data
-            self._applied[link].publish(data)
-            self.record(name, data)
+            self.run.stepper.act(name, what)
+            self._latched[topic.name] = data
+            self._applied[name].publish(data)
+            self.record(topic.name, data)
 
     def start_recording(self, name: str = '') -> Path:
         """Start a bag whose first message is the scene; return its path; raises FourBarError."""
@@ -155,7 +159,7 @@ class Stream:
             run = self.run
             if (run.outputs, run.scene.pictures) == (scene.topics, scene.pictures):
                 path = self._recording.attach(*bag)
-                run.renew(run.stepper.wrenches)      # a held value could not be recomputed
+                run.renew(run.stepper.acting)      # a held value could not be recomputed
                 self.record(SCENE.name, run.data)
                 if self._pictures:
                     self._pictures.record_latched(run)
@@ -360,13 +364,13 @@ class Run:
     A scene in force: its steppers, its messages, its pictures, its equation of motion.
 
     ``topics`` and ``writers`` have an entry for each topic that answers a step. ``mover``
-    integrates the motion where it follows from torque. ``wrenches`` act on links from the first
-    step on. ``before`` is the run whose writers are used again where nothing in their bytes has
+    integrates the motion where it follows from torque. ``acting``: what acts from the first step
+    on. ``before`` is the run whose writers are used again where nothing in their bytes has
     changed. FourBarError for a scene whose pictures cannot be drawn.
     """
 
     def __init__(self, scene: Scene, before: Run | None = None,
-                 wrenches: Mapping[str, Wrench] | None = None) -> None:
+                 acting: Mapping[str, Acting] | None = None) -> None:
         self.scene, self.layout = scene, scene.layout
         self.mode = mode_number(scene.linkage.mode)
         self.unknown = (nan,) * len(self.layout.place)
@@ -394,11 +398,11 @@ class Run:
         if scene.values['trajectories']:
             from fourbar_ros.ros.node.trajectories import Conversion  # and its messages
             self.conversion = Conversion(scene)
-        self.renew(wrenches)
+        self.renew(acting)
 
-    def renew(self, wrenches: Mapping[str, Wrench] | None = None) -> None:
+    def renew(self, acting: Mapping[str, Acting] | None = None) -> None:
         """Evaluate the scene from now on without values held from before."""
-        self.stepper = InModes(self.scene, wrenches)
+        self.stepper = InModes(self.scene, acting)
         if self.scene.dynamics:
             self.stepper.prepare(self.scene.dynamics.modes_passed(self.scene.linkage))
 

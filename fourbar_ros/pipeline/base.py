@@ -1,0 +1,50 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""The motion of the base, from what an inertial measurement unit on it shows."""
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Sequence
+from math import hypot, isfinite, nan
+
+from fourbar_ros.mechanics.bodies import Base
+from fourbar_ros.pipeline.rate_estimator import Estimate, NANOSECOND
+from fourbar_ros.scene.base import rotation_of
+
+UNKNOWN = Base(nan, nan, nan, nan)
+
+
+class Imu:
+    """
+    Turns the specific force and the rate of an IMU at O1 into the plane of the linkage.
+
+    The angular acceleration is the slope of the newest ``window`` rates: late by half the window.
+    It is unknown after a pause, or a step back of the clock, longer than ``gap`` [s].
+
+    Attributes
+    ----------
+    out_of_plane : tuple of 2 float
+        Specific force [m/s^2] and rate [rad/s] of the last message that are left out.
+
+    """
+
+    def __init__(self, rotation: Sequence[float], window: int, gap: float) -> None:
+        self._axes, self._gap = rotation_of(rotation), gap / NANOSECOND
+        self._rates: deque[tuple[int, float]] = deque(maxlen=window)     # stamps [ns], [rad/s]
+        self.out_of_plane = 0.0, 0.0
+
+    def update(self, time: int, force: Sequence[float], rate: Sequence[float]) -> Base:
+        """Return the base at a stamp [ns]; its angular acceleration may be NaN."""
+        along_x, along_y, across = [sum(a * b for a, b in zip(axis, force)) for axis in self._axes]
+        *tilting, turning = [sum(a * b for a, b in zip(axis, rate)) for axis in self._axes]
+        self.out_of_plane = abs(across), hypot(*tilting)
+        if self._rates and not 0 < time - self._rates[-1][0] <= self._gap:
+            self._rates.clear()
+        if not isfinite(turning):
+            self._rates.clear()
+            return UNKNOWN
+        self._rates.append((time, turning))
+        if len(self._rates) < 2:
+            return Base(along_x, along_y, turning, nan)
+        points = [((its - time) * NANOSECOND, value - turning) for its, value in self._rates]
+        return Base(along_x, along_y, turning, Estimate(points, 1).slope)
