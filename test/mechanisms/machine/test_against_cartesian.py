@@ -113,7 +113,7 @@ def test_links_that_move_together(name, count):
     for machine, given in random_machines(404, count, structure=structure, driver=driver):
         found = worst_of(Drawn(machine, given))
         assert found['loads'][0] <= 1.0, found
-        assert found['motion'][0] <= 50.0 / MOTION_BOUND, found     # slides behind bars, blocks
+        assert found['motion'][0] <= 350.0 / MOTION_BOUND, found    # as docs/accuracy.md states
 
 
 def test_a_block_pinned_to_what_carries_its_yoke_does_not_feel_the_yoke():

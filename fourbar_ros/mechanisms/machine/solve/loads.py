@@ -90,12 +90,12 @@ def loads_of(n: NumberType, layout: Layout, numbers: Sequence[Numbers], bodies: 
     square, needs = rate * rate, []
     for curve, name, body in zip(curves, layout.moving, bodies):
         x, y, dx, dy, ddx, ddy, cosine, sine, turn, bend = curve
+        terms = about_first_joint(body, 1.0, gravity, applied_to(external, name))
         link = LinkMotion(x, y, 0.0, 0.0, dx * acceleration + ddx * square,
                           dy * acceleration + ddy * square, cosine, sine, turn * rate,
                           turn * acceleration + bend * square)
         if isinstance(gravity, Base):
             link = on_base(gravity, 1.0, link._replace(v_x=dx * rate, v_y=dy * rate))
-        terms = about_first_joint(body, 1.0, gravity, applied_to(external, name))
         needs.append(needs_of(terms, Vector(link.a_x, link.a_y), Vector(cosine, sine),
                               link.omega, link.alpha))
     drive, shaking = drive_and_shaking(n, curves, needs)
