@@ -18,7 +18,7 @@ from numbers import Real
 from typing import Any, NoReturn, overload, TYPE_CHECKING, TypeVar, Union
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, MissingBodies, OutOfRange, Toggle
-from fourbar_ros.mechanics.bodies import Base, External
+from fourbar_ros.mechanics.bodies import Base, External, NOT_APPLIED
 from fourbar_ros.mechanisms.checks import checked, checked_gravity, checked_stroke
 from fourbar_ros.mechanisms.contract import cached_by_lengths, Constants, Contract, OPEN
 from fourbar_ros.mechanisms.evaluation import (
@@ -44,9 +44,9 @@ if TYPE_CHECKING:
 DrivenLinks = Union['Mechanism', 'SeenFromLink']
 _Self = TypeVar('_Self', bound='Mechanism')
 # what tab completion shows besides the fields
-SHOWN = ('acceleration_polygon', 'change_point_margin', 'classification', 'dead_points',
-         'description', 'diagram', 'in_mode', 'input', 'input_ranges', 'lengths', 'loads',
-         'margins', 'modes', 'motion', 'output_ranges', 'outputs', 'reactions', 'step',
+SHOWN = ('acceleration_polygon', 'bias', 'change_point_margin', 'classification', 'dead_points',
+         'description', 'diagram', 'in_mode', 'inertia', 'input', 'input_ranges', 'lengths',
+         'loads', 'margins', 'modes', 'motion', 'output_ranges', 'outputs', 'reactions', 'step',
          'turns_fully', 'velocity_polygon', 'with_base', 'with_external', 'with_lengths')
 
 
@@ -280,6 +280,30 @@ class Mechanism(Contract):
         if self.bodies is None:
             raise MissingBodies
         return loads_on_bases(self, (position, rate, acceleration), base)
+
+    @cached_property
+    def weightless(self: _Self) -> _Self:
+        """Return the same mechanism without gravity, base and external loads."""
+        external = self.EXTERNAL._make([NOT_APPLIED] * len(self.EXTERNAL._fields))
+        return self._copy(**self._geometry, gravity=(0.0, 0.0), external=external)
+
+    @property
+    def drive_load(self) -> str:
+        """Return the name of the load that is the drive's torque or force."""
+        return 'driving_force' if self.is_driven_by_slide else 'driving_torque'
+
+    def inertia(self, position: ArrayLike) -> Any:
+        """
+        Return the inertia at the input, J of T = J alpha + b [kg m^2], of a driven slide [kg].
+
+        Arguments and errors as in :meth:`loads`. At another joint that turns ``ratio`` times as
+        fast as the input it is J / ratio^2.
+        """
+        return getattr(self.weightless.loads(position, 0.0, 1.0), self.drive_load)
+
+    def bias(self, position: ArrayLike, rate: ArrayLike = 0.0) -> Any:
+        """Return b of T = J alpha + b [N m], [N]: the drive without acceleration."""
+        return getattr(self.loads(position, rate, 0.0), self.drive_load)
 
     @overload
     def step(self, position: ArrayLike, rate: ArrayLike = 0.0, acceleration: ArrayLike = 0.0,

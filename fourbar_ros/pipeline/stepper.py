@@ -8,20 +8,22 @@ Steppers evaluate those of a scene, by its policy out of range and in its assemb
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping
+from contextlib import suppress
 from functools import cache, partial
 from math import isfinite, isinf, isnan, nan, nextafter
 from typing import cast, NamedTuple, TYPE_CHECKING, Union
 
-from fourbar_ros.errors import InvalidParameter, OutOfRange, Toggle
+from fourbar_ros.errors import FourBarError, InvalidParameter, OutOfRange, Toggle
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.mechanisms.points import link_fields, LinkFields, make_point, PointMotion
 from fourbar_ros.numerics.number_types import REAL
-from fourbar_ros.scene.message_fields import joint_values, mode_number
+from fourbar_ros.scene.message_fields import EQUATION, joint_values, mode_number, RIGID
 from fourbar_ros.scene.scene import Scene
 import numpy as np
 
 if TYPE_CHECKING:      # scenes with wrenches need it
+    from fourbar_ros.mechanisms.inertia import Rigid
     from fourbar_ros.pipeline.wrenches import Acting
 
 # The same numbers as the STATUS_ constants of fourbar_msgs/LinkageState (a test compares them).
@@ -90,7 +92,7 @@ def _partly(status: int, mechanism: Mechanism, position: float, rate: float, acc
 
 # --- samples of a scene --------------------------------------------------------------------------
 
-Wanted = Union[bool, Collection[str]]       # outputs points/NAME and links/NAME; True: all
+Wanted = Union[bool, Collection[str]]       # outputs as points/NAME and equation; True: all
 Sample = tuple[int, tuple[float, ...]]      # status and values
 
 # endings of the fields that are infinite at a limit, besides omega and alpha
@@ -132,6 +134,18 @@ class Stepper:
         if not scene.shows_plain_joints:
             from fourbar_ros.pipeline.joints import Joints
             self._joints = Joints(scene.layout, scene.joint_states)
+        # outputs of the linkage with what acts on it: (name, function of it, its motion and loads,
+        # values where nothing is known)
+        self._of_linkage: list[tuple[
+            str, Callable[[Mechanism, NamedFields, NamedFields], Iterable[float]],
+            tuple[float, ...]]] = []
+        self._carried = scene.carried
+        if 'equation' in scene.outputs:
+            self._of_linkage.append(('equation', partial(
+                _equation, scene.bare_linkage.weightless, scene.drive.carried_inertia),
+                (nan,) * len(EQUATION)))
+        if 'inertia' in scene.outputs:
+            self._of_linkage.append(('inertia', _rigid, (nan,) * len(RIGID)))
         own_joints = joint_values(len(scene.layout.joints)) if self._joints else ()
         # the values of a sample where nothing is known, without those of its joints
         self._nothing = (nan,) * (len(scene.layout.place) - len(own_joints))
@@ -165,9 +179,9 @@ class Stepper:
         """
         Return (status, values) at an input, [rad] or [m], and its rate and acceleration.
 
-        The values are (*motion, *loads, *motion of each point and link, *drive wrench, *joints),
-        as the scene's FieldMap places them. ``with_parts``: which points and links are wanted;
-        the values of others are NaN.
+        The values are (*motion, *loads, *motion of each point and link, *equation, *rigid, *drive
+        wrench, *joints), as the scene's FieldMap places them. ``with_parts``: which of the points
+        and links, of equation and inertia are wanted; the values of others are NaN.
         """
         linkage = self.linkage
         if self._with_element_forces and with_loads:       # springs act on the links too
@@ -177,7 +191,10 @@ class Stepper:
                                                with_loads and not self._loads_unknown)
         if self._loads_unknown and status == OK:
             status = LOADS_UNKNOWN
-        values = self._completed((*motion, *loads, *self._of_parts(motion, with_parts)))
+        elif self._carried and with_loads and status == OK:
+            loads = _rest_of(loads, self._carried, linkage)
+        values = self._completed((*motion, *loads, *self._of_parts(motion, with_parts),
+                                  *self._shown_of(linkage, status, motion, loads, with_parts)))
         if self._policy == 'hold':
             if status in (OK, LOADS_UNKNOWN):
                 self._good = values
@@ -203,6 +220,18 @@ class Stepper:
                 for value in (part(motion) if wanted is True or wanted and name in wanted
                               else unknown)]
 
+    def _shown_of(self, linkage: Mechanism, status: int, motion: NamedFields, loads: NamedFields,
+                  wanted: Wanted) -> list[float]:
+        """Return equation of motion and inertia, NaN where they are not wanted or not known."""
+        values: list[float] = []
+        for name, part, unknown in self._of_linkage:
+            found: Iterable[float] = unknown
+            if status == OK and (wanted is True or wanted and name in wanted):
+                with suppress(FourBarError):        # numbers overflow
+                    found = part(linkage, motion, loads)
+            values += found
+        return values
+
     def _at_limit(self, position: float) -> tuple[float, ...]:
         """Return the values at the limit nearest to an input; rates and loads are NaN there."""
         if self._limits is None:
@@ -215,7 +244,30 @@ class Stepper:
         motion = motion._replace(**{name: nan for name in motion._fields
                                     if name.startswith(('omega', 'alpha'))
                                     or name.endswith(_UNBOUNDED)})
-        return self._completed((*motion, *loads, *self._of_parts(motion, True)))
+        return self._completed((*motion, *loads, *self._of_parts(motion, True),
+                                *self._shown_of(self.linkage, OUT_OF_RANGE, motion, loads,
+                                                False)))
+
+
+def _equation(weightless: Mechanism, carried: float, linkage: Mechanism, motion: NamedFields,
+              loads: NamedFields) -> list[float]:
+    """Return the values of the output equation."""
+    from fourbar_ros.mechanisms.inertia import input_equation  # other scenes do without
+    position, rate, acceleration = (getattr(motion, name) for name in linkage.input_coordinate)
+    return [*input_equation(linkage, position, rate, weightless),
+            getattr(loads, linkage.drive_load) - carried * acceleration]
+
+
+def _rigid(linkage: Mechanism, motion: NamedFields, loads: NamedFields) -> Iterable[float]:
+    """Return the values of the output inertia."""
+    from fourbar_ros.mechanisms.inertia import held_rigid  # other scenes do without
+    return held_rigid(linkage, motion)
+
+
+def _rest_of(loads: NamedFields, carried: Rigid, linkage: Mechanism) -> NamedFields:
+    """Return loads without what a simulator's own body gives."""
+    from fourbar_ros.mechanisms.inertia import rest_of  # other scenes do without
+    return rest_of(loads, carried, linkage)
 
 
 def _first_assembled(linkage: Mechanism, end: float, toward: float) -> float:

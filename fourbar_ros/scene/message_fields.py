@@ -32,6 +32,8 @@ STATE_FIELDS = (*THETA1, *THETA2, *THETA3, *THETA4, *BETA, 'transmission_angle',
                 'condition', *TRAVEL)
 OF_JOINTS = ('position', 'velocity', 'effort')          # of a JointState
 DRIVE_WRENCH = ('drive wrench force_x', 'drive wrench force_y', 'drive wrench torque')
+EQUATION = ('inertia', 'inertia_slope', 'bias', 'static_torque', 'torque_of_rest')
+RIGID = ('mass', 'x', 'y', 'inertia')                  # of the linkage held rigid
 PASSIVE_EFFORT = 0.0                                   # frictionless joints
 Source = str | tuple[str | None, ...]      # of a field: see FieldMap
 
@@ -54,7 +56,7 @@ class FieldMap(NamedTuple):
         {output: fields that are always NaN}.
     place : dict
         {name of a value: its index in (*motion, *loads, *motion of each point, *motion of each
-        link, *drive wrench, *joints)}.
+        link, *equation, *rigid, *drive wrench, *joints)}.
     joints : tuple
         (coordinate, name of the effort of its drive or None) of each joint.
 
@@ -96,14 +98,15 @@ class FieldMap(NamedTuple):
 
 
 def layout(mechanism: Mechanism, points: Iterable[str] = (), with_links: bool = False,
-           with_effort: bool = True, own_joints: bool = False, with_drive: bool = False
-           ) -> FieldMap:
+           with_effort: bool = True, own_joints: bool = False, with_drive: bool = False,
+           with_equation: bool = False, with_inertia: bool = False) -> FieldMap:
     """
     Return the :class:`FieldMap` of a mechanism with named points.
 
     ``with_links``: the motion of links is published; ``with_effort``: joint_states have it;
     ``own_joints``: they show scaled values of :mod:`fourbar_ros.pipeline.joints`, not the motion
-    itself; ``with_drive``: with the drive wrench.
+    itself; ``with_drive``: with the drive wrench; ``with_equation``, ``with_inertia``: with what
+    these outputs show.
     """
     names = mechanism.MOTION._fields + mechanism.LOADS._fields
     driven, (output, ratio) = mechanism.input_coordinate, mechanism.outputs[0]
@@ -118,6 +121,11 @@ def layout(mechanism: Mechanism, points: Iterable[str] = (), with_links: bool = 
         for point in points}
     own |= {f'links/{link.name}': {name: f'link {link.name}.{name}' for name in LinkFields._fields}
             for link in mechanism.LINKS if with_links}
+    if with_equation:
+        own['equation'] = {name: f'equation {name}' for name in EQUATION}
+    if with_inertia:
+        own['inertia'] = dict(zip(('inertia.m', 'inertia.com.x', 'inertia.com.y', 'inertia.izz'),
+                                  [f'rigid {name}' for name in RIGID]))
     fields: dict[str, Mapping[str, Source]] = {
         'driven': dict(zip(motion, driven)),
         'output': dict(zip(motion, output)),
@@ -135,6 +143,8 @@ def layout(mechanism: Mechanism, points: Iterable[str] = (), with_links: bool = 
               'loads': tuple(name for name in LOADS if name not in names)}
     for sources in own.values():
         names += tuple(map(str, sources.values()))
+    if with_equation:
+        fields['equation'] = {**dict(zip(motion[:2], driven)), **own['equation']}
     if with_drive:
         fields['drive_wrench'] = dict(zip(wrench, DRIVE_WRENCH))
         names += DRIVE_WRENCH

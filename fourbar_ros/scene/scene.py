@@ -43,6 +43,7 @@ import numpy as np
 if TYPE_CHECKING:      # other scenes do without
     from fourbar_ros.dynamics.elements import Element, PositionForce
     from fourbar_ros.dynamics.node_step import Mover
+    from fourbar_ros.mechanisms.inertia import Rigid
     from fourbar_ros.mechanisms.parts import NamedFields
     from fourbar_ros.mechanisms.quantities import Function
     from fourbar_ros.scene.dynamics import Dynamics
@@ -197,6 +198,16 @@ class Scene:
         """Return all springs, dampers and forces over a position."""
         return self.dynamics.elements if self.dynamics else self.forces
 
+    @cached_property
+    def carried(self) -> Rigid | None:
+        """Return the inertia that a simulator's own body has for the linkage, if it has any."""
+        names = [f'base.carried.{name}' for name in ('mass', 'x', 'y', 'inertia')]
+        given = [self.values[name] for name in names]
+        if not (any(given) or self.values['base.carried.mean']):
+            return None
+        from fourbar_ros.mechanisms.inertia import mean_rigid, Rigid  # other scenes do without
+        return mean_rigid(self.bare_linkage) if self.values['base.carried.mean'] else Rigid(*given)
+
     def make_loaded(self, linkage: Mechanism
                     ) -> Callable[[float, float], Mechanism | None] | None:
         """
@@ -290,7 +301,9 @@ class Scene:
     def layout(self) -> FieldMap:
         """Return the map from the values of a sample to the fields of messages."""
         fields = layout(self.linkage, self.points, 'links' in self.outputs, self.needs_loads,
-                        not self.shows_plain_joints, 'drive_wrench' in self.outputs)
+                        not self.shows_plain_joints, *[
+                            name in self.outputs
+                            for name in ('drive_wrench', 'equation', 'inertia')])
         return fields.showing(self.joints_shown) if self.joint_states.only_passive else fields
 
     @property
@@ -443,6 +456,12 @@ def _check_together(scene: Scene) -> None:
         refuse('base.topic', 'motion that follows from torque has a base at rest only')
     if scene.base.topic and not scene.has_loads:
         refuse('base.topic', 'has no effect without masses')
+    carried = [name for name in scene.values if name.startswith('base.carried.')
+               and scene.values[name]]
+    if carried and not scene.has_loads:
+        refuse(carried[0], 'has no effect without masses')
+    if 'base.carried.mean' in carried and len(carried) > 1:
+        refuse('base.carried.mean', 'and numbers of base.carried exclude each other')
     if scene.base.rotation:
         from fourbar_ros.scene.base import rotation_of  # other scenes do without
         rotation_of(scene.base.rotation)

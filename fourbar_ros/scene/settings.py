@@ -304,6 +304,10 @@ _DRIVE = _group('drive', (
               'default: positions count their turns',
               positive=True,
               is_relevant=lambda values: _BY_MESSAGES(values) and not has_slide(values)),
+    Parameter('carried_inertia', 'double', 0.0, 'kg m^2 or kg',
+              'inertia that a simulator has in its own rotor for the linkage: torque_of_rest of '
+              'the output equation is the driving torque without it', low=0.0,
+              is_relevant=has_masses),
     Parameter('timeout', 'double', 1.0, 's',
               'with messages: after this time without input the status is STATUS_INPUT_TIMEOUT; '
               '0: never', low=0.0, is_relevant=driven_by(*MESSAGES, TORQUE.name)),
@@ -379,6 +383,15 @@ _BASE = _group('base', (
               'motion of the base in a silence: unknown (all loads are NaN) or the last one '
               '(hold; before the first message, unknown)', choices=('unknown', 'hold'),
               is_relevant=has_base),
+    Parameter('carried.mass', 'double', 0.0, 'kg',
+              'mass that a simulator has in its own body for the linkage: shaking force and '
+              'moment are those of the rest', low=0.0),
+    Parameter('carried.x', 'double', 0.0, 'm', 'centre of that mass from O1: x'),
+    Parameter('carried.y', 'double', 0.0, 'm', 'centre of that mass from O1: y'),
+    Parameter('carried.inertia', 'double', 0.0, 'kg m^2',
+              'moment of inertia of that mass about its centre', low=0.0),
+    Parameter('carried.mean', 'bool', False, '',
+              'instead of these numbers the mean over the input, which fourbar show prints'),
 ))
 
 

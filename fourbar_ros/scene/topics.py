@@ -118,6 +118,11 @@ OUTPUTS = {topic.name: topic for topic in (
     Topic('drive_wrench', '~/drive_wrench', 'geometry_msgs/msg/WrenchStamped',
           'force and torque of the linkage on its drive, at the driven joint: the negative '
           'driving force and torque', True),
+    Topic('equation', '~/equation', 'fourbar_msgs/msg/Equation',
+          'inertia and bias at the driven joint, for simulators that integrate the drive', True),
+    Topic('inertia', '~/inertia', 'geometry_msgs/msg/InertiaStamped',
+          'the linkage held rigid in its pose: mass, centre of gravity from O1, `izz` about that '
+          'centre; the other moments are not filled', True),
     Topic('points', '~/points/NAME', 'fourbar_msgs/msg/PointMotion',
           'position, velocity and acceleration of a point of the scene (one topic for each '
           'points.NAME)'),

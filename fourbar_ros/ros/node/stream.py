@@ -44,7 +44,7 @@ if TYPE_CHECKING:      # most scenes do without
     from fourbar_ros.ros.node.recording import Recording
 
 Make = Callable[[Stamp, Sequence[float]], Message]      # None where the pose is not known
-PARTS = 'points/', 'links/'    # outputs whose values are computed for their topic alone
+PARTS = 'points/', 'links/', 'equation', 'inertia'     # computed for their topic alone
 
 
 class Stream:

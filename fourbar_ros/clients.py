@@ -1,0 +1,160 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Lock step with a node, from a simulator's own loop: publish, wait for the answer of that stamp.
+
+>>> lockstep = LockStep(outputs=('shaking_wrench', 'equation'))      # doctest: +SKIP
+>>> answer = lockstep(0.001, position=0.3, rate=25.0, acceleration=0.0)      # doctest: +SKIP
+>>> answer.shaking_wrench.wrench.force.x                             # doctest: +SKIP
+762.748
+
+The order is settled here: the base is in effect before the input is sent, and a torque is sent
+before the clock.
+"""
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from math import nan
+import time as clock
+from types import SimpleNamespace
+from typing import Any
+
+from fourbar_ros.errors import FourBarError
+from fourbar_ros.mechanics.bodies import Base
+from fourbar_ros.ros.messages import Message, resolve, to_stamp
+from fourbar_ros.scene.topics import BASE, BASES, DRIVE_STATE, INPUTS, OUTPUTS, Topic, TORQUE
+import rclpy
+from rclpy.executors import ExternalShutdownException
+from rclpy.experimental import EventsExecutor
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from rosgraph_msgs.msg import Clock
+
+FIRST = 30.0         # [s] to find the node
+AGAIN = 0.1          # [s] after which a first message is sent again, until both have met
+DEPTH = 100
+
+
+class Late(FourBarError):
+    """An answer of a step did not come, or is not of this step."""
+
+
+class LockStep:
+    """
+    Steps a node from a simulator's loop.
+
+    Parameters
+    ----------
+    node : str
+        Name of the node, with its namespace.
+    outputs : sequence of str
+        Topics to wait for, by their names in ``outputs``.
+    patience : float
+        How long an answer may take [s].
+
+    """
+
+    def __init__(self, node: str = 'fourbar', outputs: Sequence[str] = ('shaking_wrench',),
+                 patience: float = 5.0) -> None:
+        if not rclpy.ok():
+            rclpy.init()
+        name = f'{node.strip("/").replace("/", "_")}_lock_step'
+        self._own, self._node, self._patience = rclpy.create_node(name), node, patience
+        self._executor = EventsExecutor()
+        self._executor.add_node(self._own)
+        self._newest: dict[str, Message] = {}
+        self._publishers: dict[str, Any] = {}
+        self._met: set[str] = set()
+        self._outputs = tuple(outputs)
+        for output in self._outputs:
+            self._listen(OUTPUTS[output])
+
+    def __call__(self, time: float, position: float, rate: float = nan, acceleration: float = nan,
+                 base: Base | None = None) -> SimpleNamespace:
+        """
+        Return the answer to an input at a time [s]: a message for each output, by its name.
+
+        For a node with ``drive.source: motion``; rates that are NaN are estimated. ``base``: its
+        motion, for one with ``base.topic: motion_of_base``. Raises Late.
+        """
+        stamp = to_stamp(round(time * 1e9))
+        if base is not None:
+            if BASE.name not in self._newest and BASE.name not in self._publishers:
+                self._listen(BASE, QoSProfile(depth=DEPTH,
+                                              durability=DurabilityPolicy.TRANSIENT_LOCAL))
+            self._ask(BASES['motion_of_base'], (BASE.name,), stamp, **base._asdict())
+        return self._ask(INPUTS['motion'], self._outputs, stamp, position=position,
+                         velocity=rate, acceleration=acceleration)
+
+    def push(self, time: float, torque: float) -> SimpleNamespace:
+        """
+        Return the answer to a torque [N m], or force [N], up to a time [s] of the simulation.
+
+        For a node with ``drive.source: torque`` and ``use_sim_time``: sends the torque, then the
+        clock. Raises Late, also if the step was made with another torque.
+        """
+        if DRIVE_STATE.name not in self._publishers:
+            self._publishers[DRIVE_STATE.name] = self._listen(DRIVE_STATE)
+        stamp = to_stamp(round(time * 1e9))
+        send = self._publisher(TORQUE)
+        message = send.msg_type()
+        message.wrench.torque.z = message.wrench.force.x = torque
+        send.publish(message)
+        if 'clock' not in self._publishers:
+            self._publishers['clock'] = self._own.create_publisher(Clock, '/clock', DEPTH)
+        names = (*self._outputs, DRIVE_STATE.name)
+        answer = self._wait(names, stamp, lambda: self._publishers['clock'].publish(
+            Clock(clock=stamp)))
+        if answer.drive_state.command != torque:
+            raise Late(f'{self._name(TORQUE)}: the step to {time:g} s was made with '
+                       f'{answer.drive_state.command:g}, not {torque:g}')
+        return answer
+
+    def close(self) -> None:
+        """Leave the node alone."""
+        self._executor.shutdown()
+        self._own.destroy_node()
+
+    def _name(self, topic: Topic) -> str:
+        return topic.topic.replace('~', f'/{self._node.strip("/")}')
+
+    def _listen(self, topic: Topic, qos: QoSProfile | int = DEPTH) -> Any:
+        def keep(message: Message) -> None:
+            self._newest[topic.name] = message
+        return self._own.create_subscription(resolve(topic.type), self._name(topic), keep, qos)
+
+    def _publisher(self, topic: Topic) -> Any:
+        if topic.name not in self._publishers:
+            self._publishers[topic.name] = self._own.create_publisher(
+                resolve(topic.type), self._name(topic), DEPTH)
+        return self._publishers[topic.name]
+
+    def _ask(self, topic: Topic, names: Sequence[str], stamp: Any, **fields: float
+             ) -> SimpleNamespace:
+        """Send a message and return the answers of its stamp."""
+        message = resolve(topic.type)(**fields)
+        message.header.stamp = stamp
+        publisher = self._publisher(topic)
+        return self._wait(names, stamp, lambda: publisher.publish(message))
+
+    def _wait(self, names: Sequence[str], stamp: Any, send: Callable[[], None]
+              ) -> SimpleNamespace:
+        """Send, and wait until all topics have a message of this stamp."""
+        missing, is_first = set(names), not self._met.issuperset(names)
+        end = clock.monotonic() + (FIRST if is_first else self._patience)
+        again = 0.0
+        while missing:
+            now = clock.monotonic()
+            if now > end:
+                raise Late(f'no answer of {stamp.sec}.{stamp.nanosec:09d} s on '
+                           f'{", ".join(sorted(missing))} from {self._node}')
+            if now >= again:
+                send()
+                again = now + AGAIN if is_first else end + 1.0
+            try:
+                self._executor.spin_once(timeout_sec=AGAIN)
+            except ExternalShutdownException:
+                raise Late('ROS was shut down') from None
+            missing = {name for name in missing if name not in self._newest
+                       or self._newest[name].header.stamp != stamp}
+        self._met.update(names)
+        return SimpleNamespace(**{name: self._newest[name] for name in names})

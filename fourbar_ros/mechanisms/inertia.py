@@ -1,0 +1,97 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+What a larger simulation needs of a linkage: its inertia, and what remains of torque and wrench.
+
+The drive gives T = J alpha + b, with the inertia J and the bias b at the input. Both are loads of
+single motions: J is the drive at unit acceleration and at rest, without weight and other forces;
+half its slope dJ/dtheta is the drive at unit rate. No digit cancels.
+"""
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from fourbar_ros.mechanics.bodies import Base, Body, field_of
+from fourbar_ros.mechanics.newton_euler import about_first_joint, needs_of, on_base
+from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.parts import NamedFields
+from fourbar_ros.mechanisms.points import FIXED, point_of
+from fourbar_ros.numerics.number_types import Scalar
+from fourbar_ros.numerics.vectors import Vector
+import numpy as np
+
+
+class InputEquation(NamedTuple):
+    """The equation of motion of the input at a position and a rate; per m of a driven slide."""
+
+    inertia: Scalar           # J [kg m^2]
+    inertia_slope: Scalar     # dJ/dtheta [kg m^2/rad]
+    bias: Scalar              # b [N m]: half the slope times the squared rate, and what follows
+    static_torque: Scalar     # [N m] against weight, springs and other forces, at rest
+
+
+class Rigid(NamedTuple):
+    """A linkage held rigid: its inertia as simulators take it, along the axes of the linkage."""
+
+    mass: Scalar              # [kg]
+    x: Scalar                 # [m] centre of gravity from O1
+    y: Scalar
+    inertia: Scalar           # [kg m^2] about the centre of gravity
+
+
+def input_equation(mechanism: Mechanism, position: Any, rate: Any,
+                   weightless: Mechanism | None = None) -> InputEquation:
+    """
+    Return the terms of T = J alpha + b; arguments, arrays too, and errors as of ``loads``.
+
+    ``weightless``: the mechanism's own :attr:`.Mechanism.weightless`, if other forces than its
+    constant ones act on it.
+    """
+    free, drive = weightless or mechanism.weightless, mechanism.drive_load
+    inertia, half_slope, static, bias = [
+        getattr(links.loads(position, *rates), drive)
+        for links, *rates in ((free, 0.0, 1.0), (free, 1.0, 0.0), (mechanism, 0.0, 0.0),
+                              (mechanism, rate, 0.0))]
+    return InputEquation(inertia, 2.0 * half_slope, bias, static)
+
+
+def held_rigid(mechanism: Mechanism, motion: NamedFields) -> Rigid:
+    """Return the inertia of a mechanism with masses, held in the pose of a motion or of many."""
+    parts = []
+    for link, (body, _) in mechanism.loads_of_links().items():
+        at = point_of(mechanism.link_motion(motion, link), body.cg_along, body.cg_across)
+        parts.append((body.mass, at.x, at.y, body.inertia))
+    mass = sum(m for m, _, _, _ in parts)
+    if not mass:
+        return Rigid(0.0, 0.0, 0.0, sum(inertia for *_, inertia in parts))
+    x, y = (sum(part[0] * part[i] for part in parts) / mass for i in (1, 2))
+    return Rigid(mass, x, y, sum(inertia + m * ((its_x - x)**2 + (its_y - y)**2)
+                                 for m, its_x, its_y, inertia in parts))
+
+
+def mean_rigid(mechanism: Mechanism, count: int = 720) -> Rigid:
+    """Return the mean over the input of the mass matrices of a mechanism held rigid."""
+    inputs = np.concatenate([low + (np.arange(count) + 0.5) / count * (high - low)
+                             for low, high in mechanism.input_ranges])
+    held = held_rigid(mechanism, mechanism.motion(inputs))
+    x, y, about_o1 = (float(np.mean(value)) for value in (
+        held.x, held.y, held.inertia + held.mass * (held.x**2 + held.y**2)))
+    return Rigid(held.mass, x, y, about_o1 - held.mass * (x * x + y * y))
+
+
+def rest_of(loads: NamedFields, carried: Rigid, mechanism: Mechanism) -> NamedFields:
+    """
+    Return loads whose shaking force and moment lack what a body of the simulator gives already.
+
+    It is fixed to the base, of the inertia ``carried``. Floats.
+    """
+    gravity = mechanism.gravity
+    base = gravity if isinstance(gravity, Base) else Base(*(-g for g in field_of(gravity)))
+    fixed = on_base(base, 1.0, FIXED)
+    needs = needs_of(about_first_joint(Body(*carried), 1.0, (0.0, 0.0)),
+                     Vector(fixed.a_x, fixed.a_y), Vector(1.0, 0.0), fixed.omega, fixed.alpha)
+    x, y = loads.shaking_force_x + needs.force.x, loads.shaking_force_y + needs.force.y
+    found: NamedFields = loads._replace(
+        shaking_force_x=x, shaking_force_y=y, shaking_force=float(np.hypot(x, y)),
+        shaking_moment=loads.shaking_moment + needs.moment)
+    return found
