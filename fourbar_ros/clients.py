@@ -21,6 +21,7 @@ from typing import Any
 
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanics.bodies import Base
+from fourbar_ros.numerics.given import number
 from fourbar_ros.ros.messages import Message, resolve, to_stamp
 from fourbar_ros.scene.topics import BASE, BASES, DRIVE_STATE, INPUTS, OUTPUTS, Topic, TORQUE
 import rclpy
@@ -76,7 +77,7 @@ class LockStep:
         For a node with ``drive.source: motion``; rates that are NaN are estimated. ``base``: its
         motion, for one with ``base.topic: motion_of_base``. Raises Late.
         """
-        stamp = to_stamp(round(time * 1e9))
+        stamp = _stamp_of(time)
         if base is not None:
             if BASE.name not in self._newest and BASE.name not in self._publishers:
                 self._listen(BASE, QoSProfile(depth=DEPTH,
@@ -94,7 +95,7 @@ class LockStep:
         """
         if DRIVE_STATE.name not in self._publishers:
             self._publishers[DRIVE_STATE.name] = self._listen(DRIVE_STATE)
-        stamp = to_stamp(round(time * 1e9))
+        stamp = _stamp_of(time)
         send = self._publisher(TORQUE)
         message = send.msg_type()
         message.wrench.torque.z = message.wrench.force.x = torque
@@ -158,3 +159,9 @@ class LockStep:
                        or self._newest[name].header.stamp != stamp}
         self._met.update(names)
         return SimpleNamespace(**{name: self._newest[name] for name in names})
+
+
+def _stamp_of(time: float) -> Any:
+    """Return the stamp of a time [s]; one of zero or less counts as none."""
+    return to_stamp(round(number('time', time, 'must be above zero: a stamp of 0 is none',
+                                 above=0.0) * 1e9))
