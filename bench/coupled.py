@@ -37,7 +37,7 @@ def node(scene, outputs):
 
 
 def coupled(linkage, crank, time, state):
-    """Return mass matrix and forces of a linkage on a chassis (x, y, phi), from its links alone."""
+    """Return mass matrix and forces of a linkage on a chassis (x, y, phi), from its links."""
     _, _, phi, _, _, turn = state
     motion = linkage.motion(*crank(time))
     rotated = np.array([[np.cos(phi), -np.sin(phi)], [np.sin(phi), np.cos(phi)]])
@@ -119,7 +119,8 @@ def main(samples=None):
                    for name in ('chassis', 'motor'))
     head = ('step', 'error in lock step', 'error of the implicit coupling', 'largest ratio',
             'times real time')
-    until, linkage = samples or 3.0, load_scene(EXAMPLES / 'nodes/mujoco_chassis.yaml').bare_linkage
+    until = samples or 3.0
+    linkage = load_scene(EXAMPLES / 'nodes/mujoco_chassis.yaml').bare_linkage
     rows = []
     with node('mujoco_chassis', ('shaking_wrench',)) as ask:
         for mass in MASSES:

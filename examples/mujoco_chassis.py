@@ -1,13 +1,12 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-A chassis on springs carries the paper's linkage: MuJoCo moves the chassis, a node gives the wrench.
+A chassis on springs carries the paper's linkage: MuJoCo moves it, a node gives the wrench.
 
 Start the node first:  fourbar_node --ros-args --params-file nodes/mujoco_chassis.yaml
 You see how far the linkage shakes the chassis while its crank runs up to 25 rad/s.
 """
 from fourbar_ros import Base
-from fourbar_ros.clients import LockStep
 import mujoco
 import numpy as np
 
@@ -56,5 +55,6 @@ def simulate(ask, mass=60.0, step=1e-3, until=3.0, asks=2):
 
 
 if __name__ == '__main__':
+    from fourbar_ros.clients import LockStep  # needs ROS
     x, y, angle = np.ptp(simulate(LockStep())[2000:], axis=0)
     print(f'in the third second: {1e3 * x:.2f} mm, {1e3 * y:.2f} mm, {np.degrees(angle):.3f} deg')

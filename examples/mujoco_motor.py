@@ -6,7 +6,6 @@ A motor drives the paper's linkage: MuJoCo moves the rotor, a node gives inertia
 Start the node first:  fourbar_node --ros-args --params-file nodes/mujoco_motor.yaml
 You see how the speed rises and by how much it fluctuates, however light the rotor is.
 """
-from fourbar_ros.clients import LockStep
 import mujoco
 import numpy as np
 
@@ -37,6 +36,7 @@ def simulate(ask, rotor=0.2, step=1e-3, until=2.0):
 
 
 if __name__ == '__main__':
+    from fourbar_ros.clients import LockStep  # needs ROS
     rates = simulate(LockStep(outputs=('equation',)))[:, 1]
     print(f'{rates[100]:.2f} rad/s after 0.1 s; at the end {rates[1500:].min():.2f} to '
           f'{rates[1500:].max():.2f} rad/s')

@@ -64,6 +64,8 @@ class LockStep:
         self._executor.add_node(self._own)
         self._newest: dict[str, Message] = {}
         self._publishers: dict[str, Any] = {}
+        self._heard: list[Any] = []          # subscriptions
+        self._clock: Any = None
         self._met: set[str] = set()
         self._outputs = tuple(outputs)
         for output in self._outputs:
@@ -79,7 +81,7 @@ class LockStep:
         """
         stamp = _stamp_of(time)
         if base is not None:
-            if BASE.name not in self._newest and BASE.name not in self._publishers:
+            if BASES['motion_of_base'].name not in self._publishers:
                 self._listen(BASE, QoSProfile(depth=DEPTH,
                                               durability=DurabilityPolicy.TRANSIENT_LOCAL))
             self._ask(BASES['motion_of_base'], (BASE.name,), stamp, **base._asdict())
@@ -93,19 +95,17 @@ class LockStep:
         For a node with ``drive.source: torque`` and ``use_sim_time``: sends the torque, then the
         clock. Raises Late, also if the step was made with another torque.
         """
-        if DRIVE_STATE.name not in self._publishers:
-            self._publishers[DRIVE_STATE.name] = self._listen(DRIVE_STATE)
-        stamp = _stamp_of(time)
-        send = self._publisher(TORQUE)
+        stamp, send = _stamp_of(time), self._publisher(TORQUE)
+        if self._clock is None:
+            self._clock = self._own.create_publisher(Clock, '/clock', DEPTH)
+            self._listen(DRIVE_STATE)
+            self._meet(self._clock, send)
         message = send.msg_type()
-        message.wrench.torque.z = message.wrench.force.x = torque
+        message.wrench.torque.z = message.wrench.force.x = float(torque)
         send.publish(message)
-        if 'clock' not in self._publishers:
-            self._publishers['clock'] = self._own.create_publisher(Clock, '/clock', DEPTH)
-        names = (*self._outputs, DRIVE_STATE.name)
-        answer = self._wait(names, stamp, lambda: self._publishers['clock'].publish(
-            Clock(clock=stamp)))
-        if answer.drive_state.command != torque:
+        answer = self._wait((*self._outputs, DRIVE_STATE.name), stamp,
+                            lambda: self._clock.publish(Clock(clock=stamp)))
+        if answer.drive_state.step and answer.drive_state.command != torque:
             raise Late(f'{self._name(TORQUE)}: the step to {time:g} s was made with '
                        f'{answer.drive_state.command:g}, not {torque:g}')
         return answer
@@ -118,10 +118,21 @@ class LockStep:
     def _name(self, topic: Topic) -> str:
         return topic.topic.replace('~', f'/{self._node.strip("/")}')
 
-    def _listen(self, topic: Topic, qos: QoSProfile | int = DEPTH) -> Any:
+    def _listen(self, topic: Topic, qos: QoSProfile | int = DEPTH) -> None:
         def keep(message: Message) -> None:
             self._newest[topic.name] = message
-        return self._own.create_subscription(resolve(topic.type), self._name(topic), keep, qos)
+        self._heard.append(self._own.create_subscription(resolve(topic.type), self._name(topic),
+                                                         keep, qos))
+
+    def _meet(self, *publishers: Any) -> None:
+        """Wait until node and publishers have found each other: a clock cannot be sent again."""
+        end = clock.monotonic() + FIRST
+        while not (all(each.get_subscription_count() for each in publishers)
+                   and all(each.get_publisher_count() for each in self._heard)):
+            if clock.monotonic() > end:
+                raise Late(f'{self._node}: not found, or it takes no torque and clock')
+            self._executor.spin_once(timeout_sec=AGAIN)
+        clock.sleep(AGAIN)
 
     def _publisher(self, topic: Topic) -> Any:
         if topic.name not in self._publishers:

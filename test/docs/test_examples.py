@@ -1,9 +1,11 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """The examples run as they are, each in a process and a folder of its own."""
+from contextlib import contextmanager, nullcontext
 import importlib.util
 import os
 import re
+import signal
 import subprocess
 import sys
 
@@ -14,7 +16,9 @@ from support.scenes import PAPER, RODS
 EXAMPLES = ROOT / 'examples'
 NEEDS = {'loads_plot': ['matplotlib'], 'balancing': ['scipy'], 'study': ['scipy', 'pyarrow'],
          'motor_start': ['scipy'], 'proof': ['scipy'], 'live_page': ['nicegui'],
-         'bag_to_dataframe': ['mcap']}
+         'bag_to_dataframe': ['mcap'], 'mujoco_chassis': ['mujoco', 'rclpy'],
+         'mujoco_motor': ['mujoco', 'rclpy'], 'mujoco_without_ros': ['mujoco']}
+OVER_ROS = 'mujoco_chassis', 'mujoco_motor'
 FIRST = {'extrema', 'six_bar', 'batch', 'bag_to_dataframe'}         # the others are slow
 # a line of each, of the documents or of another way to the same
 SAID = {
@@ -26,6 +30,9 @@ SAID = {
     'study': r'row \d+: linkage\.a1',
     'bag_to_dataframe': r'shaking_force',
     'batch': r'largest rate of 1000000 samples 13\.51343',
+    'mujoco_chassis': r'third second: 2\d\.\d\d mm, 1\d\.\d\d mm',
+    'mujoco_motor': r'at the end 1\d\.\d\d to 3\d\.\d\d rad/s',
+    'mujoco_without_ros': r'0\.25 ms: at the end 1\d\.\d\d to 3\d\.\d\d rad/s',
     'live_page': r'http://127\.0\.0\.1:\d+.*\nended with',
     'proof': r'interval bounds\n(.*\n)+period 1\.64314493083',
 }
@@ -55,6 +62,18 @@ def run(name, folder, *arguments):
     return done.stdout
 
 
+@contextmanager
+def node(scene):
+    """Run a node of examples/nodes in a process."""
+    process = subprocess.Popen([sys.executable, '-m', 'fourbar_ros.ros.node.start', '--ros-args',
+                                '--params-file', str(EXAMPLES / 'nodes' / scene)])
+    try:
+        yield
+    finally:
+        process.send_signal(signal.SIGINT)
+        assert process.wait(30) == 0
+
+
 def test_every_example_is_run_and_listed():
     assert {file.stem for file in EXAMPLES.glob('*.py')} == set(SAID)
     readme = (EXAMPLES / 'README.md').read_text(encoding='utf-8')
@@ -73,7 +92,10 @@ def test_an_example_runs(name, tmp_path):
         arguments = [str(tmp_path / 'bags' / 'run')]
         if importlib.util.find_spec('pandas') is None:       # no package of ours needs it
             (tmp_path / 'pandas.py').write_text(PANDAS)
-    assert re.search(SAID[name], run(name, tmp_path, *arguments))
+    if name == 'mujoco_without_ros':
+        (tmp_path / 'nodes').symlink_to(EXAMPLES / 'nodes')
+    with node(f'{name}.yaml') if name in OVER_ROS else nullcontext():
+        assert re.search(SAID[name], run(name, tmp_path, *arguments))
     written = {'loads_plot': 'loads.png', 'bag_to_dataframe': 'loads.csv'}.get(name)
     if written:
         assert (tmp_path / written).stat().st_size > 1000

@@ -1,0 +1,102 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""What a larger simulation takes from a node: equation of motion, inertia, the rest, in step."""
+from fourbar_ros import Base, InvalidParameter
+from fourbar_ros.bag.recomputation import recompute
+from fourbar_ros.clients import Late, LockStep
+from fourbar_ros.mechanisms.inertia import held_rigid, mean_rigid
+from fourbar_ros.scene.scene import from_values
+import numpy as np
+import pytest
+from support.scenes import PAPER, RODS
+
+LOADED = {**PAPER, **RODS, 'gravity.y': -9.81, 'drive.source': 'motion', 'drive.timeout': 0.0}
+
+
+@pytest.fixture
+def lockstep():
+    """Return the function that makes a LockStep; all are closed afterwards."""
+    made = []
+
+    def make(*arguments, **options):
+        made.append(LockStep(*arguments, **options))
+        return made[-1]
+    yield make
+    for each in made:
+        each.close()
+
+
+def test_equation_and_inertia_are_those_of_the_linkage_and_recompute(run_node, lockstep,
+                                                                     tmp_path):
+    outputs = ['equation', 'inertia', 'loads', 'state']
+    given = {**LOADED, 'outputs': outputs, 'drive.carried_inertia': 0.5, 'recording.start': True,
+             'recording.directory': str(tmp_path), 'recording.name': 'run'}
+    node, ask = run_node(given), lockstep(outputs=outputs)
+    linkage = from_values(given).linkage
+    for number in range(1, 40):
+        x, rate, acceleration = 0.2 * number, 3.0 - 0.1 * number, 0.5 * number - 7.0
+        answer = ask(0.001 * number, x, rate, acceleration)
+        equation, inertia, torque = answer.equation, answer.inertia.inertia, (
+            answer.loads.driving_torque)
+        assert (equation.position, equation.velocity) == (x, rate)
+        assert equation.inertia == linkage.inertia(x) and equation.bias == linkage.bias(x, rate)
+        assert equation.inertia * acceleration + equation.bias == pytest.approx(torque, rel=1e-12)
+        assert equation.bias == pytest.approx(
+            0.5 * equation.inertia_slope * rate**2 + equation.static_torque, rel=1e-12)
+        assert equation.torque_of_rest == torque - 0.5 * acceleration
+        held = held_rigid(linkage, linkage.motion(x))
+        assert (inertia.m, inertia.com.x, inertia.com.y, inertia.izz) == held
+    node.stop()
+    found = recompute(str(tmp_path / 'run'))
+    assert found.compared >= 4 * 39 and all(each.largest == 0.0 for each in found.differences)
+
+
+def test_the_wrench_is_that_of_the_rest_of_what_the_simulator_carries(run_node, lockstep):
+    given = {**LOADED, 'gravity.y': 0.0, 'outputs': ['shaking_wrench', 'loads'],
+             'base.topic': 'motion_of_base', 'base.carried.mean': True}
+    run_node(given)
+    ask, linkage = lockstep(outputs=given['outputs']), from_values(given).bare_linkage
+    mean = mean_rigid(linkage)
+    base = Base(3.0, 9.0, 2.0, -5.0)
+    answer = ask(0.001, 0.3, 2.0, 3.0, base)
+    whole = linkage.loads(0.3, 2.0, 3.0, base=base)
+    x, y = mean.x, mean.y
+    force = mean.mass * np.array([3.0 + 5.0 * y - 4.0 * x, 9.0 - 5.0 * x - 4.0 * y])
+    wrench = answer.shaking_wrench.wrench
+    assert [wrench.force.x, wrench.force.y] == pytest.approx(
+        [whole.shaking_force_x + force[0], whole.shaking_force_y + force[1]], rel=1e-12)
+    assert wrench.torque.z == pytest.approx(
+        whole.shaking_moment + x * force[1] - y * force[0] - 5.0 * mean.inertia, rel=1e-12)
+    assert answer.loads.driving_torque == whole.driving_torque
+    assert answer.loads.shaking_moment == wrench.torque.z
+
+
+def test_lock_step_says_what_is_late(run_node, lockstep):
+    node = run_node({**LOADED, 'outputs': ['state']})
+    ask = lockstep(outputs=('state',), patience=0.5)
+    assert ask(0.1, 0.3, 1.0, 0.0).state.theta1 == 0.3
+    with pytest.raises(InvalidParameter, match='a stamp of 0 is none'):
+        ask(0.0, 0.3)
+    node.stop()
+    with pytest.raises(Late, match=r'no answer of 0\.200000000 s on state from fourbar'):
+        ask(0.2, 0.4, 1.0, 0.0)
+
+
+def test_torques_act_in_the_step_they_are_for(run_node, lockstep):
+    """The clock of each step follows its torque; every step says which torque it took."""
+    given = {**LOADED, 'drive.source': 'torque', 'drive.rate': 1000.0, 'use_sim_time': True,
+             'outputs': ['state', 'loads'], 'drive.when_silent': 'hold'}
+    run_node(given)
+    ask = lockstep(outputs=('state', 'loads'))
+    torques = [float(5.0 * np.sin(0.1 * k)) for k in range(1, 200)]
+    rates = [ask.push(1.0 + 0.001 * k, torque).state.omega1 for k, torque in enumerate(torques)]
+    assert np.ptp(rates) > 0.1
+
+
+@pytest.mark.parametrize('changed, why', [
+    ({'base.carried.mass': 1.0, 'base.carried.mean': True}, 'exclude each other'),
+    ({'base.carried.mass': 1.0, 'bodies.rods.density': float('nan'),
+      'bodies.rods.radius': float('nan')}, 'without masses')])
+def test_what_cannot_be_carried_is_refused(changed, why):
+    with pytest.raises(InvalidParameter, match=why):
+        from_values({**LOADED, 'outputs': ['state'], **changed})
