@@ -153,7 +153,7 @@ def _print(shown: Shown, extrema: list[Extremum], with_proofs: bool) -> None:
     tables: list[Table | str | None] = [
         what_it_is(shown.with_masses, shown.path),
         extrema_table(linkage, extrema, f'extrema at {rates}, mode {mode_name(linkage)}'),
-        proofs_in_words(extrema) if with_proofs else None, shown.why_no_loads]
+        proofs_in_words(extrema) if with_proofs else None, shown.why_no_loads or _drive(shown)]
     if pose:
         tables += [motion_table(linkage, pose),
                    loads_table(linkage, pose.loads) if pose.loads else None,
@@ -163,6 +163,19 @@ def _print(shown: Shown, extrema: list[Extremum], with_proofs: bool) -> None:
         if place and not isinstance(table, str):
             console.print()
         console.print(table)
+
+
+def _drive(shown: Shown) -> str:
+    """Return what a servo must give: the root mean square and the peaks of its torque."""
+    from fourbar_ros.mechanisms.inertia import middles
+    import numpy as np
+    linkage, name = shown.linkage, shown.linkage.drive_load
+    low, high = shown.within or (linkage.input_ranges[0])
+    efforts = getattr(shown.scene.loads(middles(low, high), shown.speed, shown.acceleration,
+                                        linkage.mode), name)
+    unit = 'N' if linkage.is_driven_by_slide else 'N m'
+    return (f'{name.replace("_", " ")}: root mean square {np.sqrt(np.nanmean(efforts**2)):.6g} '
+            f'{unit}, peak {np.nanmax(abs(efforts)):.6g} {unit} over the input')
 
 
 def _extrema(shown: Shown, arguments: Namespace) -> list[Extremum]:

@@ -4,12 +4,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import degrees, pi, tau
+from math import degrees, isfinite, pi, tau
+from operator import attrgetter
 from typing import NamedTuple
 
 from fourbar_lab.drawing.mobility import mobility_rows
 from fourbar_lab.drawing.poses import in_degrees, number, shown
 from fourbar_ros.extrema.find import CONSTANT, Extremum, find_extrema
+from fourbar_ros.mechanisms.inertia import mean_rigid, middles
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Coordinate
 from fourbar_ros.mechanisms.quantities import positions
@@ -123,7 +125,24 @@ def facts(linkage: Mechanism) -> list[tuple[str, str]]:
                         if body.mass or body.inertia else 'no mass in the scene')
                  for name, body in linkage.bodies._asdict().items()]
         rows += [NO_WEIGHT] * (not any(linkage.gravity))
+        mean = mean_rigid(linkage)
+        rows += [('inertia at the input', _inertia_in_words(linkage)),
+                 ('held rigid, mean', f'{mean.mass:.6g} kg at ({mean.x:.6g}, {mean.y:.6g}) m, '
+                                      f'{mean.inertia:.6g} kg m^2: base.carried')]
     return rows
+
+
+def _inertia_in_words(linkage: Mechanism) -> str:
+    """Return the least, mean and largest inertia at the input, for a motor, and where they are."""
+    driven = linkage.input_coordinate
+    found = [one for one in find_extrema(linkage, 'inertia', conditions=False)
+             if isfinite(one.value)]
+    if not found:
+        return 'unbounded at the ends of the input'
+    least, most = (choose(found, key=attrgetter('value')) for choose in (min, max))
+    mean = np.mean([linkage.inertia(middles(low, high)) for low, high in linkage.input_ranges])
+    return (f'{least.value:.6g} at {shown(driven, least.input)} to {most.value:.6g} {most.unit} '
+            f'at {shown(driven, most.input)}, mean {mean:.6g}')
 
 
 def toggles_of(linkage: Mechanism) -> list[float]:

@@ -27,6 +27,7 @@ from fourbar_ros.numerics.given import rate_of_input
 from fourbar_ros.numerics.roots import fold
 import numpy as np
 
+INERTIA = 'inertia'
 MINIMUM, MAXIMUM, CONSTANT = 'minimum', 'maximum', 'constant'
 INTERIOR, LIMIT, ONE_SIDED = 'interior', 'limit', 'one-sided'
 _KINDS = {-1: MINIMUM, 1: MAXIMUM, 0: CONSTANT}
@@ -107,7 +108,8 @@ def find_extrema(linkage: Mechanism, quantities: Wanted = (), rate: float = 1.0,
     linkage : Mechanism
         FourBar, SliderCrank, InvertedSlider, ScotchYoke or Machine.
     quantities : sequence of str, Quantity or callable
-        Names (see :data:`~fourbar_ros.mechanisms.quantities.QUANTITIES`), or functions (Motion,
+        Names (see :data:`~fourbar_ros.mechanisms.quantities.QUANTITIES`), 'inertia' for that at
+        the input, or functions (Motion,
         Loads) -> value, located to about 1e-10 rad by differences. Attributes ``unit`` and
         ``__name__`` are used. Empty: all rates, accelerations and loads for which the linkage has
         data; positions only by name.
@@ -140,6 +142,14 @@ def find_extrema(linkage: Mechanism, quantities: Wanted = (), rate: float = 1.0,
     if not isinstance(linkage, Mechanism):
         raise InvalidParameter('linkage', linkage, 'must be a mechanism: FourBar, SliderCrank, '
                                                    'InvertedSlider, ScotchYoke or Machine')
+    every: Any = [quantities] if _is_one(quantities) else quantities
+    if isinstance(every, Collection) and any(isinstance(one, str) and one == INERTIA
+                                             for one in every):
+        options: Any = {'certify': certify, 'conditions': conditions, 'check': check,
+                        'seconds': seconds, 'progress': progress, 'within': within}
+        return [extremum for quantity in every
+                for extremum in (_of_inertia(linkage, options) if quantity == INERTIA else
+                                 find_extrema(linkage, quantity, rate, acceleration, **options))]
     parts = None if within is None else parts_of(linkage, within)
     rate, acceleration = map(rate_of_input, ('rate', 'acceleration'), (rate, acceleration))
     quantities = _resolve(quantities, linkage)
@@ -152,10 +162,17 @@ def find_extrema(linkage: Mechanism, quantities: Wanted = (), rate: float = 1.0,
             progress(share)
         found, proofs = search.proved(found, conditions, tell, seconds)
     if parts is not None:
-        every = [in_part(search, linkage, part, found) for part in parts]
-        found = [[one for part in of_one for one in part] for of_one in zip(*every)]
+        by_part = [in_part(search, linkage, part, found) for part in parts]
+        found = [[one for part in of_one for one in part] for of_one in zip(*by_part)]
     return [extremum for quantity, part, proof in zip(quantities, found, proofs)
             for extremum in _extrema(quantity, linkage, part, proof)]
+
+
+def _of_inertia(linkage: Mechanism, options: dict[str, Any]) -> list[Extremum]:
+    """Return the extrema of the inertia at the input: the drive at rest, accelerated by one."""
+    unit = 'kg' if linkage.is_driven_by_slide else 'kg m^2'
+    found = find_extrema(linkage.weightless, linkage.drive_load, 0.0, 1.0, **options)
+    return [one._replace(quantity=INERTIA, unit=unit) for one in found]
 
 
 def _resolve(quantities: Any, linkage: Mechanism) -> list[Asked]:

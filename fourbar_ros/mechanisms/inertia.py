@@ -16,6 +16,7 @@ from fourbar_ros.mechanics.newton_euler import about_first_joint, needs_of, on_b
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.mechanisms.points import FIXED, point_of
+from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.number_types import Scalar
 from fourbar_ros.numerics.vectors import Vector
 import numpy as np
@@ -69,10 +70,14 @@ def held_rigid(mechanism: Mechanism, motion: NamedFields) -> Rigid:
                                  for m, its_x, its_y, inertia in parts))
 
 
+def middles(low: float, high: float, count: int = 720) -> Array:
+    """Return the middles of equal parts of a range."""
+    return low + (np.arange(count) + 0.5) / count * (high - low)
+
+
 def mean_rigid(mechanism: Mechanism, count: int = 720) -> Rigid:
     """Return the mean over the input of the mass matrices of a mechanism held rigid."""
-    inputs = np.concatenate([low + (np.arange(count) + 0.5) / count * (high - low)
-                             for low, high in mechanism.input_ranges])
+    inputs = np.concatenate([middles(low, high, count) for low, high in mechanism.input_ranges])
     held = held_rigid(mechanism, mechanism.motion(inputs))
     x, y, about_o1 = (float(np.mean(value)) for value in (
         held.x, held.y, held.inertia + held.mass * (held.x**2 + held.y**2)))

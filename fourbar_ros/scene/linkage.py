@@ -239,8 +239,8 @@ STEEL = 7850.0
 
 
 def warnings_of(scene: Scene) -> list[str]:
-    """Return a line for each value of a scene that is allowed but probably in a wrong unit."""
-    return [*_long(scene), *_density(scene), *_thick(scene), *_angle(scene)]
+    """Return a line for each value of a scene that is allowed but probably not meant."""
+    return [*_long(scene), *_density(scene), *_thick(scene), *_angle(scene), *_carried(scene)]
 
 
 def _long(scene: Scene) -> Iterator[str]:
@@ -260,6 +260,22 @@ def _long(scene: Scene) -> Iterator[str]:
         name = name if name in scene.values else name.removeprefix('dyads.')    # of a cylinder
         too = f' (and {len(others)} more)' if others else ''
         yield f'{name} = {value:g} m: did you mean {value * 1e-3:g}? Lengths are in metres{too}'
+
+
+def _carried(scene: Scene) -> Iterator[str]:
+    """Yield a line for a carried inertia with which the torque of the rest is unstable."""
+    carried, linkage = scene.drive.carried_inertia, scene.bare_linkage
+    if not carried or not scene.has_loads:
+        return
+    from fourbar_ros.mechanisms.inertia import middles  # other scenes do without
+    inertia = [value for low, high in linkage.input_ranges
+               for value in linkage.inertia(middles(low, high)).tolist()]
+    least, most = min(inertia), max(inertia)
+    beyond = max(abs(most - carried), abs(least - carried)) - carried
+    if beyond > 0.0:
+        yield (f'drive.carried_inertia = {carried:g}: the inertia at the input goes up to '
+               f'{most:.4g}: unstable with a rotor lighter than {beyond:.4g}; '
+               f'{0.5 * (least + most):.4g} would do with any')
 
 
 def _density(scene: Scene) -> Iterator[str]:
