@@ -3,10 +3,9 @@
 """
 Lock step with a node, from a simulator's own loop: publish, wait for the answer of that stamp.
 
->>> lockstep = LockStep(outputs=('shaking_wrench', 'equation'))      # doctest: +SKIP
->>> answer = lockstep(0.001, position=0.3, rate=25.0, acceleration=0.0)      # doctest: +SKIP
->>> answer.shaking_wrench.wrench.force.x                             # doctest: +SKIP
-762.748
+    lockstep = LockStep(outputs=('shaking_wrench', 'equation'))
+    answer = lockstep(0.001, position=0.3, rate=25.0, acceleration=0.0)
+    force = answer.shaking_wrench.wrench.force
 
 The order is settled here: the base is in effect before the input is sent, and a torque is sent
 before the clock.
@@ -25,10 +24,13 @@ from fourbar_ros.numerics.given import number
 from fourbar_ros.ros.messages import Message, resolve, to_stamp
 from fourbar_ros.scene.topics import BASE, BASES, DRIVE_STATE, INPUTS, OUTPUTS, Topic, TORQUE
 import rclpy
+from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException
 from rclpy.experimental import EventsExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rosgraph_msgs.msg import Clock
+
+__all__ = ['Late', 'LockStep']
 
 FIRST = 30.0         # [s] to find the node
 AGAIN = 0.1          # [s] after which a first message is sent again, until both have met
@@ -56,11 +58,12 @@ class LockStep:
 
     def __init__(self, node: str = 'fourbar', outputs: Sequence[str] = ('shaking_wrench',),
                  patience: float = 5.0) -> None:
-        if not rclpy.ok():
-            rclpy.init()
+        self._context = Context()            # whatever else uses ROS in this process
+        self._context.init()
         name = f'{node.strip("/").replace("/", "_")}_lock_step'
-        self._own, self._node, self._patience = rclpy.create_node(name), node, patience
-        self._executor = EventsExecutor()
+        self._own = rclpy.create_node(name, context=self._context)
+        self._node, self._patience = node, patience
+        self._executor = EventsExecutor(context=self._context)
         self._executor.add_node(self._own)
         self._newest: dict[str, Message] = {}
         self._publishers: dict[str, Any] = {}
@@ -114,6 +117,7 @@ class LockStep:
         """Leave the node alone."""
         self._executor.shutdown()
         self._own.destroy_node()
+        self._context.try_shutdown()
 
     def _name(self, topic: Topic) -> str:
         return topic.topic.replace('~', f'/{self._node.strip("/")}')

@@ -71,7 +71,8 @@ def test_what_users_read_imports_public_names_alone():
                  *sorted((ROOT / 'examples').glob('*.py'))]:
         text = path.read_text(encoding='utf-8')
         for module, names in re.findall(IMPORT, text, re.M):
-            face = importlib.import_module(module) if module in PUBLIC else None
+            is_public = module in (*PUBLIC, 'fourbar_ros.clients')      # that one needs ROS
+            face = importlib.import_module(module) if is_public else None
             words = re.findall(r'\w+', re.sub('#.*', '', names))
             wrong += [f'{path.name}: {module}.{name}' for name in words
                       if name not in getattr(face, '__all__', ())]

@@ -130,6 +130,7 @@ def _record(shown: Shown, extrema: list[Extremum]) -> Json:
     return {'scene': str(shown.path), 'speed': shown.speed, 'acceleration': shown.acceleration,
             **({'within': list(shown.within)} if shown.within else {}),
             'why_no_loads': shown.why_no_loads,
+            **({} if shown.why_no_loads else {'drive_effort': _effort(shown)._asdict()}),
             **record_of(shown.with_masses, extrema, shown.scene.points, shown.pose)}
 
 
@@ -153,7 +154,8 @@ def _print(shown: Shown, extrema: list[Extremum], with_proofs: bool) -> None:
     tables: list[Table | str | None] = [
         what_it_is(shown.with_masses, shown.path),
         extrema_table(linkage, extrema, f'extrema at {rates}, mode {mode_name(linkage)}'),
-        proofs_in_words(extrema) if with_proofs else None, shown.why_no_loads or _drive(shown)]
+        proofs_in_words(extrema) if with_proofs else None,
+        shown.why_no_loads or _effort_in_words(shown)]
     if pose:
         tables += [motion_table(linkage, pose),
                    loads_table(linkage, pose.loads) if pose.loads else None,
@@ -165,17 +167,28 @@ def _print(shown: Shown, extrema: list[Extremum], with_proofs: bool) -> None:
         console.print(table)
 
 
-def _drive(shown: Shown) -> str:
-    """Return what a servo must give: the root mean square and the peaks of its torque."""
+class Effort(NamedTuple):
+    """What a servo must give over the input [N m], of a driven slide [N]."""
+
+    root_mean_square: float
+    peak: float
+
+
+def _effort(shown: Shown) -> Effort:
+    """Return the effort of the drive at the rates of the tables."""
     from fourbar_ros.mechanisms.inertia import middles
     import numpy as np
-    linkage, name = shown.linkage, shown.linkage.drive_load
-    low, high = shown.within or (linkage.input_ranges[0])
+    low, high = shown.within or shown.linkage.input_ranges[0]
     efforts = getattr(shown.scene.loads(middles(low, high), shown.speed, shown.acceleration,
-                                        linkage.mode), name)
-    unit = 'N' if linkage.is_driven_by_slide else 'N m'
-    return (f'{name.replace("_", " ")}: root mean square {np.sqrt(np.nanmean(efforts**2)):.6g} '
-            f'{unit}, peak {np.nanmax(abs(efforts)):.6g} {unit} over the input')
+                                        shown.linkage.mode), shown.linkage.drive_load)
+    return Effort(float(np.sqrt(np.nanmean(efforts**2))), float(np.nanmax(abs(efforts))))
+
+
+def _effort_in_words(shown: Shown) -> str:
+    """Return the line about the effort of the drive."""
+    effort, unit = _effort(shown), 'N' if shown.linkage.is_driven_by_slide else 'N m'
+    return (f'{shown.linkage.drive_load.replace("_", " ")}: root mean square '
+            f'{effort.root_mean_square:.6g} {unit}, peak {effort.peak:.6g} {unit} over the input')
 
 
 def _extrema(shown: Shown, arguments: Namespace) -> list[Extremum]:

@@ -12,6 +12,7 @@ from fourbar_lab.drawing.mobility import AXES, mobility
 from fourbar_lab.drawing.poses import Pose
 from fourbar_lab.drawing.tables import (
     counted,
+    inertia_of,
     input_of,
     known_output_ranges,
     mode_name,
@@ -19,6 +20,7 @@ from fourbar_lab.drawing.tables import (
     transmission_bands,
 )
 from fourbar_ros.extrema.find import Extremum
+from fourbar_ros.mechanisms.inertia import mean_rigid
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Coordinate
 from fourbar_ros.mechanisms.picture import Points
@@ -55,11 +57,21 @@ def record_of(linkage: Mechanism, extrema: Sequence[Extremum], points: Points,
             'nearest_change_point': AXES[its_mobility.nearest]},
         'bodies': linkage.bodies and {name: asdict(body)
                                       for name, body in linkage.bodies._asdict().items()},
+        'inertia_at_input': _inertia(linkage) if linkage.bodies else None,
+        'held_rigid_mean': mean_rigid(linkage)._asdict() if linkage.bodies else None,
         'extrema': [extremum._asdict() | {'theta1': counted(linkage, extremum.theta1)}
                     for extremum in extrema]}
     if pose:
         record['pose'] = _pose(linkage, pose, points)
     return record
+
+
+def _inertia(linkage: Mechanism) -> Record | None:
+    """Return least, largest and mean inertia at the input, and where they are."""
+    found = inertia_of(linkage)
+    return found and {'least': found.least.value, 'least_at': input_of(linkage, found.least),
+                      'most': found.most.value, 'most_at': input_of(linkage, found.most),
+                      'mean': found.mean}
 
 
 def _with_ranges(coordinate: Coordinate, ranges: Sequence[tuple[float, float]]) -> Record:

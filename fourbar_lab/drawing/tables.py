@@ -132,17 +132,33 @@ def facts(linkage: Mechanism) -> list[tuple[str, str]]:
     return rows
 
 
-def _inertia_in_words(linkage: Mechanism) -> str:
-    """Return the least, mean and largest inertia at the input, for a motor, and where they are."""
-    driven = linkage.input_coordinate
+class InputInertia(NamedTuple):
+    """Least and largest inertia at the input, and its mean [kg m^2], of a driven slide [kg]."""
+
+    least: Extremum
+    most: Extremum
+    mean: float
+
+
+def inertia_of(linkage: Mechanism) -> InputInertia | None:
+    """Return the inertia at the input; None where it is unbounded all over."""
     found = [one for one in find_extrema(linkage, 'inertia', conditions=False)
              if isfinite(one.value)]
     if not found:
-        return 'unbounded at the ends of the input'
-    least, most = (choose(found, key=attrgetter('value')) for choose in (min, max))
+        return None
     mean = np.mean([linkage.inertia(middles(low, high)) for low, high in linkage.input_ranges])
-    return (f'{least.value:.6g} at {shown(driven, least.input)} to {most.value:.6g} {most.unit} '
-            f'at {shown(driven, most.input)}, mean {mean:.6g}')
+    return InputInertia(min(found, key=attrgetter('value')), max(found, key=attrgetter('value')),
+                        float(mean))
+
+
+def _inertia_in_words(linkage: Mechanism) -> str:
+    """Return the least, largest and mean inertia at the input, for a motor, and where they are."""
+    found, driven = inertia_of(linkage), linkage.input_coordinate
+    if found is None:
+        return 'unbounded at the ends of the input'
+    return (f'{found.least.value:.6g} at {shown(driven, counted(linkage, found.least.input))} to '
+            f'{found.most.value:.6g} {found.most.unit} at '
+            f'{shown(driven, counted(linkage, found.most.input))}, mean {found.mean:.6g}')
 
 
 def toggles_of(linkage: Mechanism) -> list[float]:

@@ -86,6 +86,8 @@ class DriveCode:
         self._phases: dict[Coordinate, StepFormulas] = self._mover.formulas
         if any(phase.equation.changes_mode for phase in self._phases):
             raise NotGenerated(f'{model.name}: motion by torque through a change point')
+        if scene.acting:
+            raise NotGenerated(f'{model.name}: motion by torque under what acts by topic')
         self.modes = self._mover.modes
         writer.used |= {'power'}
         self._functions = [

@@ -3,7 +3,7 @@
 """Step a drive again from each of its recorded states to the next, as the node's mover does."""
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from math import inf, isfinite, isnan
 from typing import Any, Union
 
@@ -49,6 +49,7 @@ class DriveStates:
         self._before: DriveValues | None = None     # None: there is none to step from
         self._mode = self._stamp = 0                # of the state before; stamp in ns
         self._torque: float | None = None           # of the newest message; None: not known
+        self._acting: dict[str, Sequence[float]] = {}
         self.change(scene)
 
     @property
@@ -60,6 +61,14 @@ class DriveStates:
         """Take another scene; the state stays."""
         self._scene, self._mover = scene, self._moved_by(scene, None)
         self._movers: dict[int, Mover] = {}              # by mode
+        for name, what in self._acting.items():
+            self.act(name, what)
+
+    def act(self, name: str, what: Sequence[float]) -> None:
+        """Take a wrench on a link, or a motion of the base, that acts from here on."""
+        self._acting[name] = what
+        for mover in (self._mover, *self._movers.values()):
+            mover.act(name, what)
 
     def command(self, message: Any) -> None:
         """Take a message of the torque topic, cut to the torque limit as the node does."""
@@ -93,6 +102,8 @@ class DriveStates:
         else:
             if mode not in self._movers:
                 self._movers[mode] = self._moved_by(self._scene, mode)
+                for name, what in self._acting.items():
+                    self._movers[mode].act(name, what)
             mover = self._movers[mode]
             self._note_values(values, mover.values(mover.at(mover.state(values)), values.step,
                                                    values.command, values.evaluations))

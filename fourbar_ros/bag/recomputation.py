@@ -229,6 +229,8 @@ class Recomputation:
         if what != self._acting.get(name):
             self._changes.append(raw.time)
         self._acting[name] = what
+        if self._drive_states:
+            self._drive_states.act(name, what)
         self._events.append(_Act(place, name, what))
 
     # --- motions --------------------------------------------------------------------------------

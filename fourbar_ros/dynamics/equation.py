@@ -41,7 +41,7 @@ differences. Sources: Eksergian, Dynamical analysis of machines, J. Franklin Ins
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
 from math import floor, remainder, tau
@@ -58,7 +58,7 @@ from fourbar_ros.dynamics.forces import (
     work_of,
 )
 from fourbar_ros.errors import InvalidParameter, MissingBodies
-from fourbar_ros.mechanics.bodies import Base, field_of, NOT_APPLIED
+from fourbar_ros.mechanics.bodies import Applied, Base, field_of, NOT_APPLIED, unchecked
 from fourbar_ros.mechanisms.mechanism import DrivenLinks, Mechanism
 from fourbar_ros.mechanisms.parts import GROUND
 from fourbar_ros.mechanisms.points import FIXED, LinkMotion
@@ -132,6 +132,13 @@ class Terms(NamedTuple):
     half_slope: Any          # J'/2 [kg m^2/rad], [kg/m]
     force: Any               # Q of gravity, loads and springs [N m], [N]
     damping: Any             # D [N m s/rad], [N s/m]
+
+
+class Outside(NamedTuple):
+    """What acts from outside and changes from step to step: the base, forces and couples."""
+
+    base: Base | None
+    wrenches: Mapping[str, Sequence[Any]]       # {link: (force x, force y, couple)}
 
 
 class InBothModes:
@@ -289,9 +296,10 @@ class Equation:
         """
         return self.in_both_modes(self.make_with_ratio).of_one
 
-    def make_with_ratio(self, coordinate: DrivenLinks, n: NumberType) -> Function:
-        """Return the formula of :attr:`of_one_with_ratio` for a coordinate and a number type."""
-        terms = self.make_terms(coordinate, n)
+    def make_with_ratio(self, coordinate: DrivenLinks, n: NumberType,
+                        outside: Outside | None = None) -> Function:
+        """Return the formula of :attr:`of_one_with_ratio`; arguments as of :meth:`make_terms`."""
+        terms = self.make_terms(coordinate, n, outside)
         if self.is_input:
             return lambda position: (*terms(position), 1.0, 0.0)
         reading = make_reading(self.mechanism)(coordinate, n)
@@ -323,18 +331,28 @@ class Equation:
                     (position, 1.0, 0.0) if self.is_input else read(n, moving))
         return pose
 
-    def make_terms(self, coordinate: DrivenLinks, n: NumberType) -> Function:
+    def make_terms(self, coordinate: DrivenLinks, n: NumberType,
+                   outside: Outside | None = None) -> Function:
         """
         Return the formula q -> (J, J'/2, Q, D, C) of (E1), for a coordinate and a number type.
 
         C is the part of Q that has no potential: of couples, of forces over a position, of the
-        turning of the base.
+        turning of the base. ``outside``: numbers of the type ``n`` in place of the mechanism's own
+        gravity and of the forces on some links.
         """
         pose, extra = self._make_pose(coordinate, n), self.extra_inertia
-        links = [(name, make_link_terms(body, self._gravity, applied), applied.couple)
-                 for name, body, applied in self._bodies]
-        turned = [(name, make_turning_force(body, self._base))
-                  for name, body, _ in self._bodies if self._is_turned]
+        gravity, base, bodies = self._gravity, self._base, self._bodies
+        if outside:
+            base = outside.base or base
+            gravity = field_of(base) if outside.base else gravity
+            bodies = [(name, body, applied if name not in outside.wrenches else unchecked(
+                Applied, *outside.wrenches[name][:2], applied.along, applied.across,
+                outside.wrenches[name][2]))
+                for name, (body, applied) in self.mechanism.loads_of_links().items()]
+        links = [(name, make_link_terms(body, gravity, applied), applied.couple)
+                 for name, body, applied in bodies]
+        turned = [(name, make_turning_force(body, base)) for name, body, _ in bodies
+                  if self._is_turned or outside and outside.base]
         springs = [(element.links, make_tension(n, element), element.damping)
                    for element in self._springs]
         forces = [make_force_term(n, element, self.mechanism) for element in self.forces]

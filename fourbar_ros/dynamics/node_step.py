@@ -4,11 +4,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from itertools import chain
 from math import inf, isfinite, isnan, nan
 from typing import NamedTuple
 
 from fourbar_ros.dynamics.coordinate import Coordinate
-from fourbar_ros.dynamics.rosenbrock import Place, SMALLEST, State, StepFormulas, TOLD
+from fourbar_ros.dynamics.rosenbrock import (
+    count_of,
+    Place,
+    SMALLEST,
+    State,
+    StepFormulas,
+    TOLD,
+)
 from fourbar_ros.dynamics.sources import ConstantTorque, Drive, Law
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import FourBarError, InvalidParameter
@@ -119,6 +127,8 @@ class Mover:
         Most evaluations of the equation of motion in one step.
     takes_commands : bool
         The torque comes from a topic.
+    acting : sequence of str
+        What acts from outside: names of links, and of the base. Unknown before :meth:`act`.
 
     Attributes
     ----------
@@ -134,7 +144,7 @@ class Mover:
     """
 
     def __init__(self, system: System, tolerance: float, budget: int,
-                 takes_commands: bool = False) -> None:
+                 takes_commands: bool = False, acting: Sequence[str] = ()) -> None:
         """Set up steps within ``tolerance``, of at most ``budget`` evaluations each."""
         drive = system.drive or Drive(ConstantTorque())
         source = drive.source
@@ -149,8 +159,11 @@ class Mover:
                             else {system.coordinates.first: ()})
         # the formulas of each coordinate
         self.formulas = {coordinate: StepFormulas(coordinate, drive, source, takes_commands,
-                                                  self.passes, tolerance)
+                                                  self.passes, tolerance, acting)
                          for coordinate in self.taking_over}
+        self._acting: dict[str, Sequence[float]] = {name: (nan,) * count_of(name)
+                                                    for name in acting}
+        self._outside = tuple(chain(*self._acting.values()))        # their numbers, in this order
         self.budget = budget - EULER - (PLACE + EULER if self.passes else 0)
         self._evaluations = 0        # in this step
         # the last message and its state: mostly the next step begins there; what is known of it
@@ -162,6 +175,11 @@ class Mover:
         own = source.start[0] if source.start else 0.0
         position, rate = system.start[:2]
         self.first = self.at((position, rate, 0.0, rate if self._has_shaft else 0.0, own))
+
+    def act(self, name: str, what: Sequence[float]) -> None:
+        """Let the base move, or a wrench act on a link, so from the next step on."""
+        self._acting[name] = what
+        self._outside, self._known = tuple(chain(*self._acting.values())), None
 
     def prepare(self) -> None:
         """Make the functions of all coordinates now: it takes as long as thousands of steps."""
@@ -259,7 +277,8 @@ class Mover:
         """Return what is known of a state; the last one is kept, as values ask for it again."""
         if self._known is None or self._known[0] != at:
             try:
-                found = self.formulas[at.coordinate].place(*at.state, self._torque)
+                found = self.formulas[at.coordinate].place(*at.state, self._torque,
+                                                           *self._outside)
             except REFUSALS:
                 raise Refused from None
             self._known = at, Place._make((*found[:TOLD], found[TOLD:]))
@@ -276,7 +295,7 @@ class Mover:
         self._take(command)
         self._evaluations, limited = 0, not self.system.has_no_limits
         held = at._replace(state=(at.state[0], 0.0, 0.0, 0.0, 0.0))
-        if not (0.0 < length < inf and all(map(isfinite, at.state))):
+        if not (0.0 < length < inf and all(map(isfinite, (*at.state, *self._outside)))):
             return Stepped(held, NOT_FINITE, 0)
         try:
             new, is_good = self._moved(at, length)
@@ -371,7 +390,8 @@ class Mover:
         """
         self._evaluations += ATTEMPT
         try:
-            *state, scale = formulas.attempt(*at.state, h, self._torque, *place.linear)
+            *state, scale = formulas.attempt(*at.state, h, self._torque, *place.linear,
+                                             *self._outside)
         except REFUSALS:
             if self.system.has_no_limits:               # a number was too large
                 raise
@@ -401,7 +421,8 @@ class Mover:
             new, _ = self._attempted(formulas, at, place, left, LEAST)
         if new is None:
             self._evaluations += EULER
-            new = self._here(at, formulas.euler(*at.state, left, self._torque, *place.linear))
+            new = self._here(at, formulas.euler(*at.state, left, self._torque, *place.linear,
+                                                *self._outside))
         return (new, 0.0, False) if new else (at, left, False)
 
 

@@ -26,17 +26,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import cached_property, partial, reduce
+from itertools import islice
 from math import nan
 from typing import Any, cast, NamedTuple
 
 from fourbar_ros.dynamics.coordinate import Coordinate, FARTHEST, LONGEST
+from fourbar_ros.dynamics.equation import Outside
 from fourbar_ros.dynamics.sources import always, Drive, Law, MakePiece, Piece
 from fourbar_ros.dynamics.system import NEAR_TOGGLE
+from fourbar_ros.mechanics.bodies import Base
 from fourbar_ros.mechanisms.mechanism import DrivenLinks
 from fourbar_ros.numerics.number_types import Function, NumberType, REAL, Scalar
 from fourbar_ros.numerics.write import straight_line
 
 State = tuple[float, ...]        # five numbers
+BASE = 'base'              # name of the base among what acts, beside those of links
 GAMMA = 0.25
 # u_i depends on f(x + sum A_ij u_j) and on sum C_ij u_j / h; the last starts where the one before
 # ends, the result is where it ends, and it is itself the estimate of the error
@@ -87,6 +91,11 @@ TOLD, LINEAR = len(Place._fields) - 1, 14
 GIVEN, GIVEN_STEP = 5 + 1, 5 + 2 + LINEAR     # x and a command; x, h, a command, linear
 
 
+def count_of(name: str) -> int:
+    """Return how many numbers tell what acts: four of the base, three of a wrench on a link."""
+    return len(Base._fields) if name == BASE else 3
+
+
 class StepFormulas:
     """
     The formulas of a step in one coordinate, in the assembly mode of its equation.
@@ -101,15 +110,19 @@ class StepFormulas:
         Through toggles, where another coordinate takes over; else they are limits.
     tolerance : float
         Allowed error of a step, in the coordinate and the twist, and in speeds times its length.
+    acting : sequence of str
+        What acts from outside, in the order of the numbers that follow the other arguments of all
+        functions: four of the base, three of the wrench on a link.
 
     """
 
     def __init__(self, coordinate: Coordinate, drive: Drive, source: Law, takes_commands: bool,
-                 passes: bool, tolerance: float) -> None:
+                 passes: bool, tolerance: float, acting: Sequence[str] = ()) -> None:
         """Note which parts of the state there are, in the order in which they are eliminated."""
         self._coordinate, self._equation = coordinate, coordinate.equation
         self._source, self._takes_commands, self._passes = source, takes_commands, passes
         self._shaft, self._rotor = drive.shaft, drive.rotor
+        self._acting, self._more = acting, sum(map(count_of, acting))
         self.unit = self._equation.coordinate.input_unit
         self._tolerance = tolerance * self.unit
         has_own = bool(source.start) and not takes_commands
@@ -120,18 +133,20 @@ class StepFormulas:
 
     @cached_property
     def place(self) -> Function:
-        """Return (p, u, s, v, z, command) -> numbers of a Place, flat."""
-        return self._function(self.make_place, self.make_terms, GIVEN)
+        """Return (p, u, s, v, z, command, *acting) -> numbers of a Place, flat."""
+        return self._function(self.make_place, self.make_terms, GIVEN + self._more)
 
     @cached_property
     def attempt(self) -> Function:
-        """Return (p, u, s, v, z, h, command, linear) -> state after h, next length over h."""
-        return self._function(self.make_attempt, self._equation.make_with_ratio, GIVEN_STEP)
+        """Return (p, u, s, v, z, h, command, linear, *acting) -> state after h, next length/h."""
+        return self._function(self.make_attempt, self._equation.make_with_ratio,
+                              GIVEN_STEP + self._more)
 
     @cached_property
     def euler(self) -> Function:
         """Return the same arguments -> state after h by implicit Euler."""
-        return self._function(self.make_euler, self._equation.make_with_ratio, GIVEN_STEP)
+        return self._function(self.make_euler, self._equation.make_with_ratio,
+                              GIVEN_STEP + self._more)
 
     def _function(self, make: Function, make_terms: Function, count: int) -> Function:
         if self._equation.changes_mode:      # there is no one formula in both modes
@@ -141,9 +156,21 @@ class StepFormulas:
 
     # --- formulas -------------------------------------------------------------------------------
 
-    def make_terms(self, links: DrivenLinks, n: NumberType) -> Function:
+    def _with_outside(self, make_terms: Function, n: NumberType, terms_at: Function | None,
+                      acting: Sequence[Scalar]) -> Function:
+        """Return terms with what acts from outside; without, ``terms_at`` if it is given."""
+        links = self._equation.coordinate
+        if not acting:
+            return terms_at or cast(Function, make_terms(links, n))
+        numbers = iter(acting)
+        each = {name: list(islice(numbers, count_of(name))) for name in self._acting}
+        base = Base(*each.pop(BASE)) if BASE in each else None
+        return cast(Function, make_terms(links, n, Outside(base, each)))
+
+    def make_terms(self, links: DrivenLinks, n: NumberType, outside: Outside | None = None
+                   ) -> Function:
         """Return the formula p -> :class:`Terms`."""
-        terms: Function = self._equation.make_with_ratio(links, n)
+        terms: Function = self._equation.make_with_ratio(links, n, outside)
         if self._passes:
             other, coordinate = self._coordinate.make_other(links, n), self._coordinate
             middle, half = coordinate.all.middle, coordinate.all.half
@@ -168,10 +195,8 @@ class StepFormulas:
 
     def make_place(self, n: NumberType, terms_at: Function | None = None) -> Function:
         """Return the formula of :attr:`place`."""
-        terms_at = terms_at or self.make_terms(self._equation.coordinate, n)
-
-        def place(p: Any, u: Any, s: Any, v: Any, z: Any, command: Any) -> Any:
-            terms = Terms(*terms_at(p))
+        def place(p: Any, u: Any, s: Any, v: Any, z: Any, command: Any, *acting: Any) -> Any:
+            terms = Terms(*self._with_outside(self.make_terms, n, terms_at, acting)(p))
             change, on_input, of_motor, piece = self._rates(
                 terms, (p, u, s, v, z), self._law(n, command))
             acceleration = (change[1] if self._equation.is_input else
@@ -187,17 +212,17 @@ class StepFormulas:
 
     def make_attempt(self, n: NumberType, terms_at: Function | None = None) -> Function:
         """Return the formula of :attr:`attempt`: a step of RODAS."""
-        terms_at = terms_at or self._equation.make_with_ratio(self._equation.coordinate, n)
-
         def attempt(p: Any, u: Any, s: Any, v: Any, z: Any, h: Any, command: Any,
                     *given: Any) -> Any:
             x, law = (p, u, s, v, z), self._law(n, command)
-            solve = self._solver(n, x, law, given, 1.0 / (GAMMA * h), terms_at)
+            terms_there = self._with_outside(self._equation.make_with_ratio, n, terms_at,
+                                             given[LINEAR:])
+            solve = self._solver(n, x, law, given, 1.0 / (GAMMA * h), terms_there)
             stages = [solve(given[:5])]
 
             def add_stage(at: State, weights: Sequence[float]) -> None:
                 """Solve for the next u_i: dx/dt at a state, plus earlier u_j times weights / h."""
-                change, *_ = self._rates(terms_at(at[0]), at, law)
+                change, *_ = self._rates(terms_there(at[0]), at, law)
                 stages.append(solve(_sum(change, [weight / h for weight in weights], stages)))
             for a, c in zip(A[1:], C[1:]):
                 at = _sum(x, a, stages)
@@ -211,12 +236,12 @@ class StepFormulas:
 
     def make_euler(self, n: NumberType, terms_at: Function | None = None) -> Function:
         """Return the formula of :attr:`euler`: less accurate, and stable whatever the error."""
-        terms_at = terms_at or self._equation.make_with_ratio(self._equation.coordinate, n)
-
         def euler(p: Any, u: Any, s: Any, v: Any, z: Any, h: Any, command: Any,
                   *given: Any) -> Any:
             x = p, u, s, v, z
-            solve = self._solver(n, x, self._law(n, command), given, 1.0 / h, terms_at)
+            terms_there = self._with_outside(self._equation.make_with_ratio, n, terms_at,
+                                             given[LINEAR:])
+            solve = self._solver(n, x, self._law(n, command), given, 1.0 / h, terms_there)
             # a rate that grows so fast would leave nothing of the Jacobian but rounding
             whole = n.where(n.fabs(given[1]) < HUGE, 1.0, nan)
             return _plus(x, whole, solve(given[:5]))
@@ -291,7 +316,7 @@ class StepFormulas:
 
         ``by_position``: derivative of du/dt by p, the one entry that is not known in closed form.
         """
-        u, (J, half_slope, D, r, r_slope, T_w, T_z, d_w, d_z) = x[1], linear[5:]
+        u, (J, half_slope, D, r, r_slope, T_w, T_z, d_w, d_z) = x[1], linear[5:LINEAR]
         w_p = r_slope * u                          # of the speed w = r u by p
         if not self._shaft:
             return [[0.0, 1.0, 0.0, 0.0, 0.0],

@@ -44,10 +44,10 @@ if TYPE_CHECKING:
 DrivenLinks = Union['Mechanism', 'SeenFromLink']
 _Self = TypeVar('_Self', bound='Mechanism')
 # what tab completion shows besides the fields
-SHOWN = ('acceleration_polygon', 'bias', 'change_point_margin', 'classification', 'dead_points',
-         'description', 'diagram', 'in_mode', 'inertia', 'input', 'input_ranges', 'lengths',
-         'loads', 'margins', 'modes', 'motion', 'output_ranges', 'outputs', 'reactions', 'step',
-         'turns_fully', 'velocity_polygon', 'with_base', 'with_external', 'with_lengths')
+SHOWN = ('bias', 'change_point_margin', 'classification', 'dead_points', 'description', 'in_mode',
+         'inertia', 'input', 'input_ranges', 'lengths', 'loads', 'margins', 'modes', 'motion',
+         'output_ranges', 'outputs', 'reactions', 'step', 'turns_fully', 'with_base',
+         'with_external', 'with_lengths')
 
 
 class Mechanism(Contract):

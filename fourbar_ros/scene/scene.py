@@ -289,7 +289,7 @@ class Scene:
         from fourbar_ros.dynamics.node_step import Mover
         assert self.dynamics is not None        # only scenes that have it are driven so
         return Mover(self.dynamics.system(self.bare_linkage), self.drive.tolerance,
-                     self.drive.budget, self.drive.source == TORQUE.name)
+                     self.drive.budget, self.drive.source == TORQUE.name, self.acting)
 
     def mover_in(self, mode: int) -> Mover:
         """Return the Mover in a mode beyond a toggle; for an unknown mode, the scene's."""
@@ -449,11 +449,6 @@ def _check_together(scene: Scene) -> None:
         refuse('outputs', 'names an output twice')
     if 'points' in scene.outputs and not scene.points:
         refuse('outputs', 'points: the scene has none; give points.NAME.link, .along, .across')
-    if scene.dynamics and scene.wrenches.links:
-        refuse(f'external.{scene.wrenches.links[0]}.from_topic', 'motion that follows from torque '
-               'takes constant external forces only')
-    if scene.dynamics and scene.base.topic:
-        refuse('base.topic', 'motion that follows from torque has a base at rest only')
     if scene.base.topic and not scene.has_loads:
         refuse('base.topic', 'has no effect without masses')
     carried = [name for name in scene.values if name.startswith('base.carried.')

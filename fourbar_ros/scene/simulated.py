@@ -137,6 +137,10 @@ def simulate_scene(scene: Scene, until: float, tolerance: float = 1e-8, method: 
             raise InvalidParameter('torque', torque, f'goes with drive.source: {TORQUE.name}; '
                                    f'this scene has {source}')
         dynamics = dynamics._replace(drive=replace(dynamics.drive, source=ConstantTorque(torque)))
+    if scene.acting:
+        name = scene.acting[0]
+        raise InvalidParameter('base.topic' if name == 'base' else f'external.{name}.from_topic',
+                               True, 'what acts by topic is known to the node alone')
     until = number('until', until, 'must be a positive number', above=0.0)
     count = int(until * scene.drive.rate * (1.0 + 1e-12))     # 0.29 s * 100 Hz = 28.99... is 29
     if count < 1:

@@ -15,17 +15,20 @@ from fourbar_ros import (
     Applied,
     Base,
     Bodies,
+    External,
     FourBar,
     InvalidParameter,
     load_scene,
     MissingBodies,
 )
 from fourbar_ros.dynamics.equation import Equation
+from fourbar_ros.dynamics.node_step import Mover, NOT_FINITE
 from fourbar_ros.dynamics.simulation import REACHED, simulate
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.mechanisms.points import point_motion
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from support import contract, ROOT
 from support.cartesian import BITS, Cartesian, EPS, errors, exact, value_and_condition
 from support.random_machines import random_machines
@@ -169,3 +172,59 @@ def test_what_cannot_be_is_refused():
         PAPER.loads([1.0, 2.0], base=Base([0.0, 1.0, 2.0]))
     with pytest.raises(MissingBodies):
         FourBar(0.4, 1.2, 0.8, 1.0).loads([1.0], base=Base())
+
+
+# --- steps of the node ---------------------------------------------------------------------------
+
+ROCKER = FourBar(0.9, 0.8, 0.7, 1.0, bodies=RODS)      # swings through its toggles
+ACTS = {'base': Base(1.0, 9.0, 2.0, -3.0), 'output': (20.0, -30.0, 4.0)}
+
+
+def moved(mover, count, step=1e-3):
+    """Return the states of a mover after some steps."""
+    values, found = mover.start(), []
+    for _ in range(count):
+        status, values = mover.next(values, step, mode=mover.mode)
+        assert status == 0
+        found.append((values.position, values.velocity, values.acceleration))
+    return np.array(found)
+
+
+@pytest.mark.parametrize('linkage, start', [(PAPER, 0.3), (ROCKER, 0.5)])
+def test_a_step_under_what_acts_is_one_of_a_linkage_that_has_it(linkage, start):
+    along = replace(linkage, external=External(output=Applied(0.0, 0.0, 0.5, 0.1)))
+    mover = Mover(System(along, start), 1e-9, 9999, acting=tuple(ACTS))
+    for name, what in ACTS.items():
+        mover.act(name, what)
+    fixed = along.with_base(ACTS['base']).with_external(External(
+        output=Applied(20.0, -30.0, 0.5, 0.1, 4.0)))
+    alone = Mover(System(fixed, start), 1e-9, 9999)
+    ours, due = moved(mover, 600), moved(alone, 600)
+    assert np.abs(ours - due).max() <= 1e-9 * np.abs(due).max()
+
+
+def test_the_base_of_now_moves_the_next_step():
+    """Held over a step: its error is of first order."""
+    def base_at(t):
+        return Base(3.0 * np.sin(9.0 * t), 9.81, 0.5 * np.cos(4.0 * t), -2.0 * np.sin(4.0 * t))
+
+    def rates(t, state):
+        return [state[1], Equation(PAPER.with_base(base_at(t))).acceleration(*state)]
+    run = solve_ivp(rates, (0.0, 0.2), [0.3, 0.0], rtol=1e-8, atol=1e-8)
+    errors = []
+    for step in (2e-3, 1e-3):
+        mover = Mover(System(PAPER, 0.3), 1e-9, 200, acting=('base',))
+        values = mover.start()
+        for number in range(round(0.2 / step)):
+            mover.act('base', base_at(number * step))
+            _, values = mover.next(values, step)
+        errors.append(abs(values.position - run.y[0, -1]))
+    assert errors[0] < 1e-3 and errors[1] < 0.6 * errors[0]
+
+
+def test_nothing_moves_while_what_acts_is_unknown():
+    mover = Mover(System(PAPER, 0.3, 1.0), 1e-9, 200, acting=('base',))
+    status, values = mover.next(mover.start(), 1e-3)
+    assert status == NOT_FINITE and (values.position, values.velocity) == (0.3, 0.0)
+    mover.act('base', Base(0.0, 9.81))
+    assert mover.next(values, 1e-3)[0] == 0

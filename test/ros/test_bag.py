@@ -74,7 +74,8 @@ def test_rosbags_reads_the_directory_and_every_value_is_what_was_received(bag):
             assert set(topics) == {'/fourbar/driven', '/fourbar/scene', '/joint_states',
                                    '/fourbar/state', '/fourbar/output',
                                    '/fourbar/loads', '/fourbar/shaking_wrench',
-                                   '/fourbar/drive_wrench'}
+                                   '/fourbar/drive_wrench', '/fourbar/equation',
+                                   '/fourbar/inertia'}
             for connection, _, data in reader.messages():
                 name = connection.topic.rsplit('/', 1)[-1]
                 message = reader.deserialize(data, connection.msgtype)
@@ -157,7 +158,8 @@ def test_recompute_finds_no_difference_and_does_find_a_false_scene(bag, tmp_path
     found = recompute(path).differences
     assert {d.topic for d in found} == {'/joint_states', '/fourbar/state', '/fourbar/output',
                                         '/fourbar/loads', '/fourbar/driven',
-                                        '/fourbar/shaking_wrench', '/fourbar/drive_wrench'}
+                                        '/fourbar/shaking_wrench', '/fourbar/drive_wrench',
+                                        '/fourbar/equation', '/fourbar/inertia'}
     assert len(found) > 40 and all(d.messages >= 100 for d in found)
     assert max(d.largest for d in found) == 0.0
     file = path / 'run_0.mcap'

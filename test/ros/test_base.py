@@ -6,12 +6,13 @@ import math
 from builtin_interfaces.msg import Time
 from fourbar_lab.clients.node_client import name_on
 from fourbar_msgs.msg import Base as BaseMessage
-from fourbar_msgs.msg import LinkageState, Motion
+from fourbar_msgs.msg import DriveState, LinkageState, Motion
 from fourbar_ros import Base, InvalidParameter
 from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.pipeline.base import Imu
 from fourbar_ros.scene.scene import from_values
-from fourbar_ros.scene.topics import BASE, BASES, OUTPUTS
+from fourbar_ros.scene.topics import BASE, BASES, DRIVE_STATE, OUTPUTS, wrench_topic
+from geometry_msgs.msg import WrenchStamped
 import numpy as np
 import pytest
 from rclpy.qos import DurabilityPolicy, QoSProfile
@@ -166,6 +167,37 @@ def test_two_nodes_on_one_base_pass_their_loads_on(run_node, client, tmp_path):
     assert found.compared > 40 and all(each.largest == 0.0 for each in found.differences)
 
 
+def test_a_motion_by_torque_feels_base_and_payload_and_recomputes(run_node, client, tmp_path):
+    given = {**LOADED, 'drive.source': 'torque', 'drive.rate': 500.0, 'drive.when_silent': 'hold',
+             'base.topic': 'motion_of_base', 'external.output.from_topic': True,
+             'external.output.along': 0.5, 'outputs': ['state', 'loads'], 'recording.start': True,
+             'recording.directory': str(tmp_path), 'recording.name': 'run'}
+    node, states, loads = run_node(given), [], []
+    for topic, inbox in ((DRIVE_STATE, states), (OUTPUTS['loads'], loads)):
+        client.subscribe(topic, inbox.append, 'fourbar', 1000)
+    base = client.node.create_publisher(BaseMessage, name_on('fourbar', BASES['motion_of_base']),
+                                        100)
+    payload = client.node.create_publisher(WrenchStamped, name_on('fourbar',
+                                                                  wrench_topic('output')), 100)
+    client.until(lambda: base.get_subscription_count() and payload.get_subscription_count()
+                 and states, 'the topics')
+    assert states[-1].status == DriveState.STATUS_FAILED         # it stands: nothing is known
+    wrench = WrenchStamped()
+    wrench.wrench.force.y = -40.0
+    for number in range(1, 60):
+        message = BaseMessage(force_x=math.sin(number), force_y=9.81, rate=0.3, acceleration=0.1)
+        message.header.stamp = stamp_of(number * MILLISECOND)
+        base.publish(message)
+        payload.publish(wrench)
+        client.spin(0.01)
+    assert states[-1].status == DriveState.STATUS_SILENT and states[-1].velocity != 0.0
+    # no torque acts: the loads of this acceleration, base and payload ask for none
+    assert abs(loads[-1].driving_torque) <= 1e-9 * (1.0 + abs(loads[-1].f41))
+    assert node.stop() == 0
+    found = recompute(str(tmp_path / 'run'))
+    assert found.stepped > 100 and all(each.largest == 0.0 for each in found.differences)
+
+
 @pytest.mark.parametrize('angles', [(), (0.4, -0.9, 2.0), (math.pi / 2, 0.0, 0.0)])
 def test_an_imu_is_turned_into_the_plane(angles):
     turned = Rotation.from_euler('xyz', angles or (0.0, 0.0, 0.0))
@@ -189,7 +221,6 @@ def test_angular_acceleration_is_the_slope_of_the_rates():
 @pytest.mark.parametrize('changed, why', [
     ({'gravity.y': -9.81}, 'weight counts twice'), ({'base.topic': 'gps'}, 'motion_of_base'),
     ({'base.rotation': [1.0, 2.0]}, 'quaternion'),
-    ({'drive.source': 'torque'}, 'base at rest'),
     ({'bodies.rods.density': NAN, 'bodies.rods.radius': NAN, 'outputs': ['state']}, 'masses')])
 def test_what_cannot_go_together_is_refused(changed, why):
     with pytest.raises(InvalidParameter, match=why):

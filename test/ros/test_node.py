@@ -9,6 +9,7 @@ from builtin_interfaces.msg import Time
 from fourbar_msgs.msg import LinkageState, Motion
 from fourbar_ros import load_scene
 from fourbar_ros.extrema.find import find_extrema
+from fourbar_ros.mechanisms.inertia import held_rigid, input_equation
 from fourbar_ros.pipeline import stepper as codes
 from fourbar_ros.scene import scene
 from fourbar_ros.scene.files import find, read_values
@@ -51,8 +52,10 @@ def test_every_topic_carries_the_values_of_the_core_to_the_last_bit(run_node, cl
         assert len(messages) == len(inputs)
         for sent, message in zip(inputs, messages):
             motion_and_loads = linkage.step(sent.position, sent.velocity, sent.acceleration)
-            # drive_wrench
-            values = (*sum(motion_and_loads, ()), 0.0, 0.0, -motion_and_loads[1].driving_torque)
+            torque = motion_and_loads[1].driving_torque
+            equation = input_equation(linkage, sent.position, sent.velocity)
+            values = (*sum(motion_and_loads, ()), *equation, torque,
+                      *held_rigid(linkage, motion_and_loads[0]), 0.0, 0.0, -torque)
             # NaN is NaN here
             assert repr(fields_of(layout, name, message)) == repr(layout.expected(name, values))
             assert message.header.stamp == sent.header.stamp

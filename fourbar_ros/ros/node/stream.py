@@ -112,7 +112,7 @@ class Stream:
                 self._pictures.publish_latched(run)
             for name, what in self.run.stepper.acting.items():
                 if what is not run.stepper.acting[name]:     # it came while the run was made
-                    run.stepper.act(name, what)
+                    run.act(name, what)
             self.run, self._values = run, run.unknown
             self._update()
             if unpacked := [name for name, writer in run.writers.items() if not writer.is_packed]:
@@ -145,7 +145,7 @@ class Stream:
             message.wrench.force.x, message.wrench.force.y, message.wrench.torque.z = what
         data = serialize_message(message)
         with self._lock:
-            self.run.stepper.act(name, what)
+            self.run.act(name, what)
             self._latched[topic.name] = data
             self._applied[name].publish(data)
             self.record(topic.name, data)
@@ -405,6 +405,15 @@ class Run:
         self.stepper = InModes(self.scene, acting)
         if self.scene.dynamics:
             self.stepper.prepare(self.scene.dynamics.modes_passed(self.scene.linkage))
+        for name, what in self.stepper.acting.items():
+            if self.mover:
+                self.mover.act(name, what)
+
+    def act(self, name: str, what: Acting) -> None:
+        """Let a wrench act on a link, or the base move, from the next step on."""
+        self.stepper.act(name, what)
+        if self.mover:
+            self.mover.act(name, what)
 
     def needs_loads(self, name: str) -> bool:
         """Return whether an output needs the loads of a step."""
