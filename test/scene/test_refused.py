@@ -173,7 +173,6 @@ TABLE = [
         ('springs.2s.stiffness', 1.0, 'not a valid spring name'),
         ('springs.s.stifness', 1.0, 'of springs.s; did you mean stiffness?'),
         ('torsion_springs.s.second', 'ground', 'another'),
-        ('external.output.from_topic', True, 'constant'),
         ({'linkage.a1': 1.2, 'linkage.a2': 0.4, 'drive.start': 3.1}, 'no motion can start',
          'drive.start'),
         ('drive.budget', 3, 'must lie in [12, 10000]'),
