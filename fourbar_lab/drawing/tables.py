@@ -11,6 +11,7 @@ from typing import NamedTuple
 from fourbar_lab.drawing.mobility import mobility_rows
 from fourbar_lab.drawing.poses import in_degrees, number, shown
 from fourbar_ros.extrema.find import CONSTANT, Extremum, find_extrema
+from fourbar_ros.mechanics.bodies import Base, field_of
 from fourbar_ros.mechanisms.inertia import mean_rigid, middles
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Coordinate
@@ -124,7 +125,8 @@ def facts(linkage: Mechanism) -> list[tuple[str, str]]:
                         f'({body.cg_along:g}, {body.cg_across:g}) m'
                         if body.mass or body.inertia else 'no mass in the scene')
                  for name, body in linkage.bodies._asdict().items()]
-        rows += [NO_WEIGHT] * (not any(linkage.gravity))
+        rows += [NO_WEIGHT] * (not any(field_of(linkage.gravity))
+                               and not isinstance(linkage.gravity, Base))
         mean = mean_rigid(linkage)
         rows += [('inertia at the input', _inertia_in_words(linkage)),
                  ('held rigid, mean', f'{mean.mass:.6g} kg at ({mean.x:.6g}, {mean.y:.6g}) m, '

@@ -95,7 +95,7 @@ def _variables(model: Model, drive: DriveCode | None) -> list[Variable]:
     Value references: inputs from 0, then parameters, motion, loads, status and time. With a drive
     its values follow, and no motion is prescribed: a torque, if commanded, is the input.
     """
-    topics = {f'external.{link}' for link in model.scene.wrenches.links}
+    topics = model.from_topics
     given = {one.name for one in model.inputs}
     start = model.sample()[0][0]      # a pose that exists
 

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 from fourbar_lab.export.statements import JUDGED
 from fourbar_ros.dynamics.forces import make_external
 from fourbar_ros.errors import FourBarError, InvalidParameter, one_of
+from fourbar_ros.mechanics.bodies import Base
 from fourbar_ros.mechanisms import quantities
 from fourbar_ros.mechanisms.evaluation import limits_at_zero
 from fourbar_ros.mechanisms.kinds import LOADS
@@ -28,6 +29,7 @@ from fourbar_ros.numerics.number_types import (
 from fourbar_ros.numerics.tables import derivatives_of, Dual, duals_of, run
 from fourbar_ros.numerics.trace import flat, RECORDING, REFUSING, Trace
 from fourbar_ros.scene.scene import Scene
+from fourbar_ros.scene.topics import BASE
 
 UNITS_OF_BODIES = {'mass': 'kg', 'inertia': 'kg m^2', 'force_x': 'N', 'force_y': 'N',
                    'couple': 'N m'}
@@ -120,6 +122,11 @@ class Model:
     def is_fixed(self) -> bool:
         """Return whether it has change points, whose limits belong to its own numbers."""
         return self.mechanism.is_flat_at_zero or bool(self.mechanism.flat_limits)
+
+    @property
+    def from_topics(self) -> set[str]:
+        """Return the groups of parameters that a node has from topics: inputs here."""
+        return {name if name == BASE.name else f'external.{name}' for name in self.scene.acting}
 
     @property
     def moves_by_torque(self) -> bool:
@@ -264,7 +271,7 @@ class Model:
         """Return which data are parameters, zero or not: by their names, or as topics set them."""
         names = [name for name, _ in self.names]
         wanted = self.parameters or ()
-        topics = {f'external.{link}' for link in self.scene.wrenches.links}
+        topics = self.from_topics
         for name in wanted:
             if name not in names:
                 raise InvalidParameter('parameters', name, one_of(filter(None, names), name))
@@ -288,7 +295,10 @@ class Model:
                    if place in signs else '', '')
                   for place in range(len(found), len(found) + len(numbers_of(constants.sign)))]
         found += _of_links('bodies', constants.bodies)
-        found += [('gravity.x', 'm/s^2'), ('gravity.y', 'm/s^2')]
+        found += ([(f'base.{name}', unit) for name, unit in zip(
+            Base._fields, ('m/s^2', 'm/s^2', 'rad/s', 'rad/s^2'))]
+            if isinstance(constants.gravity, Base) else
+            [('gravity.x', 'm/s^2'), ('gravity.y', 'm/s^2')])
         found += _of_links('external', constants.external)
         found += [(f'points.{name}.{what}', 'm') for name in self.scene.points
                   for what in ('along', 'across')]
@@ -458,7 +468,8 @@ class Model:
         mechanism, points = self.mechanism, self.scene.points
         low, high = mechanism.input_ranges[0]
         given = low + 0.6180339887 * (high - low), 1.5, -0.5
-        loaded = self.scene.linkage_at(*given[:2]) if mechanism.bodies else mechanism
+        with_forces = self.scene.make_loaded(mechanism) if mechanism.bodies else None
+        loaded = (with_forces(*given[:2]) or self.scene.linkage) if with_forces else mechanism
         motion, loads = loaded.motion_and_loads(*given)
         found = {**motion._asdict(), **(loads._asdict() if loads else {})}
         for name, point in points.items():

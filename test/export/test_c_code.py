@@ -17,8 +17,9 @@ from fourbar_lab.export.statements import snippet
 from fourbar_ros import load_scene, SliderCrank
 from fourbar_ros.cli.main import main
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.mechanics.bodies import Applied
+from fourbar_ros.mechanics.bodies import Applied, Base
 from fourbar_ros.pipeline.stepper import evaluate
+from fourbar_ros.scene import from_values
 import numpy as np
 import pytest
 from support import ROOT
@@ -51,6 +52,17 @@ def compared(scene, folder, name, count, commands, seed=1, is_strict=True):
                            is_strict)
         assert not said, f'{name}, {" ".join(command)}: {said}'
     return code
+
+
+@pytest.mark.parametrize('name', ['paper', 'jansen'])
+def test_a_base_is_four_numbers_that_can_be_changed(name, tmp_path):
+    values = load_scene(name).values
+    scene = from_values({**values, 'gravity.x': 0.0, 'gravity.y': 0.0,
+                         'base.topic': 'motion_of_base'})
+    on_base = replace(scene, bare_linkage=scene.bare_linkage.with_base(Base(1.0, 9.0, 2.0, -3.0)))
+    code = compared(on_base, tmp_path, name, 20, [C])
+    assert [one.name for one in code.model.tunable if one.name.startswith('base.')] == [
+        'base.force_x', 'base.force_y', 'base.rate', 'base.acceleration']
 
 
 def with_linkage(machine):

@@ -35,6 +35,14 @@ def test_what_is_hardly_meant_is_one_line_each(changes, said):
     assert all(part in line and '\n' not in line for part, line in zip(said, found))
 
 
+def test_a_carried_inertia_with_which_the_rest_is_unstable_is_one_line():
+    def said(carried):
+        return warnings_of(from_values({**PAPER, **RODS, 'drive.carried_inertia': carried}))
+    line, = said(0.1)           # of 0.19 to 1.25 kg m^2
+    assert 'unstable with a rotor lighter than 1.046; 0.7192 would do with any' in line
+    assert said(0.0) == said(0.72) == []
+
+
 def test_the_start_of_a_slide_is_no_angle_and_links_of_machines_have_names():
     values = dict(load('cylinder').values)
     assert warnings_of(from_values({**values, 'drive.start': 7.0})) == []
