@@ -47,7 +47,8 @@ def _add_arguments(verb: ArgumentParser, out: str, default: str) -> None:
     """Add what both verbs take; ``out``: help of ``--out``, ``default``: of no QUANTITY."""
     add_scene(verb)
     verb.add_argument('names', nargs='*', metavar='QUANTITY',
-                      help=f'e.g. omega4, f41, shaking_force, middle.speed of a point; {default}')
+                      help='e.g. omega4, f41, inertia and bias of the drive, middle.speed of a '
+                           f'point; {default}')
     add_rates(verb)
     verb.add_argument('--samples', type=positive_integer, default=361, metavar='N',
                       help='inputs in each range (default 361: a degree apart in a full turn)')

@@ -29,7 +29,8 @@ if TYPE_CHECKING:
 # what a vertical axis of a unit shows
 AXES = {'deg': 'angle', 'rad/s': 'angular velocity', 'rad/s^2': 'angular acceleration',
         'm': 'position', 'm/s': 'velocity', 'm/s^2': 'acceleration', 'N': 'force',
-        'N m': 'torque, moment'}
+        'N m': 'torque, moment', 'kg m^2': 'inertia', 'kg': 'inertia'}
+OF_DRIVE = 'inertia', 'bias'        # by name alone
 TABLES, PICTURES = ('.csv', '.xlsx', '.parquet'), ('.png', '.svg', '.pdf', '.html')
 
 
@@ -55,7 +56,8 @@ def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: flo
     linkage : Mechanism
         The scene's, in the assembly mode wanted; its loads are those of the scene.
     names : sequence of str
-        Fields of motion or loads, or quantities of points; empty: all, loads only with masses.
+        Fields of motion or loads, quantities of points, or J and b of the drive's T = J alpha + b
+        as ``inertia`` and ``bias``; empty: all but these, loads only with masses.
     speed, acceleration : float
         Of the input [rad/s, rad/s^2] or [m/s, m/s^2].
     samples : int
@@ -76,8 +78,8 @@ def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: flo
     for name in wanted:
         if name not in units:
             raise UnknownQuantity(name, units)
-    wanted = wanted or [name for name in units if name not in linkage.LOADS._fields
-                        or scene.has_loads]
+    wanted = wanted or [name for name in units if name not in OF_DRIVE and (
+        name not in linkage.LOADS._fields or scene.has_loads)]
     of_points = {quantity.name: quantity for quantity in scene.point_quantities}
     needs_loads = any(name in linkage.LOADS._fields for name in wanted)
     for inputs in cycles(linkage, samples, True, scene.turns if needs_loads else 1):
@@ -86,6 +88,7 @@ def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: flo
                  else None)
         rows = [inputs] + [
             of_points[name].of(motion, loads) if name in of_points
+            else _of_drive(scene, linkage, name, inputs, speed) if name in OF_DRIVE
             else getattr(loads if name in linkage.LOADS._fields else motion, name)
             for name in wanted]
         parts += [np.full((len(rows), 1), np.nan), np.array([
@@ -106,6 +109,14 @@ def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: flo
     return Curves(f'{linkage.description} at {rate}', columns,
                   tuple('deg' if unit == 'rad' else unit for unit in its_units), values,
                   symbols_of(linkage, columns))
+
+
+def _of_drive(scene: Scene, linkage: Mechanism, name: str, inputs: Array, speed: float) -> Array:
+    """Return J or b of T = J alpha + b at inputs."""
+    found: Array = (
+        scene.bare_linkage.in_mode(linkage.mode).inertia(inputs) if name == 'inertia'
+        else getattr(scene.loads(inputs, speed, 0.0, linkage.mode), linkage.drive_load))
+    return found
 
 
 def marks_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: float,
@@ -134,6 +145,9 @@ def _units(linkage: Mechanism, scene: Scene) -> dict[str, str]:
     quantities = {**positions(linkage, linkage.input), **known(linkage, linkage.input)}
     units = {name: quantity.unit for name, quantity in quantities.items()}
     units.update((quantity.name, quantity.unit) for quantity in scene.point_quantities)
+    if scene.has_loads:
+        units.update(zip(OF_DRIVE, ('kg', 'N') if linkage.is_driven_by_slide else
+                         ('kg m^2', 'N m')))
     for part in linkage.PARTS:
         if part != linkage.input_coordinate:
             units |= {name: part.unit + tail for name, tail in

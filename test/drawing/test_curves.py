@@ -30,3 +30,15 @@ def test_marks_of_extrema_lie_on_their_curves(name):
             assert min(np.max(one) for one in off) <= 0.5
             seen += len(marked.get_xdata())
     assert seen == len(marks) > 0
+
+
+@pytest.mark.parametrize('name', ['paper', 'cylinder', 'engine', 'jansen'])
+def test_inertia_and_bias_are_the_drive_less_its_acceleration(name):
+    """Of T = J alpha + b, with the forces of the scene."""
+    scene = load(name)
+    linkage = scene.linkage
+    curves = curves_of(scene, linkage, ('inertia', 'bias', linkage.drive_load), 2.0, 3.0, 50)
+    _, inertia, bias, drive = curves.values
+    inside = np.isfinite(drive)
+    assert inside.sum() > 40
+    assert np.allclose((3.0 * inertia + bias)[inside], drive[inside], rtol=1e-9, atol=1e-9)
