@@ -376,7 +376,7 @@ _BASE = _group('base', (
     Parameter('window', 'integer', 2, '',
               'with imu: number of latest rates whose slope is the angular acceleration',
               low=2, high=50, live=False, is_relevant=has_base),
-    Parameter('timeout', 'double', 1.0, 's',
+    Parameter('timeout', 'double', 0.2, 's',
               'after this time without a message the motion of the base counts as unknown; 0: '
               'never', low=0.0, is_relevant=has_base),
     Parameter('when_silent', 'string', 'unknown', '',

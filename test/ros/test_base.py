@@ -13,6 +13,8 @@ from fourbar_ros.pipeline.base import Imu
 from fourbar_ros.scene.scene import from_values
 from fourbar_ros.scene.topics import BASE, BASES, DRIVE_STATE, OUTPUTS, wrench_topic
 from geometry_msgs.msg import WrenchStamped
+from hypothesis import given
+from hypothesis import strategies as st
 import numpy as np
 import pytest
 from rclpy.qos import DurabilityPolicy, QoSProfile
@@ -44,10 +46,10 @@ class Carried:
 
     def __init__(self, run_node, client, topic='imu', node='fourbar', remaps=(), **parameters):
         self.client = client
-        given = {**LOADED, 'base.topic': topic,
+        values = {**LOADED, 'base.topic': topic, 'base.timeout': 60.0,
                  **{name.replace('__', '.'): value for name, value in parameters.items()}}
-        self.node = run_node(given, name=node, remaps=remaps)
-        self.linkage, self.in_effect, self.time = from_values(given).bare_linkage, [], 10**9
+        self.node = run_node(values, name=node, remaps=remaps)
+        self.linkage, self.in_effect, self.time = from_values(values).bare_linkage, [], 10**9
         client.node.create_subscription(
             BaseMessage, name_on(node, BASE), self.in_effect.append,
             QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL))
@@ -120,7 +122,7 @@ def test_a_simulator_says_all_and_the_bag_recomputes(run_node, client, tmp_path)
 
 
 def test_what_is_late_silent_or_of_another_frame_does_not_act(run_node, client):
-    carried = Carried(run_node, client, 'motion_of_base', base__timeout=0.4,
+    carried = Carried(run_node, client, 'motion_of_base', base__timeout=2.0,
                       base__frame_id='chassis')
     good = BaseMessage(force_y=9.81)
     good.header.stamp, good.header.frame_id = stamp_of(9 * MILLISECOND), 'chassis'
@@ -168,11 +170,12 @@ def test_two_nodes_on_one_base_pass_their_loads_on(run_node, client, tmp_path):
 
 
 def test_a_motion_by_torque_feels_base_and_payload_and_recomputes(run_node, client, tmp_path):
-    given = {**LOADED, 'drive.source': 'torque', 'drive.rate': 500.0, 'drive.when_silent': 'hold',
-             'base.topic': 'motion_of_base', 'external.output.from_topic': True,
+    values = {**LOADED, 'drive.source': 'torque', 'drive.rate': 500.0, 'drive.when_silent': 'hold',
+             'base.topic': 'motion_of_base', 'base.timeout': 60.0,
+             'external.timeout': 60.0, 'external.output.from_topic': True,
              'external.output.along': 0.5, 'outputs': ['state', 'loads'], 'recording.start': True,
              'recording.directory': str(tmp_path), 'recording.name': 'run'}
-    node, states, loads = run_node(given), [], []
+    node, states, loads = run_node(values), [], []
     for topic, inbox in ((DRIVE_STATE, states), (OUTPUTS['loads'], loads)):
         client.subscribe(topic, inbox.append, 'fourbar', 1000)
     base = client.node.create_publisher(BaseMessage, name_on('fourbar', BASES['motion_of_base']),
@@ -209,13 +212,31 @@ def test_an_imu_is_turned_into_the_plane(angles):
 
 
 def test_angular_acceleration_is_the_slope_of_the_rates():
-    reading = Imu((), 3, 0.1)
+    reading = Imu((), 3, 0.3)
     bases = [reading.update(time, (0, 0, 0), (0, 0, 2.0 * time * 1e-9))
              for time in (10**7, 2 * 10**7, 3 * 10**7, 5 * 10**8, 4 * 10**8)]
     assert math.isnan(bases[0].acceleration)
     assert [base.acceleration for base in bases[1:3]] == pytest.approx([2.0, 2.0])
     assert all(math.isnan(base.acceleration) for base in bases[3:])     # a pause, a step back
     assert math.isnan(reading.update(4 * 10**8 + 1, (0, 0, 0), (0, 0, NAN)).rate)
+
+
+@given(st.lists(st.sampled_from((1, 1, 1, 2, 3, 7, 40)), min_size=3, max_size=60),
+       st.floats(0.2, 3.0))
+def test_no_acceleration_is_wrong_beyond_its_lag(steps, frequency):
+    """Of a base that swings, through pauses: what is told is the slope of one step or two."""
+    reading, time, step = Imu((), 2, 1.0), 10**9, 10**7
+    for place, number in enumerate(steps):
+        time += number * step
+        rate = math.sin(math.tau * frequency * time * 1e-9)
+        found = reading.update(time, (0.0, 9.81, 0.0), (0.0, 0.0, rate)).acceleration
+        is_pause = place > 1 and number > 2.5 * steps[place - 1]
+        assert math.isnan(found) == (place == 0 or is_pause)
+        if math.isnan(found):
+            continue
+        true = math.tau * frequency * math.cos(math.tau * frequency * time * 1e-9)
+        late = 0.5 * number * step * 1e-9 * (math.tau * frequency)**2
+        assert abs(found - true) <= late + 1e-6
 
 
 @pytest.mark.parametrize('changed, why', [
