@@ -47,7 +47,7 @@ class Carried:
     def __init__(self, run_node, client, topic='imu', node='fourbar', remaps=(), **parameters):
         self.client = client
         values = {**LOADED, 'base.topic': topic, 'base.timeout': 60.0,
-                 **{name.replace('__', '.'): value for name, value in parameters.items()}}
+                  **{name.replace('__', '.'): value for name, value in parameters.items()}}
         self.node = run_node(values, name=node, remaps=remaps)
         self.linkage, self.in_effect, self.time = from_values(values).bare_linkage, [], 10**9
         client.node.create_subscription(
@@ -171,10 +171,10 @@ def test_two_nodes_on_one_base_pass_their_loads_on(run_node, client, tmp_path):
 
 def test_a_motion_by_torque_feels_base_and_payload_and_recomputes(run_node, client, tmp_path):
     values = {**LOADED, 'drive.source': 'torque', 'drive.rate': 500.0, 'drive.when_silent': 'hold',
-             'base.topic': 'motion_of_base', 'base.timeout': 60.0,
-             'external.timeout': 60.0, 'external.output.from_topic': True,
-             'external.output.along': 0.5, 'outputs': ['state', 'loads'], 'recording.start': True,
-             'recording.directory': str(tmp_path), 'recording.name': 'run'}
+              'base.topic': 'motion_of_base', 'base.timeout': 60.0,
+              'external.timeout': 60.0, 'external.output.from_topic': True,
+              'external.output.along': 0.5, 'outputs': ['state', 'loads'], 'recording.start': True,
+              'recording.directory': str(tmp_path), 'recording.name': 'run'}
     node, states, loads = run_node(values), [], []
     for topic, inbox in ((DRIVE_STATE, states), (OUTPUTS['loads'], loads)):
         client.subscribe(topic, inbox.append, 'fourbar', 1000)
@@ -205,8 +205,8 @@ def test_a_motion_by_torque_feels_base_and_payload_and_recomputes(run_node, clie
 def test_an_imu_is_turned_into_the_plane(angles):
     turned = Rotation.from_euler('xyz', angles or (0.0, 0.0, 0.0))
     force, rate = np.array([1.0, -2.0, 9.0]), np.array([0.1, 0.2, 0.3])
-    for given in (angles, turned.as_quat().tolist()):
-        base = Imu(given, 2, 1.0).update(1, force.tolist(), rate.tolist())
+    for rotation in (angles, turned.as_quat().tolist()):
+        base = Imu(rotation, 2, 1.0).update(1, force.tolist(), rate.tolist())
         ours, about = turned.inv().apply(force), turned.inv().apply(rate)
         assert np.allclose(base[:3], [*ours[:2], about[2]], atol=1e-14)
 
