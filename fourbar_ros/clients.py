@@ -18,11 +18,20 @@ import time as clock
 from types import SimpleNamespace
 from typing import Any
 
-from fourbar_ros.errors import FourBarError
+from fourbar_ros.errors import FourBarError, InvalidParameter, one_of
 from fourbar_ros.mechanics.bodies import Base
 from fourbar_ros.numerics.given import number
 from fourbar_ros.ros.messages import Message, resolve, to_stamp
-from fourbar_ros.scene.topics import BASE, BASES, DRIVE_STATE, INPUTS, OUTPUTS, Topic, TORQUE
+from fourbar_ros.scene.topics import (
+    BASE,
+    BASES,
+    DRIVE_STATE,
+    FAMILIES,
+    INPUTS,
+    OUTPUTS,
+    Topic,
+    TORQUE,
+)
 import rclpy
 from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException
@@ -58,6 +67,10 @@ class LockStep:
 
     def __init__(self, node: str = 'fourbar', outputs: Sequence[str] = ('shaking_wrench',),
                  patience: float = 5.0) -> None:
+        known = [name for name in OUTPUTS if name not in FAMILIES]
+        for output in (outputs,) if isinstance(outputs, str) else outputs:
+            if output not in known:
+                raise InvalidParameter('outputs', output, one_of(known, output))
         self._context = Context()            # whatever else uses ROS in this process
         self._context.init()
         name = f'{node.strip("/").replace("/", "_")}_lock_step'
@@ -70,7 +83,7 @@ class LockStep:
         self._heard: list[Any] = []          # subscriptions
         self._clock: Any = None
         self._met: set[str] = set()
-        self._outputs = tuple(outputs)
+        self._outputs = (outputs,) if isinstance(outputs, str) else tuple(outputs)
         for output in self._outputs:
             self._listen(OUTPUTS[output])
 

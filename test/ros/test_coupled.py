@@ -77,6 +77,8 @@ def test_lock_step_says_what_is_late(run_node, lockstep):
     assert ask(0.1, 0.3, 1.0, 0.0).state.theta1 == 0.3
     with pytest.raises(InvalidParameter, match='a stamp of 0 is none'):
         ask(0.0, 0.3)
+    with pytest.raises(InvalidParameter, match='did you mean state'):
+        lockstep(outputs=('stat',))
     node.stop()
     with pytest.raises(Late, match=r'no answer of 0\.200000000 s on state from fourbar'):
         ask(0.2, 0.4, 1.0, 0.0)
