@@ -77,7 +77,7 @@ def test_lock_step_says_what_is_late(run_node, lockstep):
     assert ask(0.1, 0.3, 1.0, 0.0).state.theta1 == 0.3
     with pytest.raises(InvalidParameter, match='a stamp of 0 is none'):
         ask(0.0, 0.3)
-    with pytest.raises(InvalidParameter, match='did you mean state'):
+    with pytest.raises(InvalidParameter, match='must be one of state, output'):
         lockstep(outputs=('stat',))
     node.stop()
     with pytest.raises(Late, match=r'no answer of 0\.200000000 s on state from fourbar'):
