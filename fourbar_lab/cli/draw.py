@@ -63,7 +63,7 @@ def _draw(arguments: Namespace) -> None:
         print(save(make_axis_figure(linkage, speed, position), arguments.out))
     elif arguments.over:
         from fourbar_lab.drawing.cycles import make_cycle_figure
-        loads = partial(scene.loads, mode=linkage.mode) if scene.has_loads else None
+        loads = partial(scene.loads, mode=linkage.mode) if scene.tells_loads else None
         print(save(make_cycle_figure(arguments.over, linkage, speed, arguments.acceleration,
                                      scene.points, loads, scene.turns), arguments.out))
     elif position is None:

@@ -81,7 +81,7 @@ def _plot(arguments: Namespace) -> None:
     from fourbar_ros.mechanisms.quantities import select
     scene, linkage, speed = _given(arguments)
     names = arguments.names or [quantity.name for quantity in select(
-        (), scene.bare_linkage, scene.point_quantities)]
+        (), scene.bare_linkage if scene.tells_loads else linkage, scene.point_quantities)]
     given = scene, linkage, names, speed, arguments.acceleration
     curves = curves_of(*given, arguments.samples)
     print(write_picture(curves, arguments.out, marks_of(*given)))

@@ -185,7 +185,7 @@ def write_page_of(scene: Scene, extrema: Sequence[Message], bag: Path) -> Path:
     recorded = [f'{topic}.{name}' for name in names for topic in ('state', 'loads')
                 if topic in scene.outputs
                 and name in resolve(OUTPUTS[topic].type).get_fields_and_field_types()]
-    loads = scene.loads(position, speed, 0.0) if scene.has_loads else None
+    loads = scene.loads(position, speed, 0.0) if scene.tells_loads else None
     figures = {'Mechanism': figure.make_figure(linkage, motion, loads, points=scene.points),
                'Over the input, with all extrema': curves.make_figure(over_input, marks)}
     if recorded:

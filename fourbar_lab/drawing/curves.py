@@ -79,7 +79,7 @@ def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: flo
         if name not in units:
             raise UnknownQuantity(name, units)
     wanted = wanted or [name for name in units if name not in OF_DRIVE and (
-        name not in linkage.LOADS._fields or scene.has_loads)]
+        name not in linkage.LOADS._fields or scene.tells_loads)]
     of_points = {quantity.name: quantity for quantity in scene.point_quantities}
     needs_loads = any(name in linkage.LOADS._fields for name in wanted)
     for inputs in cycles(linkage, samples, True, scene.turns if needs_loads else 1):

@@ -107,7 +107,7 @@ class Shown:
         """Return why the page shows no loads; empty if it does: a cycle here is one turn."""
         if self.scene.turns > 1:
             return f'its forces repeat after {self.scene.turns} turns only: see fourbar plot'
-        return '' if self.scene.has_loads else self.scene.why_no_loads
+        return '' if self.scene.tells_loads else self.scene.why_no_loads
 
     def motion_and_loads(self, position: ArrayLike, rate: ArrayLike, acceleration: ArrayLike
                          ) -> tuple[NamedFields, NamedFields | None]:

@@ -223,8 +223,13 @@ class Scene:
 
     @property
     def has_loads(self) -> bool:
-        """Return whether it has masses, so that :meth:`loads` answers."""
+        """Return whether it has masses."""
         return self.bare_linkage.bodies is not None
+
+    @property
+    def tells_loads(self) -> bool:
+        """Return whether :meth:`loads` answers: it has masses, and no base that a topic moves."""
+        return self.has_loads and not self.base.topic
 
     def loads(self, position: ArrayLike, rate: ArrayLike = 0.0, acceleration: ArrayLike = 0.0,
               mode: int | None = None) -> NamedFields:

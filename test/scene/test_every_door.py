@@ -178,3 +178,23 @@ def test_a_four_stroke_has_two_turns_and_the_page_says_that_it_shows_one():
         assert abs(curves.values[1, int(degrees)] - one) <= CLOSE * one
     assert '2 turns' in shown(engine.values).why_no_loads
     assert shown(engine.values).pose(0.3)[1].loads is None
+
+
+def test_no_door_gives_loads_of_a_base_that_a_topic_moves(tmp_path, capsys):
+    """Loads by name are refused, and left out where none are named."""
+    there = scene.from_values({**COMPRESSOR, 'base.topic': 'imu'})
+    path = tmp_path / 'carried.yaml'
+    path.write_text(there.as_text)
+    main(['show', str(path), '--at', '10', '--json'])
+    record = json.loads(capsys.readouterr().out)
+    assert 'motion of the base' in record['why_no_loads'] and not record['pose'].get('loads')
+    for verb, out in (('table', 'it.csv'), ('plot', 'it.svg')):
+        assert main([verb, str(path), 'f41', '-o', str(tmp_path / out)]) == 1
+        assert 'motion of the base comes from a topic' in capsys.readouterr().err
+        assert main([verb, str(path), '-o', str(tmp_path / out)]) == 0
+    assert 'f41' not in (tmp_path / 'it.csv').read_text()
+    assert main(['draw', str(path), '--at', '10', '-o', str(tmp_path / 'it.png')]) == 0
+    page = shown(there.values)
+    assert page.pose(0.3)[1].loads is None and 'motion of the base' in page.why_no_loads
+    with pytest.raises(InvalidParameter, match='motion of the base'):
+        there.loads(0.3)
