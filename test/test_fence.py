@@ -64,6 +64,14 @@ print([name for name in {HEAVY!r} if name in sys.modules and name not in ('rich'
     assert done.stdout == '[]\n', done.stdout + done.stderr
 
 
+def public_names(module):
+    """Return the public names of a module; that of clients needs ROS, so its text is read."""
+    if module == 'fourbar_ros.clients':
+        text = (ROOT / 'fourbar_ros/clients.py').read_text(encoding='utf-8')
+        return re.findall(r"'(\w+)'", re.search(r'__all__ = (.*)', text)[1])
+    return importlib.import_module(module).__all__ if module in PUBLIC else ()
+
+
 def test_what_users_read_imports_public_names_alone():
     wrong = []
     for path in [ROOT / 'README.md', *sorted((ROOT / 'docs').rglob('*.md')),
@@ -71,11 +79,9 @@ def test_what_users_read_imports_public_names_alone():
                  *sorted((ROOT / 'examples').glob('*.py'))]:
         text = path.read_text(encoding='utf-8')
         for module, names in re.findall(IMPORT, text, re.M):
-            is_public = module in (*PUBLIC, 'fourbar_ros.clients')      # that one needs ROS
-            face = importlib.import_module(module) if is_public else None
             words = re.findall(r'\w+', re.sub('#.*', '', names))
             wrong += [f'{path.name}: {module}.{name}' for name in words
-                      if name not in getattr(face, '__all__', ())]
+                      if name not in public_names(module)]
     assert not wrong, '\n'.join(wrong)
 
 
