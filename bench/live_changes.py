@@ -1,9 +1,14 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Inputs of 100 and 500 Hz beside live changes: ``python -m bench.live_changes [SCENE]``."""
+"""
+Inputs of 100 and 500 Hz beside live changes: ``python -m bench.live_changes [SCENE]``.
+
+Another process asks for the changes: the one that times the inputs does nothing else.
+"""
 from itertools import product
 from pathlib import Path
 import statistics
+import subprocess
 import sys
 import tempfile
 import time
@@ -29,8 +34,6 @@ class Stream:
         self.publisher = client.publisher()
         client.node.create_subscription(resolve(OUTPUTS['state'].type), '/fourbar/state',
                                         self.take, 1000)
-        self.setter = client.node.create_client(SetParameters, '/fourbar/set_parameters')
-        client.until(self.setter.service_is_ready, 'the parameter service')
         client.until(lambda: self.send(-1) or -1 in self.heard, 'an answer')
         client.spin(0.5)
 
@@ -45,26 +48,36 @@ class Stream:
         self.sent[number] = time.monotonic_ns()
         self.publisher.publish(message)
 
-    def run(self, rate, changes):
-        """Send for some seconds beside so many changes a second; return (latencies, answers)."""
+    def run(self, rate):
+        """Send for some seconds; return the latencies [ms], sorted."""
         self.sent.clear(), self.heard.clear()
-        begin, number, answers = time.monotonic(), 0, []
+        begin, number = time.monotonic(), 0
         while number < rate * SECONDS:
-            now = time.monotonic() - begin
-            if now >= number / rate:
+            if time.monotonic() - begin >= number / rate:
                 self.send(number)
-                if changes and number % (rate // changes) == 0:
-                    answers.append(self.setter.call_async(SetParameters.Request(parameters=[
-                        Parameter('gravity.y', value=-9.0 - 1e-3 * number).to_parameter_msg()])))
                 number += 1
             self.client.executor.spin_once(timeout_sec=0.0005)
         # what was only late is no loss: wait until nothing more has come for a second
         count = -1
-        while count != (count := len(self.heard) + sum(each.done() for each in answers)):
+        while count != (count := len(self.heard)):
             self.client.spin(1.0)
-        late = sorted((self.heard[n] - self.sent[n]) * 1e-6 for n in self.heard if n in self.sent)
-        done = [each.result().results[0].successful for each in answers if each.done()]
-        return late, len(answers), sum(done)
+        return sorted((self.heard[n] - self.sent[n]) * 1e-6 for n in self.heard if n in self.sent)
+
+
+def change(rate):
+    """Change gravity so often [Hz]; print how many of how many changes were taken."""
+    client, answers = Client(), []
+    setter = client.node.create_client(SetParameters, '/fourbar/set_parameters')
+    client.until(setter.service_is_ready, 'the parameter service')
+    print('ready', flush=True)
+    begin = time.monotonic()
+    for number in range(round(rate * (SECONDS + 1.0))):
+        client.spin(max(0.0, begin + number / rate - time.monotonic()))
+        answers.append(setter.call_async(SetParameters.Request(parameters=[
+            Parameter('gravity.y', value=-9.0 - 1e-3 * number).to_parameter_msg()])))
+    client.until(lambda: all(answer.done() for answer in answers), 'the answers')
+    print(sum(answer.result().results[0].successful for answer in answers), 'of', len(answers))
+    client.close()
 
 
 def main(scene='paper'):
@@ -77,8 +90,15 @@ def main(scene='paper'):
         try:
             stream = Stream(client)
             for rate, changes in product(RATES, CHANGES):
-                late, asked, applied = stream.run(rate, changes)
-                print(f'| {rate} | {changes} | {applied} of {asked} | '
+                changer = None
+                if changes:
+                    changer = subprocess.Popen(
+                        [sys.executable, '-m', 'bench.live_changes', '--change', str(changes)],
+                        stdout=subprocess.PIPE, text=True)
+                    changer.stdout.readline()
+                late = stream.run(rate)
+                applied = changer.communicate()[0].strip() if changer else '0 of 0'
+                print(f'| {rate} | {changes} | {applied} | '
                       f'{len(stream.sent) - len(late)} of {len(stream.sent)} | '
                       f'{statistics.median(late):.2f} | {late[int(0.99 * len(late))]:.2f} | '
                       f'{late[-1]:.2f} |', flush=True)
@@ -88,4 +108,7 @@ def main(scene='paper'):
 
 
 if __name__ == '__main__':
-    main(*sys.argv[1:])
+    if sys.argv[1:2] == ['--change']:
+        change(float(sys.argv[2]))
+    else:
+        main(*sys.argv[1:])
