@@ -289,4 +289,4 @@ class Coordinates:
 def _pose(links: DrivenLinks, value: float) -> list[float]:
     """Return the places and directions of all links, driven at a value, one after the other."""
     return [number for curve in links.make_coefficients(REAL)(value)
-            for number in (curve[0], curve[1], curve[6], curve[7])]
+            for number in (curve.x, curve.y, curve.cosine, curve.sine)]

@@ -327,7 +327,7 @@ class Equation:
 
         def pose(position: Scalar) -> tuple[dict[str, LinkMotion], tuple[Scalar, ...]]:
             moving = coefficients(position)
-            return ({**dict(zip(names, map(LinkMotion._make, moving))), GROUND: FIXED},
+            return ({**dict(zip(names, moving)), GROUND: FIXED},
                     (position, 1.0, 0.0) if self.is_input else read(n, moving))
         return pose
 

@@ -73,13 +73,13 @@ def make_link_terms(body: Body, gravity: Vector, applied: Applied
 
     def terms(link: LinkMotion) -> LinkTerms:
         """Return the terms at one position; mass, inertia and load are those given above."""
-        _, _, dx, dy, ddx, ddy, cosine, sine, turn, bend = link
+        dx, dy, turn, cosine, sine = link.v_x, link.v_y, link.omega, link.cosine, link.sine
         x, y = along * cosine - across * sine, along * sine + across * cosine        # S
         cross = x * dy - y * dx
         swing = inertia * turn + cross
         inertia_of = mass * (dx * dx + dy * dy) + turn * (swing + cross)                     # (E2)
-        half_slope = (mass * (dx * ddx + dy * ddy) + bend * swing                            # (E3)
-                      + turn * (x * ddy - y * ddx - turn * (x * dx + y * dy)))
+        half_slope = (mass * (dx * link.a_x + dy * link.a_y) + link.alpha * swing            # (E3)
+                      + turn * (x * link.a_y - y * link.a_x - turn * (x * dx + y * dy)))
         moment = couple + by_cosine * cosine + by_sine * sine
         return LinkTerms(inertia_of, half_slope, f_x * dx + f_y * dy + moment * turn)        # (E4)
     return terms
@@ -93,7 +93,8 @@ def make_turning_force(body: Body, base: Base) -> Callable[[LinkMotion], Scalar]
 
     def turning_force(link: LinkMotion) -> Scalar:
         """Return what the base's rate and angular acceleration push the input with."""
-        x, y, dx, dy, _, _, cosine, sine, turn, _ = link
+        x, y, dx, dy, turn = link.x, link.y, link.v_x, link.v_y, link.omega
+        cosine, sine = link.cosine, link.sine
         s_x, s_y = along * cosine - across * sine, along * sine + across * cosine
         m_x, m_y = mass * x + s_x, mass * y + s_y
         momentum = m_x * dy - m_y * dx + turn * (x * s_x + y * s_y + inertia)

@@ -437,9 +437,11 @@ class MovingJointFourBar(FourBarLinks):
         """Return theta2 or theta3 and two derivatives by the input; ``curves`` of the links."""
         # angle of the second link to the first; theta3 counts from B A, half a turn on
         first, side = (0, 1.0) if self.input == JOINT_A else (1, -1.0)
-        (*_, c1, s1, d1, dd1), (*_, c2, s2, d2, dd2) = curves[first:first + 2]
-        return (numbers.atan2(side * (s2 * c1 - c2 * s1), side * (c2 * c1 + s2 * s1)),
-                d2 - d1, dd2 - dd1)
+        one, two = curves[first:first + 2]
+        sine, cosine = (two.sine * one.cosine - two.cosine * one.sine,
+                        two.cosine * one.cosine + two.sine * one.sine)
+        return (numbers.atan2(side * sine, side * cosine),
+                two.omega - one.omega, two.alpha - one.alpha)
 
 
 Motion, Loads = results(FourBar, 'Motion', 'Loads')

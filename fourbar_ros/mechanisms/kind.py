@@ -135,11 +135,12 @@ class Drive(NamedTuple):
         layout, numbers = self.layout, [self.numbers(lengths)]
         if self.start:
             x_0, y_0 = self.start(lengths)
-            driven = Driven((x + x_0, y_0, 1.0, 0.0, 0.0, 0.0, *ALONG), (0.0, 0.0), (x, 1.0, 0.0))
+            driven = Driven(LinkMotion(x + x_0, y_0, 1.0, 0.0, 0.0, 0.0, *ALONG), (0.0, 0.0),
+                            (x, 1.0, 0.0))
         else:
             c, s = n.cos(x), n.sin(x)
             c, s = (-c, -s) if self.turn < 0.0 else (c, s)
-            driven = Driven((*ORIGIN, c, s, 1.0, 0.0), (0.0, 0.0))
+            driven = Driven(LinkMotion(*ORIGIN, c, s, 1.0, 0.0), (0.0, 0.0))
         poses, directions = Poses(hangings(layout, numbers), driven), {}
         moves, = make_moves(n, layout, numbers, [sign if self.sign > 0.0 else -sign])
         moved = moves(*poses.hang(0))
@@ -176,7 +177,8 @@ class Drive(NamedTuple):
         names = [f'{place}{what}' for place in PLACES for what in (
             '_x', '_y', '', *('_normal', '_couple') * (place in SLIDES[self.dyad]))]
         found = dict(zip(names, forces_of_dyads(
-            n, layout, [numbers], [(*ORIGIN, e.x, e.y, 0.0, 0.0) for e in moving], [slides],
+            n, layout, [numbers], [LinkMotion(*ORIGIN, e.x, e.y, 0.0, 0.0) for e in moving],
+            [slides],
             [sine], own, drive)))
         found.update(zip(('base_x', 'base_y', 'base', 'base_normal', 'base_couple'),
                          force_at_base(n, layout, own[0], drive, frame)))

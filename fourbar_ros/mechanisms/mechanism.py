@@ -31,7 +31,7 @@ from fourbar_ros.mechanisms.evaluation import (
     with_limits,
 )
 from fourbar_ros.mechanisms.parts import NamedFields
-from fourbar_ros.mechanisms.points import Coefficients, Curve, LinkMotion
+from fourbar_ros.mechanisms.points import Coefficients, LinkMotion
 from fourbar_ros.numerics.arrays import EPS
 from fourbar_ros.numerics.given import number
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
@@ -147,7 +147,7 @@ class Mechanism(Contract):
         return coefficients
 
     def read_coordinate(self, numbers: NumberType,
-                        curves: Sequence[Curve]) -> tuple[Scalar, Scalar, Scalar]:
+                        curves: Sequence[LinkMotion]) -> tuple[Scalar, Scalar, Scalar]:
         """
         Return the input and its two derivatives from coefficients of the links.
 
@@ -156,8 +156,7 @@ class Mechanism(Contract):
         in [-pi, pi].
         """
         if self.is_driven_by_slide:
-            x, _, d_x, _, dd_x, *_ = curves[-1]
-            return x, d_x, dd_x
+            return curves[-1].x, curves[-1].v_x, curves[-1].a_x
         *_, cosine, sine, turn, bend = curves[0]
         return numbers.atan2(sine, cosine), turn, bend
 

@@ -46,11 +46,18 @@ class LinkMotion(NamedTuple):
         """Return the direction of the link as a unit vector of shape (..., 2)."""
         return vector(self.cosine, self.sine)
 
+    def at(self, rate: Scalar, acceleration: Scalar) -> LinkMotion:
+        """Return the motion at a rate and acceleration of the input, from that at unit rate."""
+        square = rate * rate
+        return LinkMotion(
+            self.x, self.y, self.v_x * rate, self.v_y * rate,
+            self.v_x * acceleration + self.a_x * square,
+            self.v_y * acceleration + self.a_y * square, self.cosine, self.sine,
+            self.omega * rate, self.omega * acceleration + self.alpha * square)
 
-# The numbers of a LinkMotion, as derivatives with respect to the input; and the function of the
-# input that returns those of all links of a mechanism.
-Curve = tuple[Scalar, Scalar, Scalar, Scalar, Scalar, Scalar, Scalar, Scalar, Scalar, Scalar]
-Coefficients = Callable[[Scalar], Sequence[Curve]]
+
+# Returns the motions of all links of a mechanism at unit rate, at an input.
+Coefficients = Callable[[Scalar], Sequence[LinkMotion]]
 # The ground as a link.
 FIXED = LinkMotion(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
 
@@ -138,18 +145,18 @@ def link_motion(mechanism: Mechanism, motion: NamedFields, link: str) -> LinkMot
     return mechanism.link_motion(motion, mechanism.link(link).name)
 
 
-def point_of(link: Curve, along: Scalar, across: Scalar = 0.0) -> MovingPoint:
+def point_of(link: LinkMotion, along: Scalar, across: Scalar = 0.0) -> MovingPoint:
     """
     Return place, velocity and acceleration of a point of a link, slides Eq. (6).
 
     ``link``: a LinkMotion; if it has derivatives by the input in place of rates, so has the point.
     ``along``, ``across`` [m]: from the first joint of the link along it, and to its left.
     """
-    x0, y0, v_x, v_y, a_x, a_y, cosine, sine, omega, alpha = link
+    cosine, sine, omega, alpha = link.cosine, link.sine, link.omega, link.alpha
     x, y = along * cosine - across * sine, along * sine + across * cosine
     square = omega * omega
-    return MovingPoint(x0 + x, y0 + y, v_x - omega * y, v_y + omega * x,
-                       a_x - alpha * y - square * x, a_y + alpha * x - square * y)
+    return MovingPoint(link.x + x, link.y + y, link.v_x - omega * y, link.v_y + omega * x,
+                       link.a_x - alpha * y - square * x, link.a_y + alpha * x - square * y)
 
 
 def instant_centre(link: LinkMotion, other: LinkMotion | None = None) -> Array:

@@ -72,7 +72,7 @@ from fourbar_ros.mechanisms.parts import (
     total,
     TRAVEL,
 )
-from fourbar_ros.mechanisms.points import Curve, link_motion, point_motion
+from fourbar_ros.mechanisms.points import link_motion, LinkMotion, point_motion
 from fourbar_ros.numerics.exact_sums import difference_of_squares, scaled
 from fourbar_ros.numerics.number_types import NumberType, power_of_two, Scalar
 import numpy as np
@@ -425,17 +425,18 @@ class InvertedSlider(OffsetSlide):
                 Connection(GROUND, 'output', (self.a4, 0.0)))
 
     def read_coordinate(self, numbers: NumberType,
-                        curves: Sequence[Curve]) -> tuple[Scalar, Scalar, Scalar]:
+                        curves: Sequence[LinkMotion]) -> tuple[Scalar, Scalar, Scalar]:
         """Return the input and its two derivatives from coefficients of the links."""
         if not self.is_driven_by_slide:
             return super().read_coordinate(numbers, curves)
         # the slide is the part of O4-A along the bar, which turns
-        x, y, d_x, d_y, dd_x, dd_y, cosine, sine, turn, bend = curves[1]
-        x = x - self.a4
-        along, across = x * cosine + y * sine, y * cosine - x * sine
-        d_along, d_across = d_x * cosine + d_y * sine, d_y * cosine - d_x * sine
+        link = curves[1]
+        x, cosine, sine, turn = link.x - self.a4, link.cosine, link.sine, link.omega
+        along, across = x * cosine + link.y * sine, link.y * cosine - x * sine
+        d_along = link.v_x * cosine + link.v_y * sine
+        d_across = link.v_y * cosine - link.v_x * sine
         return (along, d_along + turn * across,
-                dd_x * cosine + dd_y * sine + 2.0 * turn * d_across + bend * across
+                link.a_x * cosine + link.a_y * sine + 2.0 * turn * d_across + link.alpha * across
                 - turn * turn * along)
 
     def transmission_sine(self, motion: NamedFields) -> Scalar:

@@ -28,15 +28,15 @@ from fourbar_ros.mechanisms.machine.solve.dyads import turned
 from fourbar_ros.mechanisms.machine.solve.frames import hangings, Poses
 from fourbar_ros.mechanisms.machine.solve.motion import driven_link
 from fourbar_ros.mechanisms.machine.solve.pairs import Closure, make_moves
-from fourbar_ros.mechanisms.points import Curve
+from fourbar_ros.mechanisms.points import LinkMotion
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 
 CLOSING = (RRR, RRP, RPR, PRP)     # kinds that do not close at any input
 Closing = Function      # of an input, returns the closings of some dyads
 
 
-def closing(n: NumberType, kind: str, own: Numbers, apart: Sequence[Scalar], first: Curve,
-            second: Curve) -> Scalar:
+def closing(n: NumberType, kind: str, own: Numbers, apart: Sequence[Scalar], first: LinkMotion,
+            second: LinkMotion) -> Scalar:
     """
     Return a number that is positive where a dyad closes, zero at its toggles, by (R1) to (R3).
 
@@ -85,7 +85,7 @@ def make_squares(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
         zip(along(x), square_of)) if function}
 
 
-def _square(own: Numbers, apart: Sequence[Scalar], *_: Curve) -> Scalar:
+def _square(own: Numbers, apart: Sequence[Scalar], *_: LinkMotion) -> Scalar:
     """Return |D|^2, scaled, of D."""
     size = sum(map(abs, (*own.p, *own.q, *own.sizes)), start=0.0)
     return (apart[0] * apart[0] + apart[1] * apart[1]) / (size * size)

@@ -52,7 +52,7 @@ from fourbar_ros.mechanisms.machine.solve.motion import EXACT
 from fourbar_ros.mechanisms.machine.solve.pairs import make_moves
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import GROUND, Ranges
-from fourbar_ros.mechanisms.points import Coefficients, Curve, FIXED, point_of
+from fourbar_ros.mechanisms.points import Coefficients, FIXED, LinkMotion, point_of
 from fourbar_ros.numerics.number_types import NumberType, REAL, Scalar
 
 LIMIT, FLAT_LIMIT, FLAT, TOGGLE, POLE = 'limit', 'flat limit', 'flat', 'toggle', 'pole'
@@ -324,7 +324,7 @@ class SeenFromLink:
         hanging = hangings(self._layout, self._numbers)
         work = make_moves(numbers, self._layout, self._numbers, self._signs)
 
-        def coefficients(position: Scalar) -> list[Curve]:
+        def coefficients(position: Scalar) -> list[LinkMotion]:
             """Return the curves of all links: first crank and dyad, then the other dyads."""
             crank, one, two = inverse(position)
             poses, curves = Poses(hanging, Driven(crank, EXACT)), [crank]
@@ -335,7 +335,8 @@ class SeenFromLink:
             return curves
         return coefficients
 
-    def _make_inverse(self, n: NumberType) -> Callable[[Scalar], tuple[Curve, Curve, Curve]]:
+    def _make_inverse(self, n: NumberType
+                      ) -> Callable[[Scalar], tuple[LinkMotion, LinkMotion, LinkMotion]]:
         """Return p -> curves of the crank and of both links of the dyad, (O1)."""
         own, is_rod_first = self._numbers[self._number], self._is_rod_first
         pin, at_q, (rod, output) = own.p, own.q, own.sizes
@@ -345,19 +346,21 @@ class SeenFromLink:
         sign = 1.0 if self.mode == 2 else -1.0
         sin, cos, c0, s0 = n.sin, n.cos, pin[0] / length, pin[1] / length
 
-        def inverse(p: Scalar) -> tuple[Curve, Curve, Curve]:
+        def inverse(p: Scalar) -> tuple[LinkMotion, LinkMotion, LinkMotion]:
             """Return crank, first and second link of the dyad at an angle p, by (O1)."""
-            driven = (*point_of(FIXED, *at_q), cos(p), sin(p), 1.0, 0.0)
+            driven = LinkMotion(*point_of(FIXED, *at_q), cos(p), sin(p), 1.0, 0.0)
             at_b = point_of(driven, output, 0.0)
-            (*_, c1, s1, d_rod, dd_rod), (*_, c2, s2, turn, bend), *_ = rrr(
-                n, sign, (rod, length), at_b, ORIGIN, between(at_b, ORIGIN), FIXED, FIXED)
-            crank = (*ORIGIN, c2 * c0 + s2 * s0, s2 * c0 - c2 * s0, turn, bend)
-            coupler = (*point_of(crank, *pin), -c1, -s1, d_rod, dd_rod)
+            first, arm, *_ = rrr(n, sign, (rod, length), at_b, ORIGIN, between(at_b, ORIGIN),
+                                 FIXED, FIXED)
+            crank = LinkMotion(*ORIGIN, arm.cosine * c0 + arm.sine * s0,
+                               arm.sine * c0 - arm.cosine * s0, arm.omega, arm.alpha)
+            coupler = LinkMotion(*point_of(crank, *pin), -first.cosine, -first.sine,
+                                 first.omega, first.alpha)
             return crank, *((coupler, driven) if is_rod_first else (driven, coupler))
         return inverse
 
     def read_coordinate(self, numbers: NumberType,
-                        curves: Sequence[Curve]) -> tuple[Scalar, Scalar, Scalar]:
+                        curves: Sequence[LinkMotion]) -> tuple[Scalar, Scalar, Scalar]:
         """Return p in (-pi, pi] and its two derivatives from coefficients of the links."""
-        *_, cosine, sine, turn, bend = curves[self._link]
-        return numbers.atan2(sine, cosine), turn, bend
+        link = curves[self._link]
+        return numbers.atan2(link.sine, link.cosine), link.omega, link.alpha

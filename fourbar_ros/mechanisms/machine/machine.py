@@ -267,12 +267,7 @@ class Machine(WithLimits):
     def link_motion(self, motion: NamedFields, link: str) -> LinkMotion:
         """Return the motion of a link by name, from its coefficients and the input's rates."""
         i = self.MOTION._fields.index(f'x_{link}')
-        x, y, dx, dy, ddx, ddy, cosine, sine, turn, bend = tuple(motion)[i:i + 10]
-        rate, acceleration = motion.rate, motion.acceleration
-        square = rate * rate
-        return LinkMotion(x, y, dx * rate, dy * rate, dx * acceleration + ddx * square,
-                          dy * acceleration + ddy * square, cosine, sine, turn * rate,
-                          turn * acceleration + bend * square)
+        return LinkMotion(*tuple(motion)[i:i + 10]).at(motion.rate, motion.acceleration)
 
     def transmission_sine(self, motion: NamedFields) -> Scalar:
         """Return the product of the sines of all dyads: zero where one is in line."""

@@ -11,11 +11,8 @@ deg); a x b is the z component of a cross product, a . b a dot product.
 Dyads between links that are joined to each other are in :mod:`.pairs`. Everything is solved for
 *coefficients*: position, first and second derivative with respect to the
 input. Rates and accelerations, the inertia of the whole machine and virtual power follow from one
-evaluation. A :data:`Curve` holds those of a link, of its first joint and its direction,
-
-    (x, y, x', y', x'', y'', cos, sin, angle', angle'')
-
-and a :data:`Node` (x, y, x', y', x'', y'') those of a point, by
+evaluation. A curve is the :class:`~fourbar_ros.mechanisms.points.LinkMotion` of a link at unit
+rate of the input, and a :data:`Node` (x, y, x', y', x'', y'') that of a point, by
 :func:`~fourbar_ros.mechanisms.points.point_of`.
 
 RRR: B = P + r1 e1 = Q + r2 e2, a triangle P Q B with q = D . D:
@@ -60,7 +57,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
-from fourbar_ros.mechanisms.points import Curve
+from fourbar_ros.mechanisms.points import LinkMotion
 from fourbar_ros.numerics.number_types import NumberType, Scalar
 
 Node = tuple[Scalar, Scalar, Scalar, Scalar, Scalar, Scalar]
@@ -71,8 +68,8 @@ Direction = tuple[Scalar, Scalar, Scalar, Scalar]
 class DyadMotion(NamedTuple):
     """How both links of a dyad move, by the input of the machine."""
 
-    first: Curve
-    second: Curve
+    first: LinkMotion
+    second: LinkMotion
     slides: tuple[Scalar, ...]          # s, s', s'' of each slide, one after the other
     sine: Scalar                        # of the transmission angle
     cosine: Scalar
@@ -81,13 +78,13 @@ class DyadMotion(NamedTuple):
 
 
 # P, Q, D and the curves of the links that P and Q are of -> the motion of a dyad.
-MovesDyad = Callable[[Node, Node, Any, Curve, Curve], DyadMotion]
+MovesDyad = Callable[[Node, Node, Any, LinkMotion, LinkMotion], DyadMotion]
 
 
 class Driven(NamedTuple):
     """The driven link of a machine."""
 
-    curve: Curve
+    curve: LinkMotion
     errors: tuple[Scalar, Scalar]       # of place and angle, for relative errors of the lengths
     way: tuple[Scalar, Scalar, Scalar] | None = None    # of a slider: slide and its derivatives
     # length of a cylinder, direction of its rod, sine and cosine of its transmission angle
@@ -104,14 +101,12 @@ ORIGIN = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 def rrr(n: NumberType, sign: Scalar, sizes: Sequence[Scalar], at_p: Node, at_q: Node,
-        apart: Node, _first: Curve, _second: Curve) -> DyadMotion:
+        apart: Node, _first: LinkMotion, _second: LinkMotion) -> DyadMotion:
     """Return how RRR moves, rods r1 from P and r2 from Q, pinned at B, by (D1) to (D3)."""
     sqrt, (r1, r2) = n.sqrt, sizes
     difference, outer = (r1 - r2) * (r1 + r2), (r1 + r2) * (r1 + r2)
     inner = (r1 - r2) * (r1 - r2)
     per_r1, per_r2, half_sine = 1.0 / r1, 1.0 / r2, 0.5 / r1 / r2
-    px, py, pdx, pdy, pddx, pddy = at_p
-    qx, qy, qdx, qdy, qddx, qddy = at_q
     x, y, dx, dy, ddx, ddy = apart
     q = x * x + y * y
     root = sign * sqrt(outer - q) * sqrt(q - inner)                                     # (D1)
@@ -126,24 +121,21 @@ def rrr(n: NumberType, sign: Scalar, sizes: Sequence[Scalar], at_p: Node, at_q: 
     gx = ddx + pull1 * c1 - pull2 * c2
     gy = ddy + pull1 * s1 - pull2 * s2
     bend1, bend2 = (gx * c2 + gy * s2) * per_1, (gx * c1 + gy * s1) * per_2             # (D3)
-    return DyadMotion(
-        (px, py, pdx, pdy, pddx, pddy, c1, s1, turn1, bend1),
-        (qx, qy, qdx, qdy, qddx, qddy, c2, s2, turn2, bend2),
-        (), sine, c1 * c2 + s1 * s2, {})
+    return DyadMotion(LinkMotion(*at_p, c1, s1, turn1, bend1),
+                      LinkMotion(*at_q, c2, s2, turn2, bend2), (), sine, c1 * c2 + s1 * s2, {})
 
 
-def turned(curve: Curve, cosine: Scalar, sine: Scalar) -> tuple[Scalar, Scalar, Scalar, Scalar]:
+def turned(curve: LinkMotion, cosine: Scalar, sine: Scalar) -> Direction:
     """Return cosine, sine and both derivatives of a direction that is given on a link."""
-    c, s, turn, bend = curve[6:]
-    return c * cosine - s * sine, s * cosine + c * sine, turn, bend
+    c, s = curve.cosine, curve.sine
+    return c * cosine - s * sine, s * cosine + c * sine, curve.omega, curve.alpha
 
 
 def rrp(n: NumberType, sign: Scalar, sizes: Sequence[Scalar], at_p: Node, at_q: Node,
-        apart: Node, _first: Curve, second: Curve) -> DyadMotion:
+        apart: Node, _first: LinkMotion, second: LinkMotion) -> DyadMotion:
     """Return how RRP moves, a rod r1 from P, its end on a line through Q, by (D4) to (D6)."""
     r1, cos_t, sin_t = sizes
     sqrt, per_r1 = n.sqrt, 1.0 / r1
-    px, py, pdx, pdy, pddx, pddy = at_p
     qx, qy, qdx, qdy, qddx, qddy = at_q
     x, y, dx, dy, ddx, ddy = apart
     tx, ty, turn, bend = turned(second, cos_t, sin_t)
@@ -159,17 +151,16 @@ def rrp(n: NumberType, sign: Scalar, sizes: Sequence[Scalar], at_p: Node, at_q: 
     pull = turn1 * turn1
     bend1 = (ddy * tx - ddx * ty + across + pull * h) * per_g                           # (D6)
     dds = -bend1 * h - (ddx * tx + ddy * ty + along + pull * g)
-    return DyadMotion(
-        (px, py, pdx, pdy, pddx, pddy, c1, s1, turn1, bend1),
-        (qx + s * tx, qy + s * ty,
-         qdx - swing * ty + ds * tx, qdy + swing * tx + ds * ty,
-         qddx + (along + dds) * tx - across * ty,
-         qddy + (along + dds) * ty + across * tx, tx, ty, turn, bend),
-        (s, ds, dds), g * per_r1, h * per_r1, {})
+    block = LinkMotion(qx + s * tx, qy + s * ty,
+                       qdx - swing * ty + ds * tx, qdy + swing * tx + ds * ty,
+                       qddx + (along + dds) * tx - across * ty,
+                       qddy + (along + dds) * ty + across * tx, tx, ty, turn, bend)
+    return DyadMotion(LinkMotion(*at_p, c1, s1, turn1, bend1), block, (s, ds, dds), g * per_r1,
+                      h * per_r1, {})
 
 
 def rpr(n: NumberType, sign: Scalar, sizes: Sequence[Scalar], at_p: Node, at_q: Node,
-        apart: Node, _first: Curve, _second: Curve) -> DyadMotion:
+        apart: Node, _first: LinkMotion, _second: LinkMotion) -> DyadMotion:
     """Return how RPR moves, a block pinned at P on a bar pinned at Q, by (D7) to (D9)."""
     sqrt, (h,) = n.sqrt, sizes
     x, y, dx, dy, ddx, ddy = [-part for part in apart]
@@ -184,11 +175,12 @@ def rpr(n: NumberType, sign: Scalar, sizes: Sequence[Scalar], at_p: Node, at_q: 
     bend = (ddy * tx - ddx * ty + (turn * h - 2.0 * ds) * turn) * per_s                 # (D9)
     dds = ddx * tx + ddy * ty + bend * h + turn * turn * s
     bar: Direction = tx, ty, turn, bend
-    return DyadMotion((*at_p, *bar), (*at_q, *bar), (s, ds, dds), s * per, h * per, {})
+    return DyadMotion(LinkMotion(*at_p, *bar), LinkMotion(*at_q, *bar), (s, ds, dds), s * per,
+                      h * per, {})
 
 
 def rpp(_n: NumberType, _sign: Scalar, sizes: Sequence[Scalar], at_p: Node, at_q: Node,
-        apart: Node, _first: Curve, second: Curve) -> DyadMotion:
+        apart: Node, _first: LinkMotion, second: LinkMotion) -> DyadMotion:
     """Return how RPP moves, a block pinned at P in the slot of a yoke through Q, by (D10)."""
     cos_t, sin_t, cos_g, sin_g = sizes
     per_sine = 1.0 / sin_g
@@ -198,7 +190,6 @@ def rpp(_n: NumberType, _sign: Scalar, sizes: Sequence[Scalar], at_p: Node, at_q
         across = (y * tx - x * ty) * per_sine                                          # (D10)
         return x * tx + y * ty - across * cos_g, across
 
-    px, py, pdx, pdy, pddx, pddy = at_p
     qx, qy, qdx, qdy, qddx, qddy = at_q
     tx, ty, turn, bend = turned(second, cos_t, sin_t)
     cx, cy = cos_g * tx - sin_g * ty, cos_g * ty + sin_g * tx
@@ -211,17 +202,16 @@ def rpp(_n: NumberType, _sign: Scalar, sizes: Sequence[Scalar], at_p: Node, at_q
                      tx, ty)
     swing = turn * s
     along, across = dds - turn * swing, bend * s + twice * ds
-    return DyadMotion(
-        (px, py, pdx, pdy, pddx, pddy, cx, cy, turn, bend),
-        (qx + s * tx, qy + s * ty,
-         qdx - swing * ty + ds * tx, qdy + swing * tx + ds * ty,
-         qddx + along * tx - across * ty, qddy + along * ty + across * tx,
-         tx, ty, turn, bend),
-        (d, dd, ddd, s, ds, dds), sin_g + (s - s), cos_g + (s - s), {})
+    yoke = LinkMotion(qx + s * tx, qy + s * ty,
+                      qdx - swing * ty + ds * tx, qdy + swing * tx + ds * ty,
+                      qddx + along * tx - across * ty, qddy + along * ty + across * tx,
+                      tx, ty, turn, bend)
+    return DyadMotion(LinkMotion(*at_p, cx, cy, turn, bend), yoke, (d, dd, ddd, s, ds, dds),
+                      sin_g + (s - s), cos_g + (s - s), {})
 
 
 def prp(_n: NumberType, _sign: Scalar, sizes: Sequence[Scalar], at_p: Node, _at_q: Node,
-        apart: Node, first: Curve, second: Curve) -> DyadMotion:
+        apart: Node, first: LinkMotion, second: LinkMotion) -> DyadMotion:
     """Return how PRP moves, two blocks, pinned, on lines through P and Q, by (D11)."""
     cos_1, sin_1, cos_2, sin_2 = sizes
     px, py, pdx, pdy, pddx, pddy = at_p
@@ -244,9 +234,9 @@ def prp(_n: NumberType, _sign: Scalar, sizes: Sequence[Scalar], at_p: Node, _at_
     at_b = (px + s1 * x1, py + s1 * y1,
             pdx - swing1 * y1 + ds1 * x1, pdy + swing1 * x1 + ds1 * y1,
             pddx + (a1 + dds1) * x1 - b1 * y1, pddy + (a1 + dds1) * y1 + b1 * x1)
-    return DyadMotion(
-        (*at_b, x1, y1, turn1, bend1), (*at_b, x2, y2, turn2, bend2),
-        (s1, ds1, dds1, s2, ds2, dds2), cross + (s1 - s1), x1 * x2 + y1 * y2, {})
+    return DyadMotion(LinkMotion(*at_b, x1, y1, turn1, bend1),
+                      LinkMotion(*at_b, x2, y2, turn2, bend2),
+                      (s1, ds1, dds1, s2, ds2, dds2), cross + (s1 - s1), x1 * x2 + y1 * y2, {})
 
 
 # (number type, sign, sizes, P, Q, D and the curves of the links that P and Q are of) -> motion

@@ -37,7 +37,7 @@ from fourbar_ros.mechanisms.machine.solve.pairs import (
     Slide,
     slides_of,
 )
-from fourbar_ros.mechanisms.points import Curve, FIXED, point_of
+from fourbar_ros.mechanisms.points import FIXED, LinkMotion, point_of
 from fourbar_ros.numerics.number_types import Scalar
 
 
@@ -71,38 +71,41 @@ def hangings(layout: Layout, numbers: Sequence[Numbers]) -> list[Hanging]:
     return found
 
 
-def composed(frame: Curve, own: Curve) -> Curve:
+def composed(frame: LinkMotion, own: LinkMotion) -> LinkMotion:
     """
     Return the curve of a link from its ``own`` as seen in a frame and that of the frame, (K1).
 
     Place, direction and derivatives add up as of a body on a carrier that moves and turns.
     """
-    x, y, dx, dy, ddx, ddy, c, s, d_angle, dd_angle = own
-    x0, y0, dx0, dy0, ddx0, ddy0, cosine, sine, turn, bend = frame
-    ddx, ddy = (ddx - 2.0 * turn * dy - bend * y - turn * turn * x,
-                ddy + 2.0 * turn * dx + bend * x - turn * turn * y)
-    dx, dy = dx - turn * y, dy + turn * x
-    return (x0 + cosine * x - sine * y, y0 + sine * x + cosine * y,
-            dx0 + cosine * dx - sine * dy, dy0 + sine * dx + cosine * dy,
-            ddx0 + cosine * ddx - sine * ddy, ddy0 + sine * ddx + cosine * ddy,
-            cosine * c - sine * s, sine * c + cosine * s, turn + d_angle, bend + dd_angle)
+    x, y, c, s = own.x, own.y, frame.cosine, frame.sine
+    turn, bend = frame.omega, frame.alpha
+    a_x, a_y = (own.a_x - 2.0 * turn * own.v_y - bend * y - turn * turn * x,
+                own.a_y + 2.0 * turn * own.v_x + bend * x - turn * turn * y)
+    v_x, v_y = own.v_x - turn * y, own.v_y + turn * x
+    return LinkMotion(
+        frame.x + c * x - s * y, frame.y + s * x + c * y,
+        frame.v_x + c * v_x - s * v_y, frame.v_y + s * v_x + c * v_y,
+        frame.a_x + c * a_x - s * a_y, frame.a_y + s * a_x + c * a_y,
+        c * own.cosine - s * own.sine, s * own.cosine + c * own.sine,
+        turn + own.omega, bend + own.alpha)
 
 
-def seen_from(curves: Sequence[Curve], ground: int, still: Sequence[int]) -> list[Curve]:
+def seen_from(curves: Sequence[LinkMotion], ground: int, still: Sequence[int]) -> list[LinkMotion]:
     """
     Return curves as seen from link number ``ground``; the frame stands in its place.
 
     By (K1), with the motion of the frame inverse to that of the link. Links of the numbers
     ``still`` do not turn, exactly.
     """
-    x, y, dx, dy, ddx, ddy, c, s, turn, bend = curves[ground]
-    x, y, dx, dy, ddx, ddy, c, s, turn, bend = composed(
-        (*ORIGIN, c, -s, -turn, -bend), (x, y, dx, dy, ddx, ddy, 1.0, 0.0, 0.0, 0.0))
-    frame = (-x, -y, -dx, -dy, -ddx, -ddy, c, s, turn, bend)
+    link = curves[ground]
+    back = composed(LinkMotion(*ORIGIN, link.cosine, -link.sine, -link.omega, -link.alpha),
+                    link._replace(cosine=1.0, sine=0.0, omega=0.0, alpha=0.0))
+    frame = LinkMotion(-back.x, -back.y, -back.v_x, -back.v_y, -back.a_x, -back.a_y,
+                       back.cosine, back.sine, back.omega, back.alpha)
     found = [frame if number == ground else composed(frame, curve)
              for number, curve in enumerate(curves)]
     for number in still:
-        found[number] = (*found[number][:8], 0.0, 0.0)
+        found[number] = found[number]._replace(omega=0.0, alpha=0.0)
     return found
 
 
@@ -123,7 +126,7 @@ class Poses:
         self._ways: dict[tuple[int, int], Sequence[Scalar]] = (
             {(1, 0): driven.way} if driven.way else {})
 
-    def hang(self, number: int) -> tuple[Node, Node, Any, Curve, Curve]:
+    def hang(self, number: int) -> tuple[Node, Node, Any, LinkMotion, LinkMotion]:
         """
         Return P, Q, D = Q - P and the curves of the links on which a dyad hangs, in its frame.
 
@@ -139,7 +142,7 @@ class Poses:
                  else between(*nodes))
         return *nodes, apart, first, second
 
-    def _in_frame(self, number: int) -> tuple[Curve, Any]:
+    def _in_frame(self, number: int) -> tuple[LinkMotion, Any]:
         """Return the curve of the other link of a dyad in its frame, and its angle or slide."""
         stage, _, _, frame, joint, is_joined_by_slide, _ = self._hanging[number]
         other = stage.first if stage.second == frame else stage.second
@@ -149,12 +152,12 @@ class Poses:
             return self._curves[other], way
         if is_joined_by_slide:
             ((x, y), (c, s)), (place, rate, change) = joint, way
-            return (x + place * c, y + place * s, rate * c, rate * s, change * c, change * s,
-                    c, s, 0.0, 0.0), way
+            return LinkMotion(x + place * c, y + place * s, rate * c, rate * s, change * c,
+                              change * s, c, s, 0.0, 0.0), way
         on_other, on_frame = joint
-        about_pin = (*on_frame, 0.0, 0.0, 0.0, 0.0, *way)
+        about_pin = LinkMotion(*on_frame, 0.0, 0.0, 0.0, 0.0, *way)
         return (about_pin if on_other is FIRST_JOINT
-                else (*point_of(about_pin, -on_other[0], -on_other[1]), *way)), way
+                else LinkMotion(*point_of(about_pin, -on_other[0], -on_other[1]), *way)), way
 
     def relation(self, link: int, other: int) -> Direction:
         """Return the direction of a link, and its derivatives, seen from one it is pinned to."""
@@ -167,7 +170,7 @@ class Poses:
         c, s, turn, bend = self._curves[link][6:]
         return c0 * c + s0 * s, c0 * s - s0 * c, turn - turn0, bend - bend0
 
-    def add(self, number: int, moved: DyadMotion) -> tuple[Curve, Curve]:
+    def add(self, number: int, moved: DyadMotion) -> tuple[LinkMotion, LinkMotion]:
         """Add how a dyad moved in its frame; return its links' curves."""
         _, _, _, frame, *_, slides = self._hanging[number]
         curves = moved.first, moved.second

@@ -52,7 +52,7 @@ PRP, with N1 n1, C1 and N2 n2, C2 of the lines on the blocks, f = f1 + f2:
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from fourbar_ros.mechanics.bodies import applied_to, Base, Body, Gravity
 from fourbar_ros.mechanics.newton_euler import about_first_joint, Needs, needs_of, on_base
@@ -75,7 +75,7 @@ from fourbar_ros.mechanisms.machine.describe.layout import (
     travel,
 )
 from fourbar_ros.mechanisms.machine.solve.pairs import slides_of
-from fourbar_ros.mechanisms.points import Curve, FIXED, LinkMotion
+from fourbar_ros.mechanisms.points import FIXED, LinkMotion
 from fourbar_ros.numerics.number_types import NumberType, Scalar
 from fourbar_ros.numerics.vectors import Vector
 
@@ -87,16 +87,13 @@ def loads_of(n: NumberType, layout: Layout, numbers: Sequence[Numbers], bodies: 
              motion: Sequence[Scalar]) -> tuple[Scalar, ...]:
     """Return the fields of :func:`.layout.load_fields` for those of a motion."""
     curves, slides, sines, rate, acceleration = parts_of(layout, motion)
-    square, needs = rate * rate, []
+    needs = []
     for curve, name, body in zip(curves, layout.moving, bodies):
-        x, y, dx, dy, ddx, ddy, cosine, sine, turn, bend = curve
         terms = about_first_joint(body, 1.0, gravity, applied_to(external, name))
-        link = LinkMotion(x, y, 0.0, 0.0, dx * acceleration + ddx * square,
-                          dy * acceleration + ddy * square, cosine, sine, turn * rate,
-                          turn * acceleration + bend * square)
+        link = curve.at(rate, acceleration)
         if isinstance(gravity, Base):
-            link = on_base(gravity, 1.0, link._replace(v_x=dx * rate, v_y=dy * rate))
-        needs.append(needs_of(terms, Vector(link.a_x, link.a_y), Vector(cosine, sine),
+            link = on_base(gravity, 1.0, link)
+        needs.append(needs_of(terms, Vector(link.a_x, link.a_y), Vector(link.cosine, link.sine),
                               link.omega, link.alpha))
     drive, shaking = drive_and_shaking(n, curves, needs)
     if layout.ground:
@@ -108,7 +105,7 @@ def loads_of(n: NumberType, layout: Layout, numbers: Sequence[Numbers], bodies: 
 
 
 def parts_of(layout: Layout, motion: Sequence[Scalar]) -> tuple[
-        list[Any], list[list[Scalar]], Sequence[Scalar], Scalar, Scalar]:
+        list[LinkMotion], list[list[Scalar]], Sequence[Scalar], Scalar, Scalar]:
     """Return curves of the moving links, slides and sines of the dyads, rate, acceleration."""
     fields = motion_fields(layout)
     place = fields.index('rate')
@@ -116,11 +113,11 @@ def parts_of(layout: Layout, motion: Sequence[Scalar]) -> tuple[
     last = first + width * len(layout.moving)
     slides = [[motion[fields.index(travel(link).position)] for link in stage.slides()]
               for stage in layout.stages]
-    return ([motion[i:i + width] for i in range(first, last, width)], slides, motion[last:],
-            motion[place], motion[place + 1])
+    return ([LinkMotion(*motion[i:i + width]) for i in range(first, last, width)], slides,
+            motion[last:], motion[place], motion[place + 1])
 
 
-def drive_and_shaking(n: NumberType, curves: Iterable[Curve],
+def drive_and_shaking(n: NumberType, curves: Iterable[LinkMotion],
                       needs: Iterable[Needs]) -> tuple[Scalar, tuple[Scalar, ...]]:
     """
     Return the drive by virtual power, and the loads of all links on the ground.
@@ -128,10 +125,10 @@ def drive_and_shaking(n: NumberType, curves: Iterable[Curve],
     These are the shaking force x, y, its magnitude, and the moment about O1.
     """
     drive = shake_x = shake_y = moment = 0.0
-    for (force, m), (x, y, dx, dy, _, _, _, _, turn, _) in zip(needs, curves):
-        drive = drive + (force.x * dx + force.y * dy + m * turn)                        # (L1)
+    for (force, m), link in zip(needs, curves):
+        drive = drive + (force.x * link.v_x + force.y * link.v_y + m * link.omega)      # (L1)
         shake_x, shake_y = shake_x - force.x, shake_y - force.y
-        moment = moment - (m + x * force.y - y * force.x)
+        moment = moment - (m + link.x * force.y - link.y * force.x)
     return drive, (shake_x, shake_y, n.hypot(shake_x, shake_y), moment)
 
 
@@ -151,7 +148,7 @@ def force_at_base(n: NumberType, layout: Layout, needs: Needs, drive: Scalar,
 
 
 def forces_of_dyads(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
-                    curves: Sequence[Curve], slides: Sequence[Sequence[Scalar]],
+                    curves: Sequence[LinkMotion], slides: Sequence[Sequence[Scalar]],
                     sines: Sequence[Scalar], needs: list[Needs], drive: Scalar) -> list[Scalar]:
     """
     Return the fields of all joints of the dyads, in their order.
@@ -159,7 +156,7 @@ def forces_of_dyads(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
     Solves from the last dyad to the first: nothing hangs on the last one, so its needs are known,
     and each adds its forces to the needs of the links that carry it.
     """
-    directions = [Vector(*curve[6:8]) for curve in curves]
+    directions = [Vector(link.cosine, link.sine) for link in curves]
     fields: list[Scalar] = []
     for stage, own, its, sine in [*zip(layout.stages, numbers, slides, sines)][::-1]:
         one = stage.number - 1

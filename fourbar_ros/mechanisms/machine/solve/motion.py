@@ -41,7 +41,7 @@ from fourbar_ros.mechanisms.machine.describe.layout import Layout, Stage
 from fourbar_ros.mechanisms.machine.solve.dyads import Driven, DyadMotion, ORIGIN
 from fourbar_ros.mechanisms.machine.solve.frames import hangings, Poses, seen_from
 from fourbar_ros.mechanisms.machine.solve.pairs import make_moves, turned_by
-from fourbar_ros.mechanisms.points import FIXED
+from fourbar_ros.mechanisms.points import FIXED, LinkMotion
 from fourbar_ros.mechanisms.slides import triangle
 from fourbar_ros.numerics.number_types import NumberType, Scalar
 
@@ -56,8 +56,9 @@ def driven_link(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
     if layout.driver == CYLINDER:
         return crank_with_cylinder(n, signs[0], numbers[0], x)
     if layout.driver == 'slide':
-        return Driven((x, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0), EXACT, (x, 1.0, 0.0))
-    return Driven((*ORIGIN, n.cos(x), n.sin(x), 1.0, 0.0), EXACT)
+        return Driven(LinkMotion(x, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0), EXACT,
+                      (x, 1.0, 0.0))
+    return Driven(LinkMotion(*ORIGIN, n.cos(x), n.sin(x), 1.0, 0.0), EXACT)
 
 
 def crank_with_cylinder(n: NumberType, sign: Scalar, own: Numbers, s: Scalar) -> Driven:
@@ -77,7 +78,7 @@ def crank_with_cylinder(n: NumberType, sign: Scalar, own: Numbers, s: Scalar) ->
                   turned_by((at.cos_x, -at.sin_x), of_base))
     error = (rho / b + b / rho + 2.0 * n.fabs(at.cos_2)) / n.fabs(at.sin_2)             # (C7)
     square = per * per
-    return Driven((*ORIGIN, *directions[0], at.d_theta2 * per, at.dd_theta2 * square),
+    return Driven(LinkMotion(*ORIGIN, *directions[0], at.d_theta2 * per, at.dd_theta2 * square),
                   (0.0, error), None,
                   (s, (*directions[1], -at.d_x * per, -at.dd_x * square), -at.sin_b, at.cos_b))
 
@@ -131,14 +132,15 @@ def motion_of(n: NumberType, layout: Layout, numbers: Sequence[Numbers], signs: 
     if layout.ground:       # errors of a link are those in the frame and those of the ground
         curves = seen_from(curves, layout.ground, [
             number for number, link in enumerate(layout.moving, 1) if link not in turning])
-        (of_place, of_turn), (x, y) = errors[layout.ground], curves[output][:2]
+        (of_place, of_turn), at = errors[layout.ground], curves[output]
         place, turn = (0.0, 0.0) if output == layout.ground else (place, turn)
-        place = of_place + place + (n.fabs(x) + n.fabs(y)) * of_turn
+        place = of_place + place + (n.fabs(at.x) + n.fabs(at.y)) * of_turn
         turn = of_turn + turn
     square, given = rate * rate, (position, rate, acceleration, 1.0)
     fields: list[Scalar] = []
-    for *_, c, s, slope, bend in curves[1:]:
-        fields += (n.atan2(s, c), slope * rate, slope * acceleration + bend * square)
+    for link in curves[1:]:
+        fields += (n.atan2(link.sine, link.cosine), link.omega * rate,
+                   link.omega * acceleration + link.alpha * square)
     if layout.driver == 'crank':
         fields[0] = position
     if layout.driver == 'slide':

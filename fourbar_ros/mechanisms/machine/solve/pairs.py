@@ -54,7 +54,7 @@ from fourbar_ros.mechanisms.machine.solve.dyads import (
     MovesDyad,
     Node,
 )
-from fourbar_ros.mechanisms.points import Curve
+from fourbar_ros.mechanisms.points import LinkMotion
 from fourbar_ros.numerics.exact_sums import difference_of_squares
 from fourbar_ros.numerics.number_types import Function, nudge, NumberType, power_of_two, Scalar
 
@@ -227,7 +227,7 @@ def by_input(way: Sequence[Scalar], first: Scalar, second: Scalar) -> tuple[Scal
 
 
 def rrr_pair(n: NumberType, sign: Scalar, stage: Stage, own: Numbers, at_p: Node, at_q: Node,
-             way: Sequence[Scalar], _first: Curve, _second: Curve) -> DyadMotion:
+             way: Sequence[Scalar], _first: LinkMotion, _second: LinkMotion) -> DyadMotion:
     """
     Return how RRR moves as coupler and output link of a 4R linkage.
 
@@ -248,12 +248,13 @@ def rrr_pair(n: NumberType, sign: Scalar, stage: Stage, own: Numbers, at_p: Node
     between: Direction = (at.cos_mu, side * at.sin_mu,
                           *by_input(way, side * at.d_mu, side * at.dd_mu))
     directions = (coupler, output) if first else (output, coupler)
-    return DyadMotion((*at_p, *directions[0]), (*at_q, *directions[1]), (), side * at.sin_mu,
-                      at.cos_mu, {(one if first else two, other): on_other, (two, one): between})
+    return DyadMotion(LinkMotion(*at_p, *directions[0]), LinkMotion(*at_q, *directions[1]), (),
+                      side * at.sin_mu, at.cos_mu,
+                      {(one if first else two, other): on_other, (two, one): between})
 
 
 def rrp_pair(n: NumberType, sign: Scalar, stage: Stage, own: Numbers, at_p: Node, _at_q: Node,
-             way: Sequence[Scalar], _first: Curve, _second: Curve) -> DyadMotion:
+             way: Sequence[Scalar], _first: LinkMotion, _second: LinkMotion) -> DyadMotion:
     """
     Return how RRP moves as rod and block of a slider-crank.
 
@@ -271,9 +272,10 @@ def rrp_pair(n: NumberType, sign: Scalar, stage: Stage, own: Numbers, at_p: Node
     at = rod_on_line(n, a1 / unit, a2 / unit, e / unit, sign, cos_x + beside_0, sin_x)
     s = unit * at.s
     d_s, dd_s = by_input(way, unit * at.d_s, unit * at.dd_s)
-    rod = *at_p, *turned_by((at.cos_b, at.sin_b), line), *by_input(way, at.d_b, at.dd_b)
-    block = (foot_x + s * t_x, foot_y + s * t_y, d_s * t_x, d_s * t_y, dd_s * t_x,
-             dd_s * t_y, t_x, t_y, 0.0, 0.0)
+    rod = LinkMotion(*at_p, *turned_by((at.cos_b, at.sin_b), line),
+                     *by_input(way, at.d_b, at.dd_b))
+    block = LinkMotion(foot_x + s * t_x, foot_y + s * t_y, d_s * t_x, d_s * t_y, dd_s * t_x,
+                       dd_s * t_y, t_x, t_y, 0.0, 0.0)
     on_other: Direction = (*turned_by((at.cos_2, at.sin_2), of_a),
                            *by_input(way, at.d_theta2, at.dd_b))
     return DyadMotion(rod, block, (s - start, d_s, dd_s), at.cos_b, at.sin_b,
@@ -286,12 +288,12 @@ def _bar(stage: Stage, at_p: Node, at_q: Node, direction: Direction, slide: tupl
     c, s, turn, bend = direction
     if not stage.turns_first:
         c, s = -c, -s
-    return DyadMotion((*at_p, c, s, turn, bend), (*at_q, c, s, turn, bend), slide, sine, cosine,
-                      relations)
+    return DyadMotion(LinkMotion(*at_p, c, s, turn, bend), LinkMotion(*at_q, c, s, turn, bend),
+                      slide, sine, cosine, relations)
 
 
 def rpr_pair(n: NumberType, sign: Scalar, stage: Stage, own: Numbers, at_p: Node, at_q: Node,
-             way: Sequence[Scalar], _first: Curve, _second: Curve) -> DyadMotion:
+             way: Sequence[Scalar], _first: LinkMotion, _second: LinkMotion) -> DyadMotion:
     """Return how RPR moves as block and bar of an inverted slider-crank."""
     from fourbar_ros.mechanisms.slides import block_on_bar  # of these alone
     (a1, a4, cos_0, sin_0, *of_g), (h,) = own.shape, own.sizes
@@ -313,7 +315,7 @@ def rpr_pair(n: NumberType, sign: Scalar, stage: Stage, own: Numbers, at_p: Node
 
 
 def rrr_slide(n: NumberType, sign: Scalar, stage: Stage, own: Numbers, at_p: Node, at_q: Node,
-              way: Sequence[Scalar], _first: Curve, _second: Curve) -> DyadMotion:
+              way: Sequence[Scalar], _first: LinkMotion, _second: LinkMotion) -> DyadMotion:
     """
     Return how RRR moves as crank and coupler of a slider-crank.
 
@@ -333,12 +335,12 @@ def rrr_slide(n: NumberType, sign: Scalar, stage: Stage, own: Numbers, at_p: Nod
     between: Direction = (-at.cos_2, side * at.sin_2,
                           *by_input(scaled, -side * at.d_theta2, -side * at.dd_theta2))
     directions = (others, frames) if first else (frames, others)
-    return DyadMotion((*at_p, *directions[0]), (*at_q, *directions[1]), (), side * at.sin_2,
-                      -at.cos_2, {(two, one): between})
+    return DyadMotion(LinkMotion(*at_p, *directions[0]), LinkMotion(*at_q, *directions[1]), (),
+                      side * at.sin_2, -at.cos_2, {(two, one): between})
 
 
 def rpr_slide(n: NumberType, sign: Scalar, stage: Stage, own: Numbers, at_p: Node, at_q: Node,
-              way: Sequence[Scalar], _first: Curve, _second: Curve) -> DyadMotion:
+              way: Sequence[Scalar], _first: LinkMotion, _second: LinkMotion) -> DyadMotion:
     """Return how RPR moves whose block, or bar, hangs on a slider, (P3), (P4)."""
     (shift, e, *line), (h,) = own.shape, own.sizes
     unit = n.power_of_two(e, h, shift)
@@ -366,15 +368,16 @@ PAIRS = {(RRR, False): rrr_pair, (RRP, False): rrp_pair, (RPR, False): rpr_pair,
          (RRR, True): rrr_slide, (RPR, True): rpr_slide}
 
 
-def rod_of_cylinder(at_p: Node, at_q: Node, driven: Any, _first: Curve,
-                    _second: Curve) -> DyadMotion:
+def rod_of_cylinder(at_p: Node, at_q: Node, driven: Any, _first: LinkMotion,
+                    _second: LinkMotion) -> DyadMotion:
     """
     Return the motion of rod and tube of a cylinder, whose triangle the driver has solved.
 
     ``driven``: length, direction of the rod, sine and cosine of the transmission angle.
     """
     slide, rod, sine, cosine = driven
-    return DyadMotion((*at_p, *rod), (*at_q, *rod), (slide, 1.0, 0.0), sine, cosine, {})
+    return DyadMotion(LinkMotion(*at_p, *rod), LinkMotion(*at_q, *rod), (slide, 1.0, 0.0), sine,
+                      cosine, {})
 
 
 def make_moves(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
@@ -478,7 +481,7 @@ class Closure:
         c, s = turned_by(way[:2], self._start)
         return (c, s) if self.is_sine else (s, c)
 
-    def closing(self, n: NumberType, way: Sequence[Scalar], *_curves: Curve) -> Scalar:
+    def closing(self, n: NumberType, way: Sequence[Scalar], *_curves: LinkMotion) -> Scalar:
         """
         Return the product of the scaled factors that have toggles at an angle or slide of a pair.
 
@@ -494,7 +497,7 @@ class Closure:
             product = product * ((plus * of_plus + minus * of_minus) * (1.0 / size))
         return product
 
-    def square(self, n: NumberType, way: Sequence[Scalar], *_curves: Curve) -> Scalar:
+    def square(self, n: NumberType, way: Sequence[Scalar], *_curves: LinkMotion) -> Scalar:
         """Return |Q - P|^2, scaled, at an angle or slide of a pair: a pole where it is zero."""
         (one, other), (beside, ahead) = self._arms, self.place(way)
         if self.slides:
