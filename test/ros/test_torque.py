@@ -17,6 +17,7 @@ from fourbar_ros.scene import scene
 from geometry_msgs.msg import WrenchStamped
 import numpy as np
 import pytest
+from rclpy.serialization import serialize_message
 from rosgraph_msgs.msg import Clock
 from support.harness import set_parameters
 from support.scenes import PAPER, RODS
@@ -143,6 +144,23 @@ def test_a_torque_that_changes_as_often_as_samples(run_node, client, tmp_path):
 
 
 @pytest.mark.slow
+def test_a_torque_whose_text_ros_alone_can_read_is_recorded_readable(run_node, client, tmp_path):
+    """A text without its final zero: ROS takes it, readers of bags refuse it."""
+    node = run_node({**TORQUE_DRIVEN, **recording(tmp_path)})
+    heard, publisher = states(client), client.node.create_publisher(WrenchStamped,
+                                                                    '/fourbar/torque', 10)
+    client.until(publisher.get_subscription_count, 'the node at the torque topic')
+    message = WrenchStamped()
+    message.header.frame_id, message.wrench.torque.z = 'abcd', 7.0
+    data = bytes(serialize_message(message)).replace(b'abcd\0', b'abcde')
+    client.until(lambda: publisher.publish(data) or (heard and heard[-1].command == 7.0),
+                 'the torque in effect')
+    node.stop()
+    assert any(torque.wrench.torque.z == 7.0 for torque in in_bag(tmp_path / 'run',
+                                                                  '/fourbar/torque'))
+    assert not recompute(tmp_path / 'run').problems()
+
+
 def test_silence_may_hold_the_torque(run_node, client, tmp_path):
     run_node({**TORQUE_DRIVEN, 'drive.timeout': 0.2, 'drive.when_silent': 'hold'})
     heard = states(client)

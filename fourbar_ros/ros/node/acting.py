@@ -75,7 +75,7 @@ class ActingInputs:
             self._count(f'{what}_malformed', name,
                         f'a message that is no {topic.type.rpartition("/")[-1]}')
             return
-        self._stream.record(topic.name, data)
+        self._stream.record_input(topic.name, message)
         frame, scene = message.header.frame_id, self._stream.scene
         ours = name == BASE.name and scene.base.frame_id or scene.frame_id
         if frame not in ('', ours) and (name == BASE.name or message.wrench.force.x

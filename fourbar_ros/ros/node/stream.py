@@ -181,6 +181,15 @@ class Stream:
         if self._recording:
             self._recording.write(topic, data)
 
+    def record_input(self, topic: str, message: Message) -> None:
+        """
+        Record an input as ROS has read it, if a bag is open.
+
+        It reads bytes that others refuse, as a text without its final zero.
+        """
+        if self.is_recording:
+            self.record(topic, bytes(serialize_message(message)))
+
     # --- steps ----------------------------------------------------------------------------------
 
     def step(self, stamp: Stamp, position: float, rate: float, acceleration: float) -> None:

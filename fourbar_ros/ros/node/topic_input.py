@@ -149,7 +149,7 @@ class TopicInput:
             self._note_other_joints(message)
             return
         self._note_arrival()
-        self._stream.record(self._topic.name, data)
+        self._stream.record_input(self._topic.name, message)
         if motion is None:
             hint = '' if self.counts['without_joint'] else self._joint_hint([message])
             self._note('without_joint', f'no position of joint {self._settings.joint!r} in the '

@@ -129,14 +129,14 @@ class TorqueInput(ClockInput):
     def _receive(self, data: bytes) -> None:
         """Take a message between two steps; one that ROS cannot read is not recorded either."""
         try:
-            wrench = deserialize_message(data, self._type).wrench
+            message = deserialize_message(data, self._type)
         except Exception:
             self._note('malformed', f'a message that is no {TORQUE.type}')
             return
-        torque = wrench.force.x if self._stream.scene.linkage.is_driven_by_slide else (
-            wrench.torque.z)
+        is_slide, wrench = self._stream.scene.linkage.is_driven_by_slide, message.wrench
+        torque = wrench.force.x if is_slide else wrench.torque.z
         self.counts['torques'] += 1
-        self._stream.record(TORQUE.name, data)
+        self._stream.record_input(TORQUE.name, message)
         if isfinite(torque):
             self._torque, self._received = self._limited(torque), self._now()
         else:
