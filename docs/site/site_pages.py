@@ -3,13 +3,14 @@
 """
 What the site has besides docs/: README, CHANGELOG and their like, the public names, linked files.
 
-A hook of mkdocs. Links of the pages lead to files of the tree; here to copies of them.
+A hook of mkdocs. It fails where a page of measurements is stale. Links of the pages lead to files of the tree; here to copies of them.
 """
 from importlib import import_module
 import inspect
 import os
 from pathlib import Path
 import re
+import subprocess
 import sys
 
 from mkdocs.exceptions import PluginError
@@ -21,6 +22,7 @@ PAGES = {ROOT / 'README.md': 'index.md',
          **{path: path.name for folder in (ROOT, ROOT / '.github')
             for path in folder.glob('[A-Z]*.md') if path.name != 'README.md'}}
 LINK = re.compile(r'(?<=\]\()[^)\s#]+|(?<=src=")[^"#]+')
+WRITTEN = re.compile(r'make bench ARGS="(\w+)[^`]*`: [\d-]+, commit (\w+)')
 FENCE = re.compile(r'^```.*?^```', re.S | re.M)
 sys.path.insert(0, str(ROOT / 'test'))
 
@@ -41,6 +43,18 @@ def undocumented():
             value = getattr(package, member)
             if (inspect.isclass(value) or inspect.isroutine(value)) and not inspect.getdoc(value):
                 found.append(f'{name}.{member}')
+    return found
+
+
+def stale():
+    """Return the measurements whose program has changed since their page was written."""
+    found = []
+    for page in sorted((DOCS / 'bench').glob('*.md')):
+        for name, commit in WRITTEN.findall(page.read_text(encoding='utf-8')):
+            changed = subprocess.run(['git', 'diff', '--quiet', commit, '--', f'bench/{name}.py'],
+                                     cwd=ROOT, capture_output=True, check=False).returncode
+            if changed == 1:            # 128: no git here, or not the whole history
+                found.append(f'{page.relative_to(ROOT)}: make bench ARGS="{name} --write"')
     return found
 
 
@@ -86,6 +100,8 @@ def on_files(files, config):
     """Add the pages and files that are not in docs/."""
     if missing := undocumented():
         raise PluginError('public names without a docstring: ' + ', '.join(missing))
+    if old := stale():
+        raise PluginError('measured by another program than that of today: ' + ', '.join(old))
     for path, name in PAGES.items():
         files.append(File.generated(config, name, content=path.read_text(encoding='utf-8')))
     files.append(File.generated(config, 'names.md', content=names()))
