@@ -3,7 +3,8 @@
 """
 What the site has besides docs/: README, CHANGELOG and their like, the public names, linked files.
 
-A hook of mkdocs. It fails where a page of measurements is stale. Links of the pages lead to files of the tree; here to copies of them.
+A hook of mkdocs. It fails where a page of measurements is stale. Links of the pages lead to files
+of the tree; here to copies of them.
 """
 from importlib import import_module
 import inspect

@@ -72,7 +72,7 @@ from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 import numpy as np
 
 if TYPE_CHECKING:
-    from fourbar_ros.mechanisms.machine.limits import SeenFromLink
+    from fourbar_ros.mechanisms.machine.seen_from_link import SeenFromLink
 
 # Signs of (a4 - a1 + a3 - a2, a4 - a1 - a3 + a2, a2 + a3 - a4 - a1) for the eight basic planar 4R
 # linkages: McCarthy and Soh, Geometric Design of Linkages, with the first two exchanged. The name
@@ -333,7 +333,9 @@ class FourBar(FourBarLinks):
 
         Nothing at an exact change point: driven so it would lie flat somewhere too.
         """
-        from fourbar_ros.mechanisms.machine.limits import SeenFromLink  # motion by torque alone
+        from fourbar_ros.mechanisms.machine.seen_from_link import (
+            SeenFromLink,  # motion by torque alone
+        )
         if self.change_point_margin == 0.0:
             return ()
         drive = self.drive

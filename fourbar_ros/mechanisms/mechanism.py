@@ -38,7 +38,7 @@ from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 from numpy.typing import ArrayLike
 
 if TYPE_CHECKING:
-    from fourbar_ros.mechanisms.machine.limits import SeenFromLink
+    from fourbar_ros.mechanisms.machine.seen_from_link import SeenFromLink
 
 # Links and the coordinate that drives them: a mechanism, or one of its others.
 DrivenLinks = Union['Mechanism', 'SeenFromLink']
