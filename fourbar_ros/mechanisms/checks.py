@@ -12,6 +12,7 @@ from fourbar_ros.mechanisms.parts import within_stroke
 from fourbar_ros.numerics.given import number, records
 
 LONGEST = 2.0**1000     # [m]
+SHORTEST = 1e-100       # of the longest length
 STROKE = 'must be [shortest, longest] of the slide, two finite numbers'
 
 
@@ -48,6 +49,11 @@ def _lengths(mechanism: Contract) -> dict[str, float]:
         if abs(values[name]) >= LONGEST:
             raise InvalidParameter(name, value, f'must be shorter than {LONGEST:.3g} m: sums '
                                                 'of lengths overflow')
+    longest = max(map(abs, values.values()), default=0.0)
+    for name, _, is_signed in mechanism.LENGTHS:
+        if not is_signed and values[name] < SHORTEST * longest:
+            raise InvalidParameter(name, values[name], f'must be at least {SHORTEST:g} of the '
+                                   f'longest, {longest:g} m: ratios of lengths overflow')
     return values
 
 

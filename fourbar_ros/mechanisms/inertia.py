@@ -78,9 +78,10 @@ def middles(low: float, high: float, count: int = 720) -> Array:
 def mean_rigid(mechanism: Mechanism, count: int = 720) -> Rigid:
     """Return the mean over the input of the mass matrices of a mechanism held rigid."""
     inputs = np.concatenate([middles(low, high, count) for low, high in mechanism.input_ranges])
-    held = held_rigid(mechanism, mechanism.motion(inputs))
-    x, y, about_o1 = (float(np.mean(value)) for value in (
-        held.x, held.y, held.inertia + held.mass * (held.x**2 + held.y**2)))
+    with np.errstate(all='ignore'):
+        held = held_rigid(mechanism, mechanism.motion(inputs))
+        x, y, about_o1 = (float(np.mean(value)) for value in (
+            held.x, held.y, held.inertia + held.mass * (held.x**2 + held.y**2)))
     return Rigid(held.mass, x, y, about_o1 - held.mass * (x * x + y * y))
 
 

@@ -1,6 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Extrema where rounding hides them: none invented, none missed, no value but a computed one."""
+from contextlib import suppress
 from math import inf, isinf
 
 from fourbar_ros import Bodies, Body, find_extrema, FourBar
@@ -8,13 +9,37 @@ from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.mechanisms.machine.describe.description import Cylinder, Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 from fourbar_ros.mechanisms.quantities import known, UnknownQuantity
+from hypothesis import given
+from hypothesis import strategies as st
 import numpy as np
 import pytest
+from support import contract, strategies
 from support.cartesian import exact_values
 from support.samples import more
 
 EPS = 2.0**-52
 PAPER = (0.4, 1.2, 0.8, 1.0)
+
+
+# --- whatever the lengths ------------------------------------------------------------------------
+
+@contract.every_case
+@given(data=st.data())
+def test_hostile_lengths_have_extrema_or_are_refused(case, data):
+    lengths = [data.draw(strategies.hostile_lengths) for _ in case.kind.LENGTHS]
+    try:
+        linkage = case.make([length if signed else abs(length) for length, signed in
+                             zip(lengths, contract.are_signed(case.kind))])
+    except FourBarError:
+        return
+    output = linkage.outputs[0].coordinate
+    with np.errstate(all='ignore'), suppress(FourBarError):
+        find_extrema(linkage, (output.rate, output.acceleration))
+
+
+def test_a_length_of_nothing_beside_the_others_is_refused():
+    with pytest.raises(InvalidParameter, match='^a4 = 5e-324: must be at least 1e-100 of the'):
+        FourBar(1e-12, 1.0, 1.0, 5e-324)
 
 
 # --- none invented -------------------------------------------------------------------------------

@@ -72,6 +72,11 @@ def hostile(rng, name):
     return rng.choice(HOSTILE[kind])
 
 
+hostile_lengths = st.one_of(
+    st.sampled_from(DOUBLES), st.floats(-20.0, 20.0).map(lambda power: 10.0**power),
+    st.floats(0.1, 1.0))
+
+
 def parameters(names):
     """Draw (parameter, hostile value), one of these names."""
     return st.sampled_from(names).flatmap(lambda name: st.tuples(
