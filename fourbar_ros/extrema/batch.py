@@ -32,7 +32,7 @@ from numpy.typing import ArrayLike
 RATES = 'omega4', 'alpha4'
 # Linkages searched together: their samples stay in the cache. Samples of a turn; a larger number
 # is for linkages that the smaller one does not resolve.
-TOGETHER, SAMPLES = 512, (64, 128, 256)
+TOGETHER, SAMPLES = 1024, (48, 96, 192, 384)
 # Between these many linkages progress is told.
 CHUNK = 8192
 # Values nearer to each other than this part of them may be equal, as far as their conditions tell.
@@ -191,7 +191,11 @@ def _together(lengths: Array, mode: Array, rate: Array,
             for i in columns:
                 own[i] = known[i][which]
         with np.errstate(all='ignore'):
-            sine, cosine = np.sin(0.5 * x), np.cos(0.5 * x)
+            half = 0.5 * x
+            sine, cosine = np.sin(half.real), np.cos(half.real)
+            if np.iscomplexobj(half):       # a step so small that it is as a derivative
+                tiny = 1j * half.imag
+                sine, cosine = sine + tiny * cosine, cosine - tiny * sine
             own[:trace.count] = sine * sine, cosine * cosine, sine * cosine
             run(trace, each, ARRAYS, own)
         return np.stack([own[i] for i in flat(trace.results)])
