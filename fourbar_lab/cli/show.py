@@ -22,6 +22,7 @@ from fourbar_ros.scene.arguments import positive
 from fourbar_ros.scene.units import of, require
 
 if TYPE_CHECKING:      # verbs import when they run
+    from fourbar_lab.drawing.curves import Effort
     from fourbar_lab.drawing.poses import Pose
     from fourbar_ros.extrema.find import Extremum
     from fourbar_ros.mechanisms.mechanism import Mechanism
@@ -167,21 +168,10 @@ def _print(shown: Shown, extrema: list[Extremum], with_proofs: bool) -> None:
         console.print(table)
 
 
-class Effort(NamedTuple):
-    """What a servo must give over the input [N m], of a driven slide [N]."""
-
-    root_mean_square: float
-    peak: float
-
-
 def _effort(shown: Shown) -> Effort:
     """Return the effort of the drive at the rates of the tables."""
-    from fourbar_ros.mechanisms.inertia import middles
-    import numpy as np
-    low, high = shown.within or shown.linkage.input_ranges[0]
-    efforts = getattr(shown.scene.loads(middles(low, high), shown.speed, shown.acceleration,
-                                        shown.linkage.mode), shown.linkage.drive_load)
-    return Effort(float(np.sqrt(np.nanmean(efforts**2))), float(np.nanmax(abs(efforts))))
+    from fourbar_lab.drawing.curves import effort_of
+    return effort_of(shown.scene, shown.linkage, shown.speed, shown.acceleration, shown.within)
 
 
 def _effort_in_words(shown: Shown) -> str:

@@ -8,7 +8,9 @@ import sys
 from typing import TYPE_CHECKING
 
 from fourbar_ros.cli.common import add_rates, add_scene, add_verb, Verbs
+from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.scene.arguments import positive_integer
+from fourbar_ros.scene.units import of, require
 
 if TYPE_CHECKING:      # verbs import when they run
     from fourbar_lab.drawing.curves import Curves
@@ -19,6 +21,7 @@ TABLE = """\
 examples:
   fourbar table paper f41 shaking_force -o paper.csv     for a spreadsheet
   fourbar table paper -o paper.xlsx                      all that has a name
+  fourbar table paper --speeds 0rpm 600rpm -o servo.csv
   fourbar table paper theta4 --speed 300rpm --samples 73 -o every_5_degrees.csv
 """
 PLOT = """\
@@ -34,6 +37,10 @@ def add(verbs: Verbs) -> None:
                      'Write quantities over all of the input, a row for each sample. Angles are '
                      'in degrees,\nall else is in SI.', TABLE)
     _add_arguments(table, 'table to write: .csv, .xlsx or .parquet', 'default all')
+    table.add_argument('--speeds', nargs=2, type=of('angular speed', 'speed'),
+                       metavar=('LOW', 'HIGH'),
+                       help='instead, what the drive must give at 25 speeds of the input: root '
+                            'mean square and peak of its torque, peak of its power')
     table.set_defaults(run=_table)
     plot = add_verb(verbs, 'plot', 'quantities over the input as a picture or a page',
                     'Draw quantities over all of the input, one pair of axes for each unit.\n'
@@ -66,9 +73,18 @@ def _given(arguments: Namespace) -> tuple[Scene, Mechanism, float]:
 
 
 def _table(arguments: Namespace) -> None:
-    """Write all quantities, or those asked for."""
-    from fourbar_lab.drawing.curves import curves_of, write_table
+    """Write all quantities, or those asked for, or what the drive must give at some speeds."""
+    from fourbar_lab.drawing.curves import curves_of, envelope_of, write_table
     scene, linkage, speed = _given(arguments)
+    if arguments.speeds:
+        if arguments.names:
+            raise InvalidParameter('QUANTITY', arguments.names, 'not with --speeds')
+        for each in arguments.speeds:
+            require('--speeds', each,
+                    'speed' if linkage.is_driven_by_slide else 'angular speed')
+        curves = envelope_of(scene, linkage, arguments.speeds, arguments.acceleration)
+        print(write_table(curves, arguments.out))
+        return
     curves = curves_of(scene, linkage, arguments.names, speed, arguments.acceleration,
                        arguments.samples)
     print(write_table(curves, arguments.out))

@@ -16,6 +16,7 @@ from fourbar_lab.drawing.labels import symbols_of
 from fourbar_lab.drawing.tables import counted
 from fourbar_ros.errors import InvalidParameter, nearest
 from fourbar_ros.extrema.find import CONSTANT, find_extrema
+from fourbar_ros.mechanisms.inertia import middles
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.quantities import Asked, known, positions, UnknownQuantity
 from fourbar_ros.numerics.arrays import Array
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
 AXES = {'deg': 'angle', 'rad/s': 'angular velocity', 'rad/s^2': 'angular acceleration',
         'm': 'position', 'm/s': 'velocity', 'm/s^2': 'acceleration', 'N': 'force',
         'N m': 'torque, moment', 'kg m^2': 'inertia', 'kg': 'inertia'}
+SPEEDS = 25         # in a table over the speed
 OF_DRIVE = 'inertia', 'bias'        # by name alone
 TABLES, PICTURES = ('.csv', '.xlsx', '.parquet'), ('.png', '.svg', '.pdf', '.html')
 
@@ -117,6 +119,36 @@ def _of_drive(scene: Scene, linkage: Mechanism, name: str, inputs: Array, speed:
         scene.bare_linkage.in_mode(linkage.mode).inertia(inputs) if name == 'inertia'
         else getattr(scene.loads(inputs, speed, 0.0, linkage.mode), linkage.drive_load))
     return found
+
+
+class Effort(NamedTuple):
+    """What a servo must give over the input [N m] and [W], of a driven slide [N] and [W]."""
+
+    root_mean_square: float
+    peak: float
+    peak_power: float
+
+
+def effort_of(scene: Scene, linkage: Mechanism, speed: float, acceleration: float = 0.0,
+              within: tuple[float, float] | None = None) -> Effort:
+    """Return the effort of the drive over the first range of the input, or ``within`` another."""
+    inputs = middles(*(within or linkage.input_ranges[0]))
+    efforts = np.abs(getattr(scene.loads(inputs, speed, acceleration, linkage.mode),
+                             linkage.drive_load))
+    peak = float(np.nanmax(efforts))
+    return Effort(float(np.sqrt(np.nanmean(efforts**2))), peak, peak * abs(speed))
+
+
+def envelope_of(scene: Scene, linkage: Mechanism, speeds: tuple[float, float],
+                acceleration: float = 0.0) -> Curves:
+    """Return the effort of the drive over the speed of the input, from one speed to another."""
+    unit = linkage.input_coordinate.unit
+    force = 'N' if linkage.is_driven_by_slide else 'N m'
+    rows = [(speed, *effort_of(scene, linkage, speed, acceleration))
+            for speed in np.linspace(*speeds, SPEEDS).tolist()]
+    columns = 'speed', *Effort._fields
+    return Curves(f'drive of {linkage.description}', columns, (f'{unit}/s', force, force, 'W'),
+                  np.array(rows).T, columns)
 
 
 def marks_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: float,
