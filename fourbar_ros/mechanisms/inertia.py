@@ -82,7 +82,8 @@ def mean_rigid(mechanism: Mechanism, count: int = 720) -> Rigid:
         held = held_rigid(mechanism, mechanism.motion(inputs))
         x, y, about_o1 = (float(np.mean(value)) for value in (
             held.x, held.y, held.inertia + held.mass * (held.x**2 + held.y**2)))
-    return Rigid(held.mass, x, y, about_o1 - held.mass * (x * x + y * y))
+    about_centre = about_o1 - held.mass * (x * x + y * y)
+    return Rigid(held.mass, x, y, 0.0 if about_centre < 0.0 else about_centre)     # by rounding
 
 
 def rest_of(loads: NamedFields, carried: Rigid, mechanism: Mechanism) -> NamedFields:

@@ -193,6 +193,9 @@ class Stepper:
             status = LOADS_UNKNOWN
         elif self._carried and with_loads and status == OK:
             loads = _rest_of(loads, self._carried, linkage)
+            if not isfinite(loads.shaking_force + loads.shaking_moment):
+                status, loads = INVALID_INPUT, _none_of(linkage.LOADS)
+                motion = linkage.unknown(position, rate, acceleration)
         values = self._completed((*motion, *loads, *self._of_parts(motion, with_parts),
                                   *self._shown_of(linkage, status, motion, loads, with_parts)))
         if self._policy == 'hold':

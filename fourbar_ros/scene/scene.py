@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 import json
-from math import isnan, lcm, tau
+from math import isfinite, isnan, lcm, tau
 from pathlib import Path
 from types import SimpleNamespace
 from typing import cast, NamedTuple, NoReturn, TYPE_CHECKING
@@ -206,7 +206,12 @@ class Scene:
         if not (any(given) or self.values['base.carried.mean']):
             return None
         from fourbar_ros.mechanisms.inertia import mean_rigid, Rigid  # other scenes do without
-        return mean_rigid(self.bare_linkage) if self.values['base.carried.mean'] else Rigid(*given)
+        if not self.values['base.carried.mean']:
+            return Rigid(*given)
+        mean = mean_rigid(self.bare_linkage)
+        if not all(map(isfinite, mean)):
+            raise InvalidParameter('base.carried.mean', True, f'the mean is not finite: {mean}')
+        return mean
 
     def make_loaded(self, linkage: Mechanism
                     ) -> Callable[[float, float], Mechanism | None] | None:

@@ -1,8 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """A scene input by input: status, and what its policy shows where nothing is known."""
-from math import inf, isnan, nan
+from math import inf, isfinite, isnan, nan
 
+from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.pipeline.stepper import (
     INVALID_INPUT,
     LOADS_UNKNOWN,
@@ -117,3 +118,17 @@ def test_a_wrench_acts_from_the_next_step_on():
     assert after['driving_torque'] == loaded.step(*INSIDE)[1].driving_torque
     assert after['driving_torque'] != before['driving_torque']
     assert after['theta4'] == before['theta4']
+
+
+def test_what_a_simulator_carries_is_a_number_or_refused():
+    heavy = {name: value for name, value in ROCKER.items() if not name.startswith('bodies')}
+    heavy |= {f'bodies.{link}.{name}': value for link in ('crank', 'coupler', 'output')
+              for name, value in (('mass', 1e300), ('cg_along', 1e5), ('inertia', 0.0))}
+    with pytest.raises(InvalidParameter, match='base.carried.mean'):
+        Stepper(from_values({**heavy, 'base.carried.mean': True}))
+    _, _, step = made(**{'base.carried.mass': 1e300, 'base.carried.x': 1e150})
+    status, values = step(*INSIDE)
+    assert status == INVALID_INPUT and isnan(values['shaking_moment'])
+    _, _, step = made(**{'base.carried.mean': True})
+    status, values = step(*INSIDE)
+    assert status == OK and isfinite(values['shaking_moment'])

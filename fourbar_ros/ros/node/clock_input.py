@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from math import nan
+from traceback import format_exc
 from typing import Any
 
 from fourbar_ros.ros.messages import sec_nanosec
@@ -29,7 +30,7 @@ class ClockInput:
     the diagnostics.
     """
 
-    COUNTED: tuple[str, ...] = ('missed', 'clock_steps')
+    COUNTED: tuple[str, ...] = ('missed', 'clock_steps', 'faults')
 
     def __init__(self, node: Node, stream: Stream, log: Log) -> None:
         self._node, self._stream, self._log = node, stream, log
@@ -78,7 +79,11 @@ class ClockInput:
             self.counts['missed'] += behind
             self._next += behind
         while (due := self._began + round(self._next * period)) <= now:
-            self._sample(due + self._offset, self._next / self._settings.rate)
+            try:
+                self._sample(due + self._offset, self._next / self._settings.rate)
+            except Exception:                            # it is ours and must not end us
+                self.counts['faults'] += 1
+                self._log('faults', f'a fault in a sample: {format_exc()}')
             self._next += 1
         before, self._settings = self._settings, self._stream.scene.drive
         if differ(self._settings, before):
