@@ -66,8 +66,10 @@ def held_rigid(mechanism: Mechanism, motion: NamedFields) -> Rigid:
     if not mass:
         return Rigid(0.0, 0.0, 0.0, sum(inertia for *_, inertia in parts))
     x, y = (sum(part[0] * part[i] for part in parts) / mass for i in (1, 2))
-    return Rigid(mass, x, y, sum(inertia + m * ((its_x - x)**2 + (its_y - y)**2)
-                                 for m, its_x, its_y, inertia in parts))
+    apart = [(m, its_x - x, its_y - y, inertia) for m, its_x, its_y, inertia in parts]
+    # not by **, which raises where floats overflow
+    return Rigid(mass, x, y, sum(inertia + m * (d_x * d_x + d_y * d_y)
+                                 for m, d_x, d_y, inertia in apart))
 
 
 def middles(low: float, high: float, count: int = 720) -> Array:
@@ -81,7 +83,7 @@ def mean_rigid(mechanism: Mechanism, count: int = 720) -> Rigid:
     with np.errstate(all='ignore'):
         held = held_rigid(mechanism, mechanism.motion(inputs))
         x, y, about_o1 = (float(np.mean(value)) for value in (
-            held.x, held.y, held.inertia + held.mass * (held.x**2 + held.y**2)))
+            held.x, held.y, held.inertia + held.mass * (held.x * held.x + held.y * held.y)))
     about_centre = about_o1 - held.mass * (x * x + y * y)
     return Rigid(held.mass, x, y, 0.0 if about_centre < 0.0 else about_centre)     # by rounding
 

@@ -228,11 +228,11 @@ class Stepper:
         """Return equation of motion and inertia, NaN where they are not wanted or not known."""
         values: list[float] = []
         for name, part, unknown in self._of_linkage:
-            found: Iterable[float] = unknown
+            found = unknown
             if status == OK and (wanted is True or wanted and name in wanted):
                 with suppress(FourBarError):        # numbers overflow
-                    found = part(linkage, motion, loads)
-            values += found
+                    found = tuple(part(linkage, motion, loads))
+            values += found if isfinite(sum(found)) else unknown
         return values
 
     def _at_limit(self, position: float) -> tuple[float, ...]:
