@@ -3,7 +3,8 @@
 """
 Inputs of 100 and 500 Hz beside live changes: ``python -m bench.live_changes [SCENE]``.
 
-Another process asks for the changes: the one that times the inputs does nothing else.
+Another process asks for the changes: the one that times the inputs does nothing else. Beside it
+the same changes of another node, which take the processor and nothing else from this one.
 """
 from itertools import product
 from pathlib import Path
@@ -64,10 +65,10 @@ class Stream:
         return sorted((self.heard[n] - self.sent[n]) * 1e-6 for n in self.heard if n in self.sent)
 
 
-def change(rate):
-    """Change gravity so often [Hz]; print how many of how many changes were taken."""
+def change(rate, node):
+    """Change gravity of a node so often [Hz]; print how many of how many changes were taken."""
     client, answers = Client(), []
-    setter = client.node.create_client(SetParameters, '/fourbar/set_parameters')
+    setter = client.node.create_client(SetParameters, f'/{node}/set_parameters')
     client.until(setter.service_is_ready, 'the parameter service')
     print('ready', flush=True)
     begin = time.monotonic()
@@ -82,33 +83,39 @@ def change(rate):
 
 def main(scene='paper'):
     """Print a row for each rate of changes."""
-    print('| inputs [Hz] | changes [1/s] | applied | inputs lost | p50 [ms] | p99 | max |')
-    print('| --- | --- | --- | --- | --- | --- | --- |')
+    print('| inputs [Hz] | changes [1/s] | of | applied | inputs lost | p50 [ms] | p99 | max |')
+    print('| --- | --- | --- | --- | --- | --- | --- | --- |')
     with tempfile.TemporaryDirectory() as folder:
-        node = NodeProcess({**read_values(scene), 'drive.source': 'motion'}, Path(folder))
+        parameters = {**read_values(scene), 'drive.source': 'motion'}
+        nodes = [NodeProcess(parameters, Path(folder), name) for name in ('fourbar', 'other')]
         client = Client()
         try:
             stream = Stream(client)
-            for rate, changes in product(RATES, CHANGES):
+            for rate, changes, changed in product(RATES, CHANGES, ('fourbar', 'other')):
                 changer = None
+                if not changes and changed == 'other':
+                    continue
                 if changes:
                     changer = subprocess.Popen(
-                        [sys.executable, '-m', 'bench.live_changes', '--change', str(changes)],
+                        [sys.executable, '-m', 'bench.live_changes', '--change', str(changes),
+                         changed],
                         stdout=subprocess.PIPE, text=True)
                     changer.stdout.readline()
                 late = stream.run(rate)
                 applied = changer.communicate()[0].strip() if changer else '0 of 0'
-                print(f'| {rate} | {changes} | {applied} | '
+                which = ('this node' if changed == 'fourbar' else 'another') if changes else ''
+                print(f'| {rate} | {changes} | {which} | {applied} | '
                       f'{len(stream.sent) - len(late)} of {len(stream.sent)} | '
                       f'{statistics.median(late):.2f} | {late[int(0.99 * len(late))]:.2f} | '
                       f'{late[-1]:.2f} |', flush=True)
         finally:
             client.close()
-            node.stop()
+            for node in nodes:
+                node.stop()
 
 
 if __name__ == '__main__':
     if sys.argv[1:2] == ['--change']:
-        change(float(sys.argv[2]))
+        change(float(sys.argv[2]), sys.argv[3])
     else:
         main(*sys.argv[1:])
