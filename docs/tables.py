@@ -66,7 +66,7 @@ def having(quantity):
         if inputs:
             found.append(name if len(inputs) == len(kind.INPUTS)
                          else f'{name} driven at its {inputs[0]}')
-    return 'all' if found == list(KINDS) else ', '.join(found)
+    return 'all kinds' if found == list(KINDS) else ', '.join(found)
 
 
 def messages():

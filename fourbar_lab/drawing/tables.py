@@ -115,7 +115,7 @@ def facts(linkage: Mechanism) -> list[tuple[str, str]]:
     if hasattr(linkage, 'stages'):
         unit = f'of {linkage.input_unit:g} m' if linkage.is_driven_by_slide else 'rad'
         margin = f'{unit}; the nearer to 0, the faster the links pass their flat pose'
-    toggles = [shown(driven, end) for end in toggles_of(linkage)]
+    toggles = [f'{shown(driven, end)}{_dyad_at(linkage, end)}' for end in toggles_of(linkage)]
     rows += [('toggle', f'{driven.position} {", ".join(toggles)}' if toggles
               else 'none within the range of the input'),
              *transmission_angles(linkage),
@@ -168,6 +168,14 @@ def toggles_of(linkage: Mechanism) -> list[float]:
     ends = {end for bounds in linkage.closing_ranges for end in bounds}
     return [] if linkage.turns_fully else [end for bounds in linkage.input_ranges
                                            for end in bounds if end in ends]
+
+
+def _dyad_at(linkage: Mechanism, end: float) -> str:
+    """Return ' (dyad NAME)' of the dyad of a machine that stops it at an end of the input."""
+    limits = [limit for bound in getattr(linkage, 'limits', ()) if bound for limit in bound]
+    if not limits:
+        return ''
+    return f' (dyad {min(limits, key=lambda limit: abs(limit.x - end)).dyad})'
 
 
 class Band(NamedTuple):

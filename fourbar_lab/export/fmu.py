@@ -62,7 +62,7 @@ def write(model: Model, directory: Path, version: int) -> tuple[Path, list[str],
     Without a compiler it has sources alone, which many masters build.
     """
     if model.outputs is None:
-        texts = model.texts
+        texts = model.units_and_texts
         model = replace(model, outputs=[one.name for one in (*model.motion, *model.loads)
                                         if texts.get(one.name, ('', ''))[0]])
     code = Code(model)

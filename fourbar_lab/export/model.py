@@ -356,7 +356,7 @@ class Model:
 
         ``places``: their places in the trace. The motion always includes the input with its rates.
         """
-        texts = self.texts
+        texts = self.units_and_texts
         given = dict.fromkeys(self.mechanism.input_coordinate)
         return self._with_fields([
             Named(name, '', *texts.get(name, ('', '')), 0.0, place)
@@ -378,8 +378,13 @@ class Model:
         _ = self._asked
 
     @cached_property
-    def texts(self) -> Mapping[str, tuple[str, str]]:
-        """Return {name of a field: (unit, text)} as far as they are known."""
+    def units_and_texts(self) -> Mapping[str, tuple[str, str]]:
+        """
+        Return {field of motion or loads, or POINT.x: (unit, text)} as far as they are known.
+
+        Later entries are more exact: of a load its unit alone, then of a reaction its joint, then
+        what a quantity says of itself.
+        """
         mechanism = self.mechanism
         found = {f'{point}.{what}': (unit, f'{what.replace("_", " along ", 1)} of point {point}'
                                      if what[-2:] in ('_x', '_y') else

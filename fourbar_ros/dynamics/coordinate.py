@@ -126,7 +126,7 @@ class Coordinate:
     def next(self, state: State) -> tuple[Coordinate, list[float]]:
         """Return the coordinate that takes over at a state, and the state in it, (T1)."""
         other, ratio, _ = map(float, self.other(float(state[0])))
-        taking_over = self.all.beyond(self, float(state[0]), other, ratio)
+        taking_over = self.all.taking_over(self, float(state[0]), other, ratio)
         if taking_over.is_input:
             other = self.all.continuous(other)
         return taking_over, [other, ratio * float(state[1]), *state[2:]]
@@ -188,7 +188,7 @@ class Coordinates:
                 self.middle = start - remainder(start - self.middle, tau)
         self._known: dict[tuple[bool, int, int, int], Coordinate] = {}
         # (coordinate, whether the other one grows with it) -> coordinate that takes over
-        self._beyond: dict[tuple[Coordinate, bool], Coordinate] = {}
+        self._taking_over: dict[tuple[Coordinate, bool], Coordinate] = {}
         self.first = self.of(True, mechanism.mode, mechanism.mode, start)
 
     def of(self, is_input: bool, number: int, mode: int, start: float) -> Coordinate:
@@ -231,24 +231,31 @@ class Coordinates:
             return int(mechanism.mode_beyond(place))
         return next((other for other in mechanism.modes_passed if other != mode), mode)
 
-    def beyond(self, last: Coordinate, value: float, other: float, ratio: float) -> Coordinate:
+    def taking_over(self, last: Coordinate, value: float, other: float, ratio: float
+                    ) -> Coordinate:
         """
-        Return the coordinate that takes over from another one.
+        Return the coordinate that goes on near a toggle: the input's, or the one in its place.
 
-        ``value`` of the last one, of the ``other``, and the derivative ``ratio`` of that by this.
+        Parameters
+        ----------
+        last : Coordinate
+            The one in use so far.
+        value, other : float
+            Of the last coordinate, and of the one that takes over.
+        ratio : float
+            d other / d value; where it is negative, the links pass into the other assembly mode.
+
         """
         key = last, ratio > 0.0
-        if last.equation.changes_mode or key not in self._beyond:
-            mode = int(last.modes(value))
+        if last.equation.changes_mode or key not in self._taking_over:
+            mode = driven_mode = int(last.modes(value))
             if last.is_input:
-                number = self._number_at(last, value, other)
+                driven_mode = self._mode_at(last, value, other)
                 mode = mode if ratio > 0.0 else self.partner(mode)
-            else:
-                number = mode
-            self._beyond[key] = self.of(not last.is_input, number, mode, other)
-        return self._beyond[key]
+            self._taking_over[key] = self.of(not last.is_input, driven_mode, mode, other)
+        return self._taking_over[key]
 
-    def _number_at(self, last: Coordinate, value: float, other: float) -> int:
+    def _mode_at(self, last: Coordinate, value: float, other: float) -> int:
         """Return the mode in which the other coordinate has the links where they are now."""
         links = last.equation.links_in(bool(last.equation.is_alternate(value)))
         pose, distances = _pose(links, value), {}
@@ -275,14 +282,15 @@ class Coordinates:
         found = {}
         for coordinate in list(self._known.values()):
             if coordinate.is_input:        # it may come to both of its toggles with one sign
-                falls, grows = (self._beyond.get((coordinate, grows)) for grows in (False, True))
+                falls, grows = (self._taking_over.get((coordinate, grows))
+                                for grows in (False, True))
             else:
                 falls, grows = (self.of(True, mode, mode, self._start)
                                 for mode in (coordinate.mode_beyond, coordinate.mode))
             falls, grows = falls or grows, grows or falls
             assert falls and grows, 'an input between toggles comes to them'
             found[coordinate] = falls, grows
-            self._beyond |= {(coordinate, False): falls, (coordinate, True): grows}
+            self._taking_over |= {(coordinate, False): falls, (coordinate, True): grows}
         return found
 
 

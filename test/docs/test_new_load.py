@@ -53,7 +53,7 @@ console = Console(width=100, record=True, file=open('/dev/null', 'w'))
 console.print(loads_table(scene.linkage, scene.linkage.loads(1.0, 25.0)))
 found['show'] = 'drive power' in console.export_text()
 model = Model(scene, 'paper', outputs=('drive_power',))
-found['texts'] = model.texts['drive_power']
+found['texts'] = model.units_and_texts['drive_power']
 found['fmu'] = fmu._exponents('W')
 print(json.dumps(found))
 """
@@ -78,7 +78,7 @@ def test_a_row_makes_a_load_of_table_message_manual_page_and_fmu(tmp_path):
         assert not done.returncode, done.stderr
         return done.stdout
     run('docs/tables.py')
-    assert '| `drive_power` | W | power of the drive | all |' in (
+    assert '| `drive_power` | W | power of the drive | all kinds |' in (
         tmp_path / 'docs/reference.md').read_text()
     assert '# [W] power of the drive' in (tmp_path / 'msg_defs/msg/LinkageLoads.msg').read_text()
     found = json.loads(run('-c', SCRIPT).splitlines()[-1])
