@@ -209,5 +209,7 @@ def filled(page, tables):
 
 
 if __name__ == '__main__':
+    # the message first, as the manual shows it
+    MESSAGE.write_text(with_loads(MESSAGE.read_text(encoding='utf-8')), encoding='utf-8')
     for path, text in pages().items():
         path.write_text(text, encoding='utf-8')

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
+from collections.abc import Sequence
 import sys
 from typing import TYPE_CHECKING
 
@@ -13,7 +14,6 @@ from fourbar_ros.scene.arguments import positive_integer
 from fourbar_ros.scene.units import of, require
 
 if TYPE_CHECKING:      # verbs import when they run
-    from fourbar_lab.drawing.curves import Curves
     from fourbar_ros.mechanisms.mechanism import Mechanism
     from fourbar_ros.scene.scene import Scene
 
@@ -83,12 +83,11 @@ def _table(arguments: Namespace) -> None:
             require('--speeds', each,
                     'speed' if linkage.is_driven_by_slide else 'angular speed')
         curves = envelope_of(scene, linkage, arguments.speeds, arguments.acceleration)
-        print(write_table(curves, arguments.out))
-        return
-    curves = curves_of(scene, linkage, arguments.names, speed, arguments.acceleration,
-                       arguments.samples)
+    else:
+        curves = curves_of(scene, linkage, arguments.names, speed, arguments.acceleration,
+                           arguments.samples)
     print(write_table(curves, arguments.out))
-    _tell_weight(scene, curves)
+    _tell_weight(scene, [linkage.drive_load] if arguments.speeds else curves.names)
 
 
 def _plot(arguments: Namespace) -> None:
@@ -101,12 +100,12 @@ def _plot(arguments: Namespace) -> None:
     given = scene, linkage, names, speed, arguments.acceleration
     curves = curves_of(*given, arguments.samples)
     print(write_picture(curves, arguments.out, marks_of(*given)))
-    _tell_weight(scene, curves)
+    _tell_weight(scene, curves.names)
 
 
-def _tell_weight(scene: Scene, curves: Curves) -> None:
-    """Say on stderr that loads among curves lack the weight of the links."""
+def _tell_weight(scene: Scene, names: Sequence[str]) -> None:
+    """Say on stderr that loads among the quantities lack the weight of the links."""
     from fourbar_lab.drawing.tables import NO_WEIGHT
     linkage = scene.bare_linkage
-    if not any(linkage.gravity) and any(name in linkage.LOADS._fields for name in curves.names):
+    if not any(linkage.gravity) and any(name in linkage.LOADS._fields for name in names):
         print(': '.join(NO_WEIGHT), file=sys.stderr)

@@ -131,12 +131,28 @@ class Effort(NamedTuple):
 
 def effort_of(scene: Scene, linkage: Mechanism, speed: float, acceleration: float = 0.0,
               within: tuple[float, float] | None = None) -> Effort:
-    """Return the effort of the drive over the first range of the input, or ``within`` another."""
-    inputs = middles(*(within or linkage.input_ranges[0]))
-    efforts = np.abs(getattr(scene.loads(inputs, speed, acceleration, linkage.mode),
-                             linkage.drive_load))
-    peak = float(np.nanmax(efforts))
-    return Effort(float(np.sqrt(np.nanmean(efforts**2))), peak, peak * abs(speed))
+    """
+    Return the effort of the drive over a cycle of the forces, or ``within`` a range of the input.
+
+    Raises
+    ------
+    InvalidParameter
+        Speed or acceleration are so large that it overflows.
+
+    """
+    turns = scene.turns if linkage.turns_fully else 1
+    ranges = [within] if within else [(low, low + turns * (high - low))
+                                      for low, high in linkage.input_ranges]
+    inputs = np.concatenate([middles(*bounds) for bounds in ranges])
+    with np.errstate(all='ignore'):
+        efforts = np.abs(getattr(scene.loads(inputs, speed, acceleration, linkage.mode),
+                                 linkage.drive_load))
+        peak = float(np.max(efforts))
+        effort = Effort(peak * float(np.sqrt(np.mean((efforts / (peak or 1.0))**2))), peak,
+                        peak * abs(speed))
+    if not np.isfinite(effort).all():
+        raise InvalidParameter('speed', speed, 'too large: the effort of the drive overflows')
+    return effort
 
 
 def envelope_of(scene: Scene, linkage: Mechanism, speeds: tuple[float, float],

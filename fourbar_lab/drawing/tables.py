@@ -175,7 +175,8 @@ def _dyad_at(linkage: Mechanism, end: float) -> str:
     limits = [limit for bound in getattr(linkage, 'limits', ()) if bound for limit in bound]
     if not limits:
         return ''
-    return f' (dyad {min(limits, key=lambda limit: abs(limit.x - end)).dyad})'
+    nearest = min(limits, key=lambda limit: abs(linkage.distance(limit.x, end)))
+    return f' (dyad {nearest.dyad})'
 
 
 class Band(NamedTuple):

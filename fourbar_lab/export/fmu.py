@@ -30,7 +30,7 @@ from fourbar_ros import __version__
 # Exponents of kg, m, s, rad, A.
 # exponents of kg, m, s, rad and A in the units of which others are products
 BASES = {'kg': (1, 0, 0, 0, 0), 'm': (0, 1, 0, 0, 0), 's': (0, 0, 1, 0, 0), 'rad': (0, 0, 0, 1, 0),
-         'A': (0, 0, 0, 0, 1), 'N': (1, 1, -2, 0, 0), 'W': (1, 2, -3, 0, 0),
+         'A': (0, 0, 0, 0, 1), 'N': (1, 1, -2, 0, 0), 'J': (1, 2, -2, 0, 0), 'W': (1, 2, -3, 0, 0),
          'V': (1, 2, -3, 0, -1), '1': (0, 0, 0, 0, 0)}
 PLATFORMS = {'linux': ('linux64', '{}-linux', 'so'), 'darwin': ('darwin64', '{}-darwin', 'dylib'),
              'win32': ('win64', '{}-windows', 'dll')}

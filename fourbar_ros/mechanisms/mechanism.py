@@ -157,8 +157,8 @@ class Mechanism(Contract):
         """
         if self.is_driven_by_slide:
             return curves[-1].x, curves[-1].v_x, curves[-1].a_x
-        *_, cosine, sine, turn, bend = curves[0]
-        return numbers.atan2(sine, cosine), turn, bend
+        crank = curves[0]
+        return numbers.atan2(crank.sine, crank.cosine), crank.omega, crank.alpha
 
     @cached_by_lengths
     def record_of_motion(self) -> Recorded:

@@ -4,13 +4,15 @@
 import csv
 from math import radians
 
-from fourbar_lab.drawing.curves import csv_of, curves_of, make_figure, marks_of
+from fourbar_lab.drawing.curves import csv_of, curves_of, effort_of, make_figure, marks_of
 from fourbar_lab.drawing.tables import facts
 from fourbar_lab.live.downloads import cycle_csv
 from fourbar_lab.live.model import shown
 from fourbar_ros import load_scene
 from fourbar_ros.cli.main import main
 from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
+from fourbar_ros.mechanisms.machine.machine import Machine
 from fourbar_ros.scene import from_values
 import numpy as np
 import pytest
@@ -41,10 +43,31 @@ def test_a_table_over_speeds_sizes_a_servo(tmp_path, capsys):
                                         speed).driving_torque
     assert (mean, peak) == pytest.approx((np.sqrt(np.mean(torques**2)), np.abs(torques).max()))
     assert power == pytest.approx(speed * peak)
+    assert 'weight: left out' in capsys.readouterr().err
     for given, why in ((['f41', '--speeds', '0', '1'], 'not with --speeds'),
+                       (['--speeds', '0', '1e200'], 'overflows'),
                        (['--speeds', '0', '1m/s'], '--speeds has a unit of speed')):
         assert main(['table', 'paper', *given, '-o', str(file)])
         assert why in capsys.readouterr().err
+
+
+def test_the_drive_of_a_four_stroke_is_that_of_both_turns():
+    engine = load_scene('engine')
+    assert engine.turns == 2
+    inputs = np.radians(np.arange(0.25, 720.0, 0.5))
+    torques = engine.loads(inputs, 100.0).driving_torque
+    found = effort_of(engine, engine.linkage, 100.0)
+    assert found.root_mean_square == pytest.approx(np.sqrt(np.mean(torques**2)), rel=1e-3)
+    assert found.peak == pytest.approx(np.abs(torques).max(), rel=1e-3)
+
+
+def test_a_machine_names_the_dyad_that_stops_it():
+    rocker = Dyad('second', 'RRR', Point('crank', 1.2), Point('ground', 1.0), ('rod', 'rocker'),
+                  length_1=0.4, length_2=0.8)
+    after = Dyad('third', 'RRR', Point('rocker', 0.8), Point('ground', 3.0), ('link', 'arm'),
+                 length_1=2.0, length_2=2.0)
+    toggles = dict(facts(Machine([rocker, after])))['toggle']
+    assert toggles.count('(dyad second)') == toggles.count('deg') > 0
 
 
 def test_a_plot_has_ticks_each_90_degrees_symbols_and_extrema():

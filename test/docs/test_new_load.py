@@ -80,6 +80,7 @@ def test_a_row_makes_a_load_of_table_message_manual_page_and_fmu(tmp_path):
     run('docs/tables.py')
     assert '| `drive_power` | W | power of the drive | all kinds |' in (
         tmp_path / 'docs/reference.md').read_text()
+    assert 'float64 drive_power' in (tmp_path / 'docs/reference.md').read_text()
     assert '# [W] power of the drive' in (tmp_path / 'msg_defs/msg/LinkageLoads.msg').read_text()
     found = json.loads(run('-c', SCRIPT).splitlines()[-1])
     assert found['home'].startswith(str(tmp_path))

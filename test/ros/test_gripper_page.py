@@ -3,6 +3,8 @@
 """The gripper of docs/tutorial_gripper.md on real topics: the numbers that its page names."""
 from math import radians, sin
 import re
+import subprocess
+import sys
 
 from fourbar_msgs.msg import LinkageLoads, PointMotion
 from fourbar_ros.scene.files import read_values
@@ -38,6 +40,19 @@ def heard(run_node, client, tmp_path):
     client.until(lambda: len(messages) == 4 and messages['/fourbar/loads'].status == 0, 'loads')
     client.node.destroy_timer(timer)
     return messages
+
+
+def test_its_few_lines_of_python_drive_the_finger(run_node, client, tmp_path):
+    scene = tmp_path / 'gripper.yaml'
+    scene.write_text(re.search(r'```yaml\n(.*?)```', PAGE, re.S)[1])
+    run_node(read_values(scene), remaps=(re.search(r"fourbar_node .* -r '(\S+)'", PAGE)[1],))
+    script = re.search(r'```\n(import rclpy\n.*?)```', PAGE, re.S)[1]
+    with subprocess.Popen([sys.executable, '-u', '-c', script], text=True,
+                          stdout=subprocess.PIPE) as hand:
+        try:
+            assert float(hand.stdout.readline()) == pytest.approx(-0.8457, abs=1e-4)
+        finally:
+            hand.kill()
 
 
 def test_the_gripper_of_the_page_answers_with_its_numbers(heard):

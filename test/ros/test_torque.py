@@ -143,7 +143,6 @@ def test_a_torque_that_changes_as_often_as_samples(run_node, client, tmp_path):
     assert len({m.command for m in in_bag(tmp_path / 'run', '/fourbar/drive_state')}) > 10
 
 
-@pytest.mark.slow
 def test_a_torque_whose_text_ros_alone_can_read_is_recorded_readable(run_node, client, tmp_path):
     """A text without its final zero: ROS takes it, readers of bags refuse it."""
     node = run_node({**TORQUE_DRIVEN, **recording(tmp_path)})
@@ -161,6 +160,7 @@ def test_a_torque_whose_text_ros_alone_can_read_is_recorded_readable(run_node, c
     assert not recompute(tmp_path / 'run').problems()
 
 
+@pytest.mark.slow
 def test_silence_may_hold_the_torque(run_node, client, tmp_path):
     run_node({**TORQUE_DRIVEN, 'drive.timeout': 0.2, 'drive.when_silent': 'hold'})
     heard = states(client)

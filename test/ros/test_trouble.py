@@ -23,7 +23,7 @@ from ros.test_inputs import answers, NANOSECONDS, set_parameters, stamped
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from support.faults import Faults
-from support.harness import PATIENCE
+from support.harness import NodeProcess, PATIENCE
 from support.scenes import PAPER
 
 DRIVEN = {**PAPER, 'drive.source': 'motion', 'drive.timeout': 0.0, 'outputs': ['state']}
@@ -320,3 +320,25 @@ def test_a_clock_below_zero_is_told_and_ignored(run_node, client):
     client.until(lambda: tick(1) or client.received['state'], 'a state')
     client.until(lambda: tick(-1) or '/clock: -1 s is no time: ignored' in node.said, 'a line')
     client.until(lambda: tick(7) or client.received['state'][-1].header.stamp.sec == 7, 'time 7')
+
+
+def test_a_fault_in_a_sample_of_the_timer_does_not_end_the_node(client, tmp_path):
+    broken = """
+from fourbar_ros.pipeline.stepper import InModes
+step, calls = InModes.step, []
+def fail(self, *given):
+    calls.append(given)
+    if len(calls) == 5:
+        raise ValueError('as a test')
+    return step(self, *given)
+InModes.step = fail
+"""
+    node = NodeProcess({**PAPER, 'outputs': ['state'], 'drive.rate': 50.0}, tmp_path,
+                       first=broken)
+    try:
+        client.listen(['state'])
+        client.until(lambda: 'as a test' in node.said and len(client.received['state']) > 20,
+                     'samples after the fault')
+        assert 'a fault in a sample' in node.said
+    finally:
+        assert node.stop() == 0
