@@ -40,7 +40,7 @@ def steps():
     stepper, messages = Stepper(scene), []
     for k in range(PERIOD * RATE):
         crank = (25.0 * k / RATE, 25.0, 0.0)
-        status, values = stepper.step(*crank, True, False)
+        status, values = stepper.step(*crank, True, True)
         messages.append([bags.output_message(name, 1, status, values, scene)
                          for name in ('driven', *scene.outputs)])
     return [bags.channel(names[t.name], t.type) for t in topics], about, messages
