@@ -16,6 +16,7 @@ from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.extrema.find import CONSTANT, Extremum, find_extrema, MAXIMUM
 from fourbar_ros.extrema.full_turns import Phase, search_turns
 from fourbar_ros.mechanisms.contract import CROSSED, OPEN
+from fourbar_ros.mechanisms.evaluation import order_of, range_of
 from fourbar_ros.mechanisms.four_bars import FourBar
 from fourbar_ros.mechanisms.loop import bilinear_factors, loop
 from fourbar_ros.numerics.arrays import Array, EPS
@@ -149,18 +150,15 @@ def _closing(lengths: Array) -> tuple[Array, Array]:
 
 
 @cache
-def _trace() -> tuple[Trace, list[int], list[int]]:
-    """Return the trace of theta4' and theta4'', steps that lengths alone give, and the others."""
+def _trace() -> Trace:
+    """Return the trace of theta4' and theta4'', of lengths and of powers of the half angle."""
     def make_rates(n: NumberType, data: Sequence[Any]) -> Callable[..., Any]:
         def rates(*half_angle: Any) -> tuple[Any, Any]:
             at = loop(n, data[:4], data[4], *half_angle)
             return at.d_y, at.dd_y
         return rates
 
-    trace = Trace(make_rates, 3, (1.0,) * 5)
-    steps = [i for i in trace.needed(flat(trace.results)) if not trace.steps[i].is_given]
-    return (trace, [i for i in steps if i not in trace.varies],
-            [i for i in steps if i in trace.varies])
+    return Trace(make_rates, 3, (1.0,) * 5)
 
 
 def _together(lengths: Array, mode: Array, rate: Array,
@@ -171,7 +169,8 @@ def _together(lengths: Array, mode: Array, rate: Array,
     The search is at 1 rad/s, whatever the rate.
     """
     a1, a2, a3, a4 = lengths
-    trace, once, each = _trace()
+    trace = _trace()
+    once, each, done = order_of(trace, range_of(trace))
     data = trace.count + trace.size
     known: list[Any] = [step.value for step in trace.steps]
     known[trace.count:data] = *lengths[..., None], np.where(mode == OPEN, 1.0, -1.0)[:, None]
@@ -197,7 +196,7 @@ def _together(lengths: Array, mode: Array, rate: Array,
                 tiny = 1j * half.imag
                 sine, cosine = sine + tiny * cosine, cosine - tiny * sine
             own[:trace.count] = sine * sine, cosine * cosine, sine * cosine
-            run(trace, each, ARRAYS, own)
+            run(trace, each, ARRAYS, own, done)
         return np.stack([own[i] for i in flat(trace.results)])
 
     turns = search_turns(evaluate, mode.size, count, np.zeros(2, bool), phase)

@@ -236,7 +236,7 @@ def _inputs(mechanism: Mechanism, given: tuple[ArrayLike, ...]
 
 
 @lru_cache(maxsize=2 * MOST_STRUCTURES)
-def _order(trace: Trace, wanted: tuple[int, ...]
+def order_of(trace: Trace, wanted: tuple[int, ...]
            ) -> tuple[list[int], list[int], dict[int, list[int]]]:
     """
     Return the steps that some results need, of data alone and of inputs, and what is done with.
@@ -272,7 +272,7 @@ def step_of_arrays(mechanism: Mechanism, with_loads: bool, table: Table | None =
     trace, known, _ = (mechanism.record_with_loads if with_loads else mechanism.record_of_motion)
     places = flat(trace.results)
     wanted = range_of(trace) if wanted is None else wanted
-    once, steps, done = _order(trace, tuple(wanted))
+    once, steps, done = order_of(trace, tuple(wanted))
     if data is not None:
         known = [trace.steps[i].value for i in range(len(known))]
         known[trace.count:trace.count + trace.size] = numbers_of(
