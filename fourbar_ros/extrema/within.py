@@ -69,16 +69,16 @@ def in_part(search: Search, linkage: Mechanism, part: Part,
         """Return an input as the search gives it: an angle in [0, 2 pi), a slide in its unit."""
         return x / unit if linkage.is_driven_by_slide else float(fold(x))
 
-    def way(one: PathExtremum) -> float:
+    def from_low(one: PathExtremum) -> float:
         """Return how far beyond ``low`` an extremum is, of angles less than a turn."""
         beyond = unit * one.place - part.low + slack
         return (beyond if linkage.is_driven_by_slide else beyond % (2.0 * pi)) - slack
 
     def of_one(row: int, every: Sequence[PathExtremum]) -> list[PathExtremum]:
-        inside = sorted((one for one in every if -slack <= way(one) <= width + slack
-                         and not (way(one) <= slack and one.side < 0)
-                         and not (way(one) >= width - slack and one.side > 0)),
-                        key=lambda one: (way(one), one.side))
+        inside = sorted((one for one in every if -slack <= from_low(one) <= width + slack
+                         and not (from_low(one) <= slack and one.side < 0)
+                         and not (from_low(one) >= width - slack and one.side > 0)),
+                        key=lambda one: (from_low(one), one.side))
         return _with_ends(row, part, place, inside, [
             values[row] if values else None for values in at_ends],
             [one.value for one in every if not one.sense])

@@ -237,7 +237,7 @@ def _inputs(mechanism: Mechanism, given: tuple[ArrayLike, ...]
 
 @lru_cache(maxsize=2 * MOST_STRUCTURES)
 def order_of(trace: Trace, wanted: tuple[int, ...]
-           ) -> tuple[list[int], list[int], dict[int, list[int]]]:
+             ) -> tuple[list[int], list[int], dict[int, list[int]]]:
     """
     Return the steps that some results need, of data alone and of inputs, and what is done with.
 

@@ -46,6 +46,11 @@ class LinkMotion(NamedTuple):
         """Return the direction of the link as a unit vector of shape (..., 2)."""
         return vector(self.cosine, self.sine)
 
+    @property
+    def turning(self) -> tuple[Scalar, Scalar, Scalar, Scalar]:
+        """Return cosine and sine of the link's angle, its rate and its acceleration."""
+        return self.cosine, self.sine, self.omega, self.alpha
+
     def at(self, rate: Scalar, acceleration: Scalar) -> LinkMotion:
         """Return the motion at a rate and acceleration of the input, from that at unit rate."""
         square = rate * rate

@@ -12,7 +12,6 @@ from typing import ClassVar, NamedTuple, TYPE_CHECKING, TypeVar
 from fourbar_ros.errors import FourBarError, InvalidParameter, Toggle
 from fourbar_ros.mechanisms.checks import STROKE, two_numbers
 from fourbar_ros.mechanisms.contract import cached_by_lengths, CRANK, CROSSED, OPEN, SLIDE
-from fourbar_ros.mechanisms.machine.closings import make_closings
 from fourbar_ros.mechanisms.machine.describe.description import (
     Dyad,
     Numbers,
@@ -20,13 +19,14 @@ from fourbar_ros.mechanisms.machine.describe.description import (
     RRR,
 )
 from fourbar_ros.mechanisms.machine.describe.layout import Layout
+from fourbar_ros.mechanisms.machine.margins import make_margins
 from fourbar_ros.mechanisms.machine.ranges import (
     Bound,
-    Closings,
     DOUBLE,
     find_ranges,
     flat_place,
     Limit,
+    Ranges,
     SAME,
 )
 from fourbar_ros.mechanisms.mechanism import Mechanism
@@ -78,7 +78,7 @@ class WithLimits(Mechanism):
 
     def require_closing(self) -> None:
         """Raise InvalidParameter for the dyad that cannot be assembled at any input."""
-        name = self._closings.stopped
+        name = self._ranges.stopped
         if name:
             one, other = next((dyad.first.link, dyad.second.link) for dyad in self.stages
                               if dyad.name == name)
@@ -87,7 +87,7 @@ class WithLimits(Mechanism):
             raise InvalidParameter(f'dyads.{name}', None, f'cannot close at any input{why}')
 
     @cached_by_lengths
-    def _closings(self) -> Closings:
+    def _ranges(self) -> Ranges:
         """Return where all dyads close; of a slide searched twice as far as lengths and stroke."""
         size = sum(map(abs, self.lengths))
         stroke = two_numbers('stroke', self.stroke, STROKE) if self.stroke is not None else ()
@@ -112,9 +112,9 @@ class WithLimits(Mechanism):
             return all(abs(self.distance(z.real, one.input.real) + 1j * z.imag)
                        > SAME_AS[one.kind] * self.input_unit for one in real)
         return (*real,
-                *[Singularity(z, TOGGLE) for search in self._closings.near for z in search()
+                *[Singularity(z, TOGGLE) for search in self._ranges.near for z in search()
                   if is_new(z)],
-                *[Singularity(z, POLE) for search in self._closings.poles for z in search()
+                *[Singularity(z, POLE) for search in self._ranges.poles for z in search()
                   if is_new(z)])
 
     @property
@@ -125,7 +125,7 @@ class WithLimits(Mechanism):
     @property
     def flat_inputs(self) -> tuple[float, ...]:
         """Return the inputs of change points through which the motion goes on [rad or m]."""
-        return tuple(self._closings.flats)
+        return tuple(self._ranges.flats)
 
     @property
     def flat_limits(self) -> tuple[float, ...]:
@@ -142,7 +142,7 @@ class WithLimits(Mechanism):
     def closing_ranges(self) -> tuple[tuple[float, float], ...]:
         """Return the ranges of the input in which all dyads close [rad or m]."""
         return tuple([(-pi, pi) if bound is None else (bound[0].x, bound[1].x)
-                      for bound in self._closings.limits])
+                      for bound in self._ranges.limits])
 
     def without_stroke(self: _Self) -> _Self:
         """Return the same machine without a stroke, or with one ten times as long."""
@@ -157,7 +157,7 @@ class WithLimits(Mechanism):
     @property
     def limits(self) -> tuple[Bound, ...]:
         """Return (low, high) of each range, with the dyads at toggles; None: full turns."""
-        return self._closings.limits
+        return self._ranges.limits
 
     @property
     def margins(self) -> tuple[float, ...]:
@@ -218,7 +218,7 @@ class WithLimits(Mechanism):
 
     def _flat_pairs_at(self, place: float) -> frozenset[int]:
         """Return the numbers of the pairs that lie flat at an input without stopping motion."""
-        return next((pairs for flat, pairs in self._closings.flats.items()
+        return next((pairs for flat, pairs in self._ranges.flats.items()
                      if abs(self.distance(place, flat)) < SAME * self.input_unit), frozenset())
 
     def _stage_at(self, place: float) -> int:
@@ -231,7 +231,7 @@ class WithLimits(Mechanism):
         error = super()._why_no_motion(position)
         unit = self.input_coordinate.unit
         if isinstance(error, Toggle):
-            pairs = self._closings.flats.get(position)
+            pairs = self._ranges.flats.get(position)
             return Toggle(error.name, position, unit, self.stages[
                 min(pairs) if pairs else self._stage_at(position)].name)
         place, turns = position, [0.0]
@@ -248,7 +248,7 @@ class WithLimits(Mechanism):
         """Return the name of the first dyad that cannot be solved at an input."""
         for number in range(len(self.stages) - 1):
             try:
-                make_closings(REAL, self.layout, self.numbers, self.signs, number + 2)(position)
+                make_margins(REAL, self.layout, self.numbers, self.signs, number + 2)(position)
             except (ValueError, ZeroDivisionError):
                 return self.stages[number].name
         return self.stages[-1].name

@@ -3,18 +3,18 @@
 """
 Where a machine can be assembled: the ranges of its input, dyad by dyad.
 
-Within the range of the dyads before it, a closing (:mod:`.closings`) is analytic in phi, with x =
+Within the range of the dyads before it, a margin (:mod:`.margins`) is analytic in phi, with x =
 middle + half sin(phi) between two toggles. It is sampled with its derivative (a complex step) and
 halved until the cubic through both ends of each piece predicts the middle; a piece whose cubic
 comes near zero is halved on. Signs that change are then halved to the last bit of the input. This
 finds every range that is wider than the last pieces, some 1e-10 of the whole, and proves nothing.
 
 Change points. Of a pair (:mod:`.pairs`) exact sums of lengths tell whether it closes through one;
-where it then lies flat, motion goes on with all its digits. Of other dyads a closing has a
+where it then lies flat, motion goes on with all its digits. Of other dyads a margin has a
 positive minimum, a double root, or a pair of roots: a minimum below :data:`DOUBTFUL` is decided in
 many digits, as the value of
 
-    (R4)  v = c0 - c1^2 / (4 c2),   c0 + c1 t + c2 t^2 + ... the closing at t beside the minimum
+    (R4)  v = c0 - c1^2 / (4 c2),   c0 + c1 t + c2 t^2 + ... the margin at t beside the minimum
 
 A double root is a limit of the range, on both sides, where the dyad is at a toggle.
 """
@@ -27,16 +27,16 @@ from math import inf, nextafter, pi
 from typing import Any, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.mechanisms.machine.closings import (
-    Closing,
-    has_toggles,
-    make_closings,
-    make_places,
-    make_squares,
-)
 from fourbar_ros.mechanisms.machine.describe.description import CYLINDER, Numbers, PRP
 from fourbar_ros.mechanisms.machine.describe.layout import Layout
-from fourbar_ros.mechanisms.machine.solve.pairs import Closure, other_of
+from fourbar_ros.mechanisms.machine.margins import (
+    has_toggles,
+    make_margins,
+    make_places,
+    make_squares,
+    Margins,
+)
+from fourbar_ros.mechanisms.machine.solve.pairs import other_of, PairRange
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.digits import in_decimals, MANY_DIGITS
 from fourbar_ros.numerics.newton import halve
@@ -48,11 +48,11 @@ PIECES, MOST_HALVINGS, MOST_SAMPLES = 96, 26, 2**15
 STEP = 2.0**-200                 # of derivatives by a complex step
 # [rad] a full turn is sampled from this beyond -pi, where symmetric machines lie flat
 SEAM = 0.01234
-MISFIT = 1e-4                    # of a cubic, over the size of a closing: finer pieces are halved
-ROUNDING = 2.0**-47              # closings below this are noise
+MISFIT = 1e-4                    # of a cubic, over the size of a margin: finer pieces are halved
+ROUNDING = 2.0**-47              # margins below this are noise
 NARROWEST = 1e-11                # pieces are not halved on: their samples would differ by rounding
 NEWTON_STEPS = 12
-# Minima of a closing below this are decided in many digits: its noise is less than 1e-15, that of
+# Minima of a margin below this are decided in many digits: its noise is less than 1e-15, that of
 # a minimum between samples whose cubics hold less than 1e-6.
 DOUBTFUL = 1e-5
 # What is left of a double root in many digits. No margin of data that are floats was met between.
@@ -82,7 +82,7 @@ Bound = tuple[Limit, Limit] | None      # the ends of a range; None: a full turn
 Near = Callable[[], list[complex]]
 
 
-class Closings(NamedTuple):
+class Ranges(NamedTuple):
     """The ranges in which dyads close."""
 
     limits: tuple[Bound, ...]       # (low, high) of each range, None of a full turn
@@ -94,7 +94,7 @@ class Closings(NamedTuple):
 
 
 def find_ranges(layout: Layout, numbers: Sequence[Numbers], signs: Sequence[float],
-                bounds: tuple[float, float], unit: float) -> Closings:
+                bounds: tuple[float, float], unit: float) -> Ranges:
     """
     Return where all dyads of a layout close; InvalidParameter if floats cannot tell.
 
@@ -112,13 +112,13 @@ def find_ranges(layout: Layout, numbers: Sequence[Numbers], signs: Sequence[floa
         name = CYLINDER if layout.driver == CYLINDER else ''
         limits = [(Limit(low, name), Limit(high, name))]
     near: list[Near] = []
-    every = make_closings(ARRAY, layout, numbers, signs, len(layout.stages))
+    every = make_margins(ARRAY, layout, numbers, signs, len(layout.stages))
     screens: dict[Bound, dict[int, Near]] = {}      # of each range that stood when it was screened
     flats: dict[float, frozenset[int]] = {}
     for count, (stage, own) in enumerate(zip(layout.stages, numbers)):
-        closure = Closure(stage, own) if stage.pair else None
-        if closure and closure.is_impossible:
-            return Closings((), (), stage.name)
+        pair_range = PairRange(stage, own) if stage.pair else None
+        if pair_range and pair_range.is_impossible:
+            return Ranges((), (), stage.name)
         if has_toggles(stage, own):
             found: list[Bound] = []
             for bound in limits:
@@ -131,16 +131,16 @@ def find_ranges(layout: Layout, numbers: Sequence[Numbers], signs: Sequence[floa
                 near.append(minima)
             limits = found
             if not limits:
-                return Closings((), (), stage.name)
-        if closure and closure.flats:
-            flats = search.with_flats(flats, closure, limits, count)
-    return Closings(tuple(limits), tuple(near), flats=dict(sorted(flats.items())),
-                    poles=tuple([partial(search.poles, bound) for bound in limits]))
+                return Ranges((), (), stage.name)
+        if pair_range and pair_range.flats:
+            flats = search.with_flats(flats, pair_range, limits, count)
+    return Ranges(tuple(limits), tuple(near), flats=dict(sorted(flats.items())),
+                  poles=tuple([partial(search.poles, bound) for bound in limits]))
 
 
 class _Path(NamedTuple):
     """
-    The inputs from ``low`` to ``high`` as a function of phi, in which closings are analytic.
+    The inputs from ``low`` to ``high`` as a function of phi, in which margins are analytic.
 
     Of a full turn (``is_closed``) phi is the input; else input = middle + half sin(phi).
     """
@@ -166,8 +166,8 @@ class _Path(NamedTuple):
         """Return the phi of the first samples, denser at both ends but not in these toggles."""
         if self.is_closed:
             return np.linspace(-pi, pi, PIECES + 1) + SEAM
-        way = np.linspace(-1.0, 1.0, PIECES + 1)
-        phi: Array = 0.5 * pi * np.sin(0.5 * pi * way) * (1.0 - 1e-7)
+        part = np.linspace(-1.0, 1.0, PIECES + 1)
+        phi: Array = 0.5 * pi * np.sin(0.5 * pi * part) * (1.0 - 1e-7)
         return phi
 
 
@@ -176,12 +176,12 @@ def flat_place(layout: Layout, numbers: Sequence[Numbers], signs: Sequence[float
     """
     Return the input near x at which dyad ``number`` lies flat, in many digits by Newton's method.
 
-    A root of :func:`.make_places` of a pair; of other dyads the minimum of their closing, a double
+    A root of :func:`.make_places` of a pair; of other dyads the minimum of their margin, a double
     root, of which floats know half the digits only.
     """
     is_pair = layout.stages[number].pair is not None
     with localcontext(MANY_DIGITS):
-        terms = _terms(make_places if is_pair else make_closings, layout, numbers, signs, number)
+        terms = _terms(make_places if is_pair else make_margins, layout, numbers, signs, number)
         at = Decimal(x)
         for _ in range(NEWTON_STEPS):
             c0, c1, c2 = terms(at)
@@ -195,9 +195,9 @@ def flat_place(layout: Layout, numbers: Sequence[Numbers], signs: Sequence[float
 def _terms(make: Function, layout: Layout, numbers: Sequence[Numbers], signs: Sequence[float],
            number: int) -> Callable[[Decimal], tuple[Decimal, Decimal, Decimal]]:
     """
-    Return input -> c0, c1, c2 there, as in (R4), of a closing or place in many digits.
+    Return input -> c0, c1, c2 there, as in (R4), of a margin or place in many digits.
 
-    ``make``: :func:`.make_closings` or :func:`.make_places`, for dyad ``number``. To be made and
+    ``make``: :func:`.make_margins` or :func:`.make_places`, for dyad ``number``. To be made and
     called within the context of many digits.
     """
     data, h = tuple(numbers), STEP_OF_DECIMALS
@@ -213,7 +213,7 @@ def _terms(make: Function, layout: Layout, numbers: Sequence[Numbers], signs: Se
 
 
 def _screen(bound: Bound, layout: Layout, numbers: Sequence[Numbers],
-            every: Closing) -> dict[int, Near]:
+            every: Margins) -> dict[int, Near]:
     """
     Return {number of a dyad: search for complex toggles} of dyads that close in all of a range.
 
@@ -224,12 +224,12 @@ def _screen(bound: Bound, layout: Layout, numbers: Sequence[Numbers],
     phi = path.start()
     middle = 0.5 * (phi[1:] + phi[:-1])
     with np.errstate(all='ignore'):
-        closings = every(path.to_input(np.concatenate((phi, middle)) + 1j * STEP))
+        margins = every(path.to_input(np.concatenate((phi, middle)) + 1j * STEP))
     clean: dict[int, Near] = {}
-    for number, (stage, own, closing) in enumerate(zip(layout.stages, numbers, closings)):
+    for number, (stage, own, margin) in enumerate(zip(layout.stages, numbers, margins)):
         if not has_toggles(stage, own):
             continue
-        both = closing + np.zeros(phi.size + middle.size, complex)
+        both = margin + np.zeros(phi.size + middle.size, complex)
         value, slope = both.real, both.imag / STEP
         if stage.kind == PRP and value[0] < 0.0:
             value, slope = -value, -slope
@@ -242,13 +242,13 @@ def _screen(bound: Bound, layout: Layout, numbers: Sequence[Numbers],
     return clean
 
 
-def _near(closings: Closing, number: int, path: _Path, phi: Array, value: Array,
+def _near(margins: Margins, number: int, path: _Path, phi: Array, value: Array,
           slope: Array) -> list[complex]:
     """Return the complex toggles of dyad ``number`` next to the minima between samples at phi."""
     is_open = value > 0.0
     return [z for i in np.flatnonzero((slope[:-1] <= 0.0) & (slope[1:] > 0.0)
                                       & is_open[:-1] & is_open[1:])
-            for z in _complex_toggle(lambda x: closings(x)[number], path, phi[i:i + 2],
+            for z in _complex_toggle(lambda x: margins(x)[number], path, phi[i:i + 2],
                                      value[i:i + 2], slope[i:i + 2])]
 
 
@@ -275,7 +275,7 @@ class _Search:
     def split(self, bound: Bound, number: int) -> tuple[list[Bound], Near]:
         """Return the parts of a range in which dyad ``number`` closes, and a search near them."""
         stage = self._machine[0].stages[number]
-        in_complex, in_floats = [make_closings(n, *self._machine, number + 1)
+        in_complex, in_floats = [make_margins(n, *self._machine, number + 1)
                                  for n in (ARRAY, REAL)]
         path, is_signed = _Path.of(bound), stage.kind == PRP
 
@@ -283,7 +283,7 @@ class _Search:
             lambda x: in_complex(x)[-1], path), stage.name)
         flats = [] if is_signed or stage.pair else self._minima(number, path, phi, value, slope)
         is_open = value > 0.0
-        if stage.pair and not Closure(stage, self._machine[1][number]).has_limits:
+        if stage.pair and not PairRange(stage, self._machine[1][number]).has_limits:
             is_open[:] = True
         for inner, _ in flats:
             is_open[inner] = True            # their signs are noise; what is known is added below
@@ -317,7 +317,7 @@ class _Search:
     def _minima(self, number: int, path: _Path, phi: Array, value: Array,
                 slope: Array) -> list[tuple[Array, tuple[float, ...]]]:
         """
-        Return (samples of doubtful sign, limits) of each minimum of a closing that is nearly zero.
+        Return (samples of doubtful sign, limits) of each minimum of a margin that is nearly zero.
 
         The limits are two inputs, equal at a double root, or none of a positive minimum. Minima
         whose roots are not in the range are left out: the signs of samples tell.
@@ -334,13 +334,13 @@ class _Search:
 
     def _decided(self, number: int, x: float) -> tuple[float, ...]:
         """
-        Return the limits of the input beside a minimum of a closing near x, by many digits, (R4).
+        Return the limits of the input beside a minimum of a margin near x, by many digits, (R4).
 
         None if it is positive, twice the same for a double root, else two roots, each rounded to
         the side on which the dyad closes.
         """
         with localcontext(MANY_DIGITS):
-            terms = _terms(make_closings, *self._machine, number)
+            terms = _terms(make_margins, *self._machine, number)
             at = flat_place(*self._machine, number, x)
             c0, c1, c2 = terms(at)
             least = c0 - c1 * c1 / (4 * c2)
@@ -387,7 +387,7 @@ class _Search:
                 found += _near(squares, number, path, *samples)
         return found
 
-    def with_flats(self, flats: dict[float, frozenset[int]], closure: Closure,
+    def with_flats(self, flats: dict[float, frozenset[int]], pair_range: PairRange,
                    limits: Sequence[Bound], number: int) -> dict[float, frozenset[int]]:
         """
         Return {input: pairs that lie flat there} with pair ``number``, where motion goes on.
@@ -399,14 +399,14 @@ class _Search:
         assert stage.pair is not None
         frame, driven, hosts = 0, 1, (stage.pair.frame, other_of(stage))
         if set(hosts) == {frame, driven} and self._machine[0].driver != CYLINDER:
-            found = [closure.input_at(direction, hosts[1] == driven)
-                     for direction in closure.flats]
+            found = [pair_range.input_at(direction, hosts[1] == driven)
+                     for direction in pair_range.flats]
             found = [x for x in found if any(
                 bound is None or bound[0].x < x + turn < bound[1].x for bound in limits
-                for turn in ((0.0,) if closure.slides else (-2.0 * pi, 0.0, 2.0 * pi)))]
+                for turn in ((0.0,) if pair_range.slides else (-2.0 * pi, 0.0, 2.0 * pi)))]
         else:
             found = [x for bound in limits for x in self._flats_between(
-                bound, closure.flats, number, flats)]
+                bound, pair_range.flats, number, flats)]
         joined = dict(flats)
         for x in found:
             same = next((place for place in joined if self._distance(x, place) < SAME), x)
@@ -425,8 +425,8 @@ class _Search:
         """
         Return the inputs of a range at which a pair away from the crank lies flat, to one float.
 
-        ``signs``: of :attr:`.Closure.flats`; ``known``: flat inputs of pairs before, at which the
-        motion has a kink, so that samples are taken between them.
+        ``signs``: of :attr:`.PairRange.flats`; ``known``: flat inputs of pairs before, at which
+        the motion has a kink, so that samples are taken between them.
         """
         in_complex, in_floats = [make_places(n, *self._machine, number + 1)
                                  for n in (ARRAY, REAL)]
@@ -469,7 +469,7 @@ def _sampled(values: Function, path: _Path) -> Callable[[Array], tuple[Array, Ar
 def _resolved(phi: Array, sample: Callable[[Array], tuple[Array, Array]],
               dyad: str) -> tuple[Array, Array, Array]:
     """
-    Return phi, values and slopes of a closing at samples so close that cubics between them hold.
+    Return phi, values and slopes of a margin at samples so close that cubics between them hold.
 
     Pieces that :func:`_doubtful` names are halved. InvalidParameter for ``dyad`` if too many are.
     """
@@ -530,7 +530,7 @@ def _least(f0: Array, d0: Array, f1: Array, d1: Array, width: Array) -> Array:
     return np.where((cubic > 0.0).any(axis=0) != (cubic > 0.0).all(axis=0), 0.0, least)
 
 
-def _root(closing: Closing, low: float, high: float, opens_low: bool) -> float:
+def _root(margin: Margins, low: float, high: float, opens_low: bool) -> float:
     """
     Return the last input between low and high at which a dyad closes, one of two neighbours.
 
@@ -538,22 +538,22 @@ def _root(closing: Closing, low: float, high: float, opens_low: bool) -> float:
     """
     def closes(position: float) -> bool:
         try:
-            return bool(closing(position) > 0.0)
+            return bool(margin(position) > 0.0)
         except (ValueError, ZeroDivisionError):
             return False
     return halve(closes, *((low, high) if opens_low else (high, low)))[0]
 
 
-def _complex_toggle(closing: Closing, path: _Path, phi: Array, value: Array,
+def _complex_toggle(margin: Margins, path: _Path, phi: Array, value: Array,
                     slope: Array) -> list[complex]:
-    """Return the complex input near a minimum at which a closing is zero, [] if it is far away."""
+    """Return the complex input near a minimum at which a margin is zero, [] if it is far away."""
     width = phi[1] - phi[0]
     at = phi[0] - slope[0] * width / (slope[1] - slope[0])
     z = np.array([at + 1j * np.sqrt(2.0 * value.min() * width / (slope[1] - slope[0]))])
     h = 2.0**-26
     with np.errstate(all='ignore'):
         for _ in range(NEWTON_STEPS):
-            at_z, ahead = (closing(path.to_input(w)) for w in (z, z + h * (1.0 + 0.0j)))
+            at_z, ahead = (margin(path.to_input(w)) for w in (z, z + h * (1.0 + 0.0j)))
             z = z - at_z * h / (ahead - at_z)
         x = complex(path.to_input(z)[0])
     is_near = np.isfinite(x) and x.imag != 0.0 and abs(z[0].imag) < 2.0

@@ -86,7 +86,7 @@ class Driven(NamedTuple):
 
     curve: LinkMotion
     errors: tuple[Scalar, Scalar]       # of place and angle, for relative errors of the lengths
-    way: tuple[Scalar, Scalar, Scalar] | None = None    # of a slider: slide and its derivatives
+    slide: tuple[Scalar, Scalar, Scalar] | None = None      # of a slider, and its derivatives
     # length of a cylinder, direction of its rod, sine and cosine of its transmission angle
     of_cylinder: tuple[Any, ...] | None = None
 

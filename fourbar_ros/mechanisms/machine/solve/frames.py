@@ -123,8 +123,8 @@ class Poses:
         # {(link, one it is pinned to): direction of the first seen from the second}
         self._relations: dict[tuple[int, int], Direction] = {}
         # {(link that slides, its carrier): slide, first and second derivative}
-        self._ways: dict[tuple[int, int], Sequence[Scalar]] = (
-            {(1, 0): driven.way} if driven.way else {})
+        self._slides: dict[tuple[int, int], Sequence[Scalar]] = (
+            {(1, 0): driven.slide} if driven.slide else {})
 
     def hang(self, number: int) -> tuple[Node, Node, Any, LinkMotion, LinkMotion]:
         """
@@ -132,47 +132,52 @@ class Poses:
 
         In place of D a pair gets its angle or slide, and a cylinder its drive.
         """
-        stage, at_p, at_q, frame, *_ = self._hanging[number]
-        first, second, way = self._curves[stage.first], self._curves[stage.second], None
+        hanging = self._hanging[number]
+        stage, frame = hanging.stage, hanging.frame
+        first, second, relative = self._curves[stage.first], self._curves[stage.second], None
         if frame or stage.pair:
-            moving, way = self._in_frame(number)
+            moving, relative = self._in_frame(hanging)
             first, second = (moving, FIXED) if stage.second == frame else (FIXED, moving)
-        nodes = point_of(first, *at_p), point_of(second, *at_q)
-        apart = (way if stage.pair else self._of_cylinder if stage.name == CYLINDER
+        nodes = point_of(first, *hanging.at_p), point_of(second, *hanging.at_q)
+        apart = (relative if stage.pair else self._of_cylinder if stage.name == CYLINDER
                  else between(*nodes))
         return *nodes, apart, first, second
 
-    def _in_frame(self, number: int) -> tuple[LinkMotion, Any]:
+    def _in_frame(self, hanging: Hanging) -> tuple[LinkMotion, Any]:
         """Return the curve of the other link of a dyad in its frame, and its angle or slide."""
-        stage, _, _, frame, joint, is_joined_by_slide, _ = self._hanging[number]
+        stage, frame = hanging.stage, hanging.frame
         other = stage.first if stage.second == frame else stage.second
-        way: Any = (self._ways[other, frame] if is_joined_by_slide
-                    else self.relation(other, frame))
+        if hanging.is_joined_by_slide:
+            slide, ((x, y), (c, s)) = self._slides[other, frame], hanging.joint
+            place, rate, change = slide
+            return self._curves[other] if not frame else LinkMotion(
+                x + place * c, y + place * s, rate * c, rate * s, change * c, change * s, c, s,
+                0.0, 0.0), slide
+        angle, (on_other, on_frame) = self.relation(other, frame), hanging.joint
         if not frame:
-            return self._curves[other], way
-        if is_joined_by_slide:
-            ((x, y), (c, s)), (place, rate, change) = joint, way
-            return LinkMotion(x + place * c, y + place * s, rate * c, rate * s, change * c,
-                              change * s, c, s, 0.0, 0.0), way
-        on_other, on_frame = joint
-        about_pin = LinkMotion(*on_frame, 0.0, 0.0, 0.0, 0.0, *way)
-        return (about_pin if on_other is FIRST_JOINT
-                else LinkMotion(*point_of(about_pin, -on_other[0], -on_other[1]), *way)), way
+            return self._curves[other], angle
+        about_pin = LinkMotion(*on_frame, 0.0, 0.0, 0.0, 0.0, *angle)
+        if on_other is FIRST_JOINT:
+            return about_pin, angle
+        return LinkMotion(*point_of(about_pin, -on_other[0], -on_other[1]), *angle), angle
 
     def relation(self, link: int, other: int) -> Direction:
         """Return the direction of a link, and its derivatives, seen from one it is pinned to."""
-        for (one, two), is_inverse in (((link, other), False), ((other, link), True)):
-            found = self._relations.get((one, two)) or (not two and self._curves[one][6:])
-            if found:
-                c, s, turn, bend = found
-                return (c, -s, -turn, -bend) if is_inverse else (c, s, turn, bend)
-        c0, s0, turn0, bend0 = self._curves[other][6:]
-        c, s, turn, bend = self._curves[link][6:]
+        known, ground = self._relations, 0
+        if (link, other) in known:
+            return known[link, other]
+        if other == ground:
+            return self._curves[link].turning
+        if (other, link) in known or link == ground:
+            c, s, turn, bend = known.get((other, link), self._curves[other].turning)
+            return c, -s, -turn, -bend
+        c0, s0, turn0, bend0 = self._curves[other].turning
+        c, s, turn, bend = self._curves[link].turning
         return c0 * c + s0 * s, c0 * s - s0 * c, turn - turn0, bend - bend0
 
     def add(self, number: int, moved: DyadMotion) -> tuple[LinkMotion, LinkMotion]:
         """Add how a dyad moved in its frame; return its links' curves."""
-        _, _, _, frame, *_, slides = self._hanging[number]
+        frame, slides = self._hanging[number].frame, self._hanging[number].slides
         curves = moved.first, moved.second
         if frame:
             curves = (composed(self._curves[frame], moved.first),
@@ -180,5 +185,5 @@ class Poses:
         self._curves += curves
         self._relations.update(moved.relations)
         for k, (link, (carrier, _, _)) in enumerate(slides):
-            self._ways[link, carrier] = moved.slides[3 * k:3 * k + 3]
+            self._slides[link, carrier] = moved.slides[3 * k:3 * k + 3]
         return curves

@@ -196,7 +196,7 @@ def _if_close(pair: Pair, stage: Stage, own: Numbers, joints: Joints) -> Pair | 
         own = own._replace(shape=_shape(stage, own, joints, hypot))
     except ZeroDivisionError:       # hung on the pin that joins the links: it does not move
         return None
-    return pair if Closure(stage, own).margin < CLOSE else None
+    return pair if PairRange(stage, own).change_point_margin < CLOSE else None
 
 
 # --- how one moves -------------------------------------------------------------------------------
@@ -220,33 +220,33 @@ def turned_by(one: Sequence[Scalar], other: Sequence[Scalar]) -> tuple[Scalar, S
     return c * cosine - s * sine, s * cosine + c * sine
 
 
-def by_input(way: Sequence[Scalar], first: Scalar, second: Scalar) -> tuple[Scalar, Scalar]:
-    """Return derivatives by the input from those by an angle or slide, ``way``, by (P2)."""
-    rate, change = way[-2:]
+def by_input(relative: Sequence[Scalar], first: Scalar, second: Scalar) -> tuple[Scalar, Scalar]:
+    """Return derivatives by the input from those by an angle or slide, ``relative``, by (P2)."""
+    rate, change = relative[-2:]
     return first * rate, second * rate * rate + first * change
 
 
 def rrr_pair(n: NumberType, sign: Scalar, stage: Stage, own: Numbers, at_p: Node, at_q: Node,
-             way: Sequence[Scalar], _first: LinkMotion, _second: LinkMotion) -> DyadMotion:
+             angle: Sequence[Scalar], _first: LinkMotion, _second: LinkMotion) -> DyadMotion:
     """
     Return how RRR moves as coupler and output link of a 4R linkage.
 
-    ``way``: the angle from g to a, the arms of the pin that joins the links the dyad hangs on.
+    ``angle``: the angle from g to a, the arms of the pin that joins the links the dyad hangs on.
     """
     a1, a4, cos_0, sin_0, *of_g = own.shape
     first = stage.turns_first
     side, (a2, a3) = (1.0, own.sizes) if first else (-1.0, own.sizes[::-1])
     beside_0 = nudge(n, *map(n.exact_sum, ((a1, -a4, a2, -a3), (a1, -a4, -a2, a3),
                                            (a1, a4, -a2, -a3))))
-    of_a, (cos_x, sin_x) = turned_by((cos_0, sin_0), of_g), turned_by(way[:2], (cos_0, sin_0))
+    of_a, (cos_x, sin_x) = turned_by((cos_0, sin_0), of_g), turned_by(angle[:2], (cos_0, sin_0))
     one, two, other = stage.number, stage.number + 1, other_of(stage)
     at = loop(n, (a1, a2, a3, a4), side * sign, *half_angle(n, cos_x, sin_x + beside_0))
-    coupler: Direction = *turned_by((at.cos_b, at.sin_b), of_g), *by_input(way, at.d_b, at.dd_b)
-    output: Direction = *turned_by((at.cos_y, at.sin_y), of_g), *by_input(way, at.d_y, at.dd_y)
+    coupler: Direction = *turned_by((at.cos_b, at.sin_b), of_g), *by_input(angle, at.d_b, at.dd_b)
+    output: Direction = *turned_by((at.cos_y, at.sin_y), of_g), *by_input(angle, at.d_y, at.dd_y)
     on_other: Direction = (*turned_by((at.cos_bx, at.sin_bx), of_a),
-                           *by_input(way, at.d_bx, at.dd_b))
+                           *by_input(angle, at.d_bx, at.dd_b))
     between: Direction = (at.cos_mu, side * at.sin_mu,
-                          *by_input(way, side * at.d_mu, side * at.dd_mu))
+                          *by_input(angle, side * at.d_mu, side * at.dd_mu))
     directions = (coupler, output) if first else (output, coupler)
     return DyadMotion(LinkMotion(*at_p, *directions[0]), LinkMotion(*at_q, *directions[1]), (),
                       side * at.sin_mu, at.cos_mu,
@@ -254,7 +254,7 @@ def rrr_pair(n: NumberType, sign: Scalar, stage: Stage, own: Numbers, at_p: Node
 
 
 def rrp_pair(n: NumberType, sign: Scalar, stage: Stage, own: Numbers, at_p: Node, _at_q: Node,
-             way: Sequence[Scalar], _first: LinkMotion, _second: LinkMotion) -> DyadMotion:
+             angle: Sequence[Scalar], _first: LinkMotion, _second: LinkMotion) -> DyadMotion:
     """
     Return how RRP moves as rod and block of a slider-crank.
 
@@ -268,16 +268,16 @@ def rrp_pair(n: NumberType, sign: Scalar, stage: Stage, own: Numbers, at_p: Node
                                            (a2, e, -a1))))
     one, other = stage.number, stage.first
     foot_x, foot_y = o_x - e * t_y, o_y + e * t_x       # of O on the line
-    cos_x, sin_x = turned_by(way[:2], of_0)
+    cos_x, sin_x = turned_by(angle[:2], of_0)
     at = rod_on_line(n, a1 / unit, a2 / unit, e / unit, sign, cos_x + beside_0, sin_x)
     s = unit * at.s
-    d_s, dd_s = by_input(way, unit * at.d_s, unit * at.dd_s)
+    d_s, dd_s = by_input(angle, unit * at.d_s, unit * at.dd_s)
     rod = LinkMotion(*at_p, *turned_by((at.cos_b, at.sin_b), line),
-                     *by_input(way, at.d_b, at.dd_b))
+                     *by_input(angle, at.d_b, at.dd_b))
     block = LinkMotion(foot_x + s * t_x, foot_y + s * t_y, d_s * t_x, d_s * t_y, dd_s * t_x,
                        dd_s * t_y, t_x, t_y, 0.0, 0.0)
     on_other: Direction = (*turned_by((at.cos_2, at.sin_2), of_a),
-                           *by_input(way, at.d_theta2, at.dd_b))
+                           *by_input(angle, at.d_theta2, at.dd_b))
     return DyadMotion(rod, block, (s - start, d_s, dd_s), at.cos_b, at.sin_b,
                       {(one, other): on_other})
 
@@ -293,7 +293,7 @@ def _bar(stage: Stage, at_p: Node, at_q: Node, direction: Direction, slide: tupl
 
 
 def rpr_pair(n: NumberType, sign: Scalar, stage: Stage, own: Numbers, at_p: Node, at_q: Node,
-             way: Sequence[Scalar], _first: LinkMotion, _second: LinkMotion) -> DyadMotion:
+             angle: Sequence[Scalar], _first: LinkMotion, _second: LinkMotion) -> DyadMotion:
     """Return how RPR moves as block and bar of an inverted slider-crank."""
     from fourbar_ros.mechanisms.slides import block_on_bar  # of these alone
     (a1, a4, cos_0, sin_0, *of_g), (h,) = own.shape, own.sizes
@@ -303,19 +303,19 @@ def rpr_pair(n: NumberType, sign: Scalar, stage: Stage, own: Numbers, at_p: Node
     h, of_a = h / unit, turned_by((cos_0, sin_0), of_g)
     side, link = (1.0, stage.number) if stage.turns_first else (-1.0, stage.number + 1)
     pinned = link, other_of(stage)
-    cos_x, sin_x = turned_by(way[:2], (cos_0, sin_0))
+    cos_x, sin_x = turned_by(angle[:2], (cos_0, sin_0))
     at = block_on_bar(n, a1 / unit, a4 / unit, h, sign, *half_angle(n, cos_x, sin_x + beside_0))
     per = n.sqrt(at.per_q)
-    bar: Direction = *turned_by((at.cos_y, at.sin_y), of_g), *by_input(way, at.d_y, at.dd_y)
+    bar: Direction = *turned_by((at.cos_y, at.sin_y), of_g), *by_input(angle, at.d_y, at.dd_y)
     on_other: Direction = (*turned_by((side * at.cos_2, side * at.sin_2), of_a),
-                           *by_input(way, at.d_theta2, at.dd_y))
+                           *by_input(angle, at.d_theta2, at.dd_y))
     return _bar(stage, at_p, at_q, bar,
-                (unit * at.l, *by_input(way, unit * at.d_l, unit * at.dd_l)),
+                (unit * at.l, *by_input(angle, unit * at.d_l, unit * at.dd_l)),
                 at.l * per, h * per, {pinned: on_other})
 
 
 def rrr_slide(n: NumberType, sign: Scalar, stage: Stage, own: Numbers, at_p: Node, at_q: Node,
-              way: Sequence[Scalar], _first: LinkMotion, _second: LinkMotion) -> DyadMotion:
+              slide: Sequence[Scalar], _first: LinkMotion, _second: LinkMotion) -> DyadMotion:
     """
     Return how RRR moves as crank and coupler of a slider-crank.
 
@@ -326,8 +326,9 @@ def rrr_slide(n: NumberType, sign: Scalar, stage: Stage, own: Numbers, at_p: Nod
     on_other, on_frame = own.sizes if first else own.sizes[::-1]
     unit, side = n.power_of_two(on_other, on_frame, e), 1.0 if first else -1.0
     per, (one, two) = 1.0 / unit, (stage.number, stage.number + 1)
-    at = triangle(n, on_frame * per, on_other * per, e * per, side * sign, (way[0] + shift) * per)
-    scaled = way[1] * per, way[2] * per
+    at = triangle(n, on_frame * per, on_other * per, e * per, side * sign,
+                  (slide[0] + shift) * per)
+    scaled = slide[1] * per, slide[2] * per
     frames: Direction = (*turned_by((at.cos_x, at.sin_x), line),
                          *by_input(scaled, at.d_x, at.dd_x))
     others: Direction = (*turned_by((-at.cos_b, -at.sin_b), line),
@@ -340,7 +341,7 @@ def rrr_slide(n: NumberType, sign: Scalar, stage: Stage, own: Numbers, at_p: Nod
 
 
 def rpr_slide(n: NumberType, sign: Scalar, stage: Stage, own: Numbers, at_p: Node, at_q: Node,
-              way: Sequence[Scalar], _first: LinkMotion, _second: LinkMotion) -> DyadMotion:
+              slide: Sequence[Scalar], _first: LinkMotion, _second: LinkMotion) -> DyadMotion:
     """Return how RPR moves whose block, or bar, hangs on a slider, (P3), (P4)."""
     (shift, e, *line), (h,) = own.shape, own.sizes
     unit = n.power_of_two(e, h, shift)
@@ -348,7 +349,7 @@ def rpr_slide(n: NumberType, sign: Scalar, stage: Stage, own: Numbers, at_p: Nod
     shift, e, h = shift * per, e * per, h * per
     k = (e - h) * (e + h)
     beside_0 = nudge(n, k)
-    x = way[0] * per + shift + beside_0
+    x = slide[0] * per + shift + beside_0
     q = x * x + e * e
     l = sign * sqrt(x * x + k)  # noqa: E741                                            # (P3)
     per_l, per_q, h_x, e_l = 1.0 / l, 1.0 / q, h * x, e * l
@@ -356,7 +357,7 @@ def rpr_slide(n: NumberType, sign: Scalar, stage: Stage, own: Numbers, at_p: Nod
     over, under = where((h_x * e_l).real > 0.0, (-k, h_x + e_l), (h_x - e_l, q))
     d_y = over / (l * under)
     dd_y = (h * dd_l - 2.0 * x * d_y) * per_q
-    scaled, root = (way[1] * per, way[2] * per), sqrt(per_q)
+    scaled, root = (slide[1] * per, slide[2] * per), sqrt(per_q)
     bar: Direction = (*turned_by(((l * x + h * e) * per_q, (l * e - h * x) * per_q), line),
                       *by_input(scaled, d_y, dd_y))
     d_l, dd_l = by_input(scaled, unit * d_l, unit * dd_l)
@@ -424,7 +425,7 @@ class Factor(NamedTuple):
         return max(self.plus, self.minus) <= 0.0
 
 
-class Closure:
+class PairRange:
     """
     Where a pair closes: where the factors of its discriminant are positive.
 
@@ -458,7 +459,7 @@ class Closure:
         self.has_toggles = bool(self._toggles)
 
     @property
-    def margin(self) -> float:
+    def change_point_margin(self) -> float:
         """Return the least ratio, 0 to 1, of coefficients (0: a change point) or of rods."""
         sizes = [sorted(map(abs, (1.0 if self.slides else plus, minus)))
                  for plus, minus in self._factors]
@@ -470,25 +471,25 @@ class Closure:
             return [0.0] if factor.minus == 0.0 < factor.plus else []
         return [sign for sign, value in ((1.0, factor.plus), (-1.0, factor.minus)) if value == 0.0]
 
-    def place(self, way: Sequence[Scalar]) -> tuple[Scalar, Scalar]:
+    def place(self, relative: Sequence[Scalar]) -> tuple[Scalar, Scalar]:
         """
         Return the distance from a flat position, and the side, at an angle or slide of a pair.
 
         Of an angle (sin x, cos x), of RRP (cos x, sin x), of a slide (sigma, 0).
         """
         if self.slides:
-            return way[0] + self._start, 0.0
-        c, s = turned_by(way[:2], self._start)
+            return relative[0] + self._start, 0.0
+        c, s = turned_by(relative[:2], self._start)
         return (c, s) if self.is_sine else (s, c)
 
-    def closing(self, n: NumberType, way: Sequence[Scalar], *_curves: LinkMotion) -> Scalar:
+    def margin(self, n: NumberType, relative: Sequence[Scalar], *_curves: LinkMotion) -> Scalar:
         """
         Return the product of the scaled factors that have toggles at an angle or slide of a pair.
 
         A factor is plus cos^2(x/2) + minus sin^2(x/2) of an angle x, plus s^2 + minus of a slide
         s, both from the flat position. It is positive where the pair closes, zero at its toggles.
         """
-        sine, cosine = self.place(way)
+        sine, cosine = self.place(relative)
         of_plus, of_minus, product = sine * sine, 1.0, 1.0      # a slide: place() gives (s, 0)
         if not self.slides:
             of_minus, of_plus, _ = half_angle(n, cosine, sine)
@@ -497,9 +498,9 @@ class Closure:
             product = product * ((plus * of_plus + minus * of_minus) * (1.0 / size))
         return product
 
-    def square(self, n: NumberType, way: Sequence[Scalar], *_curves: LinkMotion) -> Scalar:
+    def square(self, n: NumberType, relative: Sequence[Scalar], *_curves: LinkMotion) -> Scalar:
         """Return |Q - P|^2, scaled, at an angle or slide of a pair: a pole where it is zero."""
-        (one, other), (beside, ahead) = self._arms, self.place(way)
+        (one, other), (beside, ahead) = self._arms, self.place(relative)
         if self.slides:
             return beside * beside + other * other
         ss, cc, _ = half_angle(n, ahead, beside)

@@ -3,7 +3,7 @@
 """
 Closings: numbers whose signs tell whether dyads can be assembled.
 
-A dyad closes where its *closing* is positive, a number without unit that vanishes at its toggles.
+A dyad closes where its *margin* is positive, a number without unit that vanishes at its toggles.
 That of a pair is in :mod:`.pairs`; of others
 
     (R1)  RRR: ((r1 + r2)^2 - q)(q - (r1 - r2)^2) / (r1 + r2)^4
@@ -27,16 +27,16 @@ from fourbar_ros.mechanisms.machine.describe.layout import Layout, Stage
 from fourbar_ros.mechanisms.machine.solve.dyads import turned
 from fourbar_ros.mechanisms.machine.solve.frames import hangings, Poses
 from fourbar_ros.mechanisms.machine.solve.motion import driven_link
-from fourbar_ros.mechanisms.machine.solve.pairs import Closure, make_moves
+from fourbar_ros.mechanisms.machine.solve.pairs import make_moves, PairRange
 from fourbar_ros.mechanisms.points import LinkMotion
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 
 CLOSING = (RRR, RRP, RPR, PRP)     # kinds that do not close at any input
-Closing = Function      # of an input, returns the closings of some dyads
+Margins = Function      # of an input, returns the margins of some dyads
 
 
-def closing(n: NumberType, kind: str, own: Numbers, apart: Sequence[Scalar], first: LinkMotion,
-            second: LinkMotion) -> Scalar:
+def margin(n: NumberType, kind: str, own: Numbers, apart: Sequence[Scalar], first: LinkMotion,
+           second: LinkMotion) -> Scalar:
     """
     Return a number that is positive where a dyad closes, zero at its toggles, by (R1) to (R3).
 
@@ -59,27 +59,27 @@ def closing(n: NumberType, kind: str, own: Numbers, apart: Sequence[Scalar], fir
     return (q - sizes[0] * sizes[0]) / (q + size * size)
 
 
-def make_closings(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
-                  signs: Sequence[Scalar], count: int,
-                  given: Sequence[Numbers] | None = None) -> Closing:
+def make_margins(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
+                 signs: Sequence[Scalar], count: int,
+                 given: Sequence[Numbers] | None = None) -> Margins:
     """
-    Return input -> closings of the first ``count`` dyads; 1.0 of those without toggles.
+    Return input -> margins of the first ``count`` dyads; 1.0 of those without toggles.
 
     ``given``: the ``numbers`` as the number type has them, if it is not one of floats.
     """
     given = numbers if given is None else given
     return _make_along(n, layout, given, signs, count, [
-        (partial(Closure(stage, own).closing, n) if stage.pair
-         else partial(closing, n, stage.kind, other)) if has_toggles(stage, own) else None
+        (partial(PairRange(stage, own).margin, n) if stage.pair
+         else partial(margin, n, stage.kind, other)) if has_toggles(stage, own) else None
         for stage, own, other in zip(layout.stages, numbers, given)])
 
 
 def make_squares(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
                  signs: Sequence[Scalar]) -> Function:
     """Return input -> {number of a dyad: |D|^2, scaled}; where one is zero, links have a pole."""
-    square_of = [(partial(Closure(stage, own).square, n) if stage.pair else partial(_square, own))
-                 if stage.kind in (RRR, RPR) and stage.name != CYLINDER else None
-                 for stage, own in zip(layout.stages, numbers)]
+    square_of = [None if stage.kind not in (RRR, RPR) or stage.name == CYLINDER
+                 else partial(PairRange(stage, own).square, n) if stage.pair
+                 else partial(_square, own) for stage, own in zip(layout.stages, numbers)]
     along = _make_along(n, layout, numbers, signs, len(layout.stages), square_of)
     return lambda x: {number: square for number, (square, function) in enumerate(
         zip(along(x), square_of)) if function}
@@ -93,21 +93,21 @@ def _square(own: Numbers, apart: Sequence[Scalar], *_: LinkMotion) -> Scalar:
 
 def make_places(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
                 signs: Sequence[Scalar], count: int,
-                given: Sequence[Numbers] | None = None) -> Closing:
+                given: Sequence[Numbers] | None = None) -> Margins:
     """
     Return input -> (distance from a flat position, side) of the last of ``count`` dyads.
 
-    ``given``: as for :func:`make_closings`.
+    ``given``: as for :func:`make_margins`.
     """
-    place = Closure(layout.stages[count - 1], numbers[count - 1]).place
+    place = PairRange(layout.stages[count - 1], numbers[count - 1]).place
     along = _make_along(n, layout, numbers if given is None else given, signs, count,
-                        [None] * (count - 1) + [lambda way, _first, _second: place(way)])
+                        [None] * (count - 1) + [lambda relative, _first, _second: place(relative)])
     return lambda x: along(x)[-1]
 
 
 def _make_along(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
                 signs: Sequence[Scalar], count: int,
-                measures: Sequence[Function | None]) -> Closing:
+                measures: Sequence[Function | None]) -> Margins:
     """Return input -> the measure of each of the first ``count`` dyads, 1.0 if it has none."""
     hanging = hangings(layout, numbers)
     work = list(zip(make_moves(n, layout, numbers, signs), measures))[:count]
@@ -127,5 +127,5 @@ def _make_along(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
 def has_toggles(stage: Stage, own: Numbers) -> bool:
     """Return whether a dyad has toggles, at real or at complex inputs."""
     if stage.pair:
-        return Closure(stage, own).has_toggles
+        return PairRange(stage, own).has_toggles
     return stage.kind in CLOSING and stage.name != CYLINDER
