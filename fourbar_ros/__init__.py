@@ -48,7 +48,7 @@ if TYPE_CHECKING:
     from fourbar_ros.mechanisms.sliders import InvertedSlider, ScotchYoke, SliderCrank
     from fourbar_ros.scene.scene import load as load_scene
 
-__version__ = '1.0.0'
+__version__ = '2.0.0'
 
 __all__ = [
     'CROSSED', 'OPEN', 'Applied', 'Base', 'Bodies', 'Body', 'External', 'FourBar', 'FourBarError',

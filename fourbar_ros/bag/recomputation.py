@@ -11,10 +11,12 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Sequence
+import json
 from math import inf
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from fourbar_ros import __version__
 from fourbar_ros.bag.drive_states import DriveStates, mover_of, MoverOf
 from fourbar_ros.bag.origin import Origin, origin_of, scene_of
 from fourbar_ros.bag.reader import Bag, Progress, Raw, stamps_of
@@ -75,6 +77,8 @@ class Recomputed(NamedTuple):
         or from another version of the integrator have their accelerations and torques compared.
     is_cut : bool
         The recording broke off: the bag has no end.
+    made_by : str
+        The version of fourbar_ros that recorded it, empty if that is not known.
 
     """
 
@@ -87,6 +91,7 @@ class Recomputed(NamedTuple):
     skipped: dict[str, int]
     stepped: int
     is_cut: bool
+    made_by: str = ''
 
     @property
     def largest(self) -> float:
@@ -99,7 +104,9 @@ class Recomputed(NamedTuple):
                   (self.missing, 'outputs missing'), (self.doubled, 'outputs more than once'))
         texts = [f'{count} {text}' for count, text in counts if count]
         if self.largest > tolerance:
-            texts.insert(0, f'differences up to {self.largest:g}')
+            texts.insert(0, f'differences up to {self.largest:g}' + (
+                f' (by fourbar_ros {self.made_by}: another version may round otherwise, which '
+                '--tolerance accepts)' if self.made_by not in ('', __version__) else ''))
         return texts if self.compared else ['nothing could be compared', *texts]
 
 
@@ -381,7 +388,8 @@ class Recomputation:
             sum(missing.inside + missing.at_the_end * is_whole
                 for missing in self._missing.values()),
             self._doubled, dict(self._skipped),
-            self._drive_states.stepped if self._drive_states else 0, not self._bag.is_finished)
+            self._drive_states.stepped if self._drive_states else 0, not self._bag.is_finished,
+            json.loads(self._bag.about.get('software', '{}')).get('fourbar_ros', ''))
 
 
 class Window(NamedTuple):
