@@ -59,7 +59,7 @@ def _check(arguments: Namespace) -> None:
         from fourbar_ros.description.formats import check_pictures
         check_pictures(scene)
     console.print(f'{arguments.scene}: valid. {linkage.description}, mode {linkage.mode}.')
-    for line in (_drive_in_words(scene), *_inputs_in_words(scene)):
+    for line in (_drive_in_words(scene), *_inputs_in_words(scene), *_without_mass(scene)):
         console.print(line)
     if drive.source == 'timer' and not linkage.turns_fully:
         console.print(_leaves_the_range(linkage, drive))
@@ -72,6 +72,14 @@ def _check(arguments: Namespace) -> None:
     if arguments.error:
         console.print(_error_in_words(scene))
     warn(scene)
+
+
+def _without_mass(scene: Scene) -> list[str]:
+    """Return a sentence on the links without mass in a scene that has masses."""
+    bodies = scene.bare_linkage.bodies
+    names = [name for name, body in bodies._asdict().items() if not (body.mass or body.inertia)
+             ] if bodies else []
+    return [f'Links without mass: {", ".join(names)}.'] if names else []
 
 
 def _leaves_the_range(linkage: Mechanism, drive: Group) -> str:
