@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
-from functools import cached_property
+from functools import cached_property, partial
 from math import isfinite
 import re
 from typing import Any, NamedTuple
@@ -143,12 +143,22 @@ class Model:
                  if value == 0.0 and i not in self._asked and i < self._own
                  } if mechanism.LEAVES_OUT_ZEROS else {}
         # of points a node leaves nothing out
-        return (found.simplified({**found.literals(), **zeros}, self.end_of_loads) if zeros
-                else found)
+        if not zeros:
+            return found
+        _, _, end_of_loads = self._recorded
+        return found.simplified({**found.literals(), **zeros}, end_of_loads)
 
     @cached_property
+    def _recorded(self) -> tuple[Trace, int, int]:
+        """Return the trace of all results, and its steps where motion and where loads end."""
+        ends = list[int]()
+        trace = Trace(partial(self._formula, ends), 3, (self.constants, self._places))
+        end_of_motion, end_of_loads = ends
+        return trace, end_of_motion, end_of_loads
+
+    @property
     def _traced(self) -> Trace:
-        return Trace(self._formula, 3, (self.constants, self._places))
+        return self._recorded[0]
 
     @property
     def _places(self) -> tuple[tuple[float, ...], ...]:
@@ -170,21 +180,22 @@ class Model:
     def _own(self) -> int:
         return len(numbers_of(self.constants))
 
-    def _formula(self, n: NumberType, data: Any) -> Function:
+    def _formula(self, ends: list[int], n: NumberType, data: Any) -> Function:
         """
         Return the formula (three inputs) -> (motion, loads, points) that the trace records.
 
-        ``data``: constants of the mechanism and places of the points, of the number type ``n``.
+        ``data``: constants of the mechanism and places of the points, of the number type ``n``;
+        ``ends`` gets the numbers of the steps where motion and loads end.
         """
         motion_of, loads_of, points_of = self._parts_of_formula(n, data)
 
         def formula(*given: Any) -> Any:
-            """Return all results, and note where in the trace motion and loads end."""
+            """Return all results."""
             motion = self.mechanism.MOTION._make(motion_of(*given))
             trace = given[0].trace
-            object.__setattr__(self, 'end_of_motion', len(trace.steps))
+            ends.append(len(trace.steps))
             loads = loads_of(motion, given[0])
-            object.__setattr__(self, 'end_of_loads', trace.begin_apart())
+            ends.append(trace.begin_apart())
             return tuple(motion), loads, points_of(motion)
         return formula
 
@@ -252,9 +263,6 @@ class Model:
             return [derivatives_of(known[place]).get('', 0.0) for place in wanted]
         trace = Trace(lambda _, __: formula, 2 * (len(self.inputs) + len(self.tunable)))
         return trace.simplified(trace.literals())
-
-    # places of the first steps that are not of the motion, not of motion and loads
-    end_of_motion = end_of_loads = 0
 
     # --- names ----------------------------------------------------------------------------------
 
@@ -496,7 +504,8 @@ class Model:
     def refusing(self, with_loads: bool) -> list[int]:
         """Return the places of the steps that refuse some inputs."""
         trace = self.trace
-        end = len(trace.steps) if with_loads and self.loads else self.end_of_motion
+        _, end_of_motion, _ = self._recorded
+        end = len(trace.steps) if with_loads and self.loads else end_of_motion
         return [place for place, step in enumerate(trace.steps[:end])
                 if step.operation in REFUSING and place in trace.varies]
 

@@ -298,21 +298,11 @@ class _Search:
         for inner, limits in flats:
             value[inner] = -1.0 if limits else value[inner]      # limits are known already
         near = partial(_near, in_complex, -1, path, phi, value, slope)
-        both = [Limit(x, stage.name, len(set(pair)) == 1) for _, pair in flats for x in pair]
-        if not (ends or both):
-            return ([bound] if is_open.all() or is_signed else []), near
         if is_signed:
-            every = [*ends, ends[0].turned()] if bound is None else [bound[0], *ends, bound[1]]
-            return list(zip(every, every[1:])), near      # it closes on both sides of each
-        ends = sorted(ends + both, key=lambda end: end.x)
-        if path.is_closed:
-            if is_open[0]:       # the first part began before the first sample
-                ends.append(ends.pop(0).turned())
-            return [(low.turned(-1.0), high.turned(-1.0)) if low.x > pi else (low, high)
-                    for low, high in zip(ends[::2], ends[1::2])], near
-        assert bound is not None
-        ends = [bound[0]] * bool(is_open[0]) + ends + [bound[1]] * bool(is_open[-1])
-        return list(zip(ends[::2], ends[1::2])), near
+            return _parts_between(bound, ends), near
+        ends += [Limit(x, stage.name, len(set(pair)) == 1) for _, pair in flats for x in pair]
+        ends.sort(key=lambda end: end.x)
+        return _open_parts(bound, ends, bool(is_open[0]), bool(is_open[-1])), near
 
     def _minima(self, number: int, path: _Path, phi: Array, value: Array,
                 slope: Array) -> list[tuple[Array, tuple[float, ...]]]:
@@ -454,6 +444,35 @@ class _Search:
                 sign * in_floats(pi)[1] >= 0.0 for sign in signs):
             found.append(pi)
         return found
+
+
+def _parts_between(bound: Bound, ends: list[Limit]) -> list[Bound]:
+    """Return the parts into which ends divide a range; it closes on both sides of each."""
+    if not ends:
+        return [bound]
+    every = [*ends, ends[0].turned()] if bound is None else [bound[0], *ends, bound[1]]
+    return list(zip(every, every[1:]))
+
+
+def _open_parts(bound: Bound, ends: list[Limit], opens_first: bool,
+                opens_last: bool) -> list[Bound]:
+    """
+    Return the parts of a range in which a dyad closes, between every other pair of ends.
+
+    ``opens_first``, ``opens_last``: whether it closes at the first and at the last sample.
+    """
+    if not ends:
+        return [bound] if opens_first else []
+    if bound is None:
+        if opens_first:          # the first part began before the first sample
+            ends = [*ends[1:], ends[0].turned()]
+        return [(low.turned(-1.0), high.turned(-1.0)) if low.x > pi else (low, high)
+                for low, high in zip(ends[::2], ends[1::2])]
+    if opens_first:
+        ends = [bound[0], *ends]
+    if opens_last:
+        ends = [*ends, bound[1]]
+    return list(zip(ends[::2], ends[1::2]))
 
 
 def _sampled(values: Function, path: _Path) -> Callable[[Array], tuple[Array, Array]]:
