@@ -1,7 +1,8 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Errors of the usual approximations of a linkage, for the tables of robots.md."""
-from math import degrees
+"""Errors of approximations, for the tables of robots.md and machines.md."""
+from math import degrees, pi
+from pathlib import Path
 
 from fourbar_ros import load_scene
 from fourbar_ros.transmission import ratio_of, trajectory, Transmission
@@ -10,6 +11,9 @@ import numpy as np
 SAMPLES = 20001
 SCENES = ('paper', 'slides_7_6', 'slides_7_7', 'cylinder', 'slider_crank', 'scotch_yoke')
 RATES = (0.1, 1.0, 3.0, 10.0, 20.0)      # [rad/s] of the sine that the output follows
+CHAINS = {'watt': ('four_bar', 'dyad'), 'quick_return': ('lever', 'ram')}
+NODES = Path(__file__).parent.parent / 'examples' / 'nodes'
+SAMPLED = (100.0, 200.0, 500.0, 1000.0, 2000.0)     # [Hz]
 
 
 def output_over_input(linkage):
@@ -53,3 +57,28 @@ def static_rows():
         error = np.abs(static - exact).max() / np.abs(exact).max()
         yield (f'{rate:g}', f'{np.abs(exact).max():.3g}', f'{np.abs(static).max():.3g}',
                f'{100.0 * error:.2g} %')
+
+
+def chain_rows():
+    """Yield rows (chain, its speed, how its load comes back; error of the drive by the rate)."""
+    for name, nodes in CHAINS.items():
+        first, second = (load_scene(f'{NODES / name}.yaml:{node}') for node in nodes)
+        output, speed = first.linkage.outputs[0], first.drive.speed
+
+        def step(time, first=first, second=second, output=output, speed=speed):
+            """Return torque of the first drive, output ratio, couple of the second on the first."""
+            motion, loads = first.linkage.step(speed * time, speed, 0.0)
+            given = [getattr(motion, field) for field in output.coordinate]
+            couple = -second.linkage.loads(np.unwrap(given[0]), *given[1:]).driving_torque
+            return loads.driving_torque, getattr(motion, output.ratio), couple
+        time = np.linspace(0.0, 2.0 * pi / speed, SAMPLES)
+        own, ratio, couple = step(time)
+        peak = np.abs(own - ratio * couple).max()
+        late, due = [], []
+        for period in [1.0 / rate for rate in SAMPLED]:
+            one, two = (step(time - count * period)[2] for count in (1, 2))
+            for errors, comes in ((late, one), (due, 2.0 * one - two)):
+                error = 100.0 * np.abs(ratio * (comes - couple)).max() / peak
+                errors.append(f'{error:.2g} %')
+        yield (f'`{name}`, {speed:g} rad/s: one sample late', *late)
+        yield ('extrapolated', *due)

@@ -180,6 +180,14 @@ def approximation_tables():
                                 list(approximations.static_rows()))}
 
 
+def chain_table():
+    """Return {name: Markdown table} of machines.md."""
+    return {'chains': formulas.table(
+        ('largest error of the driving torque, of its peak, at',
+         *(f'{rate:g} Hz' for rate in approximations.SAMPLED)),
+        list(approximations.chain_rows()))}
+
+
 def with_loads(text):
     """Return the text of LinkageLoads.msg with a field for each load."""
     return text + ''.join(f'float64 {load.name:<21} # [{load.unit}] {load.text}\n'
@@ -194,7 +202,8 @@ def pages():
                                  ('formulas.md', formulas.tables()),
                                  ('command_line.md', command_tables()),
                                  ('studies.md', study_tables()),
-                                 ('robots.md', approximation_tables()))}
+                                 ('robots.md', approximation_tables()),
+                                 ('machines.md', chain_table()))}
 
 
 def filled(page, tables):
