@@ -66,7 +66,7 @@ def chain_rows():
         output, speed = first.linkage.outputs[0], first.drive.speed
 
         def step(time, first=first, second=second, output=output, speed=speed):
-            """Return torque of the first drive, output ratio, couple of the second on the first."""
+            """Return torque of the first drive, output ratio, couple of the second on it."""
             motion, loads = first.linkage.step(speed * time, speed, 0.0)
             given = [getattr(motion, field) for field in output.coordinate]
             couple = -second.linkage.loads(np.unwrap(given[0]), *given[1:]).driving_torque

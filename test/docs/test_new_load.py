@@ -11,7 +11,7 @@ import pytest
 from support import ROOT
 
 GUIDE = (ROOT / '.github/CONTRIBUTING.md').read_text()
-TREES = ('fourbar_ros', 'fourbar_lab', 'docs', 'msg_defs', 'config')
+TREES = ('fourbar_ros', 'fourbar_lab', 'docs', 'examples', 'msg_defs', 'config')
 OF_MASSES = """Load(
         'per_mass', 'N/kg', 'shaking force over the mass of the second link',
         of=lambda mechanism, constants, motion, loads:
