@@ -15,7 +15,7 @@ from fourbar_lab.drawing.collineation import collineation_axis
 from fourbar_lab.drawing.cycles import cycles
 from fourbar_lab.drawing.figure import CannotDraw, need_matplotlib, STYLE
 from fourbar_lab.drawing.mechanism_panel import draw_plainly
-from fourbar_lab.drawing.tables import counted
+from fourbar_lab.drawing.record import counted
 from fourbar_ros.extrema.find import find_extrema, INTERIOR
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields

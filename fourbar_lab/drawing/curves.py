@@ -13,7 +13,7 @@ from typing import NamedTuple, TYPE_CHECKING
 from fourbar_lab.drawing.cycles import cycles
 from fourbar_lab.drawing.figure import CannotDraw, make_panels, save, write_page
 from fourbar_lab.drawing.labels import symbols_of
-from fourbar_lab.drawing.tables import counted
+from fourbar_lab.drawing.record import counted
 from fourbar_ros.errors import InvalidParameter, nearest
 from fourbar_ros.extrema.find import CONSTANT, find_extrema
 from fourbar_ros.mechanisms.inertia import middles

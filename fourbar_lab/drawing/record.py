@@ -1,64 +1,39 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""All that ``fourbar show`` tells of a scene as one record of plain values in SI units."""
+"""What ``fourbar show`` tells of a scene as one record of plain values in SI units."""
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict
-from math import nan
+from math import isfinite, nan, pi, tau
 from typing import Any
 
-from fourbar_lab.drawing.mobility import AXES, mobility
 from fourbar_lab.drawing.poses import Pose
-from fourbar_lab.drawing.tables import (
-    counted,
-    inertia_of,
-    input_of,
-    known_output_ranges,
-    mode_name,
-    toggles_of,
-    transmission_bands,
-)
-from fourbar_ros.extrema.find import Extremum
-from fourbar_ros.mechanisms.inertia import mean_rigid
+from fourbar_ros.extrema.find import Extremum, find_extrema
+from fourbar_ros.mechanisms.inertia import mean_rigid, middles
+from fourbar_ros.mechanisms.loop import bilinear_factors
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Coordinate
 from fourbar_ros.mechanisms.picture import Points
 from fourbar_ros.mechanisms.points import point_motion
+from fourbar_ros.mechanisms.quantities import positions
 from fourbar_ros.pipeline.stepper import STATUS_NAMES
+import numpy as np
 
-Record = dict[str, Any]        # text, numbers, lists and records
+SAMPLES = 721
+END = 1e-14                         # step inside from an end of the input, in its unit
+ANGLE = 'transmission_angle'
+# Where the factors A1, C1, D1 of a four-bar are zero lie its change points.
+CHANGE_POINTS = {'A1': 'a1 + a4 = a2 + a3', 'C1': 'a1 + a3 = a2 + a4', 'D1': 'a1 + a2 = a3 + a4'}
+
+Record = dict[str, Any]             # text, numbers, lists and records
+Ranges = Sequence[tuple[float, float]]
 
 
 def record_of(linkage: Mechanism, extrema: Sequence[Extremum], points: Points,
               pose: Pose | None = None) -> Record:
-    """
-    Return the properties of a linkage, its extrema and, with a pose, its state there.
-
-    All in SI units; an unknown value is NaN; ``bodies`` is None without masses.
-    """
-    its_mobility = mobility(linkage)
-    record: Record = {
-        'lengths': dict(zip(linkage.length_names, linkage.lengths)),
-        'class': linkage.description, 'mode': linkage.mode, 'mode_name': mode_name(linkage),
-        'input': _with_ranges(linkage.input_coordinate, linkage.input_ranges)
-        | {'turns_fully': linkage.turns_fully},
-        'outputs': [_with_ranges(coordinate, ranges) | {'of_both_modes': of_both}
-                    for coordinate, ranges, of_both in known_output_ranges(linkage)],
-        'dead_points': [_dead_point(linkage, point) for point in linkage.dead_points],
-        'toggles': toggles_of(linkage),
-        'transmission_angles': {
-            band.name: {'least': band.least.value, 'most': band.most.value,
-                        'worst': band.worst.value, 'worst_at': input_of(linkage, band.worst)}
-            for band in transmission_bands(linkage)},
-        'change_point_margin': linkage.change_point_margin,
-        'mobility': its_mobility and {
-            'factors': its_mobility.factors._asdict(), 'place': its_mobility.place,
-            'nearest_change_point': AXES[its_mobility.nearest]},
-        'bodies': linkage.bodies and {name: asdict(body)
-                                      for name, body in linkage.bodies._asdict().items()},
-        'inertia_at_input': _inertia(linkage) if linkage.bodies else None,
-        'held_rigid_mean': mean_rigid(linkage)._asdict() if linkage.bodies else None,
+    """Return the properties of a linkage, its extrema and, with a pose, its state there."""
+    record = properties_of(linkage) | {
         'extrema': [extremum._asdict() | {'theta1': counted(linkage, extremum.theta1)}
                     for extremum in extrema]}
     if pose:
@@ -66,15 +41,73 @@ def record_of(linkage: Mechanism, extrema: Sequence[Extremum], points: Points,
     return record
 
 
-def _inertia(linkage: Mechanism) -> Record | None:
-    """Return least, largest and mean inertia at the input, and where they are."""
-    found = inertia_of(linkage)
-    return found and {'least': found.least.value, 'least_at': input_of(linkage, found.least),
-                      'most': found.most.value, 'most_at': input_of(linkage, found.most),
-                      'mean': found.mean}
+def properties_of(linkage: Mechanism) -> Record:
+    """Return a linkage's own properties; an unknown value is NaN, ``bodies`` None if massless."""
+    return {
+        'lengths': dict(zip(linkage.length_names, linkage.lengths)),
+        'class': linkage.description, 'mode': linkage.mode,
+        'mode_name': linkage.modes[linkage.mode],
+        'input': _with_ranges(linkage.input_coordinate, linkage.input_ranges)
+        | {'turns_fully': linkage.turns_fully},
+        'outputs': _outputs(linkage),
+        'dead_points': [_dead_point(linkage, point) for point in linkage.dead_points],
+        'toggles': toggles_of(linkage), 'transmission_angles': transmission_angles(linkage),
+        'change_point_margin': linkage.change_point_margin, 'mobility': mobility(linkage),
+        'bodies': linkage.bodies and {name: asdict(body)
+                                      for name, body in linkage.bodies._asdict().items()},
+        'inertia_at_input': _inertia(linkage) if linkage.bodies else None,
+        'held_rigid_mean': mean_rigid(linkage)._asdict() if linkage.bodies else None}
 
 
-def _with_ranges(coordinate: Coordinate, ranges: Sequence[tuple[float, float]]) -> Record:
+def counted(linkage: Mechanism, theta1: float) -> float:
+    """Return an input as users count it: in its range, of a full turn from 0 to 2 pi."""
+    if linkage.is_driven_by_slide:
+        return theta1
+    if linkage.turns_fully:
+        return theta1 % tau
+    return min((theta1 + turns * tau for turns in (-1, 0, 1)), key=lambda angle: min(
+        max(low - angle, angle - high) for low, high in linkage.input_ranges))
+
+
+def output_ranges(linkage: Mechanism, coordinate: Coordinate | None = None
+                  ) -> list[tuple[float, float]]:
+    """
+    Return the range [rad or m] of an output in the mode of a linkage, for each range of its input.
+
+    It is extreme at dead points, where it turns back, and at ends of the input; samples between
+    them tell whole turns. ``coordinate``: by default that of the first output.
+    """
+    coordinate = coordinate or linkage.outputs[0].coordinate
+    ranges = []
+    for low, high in linkage.input_ranges:
+        dead = [point[0] + turn for point in linkage.dead_points for turn in (-tau, 0.0, tau)]
+        inputs = np.sort([*np.linspace(low, high, SAMPLES), *(x for x in dead if low < x < high)])
+        # at an end in a toggle the motion itself may be NaN
+        inputs[0] += END * linkage.input_unit
+        inputs[-1] -= END * linkage.input_unit
+        places, = linkage.motion(inputs, fields=(coordinate.position,))
+        if coordinate.unit == 'rad':
+            places = np.unwrap(places)
+            places = places - tau * round(0.5 * (places.min() + places.max()) / tau)
+        ranges.append((places.min(), places.max()))
+    return sorted(ranges)
+
+
+def _outputs(linkage: Mechanism) -> list[Record]:
+    """
+    Return the ranges of each output.
+
+    At a change point the modes meet, and the linkage can go from one into the other.
+    """
+    if linkage.change_point_margin > 0.0:
+        return [_with_ranges(coordinate, output_ranges(linkage, coordinate))
+                | {'of_both_modes': False} for coordinate, _ in linkage.outputs]
+    both = linkage.ranges_of_both_modes
+    return [_with_ranges(coordinate, both[coordinate.position]) | {'of_both_modes': True}
+            for coordinate, _ in linkage.outputs if coordinate.position in both]
+
+
+def _with_ranges(coordinate: Coordinate, ranges: Ranges) -> Record:
     return {'name': coordinate.position, 'unit': coordinate.unit,
             'ranges': [list(map(float, bounds)) for bounds in ranges]}
 
@@ -90,6 +123,69 @@ def _dead_point(linkage: Mechanism, point: Any) -> Record:
     return record
 
 
+def toggles_of(linkage: Mechanism) -> list[float]:
+    """Return the ends of the input [rad or m] at which the links of a dyad come in line."""
+    ends = {end for bounds in linkage.closing_ranges for end in bounds}
+    return [] if linkage.turns_fully else [end for bounds in linkage.input_ranges
+                                           for end in bounds if end in ends]
+
+
+def transmission_angles(linkage: Mechanism) -> dict[str, Record]:
+    """
+    Return the extrema of the transmission angle; of a machine, of those of all of its dyads.
+
+    The worst is farther from 90 degrees.
+    """
+    names = [name for name in positions(linkage, linkage.input) if name.startswith(ANGLE)]
+    own = [name for name in names if name != ANGLE] or names
+    every = find_extrema(linkage, own, conditions=False)
+    record = {}
+    for name in own:
+        extrema = [extremum for extremum in every if extremum.quantity == name]
+        least, most = (pick(extrema, key=lambda extremum: extremum.value) for pick in (min, max))
+        worst = max((least, most), key=lambda extremum: abs(extremum.value - 0.5 * pi))
+        record[name] = {'least': least.value, 'most': most.value, 'worst': worst.value,
+                        'worst_at': counted(linkage, worst.input)}
+    return record
+
+
+def mobility(linkage: Mechanism) -> Record | None:
+    """
+    Return where a four-bar lies among all of them, None of any other mechanism.
+
+    All four-bars that can be closed fill the octahedron |A1| + |C1| + |D1| <= B2 = a1 + a2 + a3 +
+    a4. A1, C1, D1 are factors of the input-output equation (sums of lengths with signs). On a face
+    a link has length zero or the loop is stretched. On the planes A1 = 0, C1 = 0, D1 = 0 lie the
+    change points; the eight octants between them are the eight Grashof classes. ``factors``: the
+    eight sums [m]; ``place``: A1, C1, D1 over the sum of the lengths; the smallest is the distance
+    from the nearest change point.
+    """
+    signs = linkage.MARGIN_SIGNS
+    if len(signs) != len(CHANGE_POINTS) or not all(map(all, signs)):  # four-bars have 3 full rows
+        return None
+    a1, a2, a3, a4 = linkage.lengths
+    factors = bilinear_factors(a1, a2, a3, a4)
+    place = {name: getattr(factors, name) / factors.B2 for name in CHANGE_POINTS}
+    return {'factors': factors._asdict(), 'place': place,
+            'nearest_change_point': CHANGE_POINTS[min(place, key=lambda name: abs(place[name]))]}
+
+
+def _inertia(linkage: Mechanism) -> Record | None:
+    """
+    Return least, largest and mean inertia at the input and where they are; None if all unbounded.
+
+    In [kg m^2], of a driven slide [kg].
+    """
+    found = [one for one in find_extrema(linkage, 'inertia', conditions=False)
+             if isfinite(one.value)]
+    if not found:
+        return None
+    least, most = (pick(found, key=lambda one: one.value) for pick in (min, max))
+    mean = np.mean([linkage.inertia(middles(low, high)) for low, high in linkage.input_ranges])
+    return {'least': least.value, 'least_at': counted(linkage, least.input),
+            'most': most.value, 'most_at': counted(linkage, most.input), 'mean': float(mean)}
+
+
 def _pose(linkage: Mechanism, pose: Pose, points: Points) -> Record:
     """Return the record of one pose: status, motion of the joints, loads, motion of points."""
     motion = pose.motion._asdict()
@@ -97,7 +193,7 @@ def _pose(linkage: Mechanism, pose: Pose, points: Points) -> Record:
               for field in (coordinate.position, coordinate.rate, coordinate.acceleration)}
     motions = {name: point_motion(linkage, pose.motion, *point) for name, point in points.items()}
     return {'status': STATUS_NAMES[pose.status],
-            'motion': joints | {'transmission_angle': motion['transmission_angle']},
+            'motion': joints | {ANGLE: motion[ANGLE]},
             'loads': pose.loads and pose.loads._asdict(),
             'points': {name: {'place': list(its.place), 'velocity': list(its.velocity),
                               'acceleration': list(its.acceleration)}

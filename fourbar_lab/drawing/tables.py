@@ -4,26 +4,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import degrees, isfinite, pi, tau
-from operator import attrgetter
-from typing import NamedTuple
+from math import degrees, pi, tau
 
-from fourbar_lab.drawing.mobility import mobility_rows
 from fourbar_lab.drawing.poses import in_degrees, number, shown
-from fourbar_ros.extrema.find import CONSTANT, Extremum, find_extrema
+from fourbar_lab.drawing.record import ANGLE, CHANGE_POINTS, counted, properties_of, Ranges, Record
+from fourbar_ros.extrema.find import Extremum
 from fourbar_ros.mechanics.bodies import Base, field_of
-from fourbar_ros.mechanisms.inertia import mean_rigid, middles
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Coordinate
-from fourbar_ros.mechanisms.quantities import positions
 from fourbar_ros.terminal import make_table
-import numpy as np
 from rich.table import Table
 
-SAMPLES = 721
-END = 1e-14                         # step inside from an end of the input, in its unit
 FULL_TURN = tau * (1.0 - 1e-9)      # [rad] ranges from this width on are called full turns
-ANGLE = 'transmission_angle'
 NO_WEIGHT = 'weight', 'left out (gravity 0)'         # name and text of a row
 SIDES = {0: '', 1: 'from above', -1: 'from below'}      # how an end of the range is approached
 
@@ -38,7 +30,7 @@ def rate_unit(linkage: Mechanism) -> str:
     return f'{linkage.input_coordinate.unit}/s'
 
 
-def _ranges(coordinate: Coordinate, ranges: Sequence[tuple[float, float]]) -> str:
+def _ranges(coordinate: Coordinate, ranges: Ranges) -> str:
     """Return ranges [rad or m] as text: 'theta1: 30.0000 to 60.0000 deg'."""
     name, unit = coordinate.position, 'm' if coordinate.unit == 'm' else 'deg'
     if unit == 'deg' and any(high - low >= FULL_TURN for low, high in ranges):
@@ -47,127 +39,63 @@ def _ranges(coordinate: Coordinate, ranges: Sequence[tuple[float, float]]) -> st
     return f'{name}: {", ".join(map(" to ".join, ends))} {unit}'
 
 
-def output_ranges(linkage: Mechanism, coordinate: Coordinate | None = None
-                  ) -> list[tuple[float, float]]:
-    """
-    Return the range [rad or m] of an output in the mode of a linkage, for each range of its input.
-
-    It is extreme at dead points, where it turns back, and at ends of the input; samples between
-    them tell whole turns. ``coordinate``: by default that of the first output.
-    """
-    coordinate = coordinate or linkage.outputs[0].coordinate
-    ranges = []
-    for low, high in linkage.input_ranges:
-        dead = [point[0] + turn for point in linkage.dead_points for turn in (-tau, 0.0, tau)]
-        inputs = np.sort([*np.linspace(low, high, SAMPLES), *(x for x in dead if low < x < high)])
-        # at an end in a toggle the motion itself may be NaN
-        inputs[0] += END * linkage.input_unit
-        inputs[-1] -= END * linkage.input_unit
-        positions, = linkage.motion(inputs, fields=(coordinate.position,))
-        if coordinate.unit == 'rad':
-            positions = np.unwrap(positions)
-            positions = positions - tau * round(0.5 * (positions.min() + positions.max()) / tau)
-        ranges.append((positions.min(), positions.max()))
-    return sorted(ranges)
-
-
-def known_output_ranges(linkage: Mechanism
-                        ) -> list[tuple[Coordinate, Sequence[tuple[float, float]], bool]]:
-    """
-    Return (output, its ranges, whether these cover both modes) for each output.
-
-    At a change point the modes meet, and the linkage can go from one into the other.
-    """
-    if linkage.change_point_margin > 0.0:
-        return [(coordinate, output_ranges(linkage, coordinate), False)
-                for coordinate, _ in linkage.outputs]
-    both = linkage.ranges_of_both_modes
-    return [(coordinate, both[coordinate.position], True)
-            for coordinate, _ in linkage.outputs if coordinate.position in both]
-
-
 def what_it_is(linkage: Mechanism, scene: object) -> Table:
     """Return the table of a linkage's own properties; ``scene``: its file."""
-    return make_table('', ('', ''), [('scene', str(scene)), *facts(linkage),
-                                     *mobility_rows(linkage)])
+    return make_table('', ('', ''), [('scene', str(scene)), *facts(linkage)])
 
 
 def facts(linkage: Mechanism) -> list[tuple[str, str]]:
     """Return rows (name, text) of a linkage's own properties: lengths, class, limits, masses."""
+    found = properties_of(linkage)
     driven = linkage.input_coordinate
-    lengths = [f'{name} {length:g}' for name, length in zip(linkage.length_names, linkage.lengths)]
+    coordinates = {one.position: one for one in (driven, *(output.coordinate
+                                                           for output in linkage.outputs))}
+    lengths = [f'{name} {length:g}' for name, length in found['lengths'].items()]
     rows = [('lengths', '  '.join([*lengths, 'm'])),
-            ('class', linkage.description), ('assembly mode', mode_name(linkage)),
+            ('class', found['class']), ('assembly mode', found['mode_name']),
             ('input', _ranges(driven, linkage.input_ranges))]
-    rows += [('output', _ranges(coordinate, ranges)
-              + (', in both modes: they meet' if of_both else ', in this mode'))
-             for coordinate, ranges, of_both in known_output_ranges(linkage)]
-    coordinates = driven, *(output.coordinate for output in linkage.outputs)
-    for point in linkage.dead_points:
-        values = counted(linkage, point[0]), *point[1:]
-        texts = [f'{coordinate.position} {shown(coordinate, value)}'
-                 for coordinate, value in zip(coordinates, values)]
+    rows += [('output', _ranges(coordinates[output['name']], output['ranges'])
+              + (', in both modes: they meet' if output['of_both_modes'] else ', in this mode'))
+             for output in found['outputs']]
+    for point in found['dead_points']:
         kind = ''
-        if hasattr(point, 'stretched'):
-            kind = ', stretched' if point.stretched else ', folded'
-        rows.append((f'dead point{kind}', ', '.join(texts)))
+        if 'stretched' in point:
+            kind = ', stretched' if point['stretched'] else ', folded'
+        rows.append((f'dead point{kind}', ', '.join(
+            f'{name} {shown(coordinates[name], value)}' for name, value in point.items()
+            if name in coordinates)))
     margin = 'of the perimeter'
     if hasattr(linkage, 'stages'):
         unit = f'of {linkage.input_unit:g} m' if linkage.is_driven_by_slide else 'rad'
         margin = f'{unit}; the nearer to 0, the faster the links pass their flat pose'
-    toggles = [f'{shown(driven, end)}{_dyad_at(linkage, end)}' for end in toggles_of(linkage)]
+    toggles = [f'{shown(driven, end)}{_dyad_at(linkage, end)}' for end in found['toggles']]
     rows += [('toggle', f'{driven.position} {", ".join(toggles)}' if toggles
               else 'none within the range of the input'),
-             *transmission_angles(linkage),
-             ('change-point margin', f'{linkage.change_point_margin:.6g} {margin}')]
-    if linkage.bodies:
-        rows += [(name, f'{body.mass:.6g} kg, {body.inertia:.6g} kg m^2, CG at '
-                        f'({body.cg_along:g}, {body.cg_across:g}) m'
-                        if body.mass or body.inertia else 'no mass in the scene')
-                 for name, body in linkage.bodies._asdict().items()]
-        rows += [NO_WEIGHT] * (not any(field_of(linkage.gravity))
-                               and not isinstance(linkage.gravity, Base))
-        mean = mean_rigid(linkage)
-        rows += [('inertia at the input', _inertia_in_words(linkage)),
-                 ('held rigid, mean', f'{mean.mass:.6g} kg at ({mean.x:.6g}, {mean.y:.6g}) m, '
-                                      f'{mean.inertia:.6g} kg m^2: base.carried')]
-    return rows
+             *(_transmission_angle(driven, name, angle)
+               for name, angle in found['transmission_angles'].items()),
+             ('change-point margin', f'{found["change_point_margin"]:.6g} {margin}')]
+    return [*rows, *(_masses(linkage, found) if linkage.bodies else []),
+            *_mobility(found['mobility'])]
 
 
-class InputInertia(NamedTuple):
-    """Least and largest inertia at the input, and its mean [kg m^2], of a driven slide [kg]."""
-
-    least: Extremum
-    most: Extremum
-    mean: float
-
-
-def inertia_of(linkage: Mechanism) -> InputInertia | None:
-    """Return the inertia at the input; None where it is unbounded all over."""
-    found = [one for one in find_extrema(linkage, 'inertia', conditions=False)
-             if isfinite(one.value)]
-    if not found:
-        return None
-    mean = np.mean([linkage.inertia(middles(low, high)) for low, high in linkage.input_ranges])
-    return InputInertia(min(found, key=attrgetter('value')), max(found, key=attrgetter('value')),
-                        float(mean))
-
-
-def _inertia_in_words(linkage: Mechanism) -> str:
-    """Return the least, largest and mean inertia at the input, for a motor, and where they are."""
-    found, driven = inertia_of(linkage), linkage.input_coordinate
-    if found is None:
-        return 'unbounded at the ends of the input'
-    return (f'{found.least.value:.6g} at {shown(driven, counted(linkage, found.least.input))} to '
-            f'{found.most.value:.6g} {found.most.unit} at '
-            f'{shown(driven, counted(linkage, found.most.input))}, mean {found.mean:.6g}')
-
-
-def toggles_of(linkage: Mechanism) -> list[float]:
-    """Return the ends of the input [rad or m] at which the links of a dyad come in line."""
-    ends = {end for bounds in linkage.closing_ranges for end in bounds}
-    return [] if linkage.turns_fully else [end for bounds in linkage.input_ranges
-                                           for end in bounds if end in ends]
+def _masses(linkage: Mechanism, found: Record) -> list[tuple[str, str]]:
+    """Return rows (name, text) of the bodies, and of what they are together."""
+    rows = [(name, f'{body["mass"]:.6g} kg, {body["inertia"]:.6g} kg m^2, CG at '
+                   f'({body["cg_along"]:g}, {body["cg_across"]:g}) m'
+                   if body['mass'] or body['inertia'] else 'no mass in the scene')
+            for name, body in found['bodies'].items()]
+    if not any(field_of(linkage.gravity)) and not isinstance(linkage.gravity, Base):
+        rows.append(NO_WEIGHT)
+    inertia, words = found['inertia_at_input'], 'unbounded at the ends of the input'
+    if inertia:
+        driven, unit = linkage.input_coordinate, 'kg' if linkage.is_driven_by_slide else 'kg m^2'
+        words = (f'{inertia["least"]:.6g} at {shown(driven, inertia["least_at"])} to '
+                 f'{inertia["most"]:.6g} {unit} at {shown(driven, inertia["most_at"])}, '
+                 f'mean {inertia["mean"]:.6g}')
+    mean = found['held_rigid_mean']
+    return [*rows, ('inertia at the input', words),
+            ('held rigid, mean', f'{mean["mass"]:.6g} kg at ({mean["x"]:.6g}, {mean["y"]:.6g}) m, '
+                                 f'{mean["inertia"]:.6g} kg m^2: base.carried')]
 
 
 def _dyad_at(linkage: Mechanism, end: float) -> str:
@@ -179,57 +107,27 @@ def _dyad_at(linkage: Mechanism, end: float) -> str:
     return f' (dyad {nearest.dyad})'
 
 
-class Band(NamedTuple):
-    """Extrema of a transmission angle over the input; the worst is farther from 90 degrees."""
-
-    name: str
-    least: Extremum
-    most: Extremum
-    worst: Extremum
-
-
-def transmission_bands(linkage: Mechanism) -> list[Band]:
-    """Return the band of the transmission angle; of a machine, one for each of its dyads."""
-    names = [name for name in positions(linkage, linkage.input) if name.startswith(ANGLE)]
-    own = [name for name in names if name != ANGLE] or names
-    every = find_extrema(linkage, own, conditions=False)
-    bands = []
-    for name in own:
-        extrema = [extremum for extremum in every if extremum.quantity == name]
-        least, most = (pick(extrema, key=lambda extremum: extremum.value) for pick in (min, max))
-        worst = max((least, most), key=lambda extremum: abs(extremum.value - 0.5 * pi))
-        bands.append(Band(name, least, most, worst))
-    return bands
+def _transmission_angle(driven: Coordinate, name: str, angle: Record) -> tuple[str, str]:
+    """Return the row (name, text) of a transmission angle: least to most, and where worst."""
+    words = in_degrees(angle['most'])
+    if angle['least'] < angle['most']:
+        words = (f'{degrees(angle["least"]):.4f} to {words}; worst deviation from 90 deg: '
+                 f'{degrees(abs(angle["worst"] - 0.5 * pi)):.1f} deg at '
+                 f'{driven.position} {shown(driven, angle["worst_at"])}')
+    return f'transmission angle{name.removeprefix(ANGLE).replace("_", " ")}', words
 
 
-def input_of(linkage: Mechanism, extremum: Extremum) -> float:
-    """Return the driven joint at an extremum [rad] or [m]."""
-    return counted(linkage, extremum.input)
-
-
-def counted(linkage: Mechanism, theta1: float) -> float:
-    """Return an input as users count it: in its range, of a full turn from 0 to 2 pi."""
-    if linkage.is_driven_by_slide:
-        return theta1
-    if linkage.turns_fully:
-        return theta1 % tau
-    return min((theta1 + turns * tau for turns in (-1, 0, 1)), key=lambda angle: min(
-        max(low - angle, angle - high) for low, high in linkage.input_ranges))
-
-
-def transmission_angles(linkage: Mechanism) -> list[tuple[str, str]]:
-    """Return a row (name, text) for each transmission angle: least to most, and where worst."""
-    rows = []
-    for name, least, most, worst in transmission_bands(linkage):
-        band = (in_degrees(least.value) if least.kind == CONSTANT else
-                f'{degrees(least.value):.4f} to {in_degrees(most.value)}')
-        at = input_of(linkage, worst)
-        where = '' if least.kind == CONSTANT else (
-            f'; worst deviation from 90 deg: {degrees(abs(worst.value - 0.5 * pi)):.1f} deg at '
-            f'{linkage.input_coordinate.position} {shown(linkage.input_coordinate, at)}')
-        rows.append((f'transmission angle{name.removeprefix(ANGLE).replace("_", " ")}',
-                     band + where))
-    return rows
+def _mobility(found: Record | None) -> list[tuple[str, str]]:
+    """Return rows (name, text): signs of the eight factors of a four-bar, its three places."""
+    if not found:
+        return []
+    signs = [f'{name} {"0" if value == 0.0 else "+" if value > 0.0 else "-"}'
+             for name, value in found['factors'].items()]
+    nearest = found['nearest_change_point']
+    return [('factors', '  '.join(signs)),
+            *((name, f'{value:+.6f} of the perimeter'
+               + (f'; nearest change point: {nearest}' if CHANGE_POINTS[name] == nearest else ''))
+              for name, value in found['place'].items())]
 
 
 def extrema_table(linkage: Mechanism, extrema: Sequence[Extremum], title: str) -> Table:

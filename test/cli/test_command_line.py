@@ -7,7 +7,7 @@ import re
 import subprocess
 import sys
 
-from fourbar_lab.drawing.tables import output_ranges
+from fourbar_lab.drawing.record import output_ranges
 from fourbar_ros import FourBar
 from fourbar_ros.cli.main import main
 from fourbar_ros.scene import files as scene_file

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Curves over the input with their extrema."""
 from fourbar_lab.drawing.curves import curves_of, make_figure
-from fourbar_lab.drawing.tables import input_of
+from fourbar_lab.drawing.record import counted
 from fourbar_ros import find_extrema
 from fourbar_ros.mechanisms.quantities import select
 from fourbar_ros.scene.scene import load
@@ -17,7 +17,7 @@ def test_marks_of_extrema_lie_on_their_curves(name):
     linkage, speed = scene.linkage, scene.drive.speed
     curves = curves_of(scene, linkage, [one.name for one in select((), linkage)], speed)
     unit = np.degrees(1.0) if curves.units[0] == 'deg' else 1.0
-    marks = [(found.quantity, unit * input_of(linkage, found), found.value)
+    marks = [(found.quantity, unit * counted(linkage, found.input), found.value)
              for found in find_extrema(linkage, rate=speed)
              if found.kind != 'constant' and found.place == 'interior']
     figure, seen = make_figure(curves, marks), 0

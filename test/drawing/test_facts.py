@@ -1,10 +1,11 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""What is said about a mechanism: bands of transmission angles, toggles."""
+"""What is said about a mechanism: extrema of transmission angles, toggles."""
 from math import acos, degrees
 import re
 
-from fourbar_lab.drawing.tables import facts, transmission_angles
+from fourbar_lab.drawing.record import transmission_angles
+from fourbar_lab.drawing.tables import facts
 from fourbar_ros import FourBar
 from fourbar_ros.scene.files import folder
 from fourbar_ros.scene.scene import load
@@ -12,14 +13,7 @@ import numpy as np
 import pytest
 
 SCENES = sorted(file.stem for file in folder().glob('*.yaml'))
-DIGITS = 5e-5 * (1.0 + 1e-9)        # [deg] of what is printed
 SAMPLES = 20_001
-
-
-def band(text):
-    """Return (least, most) [deg] of the text of a band; of one angle, twice that."""
-    least, most = re.match(r'(\S+)(?: to (\S+))? deg', text).groups()
-    return float(least), float(most or least)
 
 
 @pytest.mark.parametrize('lengths', [(0.4, 1.2, 0.8, 1.0), (0.3, 1.0, 0.9, 1.1),
@@ -28,9 +22,11 @@ def test_the_band_of_a_turning_crank_is_that_of_the_cosine_law(lengths):
     a1, a2, a3, a4 = lengths
     ends = [degrees(acos((a2 * a2 + a3 * a3 - d * d) / (2.0 * a2 * a3)))
             for d in (a4 - a1, a4 + a1)]
-    (_, text), = transmission_angles(FourBar(*lengths))
-    assert band(text) == pytest.approx(sorted(ends), abs=DIGITS)
-    worst = max(abs(end - 90.0) for end in ends)
+    linkage = FourBar(*lengths)
+    angle, = transmission_angles(linkage).values()
+    assert np.degrees([angle['least'], angle['most']]) == pytest.approx(sorted(ends), abs=1e-9)
+    worst, text = max(abs(end - 90.0) for end in ends), dict(facts(linkage))['transmission angle']
+    assert text.startswith(f'{min(ends):.4f} to {max(ends):.4f} deg; ')
     assert f'worst deviation from 90 deg: {worst:.1f} deg' in text
 
 
@@ -39,12 +35,11 @@ def test_bands_hold_all_samples_and_no_more(name):
     linkage = load(folder() / f'{name}.yaml').linkage
     motions = [linkage.motion(np.linspace(low, high, SAMPLES)[1:-1])
                for low, high in linkage.input_ranges]
-    for title, text in transmission_angles(linkage):
-        field = title.replace(' ', '_')
+    for field, angle in transmission_angles(linkage).items():
         values = np.concatenate([np.broadcast_to(np.degrees(getattr(motion, field)), SAMPLES - 2)
                                  for motion in motions])
-        least, most = band(text)
-        assert least - DIGITS <= values.min() and values.max() <= most + DIGITS
+        least, most = np.degrees([angle['least'], angle['most']])
+        assert least - 1e-9 <= values.min() and values.max() <= most + 1e-9
         # between two samples an angle grows as the root of the distance at most: at toggles
         near = 2.0 * 180.0 / SAMPLES**0.5
         assert values.min() <= least + near and values.max() >= most - near

@@ -4,7 +4,8 @@
 from fractions import Fraction
 from itertools import product
 
-from fourbar_lab.drawing.mobility import AXES, mobility, mobility_rows
+from fourbar_lab.drawing.record import CHANGE_POINTS, mobility
+from fourbar_lab.drawing.tables import facts
 from fourbar_ros import FourBar, InvalidParameter, SliderCrank
 import pytest
 
@@ -23,12 +24,14 @@ def test_octants_are_classes_and_the_distance_is_that_of_the_change_point():
     octants = {}
     for linkage in every(6):
         found = mobility(linkage)
-        assert sum(map(abs, found.place.values())) < 1.0
+        assert sum(map(abs, found['place'].values())) < 1.0
         a1, a2, a3, a4 = map(Fraction, linkage.lengths)
         sums = {'A1': a1 + a4 - a2 - a3, 'C1': a1 + a3 - a2 - a4, 'D1': a1 + a2 - a3 - a4}
         expected = {name: float(value / (a1 + a2 + a3 + a4)) for name, value in sums.items()}
-        assert found.place == pytest.approx(expected, abs=1e-16)
-        assert abs(found.place[found.nearest]) == pytest.approx(linkage.change_point_margin)
+        assert found['place'] == pytest.approx(expected, abs=1e-16)
+        nearest, = (abs(value) for name, value in found['place'].items()
+                    if CHANGE_POINTS[name] == found['nearest_change_point'])
+        assert nearest == pytest.approx(linkage.change_point_margin)
         if 0 not in sums.values():
             octant = tuple(value > 0 for value in sums.values())
             octants.setdefault(octant, set()).add(linkage.classification)
@@ -37,14 +40,14 @@ def test_octants_are_classes_and_the_distance_is_that_of_the_change_point():
 
 def test_rows_show_the_point():
     linkage = FourBar(0.4, 1.2, 0.8, 1.0)
-    rows = dict(mobility_rows(linkage))
+    rows = dict(facts(linkage))
     assert rows['factors'].split() == ['A1', '-', 'A2', '+', 'B1', '+', 'B2', '+', 'C1', '-',
                                        'C2', '+', 'D1', '-', 'D2', '-']
-    nearest, = (name for name in AXES if 'nearest' in rows[name])
+    nearest, = (name for name in CHANGE_POINTS if 'nearest' in rows[name])
     # a1 + a2 - a3 - a4 = -0.2 of 3.4
     assert nearest == 'D1' and '-0.058824' in rows['D1'] and 'a1 + a2 = a3 + a4' in rows['D1']
 
 
 def test_other_mechanisms_have_none():
     slider = SliderCrank(0.3, 0.8)
-    assert (mobility(slider), mobility_rows(slider)) == (None, [])
+    assert mobility(slider) is None and 'factors' not in dict(facts(slider))
