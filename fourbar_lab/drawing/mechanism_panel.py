@@ -69,7 +69,7 @@ def draw_mechanism(axes: Axes, mechanism: Mechanism, motion: NamedFields,
     below = [at - (0.0, 0.08 * size) for at in places.values()]
     sheet = Sheet(axes, [*ends, *below, *centres.values(), *(arm.end for arm in arms)], title)
     for part in (*_extensions(mechanism, motion, points, centres, diagram.drawn_whole), *parts):
-        _draw(sheet, part)
+        draw_part(sheet, part)
     for centre in centres.values():
         _draw_centre(sheet, centre)
     torque = getattr(loads, 'driving_torque', 0.0) if loads else 0.0
@@ -116,7 +116,7 @@ def draw_plainly(axes: Axes, mechanism: Mechanism, motion: NamedFields, points: 
         axes.plot(*path.T, color=POINT, lw=0.9, zorder=1.5)
         sheet.taken.extend(path[np.isfinite(path).all(axis=1)])
     for part in (*_extensions(mechanism, motion, points, {}, diagram.drawn_whole), *parts):
-        _draw(sheet, part)
+        draw_part(sheet, part)
     for name, at in labels_of(diagram).joints.items():
         sheet.label(name, sheet.around(at), 'k')
     _label_points(sheet, arms)
@@ -155,7 +155,7 @@ def _extensions(mechanism: Mechanism, motion: NamedFields, points: Points,
 
 # --- strokes -------------------------------------------------------------------------------------
 
-def _draw(sheet: Sheet, part: Primitive) -> None:
+def draw_part(sheet: Sheet, part: Primitive) -> None:
     """Draw one part, and keep labels off its lines."""
     axes = sheet.axes
     if isinstance(part, Bar):
