@@ -12,19 +12,17 @@ from typing import Any, NamedTuple
 
 from fourbar_lab.studies.block import Block
 from fourbar_lab.studies.design import Design
-from fourbar_lab.studies.measures import CHANGE_POINT, CHEAP, CLASS
+from fourbar_lab.studies.measures import CHEAP, CLASS, INPUT_RANGE
 from fourbar_lab.studies.study import Bound, Study
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.scene.scene import from_values, Scene
-from fourbar_ros.scene.settings import ParameterValues
 import numpy as np
 
 # Why a design is not among the results; other reasons are constraints by name.
 NOT_BUILT, FAILED = 'cannot be built', 'failed'
 FEASIBLE = 'feasible'
-UNKNOWN = ''        # of a design that is not computed yet
 # Designs that are tried for one that can be built.
 TRIED = 100
 
@@ -53,17 +51,28 @@ def measured(study: Study, drawn: dict[str, Array]
     an axis of a curve: array}, NaN where it was not computed; a reason may be :data:`FEASIBLE`. As
     many as possible are computed together; those in doubt, and other kinds, one by one.
     """
-    found, reasons = _together(study, drawn)
-    columns = _columns(study, len(reasons), found)
+    found, is_done = _together(study, drawn)
+    columns = _columns(study, is_done.size, found)
+    reasons = np.full(is_done.size, FEASIBLE, dtype=object)
     failures: list[tuple[int, str]] = []
-    for i in [i for i, reason in enumerate(reasons) if reason == UNKNOWN]:
-        reasons[i], results = _row(study, {name: column[i].item()
-                                           for name, column in drawn.items()})
-        if reasons[i] == FAILED:
-            failures.append((i, results[FAILED]))
+    for i in np.nonzero(~is_done)[0].tolist():
+        values = {name: column[i].item() for name, column in drawn.items()}
+        try:
+            scene = from_values({**study.values, **values})
+        except InvalidParameter:
+            reasons[i] = NOT_BUILT
+            continue
+        try:
+            results = _row(study, Design(scene, study.acceleration))
+        except (FourBarError, ArithmeticError, ValueError) as error:
+            reasons[i] = FAILED
+            failures.append((i, f'{type(error).__name__}: {error}'))
+            continue
         for name in results.keys() & columns.keys():
             columns[name][i] = results[name]
-    return columns, reasons, failures
+    for bound in _cheap_first(study):
+        reasons[(reasons == FEASIBLE) & ~_allows(bound, columns)] = bound.measure.name
+    return columns, reasons.tolist(), failures
 
 
 def compute(study: Study, chunk: int) -> Chunk:
@@ -104,41 +113,36 @@ def _columns(study: Study, size: int, found: dict[str, Array]) -> dict[str, Arra
     return columns
 
 
-def _together(study: Study, drawn: dict[str, Array]) -> tuple[dict[str, Array], list[str]]:
+def _together(study: Study, drawn: dict[str, Array]) -> tuple[dict[str, Array], Array]:
     """
-    Return {measure: array} of designs computed together, and why each is left out, or FEASIBLE.
+    Return {measure: array} of designs computed together, and which of them are right, shape (n,).
 
-    The reason is :data:`UNKNOWN` of those that this cannot compute: drives at rest, driven slides,
-    machines (which are put together at run time), and whatever :class:`Block` is not sure of.
+    None of those that this cannot compute: drives at rest, driven slides, machines (which are put
+    together at run time), and whatever :class:`Block` is not sure of.
     """
-    size = len(next(iter(drawn.values())))
     scene = _first_scene(study, drawn)
     if (scene is None or not scene.drive.speed or scene.linkage.is_driven_by_slide
             or scene.values['linkage.kind'] not in KINDS):
-        return {}, [UNKNOWN] * size
+        return {}, np.zeros(len(next(iter(drawn.values()))), bool)
     block = Block(study, scene, drawn)
     block.compute_cheap()
-    reasons = np.full(size, FEASIBLE, dtype=object)
-    early = [bound for bound in study.bounds if bound.measure.part in (CLASS, CHANGE_POINT)]
-    _exclude(block, reasons, early)
-    block.compute(np.nonzero(block.is_done & ((reasons == FEASIBLE) | study.keeps_all))[0])
-    _exclude(block, reasons, [bound for bound in _cheap_first(study) if bound not in early])
-    reasons[~block.is_done] = UNKNOWN
-    return block.found, reasons.tolist()
+    wanted = block.is_done.copy()
+    for bound in study.bounds if not study.keeps_all else ():
+        if bound.measure.name in block.found:
+            wanted &= _allows(bound, block.found)
+    block.compute(np.nonzero(wanted)[0])
+    return block.found, block.is_done
 
 
-def _exclude(block: Block, reasons: Array, bounds: list[Bound]) -> None:
-    """Write the name of the first bound that each feasible design fails into ``reasons``."""
-    for bound in bounds:
-        column = block.found.get(bound.measure.name)
-        if column is not None:
-            fulfils = np.array([bound.allows(value) for value in column.tolist()])
-            reasons[~fulfils & (reasons == FEASIBLE)] = bound.measure.name
+def _allows(bound: Bound, columns: dict[str, Array]) -> Array:
+    """Return which designs fulfil a constraint, shape (n,)."""
+    return np.array([bound.allows(value) for value in columns[bound.measure.name].tolist()])
 
 
 def _cheap_first(study: Study) -> list[Bound]:
     """Return the constraints; the ones that need no motion come first: they drop most designs."""
-    return sorted(study.bounds, key=lambda bound: bound.measure.part not in CHEAP)
+    return sorted(study.bounds, key=lambda bound: (bound.measure.part not in CHEAP,
+                                                   bound.measure.part == INPUT_RANGE))
 
 
 def _first_scene(study: Study, drawn: dict[str, Array]) -> Scene | None:
@@ -151,40 +155,20 @@ def _first_scene(study: Study, drawn: dict[str, Array]) -> Scene | None:
     return None
 
 
-def _row(study: Study, values: ParameterValues) -> tuple[str, dict[str, Any]]:
+def _row(study: Study, design: Design) -> dict[str, Any]:
     """
-    Return why one design is left out, or FEASIBLE, and {column: its result}.
-
-    ``values``: of the parameters that vary. If the computation raises an error, it returns
-    :data:`FAILED` and {FAILED: its text}.
-    """
-    try:
-        scene = from_values({**study.values, **values})
-    except InvalidParameter:
-        return NOT_BUILT, {}
-    try:
-        return _of_scene(study, Design(scene, study.acceleration))
-    except (FourBarError, ArithmeticError, ValueError) as error:
-        return FAILED, {FAILED: f'{type(error).__name__}: {error}'}
-
-
-def _of_scene(study: Study, design: Design) -> tuple[str, dict[str, Any]]:
-    """
-    Return why a design is left out, or FEASIBLE, and {column: its result}.
+    Return {measure or axis of a curve: its value} of one design.
 
     A failed constraint ends the work, unless rows that fail are kept.
     """
     results: dict[str, Any] = {}
-    reason = FEASIBLE
     for bound in _cheap_first(study):
         design.search([bound.measure])
         value = results[bound.measure.name] = design.of(bound.measure)
-        if reason == FEASIBLE and not bound.allows(value):
-            reason = bound.measure.name
-            if not study.keeps_all:
-                return reason, results
+        if not study.keeps_all and not bound.allows(value):
+            return results
     design.search(study.measures)
     results |= {measure.name: design.of(measure) for measure in study.measures}
     for curve in study.curves:
         results[f'{curve.point}.x'], results[f'{curve.point}.y'] = design.curve(curve)
-    return reason, results
+    return results

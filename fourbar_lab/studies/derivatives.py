@@ -15,7 +15,7 @@ position) has NaN.
 """
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from math import isfinite, nan, pi
 from typing import Any, NamedTuple
@@ -31,7 +31,12 @@ from fourbar_lab.studies.measures import (
     SWING,
     TIME_RATIO,
 )
-from fourbar_lab.studies.parametric import dimensions_of, formulas_of
+from fourbar_lab.studies.parametric import (
+    constants_of,
+    is_machine,
+    point_quantities_of,
+    with_lengths,
+)
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.extrema.find import Extremum
 from fourbar_ros.extrema.sampling import State
@@ -52,21 +57,23 @@ SHARP = 1e-5
 # Inputs of a mean square: of a full turn, of a range.
 POINTS, NODES = 4096, 512
 
-By = Mapping[str, Any]   # {parameter: derivative}
 _DUALS = duals_of(ARRAYS)
 
 
 class AtExtremum(NamedTuple):
-    """How an extremum moves: derivatives of its value and of its place by each parameter."""
+    """How an extremum moves: derivatives of value and place, shape (parameters,)."""
 
-    value: By
-    place: By
+    value: Array
+    place: Array
 
 
 def usable(scene: Scene) -> tuple[str, ...]:
     """Return the parameters by which there are derivatives: numbers that a scene gives."""
     linkage = scene.linkage
-    beginnings = (*dimensions_of(scene), 'bodies.rods.',
+    dimensions = [f'linkage.{name}' for name in linkage.length_names]
+    if is_machine(scene):
+        dimensions = ['dyads.', *['cylinder.'] * (linkage.input == 'cylinder')]
+    beginnings = (*dimensions, 'bodies.rods.',
                   *[f'bodies.{link.name}.' for link in linkage.LINKS], 'gravity.',
                   *[f'external.{link}.' for link in linkage.EXTERNAL._fields], 'points.',
                   'drive.speed')
@@ -96,19 +103,22 @@ class Derivatives:
 
     def _make(self, numbers: NumberType, data: Sequence[Scalar]) -> Function:
         """Return input -> fields of motion and of loads, quantities, for data of parameters."""
-        linkage = self.scene.linkage
-        formulas = formulas_of(self.scene, numbers,
-                               {**self.scene.values, **dict(zip(self.names, data))})
-        self.quantities = formulas.quantities
+        linkage, values = self.scene.linkage, {**self.scene.values, **dict(zip(self.names, data))}
+        constants = constants_of(self.scene, values, numbers)
+        with np.errstate(all='ignore'):
+            move = linkage.motion_formula(numbers, constants)
+            load = linkage.loads_formula(numbers, constants) if linkage.bodies else None
+        self.quantities |= point_quantities_of(self.scene, values,
+                                               with_lengths(linkage, constants.lengths))
 
         def results(x: Scalar) -> tuple[Any, ...]:
             """Return all results; without masses there are no loads."""
-            fields = formulas.motion(x, formulas.rate, self.acceleration)
-            loads = formulas.loads(fields) if formulas.loads else ()
+            fields = move(x, values['drive.speed'], self.acceleration)
+            loads = load(fields) if load else ()
             state = (linkage.MOTION(*fields), linkage.LOADS(*loads) if loads else NoLoads())
             return tuple(fields), tuple(loads), [
                 quantity.of(*state) if loads or not quantity.is_load else nan
-                for quantity in formulas.quantities.values()]
+                for quantity in self.quantities.values()]
         return results
 
     def _duals(self, places: Sequence[int], x: Any) -> list[Any]:
@@ -139,12 +149,11 @@ class Derivatives:
         places = flat(self._trace.part(2))
         return self._duals([places[[*self.quantities].index(name)]], x)[0]
 
-    def of(self, name: str, x: Array) -> tuple[Array, By]:
-        """Return values of a quantity at inputs x, shape (n,), and {parameter: derivatives}."""
+    def of(self, name: str, x: Array) -> tuple[Array, Array]:
+        """Return values of a quantity at inputs x, shape (n,), and derivatives (parameters, n)."""
         dual = self._quantity(name, x)
-        value, by = value_of(dual), derivatives_of(dual)
-        zero = np.zeros_like(x)
-        return zero + value, {one: zero + by.get(one, 0.0) for one in self.names}
+        by, zero = derivatives_of(dual), np.zeros_like(x)
+        return zero + value_of(dual), np.array([zero + by.get(one, 0.0) for one in self.names])
 
     def at_extremum(self, name: str, x: float) -> AtExtremum:
         """
@@ -156,15 +165,14 @@ class Derivatives:
         with np.errstate(all='ignore'):
             by = derivatives_of(self._quantity(name, stepped))
             # real parts are Q_p and Q_x, imaginary parts STEP times Q_xp and Q_xx
-            parts = {one: np.ravel(by.get(one, 0.0) + 0j)[0] for one in (*self.names, INPUT)}
-            slope = parts.pop(INPUT)
+            *parts, slope = (np.ravel(by.get(one, 0.0) + 0j)[0] for one in (*self.names, INPUT))
             # -STEP off is the way from x to the place: rounding, or x is no smooth extremum
             off = slope.real / slope.imag if slope else 0.0     # a constant quantity has no place
-            unknown = nan if STEP * abs(off) > self._sharp else 0.0
-            return AtExtremum({one: float(part.real - off * part.imag) + unknown
-                               for one, part in parts.items()},
-                              {one: float(-part.imag / slope.imag) + unknown
-                               for one, part in parts.items()})
+            if STEP * abs(off) > self._sharp:
+                off = nan
+            slopes = np.array(parts)
+            return AtExtremum(slopes.real - off * slopes.imag,
+                              -slopes.imag / slope.imag + 0.0 * off)
 
 
 # --- of measures ---------------------------------------------------------------------------------
@@ -174,7 +182,7 @@ class Sensitivity(NamedTuple):
 
     measure: Measure
     value: float | str
-    by: By
+    by: dict[str, float]
 
 
 def sensitivities(derivatives: Derivatives, measures: Sequence[Measure]) -> list[Sensitivity]:
@@ -200,8 +208,6 @@ class _MeasureDerivatives:
         self._derivatives, self._design = derivatives, design
         self._names, self._source = derivatives.names, Measures(derivatives.scene).source
         self._unknown = np.full(len(derivatives.names), nan)
-        # (quantity, input) of an extremum -> derivatives of its value and of its place
-        self._moves: dict[tuple[str, float], tuple[Array, Array]] = {}
         linkage = design.linkage                # a full turn or a stroke depends on no parameter
         self._input_is_fixed = bool(linkage.turns_fully
                                     or linkage.input_ranges == (linkage.stroke,))
@@ -244,19 +250,11 @@ class _MeasureDerivatives:
         if not isfinite(extremum.value):
             return self._unknown, self._unknown
         if not extremum.side:
-            if (name, x) not in self._moves:
-                moves = self._derivatives.at_extremum(name, x)
-                self._moves[name, x] = self._array(moves.value), self._array(moves.place)
-            return self._moves[name, x]
+            return self._derivatives.at_extremum(name, x)
         if x in (self._design.linkage.stroke or ()):        # an end that stays where it is
-            _, by = self._derivatives.of(name, np.array([x]))
-            return (self._array({one: part[0] for one, part in by.items()}),
-                    np.zeros(len(self._names)))
+            _, slopes = self._derivatives.of(name, np.array([x]))
+            return slopes[:, 0], np.zeros(len(self._names))
         return self._unknown, self._unknown     # a toggle: the input turns back, with no formula
-
-    def _array(self, by: By) -> Array:
-        """Return {parameter: derivative} as an array; a missing parameter has no effect."""
-        return np.array([float(by.get(one, 0.0)) for one in self._names])
 
     def _of_rms(self, name: str) -> Array:
         """Return d sqrt(mean Q^2) = mean(Q Q_p) / sqrt(mean Q^2)."""
@@ -265,12 +263,11 @@ class _MeasureDerivatives:
         is_turn = self._design.linkage.turns_fully
         (low, high), = self._design.linkage.input_ranges
         x, weights = nodes(low, high, POINTS if is_turn else NODES, is_turn)
-        values, by = self._derivatives.of(name, x)
+        values, slopes = self._derivatives.of(name, x)
         size = float(np.sqrt(np.sum(weights * values * values)))
         if size == 0.0:       # it grows whichever way a parameter goes: no derivative
-            return self._array({one: nan if np.any(part) else 0.0 for one, part in by.items()})
-        return self._array({one: float(np.sum(weights * values * part)) / size
-                            for one, part in by.items()})
+            return np.where(slopes.any(axis=1), nan, 0.0)
+        return np.asarray((weights * values * slopes).sum(axis=1) / size)
 
     def _of_margin(self) -> Array:
         """
@@ -288,5 +285,5 @@ class _MeasureDerivatives:
         least = signs[np.abs(signs @ sizes).argmin()]
         least = least if least @ sizes > 0.0 else -least
         slopes = (least - least @ sizes / sizes.sum()) / sizes.sum() * np.where(lengths < 0, -1, 1)
-        return self._array({f'linkage.{name}': slope
-                            for name, slope in zip(linkage.length_names, slopes)})
+        by = {f'linkage.{name}': slope for name, slope in zip(linkage.length_names, slopes)}
+        return np.array([by.get(name, 0.0) for name in self._names])

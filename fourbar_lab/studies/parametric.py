@@ -10,19 +10,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from copy import copy
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
-from fourbar_lab.studies.measures import Measures, Searched
+from fourbar_lab.studies.measures import Searched
 from fourbar_ros.mechanics.bodies import Applied, bar_numbers, Body, rod_numbers, unchecked
 from fourbar_ros.mechanisms.contract import Constants
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.quantities import point_acceleration, point_speed
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.numerics.number_types import ARRAY, Function, NumberType, Scalar
+from fourbar_ros.numerics.number_types import ARRAY, NumberType, Scalar
 from fourbar_ros.scene.linkage import Bodies, external_of
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.settings import MACHINE, ParameterValues
-import numpy as np
 
 
 class _BodiesOfAnyNumbers(Bodies):
@@ -74,13 +73,6 @@ def constants_of(scene: Scene, values: ParameterValues, numbers: NumberType = AR
         bodies=linkage.BODIES(**bodies.every()) if bodies.are_given else None)
 
 
-def dimensions_of(scene: Scene) -> tuple[str, ...]:
-    """Return how names of parameters that are dimensions begin: linkage.a1, dyads., ..."""
-    if is_machine(scene):
-        return 'dyads.', *['cylinder.'] * (scene.linkage.input == 'cylinder')
-    return tuple([f'linkage.{name}' for name in scene.linkage.length_names])
-
-
 def with_lengths(linkage: Mechanism, lengths: Sequence[Scalar | Array]) -> Mechanism:
     """
     Return a copy of a linkage whose lengths are any numbers, as columns of many designs.
@@ -112,24 +104,3 @@ def point_quantities_of(scene: Scene, values: ParameterValues, parametric: Mecha
             quantities[quantity.name] = quantity._replace(
                 of=partial(of.func, parametric, link, *place, first))
     return quantities
-
-
-class Formulas(NamedTuple):
-    """Motion, loads and quantities of a scene whose parameters are numbers of one type."""
-
-    motion: Function                # (input, rate, acceleration) -> fields of MOTION
-    loads: Function | None          # motion -> fields of LOADS; None without masses
-    rate: Scalar                    # drive.speed
-    quantities: dict[str, Searched]
-
-
-def formulas_of(scene: Scene, numbers: NumberType, values: ParameterValues) -> Formulas:
-    """Return the :class:`Formulas` of a scene for values of its parameters of any type."""
-    linkage, constants = scene.linkage, constants_of(scene, values, numbers)
-    parametric = with_lengths(linkage, constants.lengths)
-    with np.errstate(all='ignore'):
-        return Formulas(linkage.motion_formula(numbers, constants),
-                        linkage.loads_formula(numbers, constants) if linkage.bodies else None,
-                        values['drive.speed'],
-                        {**Measures(scene).quantities,
-                         **point_quantities_of(scene, values, parametric)})

@@ -160,7 +160,7 @@ def test_designs_computed_together_are_those_computed_one_by_one(name, monkeypat
     monkeypatch.setattr(chunks, '_row', lambda *given: alone.append(given) or one_by_one(*given))
     again = compute(study, 0)
     assert len(alone) < 80 and again.counts == together.counts     # most are computed together
-    monkeypatch.setattr(chunks, '_together', lambda study, drawn: ({}, [''] * 96))
+    monkeypatch.setattr(chunks, '_together', lambda study, drawn: ({}, np.zeros(96, bool)))
     expected = compute(study, 0)
     assert together.counts == expected.counts
     for measure in study.measures:
@@ -180,7 +180,7 @@ def test_curves_computed_together_are_those_computed_one_by_one(curves, monkeypa
                                     'linkage.a2': {'range': [0.1, 0.3]}},
                            'quantities': ['middle.speed', 'middle.acceleration.max']})
     together = compute(study, 0)
-    monkeypatch.setattr(chunks, '_together', lambda study, drawn: ({}, [''] * 40))
+    monkeypatch.setattr(chunks, '_together', lambda study, drawn: ({}, np.zeros(40, bool)))
     expected = compute(study, 0)
     assert together.counts == expected.counts
     for name, column in expected.columns.items():
@@ -198,9 +198,9 @@ def test_rates_of_any_four_bars_computed_together_are_those_computed_one_by_one(
     alone = []
     monkeypatch.setattr(chunks, '_row', lambda *given: alone.append(given) or one_by_one(*given))
     together = compute(study, 0)
-    not_built = together.counts['cannot be built']
-    assert 0 < not_built < len(alone) < 200     # cranks that turn fully are computed together
-    monkeypatch.setattr(chunks, '_together', lambda study, drawn: ({}, [''] * 200))
+    # cranks that turn fully are computed together
+    assert 0 < len(alone) < 200 - together.counts['cannot be built'] < 200
+    monkeypatch.setattr(chunks, '_together', lambda study, drawn: ({}, np.zeros(200, bool)))
     expected = compute(study, 0)
     assert together.counts == expected.counts
     infinite = 0
