@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 import re
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import Any, TYPE_CHECKING
 
 from fourbar_lab.drawing.figure import CannotDraw, need_matplotlib, STYLE
 from fourbar_lab.drawing.labels import labels_of
@@ -115,9 +115,8 @@ def _of_forces(mechanism: Mechanism, rates: tuple[float, float],
     steps = [(loads or mechanism.loads)(inputs, *rates)
              for inputs in cycles(mechanism, from_zero=turns > 1, turns=turns)]
     names = {'shaking_force': 'shaking force'} | ground_forces(mechanism)
-    return {text: [_bounded(np.stack([getattr(step, f'{name}_x'), getattr(step, f'{name}_y')],
-                                     axis=-1))
-                   for step in steps] for name, text in names.items()}, 'N'
+    return {text: [bounded(vectors_of(step, name)) for step in steps]
+            for name, text in names.items()}, 'N'
 
 
 def _of_points(what: str, mechanism: Mechanism, rates: tuple[float, float],
@@ -127,11 +126,16 @@ def _of_points(what: str, mechanism: Mechanism, rates: tuple[float, float],
         raise CannotDraw('no point to draw: give points.NAME.link, .along, .across')
     field, unit = ('place', 'm') if what == 'paths' else ('velocity', 'm/s')
     motions = [mechanism.motion(inputs, *rates) for inputs in cycles(mechanism)]
-    return {name: [_bounded(getattr(point_motion(mechanism, motion, *point), field))
+    return {name: [bounded(getattr(point_motion(mechanism, motion, *point), field))
                    for motion in motions] for name, point in points.items()}, unit
 
 
-def _bounded(vectors: Array) -> Array:
+def vectors_of(loads: Any, name: str) -> Array:
+    """Return a force of loads in n poses, shape (n, 2), or in one [N]."""
+    return np.stack([getattr(loads, f'{name}_{axis}') for axis in 'xy'], axis=-1)
+
+
+def bounded(vectors: Array) -> Array:
     """Return vectors (n, 2) with outliers as NaN: near a toggle they would dwarf the rest."""
     size = np.hypot(*vectors.T)
     bound = OUTLIER * float(np.nanmedian(size)) or np.inf

@@ -1,17 +1,15 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Charts of a page as ECharts options: curves over the input with extrema, polar force plots."""
+"""Charts of a page as ECharts options: curves over the input with their extrema."""
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import ceil, floor, isfinite, log10, radians
+from math import isfinite, radians
 from typing import Any
 
-from fourbar_lab.drawing.cycles import ground_forces
 from fourbar_lab.drawing.labels import significant
 from fourbar_lab.live.model import LIMIT, Shown, written
 from fourbar_ros.extrema.find import CONSTANT, Extremum, INTERIOR, MAXIMUM
-from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
@@ -22,8 +20,6 @@ CURSOR = '#c0392b'
 NEAR, FAR = 10.0, 30.0      # a curve beyond FAR times its median size is shown up to NEAR times
 GOOD = 50.0                 # [deg] a transmission angle is called good within this of 90 deg
 BAND = 'rgba(60,160,80,.16)'
-POLAR_SIZE = 400, 380                                          # [px]
-POLAR_EDGES = 62, 18, 40, 44                                   # left, right, top, bottom [px]
 
 Options = dict[str, Any]        # a tree, as ECharts documents it
 
@@ -144,62 +140,3 @@ def cursor_html(value: float, low: float, high: float) -> str:
     share = (value - low) / (high - low) if high > low else 0.0
     return ('<div class="fb-cursor" style="left:'
             f'calc({LEFT}px + {share:.6f} * (100% - {LEFT + RIGHT}px))"></div>')
-
-
-def polar(shown: Shown, is_dark: bool) -> Options:
-    """
-    Return the options of the polar diagram: each force as a vector from the origin [N].
-
-    The shaking force, and the reaction of the ground at each of its joints.
-    """
-    names = {'shaking_force': 'shaking force'} | ground_forces(shown.linkage)
-    series: list[Options] = []
-    largest = 0.0
-    for name, text in names.items():
-        points: list[list[float | None]] = []
-        for cycle in shown.cycles:
-            x, y = (getattr(cycle.loads, f'{name}_{axis}') for axis in 'xy')
-            size = np.hypot(x, y)
-            bound = LIMIT * float(np.nanmedian(size)) or np.inf
-            points += [[float(a), float(b)] for a, b, c in zip(x, y, size) if c <= bound]
-            points.append([None, None])         # a gap between ranges of the input
-            largest = max(largest, float(np.nanquantile(size[np.isfinite(size)], 0.99)))
-        series.append({'type': 'line', 'name': text, 'showSymbol': False, 'data': points,
-                       'lineStyle': {'width': 2}, 'color': _colour(len(series), is_dark)})
-    left, right, top, bottom = POLAR_EDGES
-    bound, step = _round_axis(1.04 * largest)
-    axis = {'type': 'value', 'min': -bound, 'max': bound, 'interval': step,
-            'splitLine': _grid(is_dark), 'axisLabel': {'color': _ink(is_dark)},
-            'nameTextStyle': {'color': _ink(is_dark)}}
-    return {'animation': False, 'backgroundColor': 'transparent',
-            'darkMode': is_dark,
-            'legend': {'top': 0, 'itemWidth': 16, 'textStyle': {'color': _ink(is_dark)}},
-            'grid': {'left': left, 'right': right, 'top': top, 'bottom': bottom},
-            'xAxis': axis | {'name': 'x [N]', 'nameLocation': 'middle', 'nameGap': 26},
-            'yAxis': axis | {'name': 'y [N]', 'nameLocation': 'middle', 'nameGap': 46},
-            'tooltip': {}, 'series': series}
-
-
-def _round_axis(largest: float) -> tuple[float, float]:
-    """Return (bound, step) of an axis -bound to bound, in round steps: of 7.3, (10.0, 5.0)."""
-    if not largest > 0.0 or not isfinite(largest):
-        return 1.0, 0.5
-    size = 10.0 ** floor(log10(largest / 2.0))
-    step = next(float(f'{size * part:.0e}') for part in (1.0, 2.0, 5.0, 10.0)
-                if 3.0 * size * part >= largest)
-    return step * ceil(largest / step - 1e-9), step
-
-
-def polar_now(shown: Shown, loads: NamedFields | None, bound: float, is_dark: bool) -> str:
-    """Return SVG of a dot for each force of a pose, to lie over the diagram of :func:`polar`."""
-    left, right, top, bottom = POLAR_EDGES
-    width, height = POLAR_SIZE[0] - left - right, POLAR_SIZE[1] - top - bottom
-    dots = []
-    for i, name in enumerate(('shaking_force', *ground_forces(shown.linkage))):
-        x, y = (getattr(loads, f'{name}_{axis}') / bound for axis in 'xy')
-        if max(abs(x), abs(y)) <= 1.0:
-            dots.append(f'<circle cx="{left + 0.5 * (1.0 + x) * width:.1f}" '
-                        f'cy="{top + 0.5 * (1.0 - y) * height:.1f}" r="5" '
-                        f'fill="{_colour(i, is_dark)}"/>')
-    return (f'<svg width="{POLAR_SIZE[0]}" height="{POLAR_SIZE[1]}" stroke="{_ink(is_dark)}">'
-            f'{"".join(dots)}</svg>')

@@ -11,9 +11,8 @@ plays, scrubs and drags through these (player.js).
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 import contextlib
-from functools import partial
 from math import radians
 from pathlib import Path
 from typing import Any
@@ -24,14 +23,16 @@ from fourbar_lab.live import charts, controls, downloads, link, tables
 from fourbar_lab.live.model import Pose, Shown
 from fourbar_lab.live.model import shown as shown_of
 from fourbar_lab.live.picture import (
+    Drawn,
+    force_drawing,
     force_scale,
     grips_svg,
     joints_of,
     Layers,
     mechanism_svg,
     mechanism_view,
-    polygon_svg,
-    polygon_view,
+    polygon_drawing,
+    POLYGONS,
     traces_svg,
 )
 from fourbar_lab.live.svg import HEIGHT, STYLE, WIDTH
@@ -47,8 +48,6 @@ FRAMES = 181                # of a cycle, about
 SOON, LATER = 0.005, 0.1    # [s] until charts, then the frames of a cycle follow a picture
 PATIENCE = 10.0             # [s] for an answer of the browser
 LIKES_DARK = "matchMedia('(prefers-color-scheme: dark)').matches"
-CURVES, FORCES, POLYGONS, EXTREMA, FACTS = VIEWS = (
-    'Curves', 'Forces', 'Polygons', 'Extrema', 'Facts')
 LAYERS = {'curves': 'coupler curves', 'forces': 'forces', 'centres': 'instant centres',
           'axis': 'collineation axis'}
 HEAD = f"""<style>{STYLE}
@@ -59,20 +58,23 @@ HEAD = f"""<style>{STYLE}
 GO_THERE = """<q-td :props="props"><q-btn flat dense no-caps :label="props.value"
   @click.stop="() => $parent.$emit('go', props.row.input)" /></q-td>"""
 
-Drawn = Callable[[float, Pose], str]        # of an input in the unit of the page, and its pose
-
 
 class Player(Element, component='player.js'):   # type: ignore[call-arg]  # as NiceGUI asks
     """The picture and what moves it; an element of the page with the properties of player.js."""
 
 
 class PoseElement(Element, component='pose.js'):    # type: ignore[call-arg]  # as NiceGUI asks
-    """Something else that is drawn of each pose: an HTML element of this tag."""
+    """Something else that is drawn of each pose: an HTML element, by default a picture."""
 
-    def __init__(self, tag: str, label: str = '') -> None:
+    def __init__(self, label: str, tag: str = 'svg') -> None:
         super().__init__()
-        self.props(f'role=img aria-label="{label}"' if label else '')
-        show(self, tag=tag, still='', frames=[])
+        if tag == 'svg':
+            self.props(f'role=img aria-label="{label}" viewBox="0 0 {WIDTH:g} {HEIGHT:g}"')
+            self.classes('fb-picture')
+        show(self, tag=tag, **BLANK)
+
+
+Drawings = dict[PoseElement, Drawn]
 
 
 def show(element: Element, **properties: Any) -> None:
@@ -111,7 +113,8 @@ class Page:
         self.pose: Pose | None = None                   # what is drawn now; None: nothing
         self.refusal = self.no_pose = ''         # why there is no mechanism, why it has no pose
         self.found: list[Extremum] | None = None        # extrema of the quantities chosen
-        self.fresh: set[str] = set()        # names of views that show the present mechanism
+        # what the views that show the present mechanism draw of each pose, by their names
+        self.drawings: dict[str, Drawings] = {}
 
     @property
     def at(self) -> float:
@@ -162,19 +165,19 @@ class Page:
             with ui.column().classes('fb-views'):
                 self._build_views()
             with ui.column().classes('fb-now'):
-                self.now = PoseElement('div')
+                self.now = PoseElement('', 'div')
         ui.timer(0.0, self._ask_dark, once=True)
         self.rebuild(keep_problem=True)
 
     def _build_views(self) -> None:
         """Build a tab for each view; they are filled when they are opened."""
         with ui.tabs().props('dense no-caps align=left').classes('full-width') as self.tabs:
-            for name in VIEWS:
+            for name in FILL:
                 ui.tab(name)
         self.tabs.on_value_change(self.fill)
-        with ui.tab_panels(self.tabs, value=CURVES, animated=False, keep_alive=True).classes(
+        with ui.tab_panels(self.tabs, value='Curves', animated=False, keep_alive=True).classes(
                 'full-width bg-transparent'):
-            with _panel(CURVES):
+            with _panel('Curves'):
                 self.chosen = ui.select(
                     list(self.shown.quantities), value=self.names, multiple=True,
                     label='quantities', on_change=lambda event: self.choose(event.value)).props(
@@ -182,26 +185,21 @@ class Page:
                 with ui.element('div').classes('full-width fb-over'):
                     self.curves = ui.echart({}).classes('full-width').props(
                         'role=img aria-label="curves over the input, extrema marked"')
-                    self.cursor = PoseElement('div')
-            with _panel(FORCES):
+                    self.cursor = PoseElement('', 'div')
+            with _panel('Forces'):
                 self.no_loads = ui.label()
-                width, height = charts.POLAR_SIZE
-                with ui.element('div').classes('fb-over'):
-                    self.polar = ui.echart({}).style(f'width:{width}px;height:{height}px').props(
-                        'role=img aria-label="polar diagram of the shaking force and reactions"')
-                    self.dots = PoseElement('div', 'the forces of this pose').classes('fb-dots')
-            with _panel(POLYGONS):
-                self.polygons = []
-                for name in ('velocity', 'acceleration'):
+                self.forces = PoseElement('polar diagram of the shaking force and reactions')
+            with _panel('Polygons'):
+                self.polygons = {}
+                for name in POLYGONS:
                     ui.label(f'{name} polygon')
-                    self.polygons.append(PoseElement('svg', f'{name} polygon').classes(
-                        'fb-picture').props(f'viewBox="0 0 {WIDTH:g} {HEIGHT:g}"'))
-            with _panel(EXTREMA):
+                    self.polygons[name] = PoseElement(f'{name} polygon')
+            with _panel('Extrema'):
                 self.extrema = _table(tables.EXTREMA_COLUMNS, 'key')
                 self.extrema.add_slot('body-cell-at', GO_THERE)
                 self.extrema.on('go', lambda event: self.go(event.args))
                 self.extrema.on('rowClick', lambda event: self.go(event.args[1]['input']))
-            with _panel(FACTS):
+            with _panel('Facts'):
                 columns = [{'name': name, 'label': '', 'field': name, 'align': 'left'}
                            for name in ('name', 'text')]
                 self.facts = _table(columns, 'name', 'wrap-cells hide-header').classes('fb-words')
@@ -242,12 +240,11 @@ class Page:
 
     def _clear(self) -> None:
         """Show nothing of a mechanism: there is none."""
-        self.fresh.clear()
+        self.drawings.clear()
         show(self.player, **NOTHING)
         for element in self._pose_elements():
-            show(element, still='', frames=[])
-        for chart in (self.curves, self.polar):
-            _set_chart(chart, {})
+            show(element, **BLANK)
+        _set_chart(self.curves, {})
         for table in (self.extrema, self.facts):
             table.rows = []
 
@@ -256,7 +253,7 @@ class Page:
         if self.refusal:
             return
         self.found = None
-        self.fresh.clear()
+        self.drawings.clear()
         self.draw()
         self.fill()
         self._remember()
@@ -319,7 +316,7 @@ class Page:
              under=traces_svg(self.shown, self.view) if self.layers.curves else '',
              still=self._picture(pose) + grips_svg(self.shown, pose, self.view)
              if self.pose else '')
-        drawn = dict(self._drawn()) if self.pose else {}
+        drawn = self._drawn() if self.pose else {}
         for element in self._pose_elements():
             show(element, still=drawn[element](self.at, pose) if element in drawn else '')
 
@@ -342,24 +339,13 @@ class Page:
 
     def _pose_elements(self) -> list[PoseElement]:
         """Return all elements beside the picture that show a pose."""
-        return [self.now, self.cursor, self.dots, *self.polygons]
+        return [self.now, self.cursor, self.forces, *self.polygons.values()]
 
-    def _drawn(self) -> Iterator[tuple[PoseElement, Drawn]]:
-        """Yield the elements that show a pose now, and how each draws it."""
-        shown, name, is_dark = self.shown, self.tabs.value, bool(self.dark.value)
-        yield self.now, lambda at, pose: tables.now_html(shown, pose)
-        if name not in self.fresh:
-            return
-        if name == CURVES and self.names:
-            low, high = self.bounds
-            yield self.cursor, lambda at, pose: charts.cursor_html(at, low, high)
-        elif name == FORCES and not shown.why_no_loads:
-            bound = self.polar_bound
-            yield self.dots, lambda at, pose: charts.polar_now(shown, pose.loads, bound, is_dark)
-        elif name == POLYGONS:
-            for element, polygon, view, unit in zip(
-                    self.polygons, _polygons(shown), self.polygon_views, ('m/s', 'm/s²')):
-                yield element, partial(_polygon, shown, polygon, view, unit)
+    def _drawn(self) -> Drawings:
+        """Return the elements that show a pose now, and how each draws it."""
+        shown = self.shown
+        return {self.now: lambda at, pose: tables.now_html(shown, pose),
+                **self.drawings.get(self.tabs.value, {})}
 
     def fill(self) -> None:
         """Fill the view that is open, once for all that asked for it meanwhile."""
@@ -372,14 +358,13 @@ class Page:
             return
         name = self.tabs.value
         try:
-            if name not in self.fresh:
-                FILL[name](self)
-                self.fresh.add(name)
+            if name not in self.drawings:
+                self.drawings[name] = FILL[name](self)
         except FourBarError as error:       # a search that is beyond the numbers
             self.problem = str(error)
         self.draw()
         await asyncio.sleep(LATER)
-        shown, drawn = self.shown, dict(self._drawn())
+        shown, drawn = self.shown, self._drawn()
         cycle = await run.io_bound(self._cycle, shown, list(drawn.values()))
         # None: the server ends
         if cycle and self.shown is shown and not self.refusal and not self.client.is_deleted:
@@ -410,49 +395,49 @@ class Page:
             self.found = self.shown.extrema(self.names)
         return self.found
 
-    def fill_curves(self) -> None:
+    def fill_curves(self) -> Drawings:
         """Draw the curves of the chosen quantities over the input, extrema marked."""
         _set_chart(self.curves, charts.over_input(self.shown, self.names, self.extrema_found(),
                                                   bool(self.dark.value)))
         self.curves.style(f'height:{charts.height(len(self.names))}px')
+        low, high = self.bounds
+        return ({self.cursor: lambda at, pose: charts.cursor_html(at, low, high)}
+                if self.names else {})
 
-    def fill_forces(self) -> None:
+    def fill_forces(self) -> Drawings:
         """Draw the polar diagram of the forces, or say why there are no loads."""
         why = self.shown.why_no_loads
         self.no_loads.set_visibility(bool(why))
         self.no_loads.set_text(f'no loads: {why}')
-        options = {} if why else charts.polar(self.shown, bool(self.dark.value))
-        _set_chart(self.polar, options)
-        self.polar_bound = options['xAxis']['max'] if options else 1.0
+        self.forces.set_visibility(not why)
+        if why:
+            return {}
+        under, drawn = force_drawing(self.shown)
+        show(self.forces, under=under)
+        return {self.forces: drawn}
 
-    def fill_polygons(self) -> None:
+    def fill_polygons(self) -> Drawings:
         """Find a scale for each polygon that suits all poses."""
-        self.polygon_views = [polygon_view([polygon(pose.motion) for pose in self.shown.poses])
-                              for polygon in _polygons(self.shown)]
+        return {element: polygon_drawing(self.shown, name)
+                for name, element in self.polygons.items()}
 
-    def fill_extrema(self) -> None:
+    def fill_extrema(self) -> Drawings:
         self.extrema.rows = tables.extrema_rows(self.shown, self.extrema_found())
+        return {}
 
-    def fill_facts(self) -> None:
+    def fill_facts(self) -> Drawings:
         """Show type, ranges and letters of the mechanism."""
         rows = [*facts(self.shown.scene.bare_linkage), *tables.joint_rows(self.shown)]
         self.facts.rows = [{'name': name, 'text': text} for name, text in rows]
+        return {}
 
 
 NOTHING: dict[str, Any] = {'under': '', 'still': '', 'label': '', 'bounds': [0.0, 1.0], 'at': 0.0,
                            'inputs': [], 'frames': [], 'joints': [], 'ranges': [], 'turns': 0}
-FILL: dict[str, Callable[[Page], None]] = {
-    CURVES: Page.fill_curves, FORCES: Page.fill_forces, POLYGONS: Page.fill_polygons,
-    EXTREMA: Page.fill_extrema, FACTS: Page.fill_facts}
-
-
-def _polygons(shown: Shown) -> tuple[Callable[..., Any], ...]:
-    return shown.linkage.velocity_polygon, shown.linkage.acceleration_polygon
-
-
-def _polygon(shown: Shown, polygon: Callable[..., Any], view: Any, unit: str, at: float,
-             pose: Pose) -> str:
-    return polygon_svg(polygon(pose.motion), view, unit, shown.labels.letters)
+BLANK: dict[str, Any] = {'under': '', 'still': '', 'frames': []}
+FILL: dict[str, Callable[[Page], Drawings]] = {
+    'Curves': Page.fill_curves, 'Forces': Page.fill_forces, 'Polygons': Page.fill_polygons,
+    'Extrema': Page.fill_extrema, 'Facts': Page.fill_facts}
 
 
 def _panel(name: str) -> ui.tab_panel:

@@ -3,20 +3,22 @@
 """SVG pictures of a mechanism and of its polygons, from the same diagram as print."""
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from itertools import combinations
 from math import hypot, inf, isfinite
 from types import MappingProxyType
 from typing import NamedTuple
 
 from fourbar_lab.drawing.axis import axis_angle, axis_parts
+from fourbar_lab.drawing.cycles import bounded, ground_forces, vectors_of
 from fourbar_lab.drawing.labels import significant
 from fourbar_lab.drawing.mechanism_panel import renamed
+from fourbar_lab.drawing.sheet import nice
 from fourbar_lab.live import svg
 from fourbar_lab.live.model import Pose, Shown
 from fourbar_lab.live.svg import HEIGHT, MARGIN, STYLE, View, view_of, WIDTH
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import Arrow, Diagram, NamedFields, without_repeats
+from fourbar_ros.mechanisms.parts import Arrow, Diagram, NamedFields, ORIGIN, without_repeats
 from fourbar_ros.mechanisms.picture import Arm, forces_of, of_kind, picture
 from fourbar_ros.mechanisms.points import instant_centre, link_motion, LinkMotion
 from fourbar_ros.numerics.arrays import Array
@@ -27,6 +29,7 @@ DOWN = np.array([1.0, -1.0])       # pixels count downwards
 NEAR = 24.0                        # [px] a joint is caught from so far
 MOST_EDGE = 130.0                  # [px] that arrows may take of a side at most
 FITS = 4                           # steps to find how much they need
+POLYGONS = {'velocity': 'm/s', 'acceleration': 'm/s²'}      # and their units
 
 
 class Layers(NamedTuple):
@@ -202,6 +205,37 @@ def _axis(linkage: Mechanism, motion: NamedFields, view: View) -> list[str]:
 
 
 # --- polygons ------------------------------------------------------------------------------------
+
+Drawn = Callable[[float, Pose], str]        # of an input in the unit of the page, and its pose
+
+
+def polygon_drawing(shown: Shown, name: str) -> Drawn:
+    """Return how the velocity or acceleration polygon is drawn, at one scale for all poses."""
+    polygon, unit = getattr(shown.linkage, f'{name}_polygon'), POLYGONS[name]
+    view = polygon_view([polygon(pose.motion) for pose in shown.poses])
+    return lambda at, pose: polygon_svg(polygon(pose.motion), view, unit, shown.labels.letters)
+
+
+def force_drawing(shown: Shown) -> tuple[str, Drawn]:
+    """
+    Return the polar diagram of the shaking force and the forces on the ground: paths, and a pose.
+
+    Each force is an arrow from the pole o, whose tip moves on its path; a circle has the scale.
+    """
+    names = {'shaking_force': 'shaking force'} | ground_forces(shown.linkage)
+    paths = [bounded(vectors_of(cycle.loads, name)) for cycle in shown.cycles for name in names]
+    view = view_of(np.concatenate([np.zeros((1, 2)), *paths]))
+    pole, radius = view.at((0.0, 0.0)), nice(0.4 * min(WIDTH, HEIGHT) / view.scale)
+    under = ['<g class="fb">', svg.circle('through', pole, round(radius * view.scale, 1)),
+             svg.text('', (pole[0] + 4.0, pole[1] - radius * view.scale - 4.0), f'{radius:g} N'),
+             *(svg.polyline('trace', path, view) for path in paths), '</g>']
+
+    def draw(at: float, pose: Pose) -> str:
+        return polygon_svg([Arrow(ORIGIN, vectors_of(pose.loads, name), text,
+                                  name == 'shaking_force') for name, text in names.items()],
+                           view, 'N')
+    return ''.join(under), draw
+
 
 def polygon_view(polygons: Iterable[list[Arrow]]) -> View:
     """Return the view in which all these polygons have room."""

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Something drawn of a pose: while the picture moves (player.js), of its frame, else as the server drew it.
 export default {
-  template: `<component :is="tag" v-html="frames[frame] ?? still"></component>`,
-  props: { tag: String, still: String, frames: Array },
+  template: `<component :is="tag" v-html="under + (frames[frame] ?? still)"></component>`,
+  props: { tag: String, under: String, still: String, frames: Array },
   data() {
     return { frame: -1 };
   },

@@ -18,7 +18,6 @@ KINDS = ['paper', 'jansen', 'cylinder']
 SETTLE = 1.0            # [s]
 CLOSED = '.q-expansion-item--collapsed .q-item'
 CURVES = 'curves over the input, extrema marked'
-POLAR = 'polar diagram of the shaking force and reactions'
 
 
 @pytest.fixture(scope='module')
@@ -117,11 +116,11 @@ def test_ten_quick_moves_end_with_the_last(opened):
 def is_empty(tab):
     """Return whether no strokes, rows, curves and cursor are on the page."""
     shown_svg = tab.driver.execute_script(
-        "return [...document.querySelectorAll('.fb-picture, .fb-dots')]"
+        "return [...document.querySelectorAll('.fb-picture')]"
         ".map(s => s.querySelectorAll('line, circle, polyline, polygon').length)")
     cursors = tab.driver.find_elements('css selector', '.fb-cursor')
     return not (any(shown_svg) or tab.now() or tab.rows('quantity') or tab.rows('lengths')
-                or any(tab.count_series(chart) for chart in (CURVES, POLAR))
+                or tab.count_series(CURVES)
                 or any(cursor.is_displayed() for cursor in cursors))
 
 

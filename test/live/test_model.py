@@ -10,6 +10,7 @@ from fourbar_lab.live import link as links
 from fourbar_lab.live.model import shown
 from fourbar_lab.live.picture import (
     document,
+    force_drawing,
     force_scale,
     joints_of,
     Layers,
@@ -91,6 +92,22 @@ def test_force_labels_have_the_values_of_the_core():
             seen.add(number)        # four digits
             assert float(value) == pytest.approx(getattr(loads, f'f{number}'), rel=5e-4)
     assert seen == {'41', '21', '32', '43'}
+
+
+def test_the_polar_diagram_has_the_forces_of_the_core_on_their_paths():
+    found = shown_of('slider_crank')
+    under, draw = force_drawing(found)
+    paths = [line.get('points').split() for line in ElementTree.fromstring(under).iter('polyline')]
+    _, pose = found.pose(float(found.cycles[0].inputs[30]))
+    svg, loads = draw(0.0, pose), pose.loads
+    shown_forces = dict(re.findall(r'(\S+) = (\S+) N', ' '.join(texts_of(svg))))
+    assert float(shown_forces.pop('force')) == pytest.approx(loads.shaking_force, rel=5e-4)
+    for symbol, value in shown_forces.items():
+        assert float(value) == pytest.approx(getattr(loads, symbol.lower()), rel=5e-4)
+    assert len(paths) == len(shown_forces) + 1 and all(len(path) == 361 for path in paths)
+    tips = [polygon.get('points').split()[0] for polygon in ElementTree.fromstring(svg).iter(
+        'polygon')]
+    assert tips and all(any(tip in path for path in paths) for tip in tips)
 
 
 def test_joints_with_words_for_names_have_one_letter_a_place():

@@ -247,13 +247,10 @@ def test_layers_and_views(tab):
         had = sign in tab.picture()
         tab.tick(label)
         tab.until(lambda: (sign in tab.picture()) != had, f'{label} switched')
-    tab.open('Polygons')
-    for name in ('velocity', 'acceleration'):
-        tab.until(lambda: 'class="sum"' in tab.by(f'{name} polygon').get_attribute('innerHTML'),
-                  f'{name} polygon')
-    tab.open('Forces')
-    tab.until(lambda: tab.by('polar diagram of the shaking force and reactions')
-              .find_elements('css selector', 'canvas'), 'the polar diagram')
+    for view, name in (('Polygons', 'velocity polygon'), ('Polygons', 'acceleration polygon'),
+                       ('Forces', 'polar diagram of the shaking force and reactions')):
+        tab.open(view)
+        tab.until(lambda name=name: 'class="sum"' in tab.by(name).get_attribute('innerHTML'), name)
     assert not errors(tab.driver)
 
 
