@@ -109,7 +109,7 @@ def _show(arguments: argparse.Namespace) -> None:
         console.print(make_table(title, heads, rows))
 
     def show_designs(title: str, rows: Sequence[int]) -> None:
-        names = [*(name for name, _ in results.objectives), *results.varied]
+        names = [*results.objectives, *results.varied]
         show(title, ('row>', *(f'{name}>' for name in names)),
              [(str(row), *(f'{design[name]:.6g}' for name in names))
               for row, design in ((row, results.design(row)) for row in rows)])
@@ -126,11 +126,11 @@ def _show(arguments: argparse.Namespace) -> None:
              [(one.name, one.unit, *(f'{value:.6g}' for value in (
                  one.least, *one.percentiles, one.greatest, one.mean)))
               for one in results.summaries()])
-        for name, sense in results.objectives:
+        for name, sense in results.objectives.items():
             show_designs(f'best designs: {sense} {name}', results.best(name))
         if len(results.objectives) > 1:
             front = results.front()
-            one, other = (name for name, _ in results.objectives[:2])
+            one, other = list(results.objectives)[:2]
             rows = front['row'][front[one].argsort()].tolist()
             step = -(-len(rows) // LISTED)
             show_designs(f'front: {len(rows)} designs that none beats in {one} without being '

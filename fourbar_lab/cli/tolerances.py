@@ -7,7 +7,6 @@ import argparse
 from dataclasses import replace
 from functools import partial
 from math import isfinite
-import tempfile
 from typing import TYPE_CHECKING
 
 from fourbar_ros.cli.common import HelpFormatter, Verbs
@@ -74,16 +73,18 @@ def _drawn(study: Study, workers: int | None) -> tuple[dict[str, Summary], float
 
     All rows count, feasible or not, and nobody wants objectives or curves here.
     """
-    from fourbar_lab.studies.engine import processes, run
+    from fourbar_lab.studies.chunks import compute
+    from fourbar_lab.studies.engine import processes
     from fourbar_lab.studies.results import summary
-    from pyarrow import parquet
-    study = replace(study, keeps_all=True, objectives=(), curves=())
-    with tempfile.TemporaryDirectory() as folder:
-        run(study, folder, partial(processes, workers))
-        table = parquet.read_table(folder)
-    return ({name: summary(name, '', table[name].to_numpy())
-             for name in (one.name for one in study.measures if one.part != 'class')},
-            int(table['feasible'].to_numpy().sum()) / study.rows)
+    import numpy as np
+    study = replace(study, keeps_all=True, objectives={}, curves={})
+    with processes(workers) as pool:
+        chunks = list(pool.map(partial(compute, study), range(study.chunks)))
+    columns = {name: np.concatenate([chunk.columns[name] for chunk in chunks])
+               for name in ('feasible', *(one.name for one in study.measures
+                                          if one.part != 'class'))}
+    share = np.count_nonzero(columns.pop('feasible')) / study.rows
+    return {name: summary(name, '', column) for name, column in columns.items()}, share
 
 
 def _bounds_row(one: Toleranced, drawn: dict[str, Summary]) -> tuple[str, ...]:

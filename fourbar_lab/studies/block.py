@@ -23,7 +23,7 @@ from fourbar_lab.studies.measures import (
     STROKE,
 )
 from fourbar_lab.studies.parametric import constants_of, point_quantities_of, with_lengths
-from fourbar_lab.studies.study import Curve, Study
+from fourbar_lab.studies.study import Study
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.extrema.full_turns import search_turns, Turns
 from fourbar_ros.extrema.sampling import State
@@ -133,9 +133,9 @@ class Block:
                 values, is_right = self._measure(measure, turns, needed)
                 done &= is_right
                 self._column(measure.name)[rows[done]] = values[done]
-        for curve in self.study.curves:
-            for axis, values in zip('xy', self._curve(designs, curve)):
-                column = self._column(f'{curve.point}.{axis}', curve.samples)
+        for point, samples in self.study.curves.items():
+            for axis, values in zip('xy', self._curve(designs, point, samples)):
+                column = self._column(f'{point}.{axis}', samples)
                 column[rows[done]] = values[done]
                 done &= np.isfinite(values).all(axis=1)
         return done
@@ -186,14 +186,13 @@ class Block:
         has_ends = np.asarray(extent.extrema > 0) if measure.part == STROKE else all_right
         return np.asarray(extent.of(measure.part)), has_ends
 
-    def _curve(self, designs: Designs, curve: Curve) -> tuple[Array, Array]:
+    def _curve(self, designs: Designs, point: str, samples: int) -> tuple[Array, Array]:
         """Return x and y [m] of a point over a turn, each of shape (n, samples)."""
-        x = np.broadcast_to(tau * np.arange(curve.samples) / curve.samples,
-                            (designs.size, curve.samples))
+        x = np.broadcast_to(tau * np.arange(samples) / samples, (designs.size, samples))
         motion, _ = designs.state(x, 0.0, False)
-        link = link_motion(designs.many, motion, self.scene.points[curve.point].link)
-        place = point_of(link, designs.values[f'points.{curve.point}.along'],
-                         designs.values[f'points.{curve.point}.across'])
+        link = link_motion(designs.many, motion, self.scene.points[point].link)
+        place = point_of(link, designs.values[f'points.{point}.along'],
+                         designs.values[f'points.{point}.across'])
         return np.broadcast_to(place[0], x.shape), np.broadcast_to(place[1], x.shape)
 
 

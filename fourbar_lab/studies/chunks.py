@@ -95,7 +95,7 @@ def types_of(study: Study) -> dict[str, type]:
     """Return {measure or axis of a curve: the type of its numbers, or str}."""
     types = {measure.name: {CLASS: str, 'extrema': np.int32}.get(measure.part, float)
              for measure in study.measures}
-    return types | {f'{curve.point}.{axis}': float for curve in study.curves for axis in 'xy'}
+    return types | {f'{point}.{axis}': float for point in study.curves for axis in 'xy'}
 
 
 def _columns(study: Study, size: int, found: dict[str, Array]) -> dict[str, Array]:
@@ -104,7 +104,8 @@ def _columns(study: Study, size: int, found: dict[str, Array]) -> dict[str, Arra
 
     Numbers are floats here, counts too: NaN says that one is unknown. Texts are objects.
     """
-    samples = {f'{curve.point}.{axis}': curve.samples for curve in study.curves for axis in 'xy'}
+    samples = {f'{point}.{axis}': samples for point, samples in study.curves.items()
+               for axis in 'xy'}
     columns = {}
     for name, kind in types_of(study).items():
         shape = (size, samples[name]) if name in samples else (size,)
@@ -169,6 +170,6 @@ def _row(study: Study, design: Design) -> dict[str, Any]:
             return results
     design.search(study.measures)
     results |= {measure.name: design.of(measure) for measure in study.measures}
-    for curve in study.curves:
-        results[f'{curve.point}.x'], results[f'{curve.point}.y'] = design.curve(curve)
+    for point, samples in study.curves.items():
+        results[f'{point}.x'], results[f'{point}.y'] = design.curve(point, samples)
     return results

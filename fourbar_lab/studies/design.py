@@ -21,7 +21,6 @@ from fourbar_lab.studies.measures import (
     Searched,
     TIME_RATIO,
 )
-from fourbar_lab.studies.study import Curve
 from fourbar_ros.extrema.find import Extremum, find_extrema
 from fourbar_ros.mechanisms.points import link_motion, point_of
 from fourbar_ros.numerics.arrays import Array
@@ -111,7 +110,7 @@ class Design:
             points, before = 2 * points, mean
         return before
 
-    def curve(self, curve: Curve) -> tuple[Array, Array]:
+    def curve(self, point: str, samples: int) -> tuple[Array, Array]:
         """
         Return the path of a point, x and y [m], each of shape (samples,), at equal input steps.
 
@@ -119,11 +118,11 @@ class Design:
         range to range. The last range is taken, that of the largest inputs.
         """
         low, high = self.linkage.input_ranges[-1]
-        share = np.arange(curve.samples) / curve.samples
+        share = np.arange(samples) / samples
         # not at the ends of a range, where toggles may be
         x = (2.0 * pi * share if self.linkage.turns_fully
-             else low + (high - low) * (share + 0.5 / curve.samples))
-        link, along, across = self.scene.points[curve.point]
+             else low + (high - low) * (share + 0.5 / samples))
+        link, along, across = self.scene.points[point]
         motion = self.linkage.motion(x, *self.rates)
         place_x, place_y = point_of(link_motion(self.linkage, motion, link), along, across)[:2]
         return np.asarray(place_x), np.asarray(place_y)

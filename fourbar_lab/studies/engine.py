@@ -171,14 +171,13 @@ def units_of(study: Study) -> dict[str, str]:
     """Return {column: unit} of the columns that have one."""
     units = {one.name: one.unit for one in study.vary}
     units |= {one.name: one.unit for one in study.measures}
-    units |= {f'{curve.point}.{axis}': 'm' for curve in study.curves for axis in 'xy'}
+    units |= {f'{point}.{axis}': 'm' for point in study.curves for axis in 'xy'}
     return {name: unit for name, unit in units.items() if unit}
 
 
 def _about(study: Study, **others: Any) -> str:
     """Return the text that a part carries: the study and the versions, counts and failures."""
-    return json.dumps({'made_with': made_with(), 'study': asdict(study), **others},
-                      sort_keys=True)
+    return json.dumps({'made_with': made_with(), 'study': asdict(study), **others})
 
 
 @lru_cache(maxsize=1)

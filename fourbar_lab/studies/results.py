@@ -53,9 +53,7 @@ class Results:
             counts.update(one['counts'])
         self.counts = dict(counts.most_common())
         self.failures = [(row, text) for one in all_about for row, text in one['failures']]
-        # (measure, minimize or maximize); then names of columns
-        self.objectives = [(one['measure']['name'], one['sense'])
-                           for one in self.study['objectives']]
+        self.objectives: dict[str, str] = self.study['objectives']
         self.varied = [one['name'] for one in self.study['vary']]
         self.measures = [one['name'] for one in self.study['measures'] if one['part'] != 'class']
         self.designs = sum(counts.values())             # that were computed
@@ -78,13 +76,13 @@ class Results:
 
     def best(self, by: str | None = None, count: int = BEST, worst: bool = False) -> list[int]:
         """Return the rows that are best, or worst, in an objective (None: the first), in order."""
-        senses = dict(self.objectives)
-        if not senses:
+        if not self.objectives:
             raise StudyError(f'{self.folder}: the study has no objectives: nothing is best')
-        by = by or next(iter(senses))
-        if by not in senses:
-            raise StudyError(f'{by}: no objective of the study, which has {", ".join(senses)}')
-        sign = (1.0 if senses[by] == 'minimize' else -1.0) * (-1.0 if worst else 1.0)
+        by = by or next(iter(self.objectives))
+        if by not in self.objectives:
+            raise StudyError(f'{by}: no objective of the study, which has '
+                             f'{", ".join(self.objectives)}')
+        sign = (1.0 if self.objectives[by] == 'minimize' else -1.0) * (-1.0 if worst else 1.0)
         rows, values = self.table(['row', by]).values()
         order = np.argsort(sign * values, kind='stable')        # NaN is last
         return [int(row) for row in rows[order[:min(count, np.count_nonzero(values == values))]]]
@@ -96,10 +94,10 @@ class Results:
         A design is beaten if another is as good in both and better in one: in the order of the
         first, one before it is as good in the second.
         """
-        one, other = (name for name, _ in self.objectives[:2])
-        signs = [1.0 if sense == 'minimize' else -1.0 for _, sense in self.objectives[:2]]
-        columns = self.table(['row', one, other])
-        first, second = signs[0] * columns[one], signs[1] * columns[other]
+        names = list(self.objectives)[:2]
+        columns = self.table(['row', *names])
+        first, second = (columns[name] * (1.0 if self.objectives[name] == 'minimize' else -1.0)
+                         for name in names)
         order = np.lexsort((second, first))
         order = order[np.isfinite(first[order]) & np.isfinite(second[order])]
         best_before = np.minimum.accumulate(np.append(np.inf, second[order]))[:-1]

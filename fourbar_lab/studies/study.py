@@ -60,22 +60,6 @@ class Bound:
 
 
 @dataclass(frozen=True)
-class Objective:
-    """A measure by which designs are ranked; ``sense`` is one of :data:`SENSES`."""
-
-    measure: Measure
-    sense: str
-
-
-@dataclass(frozen=True)
-class Curve:
-    """A point of the scene whose path is kept, and at how many inputs."""
-
-    point: str
-    samples: int
-
-
-@dataclass(frozen=True)
 class Study:
     """A checked study."""
 
@@ -87,8 +71,8 @@ class Study:
     acceleration: float                 # of the input, whose rate is drive.speed
     measures: tuple[Measure, ...]       # all columns, of constraints and objectives too
     bounds: tuple[Bound, ...]
-    objectives: tuple[Objective, ...]
-    curves: tuple[Curve, ...]
+    objectives: dict[str, str]          # {measure: one of SENSES}
+    curves: dict[str, int]              # {point: inputs at which its path is kept}
     keeps_all: bool                     # keep rows that do not fulfil the constraints too
     chunk: int                          # rows that are computed together
 
@@ -139,17 +123,20 @@ def from_document(document: Yaml, folder: Path = Path()) -> Study:
     measures = Measures(scene)
     bounds = tuple([_bound(measures.one('constraints', name), limits) for name, limits
                     in mapping_of('constraints', document.get('constraints', {})).items()])
-    objectives = tuple([_objective(measures.one('objectives', name), sense) for name, sense
-                        in mapping_of('objectives', document.get('objectives', {})).items()])
-    curves = tuple([Curve(name, integer_of(f'curves.{name}', samples, 1, MOST_SAMPLES))
-                    for name, samples in mapping_of('curves', document.get('curves', {}),
-                                                    tuple(scene.points)).items()])
+    ranked = {measures.one('objectives', name): sense for name, sense
+              in mapping_of('objectives', document.get('objectives', {})).items()}
+    for measure in ranked:
+        if measure.part == CLASS:
+            raise InvalidParameter('objectives', CLASS, 'is text and cannot be minimized')
+    objectives = {measure.name: choice_of(f'objectives.{measure.name}', sense, SENSES)
+                  for measure, sense in ranked.items()}
+    curves = {name: integer_of(f'curves.{name}', samples, 1, MOST_SAMPLES) for name, samples
+              in mapping_of('curves', document.get('curves', {}), tuple(scene.points)).items()}
     names = document.get('quantities', [])
     if not isinstance(names, list):
         raise InvalidParameter('quantities', names, 'must be a list, as [shaking_force, swing]')
     asked = [measure for name in names for measure in measures.named('quantities', str(name))]
-    columns = tuple(dict.fromkeys([*asked, *(bound.measure for bound in bounds),
-                                   *(objective.measure for objective in objectives)]))
+    columns = tuple(dict.fromkeys([*asked, *(bound.measure for bound in bounds), *ranked]))
     if not columns and not curves:
         raise InvalidParameter('quantities', None, 'must be given (or constraints, objectives or '
                                                    'curves): what is to be computed?')
@@ -218,13 +205,6 @@ def _bound(measure: Measure, value: Yaml) -> Bound:
         raise InvalidParameter(entry, value, 'must be {least: VALUE, most: VALUE} or one of them, '
                                              'least not more than most')
     return Bound(measure, least, most)
-
-
-def _objective(measure: Measure, sense: Yaml) -> Objective:
-    """Return an objective, minimize or maximize."""
-    if measure.part == CLASS:
-        raise InvalidParameter('objectives', measure.name, 'is text and cannot be minimized')
-    return Objective(measure, choice_of(f'objectives.{measure.name}', sense, SENSES))
 
 
 def mapping_of(entry: str, value: Yaml, keys: tuple[str, ...] = ()) -> dict[str, Yaml]:
