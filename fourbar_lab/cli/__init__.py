@@ -1,3 +1,22 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Verbs of the ``fourbar`` command that a desk needs: an entry point for each in setup.py."""
+from __future__ import annotations
+
+from argparse import Namespace
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:      # verbs import when they run
+    from fourbar_ros.mechanisms.mechanism import Mechanism
+    from fourbar_ros.scene.scene import Scene
+
+
+def asked(arguments: Namespace) -> tuple[Scene, Mechanism, float]:
+    """Return the scene, its linkage in the mode asked for, and the speed of the input."""
+    from fourbar_lab.drawing.poses import require_units
+    from fourbar_ros.scene.scene import load
+    scene = load(arguments.scene)
+    linkage = scene.in_mode(arguments.mode)
+    require_units(linkage, getattr(arguments, 'at', None), arguments.speed,
+                  arguments.acceleration)
+    return scene, linkage, scene.drive.speed if arguments.speed is None else arguments.speed

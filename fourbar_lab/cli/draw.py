@@ -7,7 +7,9 @@ from argparse import Namespace
 from functools import partial
 from typing import TYPE_CHECKING
 
+from fourbar_lab.cli import asked
 from fourbar_ros.cli.common import add_pose, add_scene, add_verb, PICTURE_HELP, Verbs
+from fourbar_ros.errors import InvalidParameter
 
 if TYPE_CHECKING:      # verbs import when they run
     from fourbar_ros.mechanisms.mechanism import Mechanism
@@ -47,13 +49,8 @@ def add(verbs: Verbs) -> None:
 def _draw(arguments: Namespace) -> None:
     """Draw a cycle as a film, curves over a cycle, or one pose, as the options say."""
     from fourbar_lab.drawing.figure import save
-    from fourbar_lab.drawing.poses import position_of, require_units
-    from fourbar_ros.errors import InvalidParameter
-    from fourbar_ros.scene.scene import load
-    scene = load(arguments.scene)
-    linkage = scene.in_mode(arguments.mode)
-    require_units(linkage, arguments.at, arguments.speed, arguments.acceleration)
-    speed = scene.drive.speed if arguments.speed is None else arguments.speed
+    from fourbar_lab.drawing.poses import position_of
+    scene, linkage, speed = asked(arguments)
     position = None if arguments.at is None else position_of(linkage, arguments.at)
     if arguments.animate:
         from fourbar_lab.drawing.animation import animate
@@ -77,13 +74,11 @@ def _draw_pose(arguments: Namespace, linkage: Mechanism, speed: float, points: P
     """Draw one pose with its forces and polygons; its title names class, input and rates."""
     from fourbar_lab.drawing.figure import make_figure, save
     from fourbar_lab.drawing.poses import step_at
-    from fourbar_lab.drawing.tables import mode_name, rate_unit
+    from fourbar_lab.drawing.tables import mode_name, rates_in_words
     _, motion, loads = step_at(linkage, arguments.at, speed, arguments.acceleration)
     pose = (f'{linkage.input_coordinate.position} {arguments.at:.8g} '
             f'{"m" if linkage.is_driven_by_slide else "deg"}')
-    unit = rate_unit(linkage)
-    title = ', '.join([linkage.description, pose, f'{speed:g} {unit}',
-                       *([f'{arguments.acceleration:g} {unit}^2']
-                         if arguments.acceleration else []),
+    title = ', '.join([linkage.description, pose,
+                       rates_in_words(linkage, speed, arguments.acceleration, ', '),
                        f'assembly mode {mode_name(linkage)}'])
     print(save(make_figure(linkage, motion, loads, title, points), arguments.out))

@@ -8,7 +8,7 @@ from math import pi
 from pathlib import Path
 import re
 import sys
-from typing import NamedTuple, TYPE_CHECKING
+from typing import TYPE_CHECKING
 
 from fourbar_ros.cli.common import add_verb, assembly_mode, Verbs, warn
 from fourbar_ros.errors import FourBarError, InvalidParameter, nearest
@@ -39,13 +39,6 @@ then:
 """
 
 
-class Section(NamedTuple):
-    """The section of bars: width and thickness, or of rods: diameter and 0 [m]."""
-
-    width: float
-    thickness: float
-
-
 def add(verbs: Verbs) -> None:
     """Add ``fourbar new``, with an option for each length of any kind of mechanism."""
     new = add_verb(verbs, 'new', 'write a scene from a few numbers', DESCRIPTION, EPILOG)
@@ -71,18 +64,22 @@ def add(verbs: Verbs) -> None:
     new.set_defaults(run=_new)
 
 
-def _bar(text: str) -> Section:
-    """Return the section [m] for '20x5mm' or '2cmx5mm': a unit given once is that of both."""
+def _bar(text: str) -> tuple[str, str]:
+    """Return words and YAML of '20x5mm' or '2cmx5mm': a unit given once is that of both."""
     match = BAR.fullmatch(text)
     if not match:
         raise ArgumentTypeError(f'{text!r}: must be WIDTHxTHICKNESS, e.g. 20x5mm')
     width, unit_of_width, thickness, unit = match.groups()
-    return Section(*(_positive(text, measured(size, 'length')) for size in (
-        width + (unit_of_width or unit), thickness + (unit or unit_of_width))))
+    width, thickness = (_positive(text, measured(size, 'length')) for size in (
+        width + (unit_of_width or unit), thickness + (unit or unit_of_width)))
+    return (f'bars {width:g} x {thickness:g} m',
+            f'width: {_text(width)}, thickness: {_text(thickness)}')
 
 
-def _rod(text: str) -> Section:
-    return Section(_positive(text, measured(text, 'length')), 0.0)
+def _rod(text: str) -> tuple[str, str]:
+    """Return words and YAML of rods of a diameter."""
+    diameter = _positive(text, measured(text, 'length'))
+    return f'rods of {diameter:g} m diameter', f'radius: {_text(0.5 * diameter)}'
 
 
 def _positive(text: str, size: float) -> float:
@@ -163,11 +160,12 @@ def _ask_for(length: Length) -> float:
 
 
 def scene_text(kind: str, lengths: dict[str, float], mode: int, speed: float,
-               section: Section | None, density: float) -> str:
+               section: tuple[str, str] | None, density: float) -> str:
     """
     Return a scene as YAML text with comments; lengths [m], speed [rad/s], density [kg/m^3].
 
-    Without a section there are no masses, and the node sends no loads.
+    ``section``: words and YAML of bars or rods; without it there are no masses, and the node sends
+    no loads.
     """
     lines = [f'# A {kind.replace("_", "-")}. Lengths in m, angles in rad, masses in kg.', '/**:',
              '  ros__parameters:', '    linkage:', f'      kind: {kind}']
@@ -189,18 +187,13 @@ def _line(entry: str, comment: str) -> str:
     return f'{"      " + entry:<27}# {comment}'
 
 
-def _bodies(kind: str, section: Section, density: float) -> list[str]:
+def _bodies(kind: str, section: tuple[str, str], density: float) -> list[str]:
     """
     Return the YAML lines that give all bars or rods their masses.
 
     Links without a length, as slides, get zeros, for which the user puts in their own.
     """
-    if section.thickness:
-        text = f'bars {section.width:g} x {section.thickness:g} m'
-        size = f'width: {_text(section.width)}, thickness: {_text(section.thickness)}'
-    else:
-        text = f'rods of {section.width:g} m diameter'
-        size = f'radius: {_text(0.5 * section.width)}'
+    text, size = section
     lines = [f'      # {text}, {density:g} kg/m^3',
              f'      rods: {{density: {_text(density)}, {size}}}']
     for link in KINDS[kind].LINKS:

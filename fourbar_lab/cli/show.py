@@ -4,19 +4,11 @@
 from __future__ import annotations
 
 from argparse import Namespace
-from pathlib import Path
-from typing import NamedTuple, TYPE_CHECKING
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
-from fourbar_ros.cli.common import (
-    add_pose,
-    add_scene,
-    add_verb,
-    bar,
-    Json,
-    json_line,
-    Verbs,
-    warn,
-)
+from fourbar_lab.cli import asked
+from fourbar_ros.cli.common import add_pose, add_scene, add_verb, bar, json_line, Verbs, warn
 from fourbar_ros.errors import in_words, InvalidParameter
 from fourbar_ros.scene.arguments import positive
 from fourbar_ros.scene.units import of, require
@@ -67,48 +59,58 @@ def add(verbs: Verbs) -> None:
 
 def _show(arguments: Namespace) -> None:
     """Find the extrema of a scene in a mode, and its pose if asked for; print or dump both."""
-    from fourbar_lab.drawing.poses import evaluate_at, position_of, require_units
+    from fourbar_lab.drawing.curves import effort_of
+    from fourbar_lab.drawing.poses import evaluate_at, position_of
+    from fourbar_lab.drawing.record import record_of
     from fourbar_ros.scene.files import find
-    from fourbar_ros.scene.scene import load
-    path = find(arguments.scene)
-    scene = load(path)
-    linkage = scene.in_mode(arguments.mode)
-    require_units(linkage, arguments.at, arguments.speed, arguments.acceleration)
-    speed = scene.drive.speed if arguments.speed is None else arguments.speed
+    path, acceleration = find(arguments.scene), arguments.acceleration
+    scene, linkage, speed = asked(arguments)
+    within = _within(linkage, arguments.low, arguments.high)
     pose = (None if arguments.at is None else evaluate_at(
         scene.linkage_at(position_of(linkage, arguments.at), speed, linkage.mode),
-        arguments.at, speed, arguments.acceleration))
-    shown = Shown(path, scene, linkage, speed, arguments.acceleration, pose,
-                  _within(linkage, arguments.low, arguments.high))
-    extrema = _extrema(shown, arguments)
+        arguments.at, speed, acceleration))
+    extrema = _extrema(scene, linkage, speed, within, arguments)
+    why_no_loads = (scene.why_no_loads if scene.has_loads else
+                    'no masses given, so no loads: see bodies.* in docs/reference.md')
+    effort = (None if why_no_loads else
+              effort_of(scene, linkage, speed, acceleration, within))
+    with_masses = scene.bare_linkage.in_mode(linkage.mode)      # for what it is
     if arguments.json:
-        print(json_line(_record(shown, extrema)))
+        print(json_line({
+            'scene': str(path), 'speed': speed, 'acceleration': acceleration,
+            **({'within': list(within)} if within else {}), 'why_no_loads': why_no_loads,
+            **({'drive_effort': effort._asdict()} if effort else {}),
+            **record_of(with_masses, extrema, scene.points, pose)}))
     else:
-        _print(shown, extrema, arguments.certify)
+        from fourbar_lab.drawing import tables
+        rates = tables.rates_in_words(linkage, speed, acceleration)
+        if within:
+            rates += f' in {in_words([within], linkage.input_coordinate.unit)}'
+        _print([
+            tables.what_it_is(with_masses, path),
+            tables.extrema_table(linkage, extrema,
+                                 f'extrema at {rates}, mode {tables.mode_name(linkage)}'),
+            tables.proofs_in_words(extrema) if arguments.certify else None,
+            _effort_in_words(linkage, effort) if effort else why_no_loads,
+            *(_pose_tables(linkage, pose, scene) if pose else ())])
     warn(scene)
 
 
-class Shown(NamedTuple):
-    """A linkage of a scene in one mode, its rates, and one pose if the user asked for it."""
+def _print(tables: Sequence[Table | str | None]) -> None:
+    """Print tables with empty lines between, and lines of text behind them."""
+    from fourbar_ros.terminal import make_console
+    console = make_console()
+    for place, table in enumerate(filter(None, tables)):
+        if place and not isinstance(table, str):
+            console.print()
+        console.print(table)
 
-    path: Path
-    scene: Scene
-    linkage: Mechanism
-    speed: float
-    acceleration: float
-    pose: Pose | None
-    within: tuple[float, float] | None      # inputs between which to search [rad or m]
 
-    @property
-    def with_masses(self) -> Mechanism:
-        """Return the linkage with the masses of the scene, for tables of what it is."""
-        return self.scene.bare_linkage.in_mode(self.linkage.mode)
-
-    @property
-    def why_no_loads(self) -> str:
-        """Return the reason why there are no loads, '' if there are loads."""
-        return (self.scene.why_no_loads if self.scene.has_loads else
-                'no masses given, so no loads: see bodies.* in docs/reference.md')
+def _pose_tables(linkage: Mechanism, pose: Pose, scene: Scene) -> list[Table | None]:
+    """Return the tables of a pose: its motion, loads and points."""
+    from fourbar_lab.drawing.poses import loads_table, motion_table, points_table
+    return [motion_table(linkage, pose), loads_table(linkage, pose.loads) if pose.loads else None,
+            points_table(linkage, pose.motion, scene.points) if scene.points else None]
 
 
 def _within(linkage: Mechanism, low: float | None,
@@ -125,68 +127,20 @@ def _within(linkage: Mechanism, low: float | None,
     return position_of(linkage, low), position_of(linkage, high)
 
 
-def _record(shown: Shown, extrema: list[Extremum]) -> Json:
-    """Return all that ``show`` prints as one record in SI units."""
-    from fourbar_lab.drawing.record import record_of
-    return {'scene': str(shown.path), 'speed': shown.speed, 'acceleration': shown.acceleration,
-            **({'within': list(shown.within)} if shown.within else {}),
-            'why_no_loads': shown.why_no_loads,
-            **({} if shown.why_no_loads else {'drive_effort': _effort(shown)._asdict()}),
-            **record_of(shown.with_masses, extrema, shown.scene.points, shown.pose)}
-
-
-def _print(shown: Shown, extrema: list[Extremum], with_proofs: bool) -> None:
-    """Print the tables: properties, extrema, and with a pose its motion, loads and points."""
-    from fourbar_lab.drawing.poses import loads_table, motion_table, points_table
-    from fourbar_lab.drawing.tables import (
-        extrema_table,
-        mode_name,
-        proofs_in_words,
-        rate_unit,
-        what_it_is,
-    )
-    from fourbar_ros.terminal import make_console
-    linkage, pose, points = shown.linkage, shown.pose, shown.scene.points
-    rates = f'{shown.speed:g} {rate_unit(linkage)}'
-    if shown.acceleration:
-        rates += f' and {shown.acceleration:g} {rate_unit(linkage)}^2'
-    if shown.within:
-        rates += f' in {in_words([shown.within], linkage.input_coordinate.unit)}'
-    tables: list[Table | str | None] = [
-        what_it_is(shown.with_masses, shown.path),
-        extrema_table(linkage, extrema, f'extrema at {rates}, mode {mode_name(linkage)}'),
-        proofs_in_words(extrema) if with_proofs else None,
-        shown.why_no_loads or _effort_in_words(shown)]
-    if pose:
-        tables += [motion_table(linkage, pose),
-                   loads_table(linkage, pose.loads) if pose.loads else None,
-                   points_table(linkage, pose.motion, points) if points else None]
-    console = make_console()
-    for place, table in enumerate(filter(None, tables)):
-        if place and not isinstance(table, str):
-            console.print()
-        console.print(table)
-
-
-def _effort(shown: Shown) -> Effort:
-    """Return the effort of the drive at the rates of the tables."""
-    from fourbar_lab.drawing.curves import effort_of
-    return effort_of(shown.scene, shown.linkage, shown.speed, shown.acceleration, shown.within)
-
-
-def _effort_in_words(shown: Shown) -> str:
+def _effort_in_words(linkage: Mechanism, effort: Effort) -> str:
     """Return the line about the effort of the drive."""
-    effort, unit = _effort(shown), 'N' if shown.linkage.is_driven_by_slide else 'N m'
-    return (f'{shown.linkage.drive_load.replace("_", " ")}: root mean square '
+    unit = 'N' if linkage.is_driven_by_slide else 'N m'
+    return (f'{linkage.drive_load.replace("_", " ")}: root mean square '
             f'{effort.root_mean_square:.6g} {unit}, peak {effort.peak:.6g} {unit} over the input')
 
 
-def _extrema(shown: Shown, arguments: Namespace) -> list[Extremum]:
+def _extrema(scene: Scene, linkage: Mechanism, speed: float, within: tuple[float, float] | None,
+             arguments: Namespace) -> list[Extremum]:
     """Return the extrema of all quantities; a proof of them shows its progress."""
     from fourbar_ros.extrema.find import find_extrema
     from fourbar_ros.mechanisms.quantities import select
     with bar('proof', 100) as done:
         return find_extrema(
-            shown.linkage, select((), shown.linkage, shown.scene.point_quantities), shown.speed,
-            shown.acceleration, arguments.certify, seconds=arguments.seconds,
-            progress=lambda share: done(round(100.0 * share)), within=shown.within)
+            linkage, select((), linkage, scene.point_quantities), speed, arguments.acceleration,
+            arguments.certify, seconds=arguments.seconds,
+            progress=lambda share: done(round(100.0 * share)), within=within)

@@ -8,13 +8,13 @@ from collections.abc import Sequence
 import sys
 from typing import TYPE_CHECKING
 
+from fourbar_lab.cli import asked
 from fourbar_ros.cli.common import add_rates, add_scene, add_verb, Verbs
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.scene.arguments import positive_integer
 from fourbar_ros.scene.units import of, require
 
 if TYPE_CHECKING:      # verbs import when they run
-    from fourbar_ros.mechanisms.mechanism import Mechanism
     from fourbar_ros.scene.scene import Scene
 
 TABLE = """\
@@ -62,20 +62,10 @@ def _add_arguments(verb: ArgumentParser, out: str, default: str) -> None:
     verb.add_argument('-o', '--out', metavar='FILE', required=True, help=out)
 
 
-def _given(arguments: Namespace) -> tuple[Scene, Mechanism, float]:
-    """Return the scene, its linkage in the mode asked for, and the speed of the input."""
-    from fourbar_lab.drawing.poses import require_units
-    from fourbar_ros.scene.scene import load
-    scene = load(arguments.scene)
-    linkage = scene.in_mode(arguments.mode)
-    require_units(linkage, None, arguments.speed, arguments.acceleration)
-    return scene, linkage, scene.drive.speed if arguments.speed is None else arguments.speed
-
-
 def _table(arguments: Namespace) -> None:
     """Write all quantities, or those asked for, or what the drive must give at some speeds."""
     from fourbar_lab.drawing.curves import curves_of, envelope_of, write_table
-    scene, linkage, speed = _given(arguments)
+    scene, linkage, speed = asked(arguments)
     if arguments.speeds:
         if arguments.names:
             raise InvalidParameter('QUANTITY', arguments.names, 'not with --speeds')
@@ -94,7 +84,7 @@ def _plot(arguments: Namespace) -> None:
     """Draw the quantities asked for, or all but components, which would crowd a picture."""
     from fourbar_lab.drawing.curves import curves_of, marks_of, write_picture
     from fourbar_ros.mechanisms.quantities import select
-    scene, linkage, speed = _given(arguments)
+    scene, linkage, speed = asked(arguments)
     names = arguments.names or [quantity.name for quantity in select(
         (), scene.bare_linkage if scene.tells_loads else linkage, scene.point_quantities)]
     given = scene, linkage, names, speed, arguments.acceleration

@@ -13,7 +13,7 @@ import sys
 import time
 
 from fourbar_lab.clients.node_client import NodeClient, opened
-from fourbar_lab.drawing.tables import mode_name, rate_unit, what_it_is
+from fourbar_lab.drawing.tables import mode_name, rates_in_words, what_it_is
 from fourbar_msgs.msg import Extremum
 from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.errors import FourBarError
@@ -136,7 +136,7 @@ def show_extrema(client: Driver, console: Console) -> Sequence[Message]:
         console.print(f'find_extrema: {answer.message}')
         return ()
     console.print(make_table(
-        f'global extrema at {speed:g} {rate_unit(linkage)}, mode {mode_name(linkage)}, from '
+        f'global extrema at {rates_in_words(linkage, speed)}, mode {mode_name(linkage)}, from '
         f'{NODE}/find_extrema',
         ('quantity', '', 'value>', 'unit', f'{linkage.input_coordinate.position}>'),
         [(one.quantity, KINDS[one.kind], f'{one.value:.9g}', one.unit, f'{place_of(one):.7f}')

@@ -14,6 +14,7 @@ from fourbar_lab.drawing.cycles import cycles
 from fourbar_lab.drawing.figure import CannotDraw, make_panels, save, write_page
 from fourbar_lab.drawing.labels import symbols_of
 from fourbar_lab.drawing.record import counted
+from fourbar_lab.drawing.tables import rates_in_words
 from fourbar_ros.errors import InvalidParameter, nearest
 from fourbar_ros.extrema.find import CONSTANT, find_extrema
 from fourbar_ros.mechanisms.inertia import middles
@@ -105,10 +106,8 @@ def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: flo
     values[is_angle] = np.degrees(values[is_angle])
     if linkage.turns_fully:
         values[0] = values[0].round(10)         # whole degrees, for who looks up 60
-    rate = f'{speed:g} {coordinate.unit}/s'
-    if acceleration:
-        rate += f', {acceleration:g} {coordinate.unit}/s^2'
-    return Curves(f'{linkage.description} at {rate}', columns,
+    rates = rates_in_words(linkage, speed, acceleration, ', ')
+    return Curves(f'{linkage.description} at {rates}', columns,
                   tuple('deg' if unit == 'rad' else unit for unit in its_units), values,
                   symbols_of(linkage, columns))
 

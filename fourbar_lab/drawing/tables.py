@@ -25,9 +25,12 @@ def mode_name(linkage: Mechanism) -> str:
     return linkage.modes[linkage.mode]
 
 
-def rate_unit(linkage: Mechanism) -> str:
-    """Return the unit of the input's rate."""
-    return f'{linkage.input_coordinate.unit}/s'
+def rates_in_words(linkage: Mechanism, speed: float, acceleration: float = 0.0,
+                   between: str = ' and ') -> str:
+    """Return speed and acceleration, if there is one, as text: '25 rad/s and 2 rad/s^2'."""
+    unit = linkage.input_coordinate.unit
+    return f'{speed:g} {unit}/s' + (f'{between}{acceleration:g} {unit}/s^2' if acceleration
+                                    else '')
 
 
 def _ranges(coordinate: Coordinate, ranges: Ranges) -> str:
