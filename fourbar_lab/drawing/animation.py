@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fourbar_lab.drawing.cycles import cycles, usual_points
-from fourbar_lab.drawing.figure import CannotDraw, need_matplotlib, STYLE
+from fourbar_lab.drawing.figure import CannotDraw, need_matplotlib, new_figure
 from fourbar_lab.drawing.mechanism_panel import draw_part, POINT
 from fourbar_lab.drawing.sheet import Sheet
 from fourbar_ros.errors import FourBarError
@@ -37,16 +37,13 @@ def animate(mechanism: Mechanism, rate: float, points: Points, path: str | Path)
 
     """
     need_matplotlib('draw --animate')
-    import matplotlib
     from matplotlib.animation import FuncAnimation
-    from matplotlib.figure import Figure
     path, points = Path(path), usual_points(mechanism, points)
     writer, poses = _writer(path), _poses(mechanism, rate)
     paths = [np.array([point_motion(mechanism, motion, *point).place for motion in poses])
              for point in points.values()]
     places = [place for motion in poses for place in mechanism.diagram(motion).joints.values()]
-    with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(6.4, 4.8))
+    with new_figure('draw', figsize=(6.4, 4.8)) as figure:
         axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
 
         def draw(motion: NamedFields) -> None:

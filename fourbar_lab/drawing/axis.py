@@ -9,11 +9,11 @@ or slowest. Only the functions that draw import matplotlib.
 from __future__ import annotations
 
 from math import degrees, hypot, inf
-from typing import NamedTuple, TYPE_CHECKING
+from typing import TYPE_CHECKING
 
 from fourbar_lab.drawing.collineation import collineation_axis
 from fourbar_lab.drawing.cycles import cycles
-from fourbar_lab.drawing.figure import CannotDraw, need_matplotlib, STYLE
+from fourbar_lab.drawing.figure import CannotDraw, new_figure
 from fourbar_lab.drawing.mechanism_panel import draw_plainly
 from fourbar_lab.drawing.record import counted
 from fourbar_ros.extrema.find import find_extrema, INTERIOR
@@ -28,28 +28,26 @@ if TYPE_CHECKING:      # drawings alone need it
     from matplotlib.figure import Figure
 
 NEAR = 1.6       # sizes of the mechanism from its middle: farther poles are left out
-POLES = {'p13': 'P_{13}', 'p24': 'P_{24}'}
 AXIS_ANGLE = 'axis_angle'       # it jumps by a half turn, so it has no extrema to search for
 AXIS, LINE = '#1f4e8c', '0.55'      # colours
 
 
-class AxisParts(NamedTuple):
-    """The parts of the axis in a window [m]."""
+def axis_parts(linkage: Mechanism, motion: NamedFields, low: Array, high: Array
+               ) -> tuple[dict[str, Array], dict[str, Array]]:
+    """
+    Return the parts of the axis in one pose in a window with these corners [m].
 
-    lines: dict[str, Array]         # {name: two ends at the edges of the window, shape (2, 2)}
-    poles: dict[str, Array]         # {letter: place}
-
-
-def axis_parts(linkage: Mechanism, motion: NamedFields, low: Array, high: Array) -> AxisParts:
-    """Return the :class:`AxisParts` in one pose; ``low``, ``high``: corners of the window [m]."""
+    {name of a line: its two ends at the edges of the window, shape (2, 2)}, and {letter of a pole:
+    its place}.
+    """
     axis, unit = collineation_axis(linkage, motion), max(map(abs, linkage.lengths))
     clipped = {name: _clipped(line, low / unit, high / unit) for name, line in axis.lines.items()}
     with np.errstate(divide='ignore', invalid='ignore'):
-        places = {letter: unit * getattr(axis, name)[:2] / getattr(axis, name)[2]
-                  for name, letter in POLES.items()}
-    return AxisParts({name: unit * ends for name, ends in clipped.items() if ends is not None},
-                     {letter: place for letter, place in places.items()
-                      if (low <= place).all() and (place <= high).all()})
+        places = {letter: unit * pole[:2] / pole[2]
+                  for letter, pole in (('P_{13}', axis.p13), ('P_{24}', axis.p24))}
+    return ({name: unit * ends for name, ends in clipped.items() if ends is not None},
+            {letter: place for letter, place in places.items()
+             if (low <= place).all() and (place <= high).all()})
 
 
 def _clipped(line: Array, low: Array, high: Array) -> Array | None:
@@ -100,7 +98,7 @@ def draw_axis(axes: Axes, linkage: Mechanism, motion: NamedFields, title: str = 
     size, middle = max(np.ptp(places, axis=0)), 0.5 * (places.min(axis=0) + places.max(axis=0))
     reach = NEAR * np.array([size, size])
     # twice: poles near enough make room on the sheet, whose window then clips the lines
-    poles = axis_parts(linkage, motion, middle - reach, middle + reach).poles
+    _, poles = axis_parts(linkage, motion, middle - reach, middle + reach)
     sheet = draw_plainly(axes, linkage, motion, {}, [], list(poles.values()))
     axes.set_title(title, loc='left', fontsize=12, fontweight='bold')
     lines, poles = axis_parts(linkage, motion, np.array([sheet.left, sheet.bottom]), sheet.high)
@@ -140,14 +138,10 @@ def make_axis_figure(linkage: Mechanism, rate: float, position: float | None = N
         The mechanism is no four-bar or slider-crank, or it is driven by its slide.
 
     """
-    need_matplotlib('draw')
-    import matplotlib
-    from matplotlib.figure import Figure
     coordinate = linkage.outputs[0].coordinate
     collineation_axis(linkage, linkage.motion(cycles(linkage)[0][1], rate))     # refuses others
     at = largest_rate(linkage, rate) if position is None else position
-    with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(12.6, 5.6))
+    with new_figure('draw', figsize=(12.6, 5.6)) as figure:
         left = figure.add_axes((0.01, 0.02, 0.5, 0.9))
         draw_axis(left, linkage, linkage.motion(at, rate),
                   f'{linkage.description}, theta1 {degrees(at):.4f} deg')

@@ -12,7 +12,7 @@ import re
 from types import MappingProxyType
 from typing import Any, TYPE_CHECKING
 
-from fourbar_lab.drawing.figure import CannotDraw, need_matplotlib, STYLE
+from fourbar_lab.drawing.figure import CannotDraw, new_figure
 from fourbar_lab.drawing.labels import labels_of
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields
@@ -83,14 +83,10 @@ def make_cycle_figure(what: str, mechanism: Mechanism, rate: float, acceleration
         There is nothing to draw: no point, or no masses.
 
     """
-    need_matplotlib('draw')
-    import matplotlib
-    from matplotlib.figure import Figure
     rates = rate, acceleration
     curves, unit = (_of_forces(mechanism, rates, loads, turns) if what == 'forces' else
                     _of_points(what, mechanism, rates, usual_points(mechanism, points)))
-    with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(7.0, 7.0), layout='constrained')
+    with new_figure('draw', figsize=(7.0, 7.0), layout='constrained') as figure:
         axes = figure.subplots()
         for name, parts in curves.items():
             colour = axes.plot([], [], label=name)[0].get_color()

@@ -7,12 +7,13 @@ Only the functions that draw import matplotlib.
 """
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from html import escape
 from io import StringIO
 from math import hypot
 from pathlib import Path
-from typing import NamedTuple, TYPE_CHECKING
+from typing import Any, NamedTuple, TYPE_CHECKING
 
 from fourbar_lab.drawing.labels import labels_of, significant
 from fourbar_lab.drawing.mechanism_panel import draw_mechanism, renamed
@@ -63,6 +64,16 @@ def need_matplotlib(what: str) -> None:
         raise CannotDraw(f'{what} requires matplotlib: pip install matplotlib') from None
 
 
+@contextmanager
+def new_figure(what: str, **options: Any) -> Iterator[Figure]:
+    """Give a matplotlib Figure in the style of all pictures; CannotDraw without matplotlib."""
+    need_matplotlib(what)
+    import matplotlib
+    from matplotlib.figure import Figure
+    with matplotlib.rc_context(STYLE):
+        yield Figure(**options)
+
+
 def draw_polygon(axes: Axes, arrows: Sequence[Arrow], title: str, unit: tuple[str, float],
                  names: Mapping[str, str] | None = None) -> None:
     """
@@ -108,11 +119,7 @@ def make_figure(mechanism: Mechanism, motion: NamedFields, loads: NamedFields | 
     ``points``, ``names``: see :func:`~fourbar_lab.drawing.mechanism_panel.draw_mechanism`;
     ``units`` of lengths and polygons.
     """
-    need_matplotlib('draw')
-    import matplotlib
-    from matplotlib.figure import Figure
-    with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(12.6, 6.2 if loads else 5.6))
+    with new_figure('draw', figsize=(12.6, 6.2 if loads else 5.6)) as figure:
         axes = figure.subplots(1, 3)
         figure.subplots_adjust(left=0.01, right=0.99, bottom=0.34 if loads else 0.24, top=0.89,
                                wspace=0.06)
@@ -134,11 +141,8 @@ def make_figure(mechanism: Mechanism, motion: NamedFields, loads: NamedFields | 
 def make_panels(panels: Mapping[str, Sequence[tuple[str, Array, Array]]], xlabel: str,
                 title: str) -> Figure:
     """Return a figure of axes below each other: {text of an axis: (label, x, y) of its curves}."""
-    need_matplotlib('plot')
-    import matplotlib
-    from matplotlib.figure import Figure
-    with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(9.0, 0.6 + 2.4 * len(panels)), layout='constrained')
+    with new_figure('plot', figsize=(9.0, 0.6 + 2.4 * len(panels)),
+                    layout='constrained') as figure:
         axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
         for axis, (text, curves) in zip(axes, panels.items()):
             for label, x, y in curves:

@@ -3,6 +3,7 @@
 """One pose of a linkage, for ``fourbar show`` and ``fourbar draw``: angles in degrees."""
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import degrees, hypot, radians
 import re
 from typing import NamedTuple
@@ -75,7 +76,8 @@ def evaluate_at(linkage: Mechanism, at: float, speed: float, acceleration: float
     given = position_of(linkage, at), speed, acceleration
     status, motion, loads = evaluate(linkage, *given, linkage.bodies is not None)
     if status == OUT_OF_RANGE:
-        raise no_pose(linkage, at, f'is outside the input range {ranges_in_words(linkage)}')
+        ranges = ranges_in_words(linkage.input_coordinate, linkage.input_ranges)
+        raise no_pose(linkage, at, f'is outside the input range {ranges}')
     if status == INVALID_INPUT:
         linkage.motion(*given)       # raises where the input is not finite
     return Pose(status, motion, loads if linkage.bodies else None)
@@ -105,12 +107,10 @@ def in_degrees(angle: float) -> str:
     return f'{degrees(angle):.4f} deg'
 
 
-def ranges_in_words(linkage: Mechanism) -> str:
-    """Return the range of the input as text, angles in degrees."""
-    if linkage.input_coordinate.unit == 'm':
-        return ' or '.join(f'{low:.9g} to {high:.9g}' for low, high in linkage.input_ranges) + ' m'
-    return ' or '.join(f'{degrees(low):.4f} to {degrees(high):.4f}'
-                       for low, high in linkage.input_ranges) + ' deg'
+def ranges_in_words(coordinate: Coordinate, ranges: Sequence[tuple[float, float]]) -> str:
+    """Return ranges [rad or m] as text: '30.0000 to 60.0000, 90.0000 to 95.0000 deg'."""
+    ends = [[shown(coordinate, end).split()[0] for end in bounds] for bounds in ranges]
+    return f'{", ".join(map(" to ".join, ends))} {"m" if coordinate.unit == "m" else "deg"}'
 
 
 def number(value: float) -> str:

@@ -18,7 +18,6 @@ import numpy as np
 if TYPE_CHECKING:      # drawings alone need it
     from matplotlib.figure import Figure
 
-STRETCHES = 1800        # of a curve, each drawn by its extrema: two a pixel of a picture
 _UNIT = re.compile(r'^\s*\S+\s+(\w+)\s*#\s*\[([^\]]+)\]', re.M)    # float64 f41  # [N] ...
 
 
@@ -38,11 +37,8 @@ def make_figure(path: str | Path, names: Sequence[str], progress: Progress | Non
     panels: dict[str, list[tuple[str, Array, Array]]] = {}
     for name in names:
         stamps, values, unit = curves[name]
-        if x is None:
-            keep = thinned(values, STRETCHES)
-            line = (stamps[keep] - start) * 1e-9, values[keep]
-        else:
-            line = _over(curves[x], stamps, values)
+        line = (((stamps - start) * 1e-9, values) if x is None
+                else _over(curves[x], stamps, values))
         panels.setdefault(f'[{unit}]' if unit else '', []).append((name, *line))
     return make_panels(panels, label, str(path))
 
@@ -111,21 +107,3 @@ def _over(x: Curve, stamps: Array, values: Array) -> tuple[Array, Array]:
     at = np.mod(at, 2.0 * np.pi)
     jumps = np.flatnonzero(abs(np.diff(at)) > np.pi) + 1
     return np.insert(at, jumps, np.nan), np.insert(values, jumps, np.nan)
-
-
-def thinned(values: Array, stretches: int) -> Array:
-    """
-    Return the indices of the points of a curve to keep: no peak and no gap is lost.
-
-    A curve over n pixels looks the same if each of 2 n stretches keeps its smallest and largest
-    value and a NaN, which interrupts the line.
-    """
-    if len(values) <= 2 * stretches:
-        return np.arange(len(values))
-    keep = {0, len(values) - 1}
-    for rows in np.array_split(np.arange(len(values)), stretches):
-        unknown = np.isnan(values[rows].astype(float))
-        keep |= {int(rows[unknown.argmax()])} if unknown.any() else set()
-        if not unknown.all():
-            keep |= {int(rows[np.nanargmin(values[rows])]), int(rows[np.nanargmax(values[rows])])}
-    return np.array(sorted(keep))

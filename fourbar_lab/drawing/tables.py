@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import degrees, pi, tau
 
-from fourbar_lab.drawing.poses import in_degrees, number, shown
+from fourbar_lab.drawing.poses import in_degrees, number, ranges_in_words, shown
 from fourbar_lab.drawing.record import ANGLE, CHANGE_POINTS, counted, properties_of, Ranges, Record
 from fourbar_ros.extrema.find import Extremum
 from fourbar_ros.mechanics.bodies import Base, field_of
@@ -35,11 +35,9 @@ def rates_in_words(linkage: Mechanism, speed: float, acceleration: float = 0.0,
 
 def _ranges(coordinate: Coordinate, ranges: Ranges) -> str:
     """Return ranges [rad or m] as text: 'theta1: 30.0000 to 60.0000 deg'."""
-    name, unit = coordinate.position, 'm' if coordinate.unit == 'm' else 'deg'
-    if unit == 'deg' and any(high - low >= FULL_TURN for low, high in ranges):
-        return f'{name}: full turns'
-    ends = [[shown(coordinate, end).split()[0] for end in bounds] for bounds in ranges]
-    return f'{name}: {", ".join(map(" to ".join, ends))} {unit}'
+    if coordinate.unit == 'rad' and any(high - low >= FULL_TURN for low, high in ranges):
+        return f'{coordinate.position}: full turns'
+    return f'{coordinate.position}: {ranges_in_words(coordinate, ranges)}'
 
 
 def what_it_is(linkage: Mechanism, scene: object) -> Table:

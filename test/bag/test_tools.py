@@ -7,7 +7,7 @@ import math
 import subprocess
 import sys
 
-from fourbar_lab.drawing.recorded import make_figure, thinned
+from fourbar_lab.drawing.recorded import make_figure
 from fourbar_ros.bag import diff, export, info, recompute, recover
 from fourbar_ros.bag.reader import Bag, records
 from fourbar_ros.bag.recorder import BagWriter
@@ -173,19 +173,6 @@ def test_a_plot_over_a_field_pairs_values_of_one_stamp(bag, tmp_path, capsys, mo
         assert said in text and text.startswith('fourbar: stat') and text.count('\n') == 1
     assert main(['bag', 'plot', str(bag), 'state.theta1', '-o', str(tmp_path / 'a.none')]) == 1
     assert [path.name for path in tmp_path.iterdir()] == ['over.svg']
-
-
-def test_a_thinned_curve_keeps_every_peak_and_every_gap():
-    rng = np.random.default_rng(5)
-    values = rng.normal(size=100_003)
-    values[60_000:60_007] = np.nan
-    keep = thinned(values, 1000)
-    assert len(keep) < 2200 and (np.diff(keep) > 0).all() and np.isnan(values[keep]).any()
-    for rows in np.array_split(np.arange(len(values)), 1000):
-        kept = values[np.intersect1d(rows, keep)]
-        assert np.nanmax(values[rows]) == np.nanmax(kept)
-        assert np.nanmin(values[rows]) == np.nanmin(kept)
-    assert thinned(values[:5], 1000).tolist() == [0, 1, 2, 3, 4]
 
 
 def test_messages_that_nobody_stamped_do_not_break_the_time_axis(tmp_path):
