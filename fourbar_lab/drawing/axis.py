@@ -79,13 +79,12 @@ def axis_angle(linkage: Mechanism) -> Function:
     coupler.
     """
     def angle(motion: NamedFields, loads: NamedFields) -> Array:
-        return np.asarray(np.degrees(collineation_axis(linkage, motion).angle) % 180.0)
+        """Return angles over the input with NaN where they jump: a curve has gaps there."""
+        angles = np.asarray(np.degrees(collineation_axis(linkage, motion).angle) % 180.0)
+        if angles.ndim:
+            angles[np.abs(np.diff(angles, prepend=angles[0])) > 90.0] = np.nan
+        return angles
     return Function(AXIS_ANGLE, 'deg', 'angle from the coupler to the collineation axis', angle)
-
-
-def with_gaps(angle: Array) -> Array:
-    """Return angles [deg] over the input, NaN where they jump by 180: a curve has gaps there."""
-    return np.where(np.abs(np.diff(angle, prepend=angle[0])) > 90.0, np.nan, angle)
 
 
 def draw_axis(axes: Axes, linkage: Mechanism, motion: NamedFields, title: str = '') -> None:
@@ -148,9 +147,8 @@ def make_axis_figure(linkage: Mechanism, rate: float, position: float | None = N
         upper, lower = (figure.add_axes((0.6, bottom, 0.38, 0.38)) for bottom in (0.56, 0.1))
         for inputs in cycles(linkage, from_zero=True):
             motion = linkage.motion(inputs, rate)
-            angle = with_gaps(axis_angle(linkage).of(motion, None))
             upper.plot(np.degrees(inputs), getattr(motion, coordinate.rate), color='C0')
-            lower.plot(np.degrees(inputs), angle, color=AXIS)
+            lower.plot(np.degrees(inputs), axis_angle(linkage).of(motion, None), color=AXIS)
         for extremum in find_extrema(linkage, (coordinate.rate,), rate):
             if extremum.place == INTERIOR:
                 x = degrees(counted(linkage, extremum.theta1))

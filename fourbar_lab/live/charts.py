@@ -10,11 +10,12 @@ from typing import Any
 from fourbar_lab.drawing.labels import significant
 from fourbar_lab.live.model import LIMIT, Shown, written
 from fourbar_ros.extrema.find import CONSTANT, Extremum, INTERIOR, MAXIMUM
-from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
-COLOURS = ('#2463a8', '#a3501c', '#1e6b37', '#7b3294', '#8a1538', '#4d5b00')
-OF_DARK = ('#6aa9e9', '#e0905c', '#6cc28a', '#c08ad6', '#e8789a', '#b5c24a')
+# to be seen on light and on dark paper
+COLOURS = ('#3b82c4', '#c8702a', '#2e9a56', '#a060c0', '#d0507a', '#8a961c')
+INK = {'color': '#808080'}
+GRID = {'lineStyle': {'color': 'rgba(128,128,128,.3)'}}
 CURVE_HEIGHT, GAP, TOP, LEFT, RIGHT = 130, 46, 34, 78, 24      # [px]
 CURSOR = '#c0392b'
 NEAR, FAR = 10.0, 30.0      # a curve beyond FAR times its median size is shown up to NEAR times
@@ -29,8 +30,7 @@ def height(count: int) -> int:
     return TOP + max(1, count) * (CURVE_HEIGHT + GAP)
 
 
-def over_input(shown: Shown, names: Sequence[str], extrema: Sequence[Extremum],
-               is_dark: bool) -> Options:
+def over_input(shown: Shown, names: Sequence[str], extrema: Sequence[Extremum]) -> Options:
     """
     Return the options of a panel for each quantity by name, over the input, extrema marked.
 
@@ -43,21 +43,20 @@ def over_input(shown: Shown, names: Sequence[str], extrema: Sequence[Extremum],
     columns = {'x': inputs} | {name: _column(shown, name) for name in names}
     low, high = shown.shown_input(shown.ranges[0][0]), shown.shown_input(shown.ranges[-1][1])
     label = f'{shown.linkage.input_coordinate.position} [{shown.input_unit}]'
-    ink, tops = {'color': _ink(is_dark)}, [TOP + i * (CURVE_HEIGHT + GAP)
-                                           for i in range(len(names))]
+    tops = [TOP + i * (CURVE_HEIGHT + GAP) for i in range(len(names))]
     return {
-        'animation': False, 'backgroundColor': 'transparent', 'darkMode': is_dark,
+        'animation': False, 'backgroundColor': 'transparent',
         'grid': [{'left': LEFT, 'right': RIGHT, 'height': CURVE_HEIGHT, 'top': top}
                  for top in tops],
         'title': [{'text': f'{name} [{written(shown.quantities[name].unit)}]', 'left': LEFT - 4,
-                   'top': top - 24, 'textStyle': {'fontSize': 13, 'fontWeight': 'normal', **ink}}
+                   'top': top - 24, 'textStyle': {'fontSize': 13, 'fontWeight': 'normal', **INK}}
                   for name, top in zip(names, tops)],
-        'xAxis': [{'type': 'value', 'gridIndex': i, 'min': low, 'max': high, 'axisLabel': ink,
+        'xAxis': [{'type': 'value', 'gridIndex': i, 'min': low, 'max': high, 'axisLabel': INK,
                    'name': label if i == len(names) - 1 else '', 'nameLocation': 'middle',
-                   'nameGap': 26, 'nameTextStyle': ink, 'splitLine': _grid(is_dark)}
+                   'nameGap': 26, 'nameTextStyle': INK, 'splitLine': GRID}
                   for i in range(len(names))],
         'yAxis': [{'type': 'value', 'gridIndex': i, 'scale': True, 'splitNumber': 4,
-                   'axisLabel': ink, 'splitLine': _grid(is_dark),
+                   'axisLabel': INK, 'splitLine': GRID,
                    **_bounds(columns[name], [extremum.value for extremum in extrema
                                              if extremum.quantity == name
                                              and extremum.place == INTERIOR])}
@@ -68,7 +67,7 @@ def over_input(shown: Shown, names: Sequence[str], extrema: Sequence[Extremum],
         'dataset': [{'source': columns}],
         'series': [{'type': 'line', 'id': f'line{i}', 'name': name, 'showSymbol': False,
                     'xAxisIndex': i, 'yAxisIndex': i, 'lineStyle': {'width': 2},
-                    'encode': {'x': 'x', 'y': name}, 'color': _colour(i, is_dark),
+                    'encode': {'x': 'x', 'y': name}, 'color': COLOURS[i % len(COLOURS)],
                     'markPoint': {'data': _marks(shown, name, extrema), 'silent': False},
                     'markArea': {'silent': True, 'itemStyle': {'color': BAND},
                                  'data': [[{'yAxis': radians(90.0 - GOOD)},
@@ -93,23 +92,6 @@ def _bounds(values: Sequence[float | None], extrema: Sequence[float]) -> dict[st
     return {'min': float(f'{min(kept):.2g}'), 'max': float(f'{max(kept):.2g}')}
 
 
-def _finite(values: Array) -> list[float | None]:
-    """Return numbers as JSON has them: None, a gap in the line, for NaN and infinities."""
-    return [value if isfinite(value) else None for value in np.asarray(values, float).tolist()]
-
-
-def _colour(number: int, is_dark: bool) -> str:
-    return (OF_DARK if is_dark else COLOURS)[number % len(COLOURS)]
-
-
-def _ink(is_dark: bool) -> str:
-    return '#e4e4e4' if is_dark else '#222222'
-
-
-def _grid(is_dark: bool) -> Options:
-    return {'lineStyle': {'color': '#3a3f45' if is_dark else '#dddddd'}}
-
-
 def _column(shown: Shown, name: str) -> list[float | None]:
     """
     Return the values of a quantity over all ranges of the input, with a gap (None) after each.
@@ -120,7 +102,8 @@ def _column(shown: Shown, name: str) -> list[float | None]:
     for _, values in shown.curves(name):
         with np.errstate(invalid='ignore'):
             bound = LIMIT * float(np.nanmedian(np.abs(values))) or np.inf
-            data += [*_finite(np.where(np.abs(values) <= bound, values, np.nan)), None]
+            data += [value if abs(value) < bound else None for value in values.tolist()]
+        data.append(None)
     return data
 
 
@@ -129,7 +112,7 @@ def _marks(shown: Shown, name: str, extrema: Sequence[Extremum]) -> list[Options
     return [{'coord': [shown.shown_input(shown.place_of(extremum)), extremum.value],
              'value': significant(extremum.value), 'symbol': 'circle',
              'symbolSize': 9 if extremum.is_global else 5,
-             'label': {'show': extremum.is_global, 'fontSize': 11,
+             'label': {'show': extremum.is_global, 'fontSize': 11, **INK,
                        'position': 'bottom' if extremum.kind == MAXIMUM else 'top'}}
             for extremum in extrema if extremum.quantity == name and extremum.kind != CONSTANT
             and isfinite(extremum.value)]

@@ -9,7 +9,7 @@ from functools import cached_property
 from math import ceil, degrees, isfinite, remainder, tau
 from typing import Any, NamedTuple
 
-from fourbar_lab.drawing.axis import AXIS_ANGLE, axis_angle, with_gaps
+from fourbar_lab.drawing.axis import AXIS_ANGLE, axis_angle
 from fourbar_lab.drawing.cycles import cycles, usual_points
 from fourbar_lab.drawing.labels import Labels, labels_of
 from fourbar_ros.extrema.find import Extremum, find_extrema
@@ -142,9 +142,8 @@ class Shown:
     def curves(self, name: str) -> list[tuple[Array, Array]]:
         """Return (inputs, values) of a quantity for each range of the input."""
         quantity = self.quantities[name]
-        curves = [(cycle.inputs, np.broadcast_to(quantity.of(cycle.motion, cycle.loads),
-                                                 cycle.inputs.shape)) for cycle in self.cycles]
-        return [(x, with_gaps(y)) for x, y in curves] if name == AXIS_ANGLE else curves
+        return [(cycle.inputs, np.broadcast_to(quantity.of(cycle.motion, cycle.loads),
+                                               cycle.inputs.shape)) for cycle in self.cycles]
 
     def extrema(self, names: Sequence[str]) -> list[Extremum]:
         """

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Sequence
-import contextlib
 from math import radians
 from pathlib import Path
 from typing import Any
@@ -46,8 +45,6 @@ from nicegui.events import GenericEventArguments
 
 FRAMES = 181                # of a cycle, about
 SOON, LATER = 0.005, 0.1    # [s] until charts, then the frames of a cycle follow a picture
-PATIENCE = 10.0             # [s] for an answer of the browser
-LIKES_DARK = "matchMedia('(prefers-color-scheme: dark)').matches"
 LAYERS = {'curves': 'coupler curves', 'forces': 'forces', 'centres': 'instant centres',
           'axis': 'collineation axis'}
 HEAD = f"""<style>{STYLE}
@@ -134,7 +131,6 @@ class Page:
         self.client = ui.context.client
         ui.add_head_html(HEAD)
         ui.page_title(f'{self.title} - fourbar live')
-        self.dark = ui.dark_mode(None)
         ui.colors(primary='#1f5f99')
         with ui.header(elevated=False).classes('fb-middle fb-head no-wrap'):
             # narrow windows show the controls after a click, wide ones until a click
@@ -143,8 +139,9 @@ class Page:
             ui.label(self.title).classes('text-h6').props('role=heading aria-level=1')
             self.words = ui.label().classes('col ellipsis')
             downloads.menu(self)
-            ui.button(icon='contrast', on_click=self.switch_dark).props(
-                'flat dense color=white aria-label="dark or light"')
+            ui.button(icon='contrast').props(
+                'flat dense color=white aria-label="dark or light"').on(
+                'click', js_handler='() => Quasar.Dark.toggle()')
         with ui.element('div').classes('fb-columns'):
             with ui.element('div').classes('fb-controls') as self.panel:
                 controls.build(self.shown, self.change)
@@ -166,7 +163,6 @@ class Page:
                 self._build_views()
             with ui.column().classes('fb-now'):
                 self.now = PoseElement('', 'div')
-        ui.timer(0.0, self._ask_dark, once=True)
         self.rebuild(keep_problem=True)
 
     def _build_views(self) -> None:
@@ -200,8 +196,7 @@ class Page:
                 self.extrema.on('go', lambda event: self.go(event.args))
                 self.extrema.on('rowClick', lambda event: self.go(event.args[1]['input']))
             with _panel('Facts'):
-                columns = [{'name': name, 'label': '', 'field': name, 'align': 'left'}
-                           for name in ('name', 'text')]
+                columns = [tables.column('name'), tables.column('text')]
                 self.facts = _table(columns, 'name', 'wrap-cells hide-header').classes('fb-words')
 
     # --- what changes ---------------------------------------------------------------------------
@@ -244,7 +239,7 @@ class Page:
         show(self.player, **NOTHING)
         for element in self._pose_elements():
             show(element, **BLANK)
-        _set_chart(self.curves, {})
+        self.set_curves({})
         for table in (self.extrema, self.facts):
             table.rows = []
 
@@ -283,18 +278,6 @@ class Page:
         """Draw the curves of these quantities, and find their extrema."""
         self.names = list(names)
         self._refill()
-
-    def switch_dark(self) -> None:
-        """Turn from light to dark or back."""
-        self.dark.set_value(not self.dark.value)
-        self._refill()
-
-    async def _ask_dark(self) -> None:
-        """Be dark if the browser's user likes it so: charts cannot find that out themselves."""
-        with contextlib.suppress(TimeoutError):
-            if (await ui.run_javascript(LIKES_DARK, timeout=PATIENCE)
-                    and self.dark.value is None):
-                self.switch_dark()
 
     def _remember(self) -> None:
         """Put the state into the address of the page."""
@@ -395,10 +378,15 @@ class Page:
             self.found = self.shown.extrema(self.names)
         return self.found
 
+    def set_curves(self, options: charts.Options) -> None:
+        """Give the chart of the curves other options."""
+        self.curves.options.clear()
+        self.curves.options.update(options)
+        self.curves.update()
+
     def fill_curves(self) -> Drawings:
         """Draw the curves of the chosen quantities over the input, extrema marked."""
-        _set_chart(self.curves, charts.over_input(self.shown, self.names, self.extrema_found(),
-                                                  bool(self.dark.value)))
+        self.set_curves(charts.over_input(self.shown, self.names, self.extrema_found()))
         self.curves.style(f'height:{charts.height(len(self.names))}px')
         low, high = self.bounds
         return ({self.cursor: lambda at, pose: charts.cursor_html(at, low, high)}
@@ -449,10 +437,3 @@ def _table(columns: list[dict[str, str]], key: str, props: str = '') -> ui.table
     return ui.table(columns=columns, rows=[], row_key=key).props(
         f'dense flat hide-pagination {props} :rows-per-page-options="[0]"').classes(
         'full-width fb-table')
-
-
-def _set_chart(chart: ui.echart, options: charts.Options) -> None:
-    """Show other options in a chart."""
-    chart.options.clear()
-    chart.options.update(options)
-    chart.update()

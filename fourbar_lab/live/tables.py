@@ -11,14 +11,14 @@ from fourbar_lab.live.svg import plain
 from fourbar_ros.extrema.find import Extremum
 
 
-def _column(name: str, label: str, align: str = 'left') -> dict[str, str]:
+def column(name: str, label: str = '', align: str = 'left') -> dict[str, str]:
     """Return a column of a table as Quasar has it."""
     return {'name': name, 'label': label, 'field': name, 'align': align}
 
 
-EXTREMA_COLUMNS = [_column('quantity', 'quantity'), _column('kind', 'kind'),
-                   _column('value', 'value', 'right'), _column('unit', 'unit'),
-                   _column('at', 'input', 'right'), _column('note', '')]
+EXTREMA_COLUMNS = [column('quantity', 'quantity'), column('kind', 'kind'),
+                   column('value', 'value', 'right'), column('unit', 'unit'),
+                   column('at', 'input', 'right'), column('note')]
 
 
 def extrema_rows(shown: Shown, extrema: Sequence[Extremum]) -> list[dict[str, str | float]]:

@@ -134,7 +134,7 @@ def test_axes_hold_what_can_be_read_of_curves_that_go_to_infinity():
     found = shown_of('slides_7_6')
     names = found.usual_quantities
     extrema = found.extrema(names)
-    options = charts.over_input(found, names, extrema, False)
+    options = charts.over_input(found, names, extrema)
     for axis, name in zip(options['yAxis'], names):
         values = np.concatenate([values for _, values in found.curves(name)])
         assert axis['max'] < 0.1 * np.nanmax(values)
@@ -142,7 +142,7 @@ def test_axes_hold_what_can_be_read_of_curves_that_go_to_infinity():
             if extremum.quantity == name and extremum.place == 'interior':
                 assert axis['min'] <= extremum.value <= axis['max']
     full = shown_of('paper')
-    options = charts.over_input(full, ['omega4', 'shaking_force'], [], False)
+    options = charts.over_input(full, ['omega4', 'shaking_force'], [])
     assert all(axis['min'] is None is axis['max'] for axis in options['yAxis'])
 
 
@@ -176,7 +176,7 @@ def test_charts_mark_the_extrema_of_the_core():
     extrema = found.extrema(names)
     assert [(e.quantity, e.value) for e in extrema] == [
         (e.quantity, e.value) for e in find_extrema(found.linkage, names, found.rate)]
-    options = charts.over_input(found, names, extrema, False)
+    options = charts.over_input(found, names, extrema)
     marks = [mark for series in options['series']
              for mark in series.get('markPoint', {}).get('data', [])]
     assert sorted(mark['coord'][1] for mark in marks) == sorted(e.value for e in extrema)
@@ -258,7 +258,7 @@ def test_an_angle_is_the_same_after_any_number_of_turns(name):
 def test_a_full_turn_begins_at_0_as_in_plots():
     found, slide = shown_of('paper'), shown_of('cylinder')
     assert found.ranges == ((0.0, 2.0 * pi),)
-    inputs = charts.over_input(found, ['theta4'], (), False)['dataset'][0]['source']['x'][:-1]
+    inputs = charts.over_input(found, ['theta4'], ())['dataset'][0]['source']['x'][:-1]
     assert (inputs[0], inputs[-1]) == (0.0, 360.0) and slide.ranges == slide.linkage.input_ranges
 
 

@@ -240,6 +240,7 @@ def test_the_picture_takes_half_of_a_window_and_crops_nothing(laptop, driver, ad
 
 @pytest.mark.slow
 def test_layers_and_views(tab):
+    tab.click('dark or light')
     tab.write('input value', '160')
     tab.until(lambda: tab.now().get('theta1') == '160', 'a pose with centres in view')
     for label, sign in (('instant centres', 'class="centre"'), ('forces', 'class="force"'),
@@ -251,6 +252,7 @@ def test_layers_and_views(tab):
                        ('Forces', 'polar diagram of the shaking force and reactions')):
         tab.open(view)
         tab.until(lambda name=name: 'class="sum"' in tab.by(name).get_attribute('innerHTML'), name)
+    assert 'body--dark' in tab.driver.find_element('tag name', 'body').get_attribute('class')
     assert not errors(tab.driver)
 
 
