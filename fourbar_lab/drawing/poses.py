@@ -45,12 +45,11 @@ class Pose(NamedTuple):
 
 def position_of(linkage: Mechanism, at: float) -> float:
     """Return the input [rad or m] for a ``--at`` in degrees or m."""
-    require_units(linkage, at)
     return at if linkage.is_driven_by_slide else radians(at)
 
 
-def require_units(linkage: Mechanism, at: float | None = None, speed: float | None = None,
-                  acceleration: float | None = None) -> None:
+def require_units(linkage: Mechanism, at: float | None, speed: float | None,
+                  acceleration: float) -> None:
     """Raise WrongUnit if a number of a command line has the unit of another kind of input."""
     turns = '' if linkage.is_driven_by_slide else 'angular '
     for name, value, dimension in (
@@ -72,7 +71,6 @@ def evaluate_at(linkage: Mechanism, at: float, speed: float, acceleration: float
         It is no finite number.
 
     """
-    require_units(linkage, at, speed, acceleration)
     given = position_of(linkage, at), speed, acceleration
     status, motion, loads = evaluate(linkage, *given, linkage.bodies is not None)
     if status == OUT_OF_RANGE:

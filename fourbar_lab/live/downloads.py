@@ -48,7 +48,7 @@ async def _send(page: Page, suffix: str, make: Callable[[], str]) -> None:
     except FourBarError as error:
         ui.notify(str(error), type='negative')
         return
-    name = f'{page.title.rpartition("/")[2].removesuffix(".yaml")}.{suffix}'
+    name = f'{page.state.title.rpartition("/")[2].removesuffix(".yaml")}.{suffix}'
     ui.download.content(content, name)
 
 
@@ -66,16 +66,17 @@ def cycle_csv(shown: Shown) -> str:
 
 def html(page: Page) -> str:
     """Return a page that needs no server: the moving mechanism, its scene and its extrema."""
-    shown, layers = page.shown, Layers(page.layers.curves, page.layers.forces)
+    shown, title = page.shown, page.state.title
+    layers = Layers(page.layers.curves, page.layers.forces)
     frames = [mechanism_svg(shown, pose, page.view, page.per_newton, layers)
               for _, pose in shown.samples(FRAMES)]
     rows = ''.join(f'<tr><td>{row["quantity"]}</td><td>{row["kind"]}</td><td>{row["value"]}</td>'
                    f'<td>{row["unit"]}</td><td>{row["at"]}</td></tr>'
                    for row in extrema_rows(shown, page.extrema_found()))
-    return f"""<!doctype html><html lang="en"><meta charset="utf-8"><title>{page.title}</title>
+    return f"""<!doctype html><html lang="en"><meta charset="utf-8"><title>{title}</title>
 <style>{STYLE}body{{font:16px sans-serif;max-width:60rem;margin:auto}}
 td{{padding:0 .8em 0 0;font-variant-numeric:tabular-nums}}</style>
-<h1>{page.title}</h1><p>{shown.linkage.description}</p>
+<h1>{title}</h1><p>{shown.linkage.description}</p>
 <svg viewBox="0 0 {WIDTH:g} {HEIGHT:g}" role="img" aria-label="moving mechanism">
 {traces_svg(shown, page.view)}
 <g id="mechanism"></g></svg>

@@ -92,19 +92,17 @@ class Page:
 
     def __init__(self, title: str, values: ParameterValues, query: dict[str, str]):
         """Take the state from the query; of a bad one, say so and show the scene as it is."""
-        state = link.Link(title, values, values)
+        self.state = link.Link(title, values, values)
         self.problem = ''                       # why something was not done, for the alarm
         try:
-            state = link.read(query, title, values)
-            self.shown = shown_of(state.values, state.acceleration)
+            self.state = link.read(query, title, values)
+            self.shown = shown_of(self.state.values, self.state.acceleration)
         except FourBarError as error:
-            state, self.problem = state._replace(values=state.first, acceleration=0.0), str(error)
-            self.shown = shown_of(state.values)
-        self.title, self.acceleration = state.title, state.acceleration
-        self.first, self.values = state.first, state.values     # of the scene, and as changed here
+            self.state = self.state._replace(values=self.state.first, acceleration=0.0)
+            self.problem, self.shown = str(error), shown_of(self.state.values)
         self.position = self.shown.nearest_input(self.shown.scene.drive.start)
-        if state.at is not None:
-            self.position = self._position_of(state.at)
+        if self.state.at is not None:
+            self.position = self._position_of(self.state.at)
         self.names = self.shown.usual_quantities        # whose curves are drawn
         self.layers = Layers()                          # what is drawn beside the links
         self.pose: Pose | None = None                   # what is drawn now; None: nothing
@@ -130,13 +128,13 @@ class Page:
         """Build the elements of the page, from top to bottom, and fill them."""
         self.client = ui.context.client
         ui.add_head_html(HEAD)
-        ui.page_title(f'{self.title} - fourbar live')
+        ui.page_title(f'{self.state.title} - fourbar live')
         ui.colors(primary='#1f5f99')
         with ui.header(elevated=False).classes('fb-middle fb-head no-wrap'):
             # narrow windows show the controls after a click, wide ones until a click
             ui.button(icon='menu', on_click=lambda: self.panel.classes(toggle='fb-turned')).props(
                 'flat dense color=white aria-label="parameters"')
-            ui.label(self.title).classes('text-h6').props('role=heading aria-level=1')
+            ui.label(self.state.title).classes('text-h6').props('role=heading aria-level=1')
             self.words = ui.label().classes('col ellipsis')
             downloads.menu(self)
             ui.button(icon='contrast').props(
@@ -144,9 +142,10 @@ class Page:
                 'click', js_handler='() => Quasar.Dark.toggle()')
         with ui.element('div').classes('fb-columns'):
             with ui.element('div').classes('fb-controls') as self.panel:
-                controls.build(self.shown, self.change)
-                controls.field('acceleration of the input', self.acceleration,
-                               self.set_acceleration).classes('full-width')
+                controls.build(self.shown, lambda name, value: self.change(
+                    values={**self.state.values, name: value}))
+                controls.field('acceleration of the input', self.state.acceleration,
+                               lambda value: self.change(acceleration=value)).classes('full-width')
             with ui.element('div').classes('fb-stage'):
                 self.alarm = ui.label().classes('text-negative text-subtitle1 fb-alarm').props(
                     'role=alert')
@@ -201,14 +200,9 @@ class Page:
 
     # --- what changes ---------------------------------------------------------------------------
 
-    def change(self, name: str, value: float) -> None:
-        """Take a new value of a parameter, and show the mechanism that has it."""
-        self.values = {**self.values, name: value}
-        self.rebuild()
-
-    def set_acceleration(self, value: float) -> None:
-        """Take a new acceleration of the input."""
-        self.acceleration = value
+    def change(self, **state: Any) -> None:
+        """Take new values of the parameters or another acceleration, and show what has them."""
+        self.state = self.state._replace(**state)
         self.rebuild()
 
     def rebuild(self, keep_problem: bool = False) -> None:
@@ -218,7 +212,7 @@ class Page:
         Parameters that no mechanism can have take the picture away, with the reason.
         """
         try:
-            shown = shown_of(self.values, self.acceleration)
+            shown = shown_of(self.state.values, self.state.acceleration)
             self.view, self.per_newton = mechanism_view(shown), force_scale(shown)
         except FourBarError as error:
             self.refusal, self.pose = str(error), None
@@ -281,8 +275,7 @@ class Page:
 
     def _remember(self) -> None:
         """Put the state into the address of the page."""
-        query = link.address(link.Link(self.title, self.first, self.values, self.at,
-                                       self.acceleration))
+        query = link.address(self.state._replace(at=self.at))
         ui.run_javascript(f'history.replaceState(null, "", "?{query}")')
 
     # --- poses ----------------------------------------------------------------------------------
@@ -317,7 +310,7 @@ class Page:
         text = (f'{STATUS_NAMES[status]} at {self.shown.linkage.input_coordinate.position} '
                 f'[{self.shown.input_unit}] {self.at:.6g}')
         return text if status != INVALID_INPUT else (
-            f'{text}, rate {self.shown.rate:.6g}, acceleration {self.acceleration:.6g}: too '
+            f'{text}, rate {self.shown.rate:.6g}, acceleration {self.state.acceleration:.6g}: too '
             'large, or unknown')
 
     def _pose_elements(self) -> list[PoseElement]:

@@ -91,11 +91,6 @@ class Study:
                              tuple(one.of_grid for one in self.vary), self.rows)
         return {one.name: one.at(p) for one, p in zip(self.vary, points.T)}
 
-    def scene_values(self, row: int) -> ParameterValues:
-        """Return all parameters of the scene that one row is."""
-        drawn = self.drawn(row, row + 1)
-        return {**self.values, **{name: column[0].item() for name, column in drawn.items()}}
-
 
 def read(path: str | Path) -> Study:
     """Return the :class:`Study` of a YAML file; a FourBarError if it is wrong."""
