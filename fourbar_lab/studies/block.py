@@ -8,9 +8,8 @@ results are in doubt; these and all others are left to :mod:`fourbar_lab.studies
 """
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from math import tau
-from typing import Any
 
 from fourbar_lab.studies.measures import (
     CHANGE_POINT,
@@ -33,7 +32,6 @@ from fourbar_ros.mechanisms.parts import NoLoads
 from fourbar_ros.mechanisms.points import link_motion, point_of
 from fourbar_ros.mechanisms.quantities import is_position, is_published
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.numerics.number_types import Function
 from fourbar_ros.scene.parameters import find
 from fourbar_ros.scene.scene import from_values, Scene
 from fourbar_ros.scene.settings import ParameterValues
@@ -56,16 +54,15 @@ class Block:
     """
     Measures of n designs of one study, computed together.
 
-    Results are in ``found``, {measure or axis of a curve: values, shape (n,)}, and are right where
-    ``is_done``, shape (n,). ``scene`` is one design that can be built; ``drawn`` is {parameter:
-    values, shape (n,)}.
+    Results are written into ``columns``, {measure or axis of a curve: values, shape (n,)}, and are
+    right where ``is_done``, shape (n,). ``scene`` is one design that can be built; ``drawn`` is
+    {parameter: values, shape (n,)}.
     """
 
-    def __init__(self, study: Study, scene: Scene, drawn: dict[str, Array]):
+    def __init__(self, study: Study, scene: Scene, drawn: dict[str, Array],
+                 columns: dict[str, Array]):
         """Begin with nothing found: ``is_done`` is where parameters have allowed values."""
-        self.study, self.scene, self.drawn = study, scene, drawn
-        self.size = len(next(iter(drawn.values())))
-        self.found: dict[str, Array] = {}
+        self.study, self.scene, self.drawn, self.columns = study, scene, drawn, columns
         self._measures = Measures(scene)
         self._designs = Designs(scene, study.values, drawn)
         self.is_done = self._designs.are_allowed()
@@ -73,31 +70,30 @@ class Block:
     def compute_cheap(self) -> None:
         """Compute type and distance from a change point: they follow from the lengths alone."""
         margins = self._designs.margins()
-        parts = {measure.part for measure in self.study.measures}
         if margins is None:
-            self.is_done &= parts.isdisjoint((CLASS, CHANGE_POINT))
+            self.is_done &= self.columns.keys().isdisjoint((CLASS, CHANGE_POINT))
             return
         self.is_done &= (np.abs(margins) > NEAR).all(axis=0)
-        self.found[CHANGE_POINT] = np.abs(margins).min(axis=0)
-        if CLASS in parts:
-            self.found[CLASS] = self._classes(margins > 0.0)
+        if CHANGE_POINT in self.columns:
+            self.columns[CHANGE_POINT][:] = np.abs(margins).min(axis=0)
+        if CLASS in self.columns:
+            self._classify(margins > 0.0)
 
-    def _classes(self, signs: Array) -> Array:
+    def _classify(self, signs: Array) -> None:
         """
-        Return the type of each design, from the signs of its margins, shape (margins, n).
+        Find the type of each design, from the signs of its margins, shape (margins, n).
 
         Designs of equal signs are of one type, so one of each group is built to ask for it.
         """
         keys = (1 << np.arange(len(signs))) @ signs         # the signs as bits of an integer
-        names = np.full(self.size, '', dtype=object)
         for key in np.unique(keys[self.is_done]).tolist():
             alike = np.nonzero((keys == key) & self.is_done)[0]
             values = {name: column[alike[0]].item() for name, column in self.drawn.items()}
             try:
-                names[alike] = from_values({**self.study.values, **values}).linkage.classification
+                scene = from_values({**self.study.values, **values})
+                self.columns[CLASS][alike] = scene.linkage.classification
             except InvalidParameter:
                 self.is_done[alike] = False
-        return names.astype(str)
 
     def compute(self, rows: Array) -> None:
         """
@@ -132,19 +128,12 @@ class Block:
             if measure.part not in (CLASS, CHANGE_POINT):
                 values, is_right = self._measure(measure, turns, needed)
                 done &= is_right
-                self._column(measure.name)[rows[done]] = values[done]
+                self.columns[measure.name][rows[done]] = values[done]
         for point, samples in self.study.curves.items():
             for axis, values in zip('xy', self._curve(designs, point, samples)):
-                column = self._column(f'{point}.{axis}', samples)
-                column[rows[done]] = values[done]
+                self.columns[f'{point}.{axis}'][rows[done]] = values[done]
                 done &= np.isfinite(values).all(axis=1)
         return done
-
-    def _column(self, name: str, *samples: int) -> Array:
-        """Return the column of a result, NaN where it is not found yet."""
-        if name not in self.found:
-            self.found[name] = np.full((self.size, *samples), np.nan)
-        return self.found[name]
 
     def _search(self, designs: Designs, quantities: Sequence[Searched], count: int) -> Turns:
         """Return the extrema of quantities of all designs, from ``count`` samples of a turn."""
@@ -154,16 +143,17 @@ class Block:
         is_angle = np.array([is_position(quantity) and quantity.unit == 'rad'
                              for quantity in quantities], bool)
 
+        state = designs.step(self.study.acceleration, with_loads, names)
+
         def evaluate(x: Array, which: Array) -> Array:
             """Return all quantities, shape (q, m, any), at inputs of shape (m, any) of designs."""
             of_all = x
             if which.size < designs.size:
                 of_all = np.ones((designs.size, x.shape[1]), x.dtype)
                 of_all[which] = x
-            state = designs.state(of_all, self.study.acceleration, with_loads, names)
-            values = np.empty((len(quantities), *of_all.shape), x.dtype)
+            values, found = np.empty((len(quantities), *of_all.shape), x.dtype), state(of_all)
             for row, quantity in zip(values, quantities):
-                row[:] = quantity.of(*state)
+                row[:] = quantity.of(*found)
             return values[:, which]
 
         return search_turns(evaluate, designs.size, count, is_angle)
@@ -189,7 +179,7 @@ class Block:
     def _curve(self, designs: Designs, point: str, samples: int) -> tuple[Array, Array]:
         """Return x and y [m] of a point over a turn, each of shape (n, samples)."""
         x = np.broadcast_to(tau * np.arange(samples) / samples, (designs.size, samples))
-        motion, _ = designs.state(x, 0.0, False)
+        motion, _ = designs.step(0.0, False)(x)
         link = link_motion(designs.many, motion, self.scene.points[point].link)
         place = point_of(link, designs.values[f'points.{point}.along'],
                          designs.values[f'points.{point}.across'])
@@ -231,8 +221,6 @@ class Designs:
             lengths=lengths, sign=np.where(np.equal(self.values['linkage.mode'], OPEN), 1.0, -1.0))
         self.lengths = self._constants.lengths
         self.many = with_lengths(scene.linkage, lengths)
-        # functions of motion and loads by what they are asked for
-        self._steps: dict[Any, Function] = {}
 
     def are_allowed(self) -> Array:
         """Return which designs have values that the table of parameters allows, shape (n,)."""
@@ -246,27 +234,26 @@ class Designs:
                                & ((value > 0.0) | (not parameter.positive)))
         return is_allowed
 
-    def state(self, x: Array, acceleration: float, with_loads: bool,
-              names: tuple[str, ...] | None = None) -> State:
+    def step(self, acceleration: float, with_loads: bool, names: tuple[str, ...] | None = None
+             ) -> Callable[[Array], State]:
         """
-        Return (motion, loads) at inputs of shape (n, any), real or complex.
+        Return the function of inputs, shape (n, any), real or complex, to (motion, loads).
 
         ``names``: of the fields, by default all; others are NaN.
         """
-        linkage = self.scene.linkage
+        linkage, speed = self.scene.linkage, self.values['drive.speed']
         with_loads, count = with_loads and linkage.bodies is not None, len(linkage.MOTION._fields)
-        key = with_loads, names
-        if key not in self._steps:
-            known = linkage.MOTION._fields + linkage.LOADS._fields
-            self._steps[key] = step_of_arrays(
-                linkage, with_loads, data=self._constants,
-                wanted=None if names is None else [*map(known.index, names)])
-        if x.strides[0] == 0:       # the same inputs for all: functions of them alone once
-            x = x[:1]
-        with np.errstate(all='ignore'):
-            fields = self._steps[key](x, self.values['drive.speed'], acceleration)
-        return (linkage.MOTION(*fields[:count]),
-                linkage.LOADS(*fields[count:]) if with_loads else NoLoads())
+        known = linkage.MOTION._fields + linkage.LOADS._fields
+        step = step_of_arrays(linkage, with_loads, data=self._constants,
+                              wanted=None if names is None else [*map(known.index, names)])
+
+        def state(x: Array) -> State:
+            """Return both; of inputs that are the same for all, functions of them alone once."""
+            with np.errstate(all='ignore'):
+                fields = step(x if x.strides[0] else x[:1], speed, acceleration)
+            return (linkage.MOTION(*fields[:count]),
+                    linkage.LOADS(*fields[count:]) if with_loads else NoLoads())
+        return state
 
     def point_quantities(self) -> dict[str, Searched]:
         """Return {name: quantity} of the points of the scene, for these designs."""

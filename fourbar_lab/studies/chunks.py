@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 from fourbar_lab.studies.block import Block
 from fourbar_lab.studies.design import Design
-from fourbar_lab.studies.measures import CHEAP, CLASS, INPUT_RANGE
+from fourbar_lab.studies.measures import CHANGE_POINT, CHEAP, CLASS, INPUT_RANGE
 from fourbar_lab.studies.study import Bound, Study
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.mechanisms.kinds import KINDS
@@ -51,8 +51,8 @@ def measured(study: Study, drawn: dict[str, Array]
     an axis of a curve: array}, NaN where it was not computed; a reason may be :data:`FEASIBLE`. As
     many as possible are computed together; those in doubt, and other kinds, one by one.
     """
-    found, is_done = _together(study, drawn)
-    columns = _columns(study, is_done.size, found)
+    columns = _empty(study, len(next(iter(drawn.values()))))
+    is_done = _together(study, drawn, columns)
     reasons = np.full(is_done.size, FEASIBLE, dtype=object)
     failures: list[tuple[int, str]] = []
     for i in np.nonzero(~is_done)[0].tolist():
@@ -98,25 +98,21 @@ def types_of(study: Study) -> dict[str, type]:
     return types | {f'{point}.{axis}': float for point in study.curves for axis in 'xy'}
 
 
-def _columns(study: Study, size: int, found: dict[str, Array]) -> dict[str, Array]:
+def _empty(study: Study, size: int) -> dict[str, Array]:
     """
-    Return {measure or axis of a curve: array of ``size`` designs}: as found, else NaN or ''.
+    Return {measure or axis of a curve: array of ``size`` designs}, NaN or ''.
 
     Numbers are floats here, counts too: NaN says that one is unknown. Texts are objects.
     """
-    samples = {f'{point}.{axis}': samples for point, samples in study.curves.items()
-               for axis in 'xy'}
-    columns = {}
-    for name, kind in types_of(study).items():
-        shape = (size, samples[name]) if name in samples else (size,)
-        empty = (np.full(shape, '', dtype=object) if kind is str else np.full(shape, np.nan))
-        columns[name] = found[name].astype(empty.dtype) if name in found else empty
-    return columns
+    columns = {name: np.full(size, '', dtype=object) if kind is str else np.full(size, np.nan)
+               for name, kind in types_of(study).items()}
+    return columns | {f'{point}.{axis}': np.full((size, samples), np.nan)
+                      for point, samples in study.curves.items() for axis in 'xy'}
 
 
-def _together(study: Study, drawn: dict[str, Array]) -> tuple[dict[str, Array], Array]:
+def _together(study: Study, drawn: dict[str, Array], columns: dict[str, Array]) -> Array:
     """
-    Return {measure: array} of designs computed together, and which of them are right, shape (n,).
+    Fill columns with the results of designs computed together; return which are right, (n,).
 
     None of those that this cannot compute: drives at rest, driven slides, machines (which are put
     together at run time), and whatever :class:`Block` is not sure of.
@@ -124,15 +120,15 @@ def _together(study: Study, drawn: dict[str, Array]) -> tuple[dict[str, Array], 
     scene = _first_scene(study, drawn)
     if (scene is None or not scene.drive.speed or scene.linkage.is_driven_by_slide
             or scene.values['linkage.kind'] not in KINDS):
-        return {}, np.zeros(len(next(iter(drawn.values()))), bool)
-    block = Block(study, scene, drawn)
+        return np.zeros(len(next(iter(drawn.values()))), bool)
+    block = Block(study, scene, drawn, columns)
     block.compute_cheap()
     wanted = block.is_done.copy()
-    for bound in study.bounds if not study.keeps_all else ():
-        if bound.measure.name in block.found:
-            wanted &= _allows(bound, block.found)
+    for bound in study.bounds:
+        if bound.measure.part in (CLASS, CHANGE_POINT) and not study.keeps_all:
+            wanted &= _allows(bound, columns)
     block.compute(np.nonzero(wanted)[0])
-    return block.found, block.is_done
+    return block.is_done
 
 
 def _allows(bound: Bound, columns: dict[str, Array]) -> Array:

@@ -60,13 +60,6 @@ POINTS, NODES = 4096, 512
 _DUALS = duals_of(ARRAYS)
 
 
-class AtExtremum(NamedTuple):
-    """How an extremum moves: derivatives of value and place, shape (parameters,)."""
-
-    value: Array
-    place: Array
-
-
 def usable(scene: Scene) -> tuple[str, ...]:
     """Return the parameters by which there are derivatives: numbers that a scene gives."""
     linkage = scene.linkage
@@ -155,10 +148,11 @@ class Derivatives:
         by, zero = derivatives_of(dual), np.zeros_like(x)
         return zero + value_of(dual), np.array([zero + by.get(one, 0.0) for one in self.names])
 
-    def at_extremum(self, name: str, x: float) -> AtExtremum:
+    def at_extremum(self, name: str, x: float) -> tuple[Array, Array]:
         """
-        Return how an extremum of a quantity inside the input range moves, (S1) and (S2).
+        Return how value and place of an extremum inside the input range change, (S1) and (S2).
 
+        Shape (parameters,) each, in the order of ``names``.
         NaN where the quantity has a kink or a jump; the place is NaN if the quantity is constant.
         """
         stepped = Dual(np.array([x + 1j * STEP]), {INPUT: 1.0})
@@ -171,8 +165,7 @@ class Derivatives:
             if STEP * abs(off) > self._sharp:
                 off = nan
             slopes = np.array(parts)
-            return AtExtremum(slopes.real - off * slopes.imag,
-                              -slopes.imag / slope.imag + 0.0 * off)
+            return slopes.real - off * slopes.imag, -slopes.imag / slope.imag + 0.0 * off
 
 
 # --- of measures ---------------------------------------------------------------------------------
