@@ -174,9 +174,7 @@ def marks_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: floa
     Arguments as of :func:`curves_of`. A component of a force is not searched, nor are loads that
     springs or forces over a position add to: these have no marks.
     """
-    searched: dict[str, Asked] = {
-        **positions(linkage, linkage.input), **known(linkage, linkage.input),
-        **{quantity.name: quantity for quantity in scene.point_quantities}}
+    searched = _searched(linkage, scene)
     wanted = [searched[name] for name in names if name in searched
               and not (searched[name].is_load and linkage.bodies is None)]
     turned = degrees(1.0)
@@ -187,11 +185,15 @@ def marks_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: floa
             if one.kind != CONSTANT and isfinite(one.value)] if wanted else []
 
 
+def _searched(linkage: Mechanism, scene: Scene) -> dict[str, Asked]:
+    """Return {name: quantity} of all that can be searched for extrema."""
+    return {**positions(linkage, linkage.input), **known(linkage, linkage.input),
+            **{quantity.name: quantity for quantity in scene.point_quantities}}
+
+
 def _units(linkage: Mechanism, scene: Scene) -> dict[str, str]:
     """Return {name: unit} of all quantities that a user may name, components of forces too."""
-    quantities = {**positions(linkage, linkage.input), **known(linkage, linkage.input)}
-    units = {name: quantity.unit for name, quantity in quantities.items()}
-    units.update((quantity.name, quantity.unit) for quantity in scene.point_quantities)
+    units = {name: quantity.unit for name, quantity in _searched(linkage, scene).items()}
     if scene.has_loads:
         units.update(zip(OF_DRIVE, ('kg', 'N') if linkage.is_driven_by_slide else
                          ('kg m^2', 'N m')))

@@ -16,11 +16,11 @@ from pathlib import Path
 from typing import Any, NamedTuple, TYPE_CHECKING
 
 from fourbar_lab.drawing.labels import labels_of, significant
-from fourbar_lab.drawing.mechanism_panel import draw_mechanism, renamed
+from fourbar_lab.drawing.mechanism_panel import draw_mechanism, sides_of
 from fourbar_lab.drawing.sheet import Sheet
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import Arrow, NamedFields, ORIGIN, without_repeats
+from fourbar_ros.mechanisms.parts import Arrow, NamedFields, ORIGIN
 from fourbar_ros.mechanisms.picture import Points
 from fourbar_ros.numerics.arrays import Array
 
@@ -83,15 +83,9 @@ def draw_polygon(axes: Axes, arrows: Sequence[Arrow], title: str, unit: tuple[st
     ``unit``: (text, size in SI); ``names``: other letters for joints.
     """
     text, size = unit
-    arrows = [arrow._replace(start=arrow.start / size, vector=arrow.vector / size,
-                             label=renamed(arrow.label, names or {}))
+    arrows = [arrow._replace(start=arrow.start / size, vector=arrow.vector / size)
               for arrow in arrows]
-    # joints at one place have one letter: of equal labels the first is drawn
-    arrows = list({(arrow.label, arrow.is_sum): arrow for arrow in reversed(arrows)}.values())
-    arrows.reverse()
-    longest = max(hypot(*arrow.vector) for arrow in arrows)
-    shown = [arrow for arrow in without_repeats(arrows, LEAST * longest)
-             if hypot(*arrow.vector) > LEAST * longest]
+    shown = sides_of(arrows, names or {}, LEAST * max(hypot(*arrow.vector) for arrow in arrows))
     sheet = Sheet(axes, [ORIGIN] + [point for arrow in shown
                                     for point in (arrow.start, arrow.start + arrow.vector)],
                   f'{title} [{text}]')

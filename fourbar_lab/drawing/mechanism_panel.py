@@ -4,14 +4,14 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from math import pi, remainder
+from math import hypot, pi, remainder
 import re
 from typing import TYPE_CHECKING
 
 from fourbar_lab.drawing.labels import labels_of, load_lines, motion_lines, symbol_of
 from fourbar_lab.drawing.sheet import Sheet
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import Bar, Block, Diagram, NamedFields
+from fourbar_ros.mechanisms.parts import Arrow, Bar, Block, Diagram, NamedFields, without_repeats
 from fourbar_ros.mechanisms.picture import (
     Arm,
     forces_of,
@@ -42,6 +42,20 @@ def renamed(label: str, names: Mapping[str, str]) -> str:
     if label in names:
         return names[label]
     return re.sub(r'_(\{[^}]*\}|\w)', replace, label) if names else label
+
+
+def sides_of(arrows: Iterable[Arrow], names: Mapping[str, str], least: float) -> list[Arrow]:
+    """
+    Return the sides of a polygon to draw: with other letters, none twice, all above a length.
+
+    Joints at one place have one letter: of equal labels the first is drawn.
+    """
+    named: dict[tuple[str, bool], Arrow] = {}
+    for arrow in arrows:
+        label = renamed(arrow.label, names)
+        named.setdefault((label, arrow.is_sum), arrow._replace(label=label))
+    return [arrow for arrow in without_repeats(list(named.values()), least)
+            if hypot(*arrow.vector) > least]
 
 
 def draw_mechanism(axes: Axes, mechanism: Mechanism, motion: NamedFields,

@@ -22,7 +22,6 @@ from fourbar_ros.pipeline.stepper import evaluate
 from fourbar_ros.scene.scene import from_values, Scene
 from fourbar_ros.scene.settings import ParameterValues
 import numpy as np
-from numpy.typing import ArrayLike
 
 SAMPLES = 361           # of a cycle: one a degree of a full turn
 ROUNDING = 64 * 2.0**-52     # of sums of forces and rates
@@ -59,7 +58,7 @@ class Shown:
     scene: Scene
     acceleration: float = 0.0       # of the input [rad/s^2] or [m/s^2]
 
-    @cached_property
+    @property
     def linkage(self) -> Mechanism:
         """Return the mechanism, without masses where its loads do not follow from its motion."""
         return self.scene.linkage
@@ -74,17 +73,12 @@ class Shown:
         """Return the ranges of the input [rad] or [m]; a full turn begins at 0."""
         return ((0.0, tau),) if self.linkage.turns_fully else self.linkage.input_ranges
 
-    def range_of(self, position: float) -> tuple[float, float]:
-        """Return the range of the input nearest to a position, without its ends: toggles."""
-        low, high = min(self.ranges, key=lambda ends: max(ends[0] - position, position - ends[1]))
-        margin = 0.0 if self.linkage.turns_fully else 1e-6 * (high - low)
-        return low + margin, high - margin
-
     def nearest_input(self, position: float) -> float:
         """
         Return the input in the ranges that is nearest to a position.
 
         An angle counts in any turn: with a range from -1 to 1, the input nearest to 7.0 is 0.717.
+        Ends of ranges are left out, which may be toggles.
         """
         same = [position]
         if not self.linkage.is_driven_by_slide:
@@ -92,15 +86,20 @@ class Shown:
             same += [angle, angle - tau, angle + tau]
         nearest = []
         for place in same:
-            low, high = self.range_of(place)
-            nearest.append(min(max(place, low), high))
+            low, high = min(self.ranges, key=lambda ends: max(ends[0] - place, place - ends[1]))
+            margin = 0.0 if self.linkage.turns_fully else 1e-6 * (high - low)
+            nearest.append(min(max(place, low + margin), high - margin))
         return min(zip(nearest, same), key=lambda pair: abs(pair[0] - pair[1]))[0]
 
     @cached_property
     def cycles(self) -> tuple[Cycle, ...]:
         """Return a :class:`Cycle` for each range of the input."""
-        return tuple(Cycle(inputs, *self.motion_and_loads(inputs, self.rate, self.acceleration))
-                     for inputs in cycles(self.linkage, SAMPLES, from_zero=True))
+        found = []
+        for inputs in cycles(self.linkage, SAMPLES, from_zero=True):
+            given = inputs, self.rate, self.acceleration
+            found.append(Cycle(inputs, self.linkage.motion(*given),
+                               None if self.why_no_loads else self.scene.loads(*given)))
+        return tuple(found)
 
     @cached_property
     def why_no_loads(self) -> str:
@@ -108,13 +107,6 @@ class Shown:
         if self.scene.turns > 1:
             return f'its forces repeat after {self.scene.turns} turns only: see fourbar plot'
         return '' if self.scene.tells_loads else self.scene.why_no_loads
-
-    def motion_and_loads(self, position: ArrayLike, rate: ArrayLike, acceleration: ArrayLike
-                         ) -> tuple[NamedFields, NamedFields | None]:
-        """Return (motion, loads with all forces of the scene); None where the page has none."""
-        given = position, rate, acceleration
-        return (self.linkage.motion(*given),
-                None if self.why_no_loads else self.scene.loads(*given))
 
     @cached_property
     def quantities(self) -> dict[str, Quantity | Function]:

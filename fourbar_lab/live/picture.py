@@ -12,13 +12,13 @@ from typing import NamedTuple
 from fourbar_lab.drawing.axis import axis_angle, axis_parts
 from fourbar_lab.drawing.cycles import bounded, ground_forces, vectors_of
 from fourbar_lab.drawing.labels import significant
-from fourbar_lab.drawing.mechanism_panel import renamed
+from fourbar_lab.drawing.mechanism_panel import sides_of
 from fourbar_lab.drawing.sheet import nice
 from fourbar_lab.live import svg
 from fourbar_lab.live.model import Pose, Shown
 from fourbar_lab.live.svg import HEIGHT, MARGIN, STYLE, View, view_of, WIDTH
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import Arrow, Diagram, NamedFields, ORIGIN, without_repeats
+from fourbar_ros.mechanisms.parts import Arrow, Diagram, NamedFields, ORIGIN
 from fourbar_ros.mechanisms.picture import Arm, forces_of, of_kind, picture
 from fourbar_ros.mechanisms.points import instant_centre, link_motion, LinkMotion
 from fourbar_ros.numerics.arrays import Array
@@ -253,14 +253,10 @@ def polygon_svg(arrows: list[Arrow], view: View, unit: str,
     """
     pole = view.at((0.0, 0.0))
     room = svg.Room([pole])
-    drawn = {}          # by label and pixel: joints at one place have the same arrow, once
-    for arrow in without_repeats(arrows, 1.0 / view.scale):
-        label = f'{renamed(arrow.label, letters)} = {significant(hypot(*arrow.vector))} {unit}'
-        start = view.at(arrow.start)
-        drawn[label, round(start[0]), round(start[1])] = (
-            'sum' if arrow.is_sum else 'part', start,
-            (view.scale * arrow.vector[0], -view.scale * arrow.vector[1]), label)
-    parts = [svg.arrow(*arrow, room) for arrow in drawn.values()]
+    parts = [svg.arrow('sum' if arrow.is_sum else 'part', view.at(arrow.start),
+                       (view.scale * arrow.vector[0], -view.scale * arrow.vector[1]),
+                       f'{arrow.label} = {significant(hypot(*arrow.vector))} {unit}', room)
+             for arrow in sides_of(arrows, letters, 1.0 / view.scale)]
     parts += [svg.circle('pin', pole, 4.0),
               room.label('', pole, (-0.7, 0.7), 'o')]
     return f'<g class="fb">{"".join(parts)}</g>'

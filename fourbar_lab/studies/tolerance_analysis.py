@@ -17,7 +17,6 @@ from fourbar_lab.studies.chunks import measured
 from fourbar_lab.studies.derivatives import Derivatives, sensitivities, Sensitivity
 from fourbar_lab.studies.measures import CLASS
 from fourbar_lab.studies.study import Study
-from fourbar_lab.studies.variation import Variation
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.scene.scene import from_values
 import numpy as np
@@ -38,17 +37,15 @@ class Toleranced(NamedTuple):
 
 def box_of(study: Study) -> dict[str, tuple[float, float]]:
     """Return {parameter: (centre, size)}; InvalidParameter for a list or a log_range."""
-    return {one.name: _interval(one) for one in study.vary}
-
-
-def _interval(one: Variation) -> tuple[float, float]:
-    """Return the centre and the size of a variation."""
-    if one.kind in ('list', 'log_range'):
-        raise InvalidParameter(f'vary.{one.name}', one.kind,
-                               'is not a tolerance; use uniform, normal or range')
-    low, high = one.values
-    return {'range': (0.5 * (low + high), 0.5 * (high - low)), 'uniform': (low, high),
-            'normal': (low, DEVIATIONS * high)}[one.kind]
+    box = {}
+    for one in study.vary:
+        if one.kind in ('list', 'log_range'):
+            raise InvalidParameter(f'vary.{one.name}', one.kind,
+                                   'is not a tolerance; use uniform, normal or range')
+        low, high = one.values
+        box[one.name] = {'range': (0.5 * (low + high), 0.5 * (high - low)),
+                         'uniform': (low, high), 'normal': (low, DEVIATIONS * high)}[one.kind]
+    return box
 
 
 def tolerances(study: Study) -> list[Toleranced]:

@@ -4,7 +4,8 @@
 from math import hypot
 import sys
 
-from fourbar_lab.drawing.figure import renamed, significant
+from fourbar_lab.drawing.labels import significant
+from fourbar_lab.drawing.mechanism_panel import renamed
 from fourbar_lab.drawing.sheet import nice
 from fourbar_ros import Bodies, Body, FourBar
 from fourbar_ros.mechanisms.points import point_motion
