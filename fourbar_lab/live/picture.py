@@ -97,10 +97,10 @@ def force_scale(shown: Shown) -> float:
     return LONGEST_FORCE / largest if largest > 0.0 and isfinite(largest) else 0.0
 
 
-def document(content: str, width: float = WIDTH, height: float = HEIGHT) -> str:
+def document(content: str) -> str:
     """Return a complete SVG file."""
-    return (f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:g} {height:g}" '
-            f'width="{width:g}" height="{height:g}"><style>{STYLE}</style>'
+    return (f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH:g} {HEIGHT:g}" '
+            f'width="{WIDTH:g}" height="{HEIGHT:g}"><style>{STYLE}</style>'
             f'<rect width="100%" height="100%" fill="var(--fb-paper,#fff)"/>{content}</svg>')
 
 

@@ -64,7 +64,6 @@ class Measure:
 
     name: str
     unit: str
-    text: str
     quantity: str
     part: str
 
@@ -152,17 +151,17 @@ class Measures:
 
     def _of_mechanism(self, entry: str, name: str) -> Measure:
         """Return a measure of the mechanism; outputs that turn have a swing, slides a stroke."""
-        text, unit = OF_MECHANISM[name]
+        _, unit = OF_MECHANISM[name]
         if name in (SWING, STROKE) and unit != self._output_unit:
             other = STROKE if name == SWING else SWING
             raise InvalidParameter(entry, name, f'the output of this {self._kind} is in '
                                                 f'{self._output_unit}: ask for {other}')
-        return Measure(name, self._input_unit if unit == INPUT else unit, text, '', name)
+        return Measure(name, self._input_unit if unit == INPUT else unit, '', name)
 
     def _of_quantity(self, entry: str, name: str, part: str) -> Measure:
         """Return a part of a quantity; InvalidParameter for loads of a scene without masses."""
-        quantity, (text, unit) = self.quantities[name], PARTS[part]
+        quantity, (_, unit) = self.quantities[name], PARTS[part]
         if quantity.is_load and self._why_no_loads:
             raise InvalidParameter(entry, name, f'is a load, and {self._why_no_loads}')
         unit = {QUANTITY: quantity.unit, INPUT: self._input_unit}.get(unit, unit)
-        return Measure(f'{name}.{part}', unit, f'{quantity.text}: {text}', name, part)
+        return Measure(f'{name}.{part}', unit, name, part)

@@ -113,20 +113,16 @@ class Results:
                              f'of {self.study["rows"]}')
         return dict(found[0])
 
-    def scene_values(self, row: int) -> ParameterValues:
-        """Return the parameters of the scene of one row that differ from the default."""
-        design = self.design(row)
-        values = {**self.study['values'], **{name: design[name] for name in self.varied}}
-        return {name: value for name, value in values.items() if value == value
-                and value != getattr(find(name), 'default', None)}
-
     def scene_text(self, row: int) -> str:
         """Return the scene file of one row; comments list its measures."""
         design = self.design(row)
         head = [f'# Row {row} of the study {self.folder.name}.']
         head += [f'# {name}: {design[name]:.9g} {self.units.get(name, "")}'.rstrip()
                  for name in self.measures]
-        return '\n'.join(head) + '\n' + as_text(self.scene_values(row))
+        values = {**self.study['values'], **{name: design[name] for name in self.varied}}
+        return '\n'.join(head) + '\n' + as_text({
+            name: value for name, value in values.items()
+            if value == value and value != getattr(find(name), 'default', None)})
 
 
 def summary(name: str, unit: str, column: Array) -> Summary:
