@@ -10,7 +10,7 @@ import sys
 import time
 
 from fourbar_lab.cli import tolerances
-from fourbar_ros.cli.common import add_verb, BAD, HelpFormatter, Verbs
+from fourbar_ros.cli.common import add_verb, BAD, bar, HelpFormatter, Verbs
 from fourbar_ros.scene.arguments import positive_integer
 
 ACTIONS = ('run', 'show', 'pick', 'tolerances')
@@ -168,17 +168,12 @@ def _run(arguments: argparse.Namespace) -> int:
     from fourbar_lab.studies.engine import cluster, KEPT, processes, run
     from fourbar_lab.studies.results import Results
     from fourbar_lab.studies.study import read
-    from rich.console import Console
-    from rich.progress import MofNCompleteColumn, Progress
-    study, begun, console = read(arguments.study), time.monotonic(), Console(stderr=True)
+    study, begun = read(arguments.study), time.monotonic()
     pool = (partial(cluster, arguments.cluster) if arguments.cluster
             else partial(processes, arguments.workers))
     try:
-        with Progress(*Progress.get_default_columns(), MofNCompleteColumn(), console=console,
-                      transient=True, disable=not console.is_terminal) as bar:
-            task = bar.add_task('designs', total=study.rows)
-            done = run(study, arguments.out, pool, resume=arguments.resume,
-                       report=lambda designs: bar.advance(task, designs))
+        with bar('designs', study.rows) as report:
+            done = run(study, arguments.out, pool, resume=arguments.resume, report=report)
     except KeyboardInterrupt:
         print(f'interrupted: {KEPT}', file=sys.stderr)
         raise

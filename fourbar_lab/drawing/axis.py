@@ -16,7 +16,7 @@ from fourbar_lab.drawing.cycles import cycles
 from fourbar_lab.drawing.figure import CannotDraw, new_figure
 from fourbar_lab.drawing.mechanism_panel import draw_plainly
 from fourbar_lab.drawing.record import counted
-from fourbar_ros.extrema.find import find_extrema, INTERIOR
+from fourbar_ros.extrema.find import Extremum, find_extrema, INTERIOR
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.mechanisms.quantities import Function
@@ -114,14 +114,10 @@ def draw_axis(axes: Axes, linkage: Mechanism, motion: NamedFields, title: str = 
                   bbox={'fc': 'w', 'ec': 'none', 'pad': 1.0})
 
 
-def largest_rate(linkage: Mechanism, rate: float) -> float:
-    """Return the input [rad] at which the output is fastest, among extrema inside a range."""
+def extrema_inside(linkage: Mechanism, rate: float) -> list[Extremum]:
+    """Return the extrema of the output's rate inside a range of the input."""
     name = linkage.outputs[0].coordinate.rate
-    extrema = [extremum for extremum in find_extrema(linkage, (name,), rate)
-               if extremum.place == INTERIOR]
-    if not extrema:
-        raise CannotDraw(f'{name} has no extremum inside a range: give --at')
-    return max(extrema, key=lambda extremum: abs(extremum.value)).theta1
+    return [one for one in find_extrema(linkage, (name,), rate) if one.place == INTERIOR]
 
 
 def make_axis_figure(linkage: Mechanism, rate: float, position: float | None = None) -> Figure:
@@ -139,7 +135,11 @@ def make_axis_figure(linkage: Mechanism, rate: float, position: float | None = N
     """
     coordinate = linkage.outputs[0].coordinate
     collineation_axis(linkage, linkage.motion(cycles(linkage)[0][1], rate))     # refuses others
-    at = largest_rate(linkage, rate) if position is None else position
+    extrema = extrema_inside(linkage, rate)
+    if position is None and not extrema:
+        raise CannotDraw(f'{coordinate.rate} has no extremum inside a range: give --at')
+    at = (max(extrema, key=lambda extremum: abs(extremum.value)).theta1 if position is None
+          else position)
     with new_figure('draw', figsize=(12.6, 5.6)) as figure:
         left = figure.add_axes((0.01, 0.02, 0.5, 0.9))
         draw_axis(left, linkage, linkage.motion(at, rate),
@@ -149,11 +149,10 @@ def make_axis_figure(linkage: Mechanism, rate: float, position: float | None = N
             motion = linkage.motion(inputs, rate)
             upper.plot(np.degrees(inputs), getattr(motion, coordinate.rate), color='C0')
             lower.plot(np.degrees(inputs), axis_angle(linkage).of(motion, None), color=AXIS)
-        for extremum in find_extrema(linkage, (coordinate.rate,), rate):
-            if extremum.place == INTERIOR:
-                x = degrees(counted(linkage, extremum.theta1))
-                upper.plot(x, extremum.value, 'o', ms=6, mfc='none', mec='k')
-                lower.plot(x, 90.0, 'o', ms=6, mfc='none', mec='k')
+        for extremum in extrema:
+            x = degrees(counted(linkage, extremum.theta1))
+            upper.plot(x, extremum.value, 'o', ms=6, mfc='none', mec='k')
+            lower.plot(x, 90.0, 'o', ms=6, mfc='none', mec='k')
         unit = 'm/s' if coordinate.unit == 'm' else 'rad/s'
         upper.set(ylabel=f'{coordinate.rate} [{unit}]')
         lower.set(ylabel='coupler to axis [deg]', xlabel='theta1 [deg]', ylim=(0.0, 180.0),

@@ -86,17 +86,18 @@ def cluster(address: str) -> Iterator[Executor]:
 
 
 def run(study: Study, folder: str | Path, pool: Callable[[], Pool] = processes, *,
-        resume: bool = False, report: Callable[[int], object] = lambda designs: None) -> int:
+        resume: bool = False, report: Callable[[int], object] = lambda there: None) -> int:
     """
     Compute the parts of a study that its folder does not hold yet; return how many designs.
 
     ``pool`` gives the executor: :func:`processes` or :func:`cluster`, with their arguments bound.
-    ``report`` is told the designs of each part as it gets done, first of those that are there.
+    ``report`` is told how many designs are there, first and as each part gets done.
     StudyError if the folder holds a study and is not to be resumed, or another study; if a worker
     fails, or workers keep dying; if a part cannot be written.
     """
     folder = Path(folder)
-    report(_begin(study, folder, resume))
+    before = _begin(study, folder, resume)
+    report(before)
     done, deaths = 0, 0
     while True:
         there = parts(folder).keys()
@@ -106,8 +107,8 @@ def run(study: Study, folder: str | Path, pool: Callable[[], Pool] = processes, 
                 for number, content in _computed(study, executor, todo):
                     _write(folder / PART.format(number), content)
                     start, stop = study.rows_of(number)
-                    report(stop - start)
                     done, deaths = done + stop - start, 0
+                    report(before + done)
             return done
         except (BrokenExecutor, CancelledError) as error:   # all that was under way is lost
             deaths += 1
