@@ -21,7 +21,12 @@ from fourbar_lab.studies.measures import (
     Searched,
     STROKE,
 )
-from fourbar_lab.studies.parametric import constants_of, point_quantities_of, with_lengths
+from fourbar_lab.studies.parametric import (
+    constants_of,
+    margin_signs,
+    point_quantities_of,
+    with_lengths,
+)
 from fourbar_lab.studies.study import Study
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.extrema.full_turns import search_turns, Turns
@@ -46,8 +51,6 @@ NEAR = 1e-9
 # The mean squares of all samples and of every other one differ by less: the error of the former is
 # the square of that.
 AGREE = 1e-6
-# Sums of lengths that agree to this, relative to their sum, are the same.
-NEARLY = 1e-12
 
 
 class Block:
@@ -265,10 +268,6 @@ class Designs:
 
         None if this kind's margins are no sums of its lengths with signs.
         """
-        linkage, sizes = self.scene.linkage, np.abs(np.concatenate(self.lengths, axis=1))
-        signs = np.array(linkage.MARGIN_SIGNS, float).reshape(-1, sizes.shape[1])
-        # whether the signs give the margins of the scene itself
-        lengths = np.abs(np.array(linkage.lengths))
-        if not np.allclose(signs @ lengths, linkage.margins, 0.0, NEARLY * lengths.sum()):
-            return None
-        return np.asarray((signs @ sizes.T) / sizes.sum(axis=1))
+        signs = margin_signs(self.scene.linkage)
+        sizes = np.abs(np.concatenate(self.lengths, axis=1))
+        return None if signs is None else np.asarray((signs @ sizes.T) / sizes.sum(axis=1))

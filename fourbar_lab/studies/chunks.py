@@ -13,11 +13,11 @@ from typing import Any, NamedTuple
 from fourbar_lab.studies.block import Block
 from fourbar_lab.studies.design import Design
 from fourbar_lab.studies.measures import CHANGE_POINT, CHEAP, CLASS, INPUT_RANGE
-from fourbar_lab.studies.study import Bound, Study
+from fourbar_lab.studies.study import Bound, first_scene, Study
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.scene.scene import from_values, Scene
+from fourbar_ros.scene.scene import from_values
 import numpy as np
 
 # Why a design is not among the results; other reasons are constraints by name.
@@ -117,10 +117,14 @@ def _together(study: Study, drawn: dict[str, Array], columns: dict[str, Array]) 
     None of those that this cannot compute: drives at rest, driven slides, machines (which are put
     together at run time), and whatever :class:`Block` is not sure of.
     """
-    scene = _first_scene(study, drawn)
-    if (scene is None or not scene.drive.speed or scene.linkage.is_driven_by_slide
+    none = np.zeros(len(next(iter(drawn.values()))), bool)
+    try:
+        scene = first_scene(study, {name: column[:TRIED] for name, column in drawn.items()})
+    except InvalidParameter:
+        return none
+    if (not scene.drive.speed or scene.linkage.is_driven_by_slide
             or scene.values['linkage.kind'] not in KINDS):
-        return np.zeros(len(next(iter(drawn.values()))), bool)
+        return none
     block = Block(study, scene, drawn, columns)
     block.compute_cheap()
     wanted = block.is_done.copy()
@@ -140,16 +144,6 @@ def _cheap_first(study: Study) -> list[Bound]:
     """Return the constraints; the ones that need no motion come first: they drop most designs."""
     return sorted(study.bounds, key=lambda bound: (bound.measure.part not in CHEAP,
                                                    bound.measure.part == INPUT_RANGE))
-
-
-def _first_scene(study: Study, drawn: dict[str, Array]) -> Scene | None:
-    """Return the scene of the first of some designs that can be built, or None."""
-    for values in zip(*(column[:TRIED].tolist() for column in drawn.values())):
-        try:
-            return from_values({**study.values, **dict(zip(drawn, values))})
-        except InvalidParameter:
-            continue
-    return None
 
 
 def _row(study: Study, design: Design) -> dict[str, Any]:

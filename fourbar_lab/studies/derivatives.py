@@ -34,6 +34,7 @@ from fourbar_lab.studies.measures import (
 from fourbar_lab.studies.parametric import (
     constants_of,
     is_machine,
+    margin_signs,
     point_quantities_of,
     with_lengths,
 )
@@ -270,11 +271,10 @@ class _MeasureDerivatives:
         negative, as an offset may be, counts with its size.
         """
         linkage = self._derivatives.scene.linkage
-        signs, lengths = np.array(linkage.MARGIN_SIGNS, float), np.array(linkage.lengths)
+        signs, lengths = margin_signs(linkage), np.array(linkage.lengths)
+        if signs is None:
+            return self._unknown
         sizes = np.abs(lengths)
-        if not signs.size or not np.allclose(np.abs(signs @ sizes), np.abs(linkage.margins), 1e-12,
-                                             1e-12 * sum(linkage.lengths)):
-            return self._unknown        # this kind has other margins than sums of lengths
         least = signs[np.abs(signs @ sizes).argmin()]
         least = least if least @ sizes > 0.0 else -least
         slopes = (least - least @ sizes / sizes.sum()) / sizes.sum() * np.where(lengths < 0, -1, 1)

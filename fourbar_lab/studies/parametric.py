@@ -22,6 +22,9 @@ from fourbar_ros.numerics.number_types import ARRAY, NumberType, Scalar
 from fourbar_ros.scene.linkage import Bodies, external_of
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.settings import MACHINE, ParameterValues
+import numpy as np
+
+NEARLY = 1e-12      # sums of lengths that agree to this, relative to their sum, are the same
 
 
 class _BodiesOfAnyNumbers(Bodies):
@@ -71,6 +74,19 @@ def constants_of(scene: Scene, values: ParameterValues, numbers: NumberType = AR
     return constants._replace(
         lengths=tuple(lengths.values()),
         bodies=linkage.BODIES(**bodies.every()) if bodies.are_given else None)
+
+
+def margin_signs(linkage: Mechanism) -> Array | None:
+    """
+    Return the signs of |lengths| in each of the margins of a linkage, shape (margins, lengths).
+
+    None of a kind whose margins are no such sums.
+    """
+    signs, sizes = np.array(linkage.MARGIN_SIGNS, float), np.abs(linkage.lengths)
+    if not signs.size or not np.allclose(signs @ sizes, linkage.margins, 0.0,
+                                         NEARLY * sizes.sum()):
+        return None
+    return signs
 
 
 def with_lengths(linkage: Mechanism, lengths: Sequence[Scalar | Array]) -> Mechanism:

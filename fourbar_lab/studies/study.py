@@ -143,23 +143,25 @@ def from_document(document: Yaml, folder: Path = Path()) -> Study:
         measures=columns, bounds=bounds, objectives=objectives, curves=curves,
         keeps_all=choice_of('keep', document.get('keep', KEEP[0]), KEEP) == 'all',
         chunk=integer_of('chunk', document.get('chunk', CHUNK), 1, LARGEST_CHUNK))
-    _require_a_design(study)
+    tried = min(study.rows, TRIED)
+    try:
+        first_scene(study, study.drawn(0, tried))
+    except InvalidParameter as error:
+        raise InvalidParameter('vary', None, f'none of the first {tried} designs can be built: '
+                                             f'{error}') from None
     return study
 
 
-def _require_a_design(study: Study) -> None:
-    """Refuse a study if none of its first designs can be built: its ranges are wrong."""
+def first_scene(study: Study, drawn: dict[str, Array]) -> Scene:
+    """Return the scene of the first design that can be built; raise why the first one cannot."""
     first_error = None
-    tried = min(study.rows, TRIED)
-    drawn = {name: column.tolist() for name, column in study.drawn(0, tried).items()}
-    for row in zip(*drawn.values()):
+    for row in zip(*(column.tolist() for column in drawn.values())):
         try:
-            from_values({**study.values, **dict(zip(drawn, row))})
-            return
+            return from_values({**study.values, **dict(zip(drawn, row))})
         except InvalidParameter as error:
             first_error = first_error or error
-    raise InvalidParameter('vary', None, f'none of the first {tried} designs can be built: '
-                                         f'{first_error}')
+    assert first_error, 'there is a design'
+    raise first_error
 
 
 def _scene(value: Yaml, folder: Path) -> Scene:
