@@ -48,19 +48,15 @@ def run(kind, rate, outputs):
             message.header.stamp = stamp
             publisher.publish(message)
 
+    began = time.time_ns()
+
     def tick():
-        began, wall, sample = time.monotonic(), time.time_ns(), 0
-        while not stop.is_set():
-            wait = began + sample / rate - time.monotonic()
-            if wait > 0.0:
-                time.sleep(min(wait, 0.1))
-                continue
-            now = wall + round(sample * 1e9 / rate)
-            send(Time(sec=now // 10**9, nanosec=now % 10**9))
-            sample += 1
+        sample = round((time.time_ns() - began) * 1e-9 * rate)
+        now = began + round(sample * 1e9 / rate)             # when it was due
+        send(Time(sec=now // 10**9, nanosec=now % 10**9))
 
     if kind == 'timer':
-        threading.Thread(target=tick, daemon=True).start()
+        node.create_timer(1.0 / rate, tick)
     else:
         qos = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
         node.create_subscription(Motion, '~/input',

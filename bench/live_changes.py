@@ -3,10 +3,11 @@
 """
 Inputs of 100 and 500 Hz beside live changes: ``python -m bench.live_changes [SCENE]``.
 
-Another process asks for the changes: the one that times the inputs does nothing else. Beside it
-the same changes of another node, which take the processor and nothing else from this one.
+Another process asks for the changes, at the lowest priority: what is measured is the node. Beside
+it the same changes of another node, which take the processor and nothing else from this one.
 """
 from itertools import product
+import os
 from pathlib import Path
 import statistics
 import subprocess
@@ -67,6 +68,7 @@ class Stream:
 
 def change(rate, node):
     """Change gravity of a node so often [Hz]; print how many of how many changes were taken."""
+    os.nice(19)
     client, answers = Client(), []
     setter = client.node.create_client(SetParameters, f'/{node}/set_parameters')
     client.until(setter.service_is_ready, 'the parameter service')

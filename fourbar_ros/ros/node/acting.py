@@ -46,8 +46,9 @@ class ActingInputs:
         self._read_settings()
         for name, topic in self._topics.items():
             entities.subscription(node, topic, partial(self._take, name))
-        self._clock = entities.clock_of(node)
-        node.create_timer(PERIOD, self._watch, clock=self._clock)
+        clock = entities.clock_of(node)
+        self._time = entities.time_of(clock)
+        node.create_timer(PERIOD, self._watch, clock=clock)
 
     def _read_settings(self) -> None:
         """Take over how an IMU is turned to the linkage."""
@@ -64,7 +65,7 @@ class ActingInputs:
                 self._be_silent(name)
 
     def _now(self) -> float:
-        return float(self._clock.now().nanoseconds * 1e-9)
+        return self._time() * 1e-9
 
     def _take(self, name: str, data: bytes) -> None:
         """Let a message act; record it, unless ROS cannot read it."""

@@ -8,7 +8,7 @@ from traceback import format_exc
 from typing import Any
 
 from fourbar_ros.ros.messages import sec_nanosec
-from fourbar_ros.ros.node.entities import clock_of, Log
+from fourbar_ros.ros.node.entities import clock_of, Log, time_of
 from fourbar_ros.ros.node.stream import Stream
 from fourbar_ros.scene.scene import differ, Group
 from rclpy.node import Node
@@ -36,7 +36,7 @@ class ClockInput:
         self._node, self._stream, self._log = node, stream, log
         self.counts = dict.fromkeys(self.COUNTED, 0)
         self._settings, self._clock = stream.scene.drive, clock_of(node)
-        self._is_simulated = self._clock is node.get_clock()
+        self._is_simulated, self._time = self._clock is node.get_clock(), time_of(self._clock)
         self._began: int | None = None       # [ns] time of sample 0; None before it
         self._last = 0                       # [ns] time of the last tick
         self._prepare()
@@ -57,7 +57,7 @@ class ClockInput:
 
     def _tick(self) -> None:
         """Make all samples that are due: a late timer neither loses one nor leaves the grid."""
-        now = self._clock.now().nanoseconds
+        now = self._time()
         if now == 0:
             return                                       # no /clock yet
         if now < self._last:
@@ -103,7 +103,7 @@ class ClockInput:
         """Return by how much the node's clock is ahead of the clock of the samples [ns]."""
         if self._is_simulated:
             return 0
-        return int(self._node.get_clock().now().nanoseconds - self._clock.now().nanoseconds)
+        return int(self._node.get_clock().now().nanoseconds - self._time())
 
     def _follow_clock(self, now: int) -> None:
         """Follow a wall clock that was set."""

@@ -8,6 +8,7 @@ from contextlib import contextmanager, suppress
 from functools import cache
 from queue import Full, Queue
 import threading
+import time
 from traceback import format_exc
 from typing import Any
 
@@ -85,6 +86,13 @@ def clock_of(node: Node) -> Clock:
     if node.get_parameter('use_sim_time').value:
         return node.get_clock()
     return Clock(clock_type=ClockType.STEADY_TIME)
+
+
+def time_of(clock: Clock) -> Callable[[], int]:
+    """Return the function that reads a clock [ns]; a steady one without objects of rclpy."""
+    if clock.clock_type is ClockType.STEADY_TIME:
+        return time.monotonic_ns
+    return lambda: int(clock.now().nanoseconds)
 
 
 def log_of(node: Node) -> Log:

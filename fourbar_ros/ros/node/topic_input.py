@@ -53,6 +53,7 @@ class TopicInput:
         self._type = resolve(self._topic.type)
         self._scale = joints.Scale(settings.joint_ratio, settings.joint_offset)
         self._clock = entities.clock_of(node)
+        self._time = entities.time_of(self._clock)
         self._received = self._now()         # [s] when the newest input came
         self._waiting = False                # for a next input, whose silence is a timeout
         self._horizon = 0                    # [ns] stamps up to here are known to be plausible
@@ -81,7 +82,7 @@ class TopicInput:
         self._node.destroy_subscription(self._subscription)
 
     def _now(self) -> float:
-        return float(self._clock.now().nanoseconds * 1e-9)
+        return self._time() * 1e-9
 
     def age(self) -> float:
         """Return the time since the newest input [s]: steady, or simulated with use_sim_time."""

@@ -112,7 +112,7 @@ class TorqueInput(ClockInput):
     # --- the topic -------------------------------------------------------------------------------
 
     def _now(self) -> float:
-        return float(self._clock.now().nanoseconds * 1e-9)
+        return self._time() * 1e-9
 
     def _command(self) -> tuple[float, bool]:
         """Return (torque in effect [N m or N], whether the topic is silent)."""
