@@ -166,17 +166,17 @@ def _together(lengths: Array, mode: Array, rate: Array,
     """
     Return which linkages are in doubt, and the columns of both quantities of the others.
 
-    The search is at 1 rad/s, whatever the rate.
+    The search is at 1 rad/s; values are then scaled by the rate (omega4) or its square (alpha4).
     """
     a1, a2, a3, a4 = lengths
     trace = _trace()
     once, each, done = order_of(trace, range_of(trace))
-    data = trace.count + trace.size
+    # values by place in the trace; what needs no input is computed here, once
     known: list[Any] = [step.value for step in trace.steps]
-    known[trace.count:data] = *lengths[..., None], np.where(mode == OPEN, 1.0, -1.0)[:, None]
+    known[trace.count:trace.count + trace.size] = *lengths[..., None], np.where(mode == OPEN, 1.0, -1.0)[:, None]
     with np.errstate(all='ignore'):
         run(trace, once, ARRAYS, known)
-    columns = [i for i in trace.used_constants if isinstance(known[i], np.ndarray)]
+    per_linkage = [i for i in trace.used_constants if isinstance(known[i], np.ndarray)]
     # tanh of half the imaginary parts of the inputs of both toggles, by the law of cosines
     inner, outer, low, high = (a2 - a3)**2, (a2 + a3)**2, (a1 - a4)**2, (a1 + a4)**2
     with np.errstate(all='ignore'):
@@ -187,7 +187,7 @@ def _together(lengths: Array, mode: Array, rate: Array,
         """Return both quantities at inputs of shape (m, any), real or complex, of some."""
         own = list(known)
         if which.size < mode.size:
-            for i in columns:
+            for i in per_linkage:
                 own[i] = known[i][which]
         with np.errstate(all='ignore'):
             half = 0.5 * x
@@ -205,11 +205,12 @@ def _together(lengths: Array, mode: Array, rate: Array,
         # a negative rate turns maxima of omega4 into minima, not those of alpha4
         with np.errstate(under='ignore'):
             values = values * (rate**(order + 1))[:, None]
-        others = np.where(np.isnan(values), np.inf, values)
         row, k = np.nonzero(np.isfinite(values) & ~turns.is_doubtful[:, None])
         number = turns.counts[order][row]
-        is_maximum = (others[row, k] >= others[row, (k + 1) % number])
-        found.append((row, places[row, k], values[row, k], is_maximum, np.zeros(row.size, int)))
+        # maxima and minima alternate: a maximum is not below the next one
+        is_maximum = values[row, k] >= values[row, (k + 1) % number]
+        inside = np.zeros(row.size, int)         # as ``side``: a full turn has no ends
+        found.append((row, places[row, k], values[row, k], is_maximum, inside))
     return turns.is_doubtful, found[0], found[1]
 
 

@@ -241,11 +241,12 @@ def _bounds(one: PathExtremum) -> tuple[float, float]:
 
 def _crank_angles(linkage: Mechanism, found: Sequence[PathExtremum]) -> list[float]:
     """
-    Return the crank's angles [rad] at extrema over a driven slide.
+    Return the crank's angles [rad] at extrema over a driven slide; NaN where there is no crank.
 
     A limit that was rounded outwards has no pose: there the angle a few roundings inside serves.
     """
     places = linkage.input_unit * np.array([one.place for one in found])
+    # side: +1 at the lower end of a range, -1 at the upper one, 0 inside
     inward = np.array([one.side for one in found]) * 4.0 * EPS * np.abs(places)
     angles, inside = (linkage.crank_angle(linkage.motion(at)) for at in (places, places + inward))
     result: list[float] = fold(np.where(np.isnan(angles), inside, angles)).tolist()

@@ -220,11 +220,12 @@ def _search(enclose: Enclosing, pieces: Sequence[tuple[float, float]], why_not: 
     """
     Return the extrema of each quantity on some pieces: enclose and cut until all are decided.
 
-    ``why_not``: quantities that are given up; others are added, with the reason.
+    Depth first, the lower part first. ``why_not``: {quantity given up: reason}, added to; what was
+    found of it is not used. ``seconds``: of a processor, for each quantity.
     """
-    rows = [i for i in range(len(enclose.quantities)) if i not in why_not]
+    asked = [i for i in range(len(enclose.quantities)) if i not in why_not]
     parts: list[list[Part]] = [[] for _ in enclose.quantities]
-    left, share, begin = [(*piece, rows) for piece in pieces], 0.0, thread_time()
+    left, share, begin = [(*piece, asked) for piece in pieces], 0.0, thread_time()
     total = sum(high - low for low, high in pieces)
     while left:
         share = max(share, 1.0 - sum(high - low for low, high, _ in left) / total)
@@ -236,11 +237,11 @@ def _search(enclose: Enclosing, pieces: Sequence[tuple[float, float]], why_not: 
                             if i not in why_not})
         middle, of_rows = enclose(low, high, [i for i in rows if i not in why_not])
         is_open = []
-        for i, c in of_rows.items():
+        for i, c in of_rows.items():         # c: coefficients of (T1), None if not enclosed
             sense = _sense(c, low - middle, high - middle) if c else None
             if sense is None:
                 is_open.append(i)
-            elif sense:
+            elif sense:                      # 0: no extremum
                 parts[i].append(Part(low, high, sense))
         if high - low < NARROWEST * max(abs(low), 1.0):
             why_not.update(dict.fromkeys(is_open, 'a kink, or nearly two extrema at one place, '

@@ -159,9 +159,14 @@ def with_limits(mechanism: Mechanism, line: Function, with_loads: bool) -> Funct
     return line_with_limits
 
 
-def _set_limits(mechanism: Mechanism, inputs: list[Array], rows: Sequence[Array],
+def _set_limits(mechanism: Mechanism, inputs: Sequence[Any], rows: Sequence[Array],
                 wanted: Sequence[int], with_loads: bool) -> None:
-    """Write the limits into the rows of the fields ``wanted`` where the input is 0, a flat one."""
+    """
+    Overwrite samples at input 0, a flat position (0/0 in the formulas), by the limits there.
+
+    ``inputs``: position of shape (n,), rate and acceleration of shape (n,) or one number; ``rows``:
+    (n,) each, of the fields ``wanted``. Limits are computed once for each pair of finite rates.
+    """
     at_zero = np.flatnonzero(inputs[0] == 0.0)
     rates = np.stack([np.broadcast_to(v, inputs[0].shape)[at_zero] for v in inputs[1:]])
     for rate, acceleration in np.unique(rates[:, np.isfinite(rates).all(axis=0)], axis=1).T:
@@ -206,7 +211,7 @@ def evaluate(mechanism: Mechanism, given: tuple[ArrayLike, ...], wanted: tuple[i
             rows = program(trace, wanted, tuple([type(v) is float for v in flattened]),
                            zeros)(flattened, constants, prod(shape))
             if mechanism.is_flat_at_zero:
-                _set_limits(mechanism, inputs, rows, wanted, with_loads)
+                _set_limits(mechanism, flattened, rows, wanted, with_loads)
     if reaches is not None:             # the position itself is known out of reach too
         place = mechanism.MOTION._fields.index(mechanism.input_coordinate.position)
         for i, row in zip(range(len(rows)) if wanted is None else wanted, rows):

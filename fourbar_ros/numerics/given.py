@@ -23,12 +23,11 @@ FASTEST = 1e100     # rates of an input are at most so large, in its unit over s
 def number(name: str, value: Any, allowed: str = 'must be a finite number', least: float = -inf,
            above: float = -inf) -> float:
     """
-    Return a finite number as a float, so that no other precision is computed with.
+    Return a finite number as a float, if it is at least ``least`` and more than ``above``.
 
     Integers, fractions, numpy's numbers and arrays without dimensions are numbers; truth values,
-    texts, times, complex numbers and None are not. Otherwise raises InvalidParameter, which names
-    the parameter and says in words what is ``allowed``: at ``least`` so much, and more than
-    ``above``.
+    texts, times, complex numbers and None are not. Otherwise raises InvalidParameter with the
+    ``name`` and ``allowed``, the rule in words.
     """
     if type(value) is float and isfinite(value) and value >= least and value > above:
         return value                       # as most are; asking what else it may be takes longer

@@ -475,3 +475,15 @@ def test_decimal_lengths_that_are_one_rounding_off_a_change_point(lengths, mode,
 def test_lengths_that_no_scaling_may_round():
     found = find_extrema(FourBar(1.0, 2.0, 4.0, 5.0), 'omega4')
     assert [e.place for e in found] == ['one-sided', 'one-sided', 'interior']
+
+
+@pytest.mark.parametrize('position, rate', [
+    ([[0.0, 0.5], [1.0, 0.0]], 1.0), (0.0, [1.0, 2.0]), ([[0.0], [0.5]], [1.0, 2.0])])
+def test_limits_at_the_flat_position_in_arrays_of_any_shape(position, rate):
+    linkage = FourBar(1.0, 2.0, 1.0, 2.0, 2)
+    given = np.broadcast_arrays(position, rate)
+    found = linkage.motion(position, rate)
+    each = [linkage.motion(*one) for one in zip(*(np.ravel(v).tolist() for v in given))]
+    assert all(np.shape(field) == given[0].shape for field in found)
+    assert np.allclose([np.ravel(field) for field in found], np.array(each).T, rtol=1e-14, atol=0.0,
+                       equal_nan=True)

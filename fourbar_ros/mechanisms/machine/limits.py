@@ -245,13 +245,13 @@ class WithLimits(Mechanism):
         return error
 
     def _dyad_at(self, position: float) -> str:
-        """Return the name of the first dyad that cannot be solved at an input."""
-        for number in range(len(self.stages) - 1):
-            try:
+        """Return the name of the first dyad that cannot be solved at an input; one cannot."""
+        for number, dyad in enumerate(self.stages[:-1]):
+            try:       # the margins of k dyads solve all but the last of these
                 make_margins(REAL, self.layout, self.numbers, self.signs, number + 2)(position)
             except (ValueError, ZeroDivisionError):
-                return self.stages[number].name
-        return self.stages[-1].name
+                return dyad.name
+        return self.stages[-1].name         # all others can be solved
 
 
 def can_drive(dyad: Dyad, driven: str) -> bool:

@@ -488,12 +488,13 @@ def _sampled(values: Function, path: _Path) -> Callable[[Array], tuple[Array, Ar
 def _resolved(phi: Array, sample: Callable[[Array], tuple[Array, Array]],
               dyad: str) -> tuple[Array, Array, Array]:
     """
-    Return phi, values and slopes of a margin at samples so close that cubics between them hold.
+    Return phi, values and slopes of a function at samples so close that cubics hold between them.
 
-    Pieces that :func:`_doubtful` names are halved. InvalidParameter for ``dyad`` if too many are.
+    Pieces that :func:`_doubtful` names are halved, MOST_HALVINGS times at most; what is doubtful
+    then stays so. InvalidParameter for ``dyad`` if there are too many samples.
     """
     value, slope = sample(phi)
-    pending = np.ones(phi.size - 1, bool)
+    pending = np.ones(phi.size - 1, bool)       # pieces not yet compared with their cubic
     for _ in range(MOST_HALVINGS):
         i = np.flatnonzero(pending)
         if not i.size:
@@ -508,8 +509,8 @@ def _resolved(phi: Array, sample: Callable[[Array], tuple[Array, Array]],
         phi, value, slope = (np.insert(old, i + 1, new) for old, new in (
             (phi, middle), (value, middle_value), (slope, middle_slope)))
         pending = np.zeros(phi.size - 1, bool)
-        left = i + np.arange(i.size)
-        pending[left] = pending[left + 1] = doubtful
+        lower_half = i + np.arange(i.size)      # each middle before it moves it by one
+        pending[lower_half] = pending[lower_half + 1] = doubtful
     return phi, value, slope
 
 

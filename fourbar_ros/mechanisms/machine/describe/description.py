@@ -141,8 +141,8 @@ class Dyad:
         """Return {name: value} of the dimensions of its kind, checked; others must be None."""
         wanted = DIMENSIONS[self.kind]
         for field in fields(self):
-            value = getattr(self, field.name)
-            if field.default is None and field.name not in wanted and value is not None:
+            value, is_dimension = getattr(self, field.name), field.default is None
+            if is_dimension and field.name not in wanted and value is not None:
                 raise InvalidParameter(f'{where}.{field.name}', value, f'a dyad {self.kind} has '
                                        f'{", ".join(wanted)} only')
         values = {name: getattr(self, name) for name in wanted}

@@ -223,20 +223,22 @@ def prp(_n: NumberType, _sign: Scalar, sizes: Sequence[Scalar], at_p: Node, _at_
     x, y = x_0 * per, y_0 * per
     s1, s2 = x * y2 - y * x2, x * y1 - y * x1                                          # (D11)
     swing1, swing2 = turn1 * s1, turn2 * s2
-    x = (dx - swing2 * y2 + swing1 * y1) * per
-    y = (dy + swing2 * x2 - swing1 * x1) * per
-    ds1, ds2 = x * y2 - y * x2, x * y1 - y * x1
+    v_x = (dx - swing2 * y2 + swing1 * y1) * per
+    v_y = (dy + swing2 * x2 - swing1 * x1) * per
+    ds1, ds2 = v_x * y2 - v_y * x2, v_x * y1 - v_y * x1
+    # along and across each line, the acceleration of B but for s''
     a1, b1 = -turn1 * swing1, bend1 * s1 + 2.0 * turn1 * ds1
     a2, b2 = -turn2 * swing2, bend2 * s2 + 2.0 * turn2 * ds2
-    x = (ddx + a2 * x2 - b2 * y2 - a1 * x1 + b1 * y1) * per
-    y = (ddy + a2 * y2 + b2 * x2 - a1 * y1 - b1 * x1) * per
-    dds1, dds2 = x * y2 - y * x2, x * y1 - y * x1
+    a_x = (ddx + a2 * x2 - b2 * y2 - a1 * x1 + b1 * y1) * per
+    a_y = (ddy + a2 * y2 + b2 * x2 - a1 * y1 - b1 * x1) * per
+    dds1, dds2 = a_x * y2 - a_y * x2, a_x * y1 - a_y * x1
     at_b = (px + s1 * x1, py + s1 * y1,
             pdx - swing1 * y1 + ds1 * x1, pdy + swing1 * x1 + ds1 * y1,
             pddx + (a1 + dds1) * x1 - b1 * y1, pddy + (a1 + dds1) * y1 + b1 * x1)
+    sine = cross + (s1 - s1)         # NaN where B has no place
     return DyadMotion(LinkMotion(*at_b, x1, y1, turn1, bend1),
                       LinkMotion(*at_b, x2, y2, turn2, bend2),
-                      (s1, ds1, dds1, s2, ds2, dds2), cross + (s1 - s1), x1 * x2 + y1 * y2, {})
+                      (s1, ds1, dds1, s2, ds2, dds2), sine, x1 * x2 + y1 * y2, {})
 
 
 # (number type, sign, sizes, P, Q, D and the curves of the links that P and Q are of) -> motion

@@ -89,9 +89,10 @@ def errors_of(n: NumberType, stage: Stage, own: Numbers, first: Errors, second: 
     Return (error of the first joint [m], of the angle [rad]) of both links of a dyad.
 
     A bound, by (C3) to (C6), of how far relative errors of the lengths move and turn them.
-    ``first``, ``second``: errors of the links it hangs on.
+    ``first``, ``second``: errors of the links it hangs on. First joints are P and Q of RRR and
+    RPR, P and B of RRP and RPP, B of PRP.
     """
-    fabs, (reach_p, reach_q), sizes, slides = n.fabs, own.reach, own.sizes, moved.slides
+    fabs, (reach_p, reach_q), sizes = n.fabs, own.reach, own.sizes
     at_p = first[0] + reach_p * (1.0 + first[1])
     at_q = second[0] + reach_q * (1.0 + second[1])
     both, per = at_p + at_q, 1.0 / fabs(moved.sine)
@@ -99,14 +100,17 @@ def errors_of(n: NumberType, stage: Stage, own: Numbers, first: Errors, second: 
         (r1, r2), cosine = sizes, fabs(moved.cosine)
         return ((at_p, (both + r1 * cosine + r2) * per / r1),
                 (at_q, (both + r2 * cosine + r1) * per / r2))
+    slide, r1 = moved.slides[0], sizes[0]
     if stage.kind == RRP:                                                               # (C4)
-        shift = (both + sizes[0] + fabs(slides[0]) * second[1]) * per
-        return (at_p, shift / sizes[0]), (at_p + sizes[0] + shift, second[1])
+        shift = (both + r1 + fabs(slide) * second[1]) * per
+        return (at_p, shift / r1), (at_p + r1 + shift, second[1])
     if stage.kind == RPR:                                                               # (C5)
-        turn = (both + fabs(sizes[0])) / fabs(slides[0])
+        offset = sizes[0]
+        turn = (both + fabs(offset)) / fabs(slide)
         return (at_p, turn), (at_q, turn)
+    other_slide = moved.slides[3]        # of the yoke (RPP), of the second block (PRP)
     turn_1 = first[1] if stage.kind == PRP else second[1]                               # (C6)
-    shift = (both + fabs(slides[0]) * turn_1 + fabs(slides[3]) * second[1]) * per
+    shift = (both + fabs(slide) * turn_1 + fabs(other_slide) * second[1]) * per
     return ((shift, turn_1) if stage.kind == PRP else (at_p, turn_1)), (shift, second[1])
 
 

@@ -499,12 +499,16 @@ class PairRange:
         return product
 
     def square(self, n: NumberType, relative: Sequence[Scalar], *_curves: LinkMotion) -> Scalar:
-        """Return |Q - P|^2, scaled, at an angle or slide of a pair: a pole where it is zero."""
+        """
+        Return |Q - P|^2 of RRR or RPR at an angle or slide; the motion has poles where it is zero.
+
+        With a pin it is divided by (|a| + |g|)^2.
+        """
         (one, other), (beside, ahead) = self._arms, self.place(relative)
         if self.slides:
             return beside * beside + other * other
         ss, cc, _ = half_angle(n, ahead, beside)
-        # scaled in both directions
+        # law of cosines: (|a| - |g|)^2 cos^2(x/2) + (|a| + |g|)^2 sin^2(x/2)
         return (one - other)**2 / (one + other)**2 * cc + ss
 
     def input_at(self, flat: float, is_driven: bool) -> float:
