@@ -88,21 +88,33 @@ class LockStep:
             self._listen(OUTPUTS[output])
 
     def __call__(self, time: float, position: float, rate: float = nan, acceleration: float = nan,
-                 base: Base | None = None) -> SimpleNamespace:
+                 base: Base | Message | None = None) -> SimpleNamespace:
         """
         Return the answer to an input at a time [s]: a message for each output, by its name.
 
-        For a node with ``drive.source: motion``; rates that are NaN are estimated. ``base``: its
-        motion, for one with ``base.topic: motion_of_base``. Raises Late.
+        For a node with ``drive.source: motion``; rates that are NaN are estimated. ``base``: a
+        Base for one with ``base.topic: motion_of_base``, a sensor_msgs/Imu for ``imu``; the input
+        is sent when it is in effect. Raises Late.
         """
         stamp = _stamp_of(time)
         if base is not None:
-            if BASES['motion_of_base'].name not in self._publishers:
-                self._listen(BASE, QoSProfile(depth=DEPTH,
-                                              durability=DurabilityPolicy.TRANSIENT_LOCAL))
-            self._ask(BASES['motion_of_base'], (BASE.name,), stamp, **base._asdict())
+            self._move_base(base, stamp)
         return self._ask(INPUTS['motion'], self._outputs, stamp, position=position,
                          velocity=rate, acceleration=acceleration)
+
+    def _move_base(self, base: Base | Message, stamp: Any) -> None:
+        """Send the motion of the base, and wait until it is in effect."""
+        topic = BASES['motion_of_base' if isinstance(base, Base) else 'imu']
+        if topic.name not in self._publishers:
+            self._listen(BASE, QoSProfile(depth=DEPTH,
+                                          durability=DurabilityPolicy.TRANSIENT_LOCAL))
+        fields = (base._asdict() if isinstance(base, Base) else
+                  {'linear_acceleration': base.linear_acceleration,
+                   'angular_velocity': base.angular_velocity})
+        try:
+            self._ask(topic, (BASE.name,), stamp, **fields)
+        except Late as error:
+            raise Late(f'{error}: its scene needs base.topic: {topic.name}') from None
 
     def push(self, time: float, torque: float) -> SimpleNamespace:
         """
@@ -157,7 +169,7 @@ class LockStep:
                 resolve(topic.type), self._name(topic), DEPTH)
         return self._publishers[topic.name]
 
-    def _ask(self, topic: Topic, names: Sequence[str], stamp: Any, **fields: float
+    def _ask(self, topic: Topic, names: Sequence[str], stamp: Any, **fields: Any
              ) -> SimpleNamespace:
         """Send a message and return the answers of its stamp."""
         message = resolve(topic.type)(**fields)

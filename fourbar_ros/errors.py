@@ -101,7 +101,8 @@ class MissingBodies(FourBarError, ValueError):
 
     def __init__(self) -> None:
         super().__init__('loads require mass properties: construct the mechanism with bodies=...; '
-                         'a scene with springs or forces over a position has scene.loads')
+                         'a scene with springs or forces over a position has scene.loads, '
+                         'one with base.topic bare_linkage')
 
 
 class BagError(FourBarError):

@@ -173,7 +173,8 @@ def _together(lengths: Array, mode: Array, rate: Array,
     once, each, done = order_of(trace, range_of(trace))
     # values by place in the trace; what needs no input is computed here, once
     known: list[Any] = [step.value for step in trace.steps]
-    known[trace.count:trace.count + trace.size] = *lengths[..., None], np.where(mode == OPEN, 1.0, -1.0)[:, None]
+    known[trace.count:trace.count + trace.size] = (
+        *lengths[..., None], np.where(mode == OPEN, 1.0, -1.0)[:, None])
     with np.errstate(all='ignore'):
         run(trace, once, ARRAYS, known)
     per_linkage = [i for i in trace.used_constants if isinstance(known[i], np.ndarray)]

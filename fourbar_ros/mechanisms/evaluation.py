@@ -164,8 +164,9 @@ def _set_limits(mechanism: Mechanism, inputs: Sequence[Any], rows: Sequence[Arra
     """
     Overwrite samples at input 0, a flat position (0/0 in the formulas), by the limits there.
 
-    ``inputs``: position of shape (n,), rate and acceleration of shape (n,) or one number; ``rows``:
-    (n,) each, of the fields ``wanted``. Limits are computed once for each pair of finite rates.
+    ``inputs``: position of shape (n,), rate and acceleration of shape (n,) or one number each;
+    ``rows``: of shape (n,), of the fields ``wanted``. Limits are computed once for each pair of
+    finite rates.
     """
     at_zero = np.flatnonzero(inputs[0] == 0.0)
     rates = np.stack([np.broadcast_to(v, inputs[0].shape)[at_zero] for v in inputs[1:]])

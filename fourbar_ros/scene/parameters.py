@@ -149,7 +149,8 @@ def _why_unknown(name: str, is_machine: bool, value: Any) -> str:
     if member_of(name) and (is_machine or parts[0] not in OF_MACHINES):
         known = [p.name for p in _parameters_of(parts[0], parts[1])]
     group, _, last = name.rpartition('.')
-    beside = [other.rpartition('.')[2] for other in known if other.rpartition('.')[0] == group]
+    beside = list(dict.fromkeys(other.removeprefix(f'{group}.').split('.')[0] for other in known
+                                if other.startswith(f'{group}.')))
     if group and beside:
         return f'unknown parameter of {group}{nearest(last, beside)}'
     return f'unknown parameter{nearest(name, known)}'

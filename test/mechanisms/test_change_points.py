@@ -485,5 +485,5 @@ def test_limits_at_the_flat_position_in_arrays_of_any_shape(position, rate):
     found = linkage.motion(position, rate)
     each = [linkage.motion(*one) for one in zip(*(np.ravel(v).tolist() for v in given))]
     assert all(np.shape(field) == given[0].shape for field in found)
-    assert np.allclose([np.ravel(field) for field in found], np.array(each).T, rtol=1e-14, atol=0.0,
-                       equal_nan=True)
+    assert np.allclose([np.ravel(field) for field in found], np.array(each).T, rtol=1e-14,
+                       atol=0.0, equal_nan=True)

@@ -1,13 +1,16 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """What a larger simulation takes from a node: equation of motion, inertia, the rest, in step."""
-from fourbar_ros import Base, InvalidParameter
+from math import isnan
+
+from fourbar_ros import Base, clients, InvalidParameter
 from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.clients import Late, LockStep
 from fourbar_ros.mechanisms.inertia import held_rigid, mean_rigid
 from fourbar_ros.scene.scene import from_values
 import numpy as np
 import pytest
+from sensor_msgs.msg import Imu
 from support.scenes import PAPER, RODS
 
 LOADED = {**PAPER, **RODS, 'gravity.y': -9.81, 'drive.source': 'motion', 'drive.timeout': 0.0}
@@ -69,6 +72,21 @@ def test_the_wrench_is_that_of_the_rest_of_what_the_simulator_carries(run_node, 
         whole.shaking_moment + x * force[1] - y * force[0] - 5.0 * mean.inertia, rel=1e-12)
     assert answer.loads.driving_torque == whole.driving_torque
     assert answer.loads.shaking_moment == wrench.torque.z
+
+
+def test_an_imu_in_step_and_what_another_base_is_told(run_node, lockstep, monkeypatch):
+    given = {**LOADED, 'gravity.y': 0.0, 'outputs': ['loads'], 'base.topic': 'imu',
+             'base.timeout': 0.0}
+    run_node(given)
+    ask, imu = lockstep(outputs=('loads',)), Imu()
+    imu.linear_acceleration.y = 9.81
+    assert isnan(ask(0.001, 0.3, 2.0, 3.0, imu).loads.f41)      # one rate tells no acceleration
+    imu.angular_velocity.z = 0.01
+    due = from_values(given).bare_linkage.loads(0.3, 2.0, 3.0, base=Base(0.0, 9.81, 0.01, 10.0))
+    assert ask(0.002, 0.3, 2.0, 3.0, imu).loads.f41 == pytest.approx(due.f41, rel=1e-9)
+    monkeypatch.setattr(clients, 'FIRST', 0.5)
+    with pytest.raises(Late, match=r'its scene needs base\.topic: motion_of_base'):
+        ask(0.003, 0.3, 2.0, 3.0, Base(0.0, 9.81))
 
 
 def test_lock_step_says_what_is_late(run_node, lockstep):
