@@ -100,6 +100,12 @@ class Kind(NamedTuple):
     def moving(self):
         return 'crank', 'coupler', 'output'
 
+    @property
+    def driven_pair(self):
+        """Return the links between which the drive turns; at B the angle counts from behind."""
+        return {'A': ('coupler', 'crank'), 'B': ('output', 'coupler')}.get(self.input,
+                                                                         ('crank', GROUND))
+
     def joints(self, data, here, along):
         """Return O1, A, and the joints at both ends of the output link."""
         a, *others = (data.real(v) for v in self.lengths)
@@ -123,6 +129,9 @@ class Kind(NamedTuple):
     def mode(self, found):
         """Return what has the sign of the assembly mode."""
         (a, *_), (e, *_) = found.link('coupler')
+        if self.input in 'AB':
+            (opposite, *_) = found.link('output' if self.input == 'A' else 'crank')[1]
+            return imag(opposite)
         if self.name == 'four_bar':
             return imag(conj(acb(self.lengths[3]) - a) * e)
         if self.name == 'slider_crank' and self.input == 'crank':
@@ -282,6 +291,14 @@ class Cartesian:
     def angle(self, name, order):
         return ZERO if name == GROUND else self.q[order][self.names.index(name), 2]
 
+    def driven_pair(self):
+        return getattr(self.machine, 'driven_pair', ('crank', GROUND))
+
+    def turned_by_the_drive(self, order):
+        i, j = self.driven_pair()
+        half = arb.pi() if self.machine.input == 'B' and not order else ZERO
+        return self.angle(i, order) - self.angle(j, order) + half
+
     def ends(self, joint):
         """Return the points of both links of a joint and the direction of its line, by time."""
         if joint.name in self.known:
@@ -308,8 +325,9 @@ class Cartesian:
                 rows += [imag(leibniz(t, gap, order)), turned]
             if joint.is_driven:
                 rows.append(real(leibniz(t, gap, order)) - self.given[order])
-        if self.machine.input == 'crank':
-            rows.append(self.angle('crank', order) - self.given[order])
+        if not any(joint.is_driven for joint in self.joints):
+            turned = self.turned_by_the_drive(order) - self.given[order]
+            rows.append(turned if order else imag(log(exp(J * turned))))
         return np.array(rows, object)
 
     def actions(self):
@@ -326,8 +344,8 @@ class Cartesian:
                 yield joint.name, f'{joint.name}_couple', *both, none, arb(1)
             if joint.is_driven:
                 yield joint.name, 'driving_force', *both, t, ZERO
-        if self.machine.input == 'crank':
-            yield 'base', 'driving_torque', 'crank', GROUND, none, none, arb(1)
+        if not any(joint.is_driven for joint in self.joints):
+            yield 'base', 'driving_torque', *self.driven_pair(), none, none, arb(1)
 
     def rows(self):
         """Yield {link: (3, columns)} of what joints do on links: the rows of dC/dq."""

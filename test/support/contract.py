@@ -8,7 +8,14 @@ Drawn at random and from hard families.
 
 from typing import Any, NamedTuple
 
-from fourbar_ros import Applied, Bodies, Body, External, InvalidParameter
+from fourbar_ros import (
+    Applied,
+    Bodies,
+    Body,
+    External,
+    InvalidParameter,
+    MovingJointFourBar,
+)
 from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.mechanisms.points import link_motion
 import numpy as np
@@ -101,7 +108,7 @@ def modes_of(kind, driven):
 
 CASES = [
     Case(name, kind, driven, mode)
-    for name, kind in KINDS.items()
+    for name, kind in (*KINDS.items(), ('four_bar', MovingJointFourBar))
     for driven in kind.INPUTS
     for mode in modes_of(kind, driven)
 ]

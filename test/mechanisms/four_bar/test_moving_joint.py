@@ -10,10 +10,8 @@ from math import pi
 
 from fourbar_lab.drawing.figure import make_figure
 from fourbar_ros import (
-    Applied,
     Bodies,
     Body,
-    External,
     find_extrema,
     FourBar,
     InvalidParameter,
@@ -28,130 +26,16 @@ import mpmath as mp
 import numpy as np
 import pytest
 from support import bags
-from support.reference import cross, EPS, free_bodies, pose, random_lengths
+from support.reference import EPS, pose, random_lengths
 from support.scans import check_against_scan
 
 RATE, ACCELERATION, GRAVITY = 1.7, -0.6, (0.4, -9.8)
-SHIFT = {'A': 1, 'B': 2}         # of theta2, theta3 among the joints
 
 
 def bodies_of(rng):
     return Bodies(*(Body(*map(float, (rng.uniform(0.5, 2.0), rng.uniform(0.0, 1.0),
                                       rng.uniform(-0.3, 0.3), rng.uniform(0.1, 1.0))))
                     for _ in range(3)))
-
-
-def crank_motion(lengths, sign, x, joint):
-    """Return theta1's rate and acceleration for which the driven joint has RATE, ACCELERATION."""
-    place = pose(lengths, sign, x)
-    slope, bend = ((place.db - 1, place.ddb) if joint == 'A' else
-                   (place.dy - place.db, place.ddy - place.ddb))
-    omega = RATE / slope
-    return place, omega, (ACCELERATION - bend * omega**2) / slope
-
-
-def cases(count, seed):
-    """Yield (lengths, joint, MovingJointFourBar, input, sign of the dyad, x): random linkages."""
-    rng = np.random.default_rng(seed)
-    for n, lengths in enumerate(random_lengths(rng, count).tolist()):
-        sign, joint = (-1) ** (n // 2), 'AB'[n % 2]
-        base = FourBar(*lengths, mode=2 if sign > 0 else 1)
-        low, high = base.input_ranges[-1]
-        x = low + (high - low) * float(rng.uniform(0.05, 0.95))
-        with mp.workdps(40):
-            place = pose(lengths, sign, mp.mpf(x))
-            if place is None:
-                continue
-            theta = {'A': place.b - x, 'B': place.y - place.b + mp.pi}[joint]
-            opposite = mp.sin(place.y) if joint == 'A' else mp.sin(x)
-            if abs(opposite) < 0.05 or base.change_point_margin < 1e-3:
-                continue
-        linkage = MovingJointFourBar(*lengths, mode=2 if opposite > 0 else 1, input=joint,
-                                     bodies=bodies_of(rng), gravity=GRAVITY,
-                                     external=External(Applied(3.0, -2.0, 0.3, 0.1, 0.7),
-                                                       Applied(-1.0, 4.0, 0.2, 0.0, -0.4)))
-        yield lengths, joint, linkage, theta, sign, x
-
-
-def test_motion_is_that_of_the_same_pose_and_rates():
-    seen = 0
-    for lengths, joint, linkage, theta, sign, x in cases(120, 1):
-        motion = linkage.motion(float(mp.fmod(theta + mp.pi, 2 * mp.pi) - mp.pi), RATE,
-                                ACCELERATION)
-        with mp.workdps(40):
-            place, omega, alpha = crank_motion(lengths, sign, mp.mpf(x), joint)
-
-            def moved(slope, bend):
-                return slope * omega, slope * alpha + bend * omega**2      # noqa: B023
-            angles = {'1': (mp.mpf(x), omega, alpha),
-                      '2': (place.b - x, *moved(place.db - 1, place.ddb)),
-                      '3': (place.y - place.b + mp.pi,
-                            *moved(place.dy - place.db, place.ddy - place.ddb)),
-                      '4': (place.y, *moved(place.dy, place.ddy)),
-                      'beta': (place.b, *moved(place.db, place.ddb))}
-            gain = 1 + max(abs(values[1]) for values in angles.values()) / RATE
-        condition = float(gain) * motion.condition
-        for name, (angle, rate, acceleration) in angles.items():
-            fields = (('beta', 'omega_beta', 'alpha_beta') if name == 'beta' else
-                      [f'{field}{name}' for field in ('theta', 'omega', 'alpha')])
-            found = [getattr(motion, field) for field in fields]
-            assert abs(np.sin(0.5 * (found[0] - float(angle)))) <= 8.0 * EPS * condition
-            assert abs(found[1] - rate) <= 32.0 * EPS * condition**2
-            assert abs(found[2] - acceleration) <= 128.0 * EPS * condition**4
-        assert motion.crank_ratio == pytest.approx(motion.omega1 / RATE, rel=1e-14)
-        assert motion.coupler_ratio == pytest.approx(motion.omega_beta / RATE, abs=1e-13)
-        seen += 1
-    assert seen > 60
-
-
-def solved(links, joint):
-    """Return (F41, F21, F32, F43, T) of nine equations with the torque between two links."""
-    matrix, right = mp.zeros(9, 9), mp.zeros(9, 1)
-    for i, link in enumerate(links):
-        arms = [-link.centre, link.end - link.centre]
-        if i == 2:
-            arms.reverse()
-        for column, sign, arm in zip((2 * i, 2 * i + 2), (1 if i == 0 else -1, 1), arms):
-            matrix[3 * i, column] = matrix[3 * i + 1, column + 1] = sign
-            matrix[3 * i + 2, column] = -sign * arm.imag
-            matrix[3 * i + 2, column + 1] = sign * arm.real
-        right[3 * i], right[3 * i + 1] = link.force.real, link.force.imag
-        right[3 * i + 2] = link.moment
-    first = SHIFT[joint] - 1
-    matrix[3 * first + 2, 8], matrix[3 * first + 5, 8] = -1, 1
-    f = mp.lu_solve(matrix, right)
-    return [mp.mpc(f[2 * i], f[2 * i + 1]) for i in range(4)] + [f[8]]
-
-
-def test_loads_solve_newton_and_euler_with_the_torque_between_two_links():
-    seen = 0
-    for lengths, joint, linkage, theta, sign, x in cases(80, 2):
-        motion, loads = linkage.step(float(mp.fmod(theta + mp.pi, 2 * mp.pi) - mp.pi), RATE,
-                                     ACCELERATION)
-        with mp.workdps(40):
-            place, omega, alpha = crank_motion(lengths, sign, mp.mpf(x), joint)
-            bodies = [(b.mass, b.cg_along, b.cg_across, b.inertia) for b in linkage.bodies]
-            applied = [(a.force_x, a.force_y, a.along, a.across, a.couple)
-                       for a in (linkage.external.coupler, linkage.external.output)]
-            links = free_bodies([mp.mpf(a) for a in lengths], place, mp.mpf(x), omega, alpha,
-                                bodies, applied, GRAVITY)
-            *forces, torque = solved(links, joint)
-            moment = -sum(link.moment + cross(link.centre + at, link.force) for link, at in zip(
-                links, (0, links[0].end, lengths[3])))
-            size = float(max(map(abs, forces)) + abs(torque) + sum(
-                abs(link.force) + abs(link.moment) for link in links))
-        gain = 1.0 + max(abs(motion.omega1), abs(motion.omega_beta), abs(motion.omega4)) / RATE
-        tolerance = 64.0 * EPS * size * (gain * motion.condition)**3
-        for name, force in zip(('f41', 'f21', 'f32', 'f43'), forces):
-            assert abs(getattr(loads, f'{name}_x') - force.real) <= tolerance, (joint, name)
-            assert abs(getattr(loads, f'{name}_y') - force.imag) <= tolerance, (joint, name)
-        assert abs(loads.driving_torque - torque) <= tolerance
-        shaking = -forces[0] - forces[3]
-        assert abs(complex(loads.shaking_force_x, loads.shaking_force_y) - complex(
-            shaking)) <= tolerance
-        assert abs(loads.shaking_moment - moment) <= tolerance
-        seen += 1
-    assert seen > 40
 
 
 @pytest.mark.parametrize('joint', ['A', 'B'])
