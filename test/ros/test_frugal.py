@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a scene does not name is not created, not computed, not imported."""
 import json
-import re
 import subprocess
 import sys
 
@@ -87,24 +86,3 @@ def test_outputs_without_subscribers_are_not_computed():
 def test_a_scene_on_the_clock_that_is_not_recorded_needs_nothing_of_bags_and_inputs():
     found = run({**PAPER, 'outputs': ['state'], 'drive.rate': 1.0})
     assert (found['bag'], found['imported']) == ([], [])
-
-
-MOST = 50       # modules of ours in the process of the smallest scene
-COUNT = """
-import os, sys
-leave = os._exit
-def count(code):
-    own = [name for name in sys.modules if name.partition('.')[0] == 'fourbar_ros']
-    print('modules', len(own), 'with scipy' if 'scipy' in sys.modules else '', flush=True)
-    leave(code)
-os._exit = count
-"""
-
-
-def test_the_process_of_the_smallest_scene_imports_few_modules_of_ours(run_node, client):
-    node = run_node({**PAPER, 'outputs': ['state'], 'services': []}, first=COUNT)
-    client.listen(['state'])
-    client.until(lambda: client.received['state'], 'the stream')
-    assert node.stop() == 0
-    count, others = re.search(r'modules (\d+) ?(.*)', node.said).groups()
-    assert int(count) <= MOST and not others, node.said

@@ -76,15 +76,6 @@ def test_replay_sends_every_message_again_as_it_was(client, bag):
                 assert (list(ours.position), ours.name) == (theirs.position.tolist(), theirs.name)
 
 
-def test_an_interrupted_replay_says_so_by_its_exit_code(client, bag, number=signal.SIGTERM):
-    client.listen(['state'])
-    process = fourbar('replay', bag, '--loop', '--delay', '0')
-    client.until(lambda: client.received['state'], 'the first message')
-    process.send_signal(number)
-    code, said = finished(process, client)
-    assert code == 128 + number and 'messages published' in said and 'Traceback' not in said
-
-
 def test_the_clock_of_a_bag_of_simulated_time_is_simulated(client, bag):
     clocks = []         # its stamps begin at 2 ms, its log times are of today
     client.node.create_subscription(Clock, '/clock', clocks.append, 1000)
@@ -136,23 +127,6 @@ def test_a_live_node_driven_by_the_bag_records_the_same_answers(run_node, client
     assert found['/joint_states'].is_same()
 
 
-def test_another_linkage_is_found_out_by_the_diff(run_node, client, bag, tmp_path):
-    of_other = {name.replace('fourbar', 'other'): value for name, value in NOTHING_MISSED.items()}
-    node = run_node({**FULL, **of_other, 'linkage.a2': 1.2000001,
-                     'recording.directory': str(tmp_path), 'recording.start': True,
-                     'recording.name': 'again'}, name='other')
-    code, said = finished(fourbar('replay', bag, '--inputs-only', '--ros-args',
-                                  '-r', '/fourbar/input:=/other/input'), client)
-    assert code == 0 and said.endswith(f'{STEPS} messages published\n'), said
-    client.until(lambda: len(list(Bag(tmp_path / 'again').raw(['/other/state']))) >= STEPS,
-                 'all answers')
-    assert node.stop() == 0
-    assert recompute(tmp_path / 'again').problems() == []
-    mine = [record.message.theta4 for record in records(bag, ['/fourbar/state'])]
-    theirs = [record.message.theta4 for record in records(tmp_path / 'again', ['/other/state'])]
-    assert len(mine) == len(theirs) and mine != theirs
-
-
 def test_what_cannot_be_replayed_is_one_line(client, bag):
     wrong = [(['replay', bag, '--topics', '/none'], 'no message on /none'),
              (['replay', bag, '--start', '99', '--delay', '0'], 'no message after 99 s'),
@@ -163,23 +137,6 @@ def test_what_cannot_be_replayed_is_one_line(client, bag):
         code, text = finished(process, client)
         last = text.splitlines()[-1]
         assert code == 1 and last.startswith('fourbar: ') and said in last, text
-
-
-@pytest.mark.slow
-def test_the_scene_of_a_bag_runs_a_node(client, bag, tmp_path):
-    code, text = finished(fourbar('bag', 'scene', bag), client)
-    assert code == 0
-    (tmp_path / 'again.yaml').write_text(text)
-    node = subprocess.Popen([sys.executable, '-m', 'fourbar_ros.ros.node.start', '--ros-args',
-                             '--params-file',
-                             str(tmp_path / 'again.yaml'), '-r', '__node:=again'], env=os.environ,
-                            cwd=tmp_path)
-    try:
-        client.until(lambda: node.poll() is not None or 'again' in client.node.get_node_names(),
-                     'the node')
-    finally:
-        node.send_signal(signal.SIGTERM)
-        assert node.wait(PATIENCE) == 0
 
 
 def test_messages_of_another_definition_are_left_out_and_reported(client, tmp_path):

@@ -98,18 +98,6 @@ def test_a_certified_search_is_abandoned_and_the_bag_closed(run_node, client, tm
     assert not asked.done() or 'the node stops' in asked.result().message
 
 
-@some('seed', range(FLOODS), 1)
-def test_a_flood_of_signals_ends_it_like_one(run_node, client, tmp_path, seed):
-    rng = random.Random(seed)
-    node = run_node(RECORDING)
-    client.listen(['state'])
-    client.until(lambda: len(client.received['state']) > rng.randrange(20, 60), 'the stream')
-    assert flood(node.process, rng, rng.choice([0.0002, 0.001, 0.01, 0.05])) == 0, node.said
-    node.wait()
-    assert 'Traceback' not in node.said
-    assert info(tmp_path / 'bags/run', check=True).is_sound
-
-
 @some('wait', [0.0, 0.1, 0.3], (0.1,))
 def test_a_signal_while_it_starts_ends_it_without_a_traceback(run_node, wait):
     """From the first line of ours on: before that, Python itself answers."""
@@ -176,21 +164,6 @@ def test_a_slow_disk_at_the_end_of_a_bag_holds_up_no_input(run_node, client):
     path = Path(stopping.result().message)
     assert path.is_absolute() and info(path, check=True).is_sound
     client.until(lambda: f'recorded {path}' in node.said, 'the line of its log')
-
-
-def test_every_node_is_there_once_and_has_all_its_services(run_node, client):
-    name, namespace = 'mine', '/cell'
-    run_node({**PAPER, 'outputs': ['state']}, name=name, remaps=[f'__ns:={namespace}'])
-    full = f'{namespace.rstrip("/")}/{name}'
-
-    def services():
-        here = client.node.get_node_names_and_namespaces()
-        return (dict(client.node.get_service_names_and_types_by_node(name, namespace))
-                if (name, namespace) in here else {})
-    expected = {service.service.replace('~', full) for service in SERVICES.values()}
-    client.until(lambda: expected <= services().keys(), 'its services')
-    names = [n for n in client.node.get_node_names_and_namespaces() if n != ('tester', '/')]
-    assert names == [(name, namespace)]
 
 
 def test_a_flag_takes_signals_from_within_signals():

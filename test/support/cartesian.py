@@ -103,8 +103,8 @@ class Kind(NamedTuple):
     @property
     def driven_pair(self):
         """Return the links between which the drive turns; at B the angle counts from behind."""
-        return {'A': ('coupler', 'crank'), 'B': ('output', 'coupler')}.get(self.input,
-                                                                         ('crank', GROUND))
+        pairs = {'A': ('coupler', 'crank'), 'B': ('output', 'coupler')}
+        return pairs.get(self.input, ('crank', GROUND))
 
     def joints(self, data, here, along):
         """Return O1, A, and the joints at both ends of the output link."""

@@ -20,6 +20,7 @@ from support.random_machines import random_machines
 
 # --- ranges --------------------------------------------------------------------------------------
 
+
 def test_a_cylinder_has_no_length_below_zero():
     """Its square is that of a length in the range; the pose would be a plausible one."""
     machine = Machine([], input='cylinder', output='crank', cylinder=Cylinder(
