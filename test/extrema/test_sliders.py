@@ -131,20 +131,6 @@ def test_ends_of_the_range_are_unbounded_with_their_sign(mechanism, mode, rate):
                 assert np.sign(value) == np.sign(end.value) and abs(value) > 1e3
 
 
-@pytest.mark.parametrize('mechanism', [SliderCrank(0.2, 0.2), InvertedSlider(0.2, 0.2),
-                                       SliderCrank(2.0, 3.0, 1.0),
-                                       SliderCrank(3.0, 2.0, 1.0), InvertedSlider(2.0, 3.0, -1.0)])
-def test_exact_change_points_have_one_sided_values(mechanism):
-    found = find_extrema(mechanism, [q for q in known(type(mechanism), CRANK).values()
-                                     if not q.is_load], 2.0)
-    sided = [e for e in found if e.place == 'one-sided']
-    assert sided and all(e.side in (-1, 1) and not isnan(e.value) for e in sided)
-    for e in sided:
-        value = known(type(mechanism))[e.quantity].of(mechanism.motion(e.theta1 + e.side * 1e-6,
-                                                                       2.0), None)
-        assert value == pytest.approx(e.value, rel=1e-3, abs=1e-3)
-
-
 @pytest.mark.parametrize('unit', [1e-200, 2.0**-300, 1e-9, 1e9, 1e100])
 @pytest.mark.parametrize('kind, driven', KINDS)
 def test_unit_of_length_does_not_matter(kind, driven, unit):

@@ -213,27 +213,6 @@ def test_no_samples_give_none(kind, lengths, more):
 
 
 @every_kind
-def test_a_complex_step_differentiates_angles_too(kind, lengths, more):
-    mechanism = kind(*lengths, **more)
-    moved, plain = mechanism.motion(np.array([1.2]) + 1e-40j, 1.0), mechanism.motion(1.2, 1.0)
-    for joint in (each.coordinate for each in kind.JOINTS):
-        position = getattr(moved, joint.position)[0]
-        assert position.real == pytest.approx(getattr(plain, joint.position), rel=1e-14)
-        assert position.imag / 1e-40 == pytest.approx(getattr(plain, joint.rate), rel=1e-12,
-                                                      abs=1e-14)
-
-
-@every_kind
-def test_too_fast_is_reported(kind, lengths, more):
-    mechanism = with_rods(kind, lengths, more)
-    rate = mechanism.input_coordinate.rate
-    for value in (1e160, -1e200, 1e155):
-        with pytest.raises(InvalidParameter, match=f'^{rate} = .*overflow'):
-            mechanism.loads(1.2, value)
-    assert np.isnan(mechanism.loads(np.array([1.2]), 1e160).shaking_moment[0])
-
-
-@every_kind
 def test_too_long_is_reported(kind, lengths, more):
     for power in (1000, 1022, 1023):
         for i, name in enumerate(length.name for length in kind.LENGTHS[:2]):

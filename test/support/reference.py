@@ -100,27 +100,9 @@ def free_bodies(lengths, place, x, omega, alpha, bodies, applied, gravity):
     return links
 
 
-def nine_by_nine(links):
-    """Return (F41, F21, F32, F43, T41) from the paper's Eq. (9)."""
-    matrix, right = mp.zeros(9, 9), mp.zeros(9, 1)
-    for i, link in enumerate(links):
-        arms = [-link.centre, link.end - link.centre]
-        if i == 2:
-            arms.reverse()     # F32 acts at the end of the output link, F43 at its origin O4
-        for column, sign, arm in zip((2 * i, 2 * i + 2), (1 if i == 0 else -1, 1), arms):
-            matrix[3 * i, column] = matrix[3 * i + 1, column + 1] = sign
-            matrix[3 * i + 2, column] = -sign * arm.imag
-            matrix[3 * i + 2, column + 1] = sign * arm.real
-        right[3 * i], right[3 * i + 1], right[3 * i + 2] = (link.force.real, link.force.imag,
-                                                            link.moment)
-    matrix[2, 8] = 1
-    f = mp.lu_solve(matrix, right)
-    return tuple(mp.mpc(f[2 * i], f[2 * i + 1]) for i in range(4)) + (f[8],)
-
-
 def reactions(links):
     """
-    Return the same as :func:`nine_by_nine` twenty times faster.
+    Return (F41, F21, F32, F43, T41).
 
     F32 by Cramer, then the rest.
     """

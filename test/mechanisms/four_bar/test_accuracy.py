@@ -114,6 +114,3 @@ def near_toggle_error(rng, margin):
 def test_second_derivative_near_a_toggle_relative_to_its_peak(margin):
     rng = np.random.default_rng(35)
     assert max(near_toggle_error(rng, margin) for _ in range(8)) <= 5e-15
-
-
-# --- exact change points: one-sided values -------------------------------------------------------

@@ -132,9 +132,6 @@ def test_offset_at_and_past_its_limit(kind):
             and not SliderCrank(2.5, 6.0, nextafter(3.5, 4.0)).turns_fully)
 
 
-# --- what is refused -----------------------------------------------------------------------------
-
-
 # --- loads by hand -------------------------------------------------------------------------------
 
 def test_gas_force_on_the_piston():
