@@ -63,14 +63,6 @@ def test_scenes_are_found_by_name_anywhere(tmp_path, monkeypatch, capsys):
 # --- words and numbers ---------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize('name, suggestion',
-                         [('omga4', 'omega4'), ('shaking_frce', 'shaking_force'), ('F21', 'f21')])
-def test_the_nearest_quantity_is_named(name, suggestion):
-    from fourbar_ros.mechanisms.quantities import select, UnknownQuantity
-    with pytest.raises(UnknownQuantity, match=f'did you mean {suggestion}'):
-        select([name], FourBar(0.4, 1.2, 0.8, 1.0))
-
-
 @pytest.mark.parametrize('verb', [('show',), ('draw', '-o', 'x.png')])
 @pytest.mark.parametrize('scene_name, at, text', [
     ('slides_7_6', '200', 'theta1 = 200 deg is outside the input range -130.3202 to 130.3202 deg'),

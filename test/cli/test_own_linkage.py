@@ -37,20 +37,6 @@ def test_a_new_scene_of_flat_bars_is_the_linkage_made_by_hand(capsys):
     assert ours == pytest.approx(theirs, rel=1e-8)
 
 
-def test_a_flat_bar_has_the_mass_and_inertia_of_its_parts():
-    """A bar cut into 200 x 200 squares, each with its own inertia."""
-    length, width, n = 0.3, 0.05, 200
-    bar = flat_bar(length, 2700.0, width, 0.004)
-    part = 2700.0 * 0.004 * (length / n) * (width / n)
-    x = ((np.arange(n) + 0.5) / n - 0.5) * length
-    y = ((np.arange(n) + 0.5) / n - 0.5) * width
-    own = part * ((length / n)**2 + (width / n)**2) / 12.0
-    whole = (part * (x[:, None]**2 + y**2) + own).sum()
-    assert bar.mass == pytest.approx(part * n * n, rel=1e-12)
-    assert bar.inertia == pytest.approx(whole, rel=1e-12)
-    assert (bar.cg_along, bar.cg_across) == (0.15, 0.0)
-
-
 @pytest.mark.parametrize('kind', KINDS)
 def test_every_kind_has_a_scene_that_has_loads_and_a_table(kind):
     given = [word for length in KINDS[kind].LENGTHS if not length.signed

@@ -71,15 +71,6 @@ def test_chunks_give_the_bits_of_one_piece(mechanism, monkeypatch):
 
 
 @every_kind
-def test_fields_of_one_sample_are_floats(mechanism):
-    motion, loads = mechanism.step(0.9, 3.0, -2.0)
-    assert mechanism.step(0.9, 3.0, -2.0,
-                          fields=['f41', 'condition']) == (loads.f41, motion.condition)
-    assert mechanism.motion(0.9, 3.0, -2.0, fields=('condition',)) == (motion.condition,)
-    assert mechanism.motion(0.9, fields=()) == ()
-
-
-@every_kind
 def test_results_share_no_memory(mechanism):
     x = np.linspace(0.3, 1.1, 100)
     for size in (10, 100):

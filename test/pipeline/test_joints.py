@@ -3,7 +3,6 @@
 """Ratio, offset and sense of joints; positions that are not known."""
 import math
 
-from fourbar_ros import InvalidParameter
 from fourbar_ros.pipeline.joints import Scale
 from fourbar_ros.pipeline.stepper import Stepper
 from fourbar_ros.scene import scene as scenes
@@ -79,22 +78,6 @@ def test_effort_is_absent_where_it_is_not_computed(outputs, has):
     for shown in ({}, TURNED):
         scene = scenes.from_values({**LOADS, **shown, 'outputs': outputs})
         assert ('effort' in joint_states(scene, (0.2, 1.0, 0.0))[0][1]) == has
-
-
-@pytest.mark.parametrize('name, value, why', [
-    ('joint_states.ratios', [1.0, 0.0, 1.0, 1.0], 'must not be zero'),
-    ('joint_states.ratios', [1.0, 1.0], 'four numbers'),
-    ('joint_states.ratios', [1.0, math.inf, 1.0, 1.0], 'finite'),
-    ('joint_states.ratios', 2.0, 'a list of numbers'),
-    ('joint_states.offsets', ['a', 'b', 'c', 'd'], 'finite numbers'),
-    ('joint_states.offsets', [0.0] * 5, 'four numbers'),
-    ('joint_states.when_unknown', 'nan', 'skip, hold, send_nan'),
-    ('drive.joint_ratio', 0.0, 'must not be zero'),
-])
-def test_what_cannot_be_is_refused(name, value, why):
-    with pytest.raises(InvalidParameter, match=why) as error:
-        scenes.from_values({**LOADS, name: value})
-    assert error.value.name == name
 
 
 def test_a_prefix_stands_before_every_name():

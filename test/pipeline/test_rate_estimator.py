@@ -3,7 +3,6 @@
 """The causal estimator of missing rates: exact where it must be, as noisy and late as it says."""
 import math
 
-from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.pipeline.rate_estimator import estimator_of, MEMORY, RateEstimator
 from fourbar_ros.scene import scene
 import numpy as np
@@ -149,20 +148,6 @@ def test_a_motor_that_counts_its_turns_drives_a_crank_behind_gears_or_one_that_w
     found = feed(estimator, t, (motor - 0.3) / ratio)[3:]
     assert np.abs(found - [4.0, 0.0]).max() < 16 * EPS * 4.0 * t[-1] / 0.002**2
     assert estimator.restarts == 0
-
-
-CYLINDER = {'linkage.kind': 'inverted_slider', 'linkage.input': 'slide', 'linkage.a1': 1.2,
-            'linkage.a4': 1.6, 'linkage.range': [1.0, 1.8]}
-
-
-@pytest.mark.parametrize('top_speed, ratio, linkage, said', [
-    (10.0, 1.0, CYLINDER, 'a slide has none'),
-    (10.0, -60.0, PAPER, 'with a drive.joint_ratio other than 1 and -1'),
-    (0.0, 1.0, PAPER, 'must be')])
-def test_a_top_speed_where_no_turn_can_be_taken_off_is_refused(top_speed, ratio, linkage, said):
-    with pytest.raises(InvalidParameter, match=f'drive.top_speed = {top_speed:g}.*{said}'):
-        scene.from_values({**linkage, 'drive.source': 'joint_state', 'drive.joint': 'motor',
-                           'drive.joint_ratio': ratio, 'drive.top_speed': top_speed})
 
 
 def crank(t, is_wrapped):

@@ -239,15 +239,6 @@ def test_no_acceleration_is_wrong_beyond_its_lag(steps, frequency):
         assert abs(found - true) <= late + 1e-6
 
 
-@pytest.mark.parametrize('changed, why', [
-    ({'gravity.y': -9.81}, 'weight counts twice'), ({'base.topic': 'gps'}, 'motion_of_base'),
-    ({'base.rotation': [1.0, 2.0]}, 'quaternion'),
-    ({'bodies.rods.density': NAN, 'bodies.rods.radius': NAN, 'outputs': ['state']}, 'masses')])
-def test_what_cannot_go_together_is_refused(changed, why):
-    with pytest.raises(InvalidParameter, match=why):
-        from_values({**LOADED, 'base.topic': 'imu', **changed})
-
-
 def test_loads_without_the_base_are_refused():
     scene = from_values({**LOADED, 'base.topic': 'imu'})
     with pytest.raises(InvalidParameter, match='motion of the base comes from a topic'):

@@ -111,12 +111,3 @@ def test_torques_act_in_the_step_they_are_for(run_node, lockstep):
     torques = [float(5.0 * np.sin(0.1 * k)) for k in range(1, 200)]
     rates = [ask.push(1.0 + 0.001 * k, torque).state.omega1 for k, torque in enumerate(torques)]
     assert np.ptp(rates) > 0.1
-
-
-@pytest.mark.parametrize('changed, why', [
-    ({'base.carried.mass': 1.0, 'base.carried.mean': True}, 'exclude each other'),
-    ({'base.carried.mass': 1.0, 'bodies.rods.density': float('nan'),
-      'bodies.rods.radius': float('nan')}, 'without masses')])
-def test_what_cannot_be_carried_is_refused(changed, why):
-    with pytest.raises(InvalidParameter, match=why):
-        from_values({**LOADED, 'outputs': ['state'], **changed})

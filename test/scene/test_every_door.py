@@ -114,13 +114,6 @@ def test_a_pose_that_draw_shows():
     assert are_true(there.f41, there.driving_torque)
 
 
-@pytest.mark.slow
-def test_draw(file, tmp_path):
-    for options in (['--over', 'forces'], ['--at', str(AT)]):
-        main(['draw', file, *options, '-o', str(tmp_path / 'it.svg')])
-        assert (tmp_path / 'it.svg').exists()
-
-
 def test_searches_find_motion_and_refuse_loads_by_name(file):
     linkage = load_scene(file).linkage
     assert {one.quantity for one in find_extrema(linkage, rate=SPEED)} >= {

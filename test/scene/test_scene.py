@@ -101,12 +101,6 @@ def test_scene_check_lists_what_was_given_in_units_of_what_is_driven(tmp_path, c
             == ['0.2', 'm/s'])
 
 
-@pytest.mark.parametrize('name', ['drive.speed', 'drive.start_speed'])
-def test_speeds_whose_squares_overflow_are_refused(name):
-    with pytest.raises(InvalidParameter, match=rf'^{name} = -1e\+300: .*-1e\+100, 1e\+100'):
-        scene.from_values({**PAPER, 'drive.source': 'torque', name: -1e300})
-
-
 @pytest.mark.parametrize('values', [{'linkage.a1': 1e300}, {'bodies.rods.radius': 1e160}])
 def test_numbers_that_overflow_are_refused(values):
     with pytest.raises(InvalidParameter, match='too far apart|^bodies.rods = .* overflows'):
@@ -139,13 +133,3 @@ def test_hostile_values_are_taken_or_refused(file, data):
             values = scene.from_values({**values, changed[0]: changed[1]}).values
         except FourBarError as error:
             assert str(error)
-
-
-@pytest.mark.parametrize('name, least', [
-    ('recording.split_size', 0.01), ('recording.split_duration', 0.1)])
-def test_a_file_of_a_bag_has_a_least_size(name, least):
-    for value in (0.0, least):
-        assert scene.from_values({**PAPER, name: value}).values[name] == value
-    for value in (0.001, 0.99 * least, -1.0):
-        with pytest.raises(InvalidParameter, match=f'{name} = {value}: must be 0 or >= {least:g}'):
-            scene.from_values({**PAPER, name: value})
