@@ -7,7 +7,6 @@ from math import copysign, fsum, inf, pi
 import traceback
 
 from fourbar_ros import Applied, Body
-from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.numerics.number_types import REAL
 from fourbar_ros.numerics.trace import Trace
 from fourbar_ros.numerics.write import KEPT, lines_of, straight_line
@@ -102,10 +101,6 @@ def test_data_known_to_be_zero_are_left_out():
     lines = lines_of(trace, {1}, 'of one datum')
     line = lines((3.0, 0.0))
     assert line(2.0) == (6.0,) and 'sin' not in line.__code__.co_varnames
-
-
-def test_the_registry_is_covered():
-    assert {case.name for case in CASES} == set(KINDS)
 
 
 def test_only_what_is_needed_is_done():
