@@ -17,7 +17,7 @@ EVERY_PAGE = [*PAGES, *sorted(ROOT.glob('[A-Z]*.md')),
               *sorted((ROOT / 'docs').glob('*/*.md'))]
 FENCE = re.compile(r'^```(\w*)\n(.*?)^```$\n?', re.S | re.M)
 SHELL = ('', 'bash', 'sh', 'shell', 'console')
-SLOW = {'studies', 'balancing', 'gallery'}      # several seconds of processor time each
+SLOW = {'studies', 'gallery'}      # several seconds of processor time each
 ALONE = {'extrema'}         # a reader may copy any example of these pages alone
 # verbs that need a running node, or serve a page until they are interrupted
 NEEDS_ROS = {'record', 'replay', 'run', 'live'}
