@@ -72,7 +72,7 @@ def measured(values):
 
 
 def main():
-    """Print the table of docs/node.md, medians of some runs in turn."""
+    """Print a table, medians of some runs in turn."""
     scenes = {'bare rclpy node': {}, 'smallest scene': SMALLEST, 'fullest scene': FULLEST}
     found = {name: [] for name in scenes}
     for _ in range(ROUNDS):

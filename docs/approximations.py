@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Errors of approximations, for the tables of robots.md and machines.md."""
+"""Errors of approximations, for the tables of robots.md and node.md."""
 from math import degrees, pi
 from pathlib import Path
 

@@ -181,7 +181,7 @@ def approximation_tables():
 
 
 def chain_table():
-    """Return {name: Markdown table} of machines.md."""
+    """Return {name: Markdown table} of node.md."""
     return {'chains': formulas.table(
         ('largest error of the driving torque, of its peak, at',
          *(f'{rate:g} Hz' for rate in approximations.SAMPLED)),
@@ -203,7 +203,7 @@ def pages():
                                  ('command_line.md', command_tables()),
                                  ('studies.md', study_tables()),
                                  ('robots.md', approximation_tables()),
-                                 ('machines.md', chain_table()))}
+                                 ('node.md', chain_table()))}
 
 
 def filled(page, tables):
