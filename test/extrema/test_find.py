@@ -133,9 +133,8 @@ def draw(family, number):
             yield lengths
 
 
-@pytest.mark.parametrize('count', [more(2, 25)])
 @pytest.mark.parametrize('family', families())
-def test_rates_complete_and_accurate(family, count):
+def test_rates_complete_and_accurate(family, count=more(2, 25)):
     for lengths in draw(family, count):
         check_against_exact_roots(lengths)
 

@@ -158,8 +158,7 @@ def test_a_slide_that_is_driven_has_a_place_and_a_crank_angle():
 
 
 @pytest.mark.parametrize('kind, driven', KINDS)
-@pytest.mark.parametrize('count', [more(1, 2)])
-def test_extrema_are_proved_complete(kind, driven, count):
+def test_extrema_are_proved_complete(kind, driven, count=more(1, 2)):
     """All but magnitudes of reactions, which may have a kink or be too steep to decide."""
     pytest.importorskip('flint')
     rng = np.random.default_rng(12)

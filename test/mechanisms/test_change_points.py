@@ -223,16 +223,14 @@ def build(kind, driven, lengths, others):
     return kind(*lengths, **others) if kind is FourBar else kind(*lengths, input=driven, **others)
 
 
-@pytest.mark.parametrize('count', [more(2, 15)])
 @pytest.mark.parametrize('kind, driven', KINDS)
-def test_one_sided_values_of_decimal_change_points(kind, driven, count):
+def test_one_sided_values_of_decimal_change_points(kind, driven, count=more(2, 15)):
     rng = np.random.default_rng(31)
     assert sum(check(build(kind, driven, draw_decimal(rng, kind, driven), others), rates)
                for others, rates in (random_loads(rng) for _ in range(count))) > 15
 
 
-@pytest.mark.parametrize('step', [more(261, 29)])
-def test_whole_change_points(step):
+def test_whole_change_points(step=more(261, 29)):
     rng = np.random.default_rng(5)
     every = list(whole_change_points(12))
     assert len(every) == 2088
@@ -283,9 +281,9 @@ def check_at_zero(mechanism, rates):
     return bool(np.isinf(loads).any())
 
 
-@pytest.mark.parametrize('count', [more(5, 30)])
 @pytest.mark.parametrize('kind, driven', [pair for pair in KINDS if pair != (SliderCrank, CRANK)])
-def test_at_a_flat_position_values_are_limits_and_unbounded_loads_a_toggle(kind, driven, count):
+def test_at_a_flat_position_values_are_limits_and_unbounded_loads_a_toggle(
+        kind, driven, count=more(5, 30)):
     rng = np.random.default_rng(77)
     unbounded = [check_at_zero(*case) for case in flat_at_zero(rng, kind, driven, count)]
     assert any(unbounded)
@@ -415,8 +413,7 @@ def exact_values_of_motion(linkage, x, rate):
 # --- near change points --------------------------------------------------------------------------
 
 @some('gap', [1e-6, 1e-7, 1e-9, 1e-12], 2)
-@pytest.mark.parametrize('count', [more(6, 30)])
-def test_rockers_next_to_a_change_point(gap, count):
+def test_rockers_next_to_a_change_point(gap, count=more(6, 30)):
     """
     A sum of lengths too short by this.
 

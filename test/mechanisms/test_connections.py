@@ -41,8 +41,7 @@ def test_joints_connect_their_links(case):
         assert max(errors(mechanism, given)) <= max(bound, 8.0 * EPS)
 
 
-@pytest.mark.parametrize('count', [more(20, 200)])
-def test_joints_of_machines_connect_their_links(count):
+def test_joints_of_machines_connect_their_links(count=more(20, 200)):
     kinds = set()
     for machine, given in [*random_machines(7, count), (andrews()[0], (-0.06, 1.0, 0.0)),
                            (jansen(), (0.3, 1.0, 0.0))]:

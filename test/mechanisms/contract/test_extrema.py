@@ -4,7 +4,6 @@
 
 from fourbar_ros.mechanisms.quantities import point_acceleration, point_speed, select
 import numpy as np
-import pytest
 from support import contract
 from support.contract import every_case
 from support.samples import more
@@ -33,9 +32,8 @@ def mechanisms_for_extrema(case, seed, count):
             yield rng, mechanism
 
 
-@pytest.mark.parametrize('count', [more(1, 10)])
 @every_case
-def test_extrema_against_a_scan(case, count):
+def test_extrema_against_a_scan(case, count=more(1, 10)):
     number = sum(
         check_against_scan(
             mechanism,

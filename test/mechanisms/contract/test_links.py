@@ -75,9 +75,8 @@ def first(numbers):
     return complex(np.ravel(numbers)[0])
 
 
-@pytest.mark.parametrize('count', [more(6, 20)])
 @every_mechanism
-def test_rates_and_accelerations_are_derivatives(case, count):
+def test_rates_and_accelerations_are_derivatives(case, count=more(6, 20)):
     for mechanism, (value, _, _) in contract.ordinary(case, 208, count):
         motion = mechanism.motion(np.array([value]) + 1j * STEP, 1.0)
         size = max(

@@ -7,7 +7,6 @@ from math import isfinite
 from fourbar_ros import Applied, InvalidParameter
 from fourbar_ros.mechanisms.points import link_motion, point_of
 import numpy as np
-import pytest
 from support import contract
 from support.contract import every_mechanism
 from support.reference import EPS
@@ -56,9 +55,8 @@ def needed(mechanism, motion):
     return complex(*total[:2]), total[2], total[3], sizes
 
 
-@pytest.mark.parametrize('count', [more(15, 60)])
 @every_mechanism
-def test_power_and_momentum_balance(case, count):
+def test_power_and_momentum_balance(case, count=more(15, 60)):
     """Shaking = -dP/dt, -dH/dt + loads; power of the drive = dE/dt: 1e-13 of the summed sizes."""
     for mechanism, given in contract.ordinary(case, 210, count):
         motion, loads = mechanism.step(*given)
@@ -74,9 +72,8 @@ def test_power_and_momentum_balance(case, count):
         assert drives[mechanism.is_driven_by_slide] != 0.0
 
 
-@pytest.mark.parametrize('count', [more(2, 10)])
 @every_mechanism
-def test_loads_that_overflow_are_refused(case, count):
+def test_loads_that_overflow_are_refused(case, count=more(2, 10)):
     """At rising speeds each load is a number, or all are refused."""
     refused = given = 0
     for mechanism, (position, rate, acceleration) in contract.ordinary(case, 216, count):

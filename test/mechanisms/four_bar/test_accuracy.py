@@ -72,31 +72,21 @@ def worst(function, family, seed, count):
     return np.max([function(rng, family) for _ in range(count)], axis=0)
 
 
-def check_motion(family, seed, count):
-    *errors, radians = worst(motion_errors, family, seed, count)
+@pytest.mark.parametrize('family', FAMILIES)
+def test_motion(family):
+    *errors, radians = worst(motion_errors, family, 31, more(20, 60))
     bounds = [ANGLE_BOUND] * 2 + [RATE_BOUND] * 8
     assert {name: error for name, error, bound in zip(MOTION_FIELDS, errors, bounds)
             if not error <= bound} == {}
     assert radians <= THETA4_BOUND
 
 
-def check_loads(family, seed, count):
-    errors = worst(load_errors, family, seed, count)
-    bound = (EXACT_LOADS_BOUND if FAMILIES[family](np.random.default_rng(seed)).exact
+@pytest.mark.parametrize('family', FAMILIES)
+def test_loads(family):
+    errors = worst(load_errors, family, 32, more(3, 20))
+    bound = (EXACT_LOADS_BOUND if FAMILIES[family](np.random.default_rng(32)).exact
              else LOADS_BOUND)
     assert {name: error for name, error in zip(LOAD_NAMES, errors) if not error <= bound} == {}
-
-
-@pytest.mark.parametrize('count', [more(20, 60)])
-@pytest.mark.parametrize('family', FAMILIES)
-def test_motion(family, count):
-    check_motion(family, 31, count)
-
-
-@pytest.mark.parametrize('count', [more(3, 20)])
-@pytest.mark.parametrize('family', FAMILIES)
-def test_loads(family, count):
-    check_loads(family, 32, count)
 
 
 # --- near a toggle, relative to the peak ---------------------------------------------------------

@@ -88,9 +88,8 @@ def failures(family, seed, count):
     return lines
 
 
-@pytest.mark.parametrize('count', [more(3, 15)])
 @pytest.mark.parametrize('family', FAMILIES)
-def test_random_machines(family, count):
+def test_random_machines(family, count=more(3, 15)):
     assert not failures(family, 411, count)
 
 
@@ -106,9 +105,8 @@ TOGETHER = {
 }
 
 
-@pytest.mark.parametrize('count', [more(2, 8)])
 @pytest.mark.parametrize('name', TOGETHER)
-def test_links_that_move_together(name, count):
+def test_links_that_move_together(name, count=more(2, 8)):
     driver, *structure = TOGETHER[name]
     for machine, given in random_machines(404, count, structure=structure, driver=driver):
         found = worst_of(Drawn(machine, given))
