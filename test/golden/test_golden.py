@@ -58,10 +58,6 @@ def test_a_changed_bit_of_the_record_is_found():
     assert '1 of ' in record.summary(part, key, old, part.columns(key))
 
 
-def test_the_files_stay_small():
-    assert sum(path.stat().st_size for path in record.FOLDER.glob('*.*')) < 3e6
-
-
 def ros_parts():
     node = pytest.importorskip('golden.node', reason='needs ROS', exc_type=ImportError)
     return node.PARTS

@@ -112,23 +112,6 @@ def test_dead_points_of_the_bar():
     assert InvertedSlider(2.5, 6.0, input=SLIDE).dead_points == ()
 
 
-@pytest.mark.parametrize('mode', [1, 2])
-@pytest.mark.parametrize('lengths', [(1.0, 1.0, 0.0), (2.0, 3.0, 1.0), (2.0, 3.0, -1.0),
-                                     (3.0, 2.0, 1.0)])
-def test_exact_change_points(lengths, mode):
-    """Through the flat position every digit is there: the mode keeps its sign on either side."""
-    for kind in KINDS:
-        mechanism = InvertedSlider(*lengths, mode=mode, input=kind[1])
-        assert mechanism.classification == 'change point'
-        for value in (-1e-3, -1e-8, -1e-12, 0.0, 1e-12, 1e-8, 1e-3, 1.0):
-            truth = exact(kind, lengths, 2 * mode - 3, (value or mp.mpf(10)**-30, 1.0, 0.0))
-            m = mechanism.motion(value, 1.0)
-            given = (m.theta1, m.theta4, m.slide, m.omega1, m.omega4, m.slide_velocity,
-                     m.alpha1, m.alpha4, m.slide_acceleration)
-            for one, other in zip(given, truth.angle + truth.rate + truth.acceleration):
-                assert abs(one - other) <= 32 * EPS * max(1.0, abs(float(other)))
-
-
 @both_inputs
 def test_offset_at_and_past_its_limit(kind):
     for offset in (8.5, -8.5, 9.0, inf, nan):

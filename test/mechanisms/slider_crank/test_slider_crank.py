@@ -11,7 +11,7 @@ from fourbar_ros import (
     InvalidParameter,
 )
 from fourbar_ros.mechanisms.contract import CRANK, SLIDE
-from fourbar_ros.mechanisms.sliders import SliderCrank
+from fourbar_ros.mechanisms.sliders import InvertedSlider, SliderCrank
 import mpmath as mp
 import numpy as np
 import pytest
@@ -21,6 +21,10 @@ from support.slider_reference import exact
 
 KINDS = [(SliderCrank, CRANK), (SliderCrank, SLIDE)]
 CASE = next(case for case in contract.CASES if case.name == 'slider_crank')
+CRANK_ANGLE = 'theta1', 'omega1', 'alpha1'
+OTHER_ANGLE = {SliderCrank: ('beta', 'omega_beta', 'alpha_beta'),
+               InvertedSlider: ('theta4', 'omega4', 'alpha4')}
+ALONG = 'slide', 'slide_velocity', 'slide_acceleration'
 both_inputs = pytest.mark.parametrize('kind', KINDS, ids=lambda kind: kind[1])
 
 
@@ -100,21 +104,22 @@ def test_dead_points():
 @pytest.mark.parametrize('mode', [1, 2])
 @pytest.mark.parametrize('lengths', [(1.0, 1.0, 0.0), (2.0, 3.0, 1.0), (2.0, 3.0, -1.0),
                                      (3.0, 2.0, 1.0)])
-def test_exact_change_points(lengths, mode):
+@pytest.mark.parametrize('kind', [*KINDS, (InvertedSlider, CRANK), (InvertedSlider, SLIDE)],
+                         ids=lambda kind: f'{kind[0].__name__}-{kind[1]}')
+def test_exact_change_points(kind, lengths, mode):
     """Through the flat position every digit is there: the mode keeps its sign on either side."""
-    for kind in KINDS:
-        mechanism = SliderCrank(*lengths, mode=mode, input=kind[1])
-        assert mechanism.classification == 'change point'
-        at = (pi / 2.0, -pi / 2.0) if kind[1] == CRANK else (0.0,)
-        for value in [v + d for v in at for d in (-1e-3, -1e-8, -1e-12, 0.0, 1e-12, 1e-8, 1e-3)]:
-            truth = exact(kind, lengths, 2 * mode - 3, (value or mp.mpf(10)**-30, 1.0, 0.0))
-            if truth is None:
-                continue
-            m = mechanism.motion(value, 1.0)
-            given = (m.theta1, m.beta, m.slide, m.omega1, m.omega_beta, m.slide_velocity,
-                     m.alpha1, m.alpha_beta, m.slide_acceleration)
-            for one, other in zip(given, truth.angle + truth.rate + truth.acceleration):
-                assert abs(one - other) <= 32 * EPS * max(1.0, abs(float(other)))
+    mechanism = kind[0](*lengths, mode=mode, input=kind[1])
+    fields = [name for order in range(3) for name in (
+        CRANK_ANGLE[order], OTHER_ANGLE[kind[0]][order], ALONG[order])]
+    assert mechanism.classification == 'change point'
+    at = (pi / 2.0, -pi / 2.0) if kind == (SliderCrank, CRANK) else (0.0,)
+    for value in [v + d for v in at for d in (-1e-3, -1e-8, -1e-12, 0.0, 1e-12, 1e-8, 1e-3)]:
+        truth = exact(kind, lengths, 2 * mode - 3, (value or mp.mpf(10)**-30, 1.0, 0.0))
+        if truth is None:
+            continue
+        motion = mechanism.motion(value, 1.0)
+        for field, true in zip(fields, truth.angle + truth.rate + truth.acceleration):
+            assert abs(getattr(motion, field) - true) <= 32 * EPS * max(1.0, abs(float(true)))
 
 
 @both_inputs
