@@ -3,7 +3,7 @@
 """Where machines can be assembled, and all extrema there: against dense scans of their motion."""
 from math import isinf, pi
 
-from fourbar_ros import find_extrema, FourBar, InvalidParameter, SliderCrank
+from fourbar_ros import find_extrema, InvalidParameter, SliderCrank
 from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 from fourbar_ros.mechanisms.quantities import known, positions
@@ -110,29 +110,6 @@ def test_a_range_narrower_than_any_grid():
     assert abs(low + half) < 1e-2 * half
 
 
-def test_limits_are_those_of_a_four_bar_to_the_last_bits():
-    kind = FourBar(1.0, 1.2, 0.8, 0.5)
-    machine = Machine([Dyad('d', 'RRR', Point('crank', 1.0), Point('ground', 0.5), ('b', 'c'),
-                            length_1=1.2, length_2=0.8)])
-    assert np.allclose(kind.input_ranges, machine.input_ranges, rtol=0.0, atol=8.0 * EPS)
-
-
-def test_extrema_are_those_of_a_four_bar():
-    kind = FourBar(0.4, 1.2, 0.8, 1.0)
-    machine = Machine([Dyad('d', 'RRR', Point('crank', 0.4), Point('ground', 1.0), ('b', 'output'),
-                            length_1=1.2, length_2=0.8)])
-    ours = find_extrema(machine, ('omega_output', 'alpha_output', 'theta_output'), 25.0)
-    theirs = find_extrema(kind, ('omega4', 'alpha4', 'theta4'), 25.0)
-    assert len(ours) == len(theirs) == 6
-    for one, other in zip(ours, theirs):
-        assert (one.kind, one.is_global) == (other.kind, other.is_global)
-        assert abs(one.theta1 - other.theta1) <= 16 * EPS * (1.0 + other.condition) * 10.0
-        assert abs(one.value - other.value) <= 64 * EPS * abs(other.value) * (
-            1.0 + other.value_condition)
-        # the machine knows one length more: the place of O4 beside that of the crank's pin
-        assert 0.1 < one.condition / other.condition < 10.0
-
-
 @some('most, machines, points', [(4, 8, 4000), (5, 30, 20000)], 1)
 def test_extrema_of_random_machines(most, machines, points):
     number = 0
@@ -173,15 +150,3 @@ def test_rates_are_unbounded_at_the_toggle_of_a_dyad_and_positions_are_not():
             assert min(abs(end.value), abs(end.value - pi)) < 1e-6
     assert set(positions(machine)) == {'theta_a', 'theta_b', 'transmission_angle_d',
                                        'transmission_angle'}
-
-
-def test_a_proof_by_interval_bounds():
-    pytest.importorskip('flint')
-    machine = Machine([Dyad('lower', 'RRR', Point('crank', 0.3), Point('ground', 1.0),
-                            ('coupler', 'rocker'), length_1=1.2, length_2=0.8),
-                       Dyad('upper', 'RRP', Point('rocker', 0.9, 0.2), Point('ground', 0.0, 0.5),
-                            ('rod', 'ram'), length_1=1.5, direction_2=0.0)])
-    assert machine.turns_fully
-    found = find_extrema(machine, ('slide_ram_velocity', 'omega_rod'), certify=True)
-    assert {extremum.proof for extremum in found} == {'interval bounds'}
-    assert len(found) >= 4
