@@ -16,7 +16,7 @@ drives
 
     (K2)  R' = R cot(l),    d(tan l)/d(theta1) = 1 - R R''/R'^2
 
-docs/why.md derives both.
+docs/extrema.md derives both.
 
 >>> from math import degrees
 >>> from fourbar_ros import FourBar, find_extrema

@@ -221,7 +221,7 @@ def last_question() -> Section:
               'over sqrt(e)', '', published.force_share(published.small_share(e)) / sqrt(e),
               5.0 * sqrt(10.0) / 24.0, ANSWERED,
               "no: a family of the paper's rods whose share goes to 0 as 5 sqrt(10)/24 sqrt(e); "
-              'here e = 1e-6 (docs/why.md)', within=1e-06),
+              'here e = 1e-6 (docs/extrema.md)', within=1e-06),
         equal("the same share of the paper's linkage, with a counterweight on its crank", '',
               published.force_share(published.counterweighted(THIN)), 0.0, ANSWERED,
               'no: 5 kg on the crank of any linkage can cancel the force in one pose'),

@@ -87,7 +87,7 @@ def steps(linkage: FourBar, speed: float, names: tuple[str, str, str]) -> list[R
 
 def axis_at_extrema(linkage: FourBar) -> tuple[float, float]:
     """
-    Return how far the collineation axis is off what docs/why.md states, in both modes.
+    Return how far the collineation axis is off what docs/extrema.md states, in both modes.
 
     The angle [deg] between axis and coupler at the extrema of omega4 that is farthest from a right
     one; the largest d(tan l)/d(theta1) + 2 R - 1 over its terms at those of alpha4.

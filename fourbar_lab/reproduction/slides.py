@@ -455,7 +455,7 @@ def axis() -> Section:
     (square_7_7, bend_7_7), (square_paper, bend_paper) = map(axis_at_extrema,
                                                              (EXAMPLE_7_7, PAPER))
     square = ('omega4 is extreme exactly where the collineation axis, through the poles P13 and '
-              'P24, is square to the coupler (docs/why.md); shown: the angle farthest from 90 '
+              'P24, is square to the coupler (docs/extrema.md); shown: the angle farthest from 90 '
               'deg, both modes')
     bend = ('alpha4 is extreme exactly where d(tan l)/d(theta1) = 1 - 2 R, but for R = 0 and 1, l '
             'the angle from coupler to axis, R = omega4/omega1; shown: the largest miss over the '
@@ -469,6 +469,6 @@ def axis() -> Section:
               bend_7_7, 0.0, ANSWERED, bend),
         equal('item 16: the same sum, linkage of the paper', '', bend_paper, 0.0, ANSWERED, bend),
         equal('item 17: the research asked for', '', bend_paper, 0.0, ANSWERED,
-              'docs/why.md derives both statements; test_collineation.py finds no extremum '
+              'docs/extrema.md derives both statements; test_collineation.py finds no extremum '
               'without them and none of them, R = 0 and 1 apart, without an extremum'),
     ])
