@@ -25,7 +25,7 @@ from support.scenes import PAPER, RODS, TIP, values_of
 EPS = 2.0**-52
 SIGNS = [-1.0, 1.0, -1.0, 1.0]
 OFFSETS = [0.3, -0.2, 0.1, 0.05]
-# not at B: there the driven joint is cut, against docs/robots.md
+# not at B: there the driven joint is cut
 CASES = [case for case in contract.CASES if case.driven != 'B']
 every_case = pytest.mark.parametrize('case', CASES, ids=contract.name_of)
 
