@@ -195,7 +195,7 @@ ROOMS = {
             'test/ros/test_values_of_inputs.py'),
         Bug('acting.py', "frame not in ('', ours)", 'frame != ours',
             'test/ros/test_values_of_inputs.py'),
-        Bug('torque_input.py', 'wrench.force.x if self', 'wrench.force.y if self',
+        Bug('torque_input.py', 'wrench.force.x if is_slide', 'wrench.force.y if is_slide',
             'test/ros/test_values_of_inputs.py'),
         Bug('torque_input.py', 'min(max(torque, -limit), limit)', 'min(torque, limit)',
             'test/ros/test_values_of_inputs.py'),
