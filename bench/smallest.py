@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""The smallest scene beside a bare rclpy node and the fullest scene."""
+"""The smallest scene beside a bare rclpy node and the fullest scene: a table of docs/node.md."""
 import json
 import os
 from statistics import median

@@ -114,7 +114,7 @@ class LockStep:
         try:
             self._ask(topic, (BASE.name,), stamp, **fields)
         except Late as error:
-            raise Late(f'{error}: its scene needs base.topic: {topic.name}') from None
+            raise Late(f'{error}; does its scene have base.topic: {topic.name}?') from None
 
     def push(self, time: float, torque: float) -> SimpleNamespace:
         """

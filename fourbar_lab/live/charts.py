@@ -14,7 +14,7 @@ import numpy as np
 
 # to be seen on light and on dark paper
 COLOURS = ('#3b82c4', '#c8702a', '#2e9a56', '#a060c0', '#d0507a', '#8a961c')
-INK = {'color': '#808080'}
+INK = {'color': '#7a7a7a'}
 GRID = {'lineStyle': {'color': 'rgba(128,128,128,.3)'}}
 CURVE_HEIGHT, GAP, TOP, LEFT, RIGHT = 130, 46, 34, 78, 24      # [px]
 CURSOR = '#c0392b'

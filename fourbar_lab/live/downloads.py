@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from html import escape
 import json
 from typing import TYPE_CHECKING
 
@@ -66,7 +67,7 @@ def cycle_csv(shown: Shown) -> str:
 
 def html(page: Page) -> str:
     """Return a page that needs no server: the moving mechanism, its scene and its extrema."""
-    shown, title = page.shown, page.state.title
+    shown, title = page.shown, escape(page.state.title)
     layers = Layers(page.layers.curves, page.layers.forces)
     frames = [mechanism_svg(shown, pose, page.view, page.per_newton, layers)
               for _, pose in shown.samples(FRAMES)]
@@ -82,7 +83,7 @@ td{{padding:0 .8em 0 0;font-variant-numeric:tabular-nums}}</style>
 <g id="mechanism"></g></svg>
 <p><button id="play">play or pause</button> <input id="at" type="range" min="0"
 max="{len(frames) - 1}" value="0" aria-label="input" style="width:30rem"></p>
-<h2>Extrema</h2><table>{rows}</table><h2>Scene</h2><pre>{shown.scene.as_text}</pre>
+<h2>Extrema</h2><table>{rows}</table><h2>Scene</h2><pre>{escape(shown.scene.as_text)}</pre>
 <script>const frames={json.dumps(frames)};let i=0,on=true;
 const at=document.getElementById('at'),show=()=>{{document.getElementById('mechanism').innerHTML=
 frames[i];at.value=i}};at.oninput=()=>{{on=false;i=+at.value;show()}};

@@ -127,8 +127,7 @@ def primitive(part: Primitive, view: View) -> str:
     return f'{fixed}<polygon class="{kind}" points="{points}"/>'
 
 
-def arrow(kind: str, start: Pixel, vector: Pixel,
-          label: str, room: Room) -> str:
+def arrow(kind: str, start: Pixel, vector: Pixel, label: str, room: Room) -> str:
     """Return an arrow [px] with its label at the tip; nothing of one too short to be seen."""
     size = hypot(*vector)
     if not LEAST <= size < 50.0 * WIDTH:
@@ -158,8 +157,7 @@ class Room:
         # boxes: left, above, right, below [px]
         self._taken = np.concatenate((places - FREE, places + FREE), axis=1)
 
-    def label(self, kind: str, at: Pixel, away: Pixel,
-              words: str) -> str:
+    def label(self, kind: str, at: Pixel, away: Pixel, words: str) -> str:
         """
         Return a text near a place, if there is room in the direction ``away``.
 

@@ -202,7 +202,8 @@ def about(part: Path) -> dict[str, Any]:
     from pyarrow import parquet
     try:
         found: dict[str, Any] = json.loads(parquet.read_schema(part).metadata[KEY])
-        found['study']          # parts of earlier versions have none
+        if not isinstance(found.get('study', {}).get('objectives'), dict):
+            raise ValueError('it was computed by another version')
         return found
     except (OSError, KeyError, TypeError, ValueError) as error:     # ArrowInvalid is one
         raise StudyError(f'{part}: no part of a study: {" ".join(str(error).split())}') from None

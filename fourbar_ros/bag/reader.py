@@ -428,6 +428,15 @@ def _about(file: Path, summary: Summary | None) -> dict[str, str]:
     return found
 
 
+def software_of(about: Mapping[str, str]) -> dict[str, str]:
+    """Return {name: version} of what recorded a bag, from its custom_data; {} if not known."""
+    with suppress(ValueError):
+        found = json.loads(about.get('software', ''))
+        if isinstance(found, dict):
+            return {name: str(version) for name, version in found.items()}
+    return {}
+
+
 def _repeated(about: Mapping[str, str]) -> dict[str, int]:
     """
     Return {topic: number of its first new message} of a later file of a split bag.

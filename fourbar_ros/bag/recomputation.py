@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Sequence
-import json
 from math import inf
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -19,7 +18,7 @@ from typing import Any, NamedTuple
 from fourbar_ros import __version__
 from fourbar_ros.bag.drive_states import DriveStates, mover_of, MoverOf
 from fourbar_ros.bag.origin import Origin, origin_of, scene_of
-from fourbar_ros.bag.reader import Bag, Progress, Raw, stamps_of
+from fourbar_ros.bag.reader import Bag, Progress, Raw, software_of, stamps_of
 from fourbar_ros.errors import BagError
 from fourbar_ros.mechanics.bodies import Base
 from fourbar_ros.numerics.arrays import Array
@@ -105,8 +104,8 @@ class Recomputed(NamedTuple):
         texts = [f'{count} {text}' for count, text in counts if count]
         if self.largest > tolerance:
             texts.insert(0, f'differences up to {self.largest:g}' + (
-                f' (by fourbar_ros {self.made_by}: another version may round otherwise, which '
-                '--tolerance accepts)' if self.made_by not in ('', __version__) else ''))
+                f' (recorded by fourbar_ros {self.made_by}; if that is rounding, --tolerance '
+                'accepts it)' if self.made_by not in ('', __version__) else ''))
         return texts if self.compared else ['nothing could be compared', *texts]
 
 
@@ -389,7 +388,7 @@ class Recomputation:
                 for missing in self._missing.values()),
             self._doubled, dict(self._skipped),
             self._drive_states.stepped if self._drive_states else 0, not self._bag.is_finished,
-            json.loads(self._bag.about.get('software', '{}')).get('fourbar_ros', ''))
+            software_of(self._bag.about).get('fourbar_ros', ''))
 
 
 class Window(NamedTuple):

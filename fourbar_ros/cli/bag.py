@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
 from datetime import datetime
-import json
 from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.cli.common import (
@@ -111,6 +110,7 @@ def _info(arguments: Namespace) -> int:
 
 def _info_tables(found: Info) -> tuple[Table, Table]:
     """Return the tables of a bag's own properties and of its topics."""
+    from fourbar_ros.bag.reader import software_of
     from fourbar_ros.terminal import make_table
     about = make_table('', ('', ''))
     about.add_row('bag', str(found.path))
@@ -124,9 +124,8 @@ def _info_tables(found: Info) -> tuple[Table, Table]:
         start = datetime.fromtimestamp(found.start * 1e-9).astimezone()
         about.add_row('start', start.isoformat(' ', 'milliseconds'))
     about.add_row('duration', f'{seconds:.3f} s')
-    software = json.loads(found.about.get('software', '{}'))
-    for label, text in (('made by', ', '.join(f'{name} {version}'
-                                              for name, version in software.items())),
+    made_by = ', '.join(map(' '.join, software_of(found.about).items()))
+    for label, text in (('made by', made_by),
                         ('node', found.about.get('node')), ('ended', found.ended),
                         ('dropped', found.dropped and f'{found.dropped} messages'),
                         ('damage', found.damage)):

@@ -107,6 +107,25 @@ def test_frame_and_names_of_joints_are_compared(bag, tmp_path):
             (topic, 'name[1]' if topic == '/joint_states' else 'header.frame_id', math.inf)]
 
 
+def test_a_difference_tells_which_other_version_recorded_the_bag(bag, tmp_path, capsys):
+    """Custom data of anybody's making are no fault of the bag."""
+    raws, about = content(bag), Bag(bag).about
+    at = next(i for i, raw in enumerate(raws) if raw[0] == '/fourbar/equation')
+    data = bytearray(raws[at][1])
+    data[-8] ^= 1                       # the last bit of its last number
+    raws[at] = raws[at][0], bytes(data), raws[at][2]
+    for number, (software, said) in enumerate((
+            ('{"fourbar_ros": "0.9.0"}', '(recorded by fourbar_ros 0.9.0; if that is rounding'),
+            ('{"other": 1}', ''), ('[1]', ''), ('{"fourbar', ''))):
+        path = rewritten(bag, tmp_path, raws, f'v{number}', {**about, 'software': software})
+        assert main(['bag', 'recompute', str(path)]) == 3
+        found = ' '.join(capsys.readouterr().out.split())
+        assert 'differences up to' in found and ('recorded by' in found) == bool(said)
+        assert said in found
+        assert main(['bag', 'info', str(path)]) == 0
+        assert ('0.9.0' in capsys.readouterr().out) == bool(said)
+
+
 # --- messages ------------------------------------------------------------------------------------
 
 @pytest.mark.parametrize('topic', OUTPUT_TOPICS)

@@ -85,7 +85,7 @@ def test_an_imu_in_step_and_what_another_base_is_told(run_node, lockstep, monkey
     due = from_values(given).bare_linkage.loads(0.3, 2.0, 3.0, base=Base(0.0, 9.81, 0.01, 10.0))
     assert ask(0.002, 0.3, 2.0, 3.0, imu).loads.f41 == pytest.approx(due.f41, rel=1e-9)
     monkeypatch.setattr(clients, 'FIRST', 0.5)
-    with pytest.raises(Late, match=r'its scene needs base\.topic: motion_of_base'):
+    with pytest.raises(Late, match=r'does its scene have base\.topic: motion_of_base\?'):
         ask(0.003, 0.3, 2.0, 3.0, Base(0.0, 9.81))
 
 

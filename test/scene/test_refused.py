@@ -98,6 +98,7 @@ TABLE = [
         ({**JOINT, 'drive.top_speed': 0.0}, 'must be', 'drive.top_speed'),
         ('base.topic', 'imu', 'without masses'),
         ('base.carried.mass', 1.0, 'without masses'),
+        ('base.carrid', 1.0, 'of base; did you mean carried?'),
         ('forces.F.link', 'crank', 'must be given', 'forces.F.acts'),
         ('springs.s.first.link', 'crank', 'drive.source: torque or motor', 'springs.s'),
         ('linkage.a4', 99.0, 'the links cannot close'),

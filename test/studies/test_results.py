@@ -1,11 +1,12 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """What a study answers beside numpy, scipy and the whole table of the same files."""
+import json
 import re
 
 from fourbar_lab.studies import StudyError
 from fourbar_lab.studies.design import Design
-from fourbar_lab.studies.engine import encode, PART
+from fourbar_lab.studies.engine import encode, KEY, PART
 from fourbar_lab.studies.results import Results
 from fourbar_lab.studies.study import from_document
 from fourbar_ros.cli.main import main
@@ -147,6 +148,14 @@ def test_what_cannot_be_answered_is_one_line(folder, tmp_path, capsys):
                         tmp_path / PART.format(0))
     with pytest.raises(StudyError, match='no part of a study'):
         Results(tmp_path)
+    whole = parquet.read_table(folder / PART.format(0))
+    about = json.loads(whole.schema.metadata[KEY])
+    about['study']['objectives'] = [['swing', 'maximize']]      # as of version 1.0.0
+    parquet.write_table(whole.replace_schema_metadata({KEY: json.dumps(about)}),
+                        tmp_path / PART.format(0))
+    assert main(['study', 'show', str(tmp_path)]) == 1
+    said = capsys.readouterr().err
+    assert 'computed by another version' in said and said.count('\n') == 1
 
 
 def test_of_all_kept_rows_those_that_fulfil_the_constraints_are_ranked(tmp_path):

@@ -19,7 +19,7 @@ from fourbar_ros.mechanisms.machine.describe.description import (
     RRR,
 )
 from fourbar_ros.mechanisms.machine.describe.layout import Layout
-from fourbar_ros.mechanisms.machine.margins import make_margins
+from fourbar_ros.mechanisms.machine.margins import make_assembly_margins
 from fourbar_ros.mechanisms.machine.ranges import (
     Bound,
     DOUBLE,
@@ -248,7 +248,8 @@ class WithLimits(Mechanism):
         """Return the name of the first dyad that cannot be solved at an input; one cannot."""
         for number, dyad in enumerate(self.stages[:-1]):
             try:       # the margins of k dyads solve all but the last of these
-                make_margins(REAL, self.layout, self.numbers, self.signs, number + 2)(position)
+                make_assembly_margins(REAL, self.layout, self.numbers, self.signs,
+                                      number + 2)(position)
             except (ValueError, ZeroDivisionError):
                 return dyad.name
         return self.stages[-1].name         # all others can be solved

@@ -1,10 +1,10 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Closings: numbers whose signs tell whether dyads can be assembled.
+Assembly margins: numbers whose signs tell whether dyads can be assembled.
 
-A dyad closes where its *margin* is positive, a number without unit that vanishes at its toggles.
-That of a pair is in :mod:`.pairs`; of others
+A dyad closes where its *assembly margin* is positive, a number without unit that vanishes at its
+toggles. That of a pair is in :mod:`.pairs`; of others
 
     (R1)  RRR: ((r1 + r2)^2 - q)(q - (r1 - r2)^2) / (r1 + r2)^4
     (R2)  RRP: (r1 - h)(r1 + h) / r1^2        RPR: (|d|^2 - h^2) / (|d|^2 + (a length)^2)
@@ -32,11 +32,10 @@ from fourbar_ros.mechanisms.points import LinkMotion
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 
 CLOSING = (RRR, RRP, RPR, PRP)     # kinds that do not close at any input
-Margins = Function      # of an input, returns the margins of some dyads
 
 
-def margin(n: NumberType, kind: str, own: Numbers, apart: Sequence[Scalar], first: LinkMotion,
-           second: LinkMotion) -> Scalar:
+def assembly_margin(n: NumberType, kind: str, own: Numbers, apart: Sequence[Scalar],
+                    first: LinkMotion, second: LinkMotion) -> Scalar:
     """
     Return a number that is positive where a dyad closes, zero at its toggles, by (R1) to (R3).
 
@@ -59,18 +58,18 @@ def margin(n: NumberType, kind: str, own: Numbers, apart: Sequence[Scalar], firs
     return (q - sizes[0] * sizes[0]) / (q + size * size)
 
 
-def make_margins(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
-                 signs: Sequence[Scalar], count: int,
-                 given: Sequence[Numbers] | None = None) -> Margins:
+def make_assembly_margins(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
+                          signs: Sequence[Scalar], count: int,
+                          given: Sequence[Numbers] | None = None) -> Function:
     """
-    Return input -> margins of the first ``count`` dyads; 1.0 of those without toggles.
+    Return input -> assembly margins of the first ``count`` dyads; 1.0 of those without toggles.
 
     ``given``: the ``numbers`` as the number type has them, if it is not one of floats.
     """
     given = numbers if given is None else given
     return _make_along(n, layout, given, signs, count, [
-        (partial(PairRange(stage, own).margin, n) if stage.pair
-         else partial(margin, n, stage.kind, other)) if has_toggles(stage, own) else None
+        (partial(PairRange(stage, own).assembly_margin, n) if stage.pair
+         else partial(assembly_margin, n, stage.kind, other)) if has_toggles(stage, own) else None
         for stage, own, other in zip(layout.stages, numbers, given)])
 
 
@@ -93,11 +92,11 @@ def _square(own: Numbers, apart: Sequence[Scalar], *_: LinkMotion) -> Scalar:
 
 def make_places(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
                 signs: Sequence[Scalar], count: int,
-                given: Sequence[Numbers] | None = None) -> Margins:
+                given: Sequence[Numbers] | None = None) -> Function:
     """
     Return input -> (distance from a flat position, side) of the last of ``count`` dyads.
 
-    ``given``: as for :func:`make_margins`.
+    ``given``: as for :func:`make_assembly_margins`.
     """
     place = PairRange(layout.stages[count - 1], numbers[count - 1]).place
     along = _make_along(n, layout, numbers if given is None else given, signs, count,
@@ -107,7 +106,7 @@ def make_places(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
 
 def _make_along(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
                 signs: Sequence[Scalar], count: int,
-                measures: Sequence[Function | None]) -> Margins:
+                measures: Sequence[Function | None]) -> Function:
     """Return input -> the measure of each of the first ``count`` dyads, 1.0 if it has none."""
     hanging = hangings(layout, numbers)
     work = list(zip(make_moves(n, layout, numbers, signs), measures))[:count]

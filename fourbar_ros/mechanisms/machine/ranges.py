@@ -3,11 +3,12 @@
 """
 Where a machine can be assembled: the ranges of its input, dyad by dyad.
 
-Within the range of the dyads before it, a margin (:mod:`.margins`) is analytic in phi, with x =
-middle + half sin(phi) between two toggles. It is sampled with its derivative (a complex step) and
-halved until the cubic through both ends of each piece predicts the middle; a piece whose cubic
-comes near zero is halved on. Signs that change are then halved to the last bit of the input. This
-finds every range that is wider than the last pieces, some 1e-10 of the whole, and proves nothing.
+Within the range of the dyads before it, a dyad's assembly margin (:mod:`.margins`) is analytic in
+phi, with x = middle + half sin(phi) between two toggles. It is sampled with its derivative (a
+complex step) and halved until the cubic through both ends of each piece predicts the middle; a
+piece whose cubic comes near zero is halved on. Signs that change are then halved to the last bit
+of the input. This finds every range that is wider than the last pieces, some 1e-10 of the whole,
+and proves nothing.
 
 Change points. Of a pair (:mod:`.pairs`) exact sums of lengths tell whether it closes through one;
 where it then lies flat, motion goes on with all its digits. Of other dyads a margin has a
@@ -31,10 +32,9 @@ from fourbar_ros.mechanisms.machine.describe.description import CYLINDER, Number
 from fourbar_ros.mechanisms.machine.describe.layout import Layout
 from fourbar_ros.mechanisms.machine.margins import (
     has_toggles,
-    make_margins,
+    make_assembly_margins,
     make_places,
     make_squares,
-    Margins,
 )
 from fourbar_ros.mechanisms.machine.solve.pairs import other_of, PairRange
 from fourbar_ros.numerics.arrays import Array
@@ -112,7 +112,7 @@ def find_ranges(layout: Layout, numbers: Sequence[Numbers], signs: Sequence[floa
         name = CYLINDER if layout.driver == CYLINDER else ''
         limits = [(Limit(low, name), Limit(high, name))]
     near: list[Near] = []
-    every = make_margins(ARRAY, layout, numbers, signs, len(layout.stages))
+    every = make_assembly_margins(ARRAY, layout, numbers, signs, len(layout.stages))
     screens: dict[Bound, dict[int, Near]] = {}      # of each range that stood when it was screened
     flats: dict[float, frozenset[int]] = {}
     for count, (stage, own) in enumerate(zip(layout.stages, numbers)):
@@ -181,7 +181,8 @@ def flat_place(layout: Layout, numbers: Sequence[Numbers], signs: Sequence[float
     """
     is_pair = layout.stages[number].pair is not None
     with localcontext(MANY_DIGITS):
-        terms = _terms(make_places if is_pair else make_margins, layout, numbers, signs, number)
+        terms = _terms(make_places if is_pair else make_assembly_margins, layout, numbers, signs,
+                       number)
         at = Decimal(x)
         for _ in range(NEWTON_STEPS):
             c0, c1, c2 = terms(at)
@@ -197,8 +198,8 @@ def _terms(make: Function, layout: Layout, numbers: Sequence[Numbers], signs: Se
     """
     Return input -> c0, c1, c2 there, as in (R4), of a margin or place in many digits.
 
-    ``make``: :func:`.make_margins` or :func:`.make_places`, for dyad ``number``. To be made and
-    called within the context of many digits.
+    ``make``: :func:`.make_assembly_margins` or :func:`.make_places`, for dyad ``number``. To be
+    made and called within the context of many digits.
     """
     data, h = tuple(numbers), STEP_OF_DECIMALS
     trace = Trace(lambda n, given: make(n, layout, numbers, signs, number + 1, given), 1, data)
@@ -213,7 +214,7 @@ def _terms(make: Function, layout: Layout, numbers: Sequence[Numbers], signs: Se
 
 
 def _screen(bound: Bound, layout: Layout, numbers: Sequence[Numbers],
-            every: Margins) -> dict[int, Near]:
+            every: Function) -> dict[int, Near]:
     """
     Return {number of a dyad: search for complex toggles} of dyads that close in all of a range.
 
@@ -242,7 +243,7 @@ def _screen(bound: Bound, layout: Layout, numbers: Sequence[Numbers],
     return clean
 
 
-def _near(margins: Margins, number: int, path: _Path, phi: Array, value: Array,
+def _near(margins: Function, number: int, path: _Path, phi: Array, value: Array,
           slope: Array) -> list[complex]:
     """Return the complex toggles of dyad ``number`` next to the minima between samples at phi."""
     is_open = value > 0.0
@@ -275,7 +276,7 @@ class _Search:
     def split(self, bound: Bound, number: int) -> tuple[list[Bound], Near]:
         """Return the parts of a range in which dyad ``number`` closes, and a search near them."""
         stage = self._machine[0].stages[number]
-        in_complex, in_floats = [make_margins(n, *self._machine, number + 1)
+        in_complex, in_floats = [make_assembly_margins(n, *self._machine, number + 1)
                                  for n in (ARRAY, REAL)]
         path, is_signed = _Path.of(bound), stage.kind == PRP
 
@@ -330,7 +331,7 @@ class _Search:
         the side on which the dyad closes.
         """
         with localcontext(MANY_DIGITS):
-            terms = _terms(make_margins, *self._machine, number)
+            terms = _terms(make_assembly_margins, *self._machine, number)
             at = flat_place(*self._machine, number, x)
             c0, c1, c2 = terms(at)
             least = c0 - c1 * c1 / (4 * c2)
@@ -550,7 +551,7 @@ def _least(f0: Array, d0: Array, f1: Array, d1: Array, width: Array) -> Array:
     return np.where((cubic > 0.0).any(axis=0) != (cubic > 0.0).all(axis=0), 0.0, least)
 
 
-def _root(margin: Margins, low: float, high: float, opens_low: bool) -> float:
+def _root(margin: Function, low: float, high: float, opens_low: bool) -> float:
     """
     Return the last input between low and high at which a dyad closes, one of two neighbours.
 
@@ -564,7 +565,7 @@ def _root(margin: Margins, low: float, high: float, opens_low: bool) -> float:
     return halve(closes, *((low, high) if opens_low else (high, low)))[0]
 
 
-def _complex_toggle(margin: Margins, path: _Path, phi: Array, value: Array,
+def _complex_toggle(margin: Function, path: _Path, phi: Array, value: Array,
                     slope: Array) -> list[complex]:
     """Return the complex input near a minimum at which a margin is zero, [] if it is far away."""
     width = phi[1] - phi[0]

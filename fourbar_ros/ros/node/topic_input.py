@@ -52,8 +52,8 @@ class TopicInput:
         self._topic = INPUTS[settings.source]
         self._type = resolve(self._topic.type)
         self._scale = joints.Scale(settings.joint_ratio, settings.joint_offset)
-        self._clock = entities.clock_of(node)
-        self._time = entities.time_of(self._clock)
+        clock = entities.clock_of(node)
+        self._time = entities.time_of(clock)
         self._received = self._now()         # [s] when the newest input came
         self._waiting = False                # for a next input, whose silence is a timeout
         self._horizon = 0                    # [ns] stamps up to here are known to be plausible
@@ -64,7 +64,7 @@ class TopicInput:
         self._sequence = SequenceNumbers(lambda: self._subscription.get_publisher_count())
         self._subscription = entities.subscription(
             node, self._topic, WithInfo(self._receive), event_callbacks=self._events())
-        self._timer = node.create_timer(WATCH, self._watch, clock=self._clock)
+        self._timer = node.create_timer(WATCH, self._watch, clock=clock)
 
     def _events(self) -> SubscriptionEventCallbacks:
         """Return callbacks for new publishers and, if a user asks for a deadline, missed ones."""

@@ -62,8 +62,8 @@ Place = tuple[Scalar, Scalar]        # along and across, on a link
 # Of a link that slides: (its carrier, start and direction of the slide there).
 Slide = tuple[int, Place, Place]
 FIRST_JOINT = (0.0, 0.0)             # as a place
-# Pairs with a margin below this are solved in their own form. The others have all digits in the
-# general one too (:mod:`.dyads`), with a third fewer operations.
+# Pairs whose evenness is below this are solved in their own form. The others have all digits in
+# the general one too (:mod:`.dyads`), with a third fewer operations.
 CLOSE = 2.0**-6
 
 
@@ -196,7 +196,7 @@ def _if_close(pair: Pair, stage: Stage, own: Numbers, joints: Joints) -> Pair | 
         own = own._replace(shape=_shape(stage, own, joints, hypot))
     except ZeroDivisionError:       # hung on the pin that joins the links: it does not move
         return None
-    return pair if PairRange(stage, own).change_point_margin < CLOSE else None
+    return pair if PairRange(stage, own).evenness < CLOSE else None
 
 
 # --- how one moves -------------------------------------------------------------------------------
@@ -459,7 +459,7 @@ class PairRange:
         self.has_toggles = bool(self._toggles)
 
     @property
-    def change_point_margin(self) -> float:
+    def evenness(self) -> float:
         """Return the least ratio, 0 to 1, of coefficients (0: a change point) or of rods."""
         sizes = [sorted(map(abs, (1.0 if self.slides else plus, minus)))
                  for plus, minus in self._factors]
@@ -482,7 +482,8 @@ class PairRange:
         c, s = turned_by(relative[:2], self._start)
         return (c, s) if self.is_sine else (s, c)
 
-    def margin(self, n: NumberType, relative: Sequence[Scalar], *_curves: LinkMotion) -> Scalar:
+    def assembly_margin(self, n: NumberType, relative: Sequence[Scalar],
+                        *_curves: LinkMotion) -> Scalar:
         """
         Return the product of the scaled factors that have toggles at an angle or slide of a pair.
 
