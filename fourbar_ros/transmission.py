@@ -305,7 +305,7 @@ class Transmission:
 SAMPLES = 4097         # over a range of the input, to see where the output turns back
 
 
-class End(NamedTuple):
+class BranchEnd(NamedTuple):
     """An end of a branch: the input there, the output, and why it ends."""
 
     input: float
@@ -322,7 +322,7 @@ class Branch(NamedTuple):
 
     inputs: Array       # rising [rad or m]
     outputs: Array      # the continuous output at each
-    ends: tuple[End, End] | None    # None: the input turns on and on, and the output with it
+    ends: tuple[BranchEnd, BranchEnd] | None    # None: input and output turn on and on
 
     @property
     def sense(self) -> float:
@@ -373,9 +373,9 @@ def branch_of(mechanism: Mechanism, start: float) -> Branch:
     outputs = _continuous(mechanism, inputs, start)     # NaN where rounding leaves the range
     closes = ~np.isnan(outputs)
     inputs, outputs = inputs[closes], outputs[closes]
-    first, last = (End(float(inputs[i]), float(outputs[i]),
-                       'the output turns back' if inputs[i] in turning_points
-                       else 'the range of the input ends') for i in (0, -1))
+    first, last = (BranchEnd(float(inputs[i]), float(outputs[i]),
+                             'the output turns back' if inputs[i] in turning_points
+                             else 'the range of the input ends') for i in (0, -1))
     return Branch(inputs, outputs, (first, last))
 
 

@@ -15,7 +15,7 @@ from fourbar_ros.scene.units import of, require
 
 if TYPE_CHECKING:      # verbs import when they run
     from fourbar_lab.drawing.curves import Effort
-    from fourbar_lab.drawing.poses import Pose
+    from fourbar_lab.drawing.poses import DrawnPose
     from fourbar_ros.extrema.find import Extremum
     from fourbar_ros.mechanisms.mechanism import Mechanism
     from fourbar_ros.scene.scene import Scene
@@ -106,7 +106,7 @@ def _print(tables: Sequence[Table | str | None]) -> None:
         console.print(table)
 
 
-def _pose_tables(linkage: Mechanism, pose: Pose, scene: Scene) -> list[Table | None]:
+def _pose_tables(linkage: Mechanism, pose: DrawnPose, scene: Scene) -> list[Table | None]:
     """Return the tables of a pose: its motion, loads and points."""
     from fourbar_lab.drawing.poses import loads_table, motion_table, points_table
     return [motion_table(linkage, pose), loads_table(linkage, pose.loads) if pose.loads else None,

@@ -15,7 +15,7 @@ from fourbar_ros.mechanisms.parts import Arrow, Bar, Block, Diagram, NamedFields
 from fourbar_ros.mechanisms.picture import (
     Arm,
     forces_of,
-    Joint,
+    NamedJoint,
     of_kind,
     outlines,
     picture,
@@ -181,7 +181,7 @@ def draw_part(sheet: Sheet, part: Primitive) -> None:
         axes.plot(*zip(part.foot, part.end), color=POINT, lw=0.9, ls=(0, (4, 2)), zorder=4)
         axes.plot(*part.end, 's', ms=4.5, color=POINT, zorder=7)
         sheet.occupy(part.foot, part.end)
-    elif isinstance(part, Joint):
+    elif isinstance(part, NamedJoint):
         axes.plot(*part.place, 'o', ms=5, mfc='w', mec='k', zorder=7)
     else:
         is_block = isinstance(part, Block)

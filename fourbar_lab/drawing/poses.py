@@ -35,7 +35,7 @@ class NoPose(FourBarError, ValueError):
     """The linkage has no pose at an input, which the message gives in the user's units."""
 
 
-class Pose(NamedTuple):
+class DrawnPose(NamedTuple):
     """Motion and loads (None without masses) at one input; status as in pipeline.stepper."""
 
     status: int
@@ -59,7 +59,7 @@ def require_units(linkage: Mechanism, at: float | None, speed: float | None,
             require(name, value, dimension)
 
 
-def evaluate_at(linkage: Mechanism, at: float, speed: float, acceleration: float) -> Pose:
+def evaluate_at(linkage: Mechanism, at: float, speed: float, acceleration: float) -> DrawnPose:
     """
     Return the pose at an input [degrees or m], its speed and acceleration [rad or m, /s, /s^2].
 
@@ -78,10 +78,10 @@ def evaluate_at(linkage: Mechanism, at: float, speed: float, acceleration: float
         raise no_pose(linkage, at, f'is outside the input range {ranges}')
     if status == INVALID_INPUT:
         linkage.motion(*given)       # raises where the input is not finite
-    return Pose(status, motion, loads if linkage.bodies else None)
+    return DrawnPose(status, motion, loads if linkage.bodies else None)
 
 
-def step_at(linkage: Mechanism, at: float, speed: float, acceleration: float) -> Pose:
+def step_at(linkage: Mechanism, at: float, speed: float, acceleration: float) -> DrawnPose:
     """Return the pose as :func:`evaluate_at`; raise NoPose at a toggle too: loads are infinite."""
     pose = evaluate_at(linkage, at, speed, acceleration)
     if pose.status == TOGGLE:
@@ -118,7 +118,7 @@ def number(value: float) -> str:
 
 # --- tables --------------------------------------------------------------------------------------
 
-def motion_table(linkage: Mechanism, pose: Pose) -> Table:
+def motion_table(linkage: Mechanism, pose: DrawnPose) -> Table:
     """Return the table of all joints: position, rate, acceleration."""
     driven = linkage.input_coordinate
     given = (f'at {driven.position} = {shown(driven, getattr(pose.motion, driven.position))}, '

@@ -8,7 +8,7 @@ from dataclasses import asdict
 from math import isfinite, nan, pi, tau
 from typing import Any
 
-from fourbar_lab.drawing.poses import Pose
+from fourbar_lab.drawing.poses import DrawnPose
 from fourbar_ros.extrema.find import Extremum, find_extrema
 from fourbar_ros.mechanisms.inertia import mean_rigid, middles
 from fourbar_ros.mechanisms.loop import bilinear_factors
@@ -26,12 +26,12 @@ ANGLE = 'transmission_angle'
 # Where the factors A1, C1, D1 of a four-bar are zero lie its change points.
 CHANGE_POINTS = {'A1': 'a1 + a4 = a2 + a3', 'C1': 'a1 + a3 = a2 + a4', 'D1': 'a1 + a2 = a3 + a4'}
 
-Record = dict[str, Any]             # text, numbers, lists and records
-Ranges = Sequence[tuple[float, float]]
+LinkageRecord = dict[str, Any]             # text, numbers, lists and records
+Intervals = Sequence[tuple[float, float]]
 
 
 def record_of(linkage: Mechanism, extrema: Sequence[Extremum], points: Points,
-              pose: Pose | None = None) -> Record:
+              pose: DrawnPose | None = None) -> LinkageRecord:
     """Return the properties of a linkage, its extrema and, with a pose, its state there."""
     record = properties_of(linkage) | {
         'extrema': [extremum._asdict() | {'theta1': counted(linkage, extremum.theta1)}
@@ -41,7 +41,7 @@ def record_of(linkage: Mechanism, extrema: Sequence[Extremum], points: Points,
     return record
 
 
-def properties_of(linkage: Mechanism) -> Record:
+def properties_of(linkage: Mechanism) -> LinkageRecord:
     """Return a linkage's own properties; an unknown value is NaN, ``bodies`` None if massless."""
     return {
         'lengths': dict(zip(linkage.length_names, linkage.lengths)),
@@ -93,7 +93,7 @@ def output_ranges(linkage: Mechanism, coordinate: Coordinate | None = None
     return sorted(ranges)
 
 
-def _outputs(linkage: Mechanism) -> list[Record]:
+def _outputs(linkage: Mechanism) -> list[LinkageRecord]:
     """
     Return the ranges of each output.
 
@@ -107,17 +107,17 @@ def _outputs(linkage: Mechanism) -> list[Record]:
             for coordinate, _ in linkage.outputs if coordinate.position in both]
 
 
-def _with_ranges(coordinate: Coordinate, ranges: Ranges) -> Record:
+def _with_ranges(coordinate: Coordinate, ranges: Intervals) -> LinkageRecord:
     return {'name': coordinate.position, 'unit': coordinate.unit,
             'ranges': [list(map(float, bounds)) for bounds in ranges]}
 
 
-def _dead_point(linkage: Mechanism, point: Any) -> Record:
+def _dead_point(linkage: Mechanism, point: Any) -> LinkageRecord:
     """Return {coordinate: value} of a dead point, and whether the links are stretched there."""
     coordinates = linkage.input_coordinate, *(output.coordinate for output in linkage.outputs)
     values = counted(linkage, point[0]), *point[1:]
-    record: Record = {coordinate.position: value
-                      for coordinate, value in zip(coordinates, values)}
+    record: LinkageRecord = {coordinate.position: value
+                             for coordinate, value in zip(coordinates, values)}
     if hasattr(point, 'stretched'):
         record['stretched'] = bool(point.stretched)
     return record
@@ -130,7 +130,7 @@ def toggles_of(linkage: Mechanism) -> list[float]:
                                            for end in bounds if end in ends]
 
 
-def transmission_angles(linkage: Mechanism) -> dict[str, Record]:
+def transmission_angles(linkage: Mechanism) -> dict[str, LinkageRecord]:
     """
     Return the extrema of the transmission angle; of a machine, of those of all of its dyads.
 
@@ -149,7 +149,7 @@ def transmission_angles(linkage: Mechanism) -> dict[str, Record]:
     return record
 
 
-def mobility(linkage: Mechanism) -> Record | None:
+def mobility(linkage: Mechanism) -> LinkageRecord | None:
     """
     Return where a four-bar lies among all of them, None of any other mechanism.
 
@@ -170,7 +170,7 @@ def mobility(linkage: Mechanism) -> Record | None:
             'nearest_change_point': CHANGE_POINTS[min(place, key=lambda name: abs(place[name]))]}
 
 
-def _inertia(linkage: Mechanism) -> Record | None:
+def _inertia(linkage: Mechanism) -> LinkageRecord | None:
     """
     Return least, largest and mean inertia at the input and where they are; None if all unbounded.
 
@@ -186,7 +186,7 @@ def _inertia(linkage: Mechanism) -> Record | None:
             'most': most.value, 'most_at': counted(linkage, most.input), 'mean': float(mean)}
 
 
-def _pose(linkage: Mechanism, pose: Pose, points: Points) -> Record:
+def _pose(linkage: Mechanism, pose: DrawnPose, points: Points) -> LinkageRecord:
     """Return the record of one pose: status, motion of the joints, loads, motion of points."""
     motion = pose.motion._asdict()
     joints = {field: motion.get(field, nan) for coordinate in linkage.PARTS

@@ -53,11 +53,11 @@ def plot(path: str | Path, names: Sequence[str], out: str | Path, progress: Prog
         raise BagError(f'{out}: {error}') from None
 
 
-Curve = tuple[Array, Array, str]        # stamps [ns], values, unit
+RecordedCurve = tuple[Array, Array, str]        # stamps [ns], values, unit
 
 
 def _read(bag: Bag, names: Sequence[str] | dict[str, None], progress: Progress | None
-          ) -> dict[str, Curve]:
+          ) -> dict[str, RecordedCurve]:
     """Return the Curve of each TOPIC.FIELD; raises BagError for one that is not there."""
     topics = {name: _topic(name.partition('.')[0], bag) for name in names}
     parts: dict[str, list[tuple[Array, Array]]] = {name: [] for name in names}
@@ -96,7 +96,7 @@ def _topic(name: str, bag: Bag) -> str:
     return name if name in fitting else fitting[0]
 
 
-def _over(x: Curve, stamps: Array, values: Array) -> tuple[Array, Array]:
+def _over(x: RecordedCurve, stamps: Array, values: Array) -> tuple[Array, Array]:
     """Return (x, values) of equal stamps; a NaN interrupts the curve where an angle jumps."""
     common, rows, own = np.intersect1d(x[0], stamps, return_indices=True)
     if not len(common):

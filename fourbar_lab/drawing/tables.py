@@ -7,7 +7,14 @@ from collections.abc import Sequence
 from math import degrees, pi, tau
 
 from fourbar_lab.drawing.poses import in_degrees, number, ranges_in_words, shown
-from fourbar_lab.drawing.record import ANGLE, CHANGE_POINTS, counted, properties_of, Ranges, Record
+from fourbar_lab.drawing.record import (
+    ANGLE,
+    CHANGE_POINTS,
+    counted,
+    Intervals,
+    LinkageRecord,
+    properties_of,
+)
 from fourbar_ros.extrema.find import Extremum
 from fourbar_ros.mechanics.bodies import Base, field_of
 from fourbar_ros.mechanisms.mechanism import Mechanism
@@ -33,7 +40,7 @@ def rates_in_words(linkage: Mechanism, speed: float, acceleration: float = 0.0,
                                     else '')
 
 
-def _ranges(coordinate: Coordinate, ranges: Ranges) -> str:
+def _ranges(coordinate: Coordinate, ranges: Intervals) -> str:
     """Return ranges [rad or m] as text: 'theta1: 30.0000 to 60.0000 deg'."""
     if coordinate.unit == 'rad' and any(high - low >= FULL_TURN for low, high in ranges):
         return f'{coordinate.position}: full turns'
@@ -79,7 +86,7 @@ def facts(linkage: Mechanism) -> list[tuple[str, str]]:
             *_mobility(found['mobility'])]
 
 
-def _masses(linkage: Mechanism, found: Record) -> list[tuple[str, str]]:
+def _masses(linkage: Mechanism, found: LinkageRecord) -> list[tuple[str, str]]:
     """Return rows (name, text) of the bodies, and of what they are together."""
     rows = [(name, f'{body["mass"]:.6g} kg, {body["inertia"]:.6g} kg m^2, CG at '
                    f'({body["cg_along"]:g}, {body["cg_across"]:g}) m'
@@ -108,7 +115,7 @@ def _dyad_at(linkage: Mechanism, end: float) -> str:
     return f' (dyad {nearest.dyad})'
 
 
-def _transmission_angle(driven: Coordinate, name: str, angle: Record) -> tuple[str, str]:
+def _transmission_angle(driven: Coordinate, name: str, angle: LinkageRecord) -> tuple[str, str]:
     """Return the row (name, text) of a transmission angle: least to most, and where worst."""
     words = in_degrees(angle['most'])
     if angle['least'] < angle['most']:
@@ -118,7 +125,7 @@ def _transmission_angle(driven: Coordinate, name: str, angle: Record) -> tuple[s
     return f'transmission angle{name.removeprefix(ANGLE).replace("_", " ")}', words
 
 
-def _mobility(found: Record | None) -> list[tuple[str, str]]:
+def _mobility(found: LinkageRecord | None) -> list[tuple[str, str]]:
     """Return rows (name, text): signs of the eight factors of a four-bar, its three places."""
     if not found:
         return []

@@ -12,7 +12,7 @@ from math import inf
 from textwrap import wrap
 
 from fourbar_lab.export.drive import DriveCode, tables
-from fourbar_lab.export.model import Model, Named
+from fourbar_lab.export.model import GeneratedModel, Named
 from fourbar_lab.export.statements import JUDGED, literal, snippet, Statements
 from fourbar_ros import __version__
 from fourbar_ros.numerics.trace import Step
@@ -25,7 +25,7 @@ STATUS = ('ok', 'out_of_range', 'invalid_input', 'toggle', 'rates_unknown')    #
 class Formulas:
     """The statements of a model: those of its parameters alone, and those of its inputs."""
 
-    def __init__(self, model: Model, writer: Statements) -> None:
+    def __init__(self, model: GeneratedModel, writer: Statements) -> None:
         """Find the steps that depend on tunable parameters; a step's place is its number."""
         trace = model.trace
         self.writer = writer
@@ -111,7 +111,7 @@ class Formulas:
 class Code:
     """Header and source of a model."""
 
-    def __init__(self, model: Model) -> None:
+    def __init__(self, model: GeneratedModel) -> None:
         """Write the formulas, once of motion alone (key False), once with loads (key True)."""
         self.model, self.name, self.writer = model, model.name, Statements()
         self.formulas = Formulas(model, self.writer)

@@ -14,7 +14,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from fourbar_lab.export.c_code import FLAGS
-from fourbar_lab.export.model import Model, NotGenerated
+from fourbar_lab.export.model import GeneratedModel, NotGenerated
 from fourbar_ros.dynamics.node_step import At, DriveValues, Mover, OK, SILENT
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.mechanism import Mechanism
@@ -73,8 +73,8 @@ class Compiled:
                                f'{len(found)}')
         try:
             given = json.loads(found[0].read_text(encoding='utf-8'))
-            self.model = Model(from_values(given['scene']), given['name'], given['outputs'],
-                               given['tunable'])
+            self.model = GeneratedModel(from_values(given['scene']), given['name'],
+                                        given['outputs'], given['tunable'])
         except (ValueError, KeyError, TypeError):
             raise NotGenerated(f'{found[0]}: not of fourbar generate') from None
         with TemporaryDirectory() as folder:

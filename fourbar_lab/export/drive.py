@@ -13,7 +13,7 @@ from functools import cached_property
 from math import inf, tau
 from typing import Any, NamedTuple
 
-from fourbar_lab.export.model import Model, NotGenerated
+from fourbar_lab.export.model import GeneratedModel, NotGenerated
 from fourbar_lab.export.statements import literal, snippet, Statements
 from fourbar_ros.dynamics import node_step, rosenbrock
 from fourbar_ros.dynamics.coordinate import Coordinate
@@ -72,7 +72,7 @@ class DriveCode:
 
     """
 
-    def __init__(self, model: Model, writer: Statements) -> None:
+    def __init__(self, model: GeneratedModel, writer: Statements) -> None:
         """Write the formulas that a step calls, as C functions, into ``writer``."""
         scene = model.scene
         assert scene.dynamics is not None

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from fourbar_lab.export.c_code import Code
-from fourbar_lab.export.model import Model, word
+from fourbar_lab.export.model import GeneratedModel, word
 from fourbar_lab.export.statements import snippet
 from fourbar_ros import __version__
 from fourbar_ros.errors import InvalidParameter, one_of
@@ -74,7 +74,7 @@ def generate(scene: str | Path | Scene, directory: str | Path, as_: str = 'c',
         raise InvalidParameter('as', as_, one_of(FORMATS))
     found = scene if isinstance(scene, Scene) else load(scene)
     stem = name or ('linkage' if isinstance(scene, Scene) else Path(scene).stem)
-    model = Model(found, word(stem), outputs, parameters)
+    model = GeneratedModel(found, word(stem), outputs, parameters)
     model.check()
     directory = Path(directory)
     directory.mkdir(parents=True, exist_ok=True)
@@ -96,7 +96,7 @@ def generate(scene: str | Path | Scene, directory: str | Path, as_: str = 'c',
     return Generated(tuple(paths), max(code.operations.values()), tuple(notes))
 
 
-def manifest(model: Model) -> dict[str, object]:
+def manifest(model: GeneratedModel) -> dict[str, object]:
     """Return names of inputs, parameters and outputs, with their scene, ready for JSON."""
     return {'fourbar_ros': __version__, 'name': model.name,
             'scene': json.loads(model.scene.as_json),
@@ -106,7 +106,7 @@ def manifest(model: Model) -> dict[str, object]:
             'tunable': None if model.parameters is None else list(model.parameters)}
 
 
-def wrapper(model: Model) -> str:
+def wrapper(model: GeneratedModel) -> str:
     """Return the C++ header around a generated C header."""
     torque = 'double torque' * (model.scene.drive.source == TORQUE.name)
     drive = snippet('wrapper.hpp', 'drive') if model.moves_by_torque else ''

@@ -23,7 +23,7 @@ import zipfile
 from fourbar_lab.export.c_code import Code, FLAGS, STATUS
 from fourbar_lab.export.compiled import build, NoCompiler
 from fourbar_lab.export.drive import DriveCode, STATUS_OF_DRIVE
-from fourbar_lab.export.model import Model, Named, NotGenerated
+from fourbar_lab.export.model import GeneratedModel, Named, NotGenerated
 from fourbar_lab.export.statements import snippet
 from fourbar_ros import __version__
 
@@ -55,7 +55,7 @@ class Variable(NamedTuple):
     is_positive: bool = False
 
 
-def write(model: Model, directory: Path, version: int) -> tuple[Path, list[str], int]:
+def write(model: GeneratedModel, directory: Path, version: int) -> tuple[Path, list[str], int]:
     """
     Write NAME.fmu; return it, notes for its user, and the operations per sample.
 
@@ -88,7 +88,7 @@ def write(model: Model, directory: Path, version: int) -> tuple[Path, list[str],
     return path, notes, max(code.operations.values())
 
 
-def _variables(model: Model, drive: DriveCode | None) -> list[Variable]:
+def _variables(model: GeneratedModel, drive: DriveCode | None) -> list[Variable]:
     """
     Return the variables of the FMU, in the order of the description.
 
@@ -128,7 +128,7 @@ def _variables(model: Model, drive: DriveCode | None) -> list[Variable]:
             *of_drive, Variable('drive.status', last, 'output', '', DRIVE_TEXT, 0.0)]
 
 
-def _check_names(model: Model, variables: list[Variable]) -> None:
+def _check_names(model: GeneratedModel, variables: list[Variable]) -> None:
     """Refuse two names that differ in dots alone: ROS makes one topic of both."""
     seen: dict[str, str] = {}
     for one in variables:
@@ -230,7 +230,7 @@ def _unit(unit: str) -> str:
     return unit.replace(' ', '.').replace('^', '')
 
 
-def _head(model: Model, version: str, **attributes: str) -> ElementTree.Element:
+def _head(model: GeneratedModel, version: str, **attributes: str) -> ElementTree.Element:
     return _element(None, 'fmiModelDescription', fmiVersion=version, modelName=model.name,
                     description=f'{model.mechanism.description}, mode {model.mechanism.mode}',
                     version=__version__, generationTool=f'fourbar_ros {__version__}',
@@ -270,12 +270,12 @@ def _real(one: Variable) -> dict[str, object]:
     return {'unit': _unit(one.unit), **({'min': '0'} if one.is_positive else {}), **start}
 
 
-def _step_of(model: Model) -> str:
+def _step_of(model: GeneratedModel) -> str:
     """Return the step of the default experiment [s]: that of a node that moves by torque."""
     return repr(1.0 / model.scene.drive.rate if model.moves_by_torque else 0.001)
 
 
-def _interfaces(model: Model, ending: str = '') -> list[tuple[str, dict[str, str]]]:
+def _interfaces(model: GeneratedModel, ending: str = '') -> list[tuple[str, dict[str, str]]]:
     """
     Return the interfaces of an FMU and their own attributes.
 
@@ -294,7 +294,7 @@ def _feeds_through(one: Variable) -> bool:
             and not one.name.startswith('motor.'))
 
 
-def _description(model: Model, variables: list[Variable], guid: str,
+def _description(model: GeneratedModel, variables: list[Variable], guid: str,
                  version: int) -> ElementTree.Element:
     """
     Return modelDescription.xml.
@@ -334,7 +334,7 @@ def _description(model: Model, variables: list[Variable], guid: str,
     return root
 
 
-def _build_description(model: Model) -> ElementTree.Element:
+def _build_description(model: GeneratedModel) -> ElementTree.Element:
     """Return buildDescription.xml of FMI 3.0: which C file is compiled, and how."""
     root = _element(None, 'fmiBuildDescription', fmiVersion='3.0')
     own = _element(root, 'BuildConfiguration', modelIdentifier=model.name)

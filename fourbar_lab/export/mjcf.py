@@ -11,7 +11,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from fourbar_ros.description.model import inertia_of, Model, ModelJoint, ModelLink, NoDescription
+from fourbar_ros.description.model import (
+    inertia_of,
+    ModelJoint,
+    ModelLink,
+    NoDescription,
+    RobotModel,
+)
 from fourbar_ros.description.shapes import Pin, Rod, Shape
 from fourbar_ros.description.xml import add, as_text, colour, comment, Element
 
@@ -20,7 +26,7 @@ SOLREF = (2.0 * TIMESTEP, 1.0)                 # time constant [s], damping rati
 SOLIMP = (0.9999, 0.9999, 0.001, 0.5, 2.0)     # as hard as it gets
 
 
-def mjcf(model: Model) -> str:
+def mjcf(model: RobotModel) -> str:
     """Return the MJCF of a model; raise NoDescription if a loop is cut at a slide."""
     for closure in model.closures:
         if closure.connection.axis is not None:
@@ -85,7 +91,7 @@ def _geometry(shape: Shape) -> dict[str, str | float | tuple[float, ...]]:
             'pos': (*shape.at, 0.0), 'euler': (0.0, 0.0, shape.angle)}
 
 
-def _equality(root: Element, model: Model, bodies: dict[str, Element]) -> None:
+def _equality(root: Element, model: RobotModel, bodies: dict[str, Element]) -> None:
     """Add the constraints of the cut joints, each between two sites that coincide."""
     equality = add(root, 'equality')
     for closure in model.closures:
@@ -98,7 +104,7 @@ def _equality(root: Element, model: Model, bodies: dict[str, Element]) -> None:
             solimp=SOLIMP)
 
 
-def _in_depth(model: Model) -> list[ModelJoint]:
+def _in_depth(model: RobotModel) -> list[ModelJoint]:
     """Return the joints in the order of MuJoCo's coordinates: a body's, then its children's."""
     def joints_on(frame: str) -> list[ModelJoint]:
         return [joint for link in model.links if link.parent == frame

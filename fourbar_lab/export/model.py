@@ -78,7 +78,7 @@ class Named(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Model:
+class GeneratedModel:
     """
     A scene prepared for generation.
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import atan2, pi
 
-from fourbar_ros.description.model import inertia_of, Model, ModelLink
+from fourbar_ros.description.model import inertia_of, ModelLink, RobotModel
 from fourbar_ros.description.shapes import Shape
 from fourbar_ros.description.xml import add, as_text, colour, comment, Element, numbers
 from fourbar_ros.mechanisms.parts import Connection
@@ -21,7 +21,7 @@ VERSION = '1.8'        # Fortress to Ionic read it
 WORLD = 'world'
 
 
-def sdf(model: Model) -> str:
+def sdf(model: RobotModel) -> str:
     """Return the SDF of a model: links with their pose in the root, joints, frames of points."""
     root = Element('sdf', version=VERSION)
     element = add(root, 'model', name=model.name)
@@ -52,7 +52,7 @@ def _upright(gravity: tuple[float, float]) -> tuple[float, float, float]:
     return 0.5 * pi, 0.5 * pi + atan2(g_y, g_x), 0.0
 
 
-def _ground(element: Element, model: Model) -> None:
+def _ground(element: Element, model: RobotModel) -> None:
     """Add the root, fixed to the world."""
     root = add(element, 'link', name=model.root)
     _visuals(root, model.ground, -1)
@@ -61,7 +61,7 @@ def _ground(element: Element, model: Model) -> None:
     add(fixed, 'child', model.root)
 
 
-def _link(parent: Element, link: ModelLink, place: int, model: Model) -> None:
+def _link(parent: Element, link: ModelLink, place: int, model: RobotModel) -> None:
     """Add a moving link: pose, mass, inertia about its centre of gravity, shapes."""
     x, y, angle = link.pose
     element = add(parent, 'link', name=link.frame)

@@ -15,7 +15,7 @@ GROUPS = {'linkage': 'Linkage', 'dyads': 'Dyads', 'drive': 'Input', 'gravity': '
 OPEN = ('linkage', 'dyads', 'drive')       # groups that are open at first
 SPAN = 2.5                                 # sliders reach so many times the first value
 
-Change = Callable[[str, float], None]       # takes a parameter's name and new value
+OnChange = Callable[[str, float], None]       # takes a parameter's name and new value
 
 
 def field(label: str, value: float, take: Callable[[float], None], name: str = '') -> ui.number:
@@ -61,7 +61,7 @@ def _has_effect(shown: Shown, group: str, *rest: str) -> bool:
     return True
 
 
-def build(shown: Shown, change: Change) -> None:
+def build(shown: Shown, change: OnChange) -> None:
     """Build the controls; ``change(name, value)`` is called with each new value of the user."""
     for group, members in shown_parameters(shown).items():
         with ui.expansion(GROUPS[group], value=group in OPEN).classes('full-width').props(
@@ -82,7 +82,7 @@ def _tooltip(parameter: Parameter) -> None:
         'anchor="center right" self="center left" :delay="400"')
 
 
-def _choice(parameter: Parameter, shown: Shown, change: Change) -> None:
+def _choice(parameter: Parameter, shown: Shown, change: OnChange) -> None:
     """Build the buttons of an assembly mode."""
     name = parameter.name
     modes = shown.linkage.modes if name == 'linkage.mode' else {1: '1', 2: '2'}
@@ -94,7 +94,7 @@ def _choice(parameter: Parameter, shown: Shown, change: Change) -> None:
         _tooltip(parameter)
 
 
-def _number(parameter: Parameter, shown: Shown, change: Change) -> None:
+def _number(parameter: Parameter, shown: Shown, change: OnChange) -> None:
     """
     Build a field for a number and a slider beside it.
 

@@ -19,7 +19,7 @@ class BadLink(FourBarError, ValueError):
     """The address of a page names something that does not exist; the message says what."""
 
 
-class Link(NamedTuple):
+class PageAddress(NamedTuple):
     """What an address asks for; it names shipped scenes and parameters, never a file."""
 
     title: str                      # of the scene
@@ -34,7 +34,7 @@ def rounded(at: float) -> float:
     return float(f'{at:.9g}')
 
 
-def address(link: Link) -> str:
+def address(link: PageAddress) -> str:
     """Return the query of a state: the scene by name, the input, and each changed parameter."""
     changed = {name: repr(value) if isinstance(value, float) else value
                for name, value in link.values.items()
@@ -43,9 +43,9 @@ def address(link: Link) -> str:
                       **({ACCELERATION: f'{link.acceleration:g}'} if link.acceleration else {})})
 
 
-def read(query: Mapping[str, str], title: str, values: ParameterValues) -> Link:
+def read(query: Mapping[str, str], title: str, values: ParameterValues) -> PageAddress:
     """
-    Return the :class:`Link` of a query to a page that serves a scene.
+    Return the :class:`PageAddress` of a query to a page that serves a scene.
 
     BadLink if it is to another scene, unless that comes with this software; if it names an unknown
     parameter; or if input or acceleration is no number.
@@ -71,5 +71,5 @@ def read(query: Mapping[str, str], title: str, values: ParameterValues) -> Link:
             if parameters.find(name) is None:
                 raise BadLink(f'the link has the unknown parameter {name}')
             changed[name] = value
-    return Link(scene, first, {**first, **changed}, numbers.get(AT),
-                numbers.get(ACCELERATION, 0.0))
+    return PageAddress(scene, first, {**first, **changed}, numbers.get(AT),
+                       numbers.get(ACCELERATION, 0.0))

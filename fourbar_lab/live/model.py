@@ -40,7 +40,7 @@ class Cycle(NamedTuple):
     loads: NamedFields | None
 
 
-class Pose(NamedTuple):
+class PagePose(NamedTuple):
     """Motion and loads in one pose, records of the mechanism's kind; None: no loads."""
 
     motion: NamedFields
@@ -158,13 +158,13 @@ class Shown:
                          for low, high in self.ranges)]
         return inside[0] if inside else extremum.input
 
-    def pose(self, position: float) -> tuple[int, Pose]:
-        """Return the status and the :class:`Pose` at an input; loads None without masses."""
+    def pose(self, position: float) -> tuple[int, PagePose]:
+        """Return the status and the :class:`PagePose` at an input; loads None without masses."""
         linkage = (self.linkage if self.why_no_loads
                    else self.scene.linkage_at(position, self.rate))
         status, motion, loads = evaluate(linkage, position, self.rate, self.acceleration,
                                          linkage.bodies is not None)
-        return status, Pose(motion, loads if linkage.bodies else None)
+        return status, PagePose(motion, loads if linkage.bodies else None)
 
     @cached_property
     def points(self) -> dict[str, tuple[str, float, float]]:
@@ -181,7 +181,7 @@ class Shown:
         return {name: [point_motion(self.linkage, cycle.motion, *point) for cycle in self.cycles]
                 for name, point in self.points.items()}
 
-    def samples(self, most: int) -> list[tuple[float, Pose]]:
+    def samples(self, most: int) -> list[tuple[float, PagePose]]:
         """
         Return (input, pose) at evenly spread samples of the cycles, about ``most`` altogether.
 
@@ -195,15 +195,15 @@ class Shown:
                 motion = _sample(cycle.motion, i)
                 loads = _sample(cycle.loads, i) if cycle.loads else None
                 if isfinite(sum(motion) + sum(loads or ())):
-                    samples.append((float(cycle.inputs[i]), Pose(motion, loads)))
+                    samples.append((float(cycle.inputs[i]), PagePose(motion, loads)))
         return samples
 
     @cached_property
-    def poses(self) -> list[Pose]:
+    def poses(self) -> list[PagePose]:
         """Return some forty poses over the cycles: pictures get a size that suits all of them."""
         return [pose for _, pose in self.samples(40)]
 
-    def values(self, pose: Pose) -> dict[str, tuple[float, str]]:
+    def values(self, pose: PagePose) -> dict[str, tuple[float, str]]:
         """
         Return {name: (value, unit)} of a pose: all joints, transmission angle, all loads.
 
@@ -221,7 +221,7 @@ class Shown:
                 largest[unit] = max(largest.get(unit, 0.0), abs(value))
         return largest
 
-    def _values(self, pose: Pose) -> dict[str, tuple[float, str]]:
+    def _values(self, pose: PagePose) -> dict[str, tuple[float, str]]:
         """Return as :meth:`values`, with rounding; positions of joints that turn in degrees."""
         values, (motion, loads) = {}, pose
         for coordinate in self.linkage.PARTS:

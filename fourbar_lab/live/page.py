@@ -19,7 +19,7 @@ from typing import Any
 from fourbar_lab.drawing.axis import AXIS_ANGLE
 from fourbar_lab.drawing.tables import facts
 from fourbar_lab.live import charts, controls, downloads, link, tables
-from fourbar_lab.live.model import Pose, Shown
+from fourbar_lab.live.model import PagePose, Shown
 from fourbar_lab.live.model import shown as shown_of
 from fourbar_lab.live.picture import (
     Drawn,
@@ -92,7 +92,7 @@ class Page:
 
     def __init__(self, title: str, values: ParameterValues, query: dict[str, str]):
         """Take the state from the query; of a bad one, say so and show the scene as it is."""
-        self.state = link.Link(title, values, values)
+        self.state = link.PageAddress(title, values, values)
         self.problem = ''                       # why something was not done, for the alarm
         try:
             self.state = link.read(query, title, values)
@@ -105,7 +105,7 @@ class Page:
             self.position = self._position_of(self.state.at)
         self.names = self.shown.usual_quantities        # whose curves are drawn
         self.layers = Layers()                          # what is drawn beside the links
-        self.pose: Pose | None = None                   # what is drawn now; None: nothing
+        self.pose: PagePose | None = None                   # what is drawn now; None: nothing
         self.refusal = self.no_pose = ''         # why there is no mechanism, why it has no pose
         self.found: list[Extremum] | None = None        # extrema of the quantities chosen
         # what the views that show the present mechanism draw of each pose, by their names
@@ -302,7 +302,7 @@ class Page:
         ranges = self.shown.ranges
         return self.shown.shown_input(ranges[0][0]), self.shown.shown_input(ranges[-1][1])
 
-    def _picture(self, pose: Pose) -> str:
+    def _picture(self, pose: PagePose) -> str:
         return mechanism_svg(self.shown, pose, self.view, self.per_newton, self.layers)
 
     def _why_no_pose(self, status: int) -> str:

@@ -15,7 +15,7 @@ from fourbar_lab.drawing.labels import significant
 from fourbar_lab.drawing.mechanism_panel import sides_of
 from fourbar_lab.drawing.sheet import nice
 from fourbar_lab.live import svg
-from fourbar_lab.live.model import Pose, Shown
+from fourbar_lab.live.model import PagePose, Shown
 from fourbar_lab.live.svg import HEIGHT, MARGIN, STYLE, View, view_of, WIDTH
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Arrow, Diagram, NamedFields, ORIGIN
@@ -106,7 +106,7 @@ def document(content: str) -> str:
 
 # --- the mechanism -------------------------------------------------------------------------------
 
-def mechanism_svg(shown: Shown, pose: Pose, view: View, per_newton: float,
+def mechanism_svg(shown: Shown, pose: PagePose, view: View, per_newton: float,
                   layers: Layers = Layers()) -> str:
     """
     Return the SVG content of the mechanism in one pose; ``per_newton``: [px/N] of forces.
@@ -138,14 +138,14 @@ def mechanism_svg(shown: Shown, pose: Pose, view: View, per_newton: float,
     return f'<g class="fb">{"".join(parts)}</g>'
 
 
-def joints_of(shown: Shown, pose: Pose, view: View) -> list[list[float]]:
+def joints_of(shown: Shown, pose: PagePose, view: View) -> list[list[float]]:
     """Return the pixels of the joints that move, which can be dragged."""
     diagram = shown.linkage.diagram(pose.motion)
     return [[round(float(part), 1) for part in view.at(place)]
             for name, place in diagram.joints.items() if name not in diagram.ground]
 
 
-def grips_svg(shown: Shown, pose: Pose, view: View) -> str:
+def grips_svg(shown: Shown, pose: PagePose, view: View) -> str:
     """Return the SVG content of the grips: one around each joint that moves."""
     return ''.join(svg.circle('grip', (x, y), NEAR) for x, y in joints_of(shown, pose, view))
 
@@ -206,7 +206,7 @@ def _axis(linkage: Mechanism, motion: NamedFields, view: View) -> list[str]:
 
 # --- polygons ------------------------------------------------------------------------------------
 
-Drawn = Callable[[float, Pose], str]        # of an input in the unit of the page, and its pose
+Drawn = Callable[[float, PagePose], str]        # of an input in the unit of the page, and its pose
 
 
 def polygon_drawing(shown: Shown, name: str) -> Drawn:
@@ -230,7 +230,7 @@ def force_drawing(shown: Shown) -> tuple[str, Drawn]:
              svg.text('', (pole[0] + 4.0, pole[1] - radius * view.scale - 4.0), f'{radius:g} N'),
              *(svg.polyline('trace', path, view) for path in paths), '</g>']
 
-    def draw(at: float, pose: Pose) -> str:
+    def draw(at: float, pose: PagePose) -> str:
         return polygon_svg([Arrow(ORIGIN, vectors_of(pose.loads, name), text,
                                   name == 'shaking_force') for name, text in names.items()],
                            view, 'N')

@@ -16,7 +16,7 @@ import re
 from typing import NamedTuple
 
 from fourbar_ros.mechanisms.parts import Bar, Block
-from fourbar_ros.mechanisms.picture import Arm, Joint, outlines, Primitive
+from fourbar_ros.mechanisms.picture import Arm, NamedJoint, outlines, Primitive
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
@@ -118,7 +118,7 @@ def primitive(part: Primitive, view: View) -> str:
     if isinstance(part, Arm):
         start, foot, end = view.at(part.start), view.at(part.foot), view.at(part.end)
         return line('arm', start, foot) + line('arm', foot, end)
-    if isinstance(part, Joint):
+    if isinstance(part, NamedJoint):
         return circle('pin', view.at(part.place), 5.0)
     corners, ground = outlines(part, INCH / view.scale)
     points = ' '.join(f'{x:.1f},{y:.1f}' for x, y in map(view.at, corners))

@@ -63,7 +63,7 @@ def half_angle(theta: Any, omega: Any = 0.0, alpha: Any = 0.0) -> Angle:
     return Angle(theta, omega, alpha, v, stretch * omega, stretch * (alpha + omega**2 * v))
 
 
-class Equation(NamedTuple):
+class AngleEquation(NamedTuple):
     """One equation between the angles of joints i and j; coefficients in [m^2]."""
 
     i: int
@@ -102,8 +102,8 @@ class Equation(NamedTuple):
                 (self.both * a.v**2 + self.second) * b.v + 0.5 * self.mixed * a.v)
 
 
-def equations(printed: Printed, lengths: Sequence[float]) -> dict[int, Equation]:
-    """Return {number of the equation: :class:`Equation`} for a1 to a4 [m]."""
+def equations(printed: Printed, lengths: Sequence[float]) -> dict[int, AngleEquation]:
+    """Return {number of the equation: :class:`AngleEquation`} for a1 to a4 [m]."""
     a1, a2, a3, a4 = lengths
     factors = (bilinear_factors(a1, a2, a3, a4)._asdict() if printed is SLIDES
                else paper_factors(a1, a2, a3, a4))
@@ -111,8 +111,8 @@ def equations(printed: Printed, lengths: Sequence[float]) -> dict[int, Equation]
     for name, (i, j, products, factor, sides) in printed.items():
         both, first, second, constant = (prod(factors[letter] for letter in product.split())
                                          for product in products.split(', '))
-        found[name] = Equation(i, j, both, first, second, constant,
-                               factor * prod(lengths[n - 1] for n in sides))
+        found[name] = AngleEquation(i, j, both, first, second, constant,
+                                    factor * prod(lengths[n - 1] for n in sides))
     return found
 
 

@@ -36,8 +36,8 @@ if TYPE_CHECKING:      # drawings alone need it
     from matplotlib.figure import Figure
 
 Captioned = tuple['Figure', str]                # with its caption
-Curve = tuple[Array, str, str, str]             # values over theta1, label, line style, colour
-Panel = tuple[str, list[Curve], list[tuple[float, float]]]      # title, curves, points to circle
+PlottedCurve = tuple[Array, str, str, str]      # values over theta1, label, line style, colour
+Panel = tuple[str, list[PlottedCurve], list[tuple[float, float]]]  # title, curves, circled points
 
 CSS = """\
 body { font: 15px/1.45 system-ui, sans-serif; max-width: 64em; margin: 2em auto; padding: 0 1em;
@@ -96,7 +96,7 @@ def example_7_6() -> Captioned:
 def example_7_7() -> Captioned:
     """Draw alpha4, and omega4 eight times as large as in the slides, over two turns."""
     theta1 = np.linspace(-tau, tau, 1441)
-    curves: list[Curve] = []
+    curves: list[PlottedCurve] = []
     marks = []
     for mode, style in ((CROSSED, '-'), (OPEN, '--')):
         linkage = published.EXAMPLE_7_7.in_mode(mode)

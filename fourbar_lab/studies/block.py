@@ -53,7 +53,7 @@ NEAR = 1e-9
 AGREE = 1e-6
 
 
-class Block:
+class DesignBlock:
     """
     Measures of n designs of one study, computed together.
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections import Counter
 from typing import Any, NamedTuple
 
-from fourbar_lab.studies.block import Block
+from fourbar_lab.studies.block import DesignBlock
 from fourbar_lab.studies.design import Design
 from fourbar_lab.studies.measures import CHANGE_POINT, CHEAP, CLASS, INPUT_RANGE
 from fourbar_lab.studies.study import Bound, first_scene, Study
@@ -115,7 +115,7 @@ def _together(study: Study, drawn: dict[str, Array], columns: dict[str, Array]) 
     Fill columns with the results of designs computed together; return which are right, (n,).
 
     None of those that this cannot compute: drives at rest, driven slides, machines (which are put
-    together at run time), and whatever :class:`Block` is not sure of.
+    together at run time), and whatever :class:`DesignBlock` is not sure of.
     """
     none = np.zeros(len(next(iter(drawn.values()))), bool)
     try:
@@ -125,7 +125,7 @@ def _together(study: Study, drawn: dict[str, Array], columns: dict[str, Array]) 
     if (not scene.drive.speed or scene.linkage.is_driven_by_slide
             or scene.values['linkage.kind'] not in KINDS):
         return none
-    block = Block(study, scene, drawn, columns)
+    block = DesignBlock(study, scene, drawn, columns)
     block.compute_cheap()
     wanted = block.is_done.copy()
     for bound in study.bounds:

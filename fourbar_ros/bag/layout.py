@@ -22,7 +22,7 @@ MOST = 100_000      # fields in a message: a wrong length must not fill the memo
 _OTHER_NAMES = {'bool': '?', 'byte': 'u1', 'octet': 'u1', 'char': 'u1'}
 
 
-class Layout:
+class MessageLayout:
     """
     The fields of one serialised message and of all that have texts and sequences of its lengths.
 
@@ -119,7 +119,7 @@ class Layouts:
 
     def __init__(self, store: Typestore, type_name: str) -> None:
         self._store, self._type = store, type_name
-        self._known: list[Layout] = []
+        self._known: list[MessageLayout] = []
 
     def arrays(self, messages: Sequence[bytes]) -> Iterator[tuple[Array, Array]]:
         """
@@ -136,7 +136,7 @@ class Layouts:
                 layout = next((known for known in self._known if known.dtype.itemsize == size
                                and known.matching(block[:1])[0]), None)
                 if layout is None:
-                    layout = Layout(self._store, self._type, block[0].tobytes())
+                    layout = MessageLayout(self._store, self._type, block[0].tobytes())
                     self._known.append(layout)
                 good = layout.matching(block)
                 yield rows[good], np.ascontiguousarray(block[good]).view(layout.dtype)[:, 0]

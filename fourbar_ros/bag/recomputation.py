@@ -23,7 +23,7 @@ from fourbar_ros.errors import BagError
 from fourbar_ros.mechanics.bodies import Base
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.pipeline.stepper import Evaluate, evaluate, InModes, INPUT_TIMEOUT, OK
-from fourbar_ros.pipeline.wrenches import Acting, Wrench
+from fourbar_ros.pipeline.wrenches import ActingInput, Wrench
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import (
     applied_topic,
@@ -143,7 +143,7 @@ class _Act(NamedTuple):
 
     place: int
     name: str
-    what: Acting
+    what: ActingInput
 
 
 class _Output(NamedTuple):
@@ -169,7 +169,7 @@ class Recomputation:
         self._events: list[_Motion | _Act] = []    # not yet evaluated
         self._outputs: defaultdict[str, list[_Output]] = defaultdict(list)
         self._modes: dict[int, int] = {}            # {stamp: mode}, where a drive passes toggles
-        self._acting: dict[str, Acting] = {}    # the newest wrench on each link, and base
+        self._acting: dict[str, ActingInput] = {}    # the newest wrench on each link, and base
         self._changes = [-inf]                  # log times [ns] of new scenes and what acts
         self._holds_unknown = origin.is_later
         self._drive_states = None
@@ -226,7 +226,7 @@ class Recomputation:
     def _take_acting(self, place: int, raw: Raw, name: str) -> None:
         """Take the wrench in effect on a link, or the motion of the base."""
         message = self._bag.decode(raw)
-        what: Acting
+        what: ActingInput
         if name == BASE.name:
             what = Base(message.force_x, message.force_y, message.rate, message.acceleration)
         else:

@@ -122,7 +122,7 @@ class BagWriter:
         try:
             if shutil.disk_usage(self.path).free < ROOM:
                 raise BagError(NO_ROOM)
-            self._part = Part(self.path, 0, self._channels, self._about)
+            self._part = BagFile(self.path, 0, self._channels, self._about)
             metadata.write(self.path, self._part.metadata())
         except (OSError, BagError) as error:
             shutil.rmtree(self.path)
@@ -253,7 +253,7 @@ class BagWriter:
         old.about['dropped'] = str(self.dropped)
         old.finish(SPLIT)
         self._before.append(old.metadata())
-        self._part = Part(self.path, len(self._before), self._channels, self._about)
+        self._part = BagFile(self.path, len(self._before), self._channels, self._about)
         old.file.close()
         self._write_metadata()
 
@@ -315,7 +315,7 @@ class _File:
         """Do nothing: all is written."""
 
 
-class Part:
+class BagFile:
     """
     One file of a bag being written: ``size`` [bytes], ``span`` of log times [ns], or None.
 

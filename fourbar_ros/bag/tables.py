@@ -17,7 +17,7 @@ from fourbar_ros.optional import MissingPackage
 import numpy as np
 
 FORMATS = ('csv', 'npz', 'parquet')
-Table = dict[str, Array]
+TopicTable = dict[str, Array]
 
 
 def export(path: str | Path, out: str | Path, kind: str | None = None,
@@ -71,15 +71,15 @@ def export(path: str | Path, out: str | Path, kind: str | None = None,
     return {name: len(table['log_time']) for name, table in tables.items()}
 
 
-def _tables(bag: Bag, topics: Collection[str], progress: Progress | None) -> dict[str, Table]:
+def _tables(bag: Bag, topics: Collection[str], progress: Progress | None) -> dict[str, TopicTable]:
     """Return {table: its columns}; ``fourbar.state`` is the topic /fourbar/state."""
-    parts: dict[str, list[Table]] = {}
+    parts: dict[str, list[TopicTable]] = {}
     for columns in bag.columns(topics, progress):
         parts.setdefault(columns.topic, []).append(table_of(columns))
     return {topic.strip('/').replace('/', '.'): _joined(tables) for topic, tables in parts.items()}
 
 
-def table_of(columns: Columns) -> Table:
+def table_of(columns: Columns) -> TopicTable:
     """Return the columns of messages: log time, stamp, each number and each text."""
     table, stamps = {'log_time': columns.times}, columns.stamps
     # of a JointState: position[crank]; without names, or if they change, position[0]
@@ -101,7 +101,7 @@ def table_of(columns: Columns) -> Table:
     return table
 
 
-def _joined(parts: list[Table]) -> Table:
+def _joined(parts: list[TopicTable]) -> TopicTable:
     """Return tables below each other, by log times; NaN or '' where one lacks a column."""
     names = list(dict.fromkeys(name for part in parts for name in part))
     joined = {}
@@ -114,14 +114,14 @@ def _joined(parts: list[Table]) -> Table:
     return {name: values[order] for name, values in joined.items()}
 
 
-def _write_csv(path: Path, table: Table) -> None:
+def _write_csv(path: Path, table: TopicTable) -> None:
     with open(path, 'x', newline='', encoding='utf-8') as file:
         writer = csv.writer(file)
         writer.writerow(table)
         writer.writerows(zip(*(values.tolist() for values in table.values())))
 
 
-def _write_parquet(path: Path, table: Table) -> None:
+def _write_parquet(path: Path, table: TopicTable) -> None:
     try:
         import pyarrow as pa
         from pyarrow import parquet
@@ -130,5 +130,5 @@ def _write_parquet(path: Path, table: Table) -> None:
     parquet.write_table(pa.table(table), path)
 
 
-_WRITERS: dict[str, Callable[[Path, Table], None]] = {'csv': _write_csv,
-                                                      'parquet': _write_parquet}
+_WRITERS: dict[str, Callable[[Path, TopicTable], None]] = {'csv': _write_csv,
+                                                           'parquet': _write_parquet}

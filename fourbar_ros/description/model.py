@@ -107,7 +107,7 @@ class Closure(NamedTuple):
         return f'closing_{self.name}_1', f'closing_{self.name}_2'
 
 
-class Model(NamedTuple):
+class RobotModel(NamedTuple):
     """
     A scene for other programs.
 
@@ -132,9 +132,9 @@ class Model(NamedTuple):
         return [link.joint for link in self.links]
 
 
-def model_of(scene: Scene) -> Model:
+def model_of(scene: Scene) -> RobotModel:
     """
-    Return the :class:`Model` of a scene.
+    Return the :class:`RobotModel` of a scene.
 
     Raises
     ------
@@ -163,9 +163,9 @@ def model_of(scene: Scene) -> Model:
                      for place in tree.cut)
     points = {point_frame(scene, name): (frames[point.link], point.along, point.across)
               for name, point in scene.points.items()}
-    model = Model(scene.frame_id, f'{mechanism.description}, mode {mechanism.mode}',
-                  scene.frame_id, links, closures, points, shapes[GROUND],
-                  field_of(mechanism.gravity), max(map(abs, mechanism.lengths)), position)
+    model = RobotModel(scene.frame_id, f'{mechanism.description}, mode {mechanism.mode}',
+                       scene.frame_id, links, closures, points, shapes[GROUND],
+                       field_of(mechanism.gravity), max(map(abs, mechanism.lengths)), position)
     _check_names(model)
     return model
 
@@ -240,7 +240,7 @@ def _pose(link: LinkMotion) -> tuple[float, float, float]:
     return link.x, link.y, float(np.arctan2(link.sine, link.cosine))
 
 
-def _check_names(model: Model) -> None:
+def _check_names(model: RobotModel) -> None:
     """Raise NoDescription if two frames have one name, which no format allows."""
     names = [model.root, *(link.frame for link in model.links), *model.points,
              *(frame for closure in model.closures for frame in closure.frames)]

@@ -64,7 +64,7 @@ class Pin(NamedTuple):
         return 'cylinder', {'radius': self.radius, 'length': self.length}
 
 
-class Block(NamedTuple):
+class Box(NamedTuple):
     """A box: ``size`` along, across and out of the plane, turned by ``angle``."""
 
     at: Place
@@ -82,11 +82,11 @@ class Block(NamedTuple):
         return 'box', {'size': self.size}
 
 
-Shape = Rod | Pin | Block
-Joint = tuple[Connection, tuple[float, float] | None]     # with the travel of a slide [m]
+Shape = Rod | Pin | Box
+JointWithTravel = tuple[Connection, tuple[float, float] | None]    # with the travel of a slide [m]
 
 
-def shapes_of(mechanism: Mechanism, joints: Iterable[Joint],
+def shapes_of(mechanism: Mechanism, joints: Iterable[JointWithTravel],
               points: Iterable[tuple[str, float, float]], radius: float) -> dict[str, list[Shape]]:
     """
     Return {link, or GROUND: list of shapes in its frame}, with rods of a radius [m].
@@ -110,8 +110,8 @@ def shapes_of(mechanism: Mechanism, joints: Iterable[Joint],
             if low < high:
                 shapes[parent].append(Rod((x + low * u, y + low * v), (x + high * u, y + high * v),
                                           0.6 * radius))
-            shapes[child].append(Block(connection.on_child, atan2(v, u) - turn,
-                                       (6.0 * radius, 3.5 * radius, 3.0 * radius)))
+            shapes[child].append(Box(connection.on_child, atan2(v, u) - turn,
+                                     (6.0 * radius, 3.5 * radius, 3.0 * radius)))
     for name, along, across in points:
         places[name].append((along, across))
     for link in mechanism.LINKS:

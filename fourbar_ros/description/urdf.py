@@ -11,14 +11,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from fourbar_ros.description.model import Closure, inertia_of, Model, ModelLink
+from fourbar_ros.description.model import Closure, inertia_of, ModelLink, RobotModel
 from fourbar_ros.description.shapes import Shape
 from fourbar_ros.description.xml import add, as_text, colour, comment, Element
 
 UNLIMITED = 1e9        # URDF wants an effort and a rate that a limited joint does not exceed
 
 
-def urdf(model: Model) -> str:
+def urdf(model: RobotModel) -> str:
     """Return the URDF of a model."""
     robot = Element('robot', name=model.name)
     comment(robot, model.title)

@@ -67,7 +67,7 @@ class Extrema(NamedTuple):
     side: Array
 
 
-Columns = tuple[Array, ...]     # index, theta1, value, is_maximum, side
+ExtremumColumns = tuple[Array, ...]     # index, theta1, value, is_maximum, side
 
 
 def find_extrema_many(a1: ArrayLike, a2: ArrayLike, a3: ArrayLike, a4: ArrayLike,
@@ -121,7 +121,8 @@ def find_extrema_many(a1: ArrayLike, a2: ArrayLike, a3: ArrayLike, a4: ArrayLike
 def _chunk(lengths: Array, mode: Array, rate: Array) -> dict[str, Extrema]:
     """Return the extrema of both quantities of some linkages."""
     closes, turns = _closing(lengths)
-    left, found = np.flatnonzero(turns), dict[str, list[Columns]]({name: [] for name in RATES})
+    left = np.flatnonzero(turns)
+    found: dict[str, list[ExtremumColumns]] = {name: [] for name in RATES}
     for count in SAMPLES:
         doubtful = [left[:0]]
         for start in range(0, left.size, TOGETHER):
@@ -162,7 +163,7 @@ def _trace() -> Trace:
 
 
 def _together(lengths: Array, mode: Array, rate: Array,
-              count: int) -> tuple[Array, Columns, Columns]:
+              count: int) -> tuple[Array, ExtremumColumns, ExtremumColumns]:
     """
     Return which linkages are in doubt, and the columns of both quantities of the others.
 
@@ -201,7 +202,7 @@ def _together(lengths: Array, mode: Array, rate: Array,
         return np.stack([own[i] for i in flat(trace.results)])
 
     turns = search_turns(evaluate, mode.size, count, np.zeros(2, bool), phase)
-    found = list[Columns]()
+    found = list[ExtremumColumns]()
     for order, (places, values) in enumerate(zip(turns.places, turns.values)):
         # a negative rate turns maxima of omega4 into minima, not those of alpha4
         with np.errstate(under='ignore'):
@@ -222,7 +223,7 @@ def _alone(lengths: Array, mode: Array, rate: Array, index: int) -> dict[str, li
     return {name: [one for one in extrema if one.quantity == name] for name in RATES}
 
 
-def _columns(index: int, extrema: list[Extremum]) -> Columns:
+def _columns(index: int, extrema: list[Extremum]) -> ExtremumColumns:
     """Return the columns of extrema of one quantity of one linkage."""
     largest = max([one.value for one in extrema], default=0.0)
     return (np.full(len(extrema), index), np.array([one.theta1 for one in extrema]),
@@ -232,7 +233,7 @@ def _columns(index: int, extrema: list[Extremum]) -> Columns:
             np.array([one.side for one in extrema], int))
 
 
-def _marked(name: str, columns: list[Columns], lengths: Array, mode: Array,
+def _marked(name: str, columns: list[ExtremumColumns], lengths: Array, mode: Array,
             rate: Array) -> Extrema:
     """Return :class:`Extrema` of one quantity by linkage and theta1, the global ones marked."""
     columns = [_columns(0, []), *columns]

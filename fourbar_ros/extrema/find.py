@@ -92,10 +92,11 @@ class Extremum(NamedTuple):
 
 
 # Quantities that are asked for: names, Quantity or functions (motion, loads) -> value.
-Wanted = Union[str, Asked, Callable[..., Any], Collection[Union[str, Asked, Callable[..., Any]]]]
+AskedQuantity = Union[str, Asked, Callable[..., Any]]
+AskedQuantities = Union[AskedQuantity, Collection[AskedQuantity]]
 
 
-def find_extrema(linkage: Mechanism, quantities: Wanted = (), rate: float = 1.0,
+def find_extrema(linkage: Mechanism, quantities: AskedQuantities = (), rate: float = 1.0,
                  acceleration: float = 0.0, certify: bool = False, conditions: bool = True,
                  check: Callable[[], None] = lambda: None, seconds: float = 5.0,
                  progress: Callable[[float], None] = lambda share: None,

@@ -42,7 +42,7 @@ AROUND, NEWTON_STEPS = 12, 2
 
 # Inputs of shape (m, any), real or complex, and which mechanisms they are of, shape (m,) -> their
 # q quantities, shape (q, m, any).
-Evaluate = Callable[[Array, Array], Array]
+ColumnFunction = Callable[[Array, Array], Array]
 
 
 class Phase(NamedTuple):
@@ -100,7 +100,7 @@ def inputs(count: int) -> Array:
     return 2.0 * pi * (np.arange(count) + 0.5) / count
 
 
-def search_turns(evaluate: Evaluate, mechanisms: int, count: int, is_angle: Array,
+def search_turns(evaluate: ColumnFunction, mechanisms: int, count: int, is_angle: Array,
                  phase: Phase | None = None) -> Turns:
     """
     Return the extrema of q quantities of n mechanisms whose cranks turn fully.
@@ -228,7 +228,7 @@ def _by_quantity(roots: _Roots, numbers: Array, shape: tuple[int, ...]) -> Array
     return table
 
 
-def _refined(evaluate: Evaluate, roots: _Roots,
+def _refined(evaluate: ColumnFunction, roots: _Roots,
              is_positive: Array) -> tuple[Array, Array, Array]:
     """
     Return places and values of roots, (roots,), and which mechanisms have one that strays, (n,).

@@ -57,7 +57,7 @@ class Verdict(NamedTuple):
     text: str
 
 
-class Part(NamedTuple):
+class ProvenPiece(NamedTuple):
     """A piece of the input, in the mechanism's unit, with exactly one extremum of a quantity."""
 
     low: float
@@ -73,7 +73,7 @@ class Proof(NamedTuple):
     """
 
     linkage: Mechanism
-    parts: list[Part]
+    parts: list[ProvenPiece]
     enclose: Callable[[float, float], list[arb] | None] | None      # the quantity, for (T1)
     is_square: bool                          # the square is enclosed, of a root
     is_angle: bool                           # values may differ by whole turns
@@ -216,7 +216,7 @@ def _pieces(path: InputPath) -> list[tuple[float, float]]:
 
 
 def _search(enclose: Enclosing, pieces: Sequence[tuple[float, float]], why_not: dict[int, str],
-            check: Callable[[float], None], seconds: float) -> list[list[Part]]:
+            check: Callable[[float], None], seconds: float) -> list[list[ProvenPiece]]:
     """
     Return the extrema of each quantity on some pieces: enclose and cut until all are decided.
 
@@ -224,7 +224,7 @@ def _search(enclose: Enclosing, pieces: Sequence[tuple[float, float]], why_not: 
     found of it is not used. ``seconds``: of a processor, for each quantity.
     """
     asked = [i for i in range(len(enclose.quantities)) if i not in why_not]
-    parts: list[list[Part]] = [[] for _ in enclose.quantities]
+    parts: list[list[ProvenPiece]] = [[] for _ in enclose.quantities]
     left, share, begin = [(*piece, asked) for piece in pieces], 0.0, thread_time()
     total = sum(high - low for low, high in pieces)
     while left:
@@ -242,7 +242,7 @@ def _search(enclose: Enclosing, pieces: Sequence[tuple[float, float]], why_not: 
             if sense is None:
                 is_open.append(i)
             elif sense:                      # 0: no extremum
-                parts[i].append(Part(low, high, sense))
+                parts[i].append(ProvenPiece(low, high, sense))
         if high - low < NARROWEST * max(abs(low), 1.0):
             why_not.update(dict.fromkeys(is_open, 'a kink, or nearly two extrema at one place, '
                                                   + place))

@@ -22,7 +22,7 @@ from fourbar_ros.numerics.given import number
 from fourbar_ros.numerics.roots import fold
 
 
-class Part(NamedTuple):
+class InputPart(NamedTuple):
     """A part of the input, from ``low`` to ``high`` [rad or m], in which the links close."""
 
     low: float
@@ -30,7 +30,7 @@ class Part(NamedTuple):
     ends: tuple[bool, bool]     # whether it ends where the user said, not in a limit
 
 
-def parts_of(linkage: Mechanism, within: Any) -> list[Part]:
+def parts_of(linkage: Mechanism, within: Any) -> list[InputPart]:
     """Return the parts of the input between two inputs [rad or m], by rising input."""
     try:
         low, high = (number('within', value) for value in within)
@@ -48,7 +48,7 @@ def parts_of(linkage: Mechanism, within: Any) -> list[Part]:
         turns = round(low / (2.0 * pi))
         ranges = [(one + 2.0 * pi * turn, other + 2.0 * pi * turn)
                   for turn in range(turns - 2, turns + 3) for one, other in linkage.input_ranges]
-    found = [Part(max(low, one), min(high, other), (low > one, high < other))
+    found = [InputPart(max(low, one), min(high, other), (low > one, high < other))
              for one, other in ranges if max(low, one) < min(high, other)]
     if not found:
         unit = linkage.input_coordinate.unit
@@ -57,7 +57,7 @@ def parts_of(linkage: Mechanism, within: Any) -> list[Part]:
     return found
 
 
-def in_part(search: Search, linkage: Mechanism, part: Part,
+def in_part(search: Search, linkage: Mechanism, part: InputPart,
             found: Sequence[Sequence[PathExtremum]]) -> list[list[PathExtremum]]:
     """Return those of the extrema of each quantity that lie in a part, and the part's ends."""
     unit, width = linkage.input_unit, part.high - part.low
@@ -85,8 +85,9 @@ def in_part(search: Search, linkage: Mechanism, part: Part,
     return [of_one(row, every) for row, every in enumerate(found)]
 
 
-def _with_ends(row: int, part: Part, place: Callable[[float], float], inside: list[PathExtremum],
-               values: Sequence[float | None], constant: Sequence[float]) -> list[PathExtremum]:
+def _with_ends(row: int, part: InputPart, place: Callable[[float], float],
+               inside: list[PathExtremum], values: Sequence[float | None],
+               constant: Sequence[float]) -> list[PathExtremum]:
     """Return the extrema inside and the ends that the user gave, of one quantity."""
     known = [value if value is not None and isfinite(value) else None for value in values]
     if not inside and any(value is not None and any(

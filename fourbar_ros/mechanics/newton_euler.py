@@ -29,7 +29,7 @@ from fourbar_ros.numerics.number_types import Scalar
 from fourbar_ros.numerics.vectors import Vector
 
 
-class LinkTerms(NamedTuple):
+class LinkConstants(NamedTuple):
     """
     The constants of a link in these equations, about its first joint.
 
@@ -63,7 +63,7 @@ class Needs(NamedTuple):
 
 
 def about_first_joint(body: Body, unit: Scalar, gravity: Gravity,
-                      applied: Applied = NOT_APPLIED) -> LinkTerms:
+                      applied: Applied = NOT_APPLIED) -> LinkConstants:
     """
     Return the constants of a link in the equations of motion about its first joint.
 
@@ -84,10 +84,10 @@ def about_first_joint(body: Body, unit: Scalar, gravity: Gravity,
                 (gravity[0] / unit, gravity[1] / unit))
     f_x, f_y = applied.force_x, applied.force_y
     p_along, p_across = applied.along / unit, applied.across / unit
-    return LinkTerms(mass, Vector(along, across), inertia,
-                     Vector(-mass * g_x - f_x, -mass * g_y - f_y), -applied.couple / unit,
-                     across * g_x - along * g_y + p_across * f_x - p_along * f_y,
-                     across * g_y + along * g_x + p_across * f_y + p_along * f_x)
+    return LinkConstants(mass, Vector(along, across), inertia,
+                         Vector(-mass * g_x - f_x, -mass * g_y - f_y), -applied.couple / unit,
+                         across * g_x - along * g_y + p_across * f_x - p_along * f_y,
+                         across * g_y + along * g_x + p_across * f_y + p_along * f_x)
 
 
 def on_base(base: Base, unit: Scalar, link: Any) -> Any:
@@ -106,7 +106,7 @@ def on_base(base: Base, unit: Scalar, link: Any) -> Any:
         omega=link.omega + w, alpha=link.alpha + e)
 
 
-def needs_of(link: LinkTerms, a: Vector, direction: Vector, omega: Scalar,
+def needs_of(link: LinkConstants, a: Vector, direction: Vector, omega: Scalar,
              alpha: Scalar) -> Needs:
     """Return what the joints must give a link whose first joint has the acceleration ``a``."""
     r = link.first_moment.along(direction)

@@ -39,7 +39,7 @@ from fourbar_ros.mechanisms.contract import (
 )
 from fourbar_ros.mechanisms.kind import (
     acceleration_of_b,
-    Drive,
+    DrivenMachine,
     FORWARD,
     Kind,
     Lengths,
@@ -137,12 +137,12 @@ class FourBarLinks(Kind):
     DRAWN = (THETA1, BETA, THETA4)
     DIRECTIONS = {'x': THETA1, 'b': BETA, 'y': THETA4, 'mu': THETA3}
     DRIVES = {
-        CRANK: Drive(
+        CRANK: DrivenMachine(
             (GROUND, 'crank', 'coupler', 'output'), 'RRR',
             lambda lengths: two_rods(lengths[0], lengths[3], lengths[1], lengths[2]), FORWARD,
             ('sin_mu', 1.0), lambda f, a, d, _: condition_of_rods(
                 f, (a[0], a[3], a[1], a[2]), d[THETA2][0], d[THETA3], d[BETA][0])),
-        JOINT_A: Drive(
+        JOINT_A: DrivenMachine(
             ('crank', 'coupler', 'output', GROUND), 'RRR',
             lambda lengths: two_rods(lengths[1], lengths[0], lengths[2], lengths[3]),
             {'f41': ('second', -1.0), 'f21': ('base', -1.0), 'f32': ('first', -1.0),
@@ -151,7 +151,7 @@ class FourBarLinks(Kind):
                 f, (a[1], a[0], a[2], a[3]), d[THETA3][0], d[THETA4],
                 d[THETA1][0] * d[THETA4][0] + d[THETA1][1] * d[THETA4][1]),
             reversed=('crank', 'output'), turn=-1.0),
-        JOINT_B: Drive(
+        JOINT_B: DrivenMachine(
             ('coupler', 'output', GROUND, 'crank'), 'RRR',
             lambda lengths: two_rods(lengths[2], lengths[1], lengths[3], lengths[0]),
             {'f41': ('inner', -1.0), 'f21': ('second', 1.0), 'f32': ('base', -1.0),

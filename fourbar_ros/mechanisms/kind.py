@@ -4,9 +4,9 @@
 A kind: a machine of one dyad with names, classes and closed-form ranges of its own.
 
 A kind has three moving links, crank O1-A, coupler (or block) and output. For each of its inputs a
-:class:`Drive` says which machine it is: a link is the frame, another one turns or slides in it and
-is driven, and the other two are the dyad between both. Driven at the crank the frame is the
-ground; driven at A it is the crank, in which the coupler turns, and output and ground are the
+:class:`DrivenMachine` says which machine it is: a link is the frame, another one turns or slides
+in it and is driven, and the other two are the dyad between both. Driven at the crank the frame is
+the ground; driven at A it is the crank, in which the coupler turns, and output and ground are the
 dyad. Angles are those between two links, so they are read from the pose of the machine whichever
 link is the frame. Links that the machine takes from their other joint on are *reversed*.
 
@@ -64,7 +64,7 @@ Lengths = Sequence[Scalar]
 Directions = Mapping[Coordinate, Direction]
 
 
-class Drive(NamedTuple):
+class DrivenMachine(NamedTuple):
     """
     The machine that a kind is when one of its coordinates is driven.
 
@@ -196,12 +196,12 @@ class Drive(NamedTuple):
 
 class Kind(Mechanism):
     """
-    Base of the kinds, which state their fields and, for each input, a :class:`Drive`.
+    Base of the kinds, which state their fields and, for each input, a :class:`DrivenMachine`.
 
     ``PARTS`` are the coordinates in the order of the fields of a motion.
     """
 
-    DRIVES: ClassVar[Mapping[str, Drive]]
+    DRIVES: ClassVar[Mapping[str, DrivenMachine]]
     RATIOS: ClassVar[Mapping[str, Coordinate]]      # {field: coordinate, per unit of the input}
     # {'x': coordinate}: cos_x and sin_x are fields, the direction of a link
     DIRECTIONS: ClassVar[Mapping[str, Coordinate]]
@@ -212,7 +212,7 @@ class Kind(Mechanism):
     BODIES, EXTERNAL = Bodies, External
 
     @property
-    def drive(self) -> Drive:
+    def drive(self) -> DrivenMachine:
         """Return the machine that it is for its input."""
         return self.DRIVES[self.input]
 

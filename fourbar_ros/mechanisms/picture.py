@@ -22,12 +22,12 @@ Points = Mapping[str, tuple[str, float, float]]      # {name: (link, along, acro
 
 
 class Pivot(NamedTuple):
-    """A joint on the ground, under its :class:`Joint`."""
+    """A joint on the ground, under its :class:`NamedJoint`."""
 
     place: Array
 
 
-class Joint(NamedTuple):
+class NamedJoint(NamedTuple):
     """A joint by its name in the diagram."""
 
     name: str
@@ -43,8 +43,8 @@ class Arm(NamedTuple):
     end: Array
 
 
-Primitive = Bar | Block | Pivot | Joint | Arm
-Kind = TypeVar('Kind', Bar, Block, Joint, Arm)
+Primitive = Bar | Block | Pivot | NamedJoint | Arm
+Drawn = TypeVar('Drawn', Bar, Block, NamedJoint, Arm)
 
 
 class Force(NamedTuple):
@@ -69,7 +69,7 @@ def picture(mechanism: Mechanism, motion: NamedFields, points: Points | None = N
                         for place in ((0.0, 0.0), (along, 0.0), (along, across))))
             for name, (link, along, across) in (points or {}).items()]
     return [*(Pivot(diagram.joints[name]) for name in diagram.ground), *diagram.bars, *arms,
-            *diagram.blocks, *(Joint(*item) for item in diagram.joints.items())]
+            *diagram.blocks, *(NamedJoint(*item) for item in diagram.joints.items())]
 
 
 def forces_of(diagram: Diagram, loads: NamedFields) -> list[Force]:
@@ -79,7 +79,7 @@ def forces_of(diagram: Diagram, loads: NamedFields) -> list[Force]:
             for name, joint in diagram.forces.items()]
 
 
-def of_kind(kind: type[Kind], parts: Iterable[Primitive]) -> list[Kind]:
+def of_kind(kind: type[Drawn], parts: Iterable[Primitive]) -> list[Drawn]:
     """Return the primitives of one kind."""
     return [part for part in parts if isinstance(part, kind)]
 

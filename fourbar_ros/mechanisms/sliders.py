@@ -40,7 +40,7 @@ from fourbar_ros.mechanisms.contract import (
 )
 from fourbar_ros.mechanisms.kind import (
     acceleration_of_b,
-    Drive,
+    DrivenMachine,
     FORWARD,
     Kind,
     Lengths,
@@ -187,7 +187,7 @@ class SliderCrank(OffsetSlide):
     DIRECTIONS = {'x': THETA1, 'b': BETA, '2': THETA2}
     OUTPUT = ''
     DRIVES = {
-        CRANK: Drive(
+        CRANK: DrivenMachine(
             (GROUND, 'crank', 'coupler', 'output'), 'RRP',
             lambda lengths: rod_on_line(*lengths),
             {**FORWARD, 'guide_force': ('second_normal', 1.0),
@@ -195,7 +195,7 @@ class SliderCrank(OffsetSlide):
             ('cos_b', 1.0), lambda f, a, d, _: (                                        # (C2)
                 a[0] * f(d[THETA2][0]) + a[1] + f(a[2] * d[BETA][1])) / f(d[BETA][0]),
             slides=(TRAVEL,)),
-        SLIDE: Drive(
+        SLIDE: DrivenMachine(
             (GROUND, 'output', 'coupler', 'crank'), 'RRR',
             lambda lengths: rods_of_slide(lengths[2], lengths[1], lengths[0]),
             {'f41': ('second', 1.0), 'f21': ('inner', -1.0), 'f32': ('first', 1.0),
@@ -354,7 +354,7 @@ class InvertedSlider(OffsetSlide):
     DIRECTIONS = {'x': THETA1, 'y': THETA4, '2': THETA2}
     COUPLER = 'y'
     DRIVES = {
-        CRANK: Drive(
+        CRANK: DrivenMachine(
             (GROUND, 'crank', 'coupler', 'output'), 'RPR',
             lambda lengths: bar_through_block(*lengths),
             {**FORWARD, 'guide_force': ('inner_normal', 1.0),
@@ -362,7 +362,7 @@ class InvertedSlider(OffsetSlide):
             ('', 1.0), lambda f, a, d, s: (                                             # (C3)
                 a[0] * f(d[THETA2][1]) + a[1] * f(d[THETA4][1]) + f(a[2])) / f(s[TRAVEL][0]),
             slides=(TRAVEL,)),
-        SLIDE: Drive(
+        SLIDE: DrivenMachine(
             ('output', 'coupler', 'crank', GROUND), 'RRR',
             lambda lengths: rods_of_slide(lengths[2], lengths[0], lengths[1]),
             {'f41': ('inner', 1.0), 'f21': ('first', 1.0), 'f32': ('base', 1.0),
@@ -562,14 +562,14 @@ class ScotchYoke(Kind):
     DIRECTIONS = {'x': THETA1}
     COUPLER = OUTPUT = ''
     DRIVES = {
-        CRANK: Drive(
+        CRANK: DrivenMachine(
             (GROUND, 'crank', 'coupler', 'output'), 'RPP',
             lambda lengths: Numbers((lengths[0], 0.0), (0.0, lengths[1]), (1.0, 0.0, 0.0, 1.0)),
             {**FORWARD, 'guide_force': ('second_normal', 1.0),
              'guide_couple': ('second_couple', 1.0), 'slot_couple': ('inner_couple', 1.0)},
             ('', 1.0), lambda f, a, d, _: a[0] * f(d[THETA1][0]),                      # (C4)
             slides=(SLOT, TRAVEL)),
-        SLIDE: Drive(
+        SLIDE: DrivenMachine(
             (GROUND, 'output', 'crank', 'coupler'), 'RRP',
             lambda lengths: Numbers(AT_O, AT_O, (lengths[0], 0.0, 1.0)),
             {'f41': ('first', 1.0), 'f21': ('inner', 1.0), 'f32': ('second', 1.0),

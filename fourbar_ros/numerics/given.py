@@ -104,7 +104,7 @@ def records(name: str, value: Any, kind: type, whole: Any) -> Any:
     return whole(*given)
 
 
-class Quantity(NamedTuple):
+class NumberField(NamedTuple):
     """
     A number in a frozen dataclass: its meaning and allowed values.
 
@@ -145,15 +145,15 @@ class Quantity(NamedTuple):
 
 
 def quantity(default: Any = MISSING, **what: Any) -> Any:
-    """Return a field of a dataclass that is a :class:`Quantity`, of which ``what`` are fields."""
-    return field(default=default, metadata={Quantity: Quantity(**what)})
+    """Return a field of a dataclass that is a :class:`NumberField` of these fields."""
+    return field(default=default, metadata={NumberField: NumberField(**what)})
 
 
-def quantities_of(record: Any) -> Iterator[tuple[str, Any, Quantity]]:
+def quantities_of(record: Any) -> Iterator[tuple[str, Any, NumberField]]:
     """Yield (name, default, Quantity) of each quantity of a dataclass or one of its records."""
     for item in fields(record):
-        if Quantity in item.metadata:
-            yield item.name, item.default, item.metadata[Quantity]
+        if NumberField in item.metadata:
+            yield item.name, item.default, item.metadata[NumberField]
 
 
 def check_quantities(record: Any) -> None:

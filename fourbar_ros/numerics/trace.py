@@ -45,7 +45,7 @@ COMMUTES = ('add', 'mul')
 REFUSING = ('sqrt', 'truediv', 'pow', 'exact_sum', 'power_of_two')
 
 # Places of results as a formula returned them: numbers, or sequences of such.
-Places = Union[int, Sequence['Places']]
+NestedPlaces = Union[int, Sequence['NestedPlaces']]
 MakeFormula = Callable[[NumberType, Any], Function]
 
 
@@ -176,7 +176,7 @@ class Trace:
         self.varies = set(range(count))
         inputs = list(itertools.islice(numbers, count))
         formula = make_formula(RECORDED, converted(data, lambda _: next(numbers)))
-        self.results: Places = self._places_of(formula(*inputs))
+        self.results: NestedPlaces = self._places_of(formula(*inputs))
 
     def add(self, operation: str, *values: Recordable, value: Any = None) -> Recordable:
         """
@@ -227,7 +227,7 @@ class Trace:
                 self.varies.add(place)
         return place
 
-    def _places_of(self, results: Any) -> Places:
+    def _places_of(self, results: Any) -> NestedPlaces:
         """Return the places of results, nested as the formula returns them."""
         if isinstance(results, (tuple, list)):
             return tuple([self._places_of(value) for value in results])
@@ -245,7 +245,7 @@ class Trace:
         """Return the number of operations that depend on the inputs."""
         return len(self.varies) - self.count
 
-    def part(self, number: int) -> Places:
+    def part(self, number: int) -> NestedPlaces:
         """Return the places of result ``number`` of a formula with several: motion, loads."""
         assert not isinstance(self.results, int), 'the formula returns one number'
         return self.results[number]
@@ -380,12 +380,12 @@ def _passed(step: Step, values: Mapping[int, float]) -> int | None:
     return arguments[0] if does_nothing is not None and known[1] == does_nothing else None
 
 
-def _renamed(places: Places, same: Sequence[int]) -> Places:
+def _renamed(places: NestedPlaces, same: Sequence[int]) -> NestedPlaces:
     return same[places] if isinstance(places, int) else tuple([_renamed(part, same)
                                                                for part in places])
 
 
-def flat(places: Places) -> list[int]:
+def flat(places: NestedPlaces) -> list[int]:
     """Return the places of nested results in order: ((3, 5), 8) gives [3, 5, 8]."""
     return [places] if isinstance(places, int) else [place for part in places
                                                      for place in flat(part)]

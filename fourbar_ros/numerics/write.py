@@ -27,7 +27,7 @@ from typing import Any
 
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.number_types import Function, hypot_of_arrays, NumberType
-from fourbar_ros.numerics.trace import flat, OPERATIONS, Places, REFUSING, Trace
+from fourbar_ros.numerics.trace import flat, NestedPlaces, OPERATIONS, REFUSING, Trace
 import numpy as np
 
 DEEPEST = 12      # operations in one expression, one inside the other
@@ -134,7 +134,7 @@ def _text_of(trace: Trace) -> tuple[str, list[Any]]:
             (lines if varies else made).append(f'{"    " * (1 + varies)}v{place} = {whole}')
             texts[place] = f'v{place}', 0
 
-    def nested(places: Places) -> str:
+    def nested(places: NestedPlaces) -> str:
         """Return the text of results as the formula returns them: '(v5, (v7, x0, ), )'."""
         return (texts[places][0] if isinstance(places, int)
                 else f'({"".join([f"{nested(part)}, " for part in places])})')

@@ -16,7 +16,7 @@ from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.scene.message_fields import FieldMap
 from fourbar_ros.scene.scene import Group
 
-Number = TypeVar('Number', float, Array)
+FloatOrArray = TypeVar('FloatOrArray', float, Array)
 
 
 class Scale(NamedTuple):
@@ -25,14 +25,14 @@ class Scale(NamedTuple):
     ratio: float
     offset: float
 
-    def to_input(self, position: Number, velocity: Number,
-                 acceleration: Number) -> tuple[Number, Number, Number]:
+    def to_input(self, position: FloatOrArray, velocity: FloatOrArray,
+                 acceleration: FloatOrArray) -> tuple[FloatOrArray, FloatOrArray, FloatOrArray]:
         """Return the coordinate's motion from the joint's motion [rad, s] or [m, s]; NaN stays."""
         return ((position - self.offset) / self.ratio, velocity / self.ratio,
                 acceleration / self.ratio)
 
 
-class Joints:
+class SceneJoints:
     """
     The joints of a scene as a JointState shows them, one sample after the other.
 

@@ -24,7 +24,7 @@ import numpy as np
 
 if TYPE_CHECKING:      # scenes with wrenches need it
     from fourbar_ros.mechanisms.inertia import Rigid
-    from fourbar_ros.pipeline.wrenches import Acting
+    from fourbar_ros.pipeline.wrenches import ActingInput
 
 # The same numbers as the STATUS_ constants of fourbar_msgs/LinkageState (a test compares them).
 OK, OUT_OF_RANGE, INVALID_INPUT, TOGGLE, RATES_UNKNOWN, INPUT_TIMEOUT, LOADS_UNKNOWN = range(7)
@@ -113,7 +113,7 @@ class Stepper:
     :func:`evaluate`, as generated code does.
     """
 
-    def __init__(self, scene: Scene, acting: Mapping[str, Acting] | None = None,
+    def __init__(self, scene: Scene, acting: Mapping[str, ActingInput] | None = None,
                  by: Evaluate = evaluate) -> None:
         """Prepare all that depends on the scene alone; no step has been made."""
         self._scene, self._evaluate = scene, by
@@ -132,8 +132,8 @@ class Stepper:
         self._limits: list[float] | None = None
         self._joints = self._drive_wrench = None
         if not scene.shows_plain_joints:
-            from fourbar_ros.pipeline.joints import Joints
-            self._joints = Joints(scene.layout, scene.joint_states)
+            from fourbar_ros.pipeline.joints import SceneJoints
+            self._joints = SceneJoints(scene.layout, scene.joint_states)
         # outputs of the linkage with what acts on it: (name, function of it, its motion and loads,
         # values where nothing is known)
         self._of_linkage: list[tuple[
@@ -154,13 +154,13 @@ class Stepper:
             self._drive_wrench = drive_wrench(scene.linkage, scene.layout.place)
         # (position, rate) -> linkage with the forces of springs and dampers there, if any
         self._with_element_forces = scene.make_loaded(self.linkage)
-        self.acting: dict[str, Acting] = {}
+        self.acting: dict[str, ActingInput] = {}
         self._loads_unknown = False
         for name in scene.acting:
             from fourbar_ros.pipeline.wrenches import in_silence
             self.act(name, (acting or {}).get(name) or in_silence(scene, name, None))
 
-    def act(self, name: str, what: Acting) -> None:
+    def act(self, name: str, what: ActingInput) -> None:
         """
         Let a wrench act on a link, or let the base move, from the next step on.
 
@@ -291,18 +291,18 @@ class InModes:
     A drive that passes a toggle goes on in another mode than the scene's.
     """
 
-    def __init__(self, scene: Scene, acting: Mapping[str, Acting] | None = None,
+    def __init__(self, scene: Scene, acting: Mapping[str, ActingInput] | None = None,
                  by: Evaluate = evaluate) -> None:
         self._scene, self.own_mode, self._by = scene, mode_number(scene.linkage.mode), by
         self._own = Stepper(scene, acting, by)
         self._all = {self.own_mode: self._own}
 
     @property
-    def acting(self) -> dict[str, Acting]:
+    def acting(self) -> dict[str, ActingInput]:
         """Return what acts as topics say, see :meth:`Stepper.act`."""
         return self._own.acting
 
-    def act(self, name: str, what: Acting) -> None:
+    def act(self, name: str, what: ActingInput) -> None:
         """Let something act from the next step on."""
         for stepper in self._all.values():
             stepper.act(name, what)

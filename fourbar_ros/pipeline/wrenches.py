@@ -26,7 +26,7 @@ class Wrench(NamedTuple):
 
 
 UNKNOWN = Wrench(nan, nan, nan)
-Acting = Union[Wrench, Base]      # on a link, or the motion of the base
+ActingInput = Union[Wrench, Base]      # on a link, or the motion of the base
 
 
 def a_step_later(last: Wrench, before: Wrench | None) -> Wrench:
@@ -49,7 +49,7 @@ def constant(scene: Scene, link: str) -> Wrench:
     return Wrench(applied.force_x, applied.force_y, applied.couple)
 
 
-def in_silence(scene: Scene, link: str, last: Acting | None) -> Acting:
+def in_silence(scene: Scene, link: str, last: ActingInput | None) -> ActingInput:
     """Return what acts on a link, or as base, in a silence, by the scene; ``last``: the newest."""
     if link == BASE.name:
         return last if scene.base.when_silent == 'hold' and last else Base(nan, nan, nan, nan)
@@ -59,7 +59,8 @@ def in_silence(scene: Scene, link: str, last: Acting | None) -> Acting:
     return last if policy == 'hold' and last is not None else constant(scene, link)
 
 
-def loaded(linkage: Mechanism, scene: Scene, acting: Mapping[str, Acting]) -> Mechanism | None:
+def loaded(linkage: Mechanism, scene: Scene, acting: Mapping[str, ActingInput]
+           ) -> Mechanism | None:
     """
     Return a linkage with what acts on it, {link: Wrench, 'base': Base}; None if any is unknown.
 

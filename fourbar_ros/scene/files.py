@@ -29,7 +29,7 @@ class NotForNode(SceneError):
     """A parameter file contains nothing for the given node."""
 
 
-Tree = dict[str, Any]       # {name: value} of YAML, whose values may be trees
+YamlTree = dict[str, Any]       # {name: value} of YAML, whose values may be trees
 
 
 def folder() -> Path:
@@ -65,7 +65,7 @@ def shipped(among: Path | None = None) -> dict[str, Path]:
     return {file.stem: file for place in places for file in sorted(place.glob('*.yaml'))}
 
 
-def read_values(path: str | Path, node: str | None = None) -> Tree:
+def read_values(path: str | Path, node: str | None = None) -> YamlTree:
     """
     Return the flat dict of parameters in a ROS 2 parameter file as ROS reads them, unchecked.
 
@@ -76,7 +76,7 @@ def read_values(path: str | Path, node: str | None = None) -> Tree:
     """
     path, node = _file_and_node(path, node)
     trees = sections(path)
-    values: Tree = {}
+    values: YamlTree = {}
     for key, tree in trees.items():
         if is_for(key, node):
             values |= flatten(tree, path)
@@ -98,7 +98,7 @@ def table_files(values: ParameterValues) -> list[str]:
             if TABLE.fullmatch(name) and isinstance(value, str) and value]
 
 
-def beside(values: ParameterValues, scene: Path) -> Tree:
+def beside(values: ParameterValues, scene: Path) -> YamlTree:
     """Return values with the names of table files, relative to a scene's folder, as paths."""
     return {**values, **{name: str(scene.parent / values[name]) for name in table_files(values)}}
 
@@ -125,7 +125,7 @@ def document_of(path: str | Path) -> tuple[str, Any]:
         raise SceneError(f'{path}{_why_no_yaml(text, error)}') from None
 
 
-def sections(path: str | Path) -> dict[str, Tree]:
+def sections(path: str | Path) -> dict[str, YamlTree]:
     """
     Return {node or pattern of nodes: tree of parameters} of a ROS 2 parameter file.
 
@@ -186,7 +186,7 @@ def is_for(key: str, node: str | None) -> bool:
     return re.fullmatch(pattern, node) is not None
 
 
-def _sections(tree: dict[Any, Any], prefix: str = '') -> Iterator[tuple[str, Tree]]:
+def _sections(tree: dict[Any, Any], prefix: str = '') -> Iterator[tuple[str, YamlTree]]:
     """Yield (full name of a node, its parameters) of a document; namespaces may be nested."""
     for key, below in tree.items():
         if isinstance(below, dict):
@@ -196,13 +196,13 @@ def _sections(tree: dict[Any, Any], prefix: str = '') -> Iterator[tuple[str, Tre
             yield from _sections({k: v for k, v in below.items() if k != 'ros__parameters'}, name)
 
 
-def flatten(tree: dict[Any, Any], path: str | Path = '', prefix: str = '') -> Tree:
+def flatten(tree: dict[Any, Any], path: str | Path = '', prefix: str = '') -> YamlTree:
     """
     Return a nested dict with its keys joined by dots: {'a': {'b': 1}} as {'a.b': 1}.
 
     Raises SceneError for a duplicate name; ``path`` is the file that it names.
     """
-    flat: Tree = {}
+    flat: YamlTree = {}
     for key, value in tree.items():
         part = (flatten(value, path, f'{prefix}{key}.') if isinstance(value, dict)
                 else {f'{prefix}{key}': value})
@@ -219,7 +219,7 @@ def as_text(values: ParameterValues) -> str:
 
     Those that are not given (NaN) are left out; numbers have all their digits.
     """
-    tree: Tree = {}
+    tree: YamlTree = {}
     for name, value in values.items():
         if value != value:
             continue

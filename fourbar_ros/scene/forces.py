@@ -36,7 +36,7 @@ ANGLES = {'theta1': ('crank', GROUND), 'theta2': ('coupler', 'crank'),
           'theta4': ('output', GROUND), 'beta': ('coupler', GROUND)}
 
 
-class Columns(NamedTuple):
+class TableColumns(NamedTuple):
     """The two columns of a table over a position, and their units."""
 
     places: list[float]
@@ -54,7 +54,7 @@ def with_tables(values: ParameterValues) -> ParameterValues:
     replaced = dict(values)
     for name in table_files(values):
         force = name.removesuffix('.table')
-        for field in Columns._fields:
+        for field in TableColumns._fields:
             if values.get(f'{force}.{field}'):
                 raise InvalidParameter(f'{force}.{field}', values[f'{force}.{field}'],
                                        f'is in the file already: {values[name]}')
@@ -64,7 +64,7 @@ def with_tables(values: ParameterValues) -> ParameterValues:
     return replaced
 
 
-def read_table(path: Path, is_periodic: bool = False) -> Columns:
+def read_table(path: Path, is_periodic: bool = False) -> TableColumns:
     """
     Return the table of a CSV file: a header with units, then a place and a value in each row.
 
@@ -80,7 +80,7 @@ def read_table(path: Path, is_periodic: bool = False) -> Columns:
         if len(units) != 2 or unit not in known:
             raise refuse(row, 'must be two headings with units, as "theta1 [deg], pressure [bar]"'
                          f'; units are {", ".join(OF_PLACES)} and {", ".join(OF_VALUES)}')
-    table = Columns([], str(units[0]), [], str(units[1]))
+    table = TableColumns([], str(units[0]), [], str(units[1]))
     for row, texts in rows:
         if len(texts) != 2:
             raise refuse(row, f'{len(texts)} columns, must be a place and a value')

@@ -57,7 +57,7 @@ COUNTS_IN_WORDS = {1: 'one', 2: 'two', 3: 'three', 4: 'four', 5: 'five', 6: 'six
 Group = SimpleNamespace     # the parameters of a group by name: drive.speed is scene.drive.speed
 
 
-class Point(NamedTuple):
+class ScenePoint(NamedTuple):
     """A point fixed to a link, see :mod:`fourbar_ros.mechanisms.points`."""
 
     link: str
@@ -79,7 +79,7 @@ class Scene:
 
     linkage: Mechanism
     bare_linkage: Mechanism
-    points: dict[str, Point]
+    points: dict[str, ScenePoint]
     wrenches: Group                   # external.* of all links, and the links with a topic
     base: Group
     drive: Group
@@ -370,7 +370,7 @@ def from_values(values: ParameterValues) -> Scene:
         from fourbar_ros.scene.forces import forces_of, with_tables  # other scenes do without
         values = with_tables(values)
     values = check(values)
-    points = {name: Point(*(values[f'points.{name}.{field}'] for field in Point._fields))
+    points = {name: ScenePoint(*(values[f'points.{name}.{field}'] for field in ScenePoint._fields))
               for name in names_in('points', values)}
     linkage = linkage_of(values)
     links = [link.name for link in linkage.LINKS]

@@ -446,7 +446,7 @@ def test_a_disk_that_is_full_at_a_split_leaves_the_file_before_whole(tmp_path, m
 
     def full(*_):
         raise OSError(28, 'No space left on device')
-    monkeypatch.setattr(recorder, 'Part', full)
+    monkeypatch.setattr(recorder, 'BagFile', full)
     writer.clock = lambda: 10**18 + 10**9
     writer.write(0, motion(10))
     until(lambda: writer.error, 'the error')

@@ -21,7 +21,7 @@ from dataclasses import replace
 import json
 from fourbar_lab.drawing.poses import loads_table
 from fourbar_lab.export import fmu
-from fourbar_lab.export.model import Model
+from fourbar_lab.export.model import GeneratedModel
 from fourbar_lab.live.model import shown
 from fourbar_ros import Bodies, find_extrema, FourBar, load_scene, round_rod
 from fourbar_ros.ros.node.services import units_of
@@ -52,7 +52,7 @@ for density in (2700.0, 7750.0):      # two linkages that share a trace
 console = Console(width=100, record=True, file=open('/dev/null', 'w'))
 console.print(loads_table(scene.linkage, scene.linkage.loads(1.0, 25.0)))
 found['show'] = 'drive power' in console.export_text()
-model = Model(scene, 'paper', outputs=('drive_power',))
+model = GeneratedModel(scene, 'paper', outputs=('drive_power',))
 found['texts'] = model.units_and_texts['drive_power']
 found['fmu'] = fmu._exponents('W')
 print(json.dumps(found))

@@ -33,7 +33,7 @@ def test_the_list_of_formulas_finds_the_equations_of_both_documents():
         algorithm, = {row.split('|')[3] for row in formulas.source(document).splitlines()
                       if row.startswith('| algorithm')}
         assert 'search.py' in algorithm
-    assert any(name == 'Equation.ratio' for _, name in slides[24])
+    assert any(name == 'AngleEquation.ratio' for _, name in slides[24])
 
 
 def test_every_field_of_every_message_has_its_unit_or_meaning():

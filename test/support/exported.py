@@ -7,7 +7,7 @@ import shutil
 import subprocess
 
 from fourbar_lab.export.files import generate
-from fourbar_lab.export.model import Model, word
+from fourbar_lab.export.model import GeneratedModel, word
 from fourbar_ros.mechanisms.points import make_point, PointMotion
 from fourbar_ros.numerics.given import FASTEST
 from fourbar_ros.numerics.number_types import REAL
@@ -60,7 +60,8 @@ class Code:
     def __init__(self, scene, folder, name, **options):
         self.folder, self.name = folder, word(name)
         self.written = generate(scene, folder, name=name, **options)
-        self.model = Model(scene, self.name, options.get('outputs'), options.get('parameters'))
+        self.model = GeneratedModel(scene, self.name, options.get('outputs'),
+                                    options.get('parameters'))
         self.width = len(self.model.motion) + len(self.model.loads)
         text = MANY.replace('CALL', OF_BOTH if self.model.loads else OF_MOTION).replace(
             'NAME', self.name).replace('WIDTH', str(self.width))

@@ -21,12 +21,12 @@ from fourbar_ros.mechanisms.machine.describe.description import (
 from fourbar_ros.mechanisms.machine.describe.layout import Layout
 from fourbar_ros.mechanisms.machine.margins import make_assembly_margins
 from fourbar_ros.mechanisms.machine.ranges import (
-    Bound,
     DOUBLE,
+    DyadRanges,
     find_ranges,
     flat_place,
     Limit,
-    Ranges,
+    RangeEnds,
     SAME,
 )
 from fourbar_ros.mechanisms.mechanism import Mechanism
@@ -87,7 +87,7 @@ class WithLimits(Mechanism):
             raise InvalidParameter(f'dyads.{name}', None, f'cannot close at any input{why}')
 
     @cached_by_lengths
-    def _ranges(self) -> Ranges:
+    def _ranges(self) -> DyadRanges:
         """Return where all dyads close; of a slide searched twice as far as lengths and stroke."""
         size = sum(map(abs, self.lengths))
         stroke = two_numbers('stroke', self.stroke, STROKE) if self.stroke is not None else ()
@@ -155,7 +155,7 @@ class WithLimits(Mechanism):
             return replace(self, stroke=(low - reach, high + reach))
 
     @property
-    def limits(self) -> tuple[Bound, ...]:
+    def limits(self) -> tuple[RangeEnds, ...]:
         """Return (low, high) of each range, with the dyads at toggles; None: full turns."""
         return self._ranges.limits
 

@@ -78,14 +78,14 @@ class Limit(NamedTuple):
         return self._replace(x=self.x + 2.0 * pi * turns)
 
 
-Bound = tuple[Limit, Limit] | None      # the ends of a range; None: a full turn
+RangeEnds = tuple[Limit, Limit] | None      # the ends of a range; None: a full turn
 Near = Callable[[], list[complex]]
 
 
-class Ranges(NamedTuple):
+class DyadRanges(NamedTuple):
     """The ranges in which dyads close."""
 
-    limits: tuple[Bound, ...]       # (low, high) of each range, None of a full turn
+    limits: tuple[RangeEnds, ...]       # (low, high) of each range, None of a full turn
     near: tuple[Near, ...]          # searches for complex inputs at which a dyad is in line
     stopped: str = ''               # the first dyad that closes nowhere
     # {input: numbers of the pairs that lie flat there}, where the motion goes on
@@ -94,7 +94,7 @@ class Ranges(NamedTuple):
 
 
 def find_ranges(layout: Layout, numbers: Sequence[Numbers], signs: Sequence[float],
-                bounds: tuple[float, float], unit: float) -> Ranges:
+                bounds: tuple[float, float], unit: float) -> DyadRanges:
     """
     Return where all dyads of a layout close; InvalidParameter if floats cannot tell.
 
@@ -103,7 +103,7 @@ def find_ranges(layout: Layout, numbers: Sequence[Numbers], signs: Sequence[floa
     """
     search = _Search(layout, numbers, signs, unit)
     if layout.driver == 'crank':
-        limits: list[Bound] = [None]
+        limits: list[RangeEnds] = [None]
     else:
         low, high = bounds
         if layout.driver == CYLINDER:
@@ -113,14 +113,14 @@ def find_ranges(layout: Layout, numbers: Sequence[Numbers], signs: Sequence[floa
         limits = [(Limit(low, name), Limit(high, name))]
     near: list[Near] = []
     every = make_assembly_margins(ARRAY, layout, numbers, signs, len(layout.stages))
-    screens: dict[Bound, dict[int, Near]] = {}      # of each range that stood when it was screened
+    screens: dict[RangeEnds, dict[int, Near]] = {}     # of each range, as it stood when screened
     flats: dict[float, frozenset[int]] = {}
     for count, (stage, own) in enumerate(zip(layout.stages, numbers)):
         pair_range = PairRange(stage, own) if stage.pair else None
         if pair_range and pair_range.is_impossible:
-            return Ranges((), (), stage.name)
+            return DyadRanges((), (), stage.name)
         if has_toggles(stage, own):
-            found: list[Bound] = []
+            found: list[RangeEnds] = []
             for bound in limits:
                 if bound not in screens:
                     screens[bound] = _screen(bound, layout, numbers, every)
@@ -131,11 +131,11 @@ def find_ranges(layout: Layout, numbers: Sequence[Numbers], signs: Sequence[floa
                 near.append(minima)
             limits = found
             if not limits:
-                return Ranges((), (), stage.name)
+                return DyadRanges((), (), stage.name)
         if pair_range and pair_range.flats:
             flats = search.with_flats(flats, pair_range, limits, count)
-    return Ranges(tuple(limits), tuple(near), flats=dict(sorted(flats.items())),
-                  poles=tuple([partial(search.poles, bound) for bound in limits]))
+    return DyadRanges(tuple(limits), tuple(near), flats=dict(sorted(flats.items())),
+                      poles=tuple([partial(search.poles, bound) for bound in limits]))
 
 
 class _Path(NamedTuple):
@@ -150,7 +150,7 @@ class _Path(NamedTuple):
     is_closed: bool
 
     @classmethod
-    def of(cls, bound: Bound) -> _Path:
+    def of(cls, bound: RangeEnds) -> _Path:
         """Return the path of a range."""
         return cls(-pi, pi, True) if bound is None else cls(bound[0].x, bound[1].x, False)
 
@@ -213,7 +213,7 @@ def _terms(make: Function, layout: Layout, numbers: Sequence[Numbers], signs: Se
     return terms
 
 
-def _screen(bound: Bound, layout: Layout, numbers: Sequence[Numbers],
+def _screen(bound: RangeEnds, layout: Layout, numbers: Sequence[Numbers],
             every: Function) -> dict[int, Near]:
     """
     Return {number of a dyad: search for complex toggles} of dyads that close in all of a range.
@@ -273,7 +273,7 @@ class _Search:
                  unit: float) -> None:
         self._machine, self._unit = (layout, numbers, signs), unit
 
-    def split(self, bound: Bound, number: int) -> tuple[list[Bound], Near]:
+    def split(self, bound: RangeEnds, number: int) -> tuple[list[RangeEnds], Near]:
         """Return the parts of a range in which dyad ``number`` closes, and a search near them."""
         stage = self._machine[0].stages[number]
         in_complex, in_floats = [make_assembly_margins(n, *self._machine, number + 1)
@@ -353,7 +353,7 @@ class _Search:
                               else nextafter(limit, side))
             return tuple(limits)
 
-    def poles(self, bound: Bound) -> list[complex]:
+    def poles(self, bound: RangeEnds) -> list[complex]:
         """Return the complex inputs near a range at which the ends of a dyad meet."""
         path, squares = _Path.of(bound), make_squares(ARRAY, *self._machine)
         phi = path.start()
@@ -379,7 +379,7 @@ class _Search:
         return found
 
     def with_flats(self, flats: dict[float, frozenset[int]], pair_range: PairRange,
-                   limits: Sequence[Bound], number: int) -> dict[float, frozenset[int]]:
+                   limits: Sequence[RangeEnds], number: int) -> dict[float, frozenset[int]]:
         """
         Return {input: pairs that lie flat there} with pair ``number``, where motion goes on.
 
@@ -411,7 +411,7 @@ class _Search:
             return abs(difference - 2.0 * pi * round(difference / (2.0 * pi)))
         return abs(difference) / self._unit
 
-    def _flats_between(self, bound: Bound, signs: Sequence[float],
+    def _flats_between(self, bound: RangeEnds, signs: Sequence[float],
                        number: int, known: dict[float, frozenset[int]]) -> list[float]:
         """
         Return the inputs of a range at which a pair away from the crank lies flat, to one float.
@@ -447,7 +447,7 @@ class _Search:
         return found
 
 
-def _parts_between(bound: Bound, ends: list[Limit]) -> list[Bound]:
+def _parts_between(bound: RangeEnds, ends: list[Limit]) -> list[RangeEnds]:
     """Return the parts into which ends divide a range; it closes on both sides of each."""
     if not ends:
         return [bound]
@@ -455,8 +455,8 @@ def _parts_between(bound: Bound, ends: list[Limit]) -> list[Bound]:
     return list(zip(every, every[1:]))
 
 
-def _open_parts(bound: Bound, ends: list[Limit], opens_first: bool,
-                opens_last: bool) -> list[Bound]:
+def _open_parts(bound: RangeEnds, ends: list[Limit], opens_first: bool,
+                opens_last: bool) -> list[RangeEnds]:
     """
     Return the parts of a range in which a dyad closes, between every other pair of ends.
 

@@ -8,7 +8,7 @@ from math import hypot
 from typing import Any
 
 from fourbar_ros.mechanics.bodies import Base
-from fourbar_ros.pipeline.wrenches import a_step_later, Acting, in_silence, Wrench
+from fourbar_ros.pipeline.wrenches import a_step_later, ActingInput, in_silence, Wrench
 from fourbar_ros.ros.messages import resolve
 from fourbar_ros.ros.node import entities
 from fourbar_ros.ros.node.entities import Log
@@ -37,7 +37,7 @@ class ActingInputs:
                                        'base_silences') * bool(stream.scene.base.topic), 0)
         # {name: arrival of its newest message [s] by the clock of silences}, without silent ones
         self._received: dict[str, float] = {}
-        self._last: dict[str, Acting] = {}      # the last of each
+        self._last: dict[str, ActingInput] = {}      # the last of each
         self._topics: dict[str, Topic] = {link: wrench_topic(link)
                                           for link in stream.scene.wrenches.links}
         if stream.scene.base.topic:

@@ -161,7 +161,7 @@ class Worker:
                     self._tell(f'a fault in {self._thread.name}: {format_exc()}')
 
 
-Answer = Callable[[Message, Message], Message]     # (request, response) -> response
+ServiceCallback = Callable[[Message, Message], Message]     # (request, response) -> response
 
 
 def both(request: Message, response: Message) -> tuple[Message, Message]:
@@ -169,7 +169,7 @@ def both(request: Message, response: Message) -> tuple[Message, Message]:
     return request, response
 
 
-def answer_beside(service: Service, answer: Answer, busy: Answer,
+def answer_beside(service: Service, answer: ServiceCallback, busy: ServiceCallback,
                   worker_for: Callable[[Message], Worker]) -> None:
     """
     Have a service answer by ``answer(request, response)`` in the worker for the request.

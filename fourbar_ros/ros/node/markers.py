@@ -14,7 +14,7 @@ from typing import Union
 
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Bar, Block, Diagram, NamedFields, ORIGIN
-from fourbar_ros.mechanisms.picture import Arm, Force, forces_of, Joint, of_kind, picture
+from fourbar_ros.mechanisms.picture import Arm, Force, forces_of, NamedJoint, of_kind, picture
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.ros.messages import Stamp
 from fourbar_ros.scene.scene import Scene
@@ -26,7 +26,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 LONGEST = 0.4          # length of the longest arrow over the size of the mechanism
 WIDTH = 0.02           # width of a link over that size
 Colour = tuple[float, float, float]
-Place = Union[Sequence[float], Array]       # x, y, or x, y, z [m]
+MarkerPlace = Union[Sequence[float], Array]       # x, y, or x, y, z [m]
 
 LINK, JOINT, BLOCK = (0.20, 0.45, 0.70), (0.15, 0.15, 0.15), (0.45, 0.45, 0.45)
 FORCE, MOMENT, POINT = (0.10, 0.55, 0.20), (0.75, 0.35, 0.05), (0.55, 0.30, 0.00)
@@ -69,8 +69,8 @@ def pose(scene: Scene, motion: NamedFields) -> list[Marker]:
     parts = picture(scene.linkage, motion, scene.points)
     markers = [lines(frame, 'links', i, [bar[:2]], width * bar.width, LINK)
                for i, bar in enumerate(of_kind(Bar, parts))]
-    markers.append(spheres(frame, 'joints', 0, [joint.place for joint in of_kind(Joint, parts)],
-                           1.8 * width, JOINT))
+    joints = [joint.place for joint in of_kind(NamedJoint, parts)]
+    markers.append(spheres(frame, 'joints', 0, joints, 1.8 * width, JOINT))
     for i, block in enumerate(of_kind(Block, parts)):
         box = marker(frame, 'blocks', i, Marker.CUBE, BLOCK,
                      (5.0 * width, 3.0 * width, 2.0 * width))
@@ -125,7 +125,7 @@ def arrows(scene: Scene, loads: NamedFields, diagram: Diagram, scales: Scales) -
 
 
 def marker(frame: str, group: str, number: int, kind: int, colour: Colour, scale: Iterable[float],
-           places: Iterable[Place] = (), opacity: float = 1.0) -> Marker:
+           places: Iterable[MarkerPlace] = (), opacity: float = 1.0) -> Marker:
     """
     Return a marker of a kind (``Marker.LINE_LIST``, say) through places, ``scale`` in [m].
 
@@ -140,14 +140,14 @@ def marker(frame: str, group: str, number: int, kind: int, colour: Colour, scale
     return result
 
 
-def lines(frame: str, group: str, number: int, pairs: Iterable[Iterable[Place]], width: float,
-          colour: Colour, opacity: float = 1.0) -> Marker:
+def lines(frame: str, group: str, number: int, pairs: Iterable[Iterable[MarkerPlace]],
+          width: float, colour: Colour, opacity: float = 1.0) -> Marker:
     """Return a marker of separate lines from place to place; ``width`` in [m]."""
     return marker(frame, group, number, Marker.LINE_LIST, colour, (width, 0.0, 0.0),
                   [place for pair in pairs for place in pair], opacity)
 
 
-def spheres(frame: str, group: str, number: int, places: Iterable[Place], size: float,
+def spheres(frame: str, group: str, number: int, places: Iterable[MarkerPlace], size: float,
             colour: Colour) -> Marker:
     """Return a marker of spheres; ``size``: their diameter [m]."""
     return marker(frame, group, number, Marker.SPHERE_LIST, colour, (size, size, size), places)

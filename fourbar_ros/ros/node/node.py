@@ -22,7 +22,7 @@ from fourbar_ros.ros.node.entities import (
     WAITING,
     Worker,
 )
-from fourbar_ros.ros.node.stream import Run, Stream
+from fourbar_ros.ros.node.stream import RunningScene, Stream
 from fourbar_ros.scene.linkage import warnings_of
 from fourbar_ros.scene.parameters import find, meant, of_name
 from fourbar_ros.scene.scene import check_for_node, from_values, Scene
@@ -76,7 +76,7 @@ class FourBarNode(Node):
         if scene.recording.start or 'bag' in self.workers:
             from fourbar_ros.ros.node.recording import Recording  # other scenes do without
             self.recording = Recording(self)
-        self.stream = Stream(self, Run(scene), self.recording, self.log)
+        self.stream = Stream(self, RunningScene(scene), self.recording, self.log)
         self.input = self._input_of(scene.drive.source)
         self.acting = self.trajectories = None
         if scene.acting:
@@ -128,7 +128,7 @@ class FourBarNode(Node):
         callbacks of the executor and two steps, so that no input waits.
         """
         self._check(scene)
-        run = Run(scene, self.stream.run, self.stream.run.stepper.acting)
+        run = RunningScene(scene, self.stream.run, self.stream.run.stepper.acting)
 
         def swap() -> None:
             self.stream.swap(run)

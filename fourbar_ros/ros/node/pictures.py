@@ -22,7 +22,7 @@ from rclpy.publisher import Publisher
 from rclpy.serialization import serialize_message
 
 if TYPE_CHECKING:      # run imports this file
-    from fourbar_ros.ros.node.stream import Make, Run, Stream
+    from fourbar_ros.ros.node.stream import Make, RunningScene, Stream
     from tf2_msgs.msg import TFMessage
 
 
@@ -39,7 +39,7 @@ class Pictures:
         self._publishers: dict[str, Publisher] = {}      # by the names of outputs, and kept
         self._last: int | None = None                    # [ns] stamp of the last markers
 
-    def publish_latched(self, run: Run) -> None:
+    def publish_latched(self, run: RunningScene) -> None:
         """Send the latched pictures of a run that is to be in force."""
         for name, topic in run.scene.pictures.items():
             if name not in self._publishers:
@@ -48,12 +48,12 @@ class Pictures:
         for name, data in run.latched.items():
             self._send(name, data)
 
-    def record_latched(self, run: Run) -> None:
+    def record_latched(self, run: RunningScene) -> None:
         """Write the latched pictures into a new bag, which then needs no earlier messages."""
         for name, data in run.latched.items():
             self._stream.record(name, data)
 
-    def due(self, run: Run, stamp: Stamp) -> list[str]:
+    def due(self, run: RunningScene, stamp: Stamp) -> list[str]:
         """Return the pictures to make of the step of this stamp, and count from it for markers."""
         names = [name for name in run.makers if self._stream.is_recording
                  or self._publishers[name].get_subscription_count() > 0]
@@ -66,7 +66,8 @@ class Pictures:
                 self._last = now
         return names
 
-    def send(self, run: Run, names: Iterable[str], stamp: Stamp, values: Sequence[float]) -> None:
+    def send(self, run: RunningScene, names: Iterable[str], stamp: Stamp,
+             values: Sequence[float]) -> None:
         """Send these pictures of one step; ``values`` in the order of the scene's layout."""
         for name in names:
             message = run.makers[name](stamp, values)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from inspect import Parameter, Signature
 from typing import Any
 
-Info = dict[str, Any]      # of a message, as rclpy gives it
+MessageInfo = dict[str, Any]      # of a message, as rclpy gives it
 
 
 class SequenceNumbers:
@@ -62,7 +62,7 @@ class WithInfo:
     __signature__ = Signature([Parameter(name, Parameter.POSITIONAL_ONLY)
                                for name in ('message', 'info')])
 
-    def __init__(self, receive: Callable[[bytes, Info], None]) -> None:
+    def __init__(self, receive: Callable[[bytes, MessageInfo], None]) -> None:
         self._receive = receive
 
     def __call__(self, *given: Any) -> None:

@@ -39,7 +39,7 @@ from std_msgs.msg import String
 
 if TYPE_CHECKING:      # most scenes do without
     from fourbar_ros.dynamics.node_step import DriveValues
-    from fourbar_ros.pipeline.wrenches import Acting
+    from fourbar_ros.pipeline.wrenches import ActingInput
     from fourbar_ros.ros.node.pictures import Pictures
     from fourbar_ros.ros.node.recording import Recording
 
@@ -55,7 +55,8 @@ class Stream:
     two of them.
     """
 
-    def __init__(self, node: Node, run: Run, recording: Recording | None, log: Log) -> None:
+    def __init__(self, node: Node, run: RunningScene, recording: Recording | None, log: Log
+                 ) -> None:
         self._node, self.run, self._recording, self._log = node, run, recording, log
         self._lock = threading.Lock()        # held in a step, and while anything changes
         self.steps, self.bad_steps = 0, 0    # since the start; bad: the status was not OK
@@ -92,7 +93,7 @@ class Stream:
 
     # --- changes --------------------------------------------------------------------------------
 
-    def swap(self, run: Run) -> None:
+    def swap(self, run: RunningScene) -> None:
         """
         Let another run be in force; publish and record its scene.
 
@@ -134,7 +135,7 @@ class Stream:
         self._subscribed = Wanted.of(self.run, [name for name in names
                                                 if self._publishers[name].is_subscribed])
 
-    def act(self, name: str, what: Acting, stamp: Time) -> None:
+    def act(self, name: str, what: ActingInput, stamp: Time) -> None:
         """Let a wrench act on a link, or the base move, from the next step on; say so."""
         topic = applied_topic(name)
         message = resolve(topic.type)()
@@ -349,7 +350,7 @@ class Wanted(NamedTuple):
     parts: frozenset[str]     # the points and links among them
 
     @classmethod
-    def of(cls, run: Run, names: Iterable[str]) -> Wanted:
+    def of(cls, run: RunningScene, names: Iterable[str]) -> Wanted:
         """Return the work of a step of a run that sends the topics of these names."""
         wanted = set(names)
         outputs = [name for name in run.outputs if name in wanted]
@@ -368,7 +369,7 @@ class Writer(NamedTuple):
     is_packed: bool
 
 
-class Run:
+class RunningScene:
     """
     A scene in force: its steppers, its messages, its pictures, its equation of motion.
 
@@ -378,8 +379,8 @@ class Run:
     changed. FourBarError for a scene whose pictures cannot be drawn.
     """
 
-    def __init__(self, scene: Scene, before: Run | None = None,
-                 acting: Mapping[str, Acting] | None = None) -> None:
+    def __init__(self, scene: Scene, before: RunningScene | None = None,
+                 acting: Mapping[str, ActingInput] | None = None) -> None:
         self.scene, self.layout = scene, scene.layout
         self.mode = mode_number(scene.linkage.mode)
         self.unknown = (nan,) * len(self.layout.place)
@@ -409,7 +410,7 @@ class Run:
             self.conversion = Conversion(scene)
         self.renew(acting)
 
-    def renew(self, acting: Mapping[str, Acting] | None = None) -> None:
+    def renew(self, acting: Mapping[str, ActingInput] | None = None) -> None:
         """Evaluate the scene from now on without values held from before."""
         self.stepper = InModes(self.scene, acting)
         if self.scene.dynamics:
@@ -418,7 +419,7 @@ class Run:
             if self.mover:
                 self.mover.act(name, what)
 
-    def act(self, name: str, what: Acting) -> None:
+    def act(self, name: str, what: ActingInput) -> None:
         """Let a wrench act on a link, or the base move, from the next step on."""
         self.stepper.act(name, what)
         if self.mover:

@@ -14,7 +14,7 @@ from fourbar_ros.ros.messages import Message, resolve, sec_nanosec, Stamp
 from fourbar_ros.ros.node import entities
 from fourbar_ros.ros.node.clock_input import Reported
 from fourbar_ros.ros.node.entities import Log
-from fourbar_ros.ros.node.sequence import Info, SequenceNumbers, WithInfo
+from fourbar_ros.ros.node.sequence import MessageInfo, SequenceNumbers, WithInfo
 from fourbar_ros.ros.node.stream import Stream
 from fourbar_ros.scene.message_fields import driven_of, is_time
 from fourbar_ros.scene.scene import differ
@@ -124,7 +124,7 @@ class TopicInput:
         return f'{name} has no publisher' + (
             f'; {self._topic.type} comes on {", ".join(sorted(others))}' if others else '')
 
-    def _receive(self, data: bytes, info: Info) -> None:
+    def _receive(self, data: bytes, info: MessageInfo) -> None:
         """Take a message; an error in that is ours and must not end us."""
         try:
             self._sequence.take(info['publication_sequence_number'])

@@ -16,7 +16,7 @@ from fourbar_ros.pipeline.joints import Scale
 from fourbar_ros.ros.messages import Message
 from fourbar_ros.ros.node import entities
 from fourbar_ros.ros.node.entities import Abandoned, Log, Worker
-from fourbar_ros.ros.node.sequence import Info, SequenceNumbers, WithInfo
+from fourbar_ros.ros.node.sequence import MessageInfo, SequenceNumbers, WithInfo
 from fourbar_ros.ros.node.stream import Stream
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import ANSWERS, INPUT_DEPTH, TRAJECTORIES
@@ -32,7 +32,7 @@ SIDES = {'to_input': ('input', 'output'), 'to_output': ('output', 'input')}     
 FIELDS = 'positions', 'velocities', 'accelerations', 'effort'
 
 
-class Joint(NamedTuple):
+class CommandedJoint(NamedTuple):
     """A joint of a scene: its name and scale."""
 
     name: str
@@ -45,12 +45,12 @@ class Conversion:
     def __init__(self, scene: Scene) -> None:
         mechanism, shown = scene.linkage, scene.joint_states
         coordinates = [joint.coordinate for joint in mechanism.JOINTS]
-        self.joints: dict[str, Joint] = {}
+        self.joints: dict[str, CommandedJoint] = {}
         for side, coordinate in (('input', mechanism.input_coordinate),
                                  ('output', mechanism.outputs[0].coordinate)):
             place = coordinates.index(coordinate)
-            self.joints[side] = Joint(scene.joint_names[place],
-                                      Scale(shown.ratios[place], shown.offsets[place]))
+            self.joints[side] = CommandedJoint(scene.joint_names[place],
+                                               Scale(shown.ratios[place], shown.offsets[place]))
         self._transmission = scene.transmission
         self._fields: list[str] = scene.values['trajectory_fields']     # beside positions
 
@@ -72,7 +72,7 @@ class Conversion:
                   for i, point in enumerate(message.points)]
         return JointTrajectory(header=message.header, joint_names=[asked.name], points=points)
 
-    def _read(self, message: Message, joint: Joint) -> Trajectory:
+    def _read(self, message: Message, joint: CommandedJoint) -> Trajectory:
         """Return the trajectory of a joint in the mechanism's coordinate."""
         if joint.name not in message.joint_names:
             raise InvalidParameter('joint_names', list(message.joint_names),
@@ -137,7 +137,7 @@ class Trajectories:
         """Subscribe to a topic of trajectories; return the counter of its lost messages."""
         sequence = SequenceNumbers(lambda: subscription.get_publisher_count())
 
-        def take(data: bytes, info: Info) -> None:
+        def take(data: bytes, info: MessageInfo) -> None:
             sequence.take(info['publication_sequence_number'])
             self._came += 1
             if not self._worker.do(lambda: self._answer(name, data)):

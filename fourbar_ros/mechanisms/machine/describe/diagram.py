@@ -25,7 +25,7 @@ import numpy as np
 if TYPE_CHECKING:
     from fourbar_ros.mechanisms.machine.machine import Machine
 
-Places = Mapping[str, Array]        # of joints, by name
+JointPlaces = Mapping[str, Array]        # of joints, by name
 
 
 def places_of(mechanism: Machine, motion: NamedFields) -> dict[str, Array]:
@@ -87,7 +87,7 @@ def _direction(motion: NamedFields, link: str) -> Array:
     return vector(getattr(motion, f'cos_{link}'), getattr(motion, f'sin_{link}'))
 
 
-def _bars_of(stage: Stage, joints: Places, names: Mapping[str, str]) -> list[Bar]:
+def _bars_of(stage: Stage, joints: JointPlaces, names: Mapping[str, str]) -> list[Bar]:
     """Return the rods of a dyad, and the bar on which a block slides."""
     ends = {'RRR': (('first', 'inner'), ('second', 'inner')), 'RRP': (('first', 'inner'),),
             'RPR': (('second', 'inner'),), 'RPP': (('second', 'inner'),), 'PRP': ()}[stage.kind]
@@ -95,7 +95,7 @@ def _bars_of(stage: Stage, joints: Places, names: Mapping[str, str]) -> list[Bar
             if stage.links[one == 'second'] != GROUND]
 
 
-def _bars_of_parents(mechanism: Machine, motion: NamedFields, joints: Places) -> list[Bar]:
+def _bars_of_parents(mechanism: Machine, motion: NamedFields, joints: JointPlaces) -> list[Bar]:
     """Return bars from the first joint of a link to the points on it at which dyads hang."""
     found = []
     for dyad in mechanism.stages:
@@ -108,7 +108,7 @@ def _bars_of_parents(mechanism: Machine, motion: NamedFields, joints: Places) ->
     return found
 
 
-def _third_sides(mechanism: Machine, motion: NamedFields, joints: Places) -> list[Bar]:
+def _third_sides(mechanism: Machine, motion: NamedFields, joints: JointPlaces) -> list[Bar]:
     """
     Return the sides of links with three joints and more that do not begin at the first joint.
 
@@ -135,7 +135,7 @@ def _third_sides(mechanism: Machine, motion: NamedFields, joints: Places) -> lis
     return found
 
 
-def _angles(mechanism: Machine, joints: Places) -> dict[str, str]:
+def _angles(mechanism: Machine, joints: JointPlaces) -> dict[str, str]:
     """Return {field of the input's or the output's angle: joint about which its arc is drawn}."""
     places = {link.name: link.first_joint for link in mechanism.LINKS}
     found = {}

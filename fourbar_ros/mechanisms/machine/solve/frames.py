@@ -31,7 +31,7 @@ from fourbar_ros.mechanisms.machine.solve.dyads import (
 )
 from fourbar_ros.mechanisms.machine.solve.pairs import (
     FIRST_JOINT,
-    Joints,
+    KnownJoints,
     other_of,
     Place,
     Slide,
@@ -57,7 +57,7 @@ class Hanging(NamedTuple):
 
 def hangings(layout: Layout, numbers: Sequence[Numbers]) -> list[Hanging]:
     """Return how the dyads hang, in their order."""
-    joints, found = Joints(layout.driver), []
+    joints, found = KnownJoints(layout.driver), []
     for stage, own in zip(layout.stages, numbers):
         both = stage.first, stage.second
         links = next((link for link in (both, both[::-1]) if link in joints.slides), None)

@@ -93,7 +93,7 @@ def anchors_of(stage: Stage, own: Numbers) -> dict[int, tuple[int, Place]]:
     return {one: (stage.first, own.p), **({two: second} if second else {})}
 
 
-class Joints:
+class KnownJoints:
     """
     The joints of a machine between links that come before a dyad.
 
@@ -140,7 +140,8 @@ def other_of(stage: Stage) -> int:
     return stage.first if stage.turns_first else stage.second
 
 
-def _shape(stage: Stage, own: Numbers, joints: Joints, length: Function) -> tuple[Scalar, ...]:
+def _shape(stage: Stage, own: Numbers, joints: KnownJoints, length: Function
+           ) -> tuple[Scalar, ...]:
     """Return the loop of a pair besides sizes of the dyad: ``shape`` of shaped()."""
     assert stage.pair is not None
     frame, other = stage.pair.frame, other_of(stage)
@@ -169,7 +170,7 @@ def shaped(layout: Layout, numbers: Sequence[Numbers], length: Function = hypot)
     of g), of RRP (|a|, distance of the line from O, cosine and sine from the line to a, place of Q
     along it from O, O); with a slide (sigma where the slide is zero, e, its cosine and sine).
     """
-    joints, found = Joints(layout.driver), []
+    joints, found = KnownJoints(layout.driver), []
     for stage, own in zip(layout.stages, numbers):
         shape = _shape(stage, own, joints, length) if stage.pair else ()
         if stage.name == CYLINDER:
@@ -181,7 +182,7 @@ def shaped(layout: Layout, numbers: Sequence[Numbers], length: Function = hypot)
 
 def with_pairs(layout: Layout, numbers: Sequence[Numbers]) -> Layout:
     """Return a layout whose stages have a ``pair`` where the general formulas lose digits."""
-    joints, stages = Joints(layout.driver), []
+    joints, stages = KnownJoints(layout.driver), []
     for stage, own in zip(layout.stages, numbers):
         pair = None if stage.name == CYLINDER else joints.pair_of(stage)
         stages.append(stage._replace(pair=pair and _if_close(pair, stage, own, joints)))
@@ -189,7 +190,7 @@ def with_pairs(layout: Layout, numbers: Sequence[Numbers]) -> Layout:
     return layout._replace(stages=tuple(stages))
 
 
-def _if_close(pair: Pair, stage: Stage, own: Numbers, joints: Joints) -> Pair | None:
+def _if_close(pair: Pair, stage: Stage, own: Numbers, joints: KnownJoints) -> Pair | None:
     """Return a pair if it is near a change point or its lengths are unlike, else None."""
     stage = stage._replace(pair=pair)
     try:
