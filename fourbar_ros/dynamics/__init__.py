@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     from fourbar_ros.dynamics.force_table import ForceTable
     from fourbar_ros.dynamics.forces import loads_with
     from fourbar_ros.dynamics.simulation import (
-        CHANGE_POINT,
         EVENT,
         LIMIT,
         NOT_CHECKED,
@@ -54,9 +53,9 @@ if TYPE_CHECKING:
     from fourbar_ros.dynamics.system import System
 
 __all__ = [
-    'CHANGE_POINT', 'EVENT', 'LIMIT', 'NOT_CHECKED', 'NOT_CONVERGED', 'REACHED', 'STOPPED',
-    'Attachment', 'ConstantTorque', 'DCMotor', 'Drive', 'Equation', 'Equilibrium', 'Flywheel',
-    'ForceTable', 'InductionMotor', 'LinkAngle', 'MotorLine', 'PositionForce', 'Run', 'Shaft',
+    'EVENT', 'LIMIT', 'NOT_CHECKED', 'NOT_CONVERGED', 'REACHED', 'STOPPED', 'Attachment',
+    'ConstantTorque', 'DCMotor', 'Drive', 'Equation', 'Equilibrium', 'Flywheel', 'ForceTable',
+    'InductionMotor', 'LinkAngle', 'MotorLine', 'PositionForce', 'Run', 'Shaft',
     'SpeedController', 'Spring', 'System', 'TorqueTable', 'TorsionSpring', 'Way', 'equilibria',
     'flywheel_for', 'free_period', 'loads_with', 'simulate',
 ]
@@ -69,8 +68,7 @@ __getattr__, __dir__ = lazily(__name__, {
     'fourbar_ros.dynamics.force_table': 'ForceTable',
     'fourbar_ros.dynamics.forces': 'loads_with',
     'fourbar_ros.dynamics.simulation':
-        'CHANGE_POINT, EVENT, LIMIT, NOT_CHECKED, NOT_CONVERGED, REACHED, Run, simulate, '
-        'STOPPED',
+        'EVENT, LIMIT, NOT_CHECKED, NOT_CONVERGED, REACHED, Run, simulate, STOPPED',
     'fourbar_ros.dynamics.sources':
         'ConstantTorque, DCMotor, Drive, InductionMotor, MotorLine, Shaft, SpeedController, '
         'TorqueTable',

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
-from math import inf, remainder, sin, tau
+from math import inf, remainder, tau
 from typing import TYPE_CHECKING, Union
 
 from fourbar_ros.dynamics.equation import (
@@ -114,14 +114,6 @@ class Coordinate:
         except (FourBarError, ArithmeticError):
             return FARTHEST - LONGEST
         return float(min(ratio * self.unit_of_ratio, FARTHEST) - LONGEST)
-
-    def to_flat(self, time: float, state: State) -> float:
-        """Return a product that changes its sign at each flat position, to stop a run there."""
-        links, product = self.equation.coordinate, 1.0
-        for place in flat_positions(links):
-            way = float(state[0]) - place
-            product *= way if links.is_driven_by_slide else sin(0.5 * way)
-        return product
 
     def next(self, state: State) -> tuple[Coordinate, list[float]]:
         """Return the coordinate that takes over at a state, and the state in it, (T1)."""

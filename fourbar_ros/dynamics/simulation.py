@@ -27,7 +27,6 @@ from typing import Any, NamedTuple, TYPE_CHECKING
 import warnings
 
 from fourbar_ros.dynamics.coordinate import Coordinate
-from fourbar_ros.dynamics.equation import flat_positions
 from fourbar_ros.dynamics.forces import loads_with
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import FourBarError, InvalidParameter
@@ -42,15 +41,12 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Stop = Callable[[float, Any], float]      # (time, state) -> number, zero where a run stops
-# how a leg of a run ends
-COMPLETE, GAVE_UP, AT_LIMIT, AT_CHANGE_POINT, HANDED_OVER, AT_EVENT, AT_KINK = (
-    'complete', 'gave up', 'at a limit', 'at a change point', 'handed over', 'at an event',
-    'at a kink')
+# how a run ends
 REACHED, LIMIT = 'reached the end', 'reached a limit of the input'
-CHANGE_POINT, EVENT = 'reached a change point', 'stopped where asked'
-NOT_CONVERGED, NOT_CHECKED, STOPPED = 'not converged', 'not checked', 'gave up'
-STATUS_OF = {COMPLETE: REACHED, AT_LIMIT: LIMIT, AT_CHANGE_POINT: CHANGE_POINT, AT_EVENT: EVENT,
-             GAVE_UP: STOPPED}
+EVENT, STOPPED = 'stopped where asked', 'gave up'
+NOT_CONVERGED, NOT_CHECKED = 'not converged', 'not checked'
+# how a leg may end besides: the run goes on
+HANDED_OVER, AT_KINK = 'handed over', 'at a kink'
 METHODS = ('auto', 'DOP853', 'LSODA', 'Radau', 'RK45', 'BDF')
 TIGHTER = 0.1              # tolerance of a finer run over that of the rougher run
 TIGHTEST = 1e-14           # tolerance of the finest run; below it rounding governs
@@ -71,7 +67,7 @@ class Event(NamedTuple):
     """Something that ends a leg of a run."""
 
     function: Callable[..., float]       # (time, state in the coordinate) -> number: at its zeros
-    end: str                             # how the leg then ends, as AT_LIMIT
+    end: str                             # how the leg then ends, as LIMIT
     direction: float = 0.0               # 1: where it rises, -1: where it falls, 0: both
     before: float | None = None          # its value at the start, if not that of the function
 
@@ -83,7 +79,7 @@ class Leg(NamedTuple):
     time: Array                        # steps of the integrator [s], (n,)
     states: Array                      # there, in that coordinate, (states, n)
     between: Callable[[Array], Array]  # times -> states, interpolated
-    end: str                           # how it ended: COMPLETE, AT_LIMIT, ...
+    end: str                           # how it ended: REACHED, LIMIT, ...
 
     def at(self, times: Array) -> Array:
         """Return the states at times within the leg, at steps those of the integrator."""
@@ -153,8 +149,8 @@ class Run:
     asked : array, optional
         Times of the run [s]; None: the steps of the integrator.
     status : str
-        :data:`REACHED`, :data:`LIMIT`, :data:`CHANGE_POINT`, :data:`EVENT`,
-        :data:`NOT_CONVERGED`, :data:`STOPPED` or :data:`NOT_CHECKED`.
+        :data:`REACHED`, :data:`LIMIT`, :data:`EVENT`, :data:`NOT_CONVERGED`, :data:`STOPPED` or
+        :data:`NOT_CHECKED`.
     error : float
         Largest difference of the position to a run at a looser tolerance [rad] or [m].
     drift : float
@@ -189,7 +185,7 @@ class Run:
             return np.asarray(np.unique(np.concatenate([leg.time for leg in self.legs])))
         end = self._end
         asked: Array = self.asked[self.asked <= end]
-        stops_early = self.legs[-1].end != COMPLETE and not (asked.size and asked[-1] == end)
+        stops_early = self.legs[-1].end != REACHED and not (asked.size and asked[-1] == end)
         if stops_early:
             asked = np.append(asked, end)
         return asked
@@ -376,7 +372,7 @@ def simulate(system: System, until: float, tolerance: float = 1e-8, method: str 
     def run(method: str, tolerance: float, is_finer: bool = False, share: float = 1.0) -> Run:
         work.most = share * work.evaluations
         legs = tuple(_integrate(system, method, tolerance, work, stop_when, is_finer))
-        found = Run(system, legs, wanted, STATUS_OF[legs[-1].end], inf, nan, method, tolerance,
+        found = Run(system, legs, wanted, legs[-1].end, inf, nan, method, tolerance,
                     work.used, work.reason)
         return replace(found, drift=energy_drift(found))
 
@@ -482,7 +478,7 @@ def _integrate(system: System, method: str, tolerance: float, work: Work, stop_w
     breaks = _restarts(system, work.until, is_finer)
     (coordinate, state), first = system.coordinates.at(system.start), 0.0
     stop_value = nan         # of stop_when; nothing stops at the start: a zero there is none
-    end = COMPLETE
+    end = REACHED
     while first < work.until:
         if end == HANDED_OVER:
             coordinate, state = coordinate.next(state)
@@ -495,7 +491,7 @@ def _integrate(system: System, method: str, tolerance: float, work: Work, stop_w
             stop = _of_input(coordinate, stop_when)
             if first == 0.0:
                 stop_value = stop(first, np.array(state)) or nan
-            events.append(Event(stop, AT_EVENT, 0.0, stop_value))
+            events.append(Event(stop, EVENT, 0.0, stop_value))
         after = int(np.searchsorted(breaks, first, 'right'))
         last = float(breaks[after]) if after < breaks.size else work.until
         leg = _leg(coordinate, (first, last), state, method,
@@ -503,10 +499,10 @@ def _integrate(system: System, method: str, tolerance: float, work: Work, stop_w
         # two coordinates that hand over to each other at one time: nothing goes on
         stands = leg.time[-1] <= nextafter(first, inf)
         if stands and leg.end in (HANDED_OVER, AT_KINK):
-            leg = leg._replace(end=AT_LIMIT)
+            leg = leg._replace(end=LIMIT)
         yield leg
         first, state, end = float(leg.time[-1]), leg.states[:, -1].tolist(), leg.end
-        if end not in (COMPLETE, HANDED_OVER, AT_KINK):
+        if end not in (REACHED, HANDED_OVER, AT_KINK):
             return
         if stop_when is not None:
             stop_value = stop(first, leg.states[:, -1]) or stop_value
@@ -545,12 +541,12 @@ def _leg(coordinate: Coordinate, span: tuple[float, float],
     if found is None or found.t.size < 2 or not np.all(np.abs(found.y) < HUGE):
         work.reason = f'no step of {method} is short enough at {span[0]:.6g} s'
         return Leg(coordinate, np.array(span[:1]), start[:, None],
-                   lambda times: np.repeat(start[:, None], times.size, 1), GAVE_UP)
-    end = COMPLETE
+                   lambda times: np.repeat(start[:, None], times.size, 1), STOPPED)
+    end = REACHED
     if found.status == 1:
         end = ends[0]
     elif found.status == -1:
-        end, work.reason = GAVE_UP, f'no step of {method} is short enough at {found.t[-1]:.6g} s'
+        end, work.reason = STOPPED, f'no step of {method} is short enough at {found.t[-1]:.6g} s'
     return Leg(coordinate, found.t, found.y, found.sol, end)
 
 
@@ -570,7 +566,7 @@ def _restarts(system: System, until: float, is_finer: bool) -> Array:
 
 
 def _limits(system: System, coordinate: Coordinate) -> list[Event]:
-    """Return the events that end a run in a coordinate: limits of the input, change points."""
+    """Return the events that end a run in a coordinate: limits of the input."""
     passes_toggles = coordinate.can_end or system.has_no_limits
 
     def limit(time: float, state: Any) -> float:
@@ -578,12 +574,8 @@ def _limits(system: System, coordinate: Coordinate) -> list[Event]:
         position = float(coordinate.states_of_input(np.asarray(state))[0])
         return (system.distance_to_end(position) if passes_toggles
                 else system.distance_to_limit(position))
-    events = []
-    if not passes_toggles or system.has_stroke:
-        events.append(Event(limit, AT_LIMIT, -1.0))
-    if system.stops_at_change_points and flat_positions(coordinate.equation.coordinate):
-        events.append(Event(coordinate.to_flat, AT_CHANGE_POINT))
-    return events
+    is_limited = not passes_toggles or system.has_stroke
+    return [Event(limit, LIMIT, -1.0)] if is_limited else []
 
 
 def _remembered(event: Event, first: float) -> Callable[..., float]:
@@ -615,7 +607,7 @@ def _watch(work: Work, first: float) -> Event:
                 stop = 0.5 * (before + time)
             before = time
         return min(stop - time, 1.0)
-    return Event(left, GAVE_UP, -1.0)
+    return Event(left, STOPPED, -1.0)
 
 
 def _piece(coordinate: Coordinate, first: float, state: list[float]) -> Event:

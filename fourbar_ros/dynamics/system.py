@@ -46,20 +46,15 @@ class System:
     drive : Drive, optional
         Without one the mechanism moves freely. Its motor starts at the position and rate of the
         input.
-    stops_at_change_points : bool
-        Whether a run ends where the mechanism lies flat in an exact change point, instead of going
-        on smoothly.
 
     """
 
     def __init__(self, mechanism: Mechanism, position: float, rate: float = 0.0,
-                 elements: Sequence[Element] = (), drive: Drive | None = None,
-                 stops_at_change_points: bool = False) -> None:
+                 elements: Sequence[Element] = (), drive: Drive | None = None) -> None:
         """Set up names and start of the state; integrators use the mechanism without stroke."""
         if not isinstance(drive, (Drive, type(None))):
             raise InvalidParameter('drive', drive,
                                    'must be a Drive, as Drive(ConstantTorque(5.0))')
-        self.stops_at_change_points = stops_at_change_points
         self.drive, self._with_stroke, self._stroke = drive, mechanism, mechanism.stroke
         # an integrator's trial steps go beyond the end at which the run stops
         mechanism = mechanism.without_stroke()
@@ -82,8 +77,7 @@ class System:
 
     def __reduce__(self) -> tuple[object, ...]:
         """Pickle the arguments only: functions cannot be pickled, and are made again."""
-        return System, (self._with_stroke, *self.start[:2], self.elements, self.drive,
-                        self.stops_at_change_points)
+        return System, (self._with_stroke, *self.start[:2], self.elements, self.drive)
 
     def make_equation(self, mechanism: Mechanism, start: float,
                       coordinate: DrivenLinks | None = None) -> Equation:

@@ -10,7 +10,6 @@ from fourbar_ros.dynamics.elements import Attachment, GROUND, Spring, TorsionSpr
 from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.dynamics.node_step import Mover, NOT_FINITE, OK
 from fourbar_ros.dynamics.simulation import (
-    CHANGE_POINT,
     LIMIT,
     NOT_CONVERGED,
     REACHED,
@@ -35,7 +34,7 @@ from support.dynamics_problems import paper_linkage
 from support.samples import some
 
 scipy = pytest.importorskip('scipy')
-STATUSES = {REACHED, LIMIT, CHANGE_POINT, NOT_CONVERGED, STOPPED}
+STATUSES = {REACHED, LIMIT, NOT_CONVERGED, STOPPED}
 HEAVY = paper_linkage(gravity=(0.0, -9.81))
 
 
