@@ -9,7 +9,7 @@ from pathlib import Path
 import shutil
 import tempfile
 
-from bag.test_recorder import assert_every_reader_takes, until
+from bag.test_recorder import assert_every_reader_takes, numbers, until
 from fourbar_ros.bag.metadata import number_of
 from fourbar_ros.bag.overview import info
 from fourbar_ros.bag.reader import Bag
@@ -21,11 +21,6 @@ from support import bags
 from support.bags import MOTION, motion
 
 TEXT = bags.channel('/text', 'std_msgs/msg/String')
-
-
-def numbers(path):
-    """Return the numbers of the motions of a bag."""
-    return [record.message.position for record in Bag(path).records([MOTION.topic])]
 
 
 class Recording(RuleBasedStateMachine):

@@ -236,9 +236,7 @@ def test_what_is_written_makes_room_for_more(tmp_path, monkeypatch):
     writer = open_bag(tmp_path)
     for k in range(8):
         assert writer.write(0, motion(k))
-        until = time.monotonic() + PATIENCE
-        while writer.waiting and time.monotonic() < until:
-            time.sleep(0.001)
+        until(lambda: not writer.waiting, 'a flush')
     assert numbers(writer.close()) == list(range(8)) and not writer.dropped
 
 
