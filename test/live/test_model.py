@@ -300,7 +300,7 @@ def test_links_carry_the_state_and_read_back():
     values = load(find('paper')).values
     changed = values | {'linkage.a2': 1.1 + 2.0**-40, 'linkage.mode': 1}
     query = dict(part.split('=') for part in links.address(
-        links.Link('paper', values, changed, 61.5, 0.25)).split('&'))
+        links.PageAddress('paper', values, changed, 61.5, 0.25)).split('&'))
     _, first, found, at, acceleration = links.read(query, 'paper', values)
     assert first == values
     assert (at, acceleration) == (61.5, 0.25)
