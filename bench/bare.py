@@ -3,7 +3,7 @@
 """
 A bare rclpy node to compare with.
 
-The same messages, nothing computed, nothing filled but the stamp.
+The same messages, nothing computed, nothing filled but the stamp; one parameter, ``gravity.y``.
 """
 import signal
 import sys
@@ -41,6 +41,7 @@ def run(kind, rate, outputs):
         signal.signal(number, lambda *_: stop.set())
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     node = rclpy.create_node('bare')
+    node.declare_parameter('gravity.y', -9.81)
     messages = messages_of(node, outputs)
 
     def send(stamp):

@@ -4,9 +4,9 @@
 Inputs of 100 and 500 Hz beside live changes: ``python -m bench.live_changes [SCENE]``.
 
 Another process asks for the changes, at the lowest priority: what is measured is the node. Beside
-it the same changes of another node, which take the processor and nothing else from this one.
+it a bare rclpy node that answers the same inputs, and takes the same changes of a parameter that
+means nothing to it; and this node while the bare one is changed, which takes the processor alone.
 """
-from itertools import product
 import os
 from pathlib import Path
 import statistics
@@ -15,6 +15,7 @@ import sys
 import tempfile
 import time
 
+from bench.processes import bare
 from fourbar_msgs.msg import Motion
 from fourbar_ros.ros.messages import resolve
 from fourbar_ros.scene.files import read_values
@@ -25,16 +26,19 @@ from rclpy.parameter import Parameter
 sys.path.insert(0, str(Path(__file__).parent.parent / 'test'))
 from support.harness import Client, NodeProcess  # noqa: E402
 
-RATES, SECONDS, CHANGES = (100, 500), 4.0, (0, 20, 100)     # [Hz], [s], [Hz]
+RATES, SECONDS, CHANGES = (100, 500), 4.0, (20, 100)        # [Hz], [s], [Hz]
+# which node answers and which is changed
+ALONE = (('fourbar', ''), ('bare', ''))
+CHANGED = (('fourbar', 'fourbar'), ('bare', 'bare'), ('fourbar', 'bare'))
 
 
 class Stream:
     """Sends motions on a grid of time; notes when each was sent and answered [ns]."""
 
-    def __init__(self, client):
+    def __init__(self, client, node):
         self.client, self.sent, self.heard = client, {}, {}
-        self.publisher = client.publisher()
-        client.node.create_subscription(resolve(OUTPUTS['state'].type), '/fourbar/state',
+        self.publisher = client.publisher(node=node)
+        client.node.create_subscription(resolve(OUTPUTS['state'].type), f'/{node}/state',
                                         self.take, 1000)
         client.until(lambda: self.send(-1) or -1 in self.heard, 'an answer')
         client.spin(0.5)
@@ -85,18 +89,20 @@ def change(rate, node):
 
 def main(scene='paper'):
     """Print a row for each rate of changes."""
-    print('| inputs [Hz] | changes [1/s] | of | applied | inputs lost | p50 [ms] | p99 | max |')
-    print('| --- | --- | --- | --- | --- | --- | --- | --- |')
+    print('| inputs [Hz] | answered by | changes [1/s] | of | applied | inputs lost | p50 [ms] '
+          '| p99 | max |')
+    print('| --- | --- | --- | --- | --- | --- | --- | --- | --- |')
     with tempfile.TemporaryDirectory() as folder:
         parameters = {**read_values(scene), 'drive.source': 'motion'}
-        nodes = [NodeProcess(parameters, Path(folder), name) for name in ('fourbar', 'other')]
+        nodes = [NodeProcess(parameters, Path(folder)), bare('echo')]
         client = Client()
         try:
-            stream = Stream(client)
-            for rate, changes, changed in product(RATES, CHANGES, ('fourbar', 'other')):
-                changer = None
-                if not changes and changed == 'other':
-                    continue
+            streams = {name: Stream(client, name) for name in ('fourbar', 'bare')}
+            rows = [(rate, *asked) for rate in RATES
+                    for asked in ((0, ALONE), *((changes, CHANGED) for changes in CHANGES))]
+            for rate, changes, answered, changed in (
+                    (rate, changes, *pair) for rate, changes, pairs in rows for pair in pairs):
+                stream, changer = streams[answered], None
                 if changes:
                     changer = subprocess.Popen(
                         [sys.executable, '-m', 'bench.live_changes', '--change', str(changes),
@@ -105,8 +111,7 @@ def main(scene='paper'):
                     changer.stdout.readline()
                 late = stream.run(rate)
                 applied = changer.communicate()[0].strip() if changer else '0 of 0'
-                which = ('this node' if changed == 'fourbar' else 'another') if changes else ''
-                print(f'| {rate} | {changes} | {which} | {applied} | '
+                print(f'| {rate} | {answered} | {changes} | {changed} | {applied} | '
                       f'{len(stream.sent) - len(late)} of {len(stream.sent)} | '
                       f'{statistics.median(late):.2f} | {late[int(0.99 * len(late))]:.2f} | '
                       f'{late[-1]:.2f} |', flush=True)
