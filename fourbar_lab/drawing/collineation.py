@@ -29,11 +29,13 @@ docs/extrema.md derives both.
 """
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.mechanisms.four_bars import FourBar
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields
+from fourbar_ros.mechanisms.sliders import InvertedSlider, SliderCrank
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
@@ -89,11 +91,10 @@ def collineation_axis(linkage: Mechanism, motion: NamedFields) -> CollineationAx
         Another mechanism, or one that its slide drives.
 
     """
-    corners = linkage.corners(motion)
-    if not corners:
+    if not has_axis(linkage):
         raise InvalidParameter('linkage', type(linkage).__name__, 'must be a four-bar or a '
                                'slider-crank that its crank drives')
-    unit = max(map(abs, linkage.lengths))
+    corners, unit = _corners(linkage, motion), max(map(abs, linkage.lengths))
     scales = [unit if w else 1.0 for *_, w in corners]       # a direction has no unit
     o1, a, b, o4 = (np.stack(np.broadcast_arrays(x / scale, y / scale, w, motion.theta1)[:-1])
                     for (x, y, w), scale in zip(corners, scales))
@@ -104,6 +105,26 @@ def collineation_axis(linkage: Mechanism, motion: NamedFields) -> CollineationAx
     lines['axis'] = axis = _cross(p13, p24)
     return CollineationAxis(p13, p24, coupler[0] * axis[0] + coupler[1] * axis[1],
                             coupler[0] * axis[1] - coupler[1] * axis[0], lines)
+
+
+def has_axis(linkage: Mechanism) -> bool:
+    """Return whether it is a loop of four links that its crank drives."""
+    return (isinstance(linkage, (FourBar, SliderCrank, InvertedSlider))
+            and not linkage.is_driven_by_slide)
+
+
+def _corners(linkage: Mechanism, motion: Any) -> tuple[tuple[Any, Any, float], ...]:
+    """Return the joints O1, A, B, O4 of a loop, each as (x w, y w, w)."""
+    a1 = linkage.lengths[0]
+    at_o1, at_a = (0.0, 0.0, 1.0), (a1 * np.cos(motion.theta1), a1 * np.sin(motion.theta1), 1.0)
+    if isinstance(linkage, FourBar):
+        _, _, a3, a4 = linkage.lengths
+        at_b = a4 + a3 * np.cos(motion.theta4), a3 * np.sin(motion.theta4), 1.0
+        return at_o1, at_a, at_b, (a4, 0.0, 1.0)
+    if isinstance(linkage, SliderCrank):        # O4 is at infinity, square to the guide
+        return at_o1, at_a, (motion.slide, linkage.offset, 1.0), (0.0, 1.0, 0.0)
+    at_b = -np.sin(motion.theta4), np.cos(motion.theta4), 0.0     # ... square to the bar
+    return at_o1, at_a, at_b, (linkage.lengths[1], 0.0, 1.0)
 
 
 def _cross(one: Array, other: Array) -> Array:

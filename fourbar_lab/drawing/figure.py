@@ -17,10 +17,11 @@ from typing import Any, NamedTuple, TYPE_CHECKING
 
 from fourbar_lab.drawing.labels import labels_of, significant
 from fourbar_lab.drawing.mechanism_panel import draw_mechanism, sides_of
+from fourbar_lab.drawing.polygons import acceleration_polygon, Arrow, velocity_polygon
 from fourbar_lab.drawing.sheet import Sheet
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import Arrow, NamedFields, ORIGIN
+from fourbar_ros.mechanisms.parts import NamedFields, ORIGIN
 from fourbar_ros.mechanisms.picture import Points
 from fourbar_ros.numerics.arrays import Array
 
@@ -126,8 +127,9 @@ def make_figure(mechanism: Mechanism, motion: NamedFields, loads: NamedFields | 
         below = f'   ${symbol}$: force {of_whom}' if loads else ''
         draw_mechanism(axes[0], mechanism, motion, loads, points, names, units.length,
                        f'mechanism{below}')
-        draw_polygon(axes[1], mechanism.velocity_polygon(motion), 'velocities', units.speed, names)
-        draw_polygon(axes[2], mechanism.acceleration_polygon(motion), 'accelerations',
+        draw_polygon(axes[1], velocity_polygon(mechanism, motion), 'velocities', units.speed,
+                     names)
+        draw_polygon(axes[2], acceleration_polygon(mechanism, motion), 'accelerations',
                      units.acceleration, names)
     return figure
 

@@ -9,9 +9,10 @@ import re
 from typing import TYPE_CHECKING
 
 from fourbar_lab.drawing.labels import labels_of, load_lines, motion_lines, symbol_of
+from fourbar_lab.drawing.polygons import Arrow, without_repeats
 from fourbar_lab.drawing.sheet import Sheet
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import Arrow, Bar, Block, Diagram, NamedFields, without_repeats
+from fourbar_ros.mechanisms.parts import Bar, Block, Diagram, NamedFields
 from fourbar_ros.mechanisms.picture import (
     Arm,
     forces_of,

@@ -10,6 +10,7 @@ from math import ceil, degrees, isfinite, remainder, tau
 from typing import Any, NamedTuple
 
 from fourbar_lab.drawing.axis import AXIS_ANGLE, axis_angle
+from fourbar_lab.drawing.collineation import has_axis
 from fourbar_lab.drawing.cycles import cycles, usual_points
 from fourbar_lab.drawing.labels import Labels, labels_of
 from fourbar_ros.extrema.find import Extremum, find_extrema
@@ -121,7 +122,7 @@ class Shown:
     @cached_property
     def has_axis(self) -> bool:
         """Return whether it has a collineation axis."""
-        return any(self.linkage.corners(motion) for motion, _ in self.poses[:1])
+        return bool(self.poses) and has_axis(self.linkage)
 
     @property
     def usual_quantities(self) -> list[str]:

@@ -13,12 +13,13 @@ from fourbar_lab.drawing.axis import axis_angle, axis_parts
 from fourbar_lab.drawing.cycles import bounded, ground_forces, vectors_of
 from fourbar_lab.drawing.labels import significant
 from fourbar_lab.drawing.mechanism_panel import sides_of
+from fourbar_lab.drawing.polygons import acceleration_polygon, Arrow, velocity_polygon
 from fourbar_lab.drawing.sheet import nice
 from fourbar_lab.live import svg
 from fourbar_lab.live.model import PagePose, Shown
 from fourbar_lab.live.svg import HEIGHT, MARGIN, STYLE, View, view_of, WIDTH
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import Arrow, Diagram, NamedFields, ORIGIN
+from fourbar_ros.mechanisms.parts import Diagram, NamedFields, ORIGIN
 from fourbar_ros.mechanisms.picture import Arm, forces_of, of_kind, picture
 from fourbar_ros.mechanisms.points import instant_centre, link_motion, LinkMotion
 from fourbar_ros.numerics.arrays import Array
@@ -29,7 +30,9 @@ DOWN = np.array([1.0, -1.0])       # pixels count downwards
 NEAR = 24.0                        # [px] a joint is caught from so far
 MOST_EDGE = 130.0                  # [px] that arrows may take of a side at most
 FITS = 4                           # steps to find how much they need
-POLYGONS = {'velocity': 'm/s', 'acceleration': 'm/s²'}      # and their units
+# {name: (its arrows, their unit)}
+POLYGONS = {'velocity': (velocity_polygon, 'm/s'),
+            'acceleration': (acceleration_polygon, 'm/s²')}
 
 
 class Layers(NamedTuple):
@@ -211,9 +214,10 @@ Drawn = Callable[[float, PagePose], str]        # of an input in the unit of the
 
 def polygon_drawing(shown: Shown, name: str) -> Drawn:
     """Return how the velocity or acceleration polygon is drawn, at one scale for all poses."""
-    polygon, unit = getattr(shown.linkage, f'{name}_polygon'), POLYGONS[name]
-    view = polygon_view([polygon(pose.motion) for pose in shown.poses])
-    return lambda at, pose: polygon_svg(polygon(pose.motion), view, unit, shown.labels.letters)
+    polygon, unit = POLYGONS[name]
+    view = polygon_view([polygon(shown.linkage, pose.motion) for pose in shown.poses])
+    return lambda at, pose: polygon_svg(polygon(shown.linkage, pose.motion), view, unit,
+                                        shown.labels.letters)
 
 
 def force_drawing(shown: Shown) -> tuple[str, Drawn]:

@@ -11,6 +11,7 @@ from cmath import phase
 from collections.abc import Sequence
 from math import atan, degrees, hypot, nan, pi, sqrt
 
+from fourbar_lab.drawing.moving_frames import acceleration_terms, turned
 from fourbar_lab.reproduction.documents import (
     ANSWERED,
     ASSUMED,
@@ -51,7 +52,6 @@ from fourbar_lab.reproduction.published import (
     TURN,
 )
 from fourbar_ros.extrema.find import find_extrema
-from fourbar_ros.mechanics.moving_frames import acceleration_terms, turned
 from fourbar_ros.mechanisms.contract import CROSSED, OPEN
 from fourbar_ros.mechanisms.four_bars import FourBar
 from fourbar_ros.mechanisms.points import link_motion, point_motion

@@ -17,7 +17,6 @@ from typing import Any, ClassVar, NamedTuple, TypeVar
 from fourbar_ros.errors import InvalidParameter, one_of
 from fourbar_ros.mechanics.bodies import Applied, applied_to, Body, Gravity
 from fourbar_ros.mechanisms.parts import (
-    Arrow,
     Connection,
     Coordinate,
     Diagram,
@@ -166,26 +165,9 @@ class Contract(ABC):
 
     # --- its pictures ----------------------------------------------------------------------------
 
-    def corners(self, motion: NamedFields) -> tuple[tuple[Scalar, Scalar, float], ...]:
-        """
-        Return the joints O1, A, B, O4 of a loop driven by its crank, each as (x w, y w, w).
-
-        The coordinates are homogeneous because a slide is a joint at infinity, w = 0. Empty for
-        any other mechanism.
-        """
-        return ()
-
     @abstractmethod
     def diagram(self, motion: NamedFields) -> Diagram:
         """Return the contents of a picture in one pose."""
-
-    @abstractmethod
-    def velocity_polygon(self, motion: NamedFields) -> list[Arrow]:
-        """Return the arrows of the velocities [m/s]; the pole is the origin."""
-
-    @abstractmethod
-    def acceleration_polygon(self, motion: NamedFields) -> list[Arrow]:
-        """Return the arrows of the accelerations [m/s^2]; the pole is the origin."""
 
     # --- some kinds give these ------------------------------------------------------------------
 

@@ -38,25 +38,20 @@ from fourbar_ros.mechanisms.contract import (
     OPEN,
 )
 from fourbar_ros.mechanisms.kind import (
-    acceleration_of_b,
     DrivenMachine,
     FORWARD,
     Kind,
     Lengths,
     results,
-    velocity_of_b,
 )
 from fourbar_ros.mechanisms.kinds import FACTS
 from fourbar_ros.mechanisms.machine.describe.description import Numbers
 from fourbar_ros.mechanisms.parts import (
-    around,
-    Arrow,
     Bar,
     BETA,
     Connection,
     Diagram,
     GROUND,
-    NamedFields,
     ORIGIN,
     Output,
     Ranges,
@@ -66,10 +61,9 @@ from fourbar_ros.mechanisms.parts import (
     THETA3,
     THETA4,
 )
-from fourbar_ros.mechanisms.points import link_motion, point_motion
+from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.numerics.exact_sums import difference_of_squares
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
-import numpy as np
 
 if TYPE_CHECKING:
     from fourbar_ros.mechanisms.machine.seen_from_link import SeenFromLink
@@ -215,14 +209,6 @@ class FourBarLinks(Kind):
                                                           'f43': 'O_4'},
                        {'theta1': 'O_1', 'theta4': 'O_4'})
 
-    velocity_polygon = velocity_of_b
-
-    def acceleration_polygon(self, motion: Any) -> list[Arrow]:
-        """Return the arrows of A_B = A_A + A_B/A, with normal and tangential parts [m/s^2]."""
-        output = link_motion(self, motion, 'output')
-        return [*acceleration_of_b(self, motion),
-                *around(ORIGIN, output, self.a3 * output.direction, 'B')]
-
 
 @dataclass(frozen=True)
 class FourBar(FourBarLinks):
@@ -341,13 +327,6 @@ class FourBar(FourBarLinks):
         drive = self.drive
         return tuple([SeenFromLink(drive.layout, [drive.numbers(self.lengths)], [self.sign], 0,
                                    mode) for mode in self.MODES])
-
-    def corners(self, motion: NamedFields) -> tuple[tuple[Scalar, Scalar, float], ...]:
-        """Return O1, A, B, O4, each as (x w, y w, w) with w = 1; see Contract.corners."""
-        return ((0.0, 0.0, 1.0),
-                (self.a1 * np.cos(motion.theta1), self.a1 * np.sin(motion.theta1), 1.0),
-                (self.a4 + self.a3 * np.cos(motion.theta4), self.a3 * np.sin(motion.theta4), 1.0),
-                (self.a4, 0.0, 1.0))
 
 
 def seen_lengths(lengths: tuple[Scalar, ...],

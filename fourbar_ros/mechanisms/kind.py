@@ -29,8 +29,6 @@ from fourbar_ros.mechanisms.machine.solve.frames import hangings, Poses
 from fourbar_ros.mechanisms.machine.solve.pairs import make_moves
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import (
-    around,
-    Arrow,
     BETA,
     Coordinate,
     GROUND,
@@ -40,11 +38,9 @@ from fourbar_ros.mechanisms.parts import (
     THETA2,
     THETA3,
     THETA4,
-    total,
     TRAVEL,
 )
-from fourbar_ros.mechanisms.parts import ORIGIN as AT_ORIGIN
-from fourbar_ros.mechanisms.points import FIXED, link_motion, LinkMotion, point_motion, point_of
+from fourbar_ros.mechanisms.points import FIXED, LinkMotion, point_of
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 
 if TYPE_CHECKING:
@@ -354,23 +350,6 @@ class Kind(Mechanism):
 # Reactions where the crank drives the first link of the dyad.
 FORWARD = {'f41': ('base', 1.0), 'f21': ('first', -1.0), 'f32': ('inner', 1.0),
            'f43': ('second', 1.0)}
-
-
-def acceleration_of_b(mechanism: Kind, motion: NamedFields) -> list[Arrow]:
-    """Return the arrows of A_B = A_A + A_B/A, with normal and tangential parts [m/s^2]."""
-    crank, coupler = (link_motion(mechanism, motion, link) for link in ('crank', 'coupler'))
-    (a1, a2), (a_a, a_b) = mechanism.lengths[:2], (
-        point_motion(mechanism, motion, link, length).acceleration
-        for link, length in zip(('crank', 'coupler'), mechanism.lengths))
-    return [total(a_a, 'A_A'), *around(AT_ORIGIN, crank, a1 * crank.direction, 'A'),
-            *around(a_a, coupler, a2 * coupler.direction, 'B/A'), total(a_b, 'A_B')]
-
-
-def velocity_of_b(mechanism: Kind, motion: NamedFields) -> list[Arrow]:
-    """Return the arrows of V_B = V_A + V_B/A [m/s]."""
-    v_a, v_b = (point_motion(mechanism, motion, link, length).velocity
-                for link, length in zip(('crank', 'coupler'), mechanism.lengths))
-    return [total(v_a, 'V_A'), total(v_b, 'V_B'), Arrow(v_a, v_b - v_a, 'V_{B/A}', False)]
 
 
 def results(kind: Any, motion: str, loads: str) -> tuple[Any, Any]:

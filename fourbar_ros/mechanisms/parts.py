@@ -4,13 +4,12 @@
 from __future__ import annotations
 
 from collections import namedtuple
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from functools import cache
 from math import cos, sin
 from typing import Any, ClassVar, NamedTuple, NoReturn, Protocol
 
 from fourbar_ros.errors import MissingBodies
-from fourbar_ros.mechanisms.points import LinkMotion
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.number_types import Scalar
 import numpy as np
@@ -247,53 +246,3 @@ class Diagram(NamedTuple):
 
 
 ORIGIN = np.zeros(2)      # O1, and the pole of polygons
-
-
-class Arrow(NamedTuple):
-    """One side of a velocity or acceleration polygon; a sum starts at the pole, parts chain up."""
-
-    start: Array
-    vector: Array
-    label: str             # mathtext without dollars
-    is_sum: bool
-
-
-def total(vector: Array, label: str) -> Arrow:
-    """Return the arrow from the pole of a whole velocity or acceleration."""
-    return Arrow(ORIGIN, vector, label, True)
-
-
-def without_repeats(arrows: Sequence[Arrow], least: float) -> list[Arrow]:
-    """
-    Return the arrows without the parts that coincide with a sum, but for less than ``least``.
-
-    At zero alpha the normal part of an acceleration is all of it: one arrow with two labels.
-    """
-    sums = [arrow for arrow in arrows if arrow.is_sum]
-
-    def repeats(part: Arrow) -> bool:
-        """Return whether a part lies on one of the sums."""
-        return any(np.allclose(part.vector, whole.vector, 0.0, least)
-                   and np.allclose(part.start, whole.start) for whole in sums)
-    return [arrow for arrow in arrows if arrow.is_sum or not repeats(arrow)]
-
-
-def chain(start: Array, *steps: tuple[Array, str]) -> list[Arrow]:
-    """Return arrows of (vector, label), each starting where the one before ends."""
-    arrows = []
-    for vector, label in steps:
-        arrows.append(Arrow(start, vector, label, False))
-        start = start + vector
-    return arrows
-
-
-def around(start: Array, link: LinkMotion, arm: Array, name: str) -> list[Arrow]:
-    """
-    Return the arrows omega x (omega x arm) and alpha x arm, labelled A_name^n and A_name^t.
-
-    They are the acceleration of a point of a link relative to another one, ``arm`` [m] away;
-    ``start`` is the tip of that one's arrow [m/s^2].
-    """
-    from fourbar_ros.mechanics.moving_frames import acceleration_terms  # pictures alone need it
-    terms = acceleration_terms(ORIGIN, link.omega, link.alpha, arm)
-    return chain(start, (terms.normal, f'A_{{{name}}}^n'), (terms.tangential, f'A_{{{name}}}^t'))

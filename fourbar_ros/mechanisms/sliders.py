@@ -22,7 +22,6 @@ from typing import NamedTuple
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Bodies, External, Gravity
-from fourbar_ros.mechanics.moving_frames import acceleration_terms, turned
 from fourbar_ros.mechanisms.closed_forms import (
     bar_ranges,
     reach,
@@ -39,23 +38,18 @@ from fourbar_ros.mechanisms.contract import (
     SLIDE,
 )
 from fourbar_ros.mechanisms.kind import (
-    acceleration_of_b,
     DrivenMachine,
     FORWARD,
     Kind,
     Lengths,
     results,
-    velocity_of_b,
 )
 from fourbar_ros.mechanisms.kinds import FACTS
 from fourbar_ros.mechanisms.machine.describe.description import Numbers
 from fourbar_ros.mechanisms.parts import (
-    around,
-    Arrow,
     Bar,
     BETA,
     Block,
-    chain,
     Connection,
     Diagram,
     GROUND,
@@ -69,7 +63,6 @@ from fourbar_ros.mechanisms.parts import (
     THETA2,
     THETA3,
     THETA4,
-    total,
     TRAVEL,
 )
 from fourbar_ros.mechanisms.points import link_motion, LinkMotion, point_motion
@@ -260,14 +253,6 @@ class SliderCrank(OffsetSlide):
         found: Scalar = motion.cos_b if self.input == CRANK else motion.sin_2
         return found
 
-    def corners(self, motion: NamedFields) -> tuple[tuple[Scalar, Scalar, float], ...]:
-        """Return O1, A, B, O4, each as (x w, y w, w); O4 is at infinity, square to the guide."""
-        if self.is_driven_by_slide:
-            return ()
-        return ((0.0, 0.0, 1.0),
-                (self.a1 * np.cos(motion.theta1), self.a1 * np.sin(motion.theta1), 1.0),
-                (motion.slide, self.offset, 1.0), (0.0, 1.0, 0.0))
-
     def diagram(self, motion: NamedFields) -> Diagram:
         """Return the picture of one pose: two bars and the slider on its guide."""
         a, b = (point_motion(self, motion, link, along).place
@@ -275,8 +260,6 @@ class SliderCrank(OffsetSlide):
         return Diagram({'O_1': ORIGIN, 'A': a, 'B': b}, ('O_1',), (Bar(ORIGIN, a), Bar(a, b)),
                        (Block(b, np.array([1.0, 0.0]), is_guided=True),),
                        {'f41': 'O_1', 'f21': 'A', 'f32': 'B', 'f43': 'B'}, {'theta1': 'O_1'})
-
-    velocity_polygon, acceleration_polygon = velocity_of_b, acceleration_of_b
 
 
 class InvertedDeadPoint(NamedTuple):
@@ -447,14 +430,6 @@ class InvertedSlider(OffsetSlide):
         found: Scalar = opposite / (slide * slide + aside * aside)**0.5
         return found
 
-    def corners(self, motion: NamedFields) -> tuple[tuple[Scalar, Scalar, float], ...]:
-        """Return O1, A, B, O4, each as (x w, y w, w); B is at infinity, square to the bar."""
-        if self.is_driven_by_slide:
-            return ()
-        return ((0.0, 0.0, 1.0),
-                (self.a1 * np.cos(motion.theta1), self.a1 * np.sin(motion.theta1), 1.0),
-                (-np.sin(motion.theta4), np.cos(motion.theta4), 0.0), (self.a4, 0.0, 1.0))
-
     def diagram(self, motion: NamedFields) -> Diagram:
         """Return the picture of one pose: a bar with its block, or a cylinder with its rod."""
         a = point_motion(self, motion, 'crank', self.a1).place
@@ -474,27 +449,6 @@ class InvertedSlider(OffsetSlide):
         return Diagram({'O_1': ORIGIN, 'A': a, 'O_4': o4}, ('O_1', 'O_4'), tuple(bars),
                        tuple(blocks), {'f41': 'O_1', 'f21': 'A', 'f32': 'A', 'f43': 'O_4'},
                        {'theta1': 'O_1', 'theta4': 'O_4'}, drawn_whole=('output',))
-
-    def velocity_polygon(self, motion: NamedFields) -> list[Arrow]:
-        """Return the arrows of V_A = V_Q + V_rel, Q of the bar at A [m/s]."""
-        output = link_motion(self, motion, 'output')
-        v_a = point_motion(self, motion, 'crank', self.a1).velocity
-        v_q = point_motion(self, motion, 'output', motion.slide, self.offset).velocity
-        return [total(v_a, 'V_A'), total(v_q, 'V_Q'),
-                Arrow(v_q, motion.slide_velocity * output.direction, 'V_{rel}', False)]
-
-    def acceleration_polygon(self, motion: NamedFields) -> list[Arrow]:
-        """Return the arrows of A_A = A_Q + A_Cor + A_rel, Eq. (9), Q of the bar at A [m/s^2]."""
-        crank, output = (link_motion(self, motion, link) for link in ('crank', 'output'))
-        a_a = point_motion(self, motion, 'crank', self.a1).acceleration
-        arm = motion.slide * output.direction + self.offset * turned(1.0, output.direction)
-        relative = motion.slide_acceleration * output.direction
-        terms = acceleration_terms(ORIGIN, output.omega, output.alpha, arm,
-                                   motion.slide_velocity * output.direction, relative)
-        a_q = terms.normal + terms.tangential
-        return [total(a_a, 'A_A'), *around(ORIGIN, crank, self.a1 * crank.direction, 'A'),
-                *around(ORIGIN, output, arm, 'Q'), total(a_q, 'A_Q'),
-                *chain(a_q, (terms.coriolis, 'A_{Cor}'), (relative, 'A_{rel}'))]
 
 
 class YokeDeadPoint(NamedTuple):
@@ -641,21 +595,6 @@ class ScotchYoke(Kind):
         return Diagram({'O_1': ORIGIN, 'A': a, 'B': b}, ('O_1',), (Bar(low, high), Bar(ORIGIN, a)),
                        (Block(b, X, is_guided=True), Block(a, Y)),
                        {'f41': 'O_1', 'f21': 'A', 'f32': 'A', 'f43': 'B'}, {'theta1': 'O_1'})
-
-    def velocity_polygon(self, motion: NamedFields) -> list[Arrow]:
-        """Return the arrows of V_A = V_B + V_rel, along guide and slot [m/s]."""
-        v_a = point_motion(self, motion, 'crank', self.a1).velocity
-        v_b = motion.slide_velocity * X
-        return [total(v_a, 'V_A'), total(v_b, 'V_B'),
-                *chain(v_b, (motion.slot_velocity * Y, 'V_{rel}'))]
-
-    def acceleration_polygon(self, motion: NamedFields) -> list[Arrow]:
-        """Return the arrows of A_A = A_B + A_rel [m/s^2]; the slot does not turn: no Coriolis."""
-        crank = link_motion(self, motion, 'crank')
-        a_a = point_motion(self, motion, 'crank', self.a1).acceleration
-        a_b = motion.slide_acceleration * X
-        return [total(a_a, 'A_A'), *around(ORIGIN, crank, self.a1 * crank.direction, 'A'),
-                total(a_b, 'A_B'), *chain(a_b, (motion.slot_acceleration * Y, 'A_{rel}'))]
 
 
 results(SliderCrank, 'SliderCrankMotion', 'SliderLoads')

@@ -6,6 +6,7 @@ import sys
 
 from fourbar_lab.drawing.labels import significant
 from fourbar_lab.drawing.mechanism_panel import renamed
+from fourbar_lab.drawing.polygons import acceleration_polygon, velocity_polygon
 from fourbar_lab.drawing.sheet import nice
 from fourbar_ros import Bodies, Body, FourBar
 from fourbar_ros.mechanisms.points import point_motion
@@ -25,7 +26,8 @@ def test_polygons_close():
     """Parts in a chain end where a sum from the pole ends; to 1e-12 of the longest arrow."""
     for mechanism, given in cases(8):
         motion = mechanism.motion(*given)
-        for arrows in (mechanism.velocity_polygon(motion), mechanism.acceleration_polygon(motion)):
+        for polygon in (velocity_polygon, acceleration_polygon):
+            arrows = polygon(mechanism, motion)
             longest = max(hypot(*arrow.vector) for arrow in arrows)
             ends = [arrow.vector for arrow in arrows if arrow.is_sum]
             starts = [arrow.start for arrow in arrows]
@@ -39,11 +41,11 @@ def test_polygons_close():
 def test_sums_are_the_motion_of_the_joints():
     motion = SliderCrank(0.1, 0.3, 0.02).motion(0.7, 30.0, 4.0)
     velocity = {arrow.label: arrow.vector
-                for arrow in SliderCrank(0.1, 0.3, 0.02).velocity_polygon(motion)}
+                for arrow in velocity_polygon(SliderCrank(0.1, 0.3, 0.02), motion)}
     assert velocity['V_B'] == pytest.approx((motion.slide_velocity, 0.0), abs=1e-14)
     inverted = InvertedSlider(0.1, 0.3, 0.02)
     motion = inverted.motion(0.7, 30.0, 4.0)
-    arrows = {arrow.label: arrow.vector for arrow in inverted.acceleration_polygon(motion)}
+    arrows = {arrow.label: arrow.vector for arrow in acceleration_polygon(inverted, motion)}
     assert (hypot(*arrows['A_{Cor}'])
             == pytest.approx(abs(2.0 * motion.omega4 * motion.slide_velocity), rel=1e-14))
     assert hypot(*arrows['A_{rel}']) == pytest.approx(abs(motion.slide_acceleration), rel=1e-14)
@@ -85,7 +87,7 @@ def test_pictures_have_equal_scales_and_all_labels(mechanism, value):
     words = [[text.get_text() for text in axes.texts] for axes in figure.axes]
     assert {f'${name}$' for name in mechanism.diagram(motion).joints} <= set(words[0])
     assert any(f'{significant(loads.f41)} N' in text for text in words[0])
-    for arrow in mechanism.velocity_polygon(motion):
+    for arrow in velocity_polygon(mechanism, motion):
         size = significant(hypot(*arrow.vector))
         assert f'${arrow.label}$' in words[1] and f'${arrow.label}$ = {size}' in words[1]
 

@@ -5,6 +5,7 @@ from math import degrees, hypot, pi, remainder
 import re
 from xml.etree import ElementTree
 
+from fourbar_lab.drawing.polygons import acceleration_polygon, velocity_polygon
 from fourbar_lab.live import charts
 from fourbar_lab.live import link as links
 from fourbar_lab.live.model import shown
@@ -19,6 +20,7 @@ from fourbar_lab.live.picture import (
     mechanism_view,
     polygon_svg,
     polygon_view,
+    POLYGONS,
 )
 from fourbar_lab.live.svg import HEIGHT, WIDTH
 from fourbar_ros.cli.main import main
@@ -77,9 +79,9 @@ def test_pictures_are_svg_with_every_joint_where_it_is(name):
         assert len(pins) == len(joints)
         for pin, place in zip(pins, joints):
             assert np.allclose(pin, view.at(place), atol=0.051)      # one decimal of a pixel
-        for polygon in (found.linkage.velocity_polygon, found.linkage.acceleration_polygon):
-            ElementTree.fromstring(document(polygon_svg(
-                polygon(motion), polygon_view([polygon(motion)]), 'm/s')))
+        for polygon in (velocity_polygon, acceleration_polygon):
+            arrows = polygon(found.linkage, motion)
+            ElementTree.fromstring(document(polygon_svg(arrows, polygon_view([arrows]), 'm/s')))
 
 
 def test_force_labels_have_the_values_of_the_core():
@@ -124,7 +126,7 @@ def test_joints_with_words_for_names_have_one_letter_a_place():
         value = symbols.get(re.sub('[F_{}]', '', symbol))
         if value:
             assert float(value) == pytest.approx(getattr(loads, name), rel=5e-4)
-    arrows = found.linkage.velocity_polygon(motion)
+    arrows = velocity_polygon(found.linkage, motion)
     texts = texts_of(polygon_svg(arrows, polygon_view([arrows]), 'm/s', found.labels.letters))
     assert any(text.startswith('VA = ') for text in texts) and 'upper' not in ''.join(texts)
     assert len(texts) == len(set(texts))        # joints at one place have one arrow
@@ -205,13 +207,13 @@ def test_joints_that_can_be_dragged_are_those_that_move(name):
 def test_no_arrow_and_no_label_leaves_the_picture_or_covers_another(name, kind):
     found = shown_of(name)
     view, per_newton = mechanism_view(found), force_scale(found)
-    polygon = getattr(found.linkage, f'{kind}_polygon', None)
+    polygon, _ = POLYGONS.get(kind, (None, ''))
     covered = labels = 0
-    view = view if polygon is None else polygon_view([polygon(motion) for motion, _ in
-                                                      found.poses])
+    view = view if polygon is None else polygon_view([
+        polygon(found.linkage, motion) for motion, _ in found.poses])
     for motion, loads in found.poses[::4]:
         svg = (mechanism_svg(found, (motion, loads), view, per_newton) if polygon is None
-               else polygon_svg(polygon(motion), view, 'm/s', found.labels.letters))
+               else polygon_svg(polygon(found.linkage, motion), view, 'm/s', found.labels.letters))
         boxes = []
         for text in ElementTree.fromstring(document(svg)).iter(f'{SVG}text'):
             # 0.64 em a letter of 15 px: digits of the widest serif fonts in use

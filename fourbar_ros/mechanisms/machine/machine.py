@@ -39,7 +39,7 @@ from fourbar_ros.mechanisms.machine.limits import WithLimits
 from fourbar_ros.mechanisms.machine.solve.loads import loads_of
 from fourbar_ros.mechanisms.machine.solve.motion import motion_of
 from fourbar_ros.mechanisms.machine.solve.pairs import shaped, with_pairs
-from fourbar_ros.mechanisms.parts import Arrow, Connection, Diagram, NamedFields
+from fourbar_ros.mechanisms.parts import Connection, Diagram, NamedFields
 from fourbar_ros.mechanisms.points import LinkMotion
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 
@@ -281,14 +281,6 @@ class Machine(WithLimits):
     def diagram(self, motion: NamedFields) -> Diagram:
         """Return the contents of a picture in one pose."""
         return diagram.diagram(self, motion)
-
-    def velocity_polygon(self, motion: NamedFields) -> list[Arrow]:
-        """Return the arrows of the velocities of all joints [m/s]; the pole is the origin."""
-        return diagram.velocity_polygon(self, motion)
-
-    def acceleration_polygon(self, motion: NamedFields) -> list[Arrow]:
-        """Return the arrows of the accelerations of all joints [m/s^2]."""
-        return diagram.acceleration_polygon(self, motion)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Return how to unpickle it: made again from its fields, as its types are made with it."""

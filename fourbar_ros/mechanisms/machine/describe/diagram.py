@@ -8,17 +8,13 @@ from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.mechanisms.machine.describe.layout import BASE, SLIDES, Stage
 from fourbar_ros.mechanisms.parts import (
-    around,
-    Arrow,
     Bar,
     Block,
     Diagram,
     GROUND,
     NamedFields,
-    ORIGIN,
-    total,
 )
-from fourbar_ros.mechanisms.points import LinkMotion, point_motion, point_of, PointMotion, vector
+from fourbar_ros.mechanisms.points import point_of, vector
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
@@ -143,41 +139,4 @@ def _angles(mechanism: Machine, joints: JointPlaces) -> dict[str, str]:
         link = coordinate.position.removeprefix('theta_')
         if coordinate.unit == 'rad':
             found[coordinate.position] = BASE if places[link] == 'O1' else places[link]
-    return found
-
-
-def velocity_polygon(mechanism: Machine, motion: NamedFields) -> list[Arrow]:
-    """Return the arrows of the velocities of all moving joints [m/s]; the pole is the origin."""
-    return [total(point.velocity, f'V_{{{name}}}')
-            for name, _, point in _moving(mechanism, motion)]
-
-
-def acceleration_polygon(mechanism: Machine, motion: NamedFields) -> list[Arrow]:
-    """Return the arrows of accelerations [m/s^2] of moving joints, those on the crank in parts."""
-    found = []
-    for name, link, point in _moving(mechanism, motion):
-        found.append(total(point.acceleration, f'A_{{{name}}}'))
-        if link is not None:
-            found += around(ORIGIN, link, point.place, name)
-    return found
-
-
-def _moving(mechanism: Machine, motion: NamedFields
-            ) -> list[tuple[str, LinkMotion | None, PointMotion]]:
-    """Return (name, motion of the crank if it is on that, else None, its own) of moving joints."""
-    found, held = [], mechanism.layout.ground
-    for stage, dyad in zip(mechanism.layout.stages, mechanism.stages):
-        for place, parent in (('first', stage.first), ('second', stage.second)):
-            point = getattr(dyad, place)
-            if point.link != GROUND and place not in SLIDES[stage.kind]:
-                link = (mechanism.link_motion(motion, point.link)
-                        if parent == 1 and not held and mechanism.input != 'slide' else None)
-                found.append((f'{stage.name}_{place}', link,
-                              point_motion(mechanism, motion, *point)))
-        inner = stage.links[1] if stage.kind != 'RRR' else stage.links[0]
-        along = (stage.kind == 'RRR' and dyad.length_1) or 0.0
-        if inner == GROUND or stage.kind == 'RRR' and GROUND in stage.links:
-            continue
-        found.append((f'{stage.name}_inner', None,
-                      point_motion(mechanism, motion, inner, along)))
     return found

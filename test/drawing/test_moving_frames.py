@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Moving frames against the derivatives of explicit motions, taken with fifty digits."""
-from fourbar_ros.mechanics.moving_frames import acceleration_terms, coriolis_acceleration, turned
+from fourbar_lab.drawing.moving_frames import acceleration_terms, coriolis_acceleration, turned
 import mpmath as mp
 import numpy as np
 from support.reference import EPS

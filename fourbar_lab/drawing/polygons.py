@@ -1,0 +1,145 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""The velocity and acceleration polygon of a mechanism in one pose, as arrows."""
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
+
+from fourbar_lab.drawing.moving_frames import acceleration_terms, turned
+from fourbar_ros.machine import Machine
+from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.parts import GROUND, ORIGIN
+from fourbar_ros.mechanisms.points import link_motion, LinkMotion, point_motion, PointMotion
+from fourbar_ros.mechanisms.sliders import InvertedSlider, ScotchYoke, SliderCrank
+from fourbar_ros.numerics.arrays import Array
+import numpy as np
+
+X, Y = np.array([1.0, 0.0]), np.array([0.0, 1.0])
+
+
+class Arrow(NamedTuple):
+    """One side of a velocity or acceleration polygon; a sum starts at the pole, parts chain up."""
+
+    start: Array
+    vector: Array
+    label: str             # mathtext without dollars
+    is_sum: bool
+
+
+def velocity_polygon(mechanism: Mechanism, motion: Any) -> list[Arrow]:
+    """Return the arrows of the velocities [m/s]; the pole is the origin."""
+    if isinstance(mechanism, Machine):
+        return [total(point.velocity, f'V_{{{name}}}')
+                for name, _, point in _moving_joints(mechanism, motion)]
+    v_a = point_motion(mechanism, motion, 'crank', mechanism.lengths[0]).velocity
+    if isinstance(mechanism, InvertedSlider):       # Q of the bar at A
+        output = link_motion(mechanism, motion, 'output')
+        v_q = point_motion(mechanism, motion, 'output', motion.slide, mechanism.offset).velocity
+        return [total(v_a, 'V_A'), total(v_q, 'V_Q'),
+                *chain(v_q, (motion.slide_velocity * output.direction, 'V_{rel}'))]
+    if isinstance(mechanism, ScotchYoke):           # along guide and slot
+        v_b = motion.slide_velocity * X
+        return [total(v_a, 'V_A'), total(v_b, 'V_B'),
+                *chain(v_b, (motion.slot_velocity * Y, 'V_{rel}'))]
+    v_b = point_motion(mechanism, motion, 'coupler', mechanism.lengths[1]).velocity
+    return [total(v_a, 'V_A'), total(v_b, 'V_B'), *chain(v_a, (v_b - v_a, 'V_{B/A}'))]
+
+
+def acceleration_polygon(mechanism: Mechanism, motion: Any) -> list[Arrow]:
+    """
+    Return the arrows of the accelerations [m/s^2]; the pole is the origin.
+
+    Slides, Eq. (9): normal and tangential parts about a joint, and where a block slides on a link
+    that turns, the Coriolis and the relative acceleration. Of a machine joints on the crank alone
+    are in parts.
+    """
+    if isinstance(mechanism, Machine):
+        found = []
+        for name, crank, point in _moving_joints(mechanism, motion):
+            found.append(total(point.acceleration, f'A_{{{name}}}'))
+            if crank is not None:
+                found += around(ORIGIN, crank, point.place, name)
+        return found
+    crank, a1 = link_motion(mechanism, motion, 'crank'), mechanism.lengths[0]
+    a_a = point_motion(mechanism, motion, 'crank', a1).acceleration
+    of_a = [total(a_a, 'A_A'), *around(ORIGIN, crank, a1 * crank.direction, 'A')]
+    if isinstance(mechanism, InvertedSlider):       # A_A = A_Q + A_Cor + A_rel, Q of the bar at A
+        output = link_motion(mechanism, motion, 'output')
+        arm = (motion.slide * output.direction
+               + mechanism.offset * turned(1.0, output.direction))
+        relative = motion.slide_acceleration * output.direction
+        terms = acceleration_terms(ORIGIN, output.omega, output.alpha, arm,
+                                   motion.slide_velocity * output.direction, relative)
+        a_q = terms.normal + terms.tangential
+        return [*of_a, *around(ORIGIN, output, arm, 'Q'), total(a_q, 'A_Q'),
+                *chain(a_q, (terms.coriolis, 'A_{Cor}'), (relative, 'A_{rel}'))]
+    if isinstance(mechanism, ScotchYoke):           # A_A = A_B + A_rel: the slot does not turn
+        a_b = motion.slide_acceleration * X
+        return [*of_a, total(a_b, 'A_B'), *chain(a_b, (motion.slot_acceleration * Y, 'A_{rel}'))]
+    coupler, a2 = link_motion(mechanism, motion, 'coupler'), mechanism.lengths[1]
+    a_b = point_motion(mechanism, motion, 'coupler', a2).acceleration
+    of_b = [*around(a_a, coupler, a2 * coupler.direction, 'B/A'), total(a_b, 'A_B')]
+    if not isinstance(mechanism, SliderCrank):      # a four-bar, whose B turns about O4
+        output = link_motion(mechanism, motion, 'output')
+        of_b += around(ORIGIN, output, mechanism.lengths[2] * output.direction, 'B')
+    return [*of_a, *of_b]
+
+
+def without_repeats(arrows: Sequence[Arrow], least: float) -> list[Arrow]:
+    """
+    Return the arrows without the parts that coincide with a sum, but for less than ``least``.
+
+    At zero alpha the normal part of an acceleration is all of it: one arrow with two labels.
+    """
+    sums = [arrow for arrow in arrows if arrow.is_sum]
+
+    def repeats(part: Arrow) -> bool:
+        """Return whether a part lies on one of the sums."""
+        return any(np.allclose(part.vector, whole.vector, 0.0, least)
+                   and np.allclose(part.start, whole.start) for whole in sums)
+    return [arrow for arrow in arrows if arrow.is_sum or not repeats(arrow)]
+
+
+def total(vector: Array, label: str) -> Arrow:
+    """Return the arrow from the pole of a whole velocity or acceleration."""
+    return Arrow(ORIGIN, vector, label, True)
+
+
+def chain(start: Array, *steps: tuple[Array, str]) -> list[Arrow]:
+    """Return arrows of (vector, label), each starting where the one before ends."""
+    arrows = []
+    for vector, label in steps:
+        arrows.append(Arrow(start, vector, label, False))
+        start = start + vector
+    return arrows
+
+
+def around(start: Array, link: LinkMotion, arm: Array, name: str) -> list[Arrow]:
+    """
+    Return the arrows omega x (omega x arm) and alpha x arm, labelled A_name^n and A_name^t.
+
+    They are the acceleration of a point of a link relative to another one, ``arm`` [m] away;
+    ``start`` is the tip of that one's arrow [m/s^2].
+    """
+    terms = acceleration_terms(ORIGIN, link.omega, link.alpha, arm)
+    return chain(start, (terms.normal, f'A_{{{name}}}^n'), (terms.tangential, f'A_{{{name}}}^t'))
+
+
+def _moving_joints(machine: Machine, motion: Any
+                   ) -> Iterator[tuple[str, LinkMotion | None, PointMotion]]:
+    """Yield (name, motion of the crank if it is on that, else None, its own) of moving joints."""
+    held = machine.layout.ground
+    for stage, dyad in zip(machine.layout.stages, machine.stages):
+        pins = {name for name, _, _ in stage.pins()}
+        for place, parent in (('first', stage.first), ('second', stage.second)):
+            point, name = getattr(dyad, place), f'{stage.name}_{place}'
+            if point.link != GROUND and name in pins:
+                is_on_crank = parent == 1 and not held and machine.input != 'slide'
+                yield (name, machine.link_motion(motion, point.link) if is_on_crank else None,
+                       point_motion(machine, motion, *point))
+        inner = stage.links[1] if stage.kind != 'RRR' else stage.links[0]
+        along = (stage.kind == 'RRR' and dyad.length_1) or 0.0
+        if inner == GROUND or stage.kind == 'RRR' and GROUND in stage.links:
+            continue
+        yield f'{stage.name}_inner', None, point_motion(machine, motion, inner, along)
