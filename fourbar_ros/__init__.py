@@ -41,9 +41,9 @@ if TYPE_CHECKING:
         flat_bar,
         round_rod,
     )
-    from fourbar_ros.mechanisms.contract import CROSSED, OPEN
     from fourbar_ros.mechanisms.four_bars import FourBar, Loads, Motion, MovingJointFourBar
     from fourbar_ros.mechanisms.mechanism import Mechanism
+    from fourbar_ros.mechanisms.parts import CROSSED, OPEN
     from fourbar_ros.mechanisms.points import point_motion
     from fourbar_ros.mechanisms.sliders import InvertedSlider, ScotchYoke, SliderCrank
     from fourbar_ros.scene.scene import load as load_scene
@@ -63,9 +63,9 @@ __getattr__, __dir__ = lazily(__name__, {
     'fourbar_ros.extrema.find': 'find_extrema',
     'fourbar_ros.mechanics.bodies':
         'Applied, Base, Bodies, Body, External, flat_bar, round_rod',
-    'fourbar_ros.mechanisms.contract': 'CROSSED, OPEN',
     'fourbar_ros.mechanisms.four_bars': 'FourBar, Loads, Motion, MovingJointFourBar',
     'fourbar_ros.mechanisms.mechanism': 'Mechanism',
+    'fourbar_ros.mechanisms.parts': 'CROSSED, OPEN',
     'fourbar_ros.mechanisms.points': 'point_motion',
     'fourbar_ros.mechanisms.sliders': 'InvertedSlider, ScotchYoke, SliderCrank',
     'fourbar_ros.scene.scene': 'load as load_scene',

@@ -28,7 +28,7 @@ from fourbar_lab.reproduction.documents import (
 )
 from fourbar_ros import __version__
 from fourbar_ros.extrema.find import find_extrema
-from fourbar_ros.mechanisms.contract import CROSSED, OPEN
+from fourbar_ros.mechanisms.parts import CROSSED, OPEN
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
 

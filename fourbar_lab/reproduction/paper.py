@@ -29,9 +29,8 @@ from fourbar_lab.reproduction.documents import (
 from fourbar_lab.reproduction.equations import equations, half_angle, PAPER
 from fourbar_lab.reproduction.published import PAPER_SPEED, THIN
 from fourbar_ros.extrema.find import Extremum, find_extrema
-from fourbar_ros.mechanisms.contract import CROSSED, OPEN
 from fourbar_ros.mechanisms.four_bars import FourBar
-from fourbar_ros.mechanisms.parts import NamedFields
+from fourbar_ros.mechanisms.parts import CROSSED, NamedFields, OPEN
 from fourbar_ros.numerics.number_types import Scalar
 import numpy as np
 

@@ -14,10 +14,9 @@ from fourbar_lab.reproduction.documents import equal, Row
 from fourbar_lab.reproduction.equations import output_by_steps
 from fourbar_ros.extrema.find import Extremum, find_extrema
 from fourbar_ros.mechanics.bodies import Bodies, Body, round_rod
-from fourbar_ros.mechanisms.contract import CROSSED, OPEN
 from fourbar_ros.mechanisms.four_bars import FourBar
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import NamedFields
+from fourbar_ros.mechanisms.parts import CROSSED, NamedFields, OPEN
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.mechanisms.sliders import InvertedSlider, SliderCrank
 from fourbar_ros.numerics.arrays import Array, Values

@@ -52,8 +52,8 @@ from fourbar_lab.reproduction.published import (
     TURN,
 )
 from fourbar_ros.extrema.find import find_extrema
-from fourbar_ros.mechanisms.contract import CROSSED, OPEN
 from fourbar_ros.mechanisms.four_bars import FourBar
+from fourbar_ros.mechanisms.parts import CROSSED, OPEN
 from fourbar_ros.mechanisms.points import link_motion, point_motion
 from fourbar_ros.numerics.arrays import Array
 import numpy as np

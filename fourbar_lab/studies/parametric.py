@@ -14,7 +14,7 @@ from typing import Any
 
 from fourbar_lab.studies.measures import Searched
 from fourbar_ros.mechanics.bodies import Applied, bar_numbers, Body, rod_numbers, unchecked
-from fourbar_ros.mechanisms.contract import Constants
+from fourbar_ros.mechanisms.evaluation import Constants
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.quantities import point_acceleration, point_speed
 from fourbar_ros.numerics.arrays import Array

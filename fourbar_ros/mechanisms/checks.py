@@ -3,20 +3,22 @@
 """Checks of a mechanism as it is made: each error names the parameter and its allowed values."""
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.errors import in_words, InvalidParameter
 from fourbar_ros.mechanics.bodies import Applied, Base, Body, Gravity
-from fourbar_ros.mechanisms.contract import Contract
 from fourbar_ros.mechanisms.parts import within_stroke
 from fourbar_ros.numerics.given import number, records
+
+if TYPE_CHECKING:
+    from fourbar_ros.mechanisms.mechanism import Mechanism
 
 LONGEST = 2.0**1000     # [m]
 SHORTEST = 1e-100       # of the longest length
 STROKE = 'must be [shortest, longest] of the slide, two finite numbers'
 
 
-def checked(mechanism: Contract) -> dict[str, Any]:
+def checked(mechanism: Mechanism) -> dict[str, Any]:
     """
     Return {name of a field: its value, as the numbers and records that a mechanism computes with}.
 
@@ -39,7 +41,7 @@ def checked(mechanism: Contract) -> dict[str, Any]:
     return values
 
 
-def _lengths(mechanism: Contract) -> dict[str, float]:
+def _lengths(mechanism: Mechanism) -> dict[str, float]:
     """Return {name: length [m]}, each checked; the signed ones, as an offset, may be negative."""
     values = {}
     for name, _, is_signed in mechanism.LENGTHS:
@@ -57,7 +59,7 @@ def _lengths(mechanism: Contract) -> dict[str, float]:
     return values
 
 
-def checked_stroke(mechanism: Contract) -> tuple[float, float] | None:
+def checked_stroke(mechanism: Mechanism) -> tuple[float, float] | None:
     """Return the stroke; refuse a wrong one, or one in which the links cannot close anywhere."""
     stroke = mechanism.stroke
     if stroke is None:

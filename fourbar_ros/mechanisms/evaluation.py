@@ -16,8 +16,7 @@ from math import copysign, inf, isfinite, nan, prod
 from typing import Any, NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.errors import FourBarError, InvalidParameter
-from fourbar_ros.mechanics.bodies import Base
-from fourbar_ros.mechanisms.contract import Constants
+from fourbar_ros.mechanics.bodies import Base, Gravity
 from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.numerics.arrays import Array, Values
 from fourbar_ros.numerics.given import array
@@ -39,6 +38,20 @@ if TYPE_CHECKING:
 # Inputs beside a flat position, in its unit, so near that the first term of a result is all of it.
 NEAR = Decimal('1e-22'), Decimal('1e-24')
 MOST_STRUCTURES = 256      # whose traces and lines are kept
+
+
+class Constants(NamedTuple):
+    """
+    The data of a mechanism that its formulas are made for, as floats.
+
+    :func:`~fourbar_ros.numerics.number_types.converted` puts other numbers in their places.
+    """
+
+    lengths: Any
+    sign: Any
+    bodies: Any
+    gravity: Gravity
+    external: Any
 
 
 @dataclass(frozen=True)
@@ -341,7 +354,7 @@ def line_within(motion: Function, reaches: Function | None) -> Function:
     Return a line of motion limited to the inputs that ``reaches`` allows, all if it is None.
 
     Elsewhere it raises ValueError. ``reaches``: see
-    :attr:`~fourbar_ros.mechanisms.contract.Contract.reaches`.
+    :attr:`~fourbar_ros.mechanisms.mechanism.Mechanism.reaches`.
     """
     if reaches is None:
         return motion

@@ -29,14 +29,6 @@ from fourbar_ros.mechanisms.closed_forms import (
     singular_angles,
     turned_ranges,
 )
-from fourbar_ros.mechanisms.contract import (
-    cached_by_lengths,
-    CRANK,
-    CROSSED,
-    JOINT_A,
-    JOINT_B,
-    OPEN,
-)
 from fourbar_ros.mechanisms.kind import (
     DrivenMachine,
     FORWARD,
@@ -46,12 +38,18 @@ from fourbar_ros.mechanisms.kind import (
 )
 from fourbar_ros.mechanisms.kinds import FACTS
 from fourbar_ros.mechanisms.machine.describe.description import Numbers
+from fourbar_ros.mechanisms.mechanism import cached_by_lengths
 from fourbar_ros.mechanisms.parts import (
     Bar,
     BETA,
     Connection,
+    CRANK,
+    CROSSED,
     Diagram,
     GROUND,
+    JOINT_A,
+    JOINT_B,
+    OPEN,
     ORIGIN,
     Output,
     Ranges,

@@ -20,7 +20,7 @@ from functools import partial
 from typing import Any, ClassVar, NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.mechanics.bodies import applied_to, Base, Bodies, External
-from fourbar_ros.mechanisms.contract import Constants, CRANK, SLIDE
+from fourbar_ros.mechanisms.evaluation import Constants
 from fourbar_ros.mechanisms.kinds import DERIVED, derives
 from fourbar_ros.mechanisms.machine.describe.description import Numbers, RPR, RRP, RRR
 from fourbar_ros.mechanisms.machine.describe.layout import Layout, Pair, PLACES, SLIDES, Stage
@@ -31,9 +31,11 @@ from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import (
     BETA,
     Coordinate,
+    CRANK,
     GROUND,
     NamedFields,
     record_type,
+    SLIDE,
     THETA1,
     THETA2,
     THETA3,

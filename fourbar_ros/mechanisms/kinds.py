@@ -32,7 +32,7 @@ if TYPE_CHECKING:      # its formulas need what stands here
 
 class Facts(NamedTuple):
     """
-    A kind: its text, lengths, moving links and joints, as in its :class:`.Contract`.
+    A kind: its text, lengths, moving links and joints, as in its :class:`.Mechanism`.
 
     ``inputs``: the names of its driven joints; ``home``: module and name of its class.
     """

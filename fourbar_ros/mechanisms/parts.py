@@ -4,17 +4,20 @@
 from __future__ import annotations
 
 from collections import namedtuple
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from math import cos, sin
 from typing import Any, ClassVar, NamedTuple, NoReturn, Protocol
 
-from fourbar_ros.errors import MissingBodies
+from fourbar_ros.errors import InvalidParameter, MissingBodies, one_of
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.number_types import Scalar
 import numpy as np
 
 Ranges = tuple[tuple[float, float], ...]        # (low, high) of an input [rad or m]
+CROSSED, OPEN = 1, 2     # assembly modes: sin(theta4 - beta) < 0, > 0 of a 4R linkage
+CRANK, SLIDE = 'crank', 'slide'     # inputs
+JOINT_A, JOINT_B = 'A', 'B'         # ... between two moving links
 
 
 def within_stroke(ranges: Ranges, stroke: tuple[float, float] | None) -> Ranges:
@@ -137,6 +140,15 @@ class Link(NamedTuple):
     first_joint: str        # from which points and centres of gravity are measured: 'O1'
     length: str = ''        # name of its length, if it has two joints that turn
     turns: bool = True      # whether it needs a moment of inertia
+
+
+def find_link(links: Iterable[Link], name: str) -> Link:
+    """Return the :class:`Link` of a name; InvalidParameter if there is none."""
+    links = tuple(links)
+    for link in links:
+        if link.name == name:
+            return link
+    raise InvalidParameter('link', name, one_of((link.name for link in links), name))
 
 
 class Joint(NamedTuple):

@@ -8,10 +8,9 @@ from functools import partial
 from typing import Any, NamedTuple, Union
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, nearest
-from fourbar_ros.mechanisms.contract import CRANK
 from fourbar_ros.mechanisms.kinds import LOADS
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import NamedFields, Quantity
+from fourbar_ros.mechanisms.parts import CRANK, NamedFields, Quantity
 from fourbar_ros.mechanisms.points import link_motion, point_of
 from fourbar_ros.numerics.number_types import Scalar
 import numpy as np

@@ -31,12 +31,6 @@ from fourbar_ros.mechanisms.closed_forms import (
     singular_slides,
     slide_ranges,
 )
-from fourbar_ros.mechanisms.contract import (
-    cached_by_lengths,
-    CRANK,
-    OPEN,
-    SLIDE,
-)
 from fourbar_ros.mechanisms.kind import (
     DrivenMachine,
     FORWARD,
@@ -46,18 +40,22 @@ from fourbar_ros.mechanisms.kind import (
 )
 from fourbar_ros.mechanisms.kinds import FACTS
 from fourbar_ros.mechanisms.machine.describe.description import Numbers
+from fourbar_ros.mechanisms.mechanism import cached_by_lengths
 from fourbar_ros.mechanisms.parts import (
     Bar,
     BETA,
     Block,
     Connection,
+    CRANK,
     Diagram,
     GROUND,
     NamedFields,
+    OPEN,
     ORIGIN,
     Output,
     Ranges,
     reaction,
+    SLIDE,
     SLOT,
     THETA1,
     THETA2,

@@ -9,10 +9,9 @@ from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.errors import InvalidParameter, nearest
 from fourbar_ros.mechanics.bodies import Applied, Base, Body, flat_bar, Gravity, round_rod
-from fourbar_ros.mechanisms.contract import SLIDE
 from fourbar_ros.mechanisms.kinds import AT_MOVING_JOINTS, FACTS, kind_of
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import Link
+from fourbar_ros.mechanisms.parts import Link, SLIDE
 from fourbar_ros.numerics.number_types import Scalar
 from fourbar_ros.scene.parameters import member_of, of_name
 from fourbar_ros.scene.settings import LENGTHS, MACHINE, PARAMETERS, ParameterValues

@@ -15,9 +15,8 @@ from math import inf, isfinite, nan, pi
 from types import MappingProxyType
 from typing import Any, cast, NamedTuple, TYPE_CHECKING
 
-from fourbar_ros.mechanisms.contract import find_link
 from fourbar_ros.mechanisms.kinds import AT_MOVING_JOINTS, DIMENSIONS, FACTS
-from fourbar_ros.mechanisms.parts import GROUND
+from fourbar_ros.mechanisms.parts import find_link, GROUND
 from fourbar_ros.numerics.given import FASTEST, quantities_of
 from fourbar_ros.scene.topics import (
     BASES,

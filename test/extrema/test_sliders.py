@@ -11,7 +11,7 @@ from math import inf, isfinite, isnan, nan, pi
 from fourbar_ros import Bodies, Body, FourBar, InvalidParameter, InvertedSlider, SliderCrank
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.extrema.input_paths import TooNarrow
-from fourbar_ros.mechanisms.contract import CRANK, SLIDE
+from fourbar_ros.mechanisms.parts import CRANK, SLIDE
 from fourbar_ros.mechanisms.quantities import (
     known,
     point_acceleration,

@@ -21,7 +21,7 @@ from fourbar_ros import (
 )
 from fourbar_ros.errors import OutOfRange, Toggle
 from fourbar_ros.extrema.find import find_extrema
-from fourbar_ros.mechanisms.contract import CRANK, SLIDE
+from fourbar_ros.mechanisms.parts import CRANK, SLIDE
 import mpmath as mp
 import numpy as np
 import pytest

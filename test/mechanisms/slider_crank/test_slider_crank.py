@@ -10,7 +10,7 @@ from fourbar_ros import (
     External,
     InvalidParameter,
 )
-from fourbar_ros.mechanisms.contract import CRANK, SLIDE
+from fourbar_ros.mechanisms.parts import CRANK, SLIDE
 from fourbar_ros.mechanisms.sliders import InvertedSlider, SliderCrank
 import mpmath as mp
 import numpy as np

@@ -18,9 +18,8 @@ import re
 from typing import Any, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter, nearest
-from fourbar_ros.mechanisms.contract import CROSSED, OPEN
 from fourbar_ros.mechanisms.kinds import DIMENSIONS
-from fourbar_ros.mechanisms.parts import Connection, GROUND
+from fourbar_ros.mechanisms.parts import Connection, CROSSED, GROUND, OPEN
 from fourbar_ros.numerics.given import number
 from fourbar_ros.numerics.number_types import direction, Scalar
 

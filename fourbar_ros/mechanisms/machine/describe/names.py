@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-The facts of a machine that the contract asks for, LINKS to QUANTITIES, from its layout.
+The facts that a machine states, LINKS to QUANTITIES, from its layout.
 
 Its records (motion, loads, bodies) are NamedTuple types that are made at run time; their values
 pass from process to process.
@@ -51,7 +51,7 @@ ROLES = {'RRR': ('rod', 'rod'), 'RRP': ('rod', 'block'), 'RPR': ('block', 'bar')
 
 @cache
 def names_of(layout: Layout) -> dict[str, Any]:
-    """Return the attributes of the contract that follow from a layout, by name."""
+    """Return the facts of :class:`.Mechanism` that follow from a layout, by name."""
     turning = layout.turning()
     links = tuple(_links(layout))
     given = {'crank': coordinate(CRANK_LINK), 'slide': travel(SLIDER_LINK)}
