@@ -33,7 +33,6 @@ from fourbar_ros.mechanisms.kind import (
     DrivenMachine,
     FORWARD,
     Kind,
-    Lengths,
     results,
 )
 from fourbar_ros.mechanisms.kinds import FACTS
@@ -178,16 +177,6 @@ class FourBarLinks(Kind):
         if 0.0 in self.margins:
             return 'change point'
         return _CLASSES[tuple(1 if margin > 0.0 else -1 for margin in self.margins)]
-
-    @staticmethod
-    def place_of_output(lengths: Lengths) -> tuple[Scalar, Scalar]:
-        """Return O4 [m]."""
-        return lengths[3], 0.0
-
-    def transmission_sine(self, motion: Any) -> Scalar:
-        """Return the sine of the dyad's transmission angle, zero at toggles."""
-        found: Scalar = getattr(motion, self.drive.sine[0])
-        return found
 
     @property
     def connections(self) -> tuple[Connection, ...]:

@@ -14,7 +14,6 @@ Lengths are scaled by a power of two, so that no square of one overflows.
 """
 from __future__ import annotations
 
-from abc import abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from typing import Any, ClassVar, NamedTuple, TYPE_CHECKING
@@ -214,11 +213,6 @@ class Kind(Mechanism):
         """Return the machine that it is for its input."""
         return self.DRIVES[self.input]
 
-    @staticmethod
-    @abstractmethod
-    def place_of_output(lengths: Lengths) -> tuple[Scalar, Scalar]:
-        """Return the first joint of the output, or where its slide is zero [m]."""
-
     @classmethod
     def motion_fields(cls) -> tuple[str, ...]:
         """Return the names of the fields of a motion."""
@@ -298,13 +292,21 @@ class Kind(Mechanism):
                      *rates(self.DIRECTIONS[name])) if name else standing)
         crank = LinkMotion(*ORIGIN, *turning('x', ALONG))
         coupler = LinkMotion(*point_of(crank, lengths[0]), *turning(self.COUPLER, UP))
-        x, y = self.place_of_output(lengths)
+        of_name = dict(zip(self.length_names, lengths))
+        # O4 or, of a guide, where the slide is zero
+        x, y = (of_name['a4'], 0.0) if 'a4' in of_name else (0.0, of_name['offset'])
         at = x, y, 0.0, 0.0, 0.0, 0.0
         if not self.OUTPUT:
             velocity, acceleration = rates(TRAVEL)
             at = (motion.slide * per_unit, y, velocity * per_unit, 0.0, acceleration * per_unit,
                   0.0)
         return dict(zip(LINKS, (crank, coupler, LinkMotion(*at, *turning(self.OUTPUT, ALONG)))))
+
+    def transmission_sine(self, motion: Any) -> Scalar:
+        """Return the sine of the dyad's transmission angle, but for its sign: zero at toggles."""
+        field, _ = self.drive.sine
+        sine: Scalar = getattr(motion, field) if field else 1.0 + (motion.cos_x - motion.cos_x)
+        return sine
 
     # --- loads ----------------------------------------------------------------------------------
 

@@ -35,7 +35,6 @@ from fourbar_ros.mechanisms.kind import (
     DrivenMachine,
     FORWARD,
     Kind,
-    Lengths,
     results,
 )
 from fourbar_ros.mechanisms.kinds import FACTS
@@ -234,22 +233,12 @@ class SliderCrank(OffsetSlide):
                 points.append(SliderDeadPoint(atan2(side * e, x), unit * side * x, is_stretched))
         return tuple(sorted(points))
 
-    @staticmethod
-    def place_of_output(lengths: Lengths) -> tuple[Scalar, Scalar]:
-        """Return where the slide is zero [m]."""
-        return 0.0, lengths[2]
-
     @property
     def connections(self) -> tuple[Connection, ...]:
         """Return which links the four joints connect."""
         return (Connection(GROUND, 'crank'), Connection('crank', 'coupler', (self.a1, 0.0)),
                 Connection('coupler', 'output', (self.a2, 0.0)),
                 Connection(GROUND, 'output', (0.0, self.offset), axis=(1.0, 0.0)))
-
-    def transmission_sine(self, motion: NamedFields) -> Scalar:
-        """Return cos(beta), or of a driven slide sin(theta2): zero at toggles."""
-        found: Scalar = motion.cos_b if self.input == CRANK else motion.sin_2
-        return found
 
     def diagram(self, motion: NamedFields) -> Diagram:
         """Return the picture of one pose: two bars and the slider on its guide."""
@@ -392,11 +381,6 @@ class InvertedSlider(OffsetSlide):
                 points.append(InvertedDeadPoint(atan2(side * cosine, -side * sine),
                                                 atan2(sine, cosine)))
         return tuple(sorted(points))
-
-    @staticmethod
-    def place_of_output(lengths: Lengths) -> tuple[Scalar, Scalar]:
-        """Return O4 [m]."""
-        return lengths[1], 0.0
 
     @property
     def connections(self) -> tuple[Connection, ...]:
@@ -567,22 +551,12 @@ class ScotchYoke(Kind):
         return ((YokeDeadPoint(0.0, self.a1), YokeDeadPoint(pi, -self.a1)) if self.input == CRANK
                 else ())
 
-    @staticmethod
-    def place_of_output(lengths: Lengths) -> tuple[Scalar, Scalar]:
-        """Return where the slide is zero [m]."""
-        return 0.0, lengths[1]
-
     @property
     def connections(self) -> tuple[Connection, ...]:
         """Return which links the four joints connect; the block points along the slot, y."""
         return (Connection(GROUND, 'crank'), Connection('crank', 'coupler', (self.a1, 0.0)),
                 Connection('output', 'coupler', axis=(0.0, 1.0), turn=0.5 * pi),
                 Connection(GROUND, 'output', (0.0, self.offset), axis=(1.0, 0.0)))
-
-    def transmission_sine(self, motion: NamedFields) -> Scalar:
-        """Return 1, or of a driven slide sin(theta1): zero where that cannot turn the crank."""
-        sine: Scalar = motion.sin_x
-        return 1.0 + (sine - sine) if self.input == CRANK else sine
 
     def diagram(self, motion: NamedFields) -> Diagram:
         """Return the picture of one pose; the slot reaches over the whole travel of the block."""
