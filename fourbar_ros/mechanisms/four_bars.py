@@ -36,7 +36,7 @@ from fourbar_ros.mechanisms.kind import (
     results,
 )
 from fourbar_ros.mechanisms.kinds import FACTS
-from fourbar_ros.mechanisms.machine.describe.description import Numbers
+from fourbar_ros.mechanisms.machine.structure import Numbers
 from fourbar_ros.mechanisms.mechanism import cached_by_lengths
 from fourbar_ros.mechanisms.parts import (
     Bar,

@@ -21,11 +21,20 @@ from typing import Any, ClassVar, NamedTuple, TYPE_CHECKING
 from fourbar_ros.mechanics.bodies import applied_to, Base, Bodies, External
 from fourbar_ros.mechanisms.evaluation import Constants
 from fourbar_ros.mechanisms.kinds import DERIVED, derives
-from fourbar_ros.mechanisms.machine.describe.description import Numbers, RPR, RRP, RRR
-from fourbar_ros.mechanisms.machine.describe.layout import Layout, Pair, PLACES, SLIDES, Stage
 from fourbar_ros.mechanisms.machine.solve.dyads import Direction, Driven, DyadMotion, ORIGIN
 from fourbar_ros.mechanisms.machine.solve.frames import hangings, Poses
 from fourbar_ros.mechanisms.machine.solve.pairs import make_moves
+from fourbar_ros.mechanisms.machine.structure import (
+    Layout,
+    Numbers,
+    Pair,
+    PLACES,
+    RPR,
+    RRP,
+    RRR,
+    SLIDES,
+    Stage,
+)
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import (
     BETA,

@@ -13,14 +13,14 @@ from fourbar_ros.mechanisms.kinds import DIMENSIONS as OF_KIND
 from fourbar_ros.mechanisms.machine.describe.description import (
     ANGLES,
     by_link,
-    CYLINDER,
     Cylinder,
     Dyad,
-    Numbers,
     Point,
 )
+from fourbar_ros.mechanisms.machine.joined import shaped
 from fourbar_ros.mechanisms.machine.machine import Machine, NO_BODY
-from fourbar_ros.mechanisms.machine.solve.pairs import shaped, slides_of
+from fourbar_ros.mechanisms.machine.solve.pairs import slides_of
+from fourbar_ros.mechanisms.machine.structure import CYLINDER, Numbers
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.numerics.number_types import direction, NumberType, Scalar
 from fourbar_ros.scene.parameters import names_in

@@ -27,17 +27,13 @@ from fourbar_ros.mechanisms.machine.describe.description import (
     checked_cylinder,
     checked_dyads,
     connections_of,
-    CYLINDER,
     Cylinder,
     Dyad,
-    Numbers,
-    OF_ONE_MODE,
-    RPR,
-    RRR,
     with_lengths,
 )
-from fourbar_ros.mechanisms.machine.describe.layout import Layout, layout_of
+from fourbar_ros.mechanisms.machine.describe.layout import layout_of
 from fourbar_ros.mechanisms.machine.describe.names import lengths_of, names_of
+from fourbar_ros.mechanisms.machine.joined import shaped, with_pairs
 from fourbar_ros.mechanisms.machine.margins import make_assembly_margins
 from fourbar_ros.mechanisms.machine.ranges import (
     DOUBLE,
@@ -50,7 +46,14 @@ from fourbar_ros.mechanisms.machine.ranges import (
 )
 from fourbar_ros.mechanisms.machine.solve.loads import loads_of
 from fourbar_ros.mechanisms.machine.solve.motion import motion_of
-from fourbar_ros.mechanisms.machine.solve.pairs import shaped, with_pairs
+from fourbar_ros.mechanisms.machine.structure import (
+    CYLINDER,
+    Layout,
+    Numbers,
+    OF_ONE_MODE,
+    RPR,
+    RRR,
+)
 from fourbar_ros.mechanisms.mechanism import cached_by_lengths, Mechanism
 from fourbar_ros.mechanisms.parts import (
     Connection,

@@ -15,19 +15,21 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 
-from fourbar_ros.mechanisms.machine.describe.description import (
+from fourbar_ros.mechanisms.machine.joined import PairRange
+from fourbar_ros.mechanisms.machine.solve.dyads import turned
+from fourbar_ros.mechanisms.machine.solve.frames import hangings, Poses
+from fourbar_ros.mechanisms.machine.solve.motion import driven_link
+from fourbar_ros.mechanisms.machine.solve.pairs import make_moves
+from fourbar_ros.mechanisms.machine.structure import (
     CYLINDER,
+    Layout,
     Numbers,
     PRP,
     RPR,
     RRP,
     RRR,
+    Stage,
 )
-from fourbar_ros.mechanisms.machine.describe.layout import Layout, Stage
-from fourbar_ros.mechanisms.machine.solve.dyads import turned
-from fourbar_ros.mechanisms.machine.solve.frames import hangings, Poses
-from fourbar_ros.mechanisms.machine.solve.motion import driven_link
-from fourbar_ros.mechanisms.machine.solve.pairs import make_moves, PairRange
 from fourbar_ros.mechanisms.points import LinkMotion
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 

@@ -28,15 +28,15 @@ from math import inf, nextafter, pi
 from typing import Any, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.mechanisms.machine.describe.description import CYLINDER, Numbers, PRP
-from fourbar_ros.mechanisms.machine.describe.layout import Layout
+from fourbar_ros.mechanisms.machine.joined import PairRange
 from fourbar_ros.mechanisms.machine.margins import (
     has_toggles,
     make_assembly_margins,
     make_places,
     make_squares,
 )
-from fourbar_ros.mechanisms.machine.solve.pairs import other_of, PairRange
+from fourbar_ros.mechanisms.machine.solve.pairs import other_of
+from fourbar_ros.mechanisms.machine.structure import CYLINDER, Layout, Numbers, PRP
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.digits import in_decimals, MANY_DIGITS
 from fourbar_ros.numerics.newton import halve

@@ -18,8 +18,6 @@ from math import hypot, pi, remainder
 from typing import NoReturn
 
 from fourbar_ros.errors import FourBarError
-from fourbar_ros.mechanisms.machine.describe.description import Numbers
-from fourbar_ros.mechanisms.machine.describe.layout import Layout
 from fourbar_ros.mechanisms.machine.solve.dyads import (
     between,
     Driven,
@@ -30,6 +28,7 @@ from fourbar_ros.mechanisms.machine.solve.dyads import (
 from fourbar_ros.mechanisms.machine.solve.frames import hangings, Poses
 from fourbar_ros.mechanisms.machine.solve.motion import EXACT
 from fourbar_ros.mechanisms.machine.solve.pairs import make_moves
+from fourbar_ros.mechanisms.machine.structure import Layout, Numbers
 from fourbar_ros.mechanisms.parts import Ranges
 from fourbar_ros.mechanisms.points import Coefficients, FIXED, LinkMotion, point_of
 from fourbar_ros.numerics.number_types import NumberType, Scalar

@@ -19,30 +19,28 @@ from typing import Any, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter, nearest
 from fourbar_ros.mechanisms.kinds import DIMENSIONS
+from fourbar_ros.mechanisms.machine.structure import (
+    CRANK_LINK,
+    CYLINDER,
+    Numbers,
+    OF_ONE_MODE,
+    PRP,
+    RPP,
+    RPR,
+    RRP,
+    RRR,
+    SLIDER_LINK,
+)
 from fourbar_ros.mechanisms.parts import Connection, CROSSED, GROUND, OPEN
 from fourbar_ros.numerics.given import number
-from fourbar_ros.numerics.number_types import direction, Scalar
+from fourbar_ros.numerics.number_types import direction
 
-CRANK_LINK, SLIDER_LINK, CYLINDER = 'crank', 'slider', 'cylinder'
 # Squares and fourth powers of lengths are computed without scaling.
 LONGEST, SHORTEST = 2.0**250, 2.0**-250     # [m]
 
-RRR, RRP, RPR, RPP, PRP = 'RRR', 'RRP', 'RPR', 'RPP', 'PRP'
 ANGLES = ('direction_1', 'direction_2', 'slot')
-# Kinds that have one assembly mode.
-OF_ONE_MODE = (RPP, PRP)
 # Directions nearer to each other than this [rad] are parallel.
 PARALLEL = 1e-9
-
-
-class Numbers(NamedTuple):
-    """Arguments of the formulas of a dyad: lengths [m], and cosine and sine of each angle."""
-
-    p: tuple[Scalar, Scalar]            # where it hangs on the link of ``first``: along, across
-    q: tuple[Scalar, Scalar]            # ... of ``second``
-    sizes: tuple[Scalar, ...]           # its dimensions
-    reach: tuple[Scalar, ...] = ()      # sizes of p and q
-    shape: tuple[Scalar, ...] = ()      # of links joined to each other, see :func:`.pairs.shaped`
 
 
 class Point(NamedTuple):

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, TYPE_CHECKING
 
-from fourbar_ros.mechanisms.machine.describe.layout import BASE, SLIDES, Stage
+from fourbar_ros.mechanisms.machine.structure import BASE, SLIDES, Stage
 from fourbar_ros.mechanisms.parts import (
     Bar,
     Block,

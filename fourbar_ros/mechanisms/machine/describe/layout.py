@@ -1,135 +1,24 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""
-The structure of a machine and the names that follow: of links, joints, slides, fields.
-
-Which dyad hangs on which links, not how long these are.
-"""
+"""The structure of a machine from its dyads, whose names and order are checked."""
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
-from functools import cache
+from collections.abc import Sequence
 from graphlib import CycleError, TopologicalSorter
-from typing import NamedTuple
 
 from fourbar_ros.errors import InvalidParameter, nearest
-from fourbar_ros.mechanisms.kinds import DERIVED
-from fourbar_ros.mechanisms.machine.describe.description import (
+from fourbar_ros.mechanisms.machine.describe.description import Dyad
+from fourbar_ros.mechanisms.machine.structure import (
     CRANK_LINK,
     CYLINDER,
-    Dyad,
-    PRP,
-    RPP,
-    RPR,
-    RRP,
-    RRR,
+    Layout,
+    load_fields,
+    motion_fields,
     SLIDER_LINK,
+    Stage,
 )
-from fourbar_ros.mechanisms.parts import Coordinate, GROUND
-
-PLACES = ('first', 'inner', 'second')
-# {kind: {joint that slides: which link of the dyad slides there, 0 the first, 1 the second}}
-SLIDES = {RRR: {}, RRP: {'second': 1}, RPR: {'inner': 0}, RPP: {'inner': 0, 'second': 1},
-          PRP: {'first': 0, 'second': 1}}
-BASE = 'base'
-
-
-class Pair(NamedTuple):
-    """That the two links on which a dyad hangs are joined to each other, see :mod:`.pairs`."""
-
-    frame: int          # number of the one of them from which the motion of the dyad is seen
-    slides: bool        # whether a slide joins them, else a pin
-
-
-class Stage(NamedTuple):
-    """One dyad in the structure of a machine; of links 0 is the frame, 1 the driven one."""
-
-    name: str
-    kind: str
-    first: int                  # number of the link of its point ``first``
-    second: int                 # ... ``second``
-    links: tuple[str, str]      # names of its own links
-    number: int                 # of the first of them; the second is the next
-    pair: Pair | None = None    # of a dyad between links that are joined to each other
-
-    @property
-    def turns_first(self) -> bool:
-        """Return whether its first link hangs on the one of a pair that moves in the frame."""
-        return self.pair is not None and self.pair.frame == self.second
-
-    def slides(self) -> list[str]:
-        """Return the names of the links that slide, in the order of the joints."""
-        return [self.links[i] for i in SLIDES[self.kind].values()]
-
-    def joints(self) -> list[tuple[str, str]]:
-        """Return (place, name) of its three joints: ('first', 'd_first'), ... of dyad d."""
-        return [(place, f'{self.name}_{place}') for place in PLACES]
-
-    def ends(self, place: str) -> tuple[int, int]:
-        """Return the numbers of the links that a joint connects, the one that hangs last."""
-        return {'first': (self.first, self.number), 'inner': (self.number, self.number + 1),
-                'second': (self.second, self.number + 1)}[place]
-
-    def pins(self) -> Iterator[tuple[str, int, int]]:
-        """Yield (name, number of the link on which it hangs, of the other) of its pins."""
-        for place, name in self.joints():
-            if place not in SLIDES[self.kind]:
-                yield name, *self.ends(place)
-
-
-class Layout(NamedTuple):
-    """
-    The structure of a machine.
-
-    The first of its ``links`` is the frame from which all is solved: the ground, or the link at
-    the base of a cylinder between two moving links. The second is the driven one.
-    """
-
-    driver: str                     # 'crank', 'slide' or 'cylinder'
-    links: tuple[str, ...]          # names of all links
-    stages: tuple[Stage, ...]       # in order; with a cylinder its own first
-    output: str                     # name of the link that the machine is used for
-
-    @property
-    def moving(self) -> tuple[str, ...]:
-        """Return the names of the moving links; a frame that moves has the ground's place."""
-        return tuple([self.links[0] if link == GROUND else link for link in self.links[1:]])
-
-    @property
-    def ground(self) -> int:
-        """Return the number of the ground; 0: it is the frame."""
-        return self.links.index(GROUND)
-
-    @property
-    def driven(self) -> str:
-        """Return the name of the driven link."""
-        return self.links[1]
-
-    def turning(self) -> set[str]:
-        """Return the names of the links that turn against the ground."""
-        turns = [0, int(self.driven == CRANK_LINK)]     # equal numbers: they turn together
-        for stage in self.stages:
-            one, other, own = turns[stage.first], turns[stage.second], stage.number
-            turns += {RRR: (own, own + 1), RRP: (own, other), RPR: (own, own),
-                      RPP: (other, other), PRP: (one, other)}[stage.kind]
-        return {name for name, turn in zip(self.links, turns) if turn != turns[self.ground]}
-
-    def slides(self) -> list[str]:
-        """Return the names of the links that slide."""
-        driven = [SLIDER_LINK] if self.driven == SLIDER_LINK else []
-        return driven + [link for stage in self.stages for link in stage.slides()]
-
-    def pins(self) -> list[tuple[str, int, int]]:
-        """Return (name, numbers of both links) of the pins between moving links."""
-        every = [(BASE, 0, 1)] + [pin for stage in self.stages for pin in stage.pins()]
-        return [pin for pin in every if self.ground not in pin[1:]]
-
-    def joints(self) -> list[tuple[str, bool]]:
-        """Return (name, whether it slides) of all joints, the one of the driven link first."""
-        return [(BASE, self.driven == SLIDER_LINK)] + [
-            (name, place in SLIDES[stage.kind]) for stage in self.stages
-            for place, name in stage.joints()]
+from fourbar_ros.mechanisms.parts import GROUND
 
 
 def layout_of(driver: str, dyads: Sequence[Dyad], output: str | None = None) -> Layout:
@@ -226,45 +115,3 @@ def _require_single(layout: Layout) -> None:
 
 
 # --- fields of the results -----------------------------------------------------------------------
-
-def coordinate(name: str) -> Coordinate:
-    """Return the coordinate of the angle of a link or a pin."""
-    return Coordinate(f'theta_{name}', f'omega_{name}', f'alpha_{name}')
-
-
-def travel(link: str) -> Coordinate:
-    """Return the coordinate of a link that slides."""
-    return Coordinate(f'slide_{link}', f'slide_{link}_velocity', f'slide_{link}_acceleration')
-
-
-COEFFICIENTS = ('x', 'y', 'dx', 'dy', 'ddx', 'ddy', 'cos', 'sin', 'ratio', 'bend')
-
-
-@cache
-def motion_fields(layout: Layout) -> tuple[str, ...]:
-    """Return the names of the fields of a motion, see :func:`.motion.motion_of`."""
-    found: list[str] = []
-    for link in layout.moving:
-        found += coordinate(link)
-    for link in layout.slides():
-        found += (*travel(link), f'slide_{link}_ratio')
-    for pin, _, _ in layout.pins():
-        found += coordinate(pin)
-    found += (f'transmission_angle_{stage.name}' for stage in layout.stages)
-    found += ('transmission_angle', 'condition', 'rate', 'acceleration')
-    for link in layout.moving:
-        found += (f'{name}_{link}' for name in COEFFICIENTS)
-    found += (f'sine_{stage.name}' for stage in layout.stages)
-    return tuple(found)
-
-
-@cache
-def load_fields(layout: Layout) -> tuple[str, ...]:
-    """Return the names of the fields of loads, see :func:`.loads.make_loads`."""
-    found: list[str] = []
-    for name, is_slide in layout.joints():
-        found += (f'{name}_x', f'{name}_y', name)
-        if is_slide:
-            found += (f'{name}_normal', f'{name}_couple')
-    return (*found, 'driving_torque', 'driving_force', 'shaking_force_x', 'shaking_force_y',
-            'shaking_force', 'shaking_moment', *(row.name for row in DERIVED))

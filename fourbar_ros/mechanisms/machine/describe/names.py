@@ -13,21 +13,18 @@ from functools import cache
 from typing import Any
 
 from fourbar_ros.mechanisms.kinds import DIMENSIONS
-from fourbar_ros.mechanisms.machine.describe.description import (
-    ANGLES,
-    CRANK_LINK,
-    CYLINDER,
-    Dyad,
-    RRP,
-    RRR,
-    SLIDER_LINK,
-)
-from fourbar_ros.mechanisms.machine.describe.layout import (
+from fourbar_ros.mechanisms.machine.describe.description import ANGLES, Dyad
+from fourbar_ros.mechanisms.machine.structure import (
     BASE,
     coordinate,
+    CRANK_LINK,
+    CYLINDER,
     Layout,
     load_fields,
     motion_fields,
+    RRP,
+    RRR,
+    SLIDER_LINK,
     SLIDES,
     travel,
 )

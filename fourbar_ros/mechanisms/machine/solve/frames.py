@@ -19,8 +19,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from fourbar_ros.mechanisms.machine.describe.description import CYLINDER, Numbers
-from fourbar_ros.mechanisms.machine.describe.layout import Layout, Stage
 from fourbar_ros.mechanisms.machine.solve.dyads import (
     between,
     Direction,
@@ -37,6 +35,7 @@ from fourbar_ros.mechanisms.machine.solve.pairs import (
     Slide,
     slides_of,
 )
+from fourbar_ros.mechanisms.machine.structure import CYLINDER, Layout, Numbers, Stage
 from fourbar_ros.mechanisms.points import FIXED, LinkMotion, point_of
 from fourbar_ros.numerics.number_types import Scalar
 

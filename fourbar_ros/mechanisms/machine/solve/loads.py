@@ -56,25 +56,23 @@ from typing import NamedTuple
 
 from fourbar_ros.mechanics.bodies import applied_to, Base, Body, Gravity
 from fourbar_ros.mechanics.newton_euler import about_first_joint, Needs, needs_of, on_base
-from fourbar_ros.mechanisms.machine.describe.description import (
+from fourbar_ros.mechanisms.machine.solve.pairs import slides_of
+from fourbar_ros.mechanisms.machine.structure import (
+    COEFFICIENTS,
     CYLINDER,
+    Layout,
+    motion_fields,
     Numbers,
+    PLACES,
     PRP,
     RPP,
     RPR,
     RRP,
     RRR,
-)
-from fourbar_ros.mechanisms.machine.describe.layout import (
-    COEFFICIENTS,
-    Layout,
-    motion_fields,
-    PLACES,
     SLIDES,
     Stage,
     travel,
 )
-from fourbar_ros.mechanisms.machine.solve.pairs import slides_of
 from fourbar_ros.mechanisms.points import FIXED, LinkMotion
 from fourbar_ros.numerics.number_types import NumberType, Scalar
 from fourbar_ros.numerics.vectors import Vector
@@ -85,7 +83,7 @@ AXIS = Vector(1.0, 0.0)
 def loads_of(n: NumberType, layout: Layout, numbers: Sequence[Numbers], bodies: Iterable[Body],
              gravity: Gravity, external: NamedTuple,
              motion: Sequence[Scalar]) -> tuple[Scalar, ...]:
-    """Return the fields of :func:`.layout.load_fields` for those of a motion."""
+    """Return the fields of :func:`.structure.load_fields` for those of a motion."""
     curves, slides, sines, rate, acceleration = parts_of(layout, motion)
     needs = []
     for curve, name, body in zip(curves, layout.moving, bodies):

@@ -29,18 +29,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from fourbar_ros.mechanisms.machine.describe.description import (
+from fourbar_ros.mechanisms.machine.solve.dyads import Driven, DyadMotion, ORIGIN
+from fourbar_ros.mechanisms.machine.solve.frames import hangings, Poses, seen_from
+from fourbar_ros.mechanisms.machine.solve.pairs import make_moves, turned_by
+from fourbar_ros.mechanisms.machine.structure import (
     CYLINDER,
+    Layout,
     Numbers,
     PRP,
     RPR,
     RRP,
     RRR,
+    Stage,
 )
-from fourbar_ros.mechanisms.machine.describe.layout import Layout, Stage
-from fourbar_ros.mechanisms.machine.solve.dyads import Driven, DyadMotion, ORIGIN
-from fourbar_ros.mechanisms.machine.solve.frames import hangings, Poses, seen_from
-from fourbar_ros.mechanisms.machine.solve.pairs import make_moves, turned_by
 from fourbar_ros.mechanisms.points import FIXED, LinkMotion
 from fourbar_ros.mechanisms.slides import triangle
 from fourbar_ros.numerics.number_types import NumberType, Scalar
@@ -117,10 +118,10 @@ def errors_of(n: NumberType, stage: Stage, own: Numbers, first: Errors, second: 
 def motion_of(n: NumberType, layout: Layout, numbers: Sequence[Numbers], signs: Sequence[Scalar],
               position: Scalar, rate: Scalar, acceleration: Scalar) -> tuple[Scalar, ...]:
     """
-    Return the fields of :func:`.layout.motion_fields`: links, slides, pins, angles, curves.
+    Return the fields of :func:`.structure.motion_fields`: links, slides, pins, angles, curves.
 
     The driven link is solved, then each dyad from the links it hangs on. ``numbers``, ``signs``:
-    of each stage (:func:`.pairs.shaped`), and its assembly mode as +-1.
+    of each stage (:func:`.joined.shaped`), and its assembly mode as +-1.
     """
     driven = driven_link(n, layout, numbers, signs, position)
     poses, errors = Poses(hangings(layout, numbers), driven), [EXACT, driven.errors]

@@ -33,20 +33,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
-from math import atan2, fsum, hypot, pi, remainder
-from typing import Any, NamedTuple
+from typing import Any
 
 from fourbar_ros.mechanisms.loop import loop
-from fourbar_ros.mechanisms.machine.describe.description import (
-    CYLINDER,
-    Numbers,
-    PRP,
-    RPP,
-    RPR,
-    RRP,
-    RRR,
-)
-from fourbar_ros.mechanisms.machine.describe.layout import Layout, Pair, Stage
 from fourbar_ros.mechanisms.machine.solve.dyads import (
     Direction,
     DyadMotion,
@@ -54,17 +43,25 @@ from fourbar_ros.mechanisms.machine.solve.dyads import (
     MovesDyad,
     Node,
 )
+from fourbar_ros.mechanisms.machine.structure import (
+    CYLINDER,
+    Layout,
+    Numbers,
+    Pair,
+    PRP,
+    RPP,
+    RPR,
+    RRP,
+    RRR,
+    Stage,
+)
 from fourbar_ros.mechanisms.points import LinkMotion
-from fourbar_ros.numerics.exact_sums import difference_of_squares
-from fourbar_ros.numerics.number_types import Function, nudge, NumberType, power_of_two, Scalar
+from fourbar_ros.numerics.number_types import nudge, NumberType, Scalar
 
 Place = tuple[Scalar, Scalar]        # along and across, on a link
 # Of a link that slides: (its carrier, start and direction of the slide there).
 Slide = tuple[int, Place, Place]
 FIRST_JOINT = (0.0, 0.0)             # as a place
-# Pairs whose evenness is below this are solved in their own form. The others have all digits in
-# the general one too (:mod:`.dyads`), with a third fewer operations.
-CLOSE = 2.0**-6
 
 
 def slides_of(stage: Stage, own: Numbers) -> list[tuple[int, Slide]]:
@@ -138,66 +135,6 @@ class KnownJoints:
 def other_of(stage: Stage) -> int:
     """Return the number of the link of a pair that is not its frame."""
     return stage.first if stage.turns_first else stage.second
-
-
-def _shape(stage: Stage, own: Numbers, joints: KnownJoints, length: Function
-           ) -> tuple[Scalar, ...]:
-    """Return the loop of a pair besides sizes of the dyad: ``shape`` of shaped()."""
-    assert stage.pair is not None
-    frame, other = stage.pair.frame, other_of(stage)
-    (p_x, p_y), (q_x, q_y) = (own.p, own.q) if stage.turns_first else (own.q, own.p)
-    if stage.pair.slides:
-        (x, y), (c, s) = joints.slides[other, frame]
-        return (p_x + (x - q_x) * c + (y - q_y) * s, p_y + (y - q_y) * c - (x - q_x) * s, c, s)
-    (o_x, o_y), (x, y) = joints.pin(other, frame)
-    a_x, a_y, g_x, g_y = p_x - o_x, p_y - o_y, q_x - x, q_y - y
-    if stage.kind == RRP:
-        t_x, t_y = own.sizes[1:]
-        a1 = length(a_x, a_y)
-        return (a1, g_y * t_x - g_x * t_y, (a_x * t_x + a_y * t_y) / a1,
-                (a_y * t_x - a_x * t_y) / a1, g_x * t_x + g_y * t_y, x, y)
-    a1, a4 = length(a_x, a_y), length(g_x, g_y)
-    scalar, cross = a_x * g_x + a_y * g_y, a_y * g_x - a_x * g_y
-    size = length(scalar, cross)
-    return a1, a4, scalar / size, cross / size, g_x / a4, g_y / a4
-
-
-def shaped(layout: Layout, numbers: Sequence[Numbers], length: Function = hypot) -> list[Numbers]:
-    """
-    Return the numbers of all dyads with what follows from them once and for all.
-
-    That is ``reach``, and of a pair ``shape``: with a pin (|a|, |g|, cosine and sine from g to a,
-    of g), of RRP (|a|, distance of the line from O, cosine and sine from the line to a, place of Q
-    along it from O, O); with a slide (sigma where the slide is zero, e, its cosine and sine).
-    """
-    joints, found = KnownJoints(layout.driver), []
-    for stage, own in zip(layout.stages, numbers):
-        shape = _shape(stage, own, joints, length) if stage.pair else ()
-        if stage.name == CYLINDER:
-            shape = length(*own.p), length(*own.q)
-        found.append(own._replace(reach=(length(*own.p), length(*own.q)), shape=shape))
-        joints.add(stage, own)
-    return found
-
-
-def with_pairs(layout: Layout, numbers: Sequence[Numbers]) -> Layout:
-    """Return a layout whose stages have a ``pair`` where the general formulas lose digits."""
-    joints, stages = KnownJoints(layout.driver), []
-    for stage, own in zip(layout.stages, numbers):
-        pair = None if stage.name == CYLINDER else joints.pair_of(stage)
-        stages.append(stage._replace(pair=pair and _if_close(pair, stage, own, joints)))
-        joints.add(stage, own)
-    return layout._replace(stages=tuple(stages))
-
-
-def _if_close(pair: Pair, stage: Stage, own: Numbers, joints: KnownJoints) -> Pair | None:
-    """Return a pair if it is near a change point or its lengths are unlike, else None."""
-    stage = stage._replace(pair=pair)
-    try:
-        own = own._replace(shape=_shape(stage, own, joints, hypot))
-    except ZeroDivisionError:       # hung on the pin that joins the links: it does not move
-        return None
-    return pair if PairRange(stage, own).evenness < CLOSE else None
 
 
 # --- how one moves -------------------------------------------------------------------------------
@@ -403,159 +340,3 @@ def make_moves(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
 
 
 # --- where one closes ----------------------------------------------------------------------------
-
-class Factor(NamedTuple):
-    """
-    A factor of the discriminant of a pair, by exact sums of its lengths.
-
-    Of an angle x: plus cos^2(x/2) + minus sin^2(x/2), of RRP with x from the normal of its line;
-    of a slide: plus sigma^2 + minus.
-    """
-
-    plus: float
-    minus: float
-
-    @property
-    def is_limit(self) -> bool:
-        """Return whether it changes its sign."""
-        return self.plus * self.minus < 0.0
-
-    @property
-    def is_impossible(self) -> bool:
-        """Return whether it is positive nowhere."""
-        return max(self.plus, self.minus) <= 0.0
-
-
-class PairRange:
-    """
-    Where a pair closes: where the factors of its discriminant are positive.
-
-    Of two factors one at most is negative. One that vanishes in one direction and is positive
-    elsewhere makes a change point; their exact signs tell. ``flats`` has its directions: +1.0 for
-    x = 0, -1.0 for x = pi, or 0.0 for sigma = 0 of a slide.
-    """
-
-    def __init__(self, stage: Stage, own: Numbers) -> None:
-        """
-        Compute the factors once, from the dyad's ``own`` numbers with their ``shape``.
-
-        That is (|a|, |g|, ...) where a pin joins the links it hangs on; with a slide (sigma where
-        the slide is zero, e, ...): see :func:`shaped`.
-        """
-        assert stage.pair is not None
-        self.slides, self.is_sine = stage.pair.slides, stage.kind == RRP
-        # sigma where the slide is zero, or the direction of the other link where the angle is
-        self._start: Any = own.shape[0] if self.slides else own.shape[2:4]
-        self._factors = _factors(stage, own)
-        self._arms: tuple[Scalar, ...] = own.shape[:2]
-        # the lengths of its rods [m] and, with a pin, of the arms a and g (RRP has no g)
-        rods = [*own.sizes[:{RRR: 2, RRP: 1, RPR: 0}[stage.kind]],
-                *(() if self.slides else own.shape[:1 if self.is_sine else 2])]
-        self._rods = min(rods, default=1.0), max(rods, default=1.0)
-        self.is_impossible = any(factor.is_impossible for factor in self._factors)
-        self.has_limits = any(factor.is_limit for factor in self._factors)
-        self.flats = [sign for factor in self._factors for sign in self._flats_of(factor)]
-        # those that vanish at toggles, real or complex, and not at flat positions
-        self._toggles = [factor for factor in self._factors if not self._flats_of(factor)]
-        self.has_toggles = bool(self._toggles)
-
-    @property
-    def evenness(self) -> float:
-        """Return the least ratio, 0 to 1, of coefficients (0: a change point) or of rods."""
-        sizes = [sorted(map(abs, (1.0 if self.slides else plus, minus)))
-                 for plus, minus in self._factors]
-        return min([small / large if large else 0.0 for small, large in [*sizes, self._rods]])
-
-    def _flats_of(self, factor: Factor) -> list[float]:
-        """Return the directions in which a factor vanishes, as in ``flats``."""
-        if self.slides:
-            return [0.0] if factor.minus == 0.0 < factor.plus else []
-        return [sign for sign, value in ((1.0, factor.plus), (-1.0, factor.minus)) if value == 0.0]
-
-    def place(self, relative: Sequence[Scalar]) -> tuple[Scalar, Scalar]:
-        """
-        Return the distance from a flat position, and the side, at an angle or slide of a pair.
-
-        Of an angle (sin x, cos x), of RRP (cos x, sin x), of a slide (sigma, 0).
-        """
-        if self.slides:
-            return relative[0] + self._start, 0.0
-        c, s = turned_by(relative[:2], self._start)
-        return (c, s) if self.is_sine else (s, c)
-
-    def assembly_margin(self, n: NumberType, relative: Sequence[Scalar],
-                        *_curves: LinkMotion) -> Scalar:
-        """
-        Return the product of the scaled factors that have toggles at an angle or slide of a pair.
-
-        A factor is plus cos^2(x/2) + minus sin^2(x/2) of an angle x, plus s^2 + minus of a slide
-        s, both from the flat position. It is positive where the pair closes, zero at its toggles.
-        """
-        sine, cosine = self.place(relative)
-        of_plus, of_minus, product = sine * sine, 1.0, 1.0      # a slide: place() gives (s, 0)
-        if not self.slides:
-            of_minus, of_plus, _ = half_angle(n, cosine, sine)
-        for plus, minus in self._toggles:
-            size = abs(plus) * of_plus + 1.0 if self.slides else abs(plus) + abs(minus)
-            product = product * ((plus * of_plus + minus * of_minus) * (1.0 / size))
-        return product
-
-    def square(self, n: NumberType, relative: Sequence[Scalar], *_curves: LinkMotion) -> Scalar:
-        """
-        Return |Q - P|^2 of RRR or RPR at an angle or slide; the motion has poles where it is zero.
-
-        With a pin it is divided by (|a| + |g|)^2.
-        """
-        (one, other), (beside, ahead) = self._arms, self.place(relative)
-        if self.slides:
-            return beside * beside + other * other
-        ss, cc, _ = half_angle(n, ahead, beside)
-        # law of cosines: (|a| - |g|)^2 cos^2(x/2) + (|a| + |g|)^2 sin^2(x/2)
-        return (one - other)**2 / (one + other)**2 * cc + ss
-
-    def input_at(self, flat: float, is_driven: bool) -> float:
-        """
-        Return the input where a pair of the driven link and the ground lies flat [rad or m].
-
-        ``flat``: one of ``flats``; ``is_driven``: whether the driven link, not the ground, moves
-        in the pair's frame.
-        """
-        if self.slides:
-            return float(0.0 - self._start)
-        angle = atan2(*((flat, 0.0) if self.is_sine else (0.0, flat)))
-        turn = angle - atan2(*self._start[::-1])
-        folded = remainder(turn if is_driven else -turn, 2.0 * pi)
-        return pi if folded == -pi else folded + 0.0
-
-
-def _factors(stage: Stage, own: Numbers) -> list[Factor]:
-    """
-    Return the one or two factors of a pair's discriminant, positive where it closes.
-
-    Of RRR they are (r1 + r2)^2 - d^2 and d^2 - (r1 - r2)^2, with d the distance of P and Q. Where
-    a pin joins the links, |a| and |g| add up to it at the angle pi and differ by it at 0: the
-    ``minus`` and the ``plus`` of a factor are its values there. With a slide d^2 = sigma^2 + e^2.
-    Lengths are scaled by a power of two and their sums exact, so that a factor is 0.0 just at a
-    change point.
-    """
-    assert stage.pair is not None
-    unit = power_of_two(*own.sizes[:1 + (stage.kind == RRR)],
-                        *own.shape[stage.pair.slides:2])
-    sizes = [size / unit for size in own.sizes]
-    # |a| and |g| (of RRP e); with a slide: sigma where it is zero, not read, and e
-    first, second = [length / unit for length in own.shape[:2]]
-    if stage.pair.slides:
-        if stage.kind == RPR:
-            return [Factor(unit**-2, difference_of_squares(second, 0.0, sizes[0], 0.0))]
-        return [Factor(-unit**-2, difference_of_squares(sizes[0], sizes[1], second, 0.0)),
-                Factor(unit**-2, -difference_of_squares(sizes[0], -sizes[1], second, 0.0))]
-    if stage.kind == RRP:
-        r = sizes[0]
-        return [Factor(fsum((r, -second, first)), fsum((r, -second, -first))),
-                Factor(fsum((r, second, -first)), fsum((r, second, first)))]
-    near, far = (first, -second), (first, second)
-    if stage.kind == RPR:
-        return [Factor(*[difference_of_squares(*apart, sizes[0], 0.0) for apart in (near, far)])]
-    return [Factor(*[difference_of_squares(sizes[0], sizes[1], *apart) for apart in (near, far)]),
-            Factor(*[difference_of_squares(*apart, sizes[0], -sizes[1])
-                     for apart in (near, far)])]
