@@ -14,7 +14,7 @@ from fourbar_lab.drawing.sheet import Sheet
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields
-from fourbar_ros.mechanisms.picture import picture, Points
+from fourbar_ros.mechanisms.picture import diagram_of, picture, Points
 from fourbar_ros.mechanisms.points import point_motion
 import numpy as np
 
@@ -42,7 +42,7 @@ def animate(mechanism: Mechanism, rate: float, points: Points, path: str | Path)
     writer, poses = _writer(path), _poses(mechanism, rate)
     paths = [np.array([point_motion(mechanism, motion, *point).place for motion in poses])
              for point in points.values()]
-    places = [place for motion in poses for place in mechanism.diagram(motion).joints.values()]
+    places = [place for motion in poses for place in diagram_of(mechanism, motion).joints.values()]
     with new_figure('draw', figsize=(6.4, 4.8)) as figure:
         axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
 

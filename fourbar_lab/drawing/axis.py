@@ -19,6 +19,7 @@ from fourbar_lab.drawing.record import counted
 from fourbar_ros.extrema.find import Extremum, find_extrema, INTERIOR
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields
+from fourbar_ros.mechanisms.picture import diagram_of
 from fourbar_ros.mechanisms.quantities import Function
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
@@ -93,7 +94,7 @@ def draw_axis(axes: Axes, linkage: Mechanism, motion: NamedFields, title: str = 
 
     The axis passes through the poles P13 and P24, each where two of the four other lines cross.
     """
-    places = np.array(list(linkage.diagram(motion).joints.values()))
+    places = np.array(list(diagram_of(linkage, motion).joints.values()))
     size, middle = max(np.ptp(places, axis=0)), 0.5 * (places.min(axis=0) + places.max(axis=0))
     reach = NEAR * np.array([size, size])
     # twice: poles near enough make room on the sheet, whose window then clips the lines

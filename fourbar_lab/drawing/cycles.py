@@ -16,7 +16,7 @@ from fourbar_lab.drawing.figure import CannotDraw, new_figure
 from fourbar_lab.drawing.labels import labels_of
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields
-from fourbar_ros.mechanisms.picture import Points
+from fourbar_ros.mechanisms.picture import diagram_of, Points
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
@@ -60,7 +60,7 @@ def usual_points(mechanism: Mechanism, points: Points) -> Points:
 def ground_forces(mechanism: Mechanism) -> dict[str, str]:
     """Return {field of the loads: symbol as text} of the forces at the joints of the ground."""
     low, high = mechanism.input_ranges[0]        # any pose will do: the joints are the same
-    diagram = mechanism.diagram(mechanism.motion(0.5 * (low + high), 1.0))
+    diagram = diagram_of(mechanism, mechanism.motion(0.5 * (low + high), 1.0))
     symbols = labels_of(diagram).forces
     return {name: re.sub('[_{}]', '', symbols[name]) for name, joint in diagram.forces.items()
             if joint in diagram.ground}

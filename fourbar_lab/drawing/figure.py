@@ -21,8 +21,8 @@ from fourbar_lab.drawing.polygons import acceleration_polygon, Arrow, velocity_p
 from fourbar_lab.drawing.sheet import Sheet
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import NamedFields, ORIGIN
-from fourbar_ros.mechanisms.picture import Points
+from fourbar_ros.mechanisms.parts import NamedFields
+from fourbar_ros.mechanisms.picture import diagram_of, ORIGIN, Points
 from fourbar_ros.numerics.arrays import Array
 
 if TYPE_CHECKING:      # drawings alone need it
@@ -119,7 +119,7 @@ def make_figure(mechanism: Mechanism, motion: NamedFields, loads: NamedFields | 
         figure.subplots_adjust(left=0.01, right=0.99, bottom=0.34 if loads else 0.24, top=0.89,
                                wspace=0.06)
         figure.suptitle(title, x=0.012, y=0.98, ha='left', fontsize=13, fontweight='bold')
-        labels = labels_of(mechanism.diagram(motion))
+        labels = labels_of(diagram_of(mechanism, motion))
         names = {**(names or {}), **labels.letters}
         of_whom = ('on the link that hangs at the joint' if labels.letters
                    else 'of link $i$ on link $j$')

@@ -11,7 +11,8 @@ from string import ascii_uppercase
 from typing import NamedTuple
 
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import Diagram, NamedFields
+from fourbar_ros.mechanisms.parts import NamedFields
+from fourbar_ros.mechanisms.picture import Diagram, diagram_of
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
@@ -101,7 +102,7 @@ def symbol_of(name: str) -> str:
 def symbols_of(mechanism: Mechanism, names: Sequence[str]) -> tuple[str, ...]:
     """Return what a legend calls fields and quantities: symbols as in pictures, or words."""
     low, high = mechanism.input_ranges[0]        # any pose will do: the names are the same
-    labels = labels_of(mechanism.diagram(mechanism.motion(0.5 * (low + high), 1.0)))
+    labels = labels_of(diagram_of(mechanism, mechanism.motion(0.5 * (low + high), 1.0)))
     known = {'driving_torque': f'${mechanism.TORQUE}$', 'driving_force': '$P$'}
     for name, symbol in labels.forces.items():
         words = f' {labels.words[name]}' if labels.words else ''

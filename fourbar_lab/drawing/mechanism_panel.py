@@ -12,9 +12,13 @@ from fourbar_lab.drawing.labels import labels_of, load_lines, motion_lines, symb
 from fourbar_lab.drawing.polygons import Arrow, without_repeats
 from fourbar_lab.drawing.sheet import Sheet
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import Bar, Block, Diagram, NamedFields
+from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.mechanisms.picture import (
     Arm,
+    Bar,
+    Block,
+    Diagram,
+    diagram_of,
     forces_of,
     NamedJoint,
     of_kind,
@@ -70,7 +74,7 @@ def draw_mechanism(axes: Axes, mechanism: Mechanism, motion: NamedFields,
     scale of lengths: (text, size in [m]).
     """
     names, points = names or {}, points or {}
-    diagram = mechanism.diagram(motion)
+    diagram = diagram_of(mechanism, motion)
     places = diagram.joints
     size = max(np.ptp(np.array(list(places.values())), axis=0))
     labels, forces = labels_of(diagram), forces_of(diagram, loads) if loads else []
@@ -117,7 +121,7 @@ def draw_plainly(axes: Axes, mechanism: Mechanism, motion: NamedFields, points: 
 
     Returns the sheet, which also has room for ``others``: places that the caller draws at.
     """
-    diagram, parts = mechanism.diagram(motion), picture(mechanism, motion, points)
+    diagram, parts = diagram_of(mechanism, motion), picture(mechanism, motion, points)
     arms, places = of_kind(Arm, parts), np.array(list(diagram.joints.values()))
     ends = [*places, *(end for bar in diagram.bars for end in bar[:2]), *(arm.end for arm in arms),
             *np.concatenate([np.empty((0, 2)), *paths]), *others]

@@ -9,7 +9,8 @@ from typing import Any, NamedTuple
 from fourbar_lab.drawing.moving_frames import acceleration_terms, turned
 from fourbar_ros.machine import Machine
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import GROUND, ORIGIN
+from fourbar_ros.mechanisms.parts import GROUND
+from fourbar_ros.mechanisms.picture import ORIGIN
 from fourbar_ros.mechanisms.points import link_motion, LinkMotion, point_motion, PointMotion
 from fourbar_ros.mechanisms.sliders import InvertedSlider, ScotchYoke, SliderCrank
 from fourbar_ros.numerics.arrays import Array

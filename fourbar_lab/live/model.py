@@ -16,6 +16,7 @@ from fourbar_lab.drawing.labels import Labels, labels_of
 from fourbar_ros.extrema.find import Extremum, find_extrema
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields, Quantity
+from fourbar_ros.mechanisms.picture import diagram_of
 from fourbar_ros.mechanisms.points import point_motion, PointMotion
 from fourbar_ros.mechanisms.quantities import Function, is_published, positions, select
 from fourbar_ros.numerics.arrays import Array
@@ -240,7 +241,7 @@ class Shown:
     @cached_property
     def labels(self) -> Labels:
         """Return the letters of joints and forces in pictures, the same in every pose."""
-        return (labels_of(self.linkage.diagram(self.poses[0].motion)) if self.poses
+        return (labels_of(diagram_of(self.linkage, self.poses[0].motion)) if self.poses
                 else Labels({}, {}, {}, {}))
 
     def shown_input(self, position: float) -> float:

@@ -19,8 +19,16 @@ from fourbar_lab.live import svg
 from fourbar_lab.live.model import PagePose, Shown
 from fourbar_lab.live.svg import HEIGHT, MARGIN, STYLE, View, view_of, WIDTH
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import Diagram, NamedFields, ORIGIN
-from fourbar_ros.mechanisms.picture import Arm, forces_of, of_kind, picture
+from fourbar_ros.mechanisms.parts import NamedFields
+from fourbar_ros.mechanisms.picture import (
+    Arm,
+    Diagram,
+    diagram_of,
+    forces_of,
+    of_kind,
+    ORIGIN,
+    picture,
+)
 from fourbar_ros.mechanisms.points import instant_centre, link_motion, LinkMotion
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
@@ -52,7 +60,7 @@ def mechanism_view(shown: Shown) -> View:
     until the tips of the arrows lie in them.
     """
     places = [place for motion, _ in shown.poses
-              for place in _places(shown.linkage.diagram(motion))]
+              for place in _places(diagram_of(shown.linkage, motion))]
     places += [trace.place for traces in shown.traces.values() for trace in traces]
     if not places:
         return view_of(np.zeros((0, 2)))
@@ -75,7 +83,7 @@ def _force_arrows(shown: Shown) -> tuple[Array, Array]:
     for motion, loads in shown.poses if per_newton else ():
         assert loads is not None, 'there is a force scale'
         ends += [(force.place, per_newton * DOWN * force.vector)
-                 for force in forces_of(shown.linkage.diagram(motion), loads)]
+                 for force in forces_of(diagram_of(shown.linkage, motion), loads)]
     pairs: Array = np.array(ends).reshape(-1, 2, 2)
     tails, arrows = pairs[:, 0], pairs[:, 1]
     fits = np.hypot(*arrows.T) <= 1.2 * LONGEST_FORCE       # a few near toggles leave the picture
@@ -94,7 +102,7 @@ def force_scale(shown: Shown) -> float:
 
     The longest but for 2 %, which may be near toggles; 0.0 without forces.
     """
-    names = shown.linkage.diagram(shown.poses[0].motion).forces if shown.poses else ()
+    names = diagram_of(shown.linkage, shown.poses[0].motion).forces if shown.poses else ()
     sizes = [getattr(loads, name) for _, loads in shown.poses if loads for name in names]
     largest = float(np.quantile(sizes, 0.98)) if sizes else 0.0
     return LONGEST_FORCE / largest if largest > 0.0 and isfinite(largest) else 0.0
@@ -117,7 +125,7 @@ def mechanism_svg(shown: Shown, pose: PagePose, view: View, per_newton: float,
     Links first, then letters of the joints, points and forces with labels where there is room.
     """
     (motion, loads), linkage = pose, shown.linkage
-    diagram = linkage.diagram(motion)
+    diagram = diagram_of(linkage, motion)
     joints = {name: view.at(place) for name, place in diagram.joints.items()}
     primitives = picture(linkage, motion, shown.points if layers.curves else {})
     parts = [svg.primitive(part, view) for part in primitives]
@@ -143,7 +151,7 @@ def mechanism_svg(shown: Shown, pose: PagePose, view: View, per_newton: float,
 
 def joints_of(shown: Shown, pose: PagePose, view: View) -> list[list[float]]:
     """Return the pixels of the joints that move, which can be dragged."""
-    diagram = shown.linkage.diagram(pose.motion)
+    diagram = diagram_of(shown.linkage, pose.motion)
     return [[round(float(part), 1) for part in view.at(place)]
             for name, place in diagram.joints.items() if name not in diagram.ground]
 

@@ -15,8 +15,7 @@ from pathlib import Path
 import re
 from typing import NamedTuple
 
-from fourbar_ros.mechanisms.parts import Bar, Block
-from fourbar_ros.mechanisms.picture import Arm, NamedJoint, outlines, Primitive
+from fourbar_ros.mechanisms.picture import Arm, Bar, Block, NamedJoint, outlines, Primitive
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
 

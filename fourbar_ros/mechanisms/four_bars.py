@@ -39,17 +39,14 @@ from fourbar_ros.mechanisms.kinds import FACTS
 from fourbar_ros.mechanisms.machine.structure import Numbers
 from fourbar_ros.mechanisms.mechanism import cached_by_lengths
 from fourbar_ros.mechanisms.parts import (
-    Bar,
     BETA,
     Connection,
     CRANK,
     CROSSED,
-    Diagram,
     GROUND,
     JOINT_A,
     JOINT_B,
     OPEN,
-    ORIGIN,
     Output,
     Ranges,
     reaction,
@@ -58,7 +55,6 @@ from fourbar_ros.mechanisms.parts import (
     THETA3,
     THETA4,
 )
-from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.numerics.exact_sums import difference_of_squares
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 
@@ -184,17 +180,6 @@ class FourBarLinks(Kind):
         return (Connection(GROUND, 'crank'), Connection('crank', 'coupler', (self.a1, 0.0)),
                 Connection('coupler', 'output', (self.a2, 0.0), (self.a3, 0.0), turn=pi),
                 Connection(GROUND, 'output', (self.a4, 0.0)))
-
-    def diagram(self, motion: Any) -> Diagram:
-        """Return the picture of one pose: three bars, four joints."""
-        joints = {'O_1': ORIGIN, 'A': point_motion(self, motion, 'crank', self.a1).place,
-                  'B': point_motion(self, motion, 'output', self.a3).place,
-                  'O_4': point_motion(self, motion, 'output', 0.0).place}
-        bars = tuple(Bar(joints[one], joints[other])
-                     for one, other in (('O_1', 'A'), ('A', 'B'), ('O_4', 'B')))
-        return Diagram(joints, ('O_1', 'O_4'), bars, (), {'f41': 'O_1', 'f21': 'A', 'f32': 'B',
-                                                          'f43': 'O_4'},
-                       {'theta1': 'O_1', 'theta4': 'O_4'})
 
 
 @dataclass(frozen=True)

@@ -45,7 +45,6 @@ from fourbar_ros.mechanisms.parts import (
     Coordinate,
     CRANK,
     CROSSED,
-    Diagram,
     find_link,
     Joint,
     Length,
@@ -189,10 +188,6 @@ class Mechanism(ABC):
         """
 
     # --- its pictures ----------------------------------------------------------------------------
-
-    @abstractmethod
-    def diagram(self, motion: NamedFields) -> Diagram:
-        """Return the contents of a picture in one pose."""
 
     # --- some kinds give these ------------------------------------------------------------------
 

@@ -4,15 +4,13 @@
 from __future__ import annotations
 
 from collections import namedtuple
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from functools import cache
 from math import cos, sin
 from typing import Any, ClassVar, NamedTuple, NoReturn, Protocol
 
 from fourbar_ros.errors import InvalidParameter, MissingBodies, one_of
-from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.number_types import Scalar
-import numpy as np
 
 Ranges = tuple[tuple[float, float], ...]        # (low, high) of an input [rad or m]
 CROSSED, OPEN = 1, 2     # assembly modes: sin(theta4 - beta) < 0, > 0 of a 4R linkage
@@ -225,36 +223,3 @@ class Reaction(NamedTuple):
 def reaction(joint: str, text: str, force: str, couple: str = '') -> Reaction:
     """Return the :class:`Reaction` whose components are called FORCE_x and FORCE_y."""
     return Reaction(joint, text, force, f'{force}_x', f'{force}_y', couple)
-
-
-# --- contents of a picture -----------------------------------------------------------------------
-
-class Bar(NamedTuple):
-    """A straight part of a link between two points, each of shape (2,) [m]; width 1: usual."""
-
-    start: Array
-    end: Array
-    width: float = 1.0
-
-
-class Block(NamedTuple):
-    """A block at a place [m] that slides along a unit vector; ``is_guided``: on the ground."""
-
-    place: Array
-    direction: Array
-    is_guided: bool = False
-
-
-class Diagram(NamedTuple):
-    """A mechanism in one pose, as a textbook draws it."""
-
-    joints: Mapping[str, Array]     # {name: place of shape (2,) [m]}, in order along the chain
-    ground: tuple[str, ...]         # those joints that the ground holds
-    bars: tuple[Bar, ...]
-    blocks: tuple[Block, ...]
-    forces: Mapping[str, str]       # {field of the loads: joint at which the arrow starts}
-    angles: Mapping[str, str]       # {field of the motion: joint about which its arc is drawn}
-    drawn_whole: tuple[str, ...] = ()       # links not to be drawn longer for points on them
-
-
-ORIGIN = np.zeros(2)      # O1, and the pole of polygons

@@ -41,16 +41,12 @@ from fourbar_ros.mechanisms.kinds import FACTS
 from fourbar_ros.mechanisms.machine.structure import Numbers
 from fourbar_ros.mechanisms.mechanism import cached_by_lengths
 from fourbar_ros.mechanisms.parts import (
-    Bar,
     BETA,
-    Block,
     Connection,
     CRANK,
-    Diagram,
     GROUND,
     NamedFields,
     OPEN,
-    ORIGIN,
     Output,
     Ranges,
     reaction,
@@ -62,13 +58,11 @@ from fourbar_ros.mechanisms.parts import (
     THETA4,
     TRAVEL,
 )
-from fourbar_ros.mechanisms.points import link_motion, LinkMotion, point_motion
+from fourbar_ros.mechanisms.points import LinkMotion
 from fourbar_ros.numerics.exact_sums import difference_of_squares, scaled
 from fourbar_ros.numerics.number_types import NumberType, power_of_two, Scalar
-import numpy as np
 
 AT_O = (0.0, 0.0)      # as a place
-X, Y = np.array([1.0, 0.0]), np.array([0.0, 1.0])
 
 
 def rods_of_slide(height: Scalar, first: Scalar, second: Scalar) -> Numbers:
@@ -240,23 +234,12 @@ class SliderCrank(OffsetSlide):
                 Connection('coupler', 'output', (self.a2, 0.0)),
                 Connection(GROUND, 'output', (0.0, self.offset), axis=(1.0, 0.0)))
 
-    def diagram(self, motion: NamedFields) -> Diagram:
-        """Return the picture of one pose: two bars and the slider on its guide."""
-        a, b = (point_motion(self, motion, link, along).place
-                for link, along in (('crank', self.a1), ('output', 0.0)))
-        return Diagram({'O_1': ORIGIN, 'A': a, 'B': b}, ('O_1',), (Bar(ORIGIN, a), Bar(a, b)),
-                       (Block(b, np.array([1.0, 0.0]), is_guided=True),),
-                       {'f41': 'O_1', 'f21': 'A', 'f32': 'B', 'f43': 'B'}, {'theta1': 'O_1'})
-
 
 class InvertedDeadPoint(NamedTuple):
     """Crank square to the bar: the bar turns back."""
 
     theta1: float     # [rad]
     theta4: float     # [rad]
-
-
-BEYOND = 0.14      # length of the bar drawn beyond its block, over the size of the mechanism
 
 
 @dataclass(frozen=True)
@@ -412,26 +395,6 @@ class InvertedSlider(OffsetSlide):
         found: Scalar = opposite / (slide * slide + aside * aside)**0.5
         return found
 
-    def diagram(self, motion: NamedFields) -> Diagram:
-        """Return the picture of one pose: a bar with its block, or a cylinder with its rod."""
-        a = point_motion(self, motion, 'crank', self.a1).place
-        o4 = point_motion(self, motion, 'output', 0.0).place
-        bar = link_motion(self, motion, 'output').direction
-        foot, sense = a - motion.slide * bar, np.sign(motion.slide) * bar
-        bars, blocks = [Bar(ORIGIN, a), Bar(o4, foot)], []
-        if self.is_driven_by_slide:        # a cylinder: the tube from O4, the rod out of it to A
-            low, high = sorted(map(abs, self.input_ranges[-1]))
-            tube = max(0.9 * low, 0.45 * high)      # as long as it can be with the rod in
-            end = foot + min(tube, 0.98 * abs(motion.slide)) * sense
-            bars += [Bar(foot, a, 0.7), Bar(foot, end, 2.4)]
-        else:
-            size = max(np.ptp(np.array([ORIGIN, a, o4]), axis=0))
-            bars.append(Bar(foot, a + BEYOND * size * sense))
-            blocks.append(Block(a, bar))
-        return Diagram({'O_1': ORIGIN, 'A': a, 'O_4': o4}, ('O_1', 'O_4'), tuple(bars),
-                       tuple(blocks), {'f41': 'O_1', 'f21': 'A', 'f32': 'A', 'f43': 'O_4'},
-                       {'theta1': 'O_1', 'theta4': 'O_4'}, drawn_whole=('output',))
-
 
 class YokeDeadPoint(NamedTuple):
     """Crank along the guide: the yoke turns back."""
@@ -557,16 +520,6 @@ class ScotchYoke(Kind):
         return (Connection(GROUND, 'crank'), Connection('crank', 'coupler', (self.a1, 0.0)),
                 Connection('output', 'coupler', axis=(0.0, 1.0), turn=0.5 * pi),
                 Connection(GROUND, 'output', (0.0, self.offset), axis=(1.0, 0.0)))
-
-    def diagram(self, motion: NamedFields) -> Diagram:
-        """Return the picture of one pose; the slot reaches over the whole travel of the block."""
-        a, b = (point_motion(self, motion, link, along).place
-                for link, along in (('crank', self.a1), ('output', 0.0)))
-        travel = [b + (end - self.offset) * Y for end in (-1.1 * self.a1, 1.1 * self.a1)]
-        low, _, high = sorted((b, *travel), key=lambda place: float(place[1]))
-        return Diagram({'O_1': ORIGIN, 'A': a, 'B': b}, ('O_1',), (Bar(low, high), Bar(ORIGIN, a)),
-                       (Block(b, X, is_guided=True), Block(a, Y)),
-                       {'f41': 'O_1', 'f21': 'A', 'f32': 'A', 'f43': 'B'}, {'theta1': 'O_1'})
 
 
 results(SliderCrank, 'SliderCrankMotion', 'SliderLoads')

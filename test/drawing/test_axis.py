@@ -6,6 +6,7 @@ from math import degrees, hypot
 from fourbar_lab.drawing.axis import axis_angle, axis_parts, extrema_inside
 from fourbar_ros import find_extrema, FourBar, InvalidParameter, InvertedSlider, SliderCrank
 from fourbar_ros.cli.main import main
+from fourbar_ros.mechanisms.picture import diagram_of
 import numpy as np
 import pytest
 
@@ -26,7 +27,7 @@ def off(ends, place):
 def test_lines_in_a_window_go_through_joints_and_poles(linkage):
     for theta1 in (-2.0, 0.7, 2.3):
         motion = linkage.motion(theta1, 1.0)
-        joints, size = linkage.diagram(motion).joints, max(map(abs, linkage.lengths))
+        joints, size = diagram_of(linkage, motion).joints, max(map(abs, linkage.lengths))
         low, high = np.array([-1.7, -1.6]) * size, np.array([2.9, 2.0]) * size
         lines, poles = axis_parts(linkage, motion, low, high)
         for name, ends in lines.items():

@@ -9,6 +9,7 @@ from fourbar_lab.drawing.mechanism_panel import renamed
 from fourbar_lab.drawing.polygons import acceleration_polygon, velocity_polygon
 from fourbar_lab.drawing.sheet import nice
 from fourbar_ros import Bodies, Body, FourBar
+from fourbar_ros.mechanisms.picture import diagram_of
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.mechanisms.sliders import InvertedSlider, SliderCrank
 from fourbar_ros.scene.scene import load
@@ -54,7 +55,7 @@ def test_sums_are_the_motion_of_the_joints():
 
 def test_joints_keep_the_lengths():
     for mechanism, given in cases(3):
-        places = mechanism.diagram(mechanism.motion(*given)).joints
+        places = diagram_of(mechanism, mechanism.motion(*given)).joints
         assert hypot(*(places['A'] - places['O_1'])) == pytest.approx(mechanism.a1, rel=1e-14)
         if hasattr(mechanism, 'a2'):
             assert hypot(*(places['B'] - places['A'])) == pytest.approx(mechanism.a2, rel=1e-12)
@@ -85,7 +86,7 @@ def test_pictures_have_equal_scales_and_all_labels(mechanism, value):
         (left, bottom), (right, top) = axes.transData.transform([(0.0, 0.0), (1.0, 1.0)])
         assert (right - left) == pytest.approx(top - bottom, rel=1e-9)
     words = [[text.get_text() for text in axes.texts] for axes in figure.axes]
-    assert {f'${name}$' for name in mechanism.diagram(motion).joints} <= set(words[0])
+    assert {f'${name}$' for name in diagram_of(mechanism, motion).joints} <= set(words[0])
     assert any(f'{significant(loads.f41)} N' in text for text in words[0])
     for arrow in velocity_polygon(mechanism, motion):
         size = significant(hypot(*arrow.vector))

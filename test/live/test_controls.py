@@ -8,6 +8,7 @@ from fourbar_lab.live import link as links
 from fourbar_lab.live.model import shown
 from fourbar_lab.live.picture import mechanism_view
 from fourbar_lab.live.tables import now_rows
+from fourbar_ros.mechanisms.picture import diagram_of
 from fourbar_ros.scene.files import find
 from fourbar_ros.scene.scene import load
 import pytest
@@ -54,7 +55,7 @@ def agrees(tab, name):
     if tab.now() != {name: value for name, value, _ in rows}:
         return False
     view = mechanism_view(found)
-    places = [view.at(place) for place in found.linkage.diagram(motion).joints.values()]
+    places = [view.at(place) for place in diagram_of(found.linkage, motion).joints.values()]
     pins = tab.pins()
     return len(pins) == len(places) and all(
         hypot(x - u, y - v) <= 0.08 for (x, y), (u, v) in zip(pins, places))

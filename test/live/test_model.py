@@ -26,6 +26,7 @@ from fourbar_lab.live.svg import HEIGHT, WIDTH
 from fourbar_ros.cli.main import main
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.extrema.find import find_extrema
+from fourbar_ros.mechanisms.picture import diagram_of
 from fourbar_ros.mechanisms.points import instant_centre, link_motion, point_motion
 from fourbar_ros.scene.files import find, folder, read_values
 from fourbar_ros.scene.scene import load
@@ -75,7 +76,7 @@ def test_pictures_are_svg_with_every_joint_where_it_is(name):
             found, (motion, loads), view, per_newton, Layers(True, True, True, True))))
         pins = [(float(pin.get('cx')), float(pin.get('cy'))) for pin in root.iter(
             '{http://www.w3.org/2000/svg}circle') if pin.get('class') == 'pin']
-        joints = found.linkage.diagram(motion).joints.values()
+        joints = diagram_of(found.linkage, motion).joints.values()
         assert len(pins) == len(joints)
         for pin, place in zip(pins, joints):
             assert np.allclose(pin, view.at(place), atol=0.051)      # one decimal of a pixel
@@ -118,7 +119,8 @@ def test_joints_with_words_for_names_have_one_letter_a_place():
     text = mechanism_svg(found, (motion, loads), mechanism_view(found), force_scale(found))
     texts = texts_of(text)
     letters = [text for text in texts if re.fullmatch(r'[A-Z]\d?', text)]
-    places = {tuple(np.round(place, 9)) for place in found.linkage.diagram(motion).joints.values()}
+    joints = diagram_of(found.linkage, motion).joints
+    places = {tuple(np.round(place, 9)) for place in joints.values()}
     assert len(letters) == len(set(letters)) == len(places)
     symbols = dict(re.findall(r'F([A-Z]\d?) = (\S+) N', ' '.join(texts)))
     assert symbols and {symbol[0] for symbol in symbols} <= {letter[0] for letter in letters}
@@ -234,9 +236,9 @@ def test_forces_of_every_pose_have_room():
         found = shown_of(name)
         view, scale = mechanism_view(found), force_scale(found)
         for motion, loads in found.poses:
-            for force, joint in found.linkage.diagram(motion).forces.items():
+            for force, joint in diagram_of(found.linkage, motion).forces.items():
                 size = np.array([getattr(loads, f'{force}_x'), -getattr(loads, f'{force}_y')])
-                tip = view.at(found.linkage.diagram(motion).joints[joint]) + scale * size
+                tip = view.at(diagram_of(found.linkage, motion).joints[joint]) + scale * size
                 if scale * np.hypot(*size) <= LONGEST_FORCE:
                     assert (tip >= 0.0).all() and (tip <= (WIDTH, HEIGHT)).all(), (name, force)
 

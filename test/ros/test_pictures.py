@@ -8,6 +8,7 @@ from fourbar_msgs.msg import Motion
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.description.formats import describe
+from fourbar_ros.mechanisms.picture import diagram_of
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.ros.node import traces
 from fourbar_ros.ros.schemas import type_hash
@@ -105,7 +106,7 @@ def test_frames_are_where_the_links_are(run_node, client, name):
 def check_arrows(scene, position, markers):
     """Force arrows start at their joints and are parallel and in proportion to the forces."""
     moved, loads = scene.linkage.step(position, 1.0, 0.0)
-    diagram = scene.linkage.diagram(moved)
+    diagram = diagram_of(scene.linkage, moved)
     scales = []
     for name, joint in diagram.forces.items():
         arrow = next(m for m in markers if m.ns == f'force {name}')

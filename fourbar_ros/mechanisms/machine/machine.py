@@ -20,7 +20,6 @@ from fourbar_ros.mechanics.bodies import Applied, Body, Gravity, NOT_APPLIED
 from fourbar_ros.mechanisms.checks import checked_gravity, STROKE, two_numbers
 from fourbar_ros.mechanisms.evaluation import Constants
 from fourbar_ros.mechanisms.kinds import derives, DIMENSIONS
-from fourbar_ros.mechanisms.machine.describe import diagram
 from fourbar_ros.mechanisms.machine.describe.description import (
     ANGLES,
     by_link,
@@ -59,7 +58,6 @@ from fourbar_ros.mechanisms.parts import (
     Connection,
     CRANK,
     CROSSED,
-    Diagram,
     GROUND,
     NamedFields,
     OPEN,
@@ -508,10 +506,6 @@ class Machine(Mechanism):
             product = product * sine
         found: Scalar = product
         return found
-
-    def diagram(self, motion: NamedFields) -> Diagram:
-        """Return the contents of a picture in one pose."""
-        return diagram.diagram(self, motion)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Return how to unpickle it: made again from its fields, as its types are made with it."""

@@ -13,8 +13,20 @@ from math import atan2, cos, isnan, sin
 from typing import Union
 
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import Bar, Block, Diagram, NamedFields, ORIGIN
-from fourbar_ros.mechanisms.picture import Arm, Force, forces_of, NamedJoint, of_kind, picture
+from fourbar_ros.mechanisms.parts import NamedFields
+from fourbar_ros.mechanisms.picture import (
+    Arm,
+    Bar,
+    Block,
+    Diagram,
+    diagram_of,
+    Force,
+    forces_of,
+    NamedJoint,
+    of_kind,
+    ORIGIN,
+    picture,
+)
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.ros.messages import Stamp
 from fourbar_ros.scene.scene import Scene
@@ -56,7 +68,7 @@ def maker(scene: Scene) -> Callable[[Stamp, Sequence[float]], MarkerArray | None
         markers = pose(scene, motion)
         if scene.has_loads:
             loads = mechanism.LOADS(*values[count:loads_end])
-            markers += arrows(scene, loads, mechanism.diagram(motion), scales)
+            markers += arrows(scene, loads, diagram_of(mechanism, motion), scales)
         for each in markers:
             each.header.stamp.sec, each.header.stamp.nanosec = stamp
         return MarkerArray(markers=markers)

@@ -13,6 +13,7 @@ from math import inf
 
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.extrema.find import find_extrema
+from fourbar_ros.mechanisms.picture import diagram_of
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.ros.node import markers as shapes
@@ -54,7 +55,7 @@ def limits(scene: Scene) -> Iterator[Marker]:
     width = 0.4 * WIDTH * size_of(mechanism)
     for number, (what, position) in enumerate([*ends, *dead]):
         try:
-            diagram = mechanism.diagram(mechanism.motion(float(position)))
+            diagram = diagram_of(mechanism, mechanism.motion(float(position)))
         except FourBarError:         # no pose there within rounding
             continue
         yield shapes.lines(scene.frame_id, f'{what}s', number,
@@ -71,7 +72,7 @@ def extrema(scene: Scene) -> Iterator[Marker]:
     labels, right = [], -inf
     for extremum in every:
         try:
-            diagram = mechanism.diagram(mechanism.motion(extremum.input))
+            diagram = diagram_of(mechanism, mechanism.motion(extremum.input))
         except FourBarError:
             continue
         at = next(place for name, place in diagram.joints.items() if name not in diagram.ground)
