@@ -35,6 +35,7 @@ from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanisms.four_bars import FourBar
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields
+from fourbar_ros.mechanisms.points import FIXED, LinkMotion, vector
 from fourbar_ros.mechanisms.sliders import InvertedSlider, SliderCrank
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
@@ -105,6 +106,22 @@ def collineation_axis(linkage: Mechanism, motion: NamedFields) -> CollineationAx
     lines['axis'] = axis = _cross(p13, p24)
     return CollineationAxis(p13, p24, coupler[0] * axis[0] + coupler[1] * axis[1],
                             coupler[0] * axis[1] - coupler[1] * axis[0], lines)
+
+
+def instant_centre(link: LinkMotion, other: LinkMotion | None = None) -> Array:
+    """
+    Return the instant centre of a link relative to another one, or to the ground (None).
+
+    The point where both have the same velocity (Aronhold and Kennedy), as an array of shape
+    (..., 2) [m] for links of shape (...); inf or NaN where both turn at the same rate.
+    """
+    other = FIXED if other is None else other
+    omega = link.omega - other.omega
+    # velocity at O1 of the first link, as if O1 were fixed to it, seen from the second
+    v_x = (link.v_x + link.omega * link.y) - (other.v_x + other.omega * other.y)
+    v_y = (link.v_y - link.omega * link.x) - (other.v_y - other.omega * other.x)
+    with np.errstate(divide='ignore', invalid='ignore'):
+        return vector(np.divide(-v_y, omega), np.divide(v_x, omega))
 
 
 def has_axis(linkage: Mechanism) -> bool:

@@ -11,7 +11,7 @@ from fourbar_ros.machine import Machine
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import GROUND
 from fourbar_ros.mechanisms.picture import ORIGIN
-from fourbar_ros.mechanisms.points import link_motion, LinkMotion, point_motion, PointMotion
+from fourbar_ros.mechanisms.points import LinkMotion, point_motion, PointMotion
 from fourbar_ros.mechanisms.sliders import InvertedSlider, ScotchYoke, SliderCrank
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
@@ -35,7 +35,7 @@ def velocity_polygon(mechanism: Mechanism, motion: Any) -> list[Arrow]:
                 for name, _, point in _moving_joints(mechanism, motion)]
     v_a = point_motion(mechanism, motion, 'crank', mechanism.lengths[0]).velocity
     if isinstance(mechanism, InvertedSlider):       # Q of the bar at A
-        output = link_motion(mechanism, motion, 'output')
+        output = mechanism.link_motion(motion, 'output')
         v_q = point_motion(mechanism, motion, 'output', motion.slide, mechanism.offset).velocity
         return [total(v_a, 'V_A'), total(v_q, 'V_Q'),
                 *chain(v_q, (motion.slide_velocity * output.direction, 'V_{rel}'))]
@@ -62,11 +62,11 @@ def acceleration_polygon(mechanism: Mechanism, motion: Any) -> list[Arrow]:
             if crank is not None:
                 found += around(ORIGIN, crank, point.place, name)
         return found
-    crank, a1 = link_motion(mechanism, motion, 'crank'), mechanism.lengths[0]
+    crank, a1 = mechanism.link_motion(motion, 'crank'), mechanism.lengths[0]
     a_a = point_motion(mechanism, motion, 'crank', a1).acceleration
     of_a = [total(a_a, 'A_A'), *around(ORIGIN, crank, a1 * crank.direction, 'A')]
     if isinstance(mechanism, InvertedSlider):       # A_A = A_Q + A_Cor + A_rel, Q of the bar at A
-        output = link_motion(mechanism, motion, 'output')
+        output = mechanism.link_motion(motion, 'output')
         arm = (motion.slide * output.direction
                + mechanism.offset * turned(1.0, output.direction))
         relative = motion.slide_acceleration * output.direction
@@ -78,11 +78,11 @@ def acceleration_polygon(mechanism: Mechanism, motion: Any) -> list[Arrow]:
     if isinstance(mechanism, ScotchYoke):           # A_A = A_B + A_rel: the slot does not turn
         a_b = motion.slide_acceleration * X
         return [*of_a, total(a_b, 'A_B'), *chain(a_b, (motion.slot_acceleration * Y, 'A_{rel}'))]
-    coupler, a2 = link_motion(mechanism, motion, 'coupler'), mechanism.lengths[1]
+    coupler, a2 = mechanism.link_motion(motion, 'coupler'), mechanism.lengths[1]
     a_b = point_motion(mechanism, motion, 'coupler', a2).acceleration
     of_b = [*around(a_a, coupler, a2 * coupler.direction, 'B/A'), total(a_b, 'A_B')]
     if not isinstance(mechanism, SliderCrank):      # a four-bar, whose B turns about O4
-        output = link_motion(mechanism, motion, 'output')
+        output = mechanism.link_motion(motion, 'output')
         of_b += around(ORIGIN, output, mechanism.lengths[2] * output.direction, 'B')
     return [*of_a, *of_b]
 

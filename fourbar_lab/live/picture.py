@@ -10,6 +10,7 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 from fourbar_lab.drawing.axis import axis_angle, axis_parts
+from fourbar_lab.drawing.collineation import instant_centre
 from fourbar_lab.drawing.cycles import bounded, ground_forces, vectors_of
 from fourbar_lab.drawing.labels import significant
 from fourbar_lab.drawing.mechanism_panel import sides_of
@@ -29,7 +30,7 @@ from fourbar_ros.mechanisms.picture import (
     ORIGIN,
     picture,
 )
-from fourbar_ros.mechanisms.points import instant_centre, link_motion, LinkMotion
+from fourbar_ros.mechanisms.points import LinkMotion
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
@@ -187,7 +188,7 @@ def _centres(linkage: Mechanism, motion: NamedFields, view: View,
     Centres are of pairs of links; link 1 is the ground, the others are numbered from 2.
     """
     links: list[tuple[int, LinkMotion | None]] = [(1, None)]
-    links += [(i, link_motion(linkage, motion, link.name))
+    links += [(i, linkage.link_motion(motion, link.name))
               for i, link in enumerate(linkage.LINKS, 2)]
     strokes = []
     for (i, one), (j, other) in combinations(links, 2):

@@ -54,7 +54,7 @@ from fourbar_lab.reproduction.published import (
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.mechanisms.four_bars import FourBar
 from fourbar_ros.mechanisms.parts import CROSSED, OPEN
-from fourbar_ros.mechanisms.points import link_motion, point_motion
+from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
@@ -237,7 +237,7 @@ def _moving_frame() -> list[Row]:
     linkage, m = EXAMPLE_7_5, EXAMPLE_7_5.motion(*GIVEN_7_5)
     a, q = (point_motion(linkage, m, link, along)
             for link, along in (('crank', linkage.a1), ('output', m.slide)))
-    bar, arm = link_motion(linkage, m, 'output').direction, a.place - (linkage.a4, 0.0)
+    bar, arm = linkage.link_motion(m, 'output').direction, a.place - (linkage.a4, 0.0)
     coriolis = turned(-2.0 * m.omega4, m.slide_velocity * bar)
     rel, tangential = m.slide_acceleration * bar, turned(-m.alpha4, arm)
     return [

@@ -33,7 +33,7 @@ from fourbar_ros.extrema.full_turns import search_turns, Turns
 from fourbar_ros.extrema.sampling import State
 from fourbar_ros.mechanisms.evaluation import step_of_arrays
 from fourbar_ros.mechanisms.parts import NoLoads, OPEN
-from fourbar_ros.mechanisms.points import link_motion, point_of
+from fourbar_ros.mechanisms.points import point_of
 from fourbar_ros.mechanisms.quantities import is_position, is_published
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.scene.parameters import find
@@ -182,7 +182,7 @@ class DesignBlock:
         """Return x and y [m] of a point over a turn, each of shape (n, samples)."""
         x = np.broadcast_to(tau * np.arange(samples) / samples, (designs.size, samples))
         motion, _ = designs.step(0.0, False)(x)
-        link = link_motion(designs.many, motion, self.scene.points[point].link)
+        link = designs.many.link_motion(motion, self.scene.points[point].link)
         place = point_of(link, designs.values[f'points.{point}.along'],
                          designs.values[f'points.{point}.across'])
         return np.broadcast_to(place[0], x.shape), np.broadcast_to(place[1], x.shape)

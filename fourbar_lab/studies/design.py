@@ -22,7 +22,7 @@ from fourbar_lab.studies.measures import (
     TIME_RATIO,
 )
 from fourbar_ros.extrema.find import Extremum, find_extrema
-from fourbar_ros.mechanisms.points import link_motion, point_of
+from fourbar_ros.mechanisms.points import point_of
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.scene.scene import Scene
 import numpy as np
@@ -124,7 +124,7 @@ class Design:
              else low + (high - low) * (share + 0.5 / samples))
         link, along, across = self.scene.points[point]
         motion = self.linkage.motion(x, *self.rates)
-        place_x, place_y = point_of(link_motion(self.linkage, motion, link), along, across)[:2]
+        place_x, place_y = point_of(self.linkage.link_motion(motion, link), along, across)[:2]
         return np.asarray(place_x), np.asarray(place_y)
 
 

@@ -20,7 +20,7 @@ from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields, NoLoads, Quantity
 from fourbar_ros.mechanisms.quantities import Asked, is_position, is_published
 from fourbar_ros.numerics.arrays import Array, EPS, Value
-from fourbar_ros.numerics.number_types import Function
+from fourbar_ros.numerics.number_types import Function, Scalar
 from fourbar_ros.numerics.roots import fold
 from fourbar_ros.numerics.tables import ARRAYS, WITHOUT_ANGLES
 import numpy as np
@@ -48,6 +48,24 @@ class Samples(NamedTuple):
     slopes: Array       # their derivatives with respect to the input in its unit
     state: State        # motion and loads from which they come: fields of shape (n,), or floats
     noise: Array        # bounds of the rounding errors of the values
+
+
+def _term_sizes(mechanism: Mechanism, motion: NamedFields) -> dict[str, Scalar]:
+    """
+    Return {unit: size of the terms that add up to rates and accelerations in that unit}.
+
+    A result is uncertain by rounding of its terms, so differences below some eps times these sizes
+    are taken for noise.
+    """
+    size, omega, alpha = max(map(abs, mechanism.lengths)), 0.0, 0.0
+    for joint in [joint.coordinate for joint in mechanism.JOINTS]:
+        # a bar that reaches as far as a slide turns by what it moves, over the distance
+        reach = (1.0 if joint.unit == 'rad'
+                 else np.maximum(abs(getattr(motion, joint.position).real), size))
+        omega = omega + abs(getattr(motion, joint.rate).real) / reach
+        alpha = alpha + abs(getattr(motion, joint.acceleration).real) / reach
+    alpha = alpha + omega * omega
+    return {'rad/s': omega, 'rad/s^2': alpha, 'm/s': size * omega, 'm/s^2': size * alpha}
 
 
 def needs_angles(quantity: Asked) -> bool:
@@ -263,7 +281,7 @@ class Sampler:
         """
         motion, loads = state
         sine = self.linkage.transmission_sine(motion).real
-        scales = self.linkage.term_sizes(motion)
+        scales = _term_sizes(self.linkage, motion)
         scales |= {'rad': 1.0, 'm': max(map(abs, self.linkage.lengths))}
         if self.needs_loads:
             scales['N'] = force = sum(abs(getattr(loads, name).real)

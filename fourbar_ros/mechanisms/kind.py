@@ -278,7 +278,7 @@ class Kind(Mechanism):
 
     def link_motion(self, motion: NamedFields, link: str) -> LinkMotion:
         """Return the motion of a link by name, its first joint O1, A, and O4 or B."""
-        return self._links(self.lengths, motion)[link]
+        return self._links(self.lengths, motion)[self.link(link).name]
 
     def _links(self, lengths: Lengths, motion: Any, per_unit: Scalar = 1.0,
                are_ratios: bool = False) -> dict[str, LinkMotion]:

@@ -177,7 +177,12 @@ class Mechanism(ABC):
 
     @abstractmethod
     def link_motion(self, motion: NamedFields, link: str) -> LinkMotion:
-        """Return the motion of a link by name, from fields of a motion of any number type."""
+        """
+        Return the motion of one of its ``LINKS`` by name, from one of its motions.
+
+        The 'coupler' of an inverted slider-crank is its block; 'output' is the slider of a
+        slider-crank, the bar of an inverted one. Fields are numbers of any type.
+        """
 
     @abstractmethod
     def transmission_sine(self, motion: NamedFields) -> Scalar:
@@ -350,23 +355,6 @@ class Mechanism(ABC):
     def distance(self, one: float, other: float) -> float:
         """Return one input less another: of angles the short way round [rad], else [m]."""
         return one - other if self.is_driven_by_slide else remainder(one - other, 2.0 * pi)
-
-    def term_sizes(self, motion: NamedFields) -> dict[str, Scalar]:
-        """
-        Return {unit: size of the terms that add up to rates and accelerations in that unit}.
-
-        A result is uncertain by rounding of its terms, so the search for extrema takes differences
-        below some eps times these sizes for noise.
-        """
-        size, omega, alpha = max(map(abs, self.lengths)), 0.0, 0.0
-        for joint in [joint.coordinate for joint in self.JOINTS]:
-            # a bar that reaches as far as a slide turns by what it moves, over the distance
-            reach = (1.0 if joint.unit == 'rad'
-                     else np.maximum(abs(getattr(motion, joint.position).real), size))
-            omega = omega + abs(getattr(motion, joint.rate).real) / reach
-            alpha = alpha + abs(getattr(motion, joint.acceleration).real) / reach
-        alpha = alpha + omega * omega
-        return {'rad/s': omega, 'rad/s^2': alpha, 'm/s': size * omega, 'm/s^2': size * alpha}
 
     def crank_angle(self, motion: NamedFields) -> Scalar:
         """Return the angle of the crank in a motion [rad]."""

@@ -16,7 +16,7 @@ from fourbar_ros.mechanisms.four_bars import FourBarLinks
 from fourbar_ros.mechanisms.machine.structure import BASE, SLIDES, Stage
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import GROUND, NamedFields
-from fourbar_ros.mechanisms.points import link_motion, point_motion, point_of, vector
+from fourbar_ros.mechanisms.points import point_motion, point_of, vector
 from fourbar_ros.mechanisms.sliders import InvertedSlider, ScotchYoke, SliderCrank
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
@@ -175,7 +175,7 @@ def diagram_of(mechanism: Mechanism, motion: Any) -> Diagram:
 def _of_bar(mechanism: InvertedSlider, motion: Any, a: Array) -> Diagram:
     """Return the picture of a bar with its block at A, or of a cylinder with its rod."""
     o4 = point_motion(mechanism, motion, 'output', 0.0).place
-    bar = link_motion(mechanism, motion, 'output').direction
+    bar = mechanism.link_motion(motion, 'output').direction
     foot, sense = a - motion.slide * bar, np.sign(motion.slide) * bar
     bars, blocks = [Bar(ORIGIN, a), Bar(o4, foot)], []
     if mechanism.is_driven_by_slide:        # a cylinder: the tube from O4, the rod out of it to A

@@ -94,7 +94,7 @@ class LinkFields(NamedTuple):
 
 def link_fields(mechanism: Mechanism, motion: NamedFields, link: str) -> LinkFields:
     """Return the :class:`LinkFields` of a link in one sample of a motion."""
-    own = link_motion(mechanism, motion, link)
+    own = mechanism.link_motion(motion, link)
     return LinkFields(atan2(own.sine, own.cosine), own.omega, own.alpha, *own[:6])
 
 
@@ -140,16 +140,6 @@ def vector(x: Scalar | Array, y: Scalar | Array) -> Array:
     return np.stack(np.broadcast_arrays(x, y), axis=-1)
 
 
-def link_motion(mechanism: Mechanism, motion: NamedFields, link: str) -> LinkMotion:
-    """
-    Return the :class:`LinkMotion` of a link in a motion of its mechanism.
-
-    ``link``: name of one of its ``LINKS``. The 'coupler' of an inverted slider-crank is its block;
-    'output' is the slider of a slider-crank, the bar of an inverted one.
-    """
-    return mechanism.link_motion(motion, mechanism.link(link).name)
-
-
 def point_of(link: LinkMotion, along: Scalar, across: Scalar = 0.0) -> MovingPoint:
     """
     Return place, velocity and acceleration of a point of a link, slides Eq. (6).
@@ -164,22 +154,6 @@ def point_of(link: LinkMotion, along: Scalar, across: Scalar = 0.0) -> MovingPoi
                        link.a_x - alpha * y - square * x, link.a_y + alpha * x - square * y)
 
 
-def instant_centre(link: LinkMotion, other: LinkMotion | None = None) -> Array:
-    """
-    Return the instant centre of a link relative to another one, or to the ground (None).
-
-    The point where both have the same velocity (Aronhold and Kennedy), as an array of shape
-    (..., 2) [m] for links of shape (...); inf or NaN where both turn at the same rate.
-    """
-    other = FIXED if other is None else other
-    omega = link.omega - other.omega
-    # velocity at O1 of the first link, as if O1 were fixed to it, seen from the second
-    v_x = (link.v_x + link.omega * link.y) - (other.v_x + other.omega * other.y)
-    v_y = (link.v_y - link.omega * link.x) - (other.v_y - other.omega * other.x)
-    with np.errstate(divide='ignore', invalid='ignore'):
-        return vector(np.divide(-v_y, omega), np.divide(v_x, omega))
-
-
 def make_point(n: NumberType, mechanism: Mechanism, link: str, along: float,
                across: float) -> Function:
     """Return a function motion -> fields of :class:`PointMotion`, for a point fixed to a link."""
@@ -187,7 +161,7 @@ def make_point(n: NumberType, mechanism: Mechanism, link: str, along: float,
 
     def point(motion: NamedFields) -> tuple[Scalar, ...]:
         """Return place, velocity, acceleration, speed, both parts of that, and curvature."""
-        x, y, v_x, v_y, a_x, a_y = point_of(link_motion(mechanism, motion, link), along, across)
+        x, y, v_x, v_y, a_x, a_y = point_of(mechanism.link_motion(motion, link), along, across)
         speed = hypot(v_x, v_y)
         square = speed * speed
         moves = square > 0.0     # below some 1e-162 m/s the square is zero

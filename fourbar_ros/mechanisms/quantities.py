@@ -11,7 +11,7 @@ from fourbar_ros.errors import FourBarError, InvalidParameter, nearest
 from fourbar_ros.mechanisms.kinds import LOADS
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import CRANK, NamedFields, Quantity
-from fourbar_ros.mechanisms.points import link_motion, point_of
+from fourbar_ros.mechanisms.points import point_of
 from fourbar_ros.numerics.number_types import Scalar
 import numpy as np
 
@@ -60,7 +60,7 @@ def point_acceleration(mechanism: Mechanism, link: str, along: float, across: fl
 def _size(mechanism: Mechanism, link: str, along: float, across: float, fields: slice,
           motion: NamedFields, loads: NamedFields) -> Scalar:
     """Return the length of two ``fields`` (x, y) of the :class:`.MovingPoint` of a point."""
-    x, y = tuple(point_of(link_motion(mechanism, motion, link), along, across))[fields]
+    x, y = tuple(point_of(mechanism.link_motion(motion, link), along, across))[fields]
     size: Scalar = np.sqrt(x * x + y * y)
     return size
 

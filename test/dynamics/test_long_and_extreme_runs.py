@@ -16,7 +16,7 @@ from fourbar_ros.dynamics.simulation import (
 from fourbar_ros.dynamics.sources import DCMotor, Drive
 from fourbar_ros.dynamics.statics import free_period, NotResolved
 from fourbar_ros.dynamics.system import System
-from fourbar_ros.mechanisms.points import link_motion, point_motion
+from fourbar_ros.mechanisms.points import point_motion
 import mpmath as mp
 import numpy as np
 import pytest
@@ -96,7 +96,7 @@ def power_of(linkage, spring, torsion, sample, inertia):
     parts = [inertia * rate * acceleration, -torque * rate]
     for link, body in linkage.bodies._asdict().items():
         centre = point_motion(linkage, motion, link, body.cg_along, body.cg_across)
-        turning = link_motion(linkage, motion, link)
+        turning = linkage.link_motion(motion, link)
         parts += [*(body.mass * centre.velocity * (centre.acceleration - linkage.gravity)),
                   body.inertia * turning.omega * turning.alpha]
         if link in linkage.external._fields:
@@ -108,7 +108,7 @@ def power_of(linkage, spring, torsion, sample, inertia):
     apart = end.place - (spring.first.along, spring.first.across)
     length = np.hypot(*apart)
     growth = float(apart @ end.velocity) / length
-    crank, coupler = (link_motion(linkage, motion, link) for link in ('crank', 'coupler'))
+    crank, coupler = (linkage.link_motion(motion, link) for link in ('crank', 'coupler'))
     angle = np.angle(complex(coupler.cosine, coupler.sine) / complex(crank.cosine, crank.sine)
                      * np.exp(-1j * torsion.free_angle))
     turn = coupler.omega - crank.omega

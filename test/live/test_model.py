@@ -5,6 +5,7 @@ from math import degrees, hypot, pi, remainder
 import re
 from xml.etree import ElementTree
 
+from fourbar_lab.drawing.collineation import instant_centre
 from fourbar_lab.drawing.polygons import acceleration_polygon, velocity_polygon
 from fourbar_lab.live import charts
 from fourbar_lab.live import link as links
@@ -27,7 +28,7 @@ from fourbar_ros.cli.main import main
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.mechanisms.picture import diagram_of
-from fourbar_ros.mechanisms.points import instant_centre, link_motion, point_motion
+from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.scene.files import find, folder, read_values
 from fourbar_ros.scene.scene import load
 import numpy as np
@@ -154,7 +155,7 @@ def test_axes_hold_what_can_be_read_of_curves_that_go_to_infinity():
 def test_instant_centres_are_at_rest_and_obey_kennedy(name):
     found = shown_of(name)
     _, (motion, _) = found.pose(float(found.cycles[0].inputs[120]))
-    links = {link.name: link_motion(found.linkage, motion, link.name)
+    links = {link.name: found.linkage.link_motion(motion, link.name)
              for link in found.linkage.LINKS}
     size = max(map(abs, found.linkage.lengths))
     for link in found.linkage.LINKS:

@@ -17,7 +17,6 @@ from fourbar_ros import (
     MovingJointFourBar,
 )
 from fourbar_ros.mechanisms.kinds import KINDS
-from fourbar_ros.mechanisms.points import link_motion
 import numpy as np
 import pytest
 from support import cartesian, random_machines
@@ -47,7 +46,7 @@ class Case(NamedTuple):
         exact = cartesian.Kind(self.name, mechanism.lengths, self.sign, self.driven,
                                mechanism.bodies, mechanism.external, mechanism.gravity)
         for link in exact.moving:
-            at = link_motion(mechanism, motion, link)
+            at = mechanism.link_motion(motion, link)
             near.append([at.x, at.y, float(np.arctan2(at.sine, at.cosine))])
         if self.driven == 'crank':
             near[0][2] = given[0]

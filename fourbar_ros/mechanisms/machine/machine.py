@@ -495,7 +495,7 @@ class Machine(Mechanism):
 
     def link_motion(self, motion: NamedFields, link: str) -> LinkMotion:
         """Return the motion of a link by name, from its coefficients and the input's rates."""
-        i = self.MOTION._fields.index(f'x_{link}')
+        i = self.MOTION._fields.index(f'x_{self.link(link).name}')
         return LinkMotion(*tuple(motion)[i:i + 10]).at(motion.rate, motion.acceleration)
 
     def transmission_sine(self, motion: NamedFields) -> Scalar:

@@ -4,7 +4,7 @@
 
 
 from fourbar_ros import InvalidParameter
-from fourbar_ros.mechanisms.points import link_motion, point_motion
+from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.mechanisms.quantities import point_acceleration, point_speed
 from fourbar_ros.numerics.number_types import REAL
 import numpy as np
@@ -28,7 +28,7 @@ def test_links_are_where_the_reference_has_them(case):
         motion = mechanism.motion(*given)
         exact, size = case.exact(mechanism, given), max(map(abs, mechanism.lengths))
         for link in mechanism.BODIES._fields:
-            at, point = (link_motion(mechanism, motion, link),
+            at, point = (mechanism.link_motion(motion, link),
                          point_motion(mechanism, motion, link, 0.3, -0.2))
             places, directions = (np.array([complex(level[0]) for level in levels])
                                   for levels in exact.link(link))
@@ -46,7 +46,7 @@ def test_velocities_of_links_are_derivatives_of_their_places(case):
     for mechanism, (value, _, _) in contract.ordinary(case, 207, 20):
         motion = mechanism.motion(np.array([value]) + 1j * STEP, 1.0)
         for link in mechanism.BODIES._fields:
-            at = link_motion(mechanism, motion, link)
+            at = mechanism.link_motion(motion, link)
             pairs = [
                 (at.x, at.v_x),
                 (at.y, at.v_y),
@@ -117,7 +117,7 @@ def test_points_of_all_links(case):
                 np.hypot(point.acceleration_x, point.acceleration_y), rel=4 * EPS
             )
         with pytest.raises(InvalidParameter, match='^link = '):
-            link_motion(mechanism, state[0], 'spring')
+            mechanism.link_motion(state[0], 'spring')
 
 
 @every_case

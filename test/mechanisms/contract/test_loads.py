@@ -5,7 +5,7 @@
 from math import isfinite
 
 from fourbar_ros import Applied, InvalidParameter
-from fourbar_ros.mechanisms.points import link_motion, point_of
+from fourbar_ros.mechanisms.points import point_of
 import numpy as np
 from support import contract
 from support.contract import every_mechanism
@@ -29,7 +29,7 @@ def needed(mechanism, motion):
     total, sizes, gravity = np.zeros(4), np.zeros(3), complex(*mechanism.gravity)
     for link, body in mechanism.bodies._asdict().items():
         at, push = (
-            link_motion(mechanism, motion, link),
+            mechanism.link_motion(motion, link),
             getattr(mechanism.external, link, Applied()),
         )
         couple = body.inertia * at.alpha - push.couple
