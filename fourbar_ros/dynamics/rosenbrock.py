@@ -32,7 +32,7 @@ from typing import Any, cast, NamedTuple
 
 from fourbar_ros.dynamics.coordinate import Coordinate, FARTHEST, LONGEST
 from fourbar_ros.dynamics.equation import Outside
-from fourbar_ros.dynamics.sources import always, Drive, Law, MakePiece, Piece
+from fourbar_ros.dynamics.sources import Drive, Law, Piece
 from fourbar_ros.dynamics.system import NEAR_TOGGLE
 from fourbar_ros.mechanics.bodies import Base
 from fourbar_ros.mechanisms.mechanism import DrivenLinks
@@ -40,6 +40,7 @@ from fourbar_ros.numerics.number_types import Function, NumberType, REAL, Scalar
 from fourbar_ros.numerics.write import straight_line
 
 State = tuple[float, ...]        # five numbers
+PieceAt = Callable[[Scalar, Scalar], Piece]      # (speed, own state) -> law next to them
 BASE = 'base'              # name of the base among what acts, beside those of links
 GAMMA = 0.25
 # u_i depends on f(x + sum A_ij u_j) and on sum C_ij u_j / h; the last starts where the one before
@@ -247,11 +248,12 @@ class StepFormulas:
             return _plus(x, whole, solve(given[:5]))
         return euler
 
-    def _law(self, n: NumberType, command: Scalar) -> MakePiece:
+    def _law(self, n: NumberType, command: Scalar) -> PieceAt:
         """Return the law of the source during a step."""
         if self._takes_commands:
-            return always(Piece(command))
-        return self._source.make_piece(n, command if self._source.command else None)
+            return lambda speed, own: Piece(command)
+        given = command if self._source.command else None
+        return lambda speed, own: self._source.piece(speed, own, n, given)
 
     def _to_bend(self, n: NumberType, command: Scalar, at: Sequence[Scalar],
                  slopes: Sequence[Scalar]) -> Scalar:
@@ -261,7 +263,7 @@ class StepFormulas:
         By a tangent: of speed and own state of the source, ``at`` a place, with their ``slopes``
         over time.
         """
-        bounded = None if self._takes_commands else self._source.make_bounded(
+        bounded = None if self._takes_commands else self._source.bounded(
             command if self._source.command else None)
         if bounded is None:
             return 1e300
@@ -274,7 +276,7 @@ class StepFormulas:
         found: Scalar = n.where(gap > 0.0, gap / _larger(n, slope, 1e-300), 1e300)
         return found
 
-    def _rates(self, terms: Sequence[Any], x: State, law: MakePiece
+    def _rates(self, terms: Sequence[Any], x: State, law: PieceAt
                ) -> tuple[State, Scalar, Scalar, Piece]:
         """Return dx/dt by (N1), the torques on the input and of the source, and its law there."""
         _, u, s, v, z = x
@@ -290,7 +292,7 @@ class StepFormulas:
                   piece.change_at(speed, z) if 4 in self._order else 0.0)
         return change, on_input, motor, piece
 
-    def _solver(self, n: NumberType, x: State, law: MakePiece, linear: Sequence[Scalar], g: Scalar,
+    def _solver(self, n: NumberType, x: State, law: PieceAt, linear: Sequence[Scalar], g: Scalar,
                 terms_at: Function) -> Callable[[State], State]:
         """Return b -> y, the solution of (g - d(dx/dt)/dx) y = b at the start of a step."""
         step = DIFFERENCE * self.unit

@@ -26,8 +26,8 @@ Torque sources, w the speed of the output shaft:
 speed w_s is 2 pi f / p, T_b is the breakdown torque, at the slip s_b. It neglects the resistance
 of the stator and electrical transients. Beyond w_s the motor brakes as a generator.
 
-Each but the table states its law once, by :meth:`Law.make_piece`, next to a speed and own state z
-as linear in both:
+Each but the table states its law once, by :meth:`Law.piece`, next to a speed and own state z as
+linear in both:
 
     T = T_0 + T_w w + T_z z,    dz/dt = d_0 + d_w w + d_z z                                (M1)
 """
@@ -35,7 +35,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from bisect import bisect_right
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import inf, tau
@@ -76,8 +76,6 @@ class Piece(NamedTuple):
         return change
 
 
-MakePiece = Callable[[Scalar, Scalar], Piece]      # (speed, own state) -> law next to them
-
 
 class Law(ABC):
     """
@@ -89,15 +87,12 @@ class Law(ABC):
         The field of a DriveState message that holds the state, one number at most.
     command : str
         The field that generated code takes anew at each step, as a voltage; '': none.
-    is_smooth : bool
-        The pieces of its law are tangents; else it is linear in pieces, where steps end.
 
     """
 
     breaks: ClassVar[tuple[float, ...]] = ()
     own: ClassVar[str] = ''
     command: ClassVar[str] = ''
-    is_smooth: ClassVar[bool] = False
 
     @property
     def start(self) -> tuple[float, ...]:
@@ -108,35 +103,23 @@ class Law(ABC):
         check_quantities(self)
 
     @abstractmethod
-    def make_piece(self, n: NumberType = REAL, command: Scalar | None = None) -> MakePiece:
+    def piece(self, speed: Scalar, own: Scalar, n: NumberType = REAL,
+              command: Scalar | None = None) -> Piece:
         """
-        Return the formula (speed, own state) -> :class:`Piece` that holds next to them.
+        Return the law that holds next to a speed and an own state.
 
         ``command``: a number in place of the field that ``self.command`` names.
         """
 
-    def make_bounded(self, command: Scalar | None = None) -> tuple[Piece, float] | None:
+    def bounded(self, command: Scalar | None = None) -> tuple[Piece, float] | None:
         """Return a torque, linear in speed and state, and its bound, at which the law bends."""
         return None
-
-    @cached_property
-    def _piece(self) -> MakePiece:
-        return self.make_piece()
-
-    def __getstate__(self) -> dict[str, Any]:
-        """Pickle the fields: functions cannot be pickled, and are made again."""
-        return {name: value for name, value in self.__dict__.items() if name != '_piece'}
 
     def torque(self, time: float, speed: float, state: State) -> Answer:
         """Return the torque on the output shaft [N m] and the derivative of the state."""
         own = state[0] if state else 0.0
-        piece = self._piece(speed, own)
+        piece = self.piece(speed, own)
         return piece.torque_at(speed, own), (piece.change_at(speed, own),) if state else ()
-
-
-def always(piece: Piece) -> MakePiece:
-    """Return the function of speed and state of a law that is one piece."""
-    return lambda speed, own: piece
 
 
 @dataclass(frozen=True)
@@ -145,9 +128,10 @@ class ConstantTorque(Law):
 
     value: float = quantity(0.0)
 
-    def make_piece(self, n: NumberType = REAL, command: Scalar | None = None) -> MakePiece:
+    def piece(self, speed: Scalar, own: Scalar, n: NumberType = REAL,
+              command: Scalar | None = None) -> Piece:
         """Return the law of all speeds (D2)."""
-        return always(Piece(self.value))
+        return Piece(self.value)
 
 
 @dataclass(frozen=True)
@@ -170,10 +154,11 @@ class MotorLine(Law):
                                    f'stall_torque ({self.stall_torque:g}): a torque that grows '
                                    'with the speed is no motor line')
 
-    def make_piece(self, n: NumberType = REAL, command: Scalar | None = None) -> MakePiece:
+    def piece(self, speed: Scalar, own: Scalar, n: NumberType = REAL,
+              command: Scalar | None = None) -> Piece:
         """Return the law (D3) at the output shaft."""
         stall, free = self.gear * self.stall_torque, self.free_speed / self.gear
-        return always(Piece(stall, -stall / free))
+        return Piece(stall, -stall / free)
 
 
 @dataclass(frozen=True)
@@ -195,15 +180,16 @@ class DCMotor(Law):
         """Return the current at the beginning, where there is an inductance."""
         return (0.0,) if self.inductance else ()
 
-    def make_piece(self, n: NumberType = REAL, command: Scalar | None = None) -> MakePiece:
+    def piece(self, speed: Scalar, own: Scalar, n: NumberType = REAL,
+              command: Scalar | None = None) -> Piece:
         """Return the law (D4) at a voltage; the current, its state, follows at once if L = 0."""
         constant, voltage = self.gear * self.constant, self.voltage if command is None else command
         if self.inductance:
-            return always(Piece(0.0, by_state=constant, change=voltage / self.inductance,
-                                change_by_speed=-constant / self.inductance,
-                                change_by_state=-self.resistance / self.inductance))
-        return always(Piece(constant * voltage / self.resistance,
-                            by_speed=-constant * constant / self.resistance))
+            return Piece(0.0, by_state=constant, change=voltage / self.inductance,
+                         change_by_speed=-constant / self.inductance,
+                         change_by_state=-self.resistance / self.inductance)
+        return Piece(constant * voltage / self.resistance,
+                     by_speed=-constant * constant / self.resistance)
 
 
 @dataclass(frozen=True)
@@ -229,7 +215,8 @@ class SpeedController(Law):
         """Return the integral of the error at the beginning, where there is an integral part."""
         return (0.0,) if self.integral else ()
 
-    def make_piece(self, n: NumberType = REAL, command: Scalar | None = None) -> MakePiece:
+    def piece(self, speed: Scalar, own: Scalar, n: NumberType = REAL,
+              command: Scalar | None = None) -> Piece:
         """
         Return the law (D5): between the limits of the torque, and beyond each.
 
@@ -239,29 +226,25 @@ class SpeedController(Law):
         kp, ki, limit = self.proportional, self.integral, self.limit
         inner = self._inner(wanted)
         if limit == inf:
-            return always(inner)
+            return inner
         by = kp or ki
 
-        def beyond(torque: float) -> Piece:
+        def beyond(torque: float) -> tuple[Scalar, ...]:
             """Return the law at a limit of the torque."""
             if not ki:
-                return Piece(torque)
-            return Piece(torque, 0.0, 0.0, wanted + (torque - kp * wanted) / by, kp / by - 1.0,
-                         -ki / by)
-        upper, lower = beyond(limit), beyond(-limit)
-
-        def piece(speed: Scalar, own: Scalar) -> Piece:
-            torque = inner.torque_at(speed, own)
-            return Piece(*n.where(torque.real > limit, tuple(upper), n.where(
-                torque.real < -limit, tuple(lower), tuple(inner))))
-        return piece
+                return tuple(Piece(torque))
+            return (torque, 0.0, 0.0, wanted + (torque - kp * wanted) / by, kp / by - 1.0,
+                    -ki / by)
+        torque = inner.torque_at(speed, own)
+        return Piece(*n.where(torque.real > limit, beyond(limit), n.where(
+            torque.real < -limit, beyond(-limit), tuple(inner))))
 
     def _inner(self, wanted: Scalar) -> Piece:
         """Return the law between the limits of the torque."""
         kp, ki = self.proportional, self.integral
         return Piece(kp * wanted, -kp, ki, *((wanted, -1.0) if ki else ()))
 
-    def make_bounded(self, command: Scalar | None = None) -> tuple[Piece, float] | None:
+    def bounded(self, command: Scalar | None = None) -> tuple[Piece, float] | None:
         """Return the law between the limits of the torque, and the limit."""
         wanted = self.speed if command is None else command
         return None if self.limit == inf else (self._inner(wanted), self.limit)
@@ -275,7 +258,6 @@ class InductionMotor(Law):
     A negative gear: the shaft behind it turns the other way.
     """
 
-    is_smooth: ClassVar[bool] = True
     breakdown_torque: float = quantity(unit='N m or N', above=0.0,
                                        text='largest torque of the motor')
     breakdown_slip: float = quantity(above=0.0, text='slip at which it gives that torque')
@@ -288,19 +270,16 @@ class InductionMotor(Law):
         """Return the speed behind the gear at which it gives no torque [rad/s]."""
         return tau * self.frequency / self.pole_pairs / self.gear
 
-    def make_piece(self, n: NumberType = REAL, command: Scalar | None = None) -> MakePiece:
-        """Return the law (K1) by its tangent at each speed: it is smooth, not linear."""
+    def piece(self, speed: Scalar, own: Scalar, n: NumberType = REAL,
+              command: Scalar | None = None) -> Piece:
+        """Return the tangent T + dT/dw (w - speed) of the law (K1), as T_0 + T_w w of (M1)."""
         synchronous, s_b = self.synchronous_speed, self.breakdown_slip
         factor = 2.0 * self.gear * self.breakdown_torque * s_b
-
-        def tangent(speed: Scalar, own: Scalar) -> Piece:
-            """Return the line T + dT/dw (w - speed), as T_0 + T_w w of (M1)."""
-            slip = 1.0 - speed / synchronous
-            whole = slip * slip + s_b * s_b
-            torque = factor * slip / whole                                                  # (K1)
-            by_speed = factor * (slip * slip - s_b * s_b) / (synchronous * whole * whole)   # (K2)
-            return Piece(torque - by_speed * speed, by_speed)
-        return tangent
+        slip = 1.0 - speed / synchronous
+        whole = slip * slip + s_b * s_b
+        torque = factor * slip / whole                                                      # (K1)
+        by_speed = factor * (slip * slip - s_b * s_b) / (synchronous * whole * whole)       # (K2)
+        return Piece(torque - by_speed * speed, by_speed)
 
 
 @dataclass(frozen=True)

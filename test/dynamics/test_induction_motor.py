@@ -39,7 +39,7 @@ def kloss(motor, speed):
 @pytest.mark.parametrize('gear', [1.0, 5.0, -30.0])
 def test_the_law_is_that_of_the_book(gear):
     motor = InductionMotor(60.0, 0.2, 60.0, 3, gear)
-    law, w_s = motor.make_piece(), motor.synchronous_speed
+    law, w_s = motor.piece, motor.synchronous_speed
     assert w_s == pytest.approx(tau * 60.0 / 3.0 / gear, rel=1e-15)
     for share in (-2.0, -0.3, 0.0, 0.7, 0.8, 0.93, 1.05, 1.2, 3.0):      # of the synchronous speed
         speed, step = share * w_s, 1e-4 * w_s
