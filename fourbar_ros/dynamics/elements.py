@@ -5,23 +5,42 @@ Springs and dampers between any two points or links of a mechanism; forces over 
 
 A force over a position is a function F(s) of one place s of the mechanism: of its input, of the
 angle of a link, or of the way of a point.
+
+Each states its physics once, for any number type: equations (E5) and (E7) of
+:mod:`fourbar_ros.dynamics.equation`, as seen from the motions of its links, of which the ground is
+one.
 """
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import inf, remainder, tau
-from typing import Any, Union
+from math import cos, inf, remainder, sin, tau
+from typing import Any, NamedTuple, Union
 
 from fourbar_ros.dynamics.force_table import ForceTable
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import GROUND
+from fourbar_ros.mechanisms.points import LinkMotion, MovingPoint, point_of
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.given import check_quantities, number, quantity
+from fourbar_ros.numerics.number_types import direction, NumberType, Scalar
 import numpy as np
+
+LinkMotions = Mapping[str, LinkMotion]      # by name of the link, the ground among them
+
+
+class ForceOnLink(NamedTuple):
+    """A force [N] at a place [m] and a couple [N m] on a link, along the ground axes."""
+
+    link: str
+    x: Scalar
+    y: Scalar
+    force_x: Scalar
+    force_y: Scalar
+    couple: Scalar
 
 
 @dataclass(frozen=True)
@@ -34,6 +53,10 @@ class Attachment:
 
     def __post_init__(self) -> None:
         check_quantities(self)
+
+    def on(self, link: LinkMotion) -> MovingPoint:
+        """Return the motion of the point from that of its link."""
+        return point_of(link, self.along, self.across)
 
 
 @dataclass(frozen=True)
@@ -69,6 +92,27 @@ class Spring:
         """Return the names of the two links it joins."""
         return self.first.link, self.second.link
 
+    def tension(self, n: NumberType, links: LinkMotions) -> tuple[Scalar, Scalar, Scalar]:
+        """Return k (1 - l0/l), r.r' and l^2 of (E5): pull and stretching over the length."""
+        x, y, dx, dy, _, _ = _apart(self.first, self.second, links)
+        square = x * x + y * y
+        share = self.free_length / square**0.5 if self.free_length else 0.0
+        return self.stiffness * (1.0 - share), x * dx + y * dy, square
+
+    def energy(self, n: NumberType, links: LinkMotions) -> Scalar:
+        """Return the potential energy [J]."""
+        gap = _apart(self.first, self.second, links)
+        stretch: Scalar = (gap.x * gap.x + gap.y * gap.y)**0.5 - self.free_length
+        return 0.5 * self.stiffness * stretch * stretch
+
+    def forces(self, n: NumberType, links: LinkMotions) -> list[ForceOnLink]:
+        """Return the forces on its first and on its second link, which move over time."""
+        pull = _damped(self, n, links)
+        p, q = self.first.on(links[self.first.link]), self.second.on(links[self.second.link])
+        x, y = q.x - p.x, q.y - p.y
+        return [ForceOnLink(self.first.link, p.x, p.y, pull * x, pull * y, 0.0),
+                ForceOnLink(self.second.link, q.x, q.y, -pull * x, -pull * y, 0.0)]
+
 
 @dataclass(frozen=True)
 class TorsionSpring:
@@ -102,6 +146,33 @@ class TorsionSpring:
     def links(self) -> tuple[str, str]:
         """Return the names of the two links it joins."""
         return self.first, self.second
+
+    def _deflection(self, n: NumberType, links: LinkMotions) -> Scalar:
+        """
+        Return the angle of the second link from the first, less the free angle, in (-pi, pi].
+
+        It comes from sines and cosines of the directions, so no angle has to be unwrapped.
+        """
+        cosine, sine = _turned(links[self.first], links[self.second])
+        cos_0, sin_0 = cos(self.free_angle), sin(self.free_angle)
+        angle: Scalar = n.atan2(sine * cos_0 - cosine * sin_0, cosine * cos_0 + sine * sin_0)
+        return angle
+
+    def tension(self, n: NumberType, links: LinkMotions) -> tuple[Scalar, Scalar, Scalar]:
+        """Return k (a - a0), a' and 1 of (E5): moment and growth of the angle."""
+        return (self.stiffness * self._deflection(n, links),
+                links[self.second].omega - links[self.first].omega, 1.0)
+
+    def energy(self, n: NumberType, links: LinkMotions) -> Scalar:
+        """Return the potential energy [J]."""
+        stretch = self._deflection(n, links)
+        return 0.5 * self.stiffness * stretch * stretch
+
+    def forces(self, n: NumberType, links: LinkMotions) -> list[ForceOnLink]:
+        """Return the couples on its first and on its second link, which move over time."""
+        moment, one, two = _damped(self, n, links), links[self.first], links[self.second]
+        return [ForceOnLink(self.first, one.x, one.y, 0.0, 0.0, moment),
+                ForceOnLink(self.second, two.x, two.y, 0.0, 0.0, -moment)]
 
 
 @dataclass(frozen=True)
@@ -164,6 +235,17 @@ class LinkAngle:
     link: str
     relative_to: str = GROUND
 
+    @property
+    def links(self) -> tuple[str, str]:
+        """Return the names of both links."""
+        return self.link, self.relative_to
+
+    def of(self, n: NumberType, links: LinkMotions) -> Scalar:
+        """Return the angle in a pose."""
+        cosine, sine = _turned(links[self.relative_to], links[self.link])
+        angle: Scalar = n.atan2(sine, cosine)
+        return angle
+
 
 @dataclass(frozen=True)
 class Way:
@@ -186,6 +268,17 @@ class Way:
         _require_kind('point', self.point, Attachment)
         _require_kind('origin', self.origin, Attachment)
         check_quantities(self)
+
+    @property
+    def links(self) -> tuple[str, str]:
+        """Return the names of the links of its ends."""
+        return self.point.link, self.origin.link
+
+    def of(self, n: NumberType, links: LinkMotions) -> Scalar:
+        """Return the way in a pose."""
+        gap, (x, y) = _apart(self.origin, self.point, links), _along(
+            direction(self.direction), links[self.origin.link])
+        return gap.x * x + gap.y * y
 
 
 Place = Union[str, LinkAngle, Way]
@@ -237,10 +330,37 @@ class PositionForce:
     @property
     def links(self) -> tuple[str, ...]:
         """Return the names of all links that it depends on, the loaded link first."""
-        of_place = (() if isinstance(self.over, str) else
-                    (self.over.link, self.over.relative_to) if isinstance(self.over, LinkAngle)
-                    else (self.over.point.link, self.over.origin.link))
+        of_place = () if isinstance(self.over, str) else self.over.links
         return self.point.link, self.axes, *of_place
+
+    def place(self, n: NumberType, links: LinkMotions, position: Scalar) -> Scalar:
+        """Return the place s in a pose, ``position`` the input."""
+        return position if isinstance(self.over, str) else self.over.of(n, links)
+
+    def _push(self, n: NumberType, value: Callable[[Any], Any], links: LinkMotions,
+              position: Scalar) -> tuple[Scalar, Scalar, Scalar]:
+        """Return F and the unit vector along which it acts, of a couple (0, 0)."""
+        size = n.call(value, self.place(n, links, position))
+        if self.direction is None:
+            return size, 0.0, 0.0
+        return size, *_along(direction(self.direction), links[self.axes])
+
+    def generalised(self, n: NumberType, value: Callable[[Any], Any], links: LinkMotions,
+                    position: Scalar) -> Scalar:
+        """Return Q of (E7) in a pose; ``value``: the function of :meth:`make_value`."""
+        size, x, y = self._push(n, value, links, position)
+        if self.direction is None:
+            return size * links[self.point.link].omega
+        at = self.point.on(links[self.point.link])
+        return size * (x * at.v_x + y * at.v_y)
+
+    def forces(self, n: NumberType, value: Callable[[Any], Any], links: LinkMotions,
+               position: Scalar) -> list[ForceOnLink]:
+        """Return the force on its link; arguments as of :meth:`generalised`."""
+        size, x, y = self._push(n, value, links, position)
+        at = self.point.on(links[self.point.link])
+        return [ForceOnLink(self.point.link, at.x, at.y, size * x, size * y,
+                            size if self.direction is None else 0.0)]
 
     @property
     def turns(self) -> int:
@@ -316,3 +436,41 @@ def _require_two_links(element: Spring | TorsionSpring) -> None:
     first, second = element.links
     if first == second:
         raise InvalidParameter('second', second, 'must be on another link than the first')
+
+
+def _apart(first: Attachment, second: Attachment, links: LinkMotions) -> MovingPoint:
+    """Return the vector from one point to another, with its derivatives."""
+    p, q = first.on(links[first.link]), second.on(links[second.link])
+    return MovingPoint(*[b - a for a, b in zip(p, q)])
+
+
+def _turned(one: LinkMotion, two: LinkMotion) -> tuple[Scalar, Scalar]:
+    """Return cosine and sine of the angle of a link from another."""
+    return (one.cosine * two.cosine + one.sine * two.sine,
+            one.cosine * two.sine - one.sine * two.cosine)
+
+
+def _along(unit: tuple[float, float], axes: LinkMotion) -> tuple[Scalar, Scalar]:
+    """Return a unit vector given along a link, along the ground axes."""
+    (c, s), cosine, sine = unit, axes.cosine, axes.sine
+    return c * cosine - s * sine, c * sine + s * cosine
+
+
+def _damped(element: Spring | TorsionSpring, n: NumberType, links: LinkMotions) -> Scalar:
+    """Return the pull of a spring with that of its damper."""
+    pull, growth, square = element.tension(n, links)
+    return pull + element.damping * growth / square if element.damping else pull
+
+
+def links_of(elements: Sequence[Element], mechanism: Mechanism) -> list[str]:
+    """
+    Return the moving links that elements name; refuse one that the mechanism does not have.
+
+    Each once, in a fixed order: a formula recorded in another process has the same lines.
+    """
+    links = [link.name for link in mechanism.LINKS]
+    named = sorted({link for element in elements for link in element.links} - {GROUND})
+    for link in named:
+        if link not in links:
+            raise InvalidParameter('link', link, f'must be one of {", ".join(links)}, {GROUND}')
+    return named

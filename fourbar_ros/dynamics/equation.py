@@ -47,21 +47,25 @@ from functools import cached_property, partial
 from math import floor, remainder, tau
 from typing import Any, NamedTuple
 
-from fourbar_ros.dynamics.elements import Element, LinkAngle, PositionForce, TableForce
-from fourbar_ros.dynamics.forces import (
-    element_energy,
-    make_force_term,
-    make_link_terms,
-    make_tension,
-    make_turning_force,
-    place_of,
-    work_of,
+from fourbar_ros.dynamics.elements import (
+    Element,
+    LinkAngle,
+    links_of,
+    PositionForce,
+    TableForce,
 )
 from fourbar_ros.errors import InvalidParameter, MissingBodies
-from fourbar_ros.mechanics.bodies import Applied, Base, field_of, NOT_APPLIED, unchecked
+from fourbar_ros.mechanics.bodies import (
+    Applied,
+    Base,
+    Body,
+    field_of,
+    NOT_APPLIED,
+    unchecked,
+)
 from fourbar_ros.mechanisms.mechanism import DrivenLinks, Mechanism
 from fourbar_ros.mechanisms.parts import GROUND
-from fourbar_ros.mechanisms.points import FIXED, LinkMotion
+from fourbar_ros.mechanisms.points import FIXED, LinkMotion, point_of
 from fourbar_ros.numerics.arrays import Array, Value
 from fourbar_ros.numerics.given import number
 from fourbar_ros.numerics.number_types import (
@@ -199,6 +203,60 @@ def make_reading(of: DrivenLinks) -> MakeFormula:
     return make
 
 
+def make_link_terms(body: Body, gravity: tuple[Scalar, Scalar], applied: Applied
+                    ) -> Callable[[LinkMotion], tuple[Scalar, Scalar, Scalar]]:
+    """Return the function motion of a link -> what it adds to J, J'/2 and Q, (E2) to (E4)."""
+    mass, along, across = body.mass, body.mass * body.cg_along, body.mass * body.cg_across
+    inertia = body.inertia + along * body.cg_along + across * body.cg_across
+    (g_x, g_y), couple = gravity, applied.couple
+    f_x, f_y = mass * g_x + applied.force_x, mass * g_y + applied.force_y
+    # moment of weight and force about the first joint: by_cosine cos + by_sine sin
+    by_cosine = (along * g_y - across * g_x
+                 + applied.along * applied.force_y - applied.across * applied.force_x)
+    by_sine = -(along * g_x + across * g_y
+                + applied.along * applied.force_x + applied.across * applied.force_y)
+
+    def terms(link: LinkMotion) -> tuple[Scalar, Scalar, Scalar]:
+        """Return the terms at one position; mass, inertia and load are those given above."""
+        dx, dy, turn, cosine, sine = link.v_x, link.v_y, link.omega, link.cosine, link.sine
+        x, y = along * cosine - across * sine, along * sine + across * cosine        # S
+        cross = x * dy - y * dx
+        swing = inertia * turn + cross
+        inertia_of = mass * (dx * dx + dy * dy) + turn * (swing + cross)                     # (E2)
+        half_slope = (mass * (dx * link.a_x + dy * link.a_y) + link.alpha * swing            # (E3)
+                      + turn * (x * link.a_y - y * link.a_x - turn * (x * dx + y * dy)))
+        moment = couple + by_cosine * cosine + by_sine * sine
+        return inertia_of, half_slope, f_x * dx + f_y * dy + moment * turn                   # (E4)
+    return terms
+
+
+def make_turning_force(body: Body, base: Base) -> Callable[[LinkMotion], Scalar]:
+    """Return the function motion of a link -> Q of the turning of a base, (E8)."""
+    mass, along, across = body.mass, body.mass * body.cg_along, body.mass * body.cg_across
+    inertia = body.inertia + along * body.cg_along + across * body.cg_across
+    square, turned = base.rate * base.rate, base.acceleration
+
+    def turning_force(link: LinkMotion) -> Scalar:
+        """Return what the base's rate and angular acceleration push the input with."""
+        x, y, dx, dy, turn = link.x, link.y, link.v_x, link.v_y, link.omega
+        cosine, sine = link.cosine, link.sine
+        s_x, s_y = along * cosine - across * sine, along * sine + across * cosine
+        m_x, m_y = mass * x + s_x, mass * y + s_y
+        momentum = m_x * dy - m_y * dx + turn * (x * s_x + y * s_y + inertia)
+        return (square * (m_x * dx + m_y * dy - turn * (x * s_y - y * s_x))
+                - turned * momentum)                                                     # (E8)
+    return turning_force
+
+
+def work_of(link: LinkMotion, body: Body, gravity: tuple[Scalar, Scalar], applied: Applied
+            ) -> Scalar:
+    """Return minus the potential energy of the weight and the applied force of a link [J]."""
+    centre = point_of(link, body.cg_along, body.cg_across)
+    loaded = point_of(link, applied.along, applied.across)
+    return (body.mass * (gravity[0] * centre.x + gravity[1] * centre.y)
+            + applied.force_x * loaded.x + applied.force_y * loaded.y)
+
+
 class Equation:
     """
     The equation of motion (E1) of a mechanism with its springs and dampers.
@@ -237,10 +295,7 @@ class Equation:
                                     least=0.0)
         if mechanism.bodies is None:
             raise MissingBodies
-        links = [*(link.name for link in mechanism.LINKS), GROUND]
-        for name in (link for element in self.elements for link in element.links):
-            if name not in links:
-                raise InvalidParameter('link', name, f'must be one of {", ".join(links)}')
+        links_of(self.elements, mechanism)
         # (link, body, applied load), without links that add nothing
         self._bodies = [(name, body, applied)
                         for name, (body, applied) in mechanism.loads_of_links().items()
@@ -353,9 +408,7 @@ class Equation:
                  for name, body, applied in bodies]
         turned = [(name, make_turning_force(body, base)) for name, body, _ in bodies
                   if self._is_turned or outside and outside.base]
-        springs = [(element.links, make_tension(n, element), element.damping)
-                   for element in self._springs]
-        forces = [make_force_term(n, element, self.mechanism) for element in self.forces]
+        forces = [(force, force.make_value(self.mechanism)) for force in self.forces]
 
         def terms(position: Scalar) -> tuple[Scalar, ...]:
             """Return the sums over links, springs and forces at one q."""
@@ -366,18 +419,18 @@ class Equation:
                 j, k, f = terms_of_link(motions[name])
                 inertia, half_slope, force = inertia + j, half_slope + k, force + f
                 couples = couples + couple * motions[name].omega
-            for (one, two), tension, of_damper in springs:
-                pull, growth, square = tension(motions[one], motions[two])
+            for spring in self._springs:
+                pull, growth, square = spring.tension(n, motions)
                 force = force - pull * growth
-                if of_damper:
-                    damping = damping + of_damper * growth * growth / square
+                if spring.damping:
+                    damping = damping + spring.damping * growth * growth / square
             for name, turning_force in turned:
                 pushed = turning_force(motions[name])
                 force, couples = force + pushed, couples + pushed
             if forces:
                 pushed = 0.0
-                for term in forces:
-                    pushed = pushed + term(motions, value)
+                for element, size_at in forces:
+                    pushed = pushed + element.generalised(n, size_at, motions, value)
                 force, couples = force + pushed, couples + pushed
             return inertia, half_slope, force, damping, couples
         return terms
@@ -388,7 +441,7 @@ class Equation:
 
         def places(position: Scalar) -> tuple[Scalar, ...]:
             motions, (value, _, _) = pose(position)
-            return tuple([place_of(n, force, motions, value) for force, _ in self.tables])
+            return tuple([force.place(n, motions, value) for force, _ in self.tables])
         return places
 
     @cached_property
@@ -434,7 +487,7 @@ class Equation:
                 work = work_of(motions[name], body, self._gravity, applied)
                 energy, size = energy - work, size + n.fabs(work)
             for element in self._springs:
-                stored = element_energy(n, element, *(motions[name] for name in element.links))
+                stored = element.energy(n, motions)
                 energy, size = energy + stored, size + stored
             return energy, size
         return potential

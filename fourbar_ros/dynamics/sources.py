@@ -76,7 +76,6 @@ class Piece(NamedTuple):
         return change
 
 
-
 class Law(ABC):
     """
     A torque source with a law of speed and state, in steps of the node too.

@@ -9,12 +9,13 @@ from fourbar_ros.dynamics.elements import (
     TorsionSpring,
 )
 from fourbar_ros.dynamics.equation import Equation
-from fourbar_ros.dynamics.forces import forces_of, make_loaded
+from fourbar_ros.dynamics.forces import make_loaded
 from fourbar_ros.mechanics.bodies import Applied, External
 from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.mechanisms.sliders import ScotchYoke
+from fourbar_ros.numerics.number_types import REAL
 from fourbar_ros.pipeline.stepper import OK, Stepper
 from fourbar_ros.scene import scene
 import numpy as np
@@ -169,9 +170,9 @@ def test_a_machine_of_a_dyad_has_the_same_loads_with_springs_on_its_crank():
 def test_a_spring_pulls_both_ends_alike():
     linkage = LINKAGES[0]
     motion = linkage.motion(0.7, 3.0, 0.0)
-    one, two = (linkage.link_motion(motion, link) for link in ('coupler', 'output'))
+    links = {link: linkage.link_motion(motion, link) for link in ('coupler', 'output')}
     for element in (LINEAR[1], TORSION[0]):
-        first, second = forces_of(element, one, two)
+        first, second = element.forces(REAL, links)
         assert (first.force_x, first.force_y) == (-second.force_x, -second.force_y)
         moment = sum(force.couple + force.x * force.force_y - force.y * force.force_x
                      for force in (first, second))

@@ -7,7 +7,6 @@ from math import pi, radians
 from fourbar_ros import Applied, point_motion
 from fourbar_ros.dynamics import loads_with
 from fourbar_ros.dynamics.elements import LinkAngle, PositionForce, Way
-from fourbar_ros.dynamics.forces import make_push
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.mechanisms.points import FIXED
 from fourbar_ros.numerics.number_types import REAL
@@ -120,7 +119,7 @@ def test_coordinates_are_those_of_the_motion(name):
         curves['ground'] = FIXED
         for field, over in known.items():
             element = PositionForce(_first(linkage), lambda s: 1.0, over)
-            away = make_push(REAL, element, float)(curves, q).place - getattr(motion, field)
+            away = element.place(REAL, curves, q) - getattr(motion, field)
             turns = round(away / TURN) * TURN if isinstance(over, LinkAngle) else 0.0
             assert abs(away - turns) < 1e-12, field
 
