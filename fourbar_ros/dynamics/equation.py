@@ -157,7 +157,6 @@ class InBothModes:
 
     def __init__(self, make_formula: MakeFormula, modes: Sequence[DrivenLinks],
                  is_alternate: Function | None) -> None:
-        """Write the formula as a function of floats in each mode, and keep it for arrays."""
         self._lines = [straight_line(partial(make_formula, mode)) for mode in modes]
         self._formulas = [make_formula(mode, ARRAY) for mode in modes]
         self._is_alternate, self._mechanism = is_alternate, modes[0]
@@ -217,7 +216,6 @@ def make_link_terms(body: Body, gravity: tuple[Scalar, Scalar], applied: Applied
                 + applied.along * applied.force_x + applied.across * applied.force_y)
 
     def terms(link: LinkMotion) -> tuple[Scalar, Scalar, Scalar]:
-        """Return the terms at one position; mass, inertia and load are those given above."""
         dx, dy, turn, cosine, sine = link.v_x, link.v_y, link.omega, link.cosine, link.sine
         x, y = along * cosine - across * sine, along * sine + across * cosine        # S
         cross = x * dy - y * dx
@@ -237,7 +235,6 @@ def make_turning_force(body: Body, base: Base) -> Callable[[LinkMotion], Scalar]
     square, turned = base.rate * base.rate, base.acceleration
 
     def turning_force(link: LinkMotion) -> Scalar:
-        """Return what the base's rate and angular acceleration push the input with."""
         x, y, dx, dy, turn = link.x, link.y, link.v_x, link.v_y, link.omega
         cosine, sine = link.cosine, link.sine
         s_x, s_y = along * cosine - across * sine, along * sine + across * cosine
@@ -286,7 +283,6 @@ class Equation:
     def __init__(self, mechanism: Mechanism, elements: Sequence[Element] = (),
                  extra_inertia: float = 0.0, start: float | None = None,
                  coordinate: DrivenLinks | None = None) -> None:
-        """Collect the terms of (E1): bodies, springs, forces by the numbers of their links."""
         if not isinstance(mechanism, Mechanism):
             raise InvalidParameter('mechanism', mechanism, 'must be a mechanism, as a FourBar is')
         self.mechanism, self.elements = mechanism, tuple(elements)
@@ -342,18 +338,14 @@ class Equation:
         """Return whether q is the input of the mechanism."""
         return self.coordinate is self.mechanism
 
-    @cached_property
-    def of_one_with_ratio(self) -> Function:
-        """
-        Return the function of a float q -> (J, J'/2, Q, D, C, r, r'), r = d(input)/dq, r' = dr/dq.
-
-        A drive acts on the input: its torque counts r times in another coordinate.
-        """
-        return self.in_both_modes(self.make_with_ratio).of_one
-
     def make_with_ratio(self, coordinate: DrivenLinks, n: NumberType,
                         outside: Outside | None = None) -> Function:
-        """Return the formula of :attr:`of_one_with_ratio`; arguments as of :meth:`make_terms`."""
+        """
+        Return the formula q -> (J, J'/2, Q, D, C, r, r'), r = d(input)/dq, r' = dr/dq.
+
+        A drive acts on the input: its torque counts r times in another coordinate. Arguments as of
+        :meth:`make_terms`.
+        """
         terms = self.make_terms(coordinate, n, outside)
         if self.is_input:
             return lambda position: (*terms(position), 1.0, 0.0)
@@ -411,7 +403,6 @@ class Equation:
         forces = [(force, force.make_value(self.mechanism)) for force in self.forces]
 
         def terms(position: Scalar) -> tuple[Scalar, ...]:
-            """Return the sums over links, springs and forces at one q."""
             motions, (value, turn, bend) = pose(position)
             inertia, half_slope = extra * turn * turn, extra * turn * bend
             force, damping, couples = 0.0, 0.0, 0.0
@@ -461,7 +452,6 @@ class Equation:
                   for start, (force, table) in zip(starts, self.tables)]
 
         def excess(there: float, is_outer: bool) -> float:
-            """Return the largest of all tables."""
             most = abs(there - position) - (2.0 if is_outer else 1.0) * reach
             for place, (start, ends, unit, is_angle) in zip(self.places.of_one(there), pieces):
                 if is_angle:
@@ -472,15 +462,11 @@ class Equation:
         return excess
 
     def _make_potential(self, coordinate: DrivenLinks, n: NumberType) -> Function:
-        """
-        Return the formula q -> (V, sum of the sizes of the parts of V).
-
-        The sum of sizes gives the rounding error of V, even where V cancels to nothing.
-        """
+        """Return the formula q -> (V, sum of the sizes of the parts of V)."""
         pose = self._make_pose(coordinate, n)
 
         def potential(position: Scalar) -> tuple[Scalar, ...]:
-            """Return the sums over links and springs; forces over a position have no potential."""
+            # forces over a position have none
             motions, _ = pose(position)
             energy, size = 0.0, 0.0
             for name, body, applied in self._bodies:
@@ -493,7 +479,8 @@ class Equation:
         return potential
 
     @cached_property
-    def _potential(self) -> InBothModes:
+    def potential_and_size(self) -> InBothModes:
+        """Return q -> V [J] and the sum of the sizes of its parts, whose rounding is its error."""
         return self.in_both_modes(self._make_potential)
 
     def terms(self, position: Value) -> Terms:
@@ -537,13 +524,8 @@ class Equation:
 
     def potential(self, position: Value) -> Value:
         """Return V [J] of gravity, constant forces and springs; -V' is Q without its couples."""
-        found: Value = self._potential(position)[0]
+        found: Value = self.potential_and_size(position)[0]
         return found
-
-    def potential_and_size(self, position: Value) -> tuple[Value, Value]:
-        """Return V [J] and the sum of the sizes of its parts, whose rounding is the error of V."""
-        potential, size = self._potential(position)
-        return potential, size
 
     def energy(self, position: Value, rate: Value) -> Value:
         """Return kinetic plus potential energy [J]."""
