@@ -7,22 +7,25 @@ A crank driven by the constant torque T that balances a turn has the rate w(q), 
 
     (J + I) w^2 / 2 = E0 + integral of (T + Q - D w) dq,   T = mean of D w - Q              (W1)
 
-and its coefficient of fluctuation is (max w - min w) / mean w with (max w + min w) / 2 as the
-mean.
-E0 follows from the mean wanted, I from the coefficient wanted: exactly, not from the textbook's
-I = (largest change of energy) / (coefficient w^2), which leaves out that J varies.
+and its coefficient of fluctuation is f = (max w - min w) / r with r = (max w + min w) / 2 as the
+mean. So w stays between r (1 - f/2) and r (1 + f/2), which bounds E0 from both sides at every q:
+
+    r^2 (1 - f/2)^2 (J + I) / 2 - G  <=  E0  <=  r^2 (1 + f/2)^2 (J + I) / 2 - G           (W2)
+
+with G the integral in (W1). The smallest I at which the largest lower bound meets the smallest
+upper one is exact; the textbook's I = (largest change of energy) / (f r^2) leaves out that J
+varies.
 """
 from __future__ import annotations
 
 from math import tau
 from typing import NamedTuple
 
-from fourbar_ros.dynamics.equation import Equation, Terms
+from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.given import FASTEST, number, rate_of_input
 from fourbar_ros.numerics.newton import halve
-from fourbar_ros.optional import MissingPackage
 import numpy as np
 
 SAMPLES, MOST_SAMPLES = 1024, 2**17     # of a turn
@@ -58,10 +61,6 @@ def flywheel_for(equation: Equation, rate: float, fluctuation: float) -> Flywhee
     InvalidParameter
 
     """
-    try:
-        from scipy.optimize import brentq
-    except ModuleNotFoundError as error:
-        raise MissingPackage('the search for a flywheel', error) from error
     if not isinstance(equation, Equation):
         raise InvalidParameter('equation', equation, 'must be an Equation')
     rate = rate_of_input('rate', rate)
@@ -75,51 +74,50 @@ def flywheel_for(equation: Equation, rate: float, fluctuation: float) -> Flywhee
         raise InvalidParameter('equation', None, f'repeats after {equation.turns} turns, as its '
                                'forces do: a steady turn is computed of one')
 
-    def with_samples(count: int) -> Flywheel:
-        """Return the flywheel from so many samples of a turn, by a search for its inertia."""
-        position: Array = np.linspace(0.0, tau, count, endpoint=False)
-        terms = equation.terms(position)
-
-        def excess(inertia: float) -> float:
-            return steady_turn(position, terms, rate, inertia).fluctuation - fluctuation
-        if excess(0.0) <= 0.0:
-            return steady_turn(position, terms, rate, 0.0)
-        most = float(np.max(terms.inertia))
-        while excess(most) > 0.0:
-            most *= 4.0
-        return steady_turn(position, terms, rate,
-                           float(brentq(excess, 0.0, most, xtol=1e-12 * most)))
     # samples resolve the sharpest peak of J and Q, next to a complex singularity
     width = min((abs(z.imag) for z in equation.mechanism.singular_inputs if z.imag), default=1.0)
     count = SAMPLES
     while count * width < NARROWEST and count < MOST_SAMPLES:
         count *= 2
-    wheel = with_samples(count)
+    wheel = _with_samples(equation, count, rate, fluctuation)
     while count < MOST_SAMPLES:
-        count, before, wheel = 2 * count, wheel, with_samples(2 * count)
+        count, before = 2 * count, wheel
+        wheel = _with_samples(equation, count, rate, fluctuation)
         if abs(wheel.inertia - before.inertia) <= CHANGES * wheel.inertia:
             break
     return wheel
 
 
-def steady_turn(position: Array, terms: Terms, rate: float, inertia: float) -> Flywheel:
+def _with_samples(equation: Equation, count: int, rate: float, most: float) -> Flywheel:
     """
-    Return the periodic motion (W1) with a flywheel of an inertia [kg m^2].
+    Return the flywheel from so many samples of a turn, with a fluctuation of at most ``most``.
 
-    ``position``: equal steps over a turn [rad], with the terms there; ``rate``: mean of highest
-    and lowest [rad/s]. Damping depends on the rate: motion and torque are found in turn, until the
-    rates stay.
+    Damping depends on the rate: motion and torque are found in turn, until the rates stay.
     """
-    rates: Array = np.full(position.size, rate)
-    total = terms.inertia + inertia
+    position: Array = np.linspace(0.0, tau, count, endpoint=False)
+    terms, rates = equation.terms(position), np.full(count, rate)
+    most = min(most, 2.0)                # at which it comes to rest
     for _ in range(100):
-        force = terms.force - terms.damping * rates
-        torque, before = -float(np.mean(force)), rates
-        rates = _rates(_integral(force + torque), total, rate)
+        force, before = terms.force - terms.damping * rates, rates
+        torque = -float(np.mean(force))
+        gained, inertia = _integral(force + torque), 0.0
+
+        def lack(fluctuation: float, gained: Array = gained) -> float:
+            """Return how far the bounds (W2) of E0 are from meeting, without a flywheel."""
+            low, high = ((rate * (1.0 + 0.5 * side * fluctuation))**2 for side in (-1.0, 1.0))
+            return float(np.max(0.5 * low * terms.inertia - gained)
+                         - np.min(0.5 * high * terms.inertia - gained))
+        fluctuation = most
+        if lack(most) > 0.0:
+            inertia = lack(most) / (rate * rate * most)
+        else:
+            fluctuation = halve(lambda fluctuation: lack(fluctuation) > 0.0, 0.0, most)[1]
+        total = terms.inertia + inertia
+        energy = np.max(0.5 * (rate * (1.0 - 0.5 * fluctuation))**2 * total - gained)
+        rates = np.copysign(np.sqrt(2.0 * (energy + gained) / total), rate)
         if np.max(np.abs(rates - before)) <= 1e-14 * abs(rate):
             break
-    spread = float(np.max(rates) - np.min(rates)) / abs(rate)
-    return Flywheel(inertia, torque, spread, position, rates)
+    return Flywheel(inertia, torque, float(np.ptp(rates)) / abs(rate), position, rates)
 
 
 def _integral(values: Array) -> Array:
@@ -129,21 +127,3 @@ def _integral(values: Array) -> Array:
     series[1:] /= 1j * k[1:]
     series[0] = series[-1] = 0.0
     return np.fft.irfft(series, values.size)
-
-
-def _rates(gained: Array, total: Array, rate: float) -> Array:
-    """
-    Return the rates w = sqrt(2 (E0 + gained) / total), (W1), with E0 found by halving.
-
-    ``gained``: the integral of the forces; ``total``: J + I; ``rate``: mean wanted of the largest
-    and the smallest w.
-    """
-    def rates_at(energy: float) -> Array:
-        return np.asarray(np.sqrt(2.0 * np.maximum(energy + gained, 0.0) / total))
-
-    def is_slow(energy: float) -> bool:
-        rates = rates_at(energy)
-        return bool(np.max(rates) + np.min(rates) < 2.0 * abs(rate))
-    low = -float(np.min(gained))
-    high = low + float(np.max(total)) * rate**2 + float(np.ptp(gained))
-    return np.copysign(rates_at(halve(is_slow, low, high)[1]), rate)
