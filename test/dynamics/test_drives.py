@@ -181,8 +181,17 @@ def test_ground_springs_make_a_crank_swing_and_dampers_stop_it():
     (lambda: simulate(System(wheel(), 0.0), 0.0), 'until'),
     (lambda: simulate(System(wheel(), 0.0), 1.0, 0.0), 'tolerance'),
     (lambda: simulate(System(wheel(), 0.0), 1.0, method='Euler'), 'method'),
-    (lambda: simulate(System(wheel(), 0.0), 1.0, times=[0.5, 0.2]), 'times'),
-    (lambda: simulate(System(wheel(), 0.0), 1.0, times=[2.0]), 'times'),
+    (lambda: MotorLine(400.0, -26.0), 'free_speed'),
+    (lambda: MotorLine(-400.0, 26.0), 'free_speed'),
+    (lambda: Drive(5), 'source'), (lambda: Drive(ConstantTorque(), 1.0, shaft=3.0), 'shaft'),
+    (lambda: System(wheel(), 0.0, drive=ConstantTorque(5.0)), 'drive'),
+    (lambda: simulate(System(wheel(), 0.0, 1e160), 1.0), 'rate'),
+    (lambda: simulate(System(wheel(0.0), 0.0), 1.0), 'bodies'),
+    (lambda: simulate(wheel(), 1.0), 'system'),
+    (lambda: simulate(System(wheel(), 0.0), 1.0, evaluations=0), 'evaluations'),
+    (lambda: simulate(System(wheel(), 0.0), 1.0, seconds=-1.0), 'seconds'),
+    (lambda: TorqueTable([0.0, 1.0], [1.0, inf]), 'torques'),
+    (lambda: TorqueTable(5.0, [1.0]), 'torques'),
 ])
 def test_what_is_wrong_is_refused_by_name(make, name):
     with pytest.raises(InvalidParameter) as caught:

@@ -20,7 +20,6 @@ from fourbar_ros.pipeline.stepper import OK, Stepper
 from fourbar_ros.scene import scene
 import numpy as np
 import pytest
-from support.power import power
 from support.samples import some
 from support.scenes import PAPER, RODS
 
@@ -48,7 +47,7 @@ TORSION = [TorsionSpring('coupler', 'output', 60.0, 0.3, 2.0),
 @some('elements', [LINEAR[:1], LINEAR, TORSION, ON_CRANK,
                    [*LINEAR, *TORSION, *ON_CRANK]], 2,
       ids=['one', 'linear', 'torsion', 'on the crank', 'all'])
-@pytest.mark.parametrize('linkage', LINKAGES, ids=lambda linkage: linkage.description)
+@pytest.mark.parametrize('linkage', MORE, ids=lambda linkage: linkage.description)
 def test_the_drive_of_the_loads_is_that_of_the_equation(linkage, elements):
     equation, loaded = Equation(linkage, elements), make_loaded(linkage, elements)
     (low, high), *_ = linkage.input_ranges
@@ -99,27 +98,11 @@ def turned(linkage, motion, spring):
 
 
 def tension(linkage, motion, spring):
-    """Return force or moment of a spring and damper, and the power they take up."""
+    """Return force or moment of a spring and damper."""
     change = stretched if isinstance(spring, Spring) else turned
     *_, stretch, growth = change(linkage, motion, spring)
     stretch -= getattr(spring, 'free_length', 0.0)
-    pull = spring.stiffness * stretch + spring.damping * growth
-    return pull, pull * growth
-
-
-@pytest.mark.parametrize('linkage', MORE, ids=lambda linkage: linkage.description)
-def test_power_balances_with_springs_on_the_crank(linkage):
-    """Drive, weight and loads give what the bodies gain and springs and dampers take: 1e-12."""
-    elements = [*ON_CRANK, LINEAR[0], TORSION[0]]
-    loaded = make_loaded(linkage, elements)
-    for sample in samples(linkage, 7):
-        loads, motion = loaded(*sample[:2]).step(*sample)[1], linkage.motion(*sample)
-        drive = loads.driving_force if linkage.is_driven_by_slide else loads.driving_torque
-        taken = [tension(linkage, motion, element)[1] for element in elements]
-        of_bodies, size = power(linkage, *sample)
-        size += sum(map(abs, taken)) + abs(drive * sample[1])
-        condition = 1.0 + motion.condition / linkage.input_unit
-        assert abs(drive * sample[1] - of_bodies - sum(taken)) <= 1e-12 * condition * size
+    return spring.stiffness * stretch + spring.damping * growth
 
 
 @pytest.mark.parametrize('linkage', MORE, ids=lambda linkage: linkage.description)
@@ -137,7 +120,7 @@ def test_the_crank_is_in_balance_with_the_springs_on_it(linkage):
         moments = [loads.driving_torque,
                    -body.inertia * linkage.link_motion(motion, 'crank').alpha]
         for spring in ON_CRANK:
-            pull = tension(linkage, motion, spring)[0]
+            pull = tension(linkage, motion, spring)
             sign = 1.0 if spring.links[0] == 'crank' else -1.0
             if isinstance(spring, TorsionSpring):
                 moments.append(sign * pull)

@@ -171,6 +171,8 @@ def test_a_spring_of_no_length_and_no_free_length_pulls_nothing():
     (lambda: Spring(Attachment('crank'), Attachment(), stiffness=-1.0), 'stiffness'),
     (lambda: TorsionSpring(GROUND, 'crank', damping=float('nan')), 'damping'),
     (lambda: Attachment('crank', along='x'), 'along'),
+    (lambda: Spring(Attachment(), Attachment('crank'), 1.0, -0.1), 'free_length'),
+    (lambda: Equation(FourBar(0.4, 1.2, 0.8, 1.0), extra_inertia=-10.0), 'extra_inertia'),
     (lambda: Equation(None), 'mechanism'), (lambda: Equation('paper'), 'mechanism'),
 ])
 def test_what_is_wrong_is_refused_by_name(make, name):

@@ -1,11 +1,10 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Every run ends with a status: limited controllers, hostile sources, bounds; threads, pickles."""
+"""Every run ends with a status: limited controllers, hostile sources, bounds; threads."""
 from concurrent.futures import ThreadPoolExecutor
-from math import inf, pi
-import pickle
+from math import pi
 
-from fourbar_ros import Bodies, Body, FourBar, InvalidParameter
+from fourbar_ros import Bodies, Body, FourBar
 from fourbar_ros.dynamics.elements import Attachment, GROUND, Spring, TorsionSpring
 from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.dynamics.node_step import Mover, NOT_FINITE, OK
@@ -257,23 +256,6 @@ def test_free_swings_are_elliptic_functions(amplitude):
             assert abs(mp.mpf(float(position)) - exact) <= 1e-7
 
 
-# --- pickles, threads, wrong arguments ----------------------------------------------------------
-
-
-@pytest.mark.parametrize('make', [
-    lambda: System(HEAVY, 0.3, 1.0, [TorsionSpring(GROUND, 'crank', 8.0, 0.0, 0.1)],
-                   Drive(MotorLine(40.0, 20.0), 0.5, shaft=Shaft(1e3, 1.0))),
-    lambda: System(FourBar(0.8, 1.2, 0.4, 1.0, bodies=Bodies(*[Body(1.0, 0.2)] * 3)), 1.0, 1.0)],
-    ids=['motor', 'through toggles'])
-def test_a_run_and_a_system_are_pickled(make):
-    run = simulate(make(), 1.0, 1e-6)
-    again = pickle.loads(pickle.dumps(run))
-    for name in ('time', 'states', 'modes', 'torque', 'acceleration'):
-        assert np.array_equal(getattr(again, name), getattr(run, name))
-    system = pickle.loads(pickle.dumps(run.system))
-    assert np.array_equal(simulate(system, 1.0, 1e-6).states, run.states)
-
-
 @pytest.mark.parametrize('method', ['auto', 'LSODA'])
 def test_runs_in_threads_are_those_of_one(method):
     def run(seed):
@@ -283,22 +265,3 @@ def test_runs_in_threads_are_those_of_one(method):
     with ThreadPoolExecutor(3) as pool:
         for one, other in zip(alone, pool.map(run, range(3))):
             assert np.array_equal(one, other)
-
-
-@pytest.mark.parametrize('make, name', [
-    (lambda: MotorLine(400.0, -26.0), 'free_speed'),
-    (lambda: MotorLine(-400.0, 26.0), 'free_speed'),
-    (lambda: Drive(5), 'source'), (lambda: Drive(ConstantTorque(), 1.0, shaft=3.0), 'shaft'),
-    (lambda: System(HEAVY, 0.0, drive=ConstantTorque(5.0)), 'drive'),
-    (lambda: simulate(System(HEAVY, 0.0, 1e160), 1.0), 'rate'),
-    (lambda: simulate(System(wheel(0.0), 0.0), 1.0), 'bodies'),
-    (lambda: simulate(HEAVY, 1.0), 'system'),
-    (lambda: simulate(System(HEAVY, 0.0), 1.0, evaluations=0), 'evaluations'),
-    (lambda: simulate(System(HEAVY, 0.0), 1.0, seconds=-1.0), 'seconds'),
-    (lambda: TorqueTable([0.0, 1.0], [1.0, inf]), 'torques'),
-    (lambda: TorqueTable(5.0, [1.0]), 'torques'),
-    (lambda: Spring(Attachment(), Attachment('crank'), 1.0, -0.1), 'free_length')])
-def test_wrong_arguments_are_named(make, name):
-    with pytest.raises(InvalidParameter) as caught:
-        make()
-    assert caught.value.name == name

@@ -509,17 +509,3 @@ def test_equilibria_inside_a_narrow_table_are_found(over, width):
                                                 -50.0 / width)]
     middle = 2.0 if over == 'input' else 3.0
     assert found == pytest.approx([middle - 0.5 * width, middle + 0.5 * width], abs=1e-12)
-
-
-@pytest.mark.parametrize(('call', 'name'), [
-    (lambda equation: Equation(equation.mechanism, extra_inertia=-10.0), 'extra_inertia'),
-    (lambda equation: Equation(equation.mechanism, extra_inertia=float('nan')), 'extra_inertia'),
-    (lambda equation: equilibria(equation, float('nan')), 'drive'),
-    (lambda equation: equilibria(equation.mechanism), 'equation'),
-    (lambda equation: flywheel_for(equation.mechanism, 10.0, 0.05), 'equation'),
-    (lambda equation: flywheel_for(equation, 1e160, 0.05), 'rate'),
-    (lambda equation: flywheel_for(equation, 5e-324, 0.05), 'rate')])
-def test_what_is_no_number_or_equation_is_refused_by_name(call, name):
-    with pytest.raises(InvalidParameter) as refused:
-        call(Equation(CRANKS[0]))
-    assert refused.value.name == name

@@ -141,12 +141,18 @@ def test_no_flywheel_is_negative():
     assert wheel.inertia == 0.0 and wheel.fluctuation < 5.0
 
 
-@pytest.mark.parametrize('rate, fluctuation, name', [
-    (0.0, 0.1, 'rate'), (1e160, 0.1, 'rate'), (5e-324, 0.1, 'rate'), (25.0, 0.0, 'fluctuation'),
-    (25.0, float('nan'), 'fluctuation')])
-def test_a_flywheel_needs_a_rate_and_a_fluctuation(rate, fluctuation, name):
+@pytest.mark.parametrize('call, name', [
+    (lambda equation: flywheel_for(equation, 0.0, 0.1), 'rate'),
+    (lambda equation: flywheel_for(equation, 1e160, 0.1), 'rate'),
+    (lambda equation: flywheel_for(equation, 5e-324, 0.1), 'rate'),
+    (lambda equation: flywheel_for(equation, 25.0, 0.0), 'fluctuation'),
+    (lambda equation: flywheel_for(equation, 25.0, float('nan')), 'fluctuation'),
+    (lambda equation: flywheel_for(equation.mechanism, 10.0, 0.05), 'equation'),
+    (lambda equation: equilibria(equation.mechanism), 'equation'),
+    (lambda equation: equilibria(equation, float('nan')), 'drive')])
+def test_what_is_wrong_is_refused_by_name(call, name):
     with pytest.raises(InvalidParameter) as caught:
-        flywheel_for(Equation(paper_linkage()), rate, fluctuation)
+        call(Equation(paper_linkage()))
     assert caught.value.name == name
 
 
