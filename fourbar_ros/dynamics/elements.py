@@ -370,11 +370,6 @@ class PositionForce:
             return 1
         return max(1, round(table.span / tau))
 
-    def is_over_angle(self, mechanism: Mechanism) -> bool:
-        """Return whether the place s is an angle: a driven crank's or a link's; else a length."""
-        return (not mechanism.is_driven_by_slide if self.over == INPUT
-                else isinstance(self.over, LinkAngle))
-
     def make_value(self, mechanism: Mechanism) -> Callable[[Any], Any]:
         """
         Return the function s -> F(s), times the factor, of floats and arrays.
@@ -385,13 +380,13 @@ class PositionForce:
         value, factor = self.value, self.factor
         if not isinstance(value, ForceTable):
             def force(place: float | Array) -> Any:
-                """Return F(s) of a user's function; a value that is no number is an error."""
                 if isinstance(place, float):
                     return factor * number('value', value(place),
                                            f'at {place!r} must be a finite number')
                 return np.vectorize(lambda one: factor * value(float(one)), otypes=[float])(place)
             return force
-        is_angle = self.is_over_angle(mechanism)
+        is_angle = (not mechanism.is_driven_by_slide if self.over == INPUT
+                    else isinstance(self.over, LinkAngle))
         _require_fitting(value, is_angle, mechanism.turns_fully and self.over == INPUT)
         return TableForce(value, factor,
                           value.middle if is_angle and not value.is_periodic else None)

@@ -44,7 +44,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
-from math import floor, remainder, tau
+from math import floor, lcm, remainder, tau
 from typing import Any, NamedTuple
 
 from fourbar_ros.dynamics.elements import (
@@ -355,7 +355,7 @@ class Equation:
     @property
     def turns(self) -> int:
         """Return after how many turns of a full crank all forces repeat: 2 of a four-stroke."""
-        return max([force.turns for force in self.forces], default=1)
+        return lcm(*[force.turns for force in self.forces])
 
     @property
     def changes_mode(self) -> bool:

@@ -82,7 +82,7 @@ class ForceTable:
                                        f'again, {values[0]!r}: the table is periodic')
             object.__setattr__(self, 'values', (*values[:-1], values[0]))
         try:
-            is_finite = bool(np.all(np.isfinite(self._coefficients)))
+            is_finite = bool(np.all(np.isfinite(self._columns)))
         except ValueError:     # from scipy: slopes that are not finite
             is_finite = False
         if not is_finite:
@@ -109,25 +109,24 @@ class ForceTable:
             place = min(max(place, first), last) if is_one else np.clip(place, first, last)
         if is_one:
             piece = bisect_right(self.places, place, 1, len(self.places) - 1) - 1
-            (a, b, c, d), start = self._rows[piece], self.places[piece]
+            a, b, c, d, start = self.pieces[piece]
         else:
             pieces = np.searchsorted(self.places[1:-1], place, side='right')
-            (a, b, c, d), start = self._coefficients[:, pieces], np.array(self.places)[pieces]
+            a, b, c, d, start = self._columns[:, pieces]
         t = place - start
         return ((a * t + b) * t + c) * t + d
 
-    @property
-    def pieces(self) -> list[tuple[float, ...]]:
+    @cached_property
+    def pieces(self) -> list[list[float]]:
         """Return the coefficients of the pieces, highest power first, each with its start."""
-        return [(*row, start) for row, start in zip(self._rows, self.places)]
+        pieces: list[list[float]] = self._columns.T.tolist()
+        return pieces
 
     @cached_property
-    def _rows(self) -> list[list[float]]:
-        """Return the four coefficients of each piece as floats, for single values."""
-        rows: list[list[float]] = self._coefficients.T.tolist()
-        return rows
+    def _columns(self) -> Array:
+        """Return coefficients and start of each piece, of shape (5, pieces)."""
+        return np.vstack([self._coefficients(), self.places[:-1]])
 
-    @cached_property
     def _coefficients(self) -> Array:
         """Return the coefficients of each piece, of shape (4, pieces), highest first."""
         places, values = np.array(self.places), np.array(self.values)

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 import json
-from math import isfinite, isnan, lcm, tau
+from math import isfinite, isnan, lcm
 from pathlib import Path
 from types import SimpleNamespace
 from typing import cast, NamedTuple, NoReturn, TYPE_CHECKING
@@ -263,10 +263,7 @@ class Scene:
     @property
     def turns(self) -> int:
         """Return after how many turns of a crank its forces repeat: two of a four-stroke."""
-        from fourbar_ros.dynamics.force_table import ForceTable
-        return lcm(*[max(1, round(force.value.span / tau)) for force in self.forces
-                     if force.over == 'input' and isinstance(force.value, ForceTable)
-                     and force.value.is_periodic])
+        return lcm(*[force.turns for force in self.forces])
 
     @property
     def why_no_loads(self) -> str:
