@@ -9,7 +9,7 @@ in a bag of ``ros2 bag record`` it may also come first, so messages wait until b
 """
 from __future__ import annotations
 
-from collections import Counter, defaultdict
+from collections import Counter, defaultdict, deque
 from collections.abc import Sequence
 from math import inf
 from pathlib import Path
@@ -114,48 +114,23 @@ def recompute(path: str | Path, node: str | None = None, progress: Progress | No
     """
     Compute all outputs of a bag again from their driven motions and compare field by field.
 
-    Differences are absolute; NaN against NaN is none, NaN against a number infinite. Memory does
-    not grow with the bag. ``node``: its name, if a bag of ``ros2 bag`` has several. In place of
+    Differences are absolute; NaN against NaN is none, NaN against a number infinite. Memory hardly
+    grows with the bag. ``node``: its name, if a bag of ``ros2 bag`` has several. In place of
     Python ``by`` computes motion and loads, as ``evaluate`` of generated code, and ``moved_by``
     makes the integrator of a drive. Raises BagError.
     """
     bag = Bag(path)
     origin = origin_of(bag, node)
     recomputation = Recomputation(bag, origin, by, moved_by)
-    for place, raw in enumerate(bag.raw(set(origin.topics.values()), progress=progress)):
-        recomputation.take(place, raw)
+    for raw in bag.raw(set(origin.topics.values()), progress=progress):
+        recomputation.take(raw)
     if bag.damage:
         raise BagError(f'{bag.path}: {bag.damage[0]}; fourbar bag recover keeps the rest')
     return recomputation.finished()
 
 
-class _Motion(NamedTuple):
-    """A driven motion: place in the bag, stamp and log time [ns], position and its rates."""
-
-    place: int
-    stamp: int
-    time: int
-    motion: tuple[float, float, float]
-
-
-class _Act(NamedTuple):
-    """A wrench on a link, or another motion of the base, from here on."""
-
-    place: int
-    name: str
-    what: ActingInput
-
-
-class _Output(NamedTuple):
-    """A recorded output that waits for its motion: place, log time [ns], bytes."""
-
-    place: int
-    time: int
-    data: bytes
-
-
 class Recomputation:
-    """Takes the messages of a bag in order; compares outputs when their motions are known."""
+    """Takes the messages of a bag in order; compares outputs with their motions in blocks."""
 
     def __init__(self, bag: Bag, origin: Origin, by: Evaluate, moved_by: MoverOf) -> None:
         """Begin before the first message, with the scene at the start of the bag."""
@@ -164,56 +139,58 @@ class Recomputation:
         self._largest: dict[tuple[str, str], float] = {}        # {(name, field): difference}
         self._counts: Counter[str] = Counter()      # messages of each output that were compared
         self._skipped: Counter[str] = Counter()
-        self._inputs = self._unmatched = self._doubled = 0
-        self._missing: dict[str, Missing] = {}
-        self._events: list[_Motion | _Act] = []    # not yet evaluated
-        self._outputs: defaultdict[str, list[_Output]] = defaultdict(list)
+        self._inputs = self._unmatched = 0
+        # of each output, for each motion: messages in the bag, whether there should be one
+        self._found: defaultdict[str, list[tuple[Array, Array]]] = defaultdict(list)
+        # not yet computed: motions (log time, message); what acts from one on, by its number
+        self._motions: list[tuple[int, Any]] = []
+        self._acts: deque[tuple[int, str, ActingInput]] = deque()
+        # not yet compared: outputs (how many motions before it in the bag, log time, data)
+        self._outputs: defaultdict[str, list[tuple[int, int, bytes]]] = defaultdict(list)
         self._modes: dict[int, int] = {}            # {stamp: mode}, where a drive passes toggles
-        self._acting: dict[str, ActingInput] = {}    # the newest wrench on each link, and base
-        self._changes = [-inf]                  # log times [ns] of new scenes and what acts
+        self._changes: list[int] = []           # log times [ns] of new scenes and what acts
         self._holds_unknown = origin.is_later
         self._drive_states = None
         if origin.scene.dynamics and origin.in_order:
             self._drive_states = DriveStates(origin.scene, bag.about, moved_by)
-        self._steppers: InModes | None = None
+        self._acting: dict[str, ActingInput] = {}    # the newest wrench on each link, and base
         self._begin(origin.scene)
 
     def _begin(self, scene: Scene) -> None:
-        self._scene, self._topics = scene, scene.topics       # it makes them anew each time
-        acting = self._steppers.acting if self._steppers else None
-        self._steppers = InModes(scene, acting, self._by)
+        self._scene, self._topics = scene, scene.topics
+        self._steppers = InModes(scene, self._acting, self._by)
+        self._acts.clear()
         # what acts, but the bag does not tell yet
         self._untold = {name for name in scene.acting
                         if applied_topic(name).name not in self._origin.topics
                         or self._origin.is_later and name not in self._acting}
         self._constant = {'change_point_margin': scene.linkage.change_point_margin,
-                          **dict.fromkeys(PLANAR, 0.0)}
-        self._texts = {'header.frame_id': scene.frame_id,
-                       **{f'name[{i}]': name for i, name in enumerate(scene.names_shown)}}
+                          **dict.fromkeys(PLANAR, 0.0), 'header.frame_id': scene.frame_id,
+                          **{f'name[{i}]': name for i, name in enumerate(scene.names_shown)}}
         if self._drive_states:
             self._drive_states.change(scene)
 
-    def take(self, place: int, raw: Raw) -> None:
-        """Take the next message of the bag; ``place``: how many came before it."""
+    def take(self, raw: Raw) -> None:
+        """Take the next message of the bag."""
         name = self._names[raw.topic]
         if name in self._topics:
-            self._outputs[name].append(_Output(place, raw.time, raw.data))
+            self._outputs[name].append((self._inputs, raw.time, raw.data))
         elif name == DRIVEN.name:
             message = self._bag.decode(raw)
             self._check_frame(name, message)
-            self._events.append(_Motion(place, _stamp_of(message), raw.time, (
-                message.position, message.velocity, message.acceleration)))
-            if len(self._events) >= 2 * BLOCK:
+            self._motions.append((raw.time, message))
+            self._inputs += 1
+            if len(self._motions) >= 2 * BLOCK:
                 self._compare(BLOCK)
         elif name == SCENE.name:
             scene = scene_of(self._bag, self._bag.decode(raw).data)
             # ros2 bag may hold the latched scene several times
             if self._origin.in_order or scene.as_json != self._scene.as_json:
                 self._changes.append(raw.time)
-                self._compare(len(self._events))
+                self._compare(len(self._motions))
                 self._begin(scene)
         elif name == BASE.name or name.startswith(ON_LINK):
-            self._take_acting(place, raw, name.removeprefix(ON_LINK))
+            self._act(name.removeprefix(ON_LINK), raw.time, self._bag.decode(raw))
         elif self._drive_states and name == TORQUE.name:
             self._drive_states.command(self._bag.decode(raw))
         elif name == DRIVE_STATE.name:
@@ -223,9 +200,8 @@ class Recomputation:
                 self._check_frame(name, message)
                 self._drive_states.take(_stamp_of(message), message)
 
-    def _take_acting(self, place: int, raw: Raw, name: str) -> None:
-        """Take the wrench in effect on a link, or the motion of the base."""
-        message = self._bag.decode(raw)
+    def _act(self, name: str, time: int, message: Any) -> None:
+        """Let the wrench in effect on a link, or the motion of the base, act from here on."""
         what: ActingInput
         if name == BASE.name:
             what = Base(message.force_x, message.force_y, message.rate, message.acceleration)
@@ -233,118 +209,102 @@ class Recomputation:
             force, torque = message.wrench.force, message.wrench.torque
             what = Wrench(force.x, force.y, torque.z)
         if what != self._acting.get(name):
-            self._changes.append(raw.time)
+            self._changes.append(time)
         self._acting[name] = what
+        self._acts.append((self._inputs, name, what))
         if self._drive_states:
             self._drive_states.act(name, what)
-        self._events.append(_Act(place, name, what))
 
-    # --- motions --------------------------------------------------------------------------------
-
-    def _compare(self, count: int) -> None:
-        """Evaluate the first ``count`` events, compare the outputs of their motions."""
-        events, self._events = self._events[:count], self._events[count:]
-        window = self._evaluated(events) if events else None
-        later = [event.stamp for event in self._events if isinstance(event, _Motion)]
-        until = self._events[0].place if self._events else inf
-        for name in self._topics:
-            self._compare_output(name, window, later, until)
-        newest = window.times[-1] if window else 0
-        self._changes = [-inf, *(time for time in self._changes if time > newest - UNSETTLED)]
-
-    def _evaluated(self, events: Sequence[_Motion | _Act]) -> Window | None:
+    def _evaluated(self, first: int, motions: Sequence[tuple[int, Any]]) -> Motions:
         """
-        Return the motions among events with the values that their outputs should have.
+        Return the next motions with the values that their outputs should have.
 
-        They are evaluated one by one, as in the node: arrays may differ in the last bit.
+        They are computed one by one, as in the node: arrays may differ in the last bit. ``first``:
+        number of the first one.
         """
-        assert self._steppers
         scene, steppers, rows = self._scene, self._steppers, []
         own, known = steppers.own_mode, scene.linkage.modes_passed
         needs_loads = scene.needs_loads     # it looks through all outputs each time
-        for event in events:
-            if isinstance(event, _Act):
-                steppers.act(event.name, event.what)
-                self._untold.discard(event.name)
-                continue
-            mode = self._modes.pop(event.stamp, own)
-            mode = mode if mode in known else own
-            status, values = steppers.step(mode, *event.motion, needs_loads, True)
-            self._holds_unknown &= status != OK
-            rows.append((event.place, event.stamp, event.time, mode, status,
-                         self._why_skipped(event.time), values))
-        self._inputs += len(rows)
-        if not rows:
-            return None
-        window = Window(*map(np.array, zip(*rows)))
-        return window._replace(values=window.values.T)
-
-    def _why_skipped(self, time: int) -> str:
-        """Return why the outputs of a motion cannot be compared; empty if they can."""
-        scene = self._scene
         holds = 'hold' in (scene.drive.out_of_range, scene.joint_states.when_unknown)
-        if self._untold:
-            return BEFORE_THE_FILE if self._origin.is_later else UNTOLD
-        if self._holds_unknown and holds:
-            return BEFORE_THE_FILE
-        if not self._origin.in_order and any(abs(time - change) < UNSETTLED
-                                             for change in self._changes):
-            return NEAR_A_CHANGE
-        return ''
+        for number, (time, message) in enumerate(motions, first):
+            while self._acts and self._acts[0][0] <= number:
+                _, name, what = self._acts.popleft()
+                steppers.act(name, what)
+                self._untold.discard(name)
+            stamp = _stamp_of(message)
+            mode = self._modes.pop(stamp, own)
+            mode = mode if mode in known else own
+            status, values = steppers.step(mode, message.position, message.velocity,
+                                           message.acceleration, needs_loads, True)
+            self._holds_unknown &= status != OK
+            why = self._near_a_change(time)
+            if self._untold:
+                why = BEFORE_THE_FILE if self._origin.is_later else UNTOLD
+            elif self._holds_unknown and holds:
+                why = BEFORE_THE_FILE
+            rows.append((stamp, mode, status, why, values))
+        return Motions(*map(np.array, zip(*rows))) if rows else NO_MOTIONS
 
     # --- outputs --------------------------------------------------------------------------------
 
-    def _compare_output(self, name: str, window: Window | None, later: Sequence[int],
-                        until: float) -> None:
-        """
-        Compare the messages of an output with the motions of a window.
+    def _compare(self, count: int) -> None:
+        """Compare the outputs of the first ``count`` motions; those of later motions wait."""
+        first = self._inputs - len(self._motions)       # motions before them in the bag
+        part, self._motions = self._motions[:count], self._motions[count:]
+        motions = self._evaluated(first, part)
+        for name in self._topics:
+            self._compare_output(name, first, motions)
+        if part:
+            newest = part[-1][0]
+            self._changes = [time for time in self._changes if time > newest - UNSETTLED]
 
-        ``later``: stamps of motions that come after them, ``until``: place of the first one.
-        """
-        outputs, self._outputs[name] = self._outputs[name], []
-        counts = np.zeros(len(window.places) if window else 0, np.int64)
-        coming = set(later)
-        topic = self._origin.topics.get(name, '')
-        for rows, records in self._bag.arrays(topic, [o.data for o in outputs]) if outputs else ():
+    def _near_a_change(self, time: int) -> str:
+        """Return NEAR_A_CHANGE if it is not sure what was in force at a log time, else ''."""
+        is_near = not self._origin.in_order and any(abs(time - change) < UNSETTLED
+                                                    for change in self._changes)
+        return NEAR_A_CHANGE if is_near else ''
+
+    def _compare_output(self, name: str, first: int, motions: Motions) -> None:
+        """Compare the messages of an output; ``first``: how many motions are in the bag before."""
+        topic, outputs = self._origin.topics.get(name, ''), self._outputs.pop(name, [])
+        later = set() if self._origin.in_order else {
+            _stamp_of(message) for _, message in self._motions}
+        counts = np.zeros(len(motions.stamps), np.int32)
+        for rows, records in self._bag.arrays(topic, [data for *_, data in outputs]
+                                              ) if outputs else ():
             stamps = stamps_of(records)
             if stamps is None:
                 raise BagError(f'{self._bag.path}: {topic} has no header')
-            places = np.array([outputs[row].place for row in rows])
-            motions = window.motions_of(places, stamps) if window else np.full(len(rows), -1)
-            for row in np.flatnonzero(motions < 0).tolist():
-                output = outputs[rows[row]]
-                if output.place > until or not self._origin.in_order and int(
-                        stamps[row]) in coming:
-                    self._outputs[name].append(output)
+            before = np.array([outputs[row][0] for row in rows]) - first - 1
+            its = motions.of_outputs(before, stamps)
+            for row in np.flatnonzero(its < 0).tolist():
+                if before[row] >= len(counts) or int(stamps[row]) in later:
+                    self._outputs[name].append(outputs[rows[row]])
                 else:
-                    self._without_motion(name, records[row:row + 1], output.time)
-            has_motion = motions >= 0
-            if window and has_motion.any():
-                np.add.at(counts, motions[has_motion], 1)
-                self._compare_records(name, records[has_motion], window, motions[has_motion])
-        self._outputs[name].sort()
-        if window and (self._origin.in_order or topic):
-            needed = window.values[self._scene.needed_for(name)]
+                    self._without_motion(name, records[row:row + 1], outputs[rows[row]][1])
+            records, its = records[its >= 0], its[its >= 0]
+            if len(its):
+                np.add.at(counts, its, 1)
+                self._compare_records(name, records, motions, its)
+        if len(counts) and (self._origin.in_order or topic):
+            needed = motions.values[:, self._scene.needed_for(name)]
             # joint_states may be left out where a position is unknown
-            due = ~np.isnan(needed).any(axis=0) & (window.why_skipped == '')
-            self._doubled += int(np.maximum(counts - 1, 0).sum())
-            missing = self._missing.setdefault(name, Missing(self._origin.in_order))
-            missing.add(counts, due)
+            self._found[name].append((counts, ~np.isnan(needed).any(axis=1) & (motions.why == '')))
 
-    def _compare_records(self, name: str, records: Array, window: Window, motions: Array) -> None:
+    def _compare_records(self, name: str, records: Array, motions: Motions, its: Array) -> None:
         """Note the differences of messages from the values of their motions; skip some."""
-        why = window.why_skipped[motions]
+        why = motions.why[its]
         for reason in set(why.tolist()) - {''}:
             self._skipped[reason] += int(np.count_nonzero(why == reason))
-        records, motions = records[why == ''], motions[why == '']
-        self._counts[name] += len(motions)
+        records, its = records[why == ''], its[why == '']
+        self._counts[name] += len(its)
         fields = set(records.dtype.names or ())     # a bag of an older version may have fewer
-        expectations = {**self._scene.layout.expected(name, window.values[:, motions]),
-                        'status': window.status[motions], 'mode': window.modes[motions],
-                        **self._constant, **self._texts}
+        expectations = {**self._scene.layout.expected(name, motions.values[its].T),
+                        'status': motions.status[its], 'mode': motions.modes[its],
+                        **self._constant}
         for field, value in expectations.items():
             if field in fields:
-                expected, recorded = _rows(value, len(motions)), records[field]
+                expected, recorded = _rows(value, len(its)), records[field]
                 if recorded.dtype.kind == 'f':
                     size = abs(recorded)
                     is_dust = (expected == 0.0) & (DUST[0] < size) & (size < DUST[1])
@@ -355,9 +315,8 @@ class Recomputation:
         """Count an output whose motion is not in the bag, by the likely reason."""
         if _tells_timeout(record, name, self._scene):
             self._skipped[STOPPED] += 1
-        elif not self._origin.in_order and any(abs(time - change) < UNSETTLED
-                                               for change in self._changes):
-            self._skipped[NEAR_A_CHANGE] += 1
+        elif why := self._near_a_change(time):
+            self._skipped[why] += 1
         else:
             self._unmatched += 1
 
@@ -371,82 +330,62 @@ class Recomputation:
 
     def finished(self) -> Recomputed:
         """Return the result after the last message."""
-        self._compare(len(self._events))
+        self._compare(len(self._motions))
         compared = sum(self._counts.values())
         self._counts[DRIVEN.name] = self._inputs
         if self._drive_states:
             self._counts[DRIVE_STATE.name] = self._drive_states.compared
             for field, value in self._drive_states.largest.items():
                 self._note(DRIVE_STATE.name, field, value)
-        is_whole = self._origin.in_order and self._bag.is_finished
+        missing = doubled = 0
+        for parts in self._found.values():
+            counts, due = map(np.concatenate, zip(*parts))
+            doubled += int(np.maximum(counts - 1, 0).sum())
+            # others may record a part of a run, and the end of a cut bag need not be whole
+            found = np.flatnonzero(counts) if counts.any() else [0]
+            begin = 0 if self._origin.in_order else found[0]
+            end = (len(counts) if self._origin.in_order and self._bag.is_finished
+                   else found[-1])
+            missing += int(np.count_nonzero((due & (counts == 0))[begin:end]))
         topics = self._origin.topics
         return Recomputed(
             [Difference(topics[name], field, self._counts[name], value)
              for (name, field), value in self._largest.items()],
-            self._inputs, compared, self._unmatched,
-            sum(missing.inside + missing.at_the_end * is_whole
-                for missing in self._missing.values()),
-            self._doubled, dict(self._skipped),
+            self._inputs, compared, self._unmatched, missing, doubled, dict(self._skipped),
             self._drive_states.stepped if self._drive_states else 0, not self._bag.is_finished,
             software_of(self._bag.about).get('fourbar_ros', ''))
 
 
-class Window(NamedTuple):
+class Motions(NamedTuple):
     """
     Driven motions that were evaluated; all arrays have shape (n,).
 
-    Places in the bag, stamps and log times [ns], assembly modes, statuses, why their outputs
-    cannot be compared (empty: they can); ``values`` of shape (values, n) are those of the scene's
-    FieldMap.
+    Stamps [ns], assembly modes, statuses, why their outputs cannot be compared (empty: they can);
+    ``values`` of shape (n, values) are those of the scene's FieldMap.
     """
 
-    places: Array
     stamps: Array
-    times: Array
     modes: Array
     status: Array
-    why_skipped: Array
+    why: Array
     values: Array
 
-    def motions_of(self, places: Array, stamps: Array) -> Array:
+    def of_outputs(self, before: Array, stamps: Array) -> Array:
         """
         Return the index of each output's motion, -1 for none.
 
-        That is the last motion before the output. If it has another stamp, as in a bag of
+        That is the last motion ``before`` the output. If it has another stamp, as in a bag of
         ``ros2 bag``, which mixes topics, it is the last motion of the output's stamp.
         """
-        before = np.searchsorted(self.places, places, side='right') - 1
-        good = (before >= 0) & (self.stamps[before] == stamps)
-        if good.all():
-            return before
-        order = np.argsort(self.stamps, kind='stable')
-        last = np.searchsorted(self.stamps, stamps, side='right', sorter=order) - 1
-        same_stamp = np.where((last >= 0) & (self.stamps[order[last]] == stamps), order[last], -1)
-        return np.where(good, before, same_stamp)
+        good = (before >= 0) & (before < len(self.stamps))
+        good[good] = self.stamps[before[good]] == stamps[good]
+        of_stamp = {} if good.all() else {stamp: i for i, stamp in enumerate(self.stamps.tolist())}
+        found = before.copy()
+        found[~good] = [of_stamp.get(stamp, -1) for stamp in stamps[~good].tolist()]
+        return found
 
 
-class Missing:
-    """
-    Counts motions without a message of one output.
-
-    A gap counts when a message follows it (``inside``); those behind the newest message are
-    ``at_the_end``. A recording of our node is complete ``from_the_start``; any other may begin
-    anywhere.
-    """
-
-    def __init__(self, from_the_start: bool) -> None:
-        self.inside = self.at_the_end = 0
-        self._has_begun = from_the_start
-
-    def add(self, counts: Array, due: Array) -> None:
-        """Take the messages found for each of the next motions, and whether one was due."""
-        found, gaps = np.flatnonzero(counts), due & (counts == 0)
-        if len(found):
-            first, last = 0 if self._has_begun else found[0], found[-1]
-            self.inside += self.at_the_end + int(np.count_nonzero(gaps[first:last]))
-            self.at_the_end, self._has_begun = int(np.count_nonzero(gaps[last:])), True
-        elif self._has_begun:
-            self.at_the_end += int(np.count_nonzero(gaps))
+NO_MOTIONS = Motions(*[np.zeros(0, np.int64)] * 5)
 
 
 def largest_difference(a: Array, b: Array) -> float:
