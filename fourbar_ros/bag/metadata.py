@@ -8,10 +8,12 @@ also holds for itself. (``rosbags`` writes the same only when a bag is closed.)
 """
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from functools import lru_cache
 import os
 from pathlib import Path
+from tempfile import TemporaryDirectory
 import time
 from typing import Any, NamedTuple
 
@@ -152,6 +154,19 @@ def free_name(directory: Path, name: str) -> str:
         number += 1
         free = f'{name}_{number}'
     return free
+
+
+@contextmanager
+def folder_beside(out: Path) -> Iterator[Path]:
+    """Give a folder to fill and to rename to ``out``: a whole one or none. Raises BagError."""
+    try:
+        out.parent.mkdir(parents=True, exist_ok=True)
+        with TemporaryDirectory(prefix=f'.{out.name}.', dir=out.parent,
+                                ignore_cleanup_errors=True) as name:        # it may be renamed
+            os.chmod(name, 0o755)
+            yield Path(name)
+    except OSError as error:
+        raise BagError(f'{out}: {error.strerror}') from None
 
 
 def files_of(path: Path) -> list[Path]:

@@ -117,8 +117,7 @@ class Bag:
         if not any(map(_may_be_mcap, self.files)):
             raise BagError(f'{self.files[0]}: is no MCAP file')
         self.damage: list[str] = []
-        self._schemas: dict[str, Schema] = {}       # the newest of each topic
-        self._channel_metadata: dict[str, dict[str, str]] = {}      # by topic
+        self._topics: dict[str, tuple[Channel, Schema]] = {}        # the newest of each
         self._layouts: dict[tuple[str, bytes], Layouts] = {}    # by type and definition
 
     @property
@@ -149,8 +148,21 @@ class Bag:
         return {**last, **{key: text for key, text in first.items() if key not in of_the_end}}
 
     def about_of(self, place: int) -> dict[str, str]:
-        """Return the custom_data of one of the files."""
-        return _about(self.files[place], self.summaries[place])
+        """Return the custom_data in a file's last metadata, in its first ones if it was cut."""
+        found: dict[str, str] = {}
+        summary = self.summaries[place]
+        with open(self.files[place], 'rb') as stream, suppress(Exception):
+            records = StreamReader(stream, emit_chunks=True).records
+            if summary:
+                records = (_read_at(stream, (index.offset, Metadata))
+                           for index in summary.metadata_indexes)
+            for record in records:
+                if isinstance(record, Metadata) and record.name == metadata.RECORD:
+                    custom = metadata.loaded(record.metadata[metadata.KEY]).get('custom_data')
+                    found = {str(key): str(value) for key, value in (custom or {}).items()}
+                    if not summary:
+                        break
+        return found
 
     @cached_property
     def types(self) -> dict[str, str]:
@@ -160,7 +172,7 @@ class Bag:
             if summary is None:
                 for _ in self.raw():
                     pass
-                return {topic: schema.name for topic, schema in self._schemas.items()}
+                return {topic: schema.name for topic, (_, schema) in self._topics.items()}
             for channel in summary.channels.values():
                 schema = summary.schemas.get(channel.schema_id)
                 found[channel.topic] = schema.name if schema else ''
@@ -176,14 +188,31 @@ class Bag:
         ``topics``: only these; ``start``: only from this log time [ns] on; ``progress`` is called
         with the number of bytes read so far.
         """
-        self.damage, before = [], 0
-        for file, summary in zip(self.files, self.summaries):
-            repeated = _repeated(_about(file, summary)) if file != self.files[0] else {}
-            report = (lambda read, before=before: progress(before + read)) if progress else None
-            for message in self._messages(file, summary, topics, report):
-                if message.time >= start and message.sequence >= repeated.get(message.topic, 0):
-                    yield message
-            before += file.stat().st_size
+        self.damage = []
+        for place, file in enumerate(self.files):
+            repeated = _repeated(self.about_of(place)) if place else {}
+            schemas: dict[int, Schema] = {}
+            channels: dict[int, tuple[Channel, Schema]] = {}
+            for record in self.contents(place, progress):
+                if isinstance(record, Message):         # most are
+                    if record.channel_id not in channels:
+                        self.note_unknown(place, record.channel_id)
+                        continue
+                    channel, schema = channels[record.channel_id]
+                    topic = channel.topic
+                    if ((topics is None or topic in topics) and record.log_time >= start
+                            and record.sequence >= repeated.get(topic, 0)):
+                        yield Raw(topic, schema.name, record.log_time, record.sequence,
+                                  record.data)
+                elif isinstance(record, Schema):
+                    schemas[record.id] = record
+                elif isinstance(record, Channel):
+                    schema = schemas.get(record.schema_id) or Schema(0, b'', 'none', '')
+                    _, before = self._topics.get(record.topic, (record, schema))
+                    if before.name != schema.name:
+                        raise BagError(f'{file}: {record.topic} has two types, {schema.name} and '
+                                       f'{before.name}')
+                    channels[record.id] = self._topics[record.topic] = record, schema
 
     def records(self, topics: Collection[str] | None = None, start: int = 0) -> Iterator[Record]:
         """Yield every :class:`Record` in the order of writing; arguments as of :meth:`raw`."""
@@ -213,7 +242,7 @@ class Bag:
 
     def arrays(self, topic: str, messages: list[bytes]) -> Iterator[tuple[Array, Array]]:
         """Yield (rows, records) of messages of a topic, as :meth:`Layouts.arrays`."""
-        schema = self._schemas[topic]
+        _, schema = self._topics[topic]
         key = schema.name, schema.data
         if key not in self._layouts:
             self._layouts[key] = Layouts(self._store(schema), schema.name)
@@ -221,7 +250,7 @@ class Bag:
 
     def decode(self, raw: Raw) -> Any:
         """Return a message as an object of its fields; raises BagError."""
-        schema = self._schemas[raw.topic]
+        _, schema = self._topics[raw.topic]
         try:
             with suppress(SerdeError):
                 return self._store(schema).deserialize_cdr(raw.data, schema.name)
@@ -244,7 +273,7 @@ class Bag:
 
     def definition_of(self, topic: str) -> str:
         """Return the text that defines the type of a topic met so far."""
-        return str(self._schemas[topic].data.decode(errors='replace'))
+        return str(self._topics[topic][1].data.decode(errors='replace'))
 
     def qos_of(self, topic: str) -> list[dict[str, Any]]:
         """Return the QoS profiles under which a topic was offered; empty if not known."""
@@ -256,9 +285,9 @@ class Bag:
         return self._metadata_of(topic).get(metadata.HASH, '')
 
     def _metadata_of(self, topic: str) -> dict[str, str]:
-        if topic not in self._channel_metadata:
+        if topic not in self._topics:
             next(self.raw([topic]), None)
-        return self._channel_metadata.get(topic, {})
+        return self._topics[topic][0].metadata if topic in self._topics else {}
 
     def check(self) -> None:
         """Compare all bytes of each finished file with its checksum; add to ``damage``."""
@@ -273,31 +302,6 @@ class Bag:
 
     # --- a file ---------------------------------------------------------------------------------
 
-    def _messages(self, file: Path, summary: Summary | None, topics: Collection[str] | None,
-                  progress: Progress | None) -> Iterator[Raw]:
-        """Yield the messages of a file on these topics; note its channels."""
-        schemas: dict[int, Schema] = {}
-        channels: dict[int, tuple[Channel, Schema]] = {}
-        for record in self.contents(file, summary, progress):
-            if isinstance(record, Message):         # most are
-                if record.channel_id not in channels:
-                    self.note_unknown(file, record.channel_id)
-                    continue
-                channel, schema = channels[record.channel_id]
-                if topics is None or channel.topic in topics:
-                    yield Raw(channel.topic, schema.name, record.log_time, record.sequence,
-                              record.data)
-            elif isinstance(record, Schema):
-                schemas[record.id] = record
-            elif isinstance(record, Channel):
-                schema = schemas.get(record.schema_id) or Schema(0, b'', 'none', '')
-                channels[record.id] = record, schema
-                if self._schemas.get(record.topic, schema).name != schema.name:
-                    raise BagError(f'{file}: {record.topic} has two types, {schema.name} and '
-                                   f'{self._schemas[record.topic].name}')
-                self._schemas[record.topic] = schema
-                self._channel_metadata[record.topic] = record.metadata
-
     @cached_property
     def _is_packed(self) -> bool:
         """Return whether rosbag2 compressed each message, as metadata.yaml says."""
@@ -306,15 +310,16 @@ class Bag:
             return bool(re.search(r'^\s+compression_mode: ["\']?message', text, re.M | re.I))
         return False
 
-    def note_unknown(self, file: Path, channel: int) -> None:
+    def note_unknown(self, place: int, channel: int) -> None:
         """Note once as damage that a channel is not described: its messages have no topic."""
-        text = f'{file.name}: messages of channel {channel}, which is not described'
+        text = f'{self.files[place].name}: messages of channel {channel}, which is not described'
         if text not in self.damage:
             self.damage.append(text)
 
-    def contents(self, file: Path, summary: Summary | None, progress: Progress | None = None
-                 ) -> Iterator[McapRecord]:
+    def contents(self, place: int, progress: Progress | None = None) -> Iterator[McapRecord]:
         """Yield the records of a file, those of a chunk in its place; note damage and go on."""
+        file, summary = self.files[place], self.summaries[place]
+        before = sum(other.stat().st_size for other in self.files[:place])
         with open(file, 'rb') as stream:
             if summary:             # says where each chunk is, whatever happened to another
                 yield from (*summary.schemas.values(), *summary.channels.values())
@@ -345,7 +350,7 @@ class Bag:
                 if record is None:
                     return
                 if progress:
-                    progress(stream.tell())
+                    progress(before + stream.tell())
                 is_behind |= isinstance(record, DataEnd)    # the summary repeats what was read
                 if not is_behind or isinstance(record, Chunk):
                     yield from content
@@ -409,23 +414,6 @@ def _summary(file: Path) -> Summary | None:
             stream.seek(0)
             return make_reader(stream).get_summary()
     return None
-
-
-def _about(file: Path, summary: Summary | None) -> dict[str, str]:
-    """Return the custom_data in the last metadata of a file, in the first one if it was cut."""
-    found: dict[str, str] = {}
-    with open(file, 'rb') as stream, suppress(Exception):
-        found_records = StreamReader(stream, emit_chunks=True).records
-        if summary:
-            found_records = (_read_at(stream, (index.offset, Metadata))
-                             for index in summary.metadata_indexes)
-        for record in found_records:
-            if isinstance(record, Metadata) and record.name == metadata.RECORD:
-                custom = metadata.loaded(record.metadata[metadata.KEY]).get('custom_data') or {}
-                found = {str(key): str(value) for key, value in custom.items()}
-                if not summary:
-                    break
-    return found
 
 
 def software_of(about: Mapping[str, str]) -> dict[str, str]:

@@ -5,8 +5,6 @@ from __future__ import annotations
 
 from collections import Counter
 from pathlib import Path
-import shutil
-import tempfile
 from typing import NamedTuple
 
 from fourbar_ros.bag import metadata
@@ -42,29 +40,15 @@ def recover(path: str | Path, out: str | Path | None = None, progress: Progress 
     out = Path(out) if out else beside(bag.path)
     if out.exists():
         raise BagError(f'{out}: exists already')
-    try:
-        out.parent.mkdir(parents=True, exist_ok=True)
-        folder = Path(tempfile.mkdtemp(prefix=f'.{out.name}.', dir=out.parent))
-    except OSError as error:
-        raise BagError(f'{out}: {error.strerror}') from None
-    try:
-        files, read = [], 0
-        for place, file in enumerate(bag.files):
-            report = (lambda now, read=read: progress(read + now)) if progress else None
-            name = f'{out.name}_{metadata.number_of(file)}.mcap'
-            files.append(_copied(bag, place, folder / name, report))
-            read += file.stat().st_size
+    with metadata.folder_beside(out) as folder:
+        files = [_copied(bag, place, folder / f'{out.name}_{metadata.number_of(file)}.mcap',
+                         progress) for place, file in enumerate(bag.files)]
         bag.check()
         if not any(file['topics_with_message_count'] for file in files):
             raise BagError(f'{path}: nothing to recover: it holds no topic that can be read')
         whole = metadata.of_bag(files)
         metadata.write(folder, whole)
-        folder.chmod(0o755)
         folder.rename(out)
-    except OSError as error:
-        raise BagError(f'{out}: {error.strerror}') from None
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)
     return Recovered(out, whole['message_count'], bag.damage,
                      bag.is_finished and not bag.damage)
 
@@ -78,8 +62,7 @@ def beside(path: Path) -> Path:
 
 def _copied(bag: Bag, place: int, path: Path, progress: Progress | None) -> metadata.Metadata:
     """Copy the readable records of a file to a new one; return its metadata."""
-    file, summary = bag.files[place], bag.summaries[place]
-    about = dict(bag.about_of(place))
+    about = bag.about_of(place)
     counts: Counter[int] = Counter()
     schemas: dict[int, tuple[Schema, int]] = {}         # by number in the old file: new number
     channels: dict[int, tuple[Channel, int]] = {}
@@ -87,7 +70,7 @@ def _copied(bag: Bag, place: int, path: Path, progress: Progress | None) -> meta
     with open(path, 'xb') as stream:
         writer = Writer(stream, enable_data_crcs=True)
         writer.start('ros2', 'fourbar_ros recover')
-        for record in bag.contents(file, summary, progress):
+        for record in bag.contents(place, progress):
             if isinstance(record, Schema) and record.id not in schemas:
                 schemas[record.id] = record, writer.register_schema(
                     record.name, record.encoding, record.data)
@@ -96,7 +79,7 @@ def _copied(bag: Bag, place: int, path: Path, progress: Progress | None) -> meta
                 channels[record.id] = record, writer.register_channel(
                     record.topic, record.message_encoding, new, record.metadata)
             elif isinstance(record, Message) and record.channel_id not in channels:
-                bag.note_unknown(file, record.channel_id)
+                bag.note_unknown(place, record.channel_id)
             elif isinstance(record, Message):
                 writer.add_message(channels[record.channel_id][1], record.log_time, record.data,
                                    record.publish_time, record.sequence)
@@ -105,7 +88,7 @@ def _copied(bag: Bag, place: int, path: Path, progress: Progress | None) -> meta
                 span = (min(span[0], time), max(span[1], time)) if span else (time, time)
             elif isinstance(record, Metadata) and record.name != metadata.RECORD:
                 writer.add_metadata(record.name, record.metadata)
-        if summary is None:
+        if bag.summaries[place] is None:
             about['ended'] = NO_END
         topics = [TopicCount(channel.topic, schemas[channel.schema_id][0].name
                              if channel.schema_id in schemas else '', channel.message_encoding,

@@ -6,10 +6,9 @@ from __future__ import annotations
 from collections.abc import Callable, Collection
 import csv
 from pathlib import Path
-import shutil
-import tempfile
 from typing import Any
 
+from fourbar_ros.bag.metadata import folder_beside
 from fourbar_ros.bag.reader import Bag, Columns, Progress
 from fourbar_ros.errors import BagError
 from fourbar_ros.numerics.arrays import Array
@@ -49,13 +48,7 @@ def export(path: str | Path, out: str | Path, kind: str | None = None,
     tables = _tables(bag, names, progress)
     if bag.damage:
         raise BagError(f'{bag.path}: {bag.damage[0]}; fourbar bag recover keeps the rest')
-    try:
-        out.parent.mkdir(parents=True, exist_ok=True)
-        folder = Path(tempfile.mkdtemp(prefix=f'.{out.name}.', dir=out.parent))
-        folder.chmod(0o755)
-    except OSError as error:
-        raise BagError(f'{out}: {error.strerror}') from None
-    try:
+    with folder_beside(out) as folder:
         if kind == 'npz':
             arrays: Any = {f'{name}/{column}': values for name, table in tables.items()
                            for column, values in table.items()}
@@ -64,10 +57,6 @@ def export(path: str | Path, out: str | Path, kind: str | None = None,
             for name, table in tables.items():
                 _WRITERS[kind](folder / f'{name}.{kind}', table)
         (next(folder.iterdir()) if is_file else folder).rename(out)
-    except OSError as error:
-        raise BagError(f'{out}: {error.strerror}') from None
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)
     return {name: len(table['log_time']) for name, table in tables.items()}
 
 
