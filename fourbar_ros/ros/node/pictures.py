@@ -1,82 +1,26 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Outputs for the eye: URDF, TF, markers, traces; sent if anyone looks.
+Outputs for the eye: URDF, TF, markers, traces.
 
 Only scenes that name them import their messages.
 """
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from math import cos, isnan, sin
 from typing import TYPE_CHECKING
 
 from fourbar_ros.description.model import model_of
 from fourbar_ros.mechanisms.parts import Connection
 from fourbar_ros.ros.messages import Stamp
-from fourbar_ros.ros.node import entities
 from fourbar_ros.scene.scene import Scene
 from geometry_msgs.msg import Transform, TransformStamped
-from rclpy.node import Node
-from rclpy.publisher import Publisher
 from rclpy.serialization import serialize_message
 
 if TYPE_CHECKING:      # run imports this file
-    from fourbar_ros.ros.node.stream import Make, RunningScene, Stream
+    from fourbar_ros.ros.node.stream import Make
     from tf2_msgs.msg import TFMessage
-
-
-class Pictures:
-    """
-    The outputs ``robot_description``, ``tf``, ``markers`` and ``traces`` of the run in force.
-
-    ``pictures.rate`` limits markers alone: a frame of ``tf`` must not be older than the joint
-    states.
-    """
-
-    def __init__(self, node: Node, stream: Stream) -> None:
-        self._node, self._stream = node, stream
-        self._publishers: dict[str, Publisher] = {}      # by the names of outputs, and kept
-        self._last: int | None = None                    # [ns] stamp of the last markers
-
-    def publish_latched(self, run: RunningScene) -> None:
-        """Send the latched pictures of a run that is to be in force."""
-        for name, topic in run.scene.pictures.items():
-            if name not in self._publishers:
-                self._publishers[name] = entities.publisher(self._node, topic)
-        self._last = None
-        for name, data in run.latched.items():
-            self._send(name, data)
-
-    def record_latched(self, run: RunningScene) -> None:
-        """Write the latched pictures into a new bag, which then needs no earlier messages."""
-        for name, data in run.latched.items():
-            self._stream.record(name, data)
-
-    def due(self, run: RunningScene, stamp: Stamp) -> list[str]:
-        """Return the pictures to make of the step of this stamp, and count from it for markers."""
-        names = [name for name in run.makers if self._stream.is_recording
-                 or self._publishers[name].get_subscription_count() > 0]
-        if 'markers' in names:
-            now, rate = stamp[0] * 10**9 + stamp[1], run.scene.values['pictures.rate']
-            # 0.99: jitter of stamps must not turn every third sample into every fourth
-            if rate and self._last is not None and 0 <= now - self._last < 0.99e9 / rate:
-                names.remove('markers')
-            else:
-                self._last = now
-        return names
-
-    def send(self, run: RunningScene, names: Iterable[str], stamp: Stamp,
-             values: Sequence[float]) -> None:
-        """Send these pictures of one step; ``values`` in the order of the scene's layout."""
-        for name in names:
-            message = run.makers[name](stamp, values)
-            if message is not None:
-                self._send(name, serialize_message(message))
-
-    def _send(self, name: str, data: bytes) -> None:
-        self._publishers[name].publish(data)
-        self._stream.record(name, data)
 
 
 def drawn_of(scene: Scene) -> tuple[dict[str, Make], dict[str, bytes]]:

@@ -40,7 +40,6 @@ from std_msgs.msg import String
 if TYPE_CHECKING:      # most scenes do without
     from fourbar_ros.dynamics.node_step import DriveValues
     from fourbar_ros.pipeline.wrenches import ActingInput
-    from fourbar_ros.ros.node.pictures import Pictures
     from fourbar_ros.ros.node.recording import Recording
 
 Make = Callable[[Stamp, Sequence[float]], Message]      # None where the pose is not known
@@ -64,11 +63,8 @@ class Stream:
         self._values = run.unknown           # of that step
         self._publishers: dict[str, TopicPublisher] = {}     # of all runs so far, by short names
         self._sent: list[tuple[str, bytes]] = []     # (topic, bytes) to record at the step's end
-        self._pictures: Pictures | None = None       # of the first scene that has any, and kept
-        self._scene_publisher = entities.publisher(node, SCENE)
-        self._applied = {name: entities.publisher(node, applied_topic(name))
-                         for name in run.scene.acting}
         self._latched: dict[str, bytes] = {}     # newest messages of these topics, for a new bag
+        self._markers_at: int | None = None      # [ns] stamp of the last markers
         self.swap(run)
         for name, what in run.stepper.acting.items():
             self.act(name, what, node.get_clock().now().to_msg())
@@ -88,7 +84,7 @@ class Stream:
         return sec_nanosec(self._node.get_clock().now().nanoseconds)
 
     def topics(self) -> list[str]:
-        """Return the full names of the topics that answer every input."""
+        """Return the full names of the topics that the node publishes."""
         return [self._publishers[name].topic for name in self.run.topics]
 
     # --- changes --------------------------------------------------------------------------------
@@ -106,21 +102,16 @@ class Stream:
             for name, topic in run.topics.items():
                 if name not in self._publishers:
                     self._publishers[name] = TopicPublisher(self._node, topic, self._update)
-            if run.scene.pictures and not self._pictures:
-                from fourbar_ros.ros.node.pictures import Pictures  # and their messages
-                self._pictures = Pictures(self._node, self)
-            if self._pictures:
-                self._pictures.publish_latched(run)
             for name, what in self.run.stepper.acting.items():
                 if what is not run.stepper.acting[name]:     # it came while the run was made
                     run.act(name, what)
-            self.run, self._values = run, run.unknown
+            self.run, self._values, self._markers_at = run, run.unknown, None
             self._update()
             if unpacked := [name for name, writer in run.writers.items() if not writer.is_packed]:
                 self._log('packing', f'{", ".join(unpacked)}: cannot be packed here, ROS '
                                      'serialises every message', 'info')
-            self._scene_publisher.publish(run.data)
-            self.record(SCENE.name, run.data)
+            for name, data in run.latched.items():
+                self._latch(name, data)
             if self._recording:
                 self._recording.note(SCENE.name, run.scene.as_json)
 
@@ -147,23 +138,24 @@ class Stream:
         data = serialize_message(message)
         with self._lock:
             self.run.act(name, what)
-            self._latched[topic.name] = data
-            self._applied[name].publish(data)
-            self.record(topic.name, data)
+            self._latch(topic.name, data)
+
+    def _latch(self, name: str, data: bytes) -> None:
+        """Publish and record a message of a latched topic; each new bag begins with it."""
+        self._latched[name] = data
+        self._publishers[name].publish(data)
+        self.record(name, data)
 
     def start_recording(self, name: str = '') -> Path:
         """Start a bag whose first message is the scene; return its path; raises FourBarError."""
         assert self._recording           # only nodes that have it are asked
-        scene = self.scene
-        bag = self._recording.open(scene, name)          # before the lock: the disk may be slow
+        before = self.run
+        bag = self._recording.open(before.scene, name)   # before the lock: the disk may be slow
         with self._lock:
             run = self.run
-            if (run.outputs, run.scene.pictures) == (scene.topics, scene.pictures):
+            if run.topics == before.topics:
                 path = self._recording.attach(*bag)
                 run.renew(run.stepper.acting)      # a held value could not be recomputed
-                self.record(SCENE.name, run.data)
-                if self._pictures:
-                    self._pictures.record_latched(run)
                 for topic, data in self._latched.items():
                     self.record(topic, data)
                 return path
@@ -244,7 +236,7 @@ class Stream:
             for place, value in zip(run.input_places, (position, rate, acceleration)):
                 driven[place] = value
             self._send([DRIVEN.name], stamp, OK, mode, driven)
-        drawn = self._pictures.due(run, stamp) if self._pictures else ()
+        drawn = self._drawn(wanted.pictures, stamp)
         if not wanted.outputs and not drawn:
             self._record()
             return None
@@ -253,10 +245,27 @@ class Stream:
                                                 wanted.parts)
         outputs = wanted.outputs if status == OK else self._known(wanted.outputs)
         self._send(outputs, stamp, status, mode, self._values)
+        for name in drawn:
+            message = run.makers[name](stamp, self._values)
+            if message is not None:
+                self._publish([(name, serialize_message(message))])
         self._record()
-        if self._pictures and drawn:
-            self._pictures.send(run, drawn, stamp, self._values)
         return status
+
+    def _drawn(self, pictures: list[str], stamp: Stamp) -> list[str]:
+        """
+        Return the wanted pictures that are due at a stamp: ``pictures.rate`` limits the markers.
+
+        Not the frames of ``tf``, which must not be older than the joint states.
+        """
+        if 'markers' not in pictures:
+            return pictures
+        now, last, rate = stamp[0] * 10**9 + stamp[1], self._markers_at, self.run.markers_rate
+        # 0.99: jitter of stamps must not turn every third sample into every fourth
+        if rate and last is not None and 0 <= now - last < 0.99e9 / rate:
+            return [name for name in pictures if name != 'markers']
+        self._markers_at = now
+        return pictures
 
     def _known(self, outputs: Iterable[str]) -> list[str]:
         """Return the outputs without those that must not send NaN but would, as joint_states."""
@@ -271,7 +280,9 @@ class Stream:
         They go out together, so the middleware wakes up less often.
         """
         writers = self.run.writers
-        messages = [(name, writers[name].pack(stamp, status, mode, values)) for name in names]
+        self._publish([(name, writers[name].pack(stamp, status, mode, values)) for name in names])
+
+    def _publish(self, messages: list[tuple[str, bytes]]) -> None:
         for name, data in messages:
             publisher = self._publishers[name]
             if publisher.is_subscribed:                  # others are for the bag alone
@@ -346,6 +357,7 @@ class Wanted(NamedTuple):
     driven: bool
     drive_state: bool
     outputs: list[str]        # names of the scene's outputs
+    pictures: list[str]
     with_loads: bool
     parts: frozenset[str]     # the points and links among them
 
@@ -355,7 +367,7 @@ class Wanted(NamedTuple):
         wanted = set(names)
         outputs = [name for name in run.outputs if name in wanted]
         return cls(DRIVEN.name in wanted, DRIVE_STATE.name in wanted, outputs,
-                   any(map(run.needs_loads, outputs)),
+                   [name for name in run.makers if name in wanted], any(map(run.needs_loads, outputs)),
                    frozenset(name for name in outputs if name.startswith(PARTS)))
 
 
@@ -373,10 +385,11 @@ class RunningScene:
     """
     A scene in force: its steppers, its messages, its pictures, its equation of motion.
 
-    ``topics`` and ``writers`` have an entry for each topic that answers a step. ``mover``
-    integrates the motion where it follows from torque. ``acting``: what acts from the first step
-    on. ``before`` is the run whose writers are used again where nothing in their bytes has
-    changed. FourBarError for a scene whose pictures cannot be drawn.
+    ``topics`` are all that it publishes. Each step is answered on those of ``writers``, and drawn
+    by ``makers``; ``latched`` are messages that do not change. ``mover`` integrates the motion
+    where it follows from torque. ``acting``: what acts from the first step on. ``before`` is the
+    run whose writers are used again where nothing in their bytes has changed. FourBarError for a
+    scene whose pictures cannot be drawn.
     """
 
     def __init__(self, scene: Scene, before: RunningScene | None = None,
@@ -387,20 +400,23 @@ class RunningScene:
         self.input_places = [self.layout.place[name] for name in scene.linkage.input_coordinate]
         own = [DRIVEN, DRIVE_STATE] if scene.dynamics else [DRIVEN]
         self.outputs = scene.topics
-        self.topics = {topic.name: topic for topic in own} | self.outputs
+        answers = {topic.name: topic for topic in own} | self.outputs
+        latched = [SCENE, *map(applied_topic, scene.acting)]
+        self.topics = answers | scene.pictures | {topic.name: topic for topic in latched}
         known: Mapping[str, Writer] = before.writers if before else {}
         self.writers: dict[str, Writer] = {}
-        for name, topic in self.topics.items():
+        for name, topic in answers.items():
             layout = drive_layout() if topic is DRIVE_STATE else self.layout
             self.writers[name] = writer_of(topic, scene, layout, known.get(name))
         # places of the values without which a message of an output is not sent
         self.needed = {name: scene.needed_for(name) for name in self.outputs}
         self.makers: dict[str, Make] = {}        # of pictures
-        self.latched: dict[str, bytes] = {}
+        self.latched = {SCENE.name: bytes(serialize_message(String(data=scene.as_json)))}
         if scene.pictures:
             from fourbar_ros.ros.node.pictures import drawn_of  # and their messages
-            self.makers, self.latched = drawn_of(scene)
-        self.data = bytes(serialize_message(String(data=scene.as_json)))
+            self.makers, pictures = drawn_of(scene)
+            self.latched |= pictures
+            self.markers_rate: float = scene.values['pictures.rate']
         self.mover = scene.mover if scene.dynamics else None
         if self.mover:
             self.mover.prepare()             # now, not in the first step
