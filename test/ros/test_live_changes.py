@@ -100,7 +100,8 @@ def test_too_many_changes_are_refused_and_a_node_ends_within_one(run_node, clien
     assert [each.done() for each in asked] == [False] * 8 + [True] * 2
     for each in asked[8:]:
         assert not each.result().results[0].successful
-        assert each.result().results[0].reason == '8 changes wait already: try again later'
+        assert each.result().results[0].reason == (
+            '8 requests wait for an answer already: ask again later')
     (tmp_path / 'go').touch()
     client.until(lambda: all(each.done() for each in asked), 'the answers')
     assert change.result().results[0].successful

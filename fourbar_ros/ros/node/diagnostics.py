@@ -12,12 +12,12 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from fourbar_ros.pipeline.stepper import OK, STATUS_NAMES
 from fourbar_ros.ros.node.clock_input import ClockInput
 from fourbar_ros.ros.node.entities import Log
+from fourbar_ros.ros.node.recording import Recording
 from fourbar_ros.ros.node.stream import Stream
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
 if TYPE_CHECKING:      # most scenes do without
-    from fourbar_ros.ros.node.recording import Recording
     from fourbar_ros.ros.node.topic_input import TopicInput
 
 PERIOD = 1.0               # [s]
@@ -37,7 +37,7 @@ class Diagnostics:
     """Publishes the health of a node; ``counting``: its parts that count, beside the input."""
 
     def __init__(self, node: Node, stream: Stream, source: Union[ClockInput, TopicInput],
-                 counting: Sequence[Counting], recording: Recording | None, log: Log) -> None:
+                 counting: Sequence[Counting], recording: Recording, log: Log) -> None:
         self._node, self._stream, self._input = node, stream, source
         self._counting, self._recording, self._log = counting, recording, log
         self._publisher = node.create_publisher(DiagnosticArray, '/diagnostics', 10)
@@ -65,8 +65,7 @@ class Diagnostics:
                    for name, count in part.counts.items()}
         self._before = (now, stream.steps, stream.bad_steps, counted)
         new_bad_steps, sine = stream.bad_steps - bad_steps, stream.transmission_sine()
-        recorder_values, recorder_problems = (
-            self._recording.state() if self._recording else ({'recording': 'off'}, []))
+        recorder_values, recorder_problems = self._recording.state()
 
         for name, count in counted.items():
             if count > counts.get(name, 0) and name not in HARMLESS:

@@ -13,14 +13,13 @@ from traceback import format_exc
 from typing import Any
 
 from fourbar_ros.errors import FourBarError
-from fourbar_ros.ros.messages import Message, resolve
+from fourbar_ros.ros.messages import resolve
 from fourbar_ros.scene.topics import INPUT_DEPTH, QUEUE_DEPTH, Topic
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, QoSPolicyKind, QoSProfile, ReliabilityPolicy
 from rclpy.qos_overriding_options import QoSOverridingOptions
-from rclpy.service import Service
 from rclpy.subscription import Subscription
 
 OVERRIDES = 'qos_overrides.'       # a user's parameters: qos_overrides.TOPIC.publisher.depth
@@ -159,29 +158,3 @@ class Worker:
             except Exception:                            # the next one is done all the same
                 if not self._stopping:       # else the service may be gone, to which it answers
                     self._tell(f'a fault in {self._thread.name}: {format_exc()}')
-
-
-ServiceCallback = Callable[[Message, Message], Message]     # (request, response) -> response
-
-
-def both(request: Message, response: Message) -> tuple[Message, Message]:
-    """Return both: what :func:`answer_beside` asks of the callback of a service."""
-    return request, response
-
-
-def answer_beside(service: Service, answer: ServiceCallback, busy: ServiceCallback,
-                  worker_for: Callable[[Message], Worker]) -> None:
-    """
-    Have a service answer by ``answer(request, response)`` in the worker for the request.
-
-    Where too many wait for that, ``busy(request, response)`` answers at once. The executor calls
-    the service's callback, which must return its arguments, and passes its result to
-    ``send_response``. That is replaced: it queues the answer. rclpy has callback groups for that,
-    but its EventsExecutor does not know them (ros2/rclpy#1473).
-    """
-    send = service.send_response
-
-    def queue(arguments: tuple[Message, Message], header: Message) -> None:
-        if not worker_for(arguments[0]).do(lambda: send(answer(*arguments), header)):
-            send(busy(*arguments), header)
-    service.send_response = queue

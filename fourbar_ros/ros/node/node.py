@@ -14,14 +14,8 @@ from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.ros.messages import Message
 from fourbar_ros.ros.node.clock_input import ClockInput
 from fourbar_ros.ros.node.diagnostics import Diagnostics
-from fourbar_ros.ros.node.entities import (
-    answer_beside,
-    both,
-    log_of,
-    OVERRIDES,
-    WAITING,
-    Worker,
-)
+from fourbar_ros.ros.node.entities import log_of, OVERRIDES, WAITING, Worker
+from fourbar_ros.ros.node.recording import Recording
 from fourbar_ros.ros.node.stream import RunningScene, Stream
 from fourbar_ros.scene.linkage import warnings_of
 from fourbar_ros.scene.parameters import find, meant, of_name
@@ -72,11 +66,8 @@ class FourBarNode(Node):
                   for name in SERVICES[service].workers}
         self.workers = {name: Worker(name, self.get_logger().error)
                         for name in {*wanted, CHANGES}}
-        self.log, self.recording = log_of(self), None
-        if scene.recording.start or 'bag' in self.workers:
-            from fourbar_ros.ros.node.recording import Recording  # other scenes do without
-            self.recording = Recording(self)
-        self.stream = Stream(self, RunningScene(scene), self.recording, self.log)
+        self.log, recording = log_of(self), Recording(self)
+        self.stream = Stream(self, RunningScene(scene), recording, self.log)
         self.input = self._input_of(scene.drive.source)
         self.acting = self.trajectories = None
         if scene.acting:
@@ -90,9 +81,9 @@ class FourBarNode(Node):
             from fourbar_ros.ros.node import services  # and their messages
             services.create(self, self.stream, self.workers)
         counting = [part for part in (self.acting, self.trajectories) if part]
-        Diagnostics(self, self.stream, self.input, counting, self.recording, self.log)
-        if self.recording and scene.recording.start:
-            self.recording.begin(scene, self.stream.start_recording)
+        Diagnostics(self, self.stream, self.input, counting, recording, self.log)
+        if scene.recording.start:
+            recording.begin(scene, self.stream.start_recording)
         self.get_logger().info(f'{scene.linkage.classification}, mode {scene.linkage.mode}, '
                                f'driven by {scene.drive.source}')
 
@@ -185,18 +176,42 @@ class FourBarNode(Node):
             msg_type, topic, guarded if msg_type is Clock else callback, *qos, **options)
 
     def create_service(self, srv_type: type[Any], srv_name: str,
-                       callback: Callable[[Message, Message], Message], **options: Any) -> Any:
-        """Create a service; an exception in its callback is logged and does not end the node."""
-        def guarded(request: Message, response: Message) -> Message:
+                       callback: Callable[[Message, Message], Message],
+                       worker_for: Callable[[Message], Worker] | None = None,
+                       **options: Any) -> Any:
+        """
+        Create a service; an exception in its callback is logged and does not end the node.
+
+        If that takes long, ``worker_for(request)`` returns the thread to answer in. Then the
+        executor calls a callback that returns its arguments, and passes those to
+        ``send_response``. That is replaced: it queues the answer. rclpy has callback groups for
+        that, but its EventsExecutor does not know them (ros2/rclpy#1473).
+        """
+        def answer(request: Message, response: Message) -> Message:
             try:
                 return callback(request, response)
-            except Exception:
+            except Exception as error:
                 self.get_logger().error(f'a fault in {srv_name}: {format_exc()}')
-                return response
-        if srv_type not in (SetParameters, SetParametersAtomically):
-            return super().create_service(srv_type, srv_name, guarded, **options)
+                return _without_answer(request, response, 'RESULT_INVALID_REQUEST',
+                                       f'a fault in the node, see its log: {error!r}')
+
+        def beside(request: Message) -> Worker:
+            return self.workers[CHANGES]
+
+        def both(request: Message, response: Message) -> tuple[Message, Message]:
+            return request, response
+
+        def queue(arguments: tuple[Message, Message], header: Message) -> None:
+            if not worker_for(arguments[0]).do(lambda: send(answer(*arguments), header)):
+                send(_without_answer(*arguments, 'RESULT_BUSY', f'{WAITING} requests wait for an '
+                                     'answer already: ask again later'), header)
+
+        if srv_type in (SetParameters, SetParametersAtomically):
+            worker_for = beside
+        if worker_for is None:
+            return super().create_service(srv_type, srv_name, answer, **options)
         service = super().create_service(srv_type, srv_name, both, **options)
-        answer_beside(service, guarded, _busy, lambda _: self.workers[CHANGES])
+        send, service.send_response = service.send_response, queue
         return service
 
     def _between_callbacks(self, job: Callable[[], None]) -> None:
@@ -218,13 +233,17 @@ class FourBarNode(Node):
         done.result()
 
 
-def _busy(request: Message, response: Message) -> Message:
-    """Refuse to set parameters: too many changes wait."""
-    refused = SetParametersResult(reason=f'{WAITING} changes wait already: try again later')
-    if hasattr(response, 'results'):
+def _without_answer(request: Message, response: Message, result: str, why: str) -> Message:
+    """Return the response of any service, which says why the request has no answer."""
+    refused = SetParametersResult(reason=why)
+    if isinstance(response, SetParameters.Response):
         response.results = [refused] * len(request.parameters)
-    else:
+    elif isinstance(response, SetParametersAtomically.Response):
         response.result = refused
+    elif hasattr(response, 'message'):
+        response.message = why
+        if hasattr(response, 'result'):
+            response.result = getattr(response, result)
     return response
 
 

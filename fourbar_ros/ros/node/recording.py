@@ -21,6 +21,7 @@ from rclpy.node import Node
 if TYPE_CHECKING:      # only scenes that record need the mcap library
     from fourbar_ros.bag.recorder import BagWriter
 
+Bag = tuple['BagWriter', dict[str, int]]     # its writer, {short name of a topic: its channel}
 SOFTWARE = ('numpy', 'mcap', 'rclpy')       # whose versions a bag keeps, beside our own
 
 
@@ -35,15 +36,14 @@ class Recording:
 
     def __init__(self, node: Node) -> None:
         self._node = node
-        self._writer: BagWriter | None = None            # of the bag that is being written
-        self._channels: dict[str, int] = {}              # numbers of its topics by short name
+        self._bag: Bag | None = None     # that is being written
         self._refused = ''               # why the bag that the scene wants was not started
 
     @property
     def active(self) -> bool:
         """Return whether messages are being recorded."""
-        writer = self._writer
-        return writer is not None and not writer.error
+        bag = self._bag
+        return bag is not None and not bag[0].error
 
     def begin(self, scene: Scene, start: Callable[[str], object]) -> None:
         """
@@ -62,12 +62,11 @@ class Recording:
             self._refused = f'not recording: {error}'
             log.error(self._refused)
 
-    def open(self, scene: Scene, name: str = '') -> tuple[BagWriter, dict[str, int]]:
+    def open(self, scene: Scene, name: str = '') -> Bag:
         """
         Create a bag with a channel for the input and each output of a scene; do not record yet.
 
-        Returns (its writer, {short name of a topic: number of its channel}). Waits for the disk,
-        so it must not run during a step.
+        Waits for the disk, so it must not run during a step.
 
         Raises
         ------
@@ -83,11 +82,11 @@ class Recording:
             raise MissingPackage('recording', error) from None
         from fourbar_ros.ros.schemas import channel
 
-        if self._writer and self.active:
-            raise BagError(f'already recording to {self._writer.path}')
-        if self._writer:
+        if self._bag:
+            if self.active:
+                raise BagError(f'already recording to {self._bag[0].path}')
             with contextlib.suppress(BagError):      # it ended by an error, which was logged
-                self._writer.close()
+                self._bag[0].close()
         topics = [DRIVEN, SCENE, *scene.drive_topics, *scene.acting_topics,
                   *scene.topics.values(), *scene.pictures.values()]
         if scene.drive.source in INPUTS:
@@ -108,18 +107,19 @@ class Recording:
                            tell=self._node.get_logger().error)
         return writer, {topic.name: number for number, topic in enumerate(topics)}
 
-    def attach(self, writer: BagWriter, channels: dict[str, int]) -> Path:
+    def attach(self, bag: Bag) -> Path:
         """Record into an opened bag from now on; return its path."""
-        self._channels = channels                        # first: an input may be written meanwhile
-        self._writer, self._refused = writer, ''
-        self._node.get_logger().info(f'recording to {writer.path}')
-        return writer.path
+        self._bag, self._refused = bag, ''
+        path = bag[0].path
+        self._node.get_logger().info(f'recording to {path}')
+        return path
 
     def state(self) -> tuple[dict[str, Any], list[str]]:
         """Return (values, problems) for the diagnostics."""
-        writer = self._writer
-        if not writer:
+        bag = self._bag
+        if not bag:
             return {'recording': 'off'}, [self._refused] if self._refused else []
+        writer, _ = bag
         problems = [writer.error] if writer.error else []
         if writer.dropped:
             problems.append(f'{writer.dropped} messages not recorded')
@@ -128,8 +128,8 @@ class Recording:
 
     def detach(self) -> BagWriter | None:
         """Stop recording; return the writer of the bag, None if there was none."""
-        writer, self._writer = self._writer, None
-        return writer
+        bag, self._bag = self._bag, None
+        return bag and bag[0]
 
     def close(self, writer: BagWriter, why: str) -> Path:
         """
@@ -141,22 +141,19 @@ class Recording:
         self._node.get_logger().info(f'recorded {path}')
         return path
 
-    def write(self, topic: str, data: bytes) -> None:
-        """Record a serialised message of a topic (short name) if a bag is open; never waits."""
-        writer = self._writer            # another thread may stop the recording meanwhile
-        if writer and topic in self._channels:
-            writer.write(self._channels[topic], data)
+    def write(self, messages: Iterable[tuple[str, bytes]]) -> None:
+        """Record messages, (short name of the topic, bytes), if a bag is open; never waits."""
+        bag = self._bag                  # another thread may stop the recording meanwhile
+        if bag:
+            writer, channels = bag
+            writer.write_all([(channels[topic], data) for topic, data in messages
+                              if topic in channels])
 
     def note(self, key: str, text: str) -> None:
         """Let later files of a split bag keep another text under a key of their metadata."""
-        if writer := self._writer:
-            writer.note(key, text)
-
-    def write_all(self, messages: Iterable[tuple[str, bytes]]) -> None:
-        """Record the messages of a step, (topic, bytes), in one call: it costs less than many."""
-        writer, channels = self._writer, self._channels
-        if writer:
-            writer.write_all([(channels[topic], data) for topic, data in messages])
+        bag = self._bag
+        if bag:
+            bag[0].note(key, text)
 
 
 def about_of(scene: Scene, topics: Mapping[str, str], node: str) -> dict[str, str]:

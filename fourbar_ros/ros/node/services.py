@@ -6,7 +6,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from math import nan
-from traceback import format_exc
 from typing import TYPE_CHECKING
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, OutOfRange
@@ -21,64 +20,38 @@ from fourbar_ros.pipeline.stepper import (
     TOGGLE,
 )
 from fourbar_ros.ros.messages import filler, Message, resolve, set_constants, Stamp
-from fourbar_ros.ros.node.entities import answer_beside, both, WAITING, Worker
+from fourbar_ros.ros.node.entities import Worker
 from fourbar_ros.ros.node.stream import Stream
 from fourbar_ros.scene.message_fields import mode_number
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import SERVICES
-from rclpy.impl.rcutils_logger import RcutilsLogger
-from rclpy.node import Node
 
 if TYPE_CHECKING:      # not needed by a node that only streams
     from fourbar_ros.extrema.find import Extremum
     from fourbar_ros.mechanisms.quantities import Asked
+    from fourbar_ros.ros.node.node import FourBarNode
 
-Handler = Callable[[Stream, Message, Message], Message]
 
-
-def create(node: Node, stream: Stream, workers: Mapping[str, Worker]) -> None:
+def create(node: FourBarNode, stream: Stream, workers: Mapping[str, Worker]) -> None:
     """Create the services that the scene names; slow ones are answered in ``workers``."""
     def find_extrema(stream: Stream, request: Message, response: Message) -> Message:
         """Answer FindExtrema."""
         check = workers['proof' if request.certify else 'search'].check
         return search(stream.scene, request, check, response)
 
-    handlers: dict[str, Handler] = {
-        'find_extrema': find_extrema, 'evaluate': evaluate_one,
-        'start_recording': start_recording, 'stop_recording': stop_recording}
+    handlers = {'find_extrema': find_extrema, 'evaluate': evaluate_one,
+                'start_recording': start_recording, 'stop_recording': stop_recording}
     for name in stream.scene.values['services']:
         service = SERVICES[name]
-        answer = partial(_answer, handlers[name], stream, node.get_logger())
-        made = node.create_service(resolve(service.type), service.service,
-                                   both if service.workers else answer)
-        if service.workers:
-            answer_beside(made, answer, _busy, partial(_worker_for, workers, service.workers))
+        node.create_service(resolve(service.type), service.service,
+                            partial(handlers[name], stream),
+                            partial(_worker_for, workers, service.workers)
+                            if service.workers else None)
 
 
 def _worker_for(workers: Mapping[str, Worker], names: Sequence[str], request: Message) -> Worker:
     """Return the thread that answers: proofs have their own, so nothing quick waits for one."""
     return workers[names[getattr(request, 'certify', False)]]
-
-
-def _busy(_: Message, response: Message) -> Message:
-    """Say that too many requests wait."""
-    response.message = f'{WAITING} requests wait for an answer already: ask again later'
-    if hasattr(response, 'result'):
-        response.result = response.RESULT_BUSY
-    return response
-
-
-def _answer(handler: Handler, stream: Stream, logger: RcutilsLogger, request: Message,
-            response: Message) -> Message:
-    """Call a handler; tell the client and the log of an unexpected exception in it."""
-    try:
-        return handler(stream, request, response)
-    except Exception as error:
-        logger.error(f'internal error in {handler.__name__}: {format_exc()}')
-        if hasattr(response, 'result'):
-            response.result = response.RESULT_INVALID_REQUEST
-        response.message = f'internal error in the node, see its log: {error!r}'
-        return response
 
 
 def evaluate_one(stream: Stream, request: Message, response: Message) -> Message:

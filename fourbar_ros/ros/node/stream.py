@@ -28,6 +28,7 @@ from fourbar_ros.ros.messages import (
 )
 from fourbar_ros.ros.node import entities
 from fourbar_ros.ros.node.entities import Log
+from fourbar_ros.ros.node.recording import Recording
 from fourbar_ros.scene.message_fields import FieldMap, mode_number
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import applied_topic, DRIVE_STATE, DRIVEN, SCENE, Topic
@@ -40,7 +41,6 @@ from std_msgs.msg import String
 if TYPE_CHECKING:      # most scenes do without
     from fourbar_ros.dynamics.node_step import DriveValues
     from fourbar_ros.pipeline.wrenches import ActingInput
-    from fourbar_ros.ros.node.recording import Recording
 
 Make = Callable[[Stamp, Sequence[float]], Message]      # None where the pose is not known
 PARTS = 'points/', 'links/', 'equation', 'inertia'     # computed for their topic alone
@@ -54,8 +54,7 @@ class Stream:
     two of them.
     """
 
-    def __init__(self, node: Node, run: RunningScene, recording: Recording | None, log: Log
-                 ) -> None:
+    def __init__(self, node: Node, run: RunningScene, recording: Recording, log: Log) -> None:
         self._node, self.run, self._recording, self._log = node, run, recording, log
         self._lock = threading.Lock()        # held in a step, and while anything changes
         self.steps, self.bad_steps = 0, 0    # since the start; bad: the status was not OK
@@ -77,7 +76,7 @@ class Stream:
     @property
     def is_recording(self) -> bool:
         """Return whether messages are being recorded."""
-        return self._recording is not None and self._recording.active
+        return self._recording.active
 
     def now(self) -> Stamp:
         """Return the time of the node's clock."""
@@ -112,8 +111,7 @@ class Stream:
                                      'serialises every message', 'info')
             for name, data in run.latched.items():
                 self._latch(name, data)
-            if self._recording:
-                self._recording.note(SCENE.name, run.scene.as_json)
+            self._recording.note(SCENE.name, run.scene.as_json)
 
     def _update(self) -> None:
         """
@@ -148,13 +146,12 @@ class Stream:
 
     def start_recording(self, name: str = '') -> Path:
         """Start a bag whose first message is the scene; return its path; raises FourBarError."""
-        assert self._recording           # only nodes that have it are asked
         before = self.run
         bag = self._recording.open(before.scene, name)   # before the lock: the disk may be slow
         with self._lock:
             run = self.run
             if run.topics == before.topics:
-                path = self._recording.attach(*bag)
+                path = self._recording.attach(bag)
                 run.renew(run.stepper.acting)      # a held value could not be recomputed
                 for topic, data in self._latched.items():
                     self.record(topic, data)
@@ -165,14 +162,12 @@ class Stream:
     def stop_recording(self, why: str) -> Path | None:
         """Close the bag after a whole step, note ``why`` in it; return its path, None if none."""
         with self._lock:
-            writer = self._recording.detach() if self._recording else None
-        # it waits for the disk
-        return self._recording.close(writer, why) if self._recording and writer else None
+            writer = self._recording.detach()
+        return self._recording.close(writer, why) if writer else None    # it waits for the disk
 
     def record(self, topic: str, data: bytes) -> None:
         """Record a message of a topic (short name) if a bag is open; never waits."""
-        if self._recording:
-            self._recording.write(topic, data)
+        self._recording.write([(topic, data)])
 
     def record_input(self, topic: str, message: Message) -> None:
         """
@@ -292,9 +287,9 @@ class Stream:
 
     def _record(self) -> None:
         """Record all that was sent since the last time, in one call of the writer."""
-        if self._sent and self._recording:
+        if self._sent:
             sent, self._sent = self._sent, []
-            self._recording.write_all(sent)
+            self._recording.write(sent)
 
     def _note(self, status: int | None, position: float) -> None:
         """
