@@ -5,17 +5,15 @@ from __future__ import annotations
 
 from functools import partial
 from math import hypot
-from typing import Any
 
 from fourbar_ros.mechanics.bodies import Base
 from fourbar_ros.pipeline.wrenches import a_step_later, ActingInput, in_silence, Wrench
-from fourbar_ros.ros.messages import resolve
+from fourbar_ros.ros.messages import Message
 from fourbar_ros.ros.node import entities
-from fourbar_ros.ros.node.entities import Log
+from fourbar_ros.ros.node.entities import Troubles
 from fourbar_ros.ros.node.stream import Stream
 from fourbar_ros.scene.topics import BASE, BASES, Topic, wrench_topic
 from rclpy.node import Node
-from rclpy.serialization import deserialize_message
 
 PERIOD = 0.1           # [s] how often silence is looked for
 OUT_OF_PLANE = 0.1     # share of a base's motion out of the linkage's plane that is worth a line
@@ -26,28 +24,29 @@ class ActingInputs:
     The wrench topics of a scene, one for each loaded link, and the topic of its base.
 
     When a topic is silent for its timeout, what the scene says acts instead: the last message or
-    another. ``counts`` are for the diagnostics.
+    another.
     """
 
-    def __init__(self, node: Node, stream: Stream, log: Log) -> None:
-        self._node, self._stream, self._log = node, stream, log
-        self.counts = dict.fromkeys(('wrenches_malformed', 'wrenches_of_another_frame',
-                                     'wrench_silences') * bool(stream.scene.wrenches.links)
-                                    + ('base_malformed', 'base_of_another_frame', 'base_late',
-                                       'base_silences') * bool(stream.scene.base.topic), 0)
-        # {name: arrival of its newest message [s] by the clock of silences}, without silent ones
-        self._received: dict[str, float] = {}
+    def __init__(self, node: Node, stream: Stream, troubles: Troubles) -> None:
+        self._node, self._stream, self._troubles = node, stream, troubles
+        # {name: arrival of its newest message [ns] by the clock of silences}, without silent ones
+        self._received: dict[str, int] = {}
         self._last: dict[str, ActingInput] = {}      # the last of each
         self._topics: dict[str, Topic] = {link: wrench_topic(link)
                                           for link in stream.scene.wrenches.links}
+        if self._topics:
+            troubles.expect('wrenches_malformed', 'wrenches_of_another_frame', 'wrench_silences')
         if stream.scene.base.topic:
             self._topics[BASE.name] = BASES[stream.scene.base.topic]
+            troubles.expect('base_malformed', 'base_of_another_frame', 'base_late',
+                            'base_silences')
         self._newest = 0                        # stamp of the newest message of the base [ns]
         self._read_settings()
         for name, topic in self._topics.items():
-            entities.subscription(node, topic, partial(self._take, name))
-        clock = entities.clock_of(node)
-        self._time = entities.time_of(clock)
+            what = 'base_malformed' if name == BASE.name else 'wrenches_malformed'
+            entities.subscription(node, topic, entities.reader(
+                topic, partial(self._take, name), partial(troubles.count, what)))
+        clock, self._time = entities.clock_of(node)
         node.create_timer(PERIOD, self._watch, clock=clock)
 
     def _read_settings(self) -> None:
@@ -64,33 +63,25 @@ class ActingInputs:
             if name not in self._received:
                 self._be_silent(name)
 
-    def _now(self) -> float:
-        return self._time() * 1e-9
-
-    def _take(self, name: str, data: bytes) -> None:
-        """Let a message act; record it, unless ROS cannot read it."""
-        topic, what = self._topics[name], 'base' if name == BASE.name else 'wrenches'
-        try:
-            message: Any = deserialize_message(data, resolve(topic.type))
-        except Exception:
-            self._count(f'{what}_malformed', name,
-                        f'a message that is no {topic.type.rpartition("/")[-1]}')
-            return
+    def _take(self, name: str, message: Message) -> None:
+        """Let a message act; record it."""
+        topic = self._topics[name]
         self._stream.record_input(topic.name, message)
         frame, scene = message.header.frame_id, self._stream.scene
         ours = name == BASE.name and scene.base.frame_id or scene.frame_id
         if frame not in ('', ours) and (name == BASE.name or message.wrench.force.x
                                         or message.wrench.force.y):    # a couple has no direction
-            kind = 'the motion of a base' if name == BASE.name else 'a force'
-            self._count(f'{what}_of_another_frame', name,
-                        f'{kind} in the frame {frame!r}, this one is {ours!r}')
+            what, kind = (('base', 'the motion of a base') if name == BASE.name
+                          else ('wrenches', 'a force'))
+            self._troubles.count(f'{what}_of_another_frame', f'{topic.topic}: {kind} in the frame '
+                                 f'{frame!r}, this one is {ours!r}')
             return
         acting = self._base(message) if name == BASE.name else self._wrench(name, message)
         if acting is not None:
-            self._received[name] = self._now()
+            self._received[name] = self._time()
             self._stream.act(name, acting, message.header.stamp)
 
-    def _wrench(self, link: str, message: Any) -> Wrench:
+    def _wrench(self, link: str, message: Message) -> Wrench:
         """Return the wrench that acts on a link from a message on."""
         force, torque = message.wrench.force, message.wrench.torque
         wrench = Wrench(force.x, force.y, torque.z)
@@ -100,12 +91,13 @@ class ActingInputs:
             return a_step_later(wrench, before)      # type: ignore[arg-type]  # of a link
         return wrench
 
-    def _base(self, message: Any) -> Base | None:
+    def _base(self, message: Message) -> Base | None:
         """Return the motion of the base from a message on; None for one that comes late."""
         stamp, settings = message.header.stamp, self._stream.scene.base
         time = stamp.sec * 10**9 + stamp.nanosec
         if 0 <= self._newest - time < (settings.timeout or 1.0) * 1e9 and self._newest:
-            self._count('base_late', BASE.name, 'a stamp that is not newer than the one before')
+            self._troubles.count('base_late', f'{self._topics[BASE.name].topic}: a stamp that is '
+                                 'not newer than the one before')
             return None
         self._newest = time
         if settings.topic == 'imu':
@@ -114,35 +106,27 @@ class ActingInputs:
             across, tilting = self._imu.out_of_plane
             if (across > OUT_OF_PLANE * hypot(base.force_x, base.force_y)
                     or tilting > OUT_OF_PLANE * abs(base.rate)):
-                self._log('base', f'{BASES["imu"].topic}: {across:.3g} m/s^2 and {tilting:.3g} '
+                self._troubles.log('base', f'{BASES["imu"].topic}: {across:.3g} m/s^2 and {tilting:.3g} '
                           "rad/s lie out of the linkage's plane: they are left out", 'info')
         else:
             base = Base(message.force_x, message.force_y, message.rate, message.acceleration)
         self._last[BASE.name] = base
         return base
 
-    def _count(self, counter: str, name: str, text: str) -> None:
-        """Count a bad message, and log the first one."""
-        self.counts[counter] += 1
-        if self.counts[counter] == 1:
-            self._node.get_logger().warning(f'{self._topics[name].topic}: {text} (logged once; '
-                                            'counted in the diagnostics)')
-
     def _watch(self) -> None:
         """Look for topics that have become silent: called every PERIOD."""
-        now, scene = self._now(), self._stream.scene
+        now, scene = self._time(), self._stream.scene
         for name, last in list(self._received.items()):
             is_base = name == BASE.name
             limit = scene.base.timeout if is_base else scene.wrenches.timeout
-            if last == 0.0 or now < last:    # simulated time has begun, or gone back
+            if last == 0 or now < last:    # simulated time has begun, or gone back
                 self._received[name] = now
-            elif limit and now - last > limit:
+            elif limit and now - last > limit * 1e9:
                 del self._received[name]
-                self.counts['base_silences' if is_base else 'wrench_silences'] += 1
+                self._troubles.count('base_silences' if is_base else 'wrench_silences')
                 self._be_silent(name)
-                self._node.get_logger().warning(
-                    f'{self._topics[name].topic}: no {"message" if is_base else "wrench"} for '
-                    f'{limit:g} s')
+                self._troubles.log(f'silence of {name}', f'{self._topics[name].topic}: no '
+                                   f'{"message" if is_base else "wrench"} for {limit:g} s')
 
     def _be_silent(self, name: str) -> None:
         """Let act what the scene has for a silence."""

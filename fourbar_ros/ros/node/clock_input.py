@@ -8,7 +8,7 @@ from traceback import format_exc
 from typing import Any
 
 from fourbar_ros.ros.messages import sec_nanosec
-from fourbar_ros.ros.node.entities import clock_of, Log, time_of
+from fourbar_ros.ros.node.entities import clock_of, Troubles
 from fourbar_ros.ros.node.stream import Stream
 from fourbar_ros.scene.scene import differ, Group
 from rclpy.node import Node
@@ -26,17 +26,14 @@ class ClockInput:
     Constant speed: sample k belongs to start + k / rate, however late its timer is.
 
     Its angle follows from that time, without accumulating errors. Times are those of a steady
-    clock, stamps those of the node's clock; with simulated time both are that. ``counts`` are for
-    the diagnostics.
+    clock, stamps those of the node's clock; with simulated time both are that.
     """
 
-    COUNTED: tuple[str, ...] = ('missed', 'clock_steps', 'faults')
-
-    def __init__(self, node: Node, stream: Stream, log: Log) -> None:
-        self._node, self._stream, self._log = node, stream, log
-        self.counts = dict.fromkeys(self.COUNTED, 0)
-        self._settings, self._clock = stream.scene.drive, clock_of(node)
-        self._is_simulated, self._time = self._clock is node.get_clock(), time_of(self._clock)
+    def __init__(self, node: Node, stream: Stream, troubles: Troubles) -> None:
+        self._node, self._stream, self._troubles = node, stream, troubles
+        troubles.expect('missed', 'clock_steps', 'faults')
+        self._settings, (self._clock, self._time) = stream.scene.drive, clock_of(node)
+        self._is_simulated = self._clock is node.get_clock()
         self._began: int | None = None       # [ns] time of sample 0; None before it
         self._last = 0                       # [ns] time of the last tick
         self._prepare()
@@ -52,7 +49,7 @@ class ClockInput:
         return nan
 
     def state(self) -> Reported:
-        """Return (values, problems) for the diagnostics, beside the counters."""
+        """Return (values, problems) for the diagnostics, beside the counts of troubles."""
         return {}, []
 
     def _tick(self) -> None:
@@ -61,8 +58,7 @@ class ClockInput:
         if now == 0:
             return                                       # no /clock yet
         if now < self._last:
-            self.counts['clock_steps'] += 1
-            self._log('clock_steps', 'simulated time went back: starting again')
+            self._troubles.count('clock_steps', 'simulated time went back: starting again')
             self._began = None
             self._prepare()
         if self._began is None:
@@ -76,14 +72,13 @@ class ClockInput:
         period = 1e9 / self._settings.rate
         behind = int((now - self._began) / period) - self._next
         if behind * period > CATCH_UP * 1e9:             # suspended, or too high a rate
-            self.counts['missed'] += behind
+            self._troubles.counts['missed'] += behind
             self._next += behind
         while (due := self._began + round(self._next * period)) <= now:
             try:
                 self._sample(due + self._offset, self._next / self._settings.rate)
             except Exception:                            # it is ours and must not end us
-                self.counts['faults'] += 1
-                self._log('faults', f'a fault in a sample: {format_exc()}')
+                self._troubles.count('faults', f'a fault in a sample: {format_exc()}')
             self._next += 1
         before, self._settings = self._settings, self._stream.scene.drive
         if differ(self._settings, before):
@@ -109,8 +104,8 @@ class ClockInput:
         """Follow a wall clock that was set."""
         self._checked, new = now, self._offset_of_stamps()
         if abs(new - self._offset) >= CLOCK_STEP:
-            self.counts['clock_steps'] += 1
-            self._log('clock_steps', f'the clock was set by {(new - self._offset) * 1e-9:.3f} s')
+            self._troubles.count('clock_steps', 'the clock was set by '
+                                 f'{(new - self._offset) * 1e-9:.3f} s')
             self._offset = new
 
     def _prepare(self) -> None:

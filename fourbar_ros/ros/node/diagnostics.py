@@ -3,15 +3,14 @@
 """Once a second on /diagnostics: how the stream runs, how far the linkage is from trouble."""
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from math import isnan
 import time
-from typing import Protocol, TYPE_CHECKING, Union
+from typing import TYPE_CHECKING, Union
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from fourbar_ros.pipeline.stepper import OK, STATUS_NAMES
 from fourbar_ros.ros.node.clock_input import ClockInput
-from fourbar_ros.ros.node.entities import Log
+from fourbar_ros.ros.node.entities import Troubles
 from fourbar_ros.ros.node.recording import Recording
 from fourbar_ros.ros.node.stream import Stream
 from rclpy.clock import Clock, ClockType
@@ -25,23 +24,15 @@ NEAR_TOGGLE = 0.05         # |sin| of the transmission angle below which a warni
 HARMLESS = ('received', 'torques', 'of_other_joints', 'trajectories')   # counters without trouble
 
 
-class Counting(Protocol):
-    """A part of a node that counts what goes wrong."""
-
-    @property
-    def counts(self) -> Mapping[str, int]:
-        """Return {what: how often since the start}."""
-
-
 class Diagnostics:
-    """Publishes the health of a node; ``counting``: its parts that count, beside the input."""
+    """Publishes the health of a node."""
 
     def __init__(self, node: Node, stream: Stream, source: Union[ClockInput, TopicInput],
-                 counting: Sequence[Counting], recording: Recording, log: Log) -> None:
+                 recording: Recording, troubles: Troubles) -> None:
         self._node, self._stream, self._input = node, stream, source
-        self._counting, self._recording, self._log = counting, recording, log
+        self._recording, self._troubles = recording, troubles
         self._publisher = node.create_publisher(DiagnosticArray, '/diagnostics', 10)
-        # at the last report: time, steps, bad steps, other counters
+        # at the last report: time, steps, bad steps, counts of troubles
         self._before: tuple[float, int, int, dict[str, int]] = (time.monotonic(), 0, 0, {})
         node.create_timer(PERIOD, self._publish, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
@@ -54,15 +45,14 @@ class Diagnostics:
         """
         Return the health of the node since the last call: level, problems, values by name.
 
-        A counter that has grown is a problem (WARN) unless it is HARMLESS; an ERROR is a bag that
+        A count that has grown is a problem (WARN) unless it is HARMLESS; an ERROR is a bag that
         is not written.
         """
         node, stream, source = self._node, self._stream, self._input
         scene, now = stream.scene, time.monotonic()
-        input_values, problems = source.state()      # first: it brings the counters up to date
+        input_values, problems = source.state()      # first: it brings its counts up to date
         before, steps, bad_steps, counts = self._before
-        counted = {name: count for part in (source, *self._counting)
-                   for name, count in part.counts.items()}
+        counted = dict(self._troubles.counts)
         self._before = (now, stream.steps, stream.bad_steps, counted)
         new_bad_steps, sine = stream.bad_steps - bad_steps, stream.transmission_sine()
         recorder_values, recorder_problems = self._recording.state()
@@ -74,7 +64,7 @@ class Diagnostics:
                 (node.get_name(), node.get_namespace())) > 1:
             problems.append('another node has this name, or was killed just now: services and '
                             'parameters reach either')
-            self._log('name', f'{node.get_fully_qualified_name()}: {problems[-1]}')
+            self._troubles.log('name', f'{node.get_fully_qualified_name()}: {problems[-1]}')
         if new_bad_steps:
             problems.append(f'{new_bad_steps} steps not ok')
         if stream.status != OK:

@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Publishers, subscriptions, clock, log and threads of a node, as all its parts make them."""
+"""Publishers, subscriptions, clock, troubles and threads of a node, as all its parts have them."""
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
@@ -13,13 +13,14 @@ from traceback import format_exc
 from typing import Any
 
 from fourbar_ros.errors import FourBarError
-from fourbar_ros.ros.messages import resolve
+from fourbar_ros.ros.messages import Message, resolve
 from fourbar_ros.scene.topics import INPUT_DEPTH, QUEUE_DEPTH, Topic
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, QoSPolicyKind, QoSProfile, ReliabilityPolicy
 from rclpy.qos_overriding_options import QoSOverridingOptions
+from rclpy.serialization import deserialize_message
 from rclpy.subscription import Subscription
 
 OVERRIDES = 'qos_overrides.'       # a user's parameters: qos_overrides.TOPIC.publisher.depth
@@ -27,7 +28,6 @@ QUIET = 10.0                       # [s] between two lines of one cause in the l
 
 WAITING = 8                        # most jobs that wait for one thread
 
-Log = Callable[..., None]          # (cause, text, level='warning')
 
 
 def publisher(node: Node, topic: Topic, **options: Any) -> Publisher:
@@ -60,6 +60,21 @@ def has_override(node: Node, entity: str, topic: Topic, policy: str) -> bool:
     return bool(node.has_parameter(f'{OVERRIDES}{name}.{entity}.{policy}'))
 
 
+def reader(topic: Topic, take: Callable[[Message], object], refuse: Callable[[str], object]
+           ) -> Callable[[bytes], None]:
+    """Return the function of bytes that calls ``take(message)``, or ``refuse(why)`` if bad."""
+    kind = resolve(topic.type)
+
+    def read(data: bytes) -> None:
+        try:
+            message = deserialize_message(data, kind)
+        except Exception:        # whatever ROS raises for bytes that it cannot read
+            refuse(f'{topic.topic}: a message that is no {topic.type}')
+        else:
+            take(message)
+    return read
+
+
 @contextmanager
 def _refused(node: Node, topic: Topic) -> Iterator[None]:
     """Name the overrides of a topic in an error that rclpy raises for a bad one."""
@@ -80,27 +95,42 @@ def _overrides(node: Node, entity: str, topic: Topic) -> QoSOverridingOptions:
                                  if has_override(node, entity, topic, kind.name.lower())])
 
 
-def clock_of(node: Node) -> Clock:
-    """Return the clock of silences and samples: steady, or the simulation's with use_sim_time."""
-    if node.get_parameter('use_sim_time').value:
-        return node.get_clock()
-    return Clock(clock_type=ClockType.STEADY_TIME)
+def clock_of(node: Node) -> tuple[Clock, Callable[[], int]]:
+    """
+    Return the clock of silences and samples, and the function that reads it [ns].
+
+    With use_sim_time it is the simulation's, else a steady one, read without objects of rclpy.
+    """
+    if not node.get_parameter('use_sim_time').value:
+        return Clock(clock_type=ClockType.STEADY_TIME), time.monotonic_ns
+    clock = node.get_clock()
+    return clock, lambda: int(clock.now().nanoseconds)
 
 
-def time_of(clock: Clock) -> Callable[[], int]:
-    """Return the function that reads a clock [ns]; a steady one without objects of rclpy."""
-    if clock.clock_type is ClockType.STEADY_TIME:
-        return time.monotonic_ns
-    return lambda: int(clock.now().nanoseconds)
+class Troubles:
+    """
+    What goes wrong in a node: a line of each cause in ten seconds, and ``counts``.
 
+    The counts {cause: how often since the start} are for the diagnostics.
+    """
 
-def log_of(node: Node) -> Log:
-    """Return the function (cause, text, level) that logs a line of each cause in ten seconds."""
-    child = cache(node.get_logger().get_child)
+    def __init__(self, node: Node) -> None:
+        self._child = cache(node.get_logger().get_child)
+        self.counts: dict[str, int] = {}
 
-    def log(cause: str, text: str, level: str = 'warning') -> None:
-        getattr(child(cause), level)(text, throttle_duration_sec=QUIET)
-    return log
+    def expect(self, *causes: str) -> None:
+        """Begin to count causes, at zero."""
+        self.counts |= dict.fromkeys(causes, 0)
+
+    def count(self, cause: str, text: str = '') -> None:
+        """Count a cause once more; log a text of it, if there is one."""
+        self.counts[cause] += 1
+        if text:
+            self.log(cause, text)
+
+    def log(self, cause: str, text: str, level: str = 'warning') -> None:
+        """Log a text, unless one of this cause was logged just now."""
+        getattr(self._child(cause), level)(text, throttle_duration_sec=QUIET)
 
 
 # --- threads for slow jobs, as long services, while the executor goes on with inputs -------------

@@ -14,7 +14,7 @@ from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.ros.messages import Message
 from fourbar_ros.ros.node.clock_input import ClockInput
 from fourbar_ros.ros.node.diagnostics import Diagnostics
-from fourbar_ros.ros.node.entities import log_of, OVERRIDES, WAITING, Worker
+from fourbar_ros.ros.node.entities import OVERRIDES, Troubles, WAITING, Worker
 from fourbar_ros.ros.node.recording import Recording
 from fourbar_ros.ros.node.stream import RunningScene, Stream
 from fourbar_ros.scene.linkage import warnings_of
@@ -66,22 +66,21 @@ class FourBarNode(Node):
                   for name in SERVICES[service].workers}
         self.workers = {name: Worker(name, self.get_logger().error)
                         for name in {*wanted, CHANGES}}
-        self.log, recording = log_of(self), Recording(self)
-        self.stream = Stream(self, RunningScene(scene), recording, self.log)
+        self.troubles, recording = Troubles(self), Recording(self)
+        self.stream = Stream(self, RunningScene(scene), recording, self.troubles)
         self.input = self._input_of(scene.drive.source)
         self.acting = self.trajectories = None
         if scene.acting:
             from fourbar_ros.ros.node.acting import ActingInputs  # other scenes do without
-            self.acting = ActingInputs(self, self.stream, self.log)
+            self.acting = ActingInputs(self, self.stream, self.troubles)
         if scene.values['trajectories']:
             from fourbar_ros.ros.node.trajectories import Trajectories  # and its messages
-            self.trajectories = Trajectories(self, self.stream, self.log)
+            self.trajectories = Trajectories(self, self.stream, self.troubles)
         watch(self, lambda: self.stream.scene, self.apply)
         if scene.values['services']:
             from fourbar_ros.ros.node import services  # and their messages
             services.create(self, self.stream, self.workers)
-        counting = [part for part in (self.acting, self.trajectories) if part]
-        Diagnostics(self, self.stream, self.input, counting, recording, self.log)
+        Diagnostics(self, self.stream, self.input, recording, self.troubles)
         if scene.recording.start:
             recording.begin(scene, self.stream.start_recording)
         self.get_logger().info(f'{scene.linkage.classification}, mode {scene.linkage.mode}, '
@@ -91,11 +90,11 @@ class FourBarNode(Node):
         """Return the input for a ``drive.source``; import only what it needs."""
         if source in SOURCES:                # torque or motor
             from fourbar_ros.ros.node.torque_input import TorqueInput
-            return TorqueInput(self, self.stream, self.log)
+            return TorqueInput(self, self.stream, self.troubles)
         if source == 'timer':
-            return ClockInput(self, self.stream, self.log)
+            return ClockInput(self, self.stream, self.troubles)
         from fourbar_ros.ros.node.topic_input import TopicInput
-        return TopicInput(self, self.stream, self.log)
+        return TopicInput(self, self.stream, self.troubles)
 
     def _check(self, scene: Scene) -> None:
         """Refuse a scene that a node cannot run, or whose answers would be its own inputs."""
@@ -169,7 +168,7 @@ class FourBarNode(Node):
         """Create a subscription; of /clock it ignores times below zero, which end rclpy's node."""
         def guarded(message: Message) -> None:
             if message.clock.sec < 0:
-                self.log('clock', f'/clock: {message.clock.sec} s is no time: ignored')
+                self.troubles.log('clock', f'/clock: {message.clock.sec} s is no time: ignored')
             else:
                 callback(message)
         return super().create_subscription(

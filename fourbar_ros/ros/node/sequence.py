@@ -4,10 +4,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from inspect import Parameter, Signature
+from functools import wraps
 from typing import Any
 
-MessageInfo = dict[str, Any]      # of a message, as rclpy gives it
+from fourbar_ros.ros.node import entities
+from fourbar_ros.scene.topics import Topic
+from rclpy.event_handler import SubscriptionEventCallbacks
+from rclpy.node import Node
+from rclpy.subscription import Subscription
 
 
 class SequenceNumbers:
@@ -51,21 +55,28 @@ class SequenceNumbers:
             self._next = [number + 1]                    # a publisher that has started again
 
 
-class WithInfo:
+def subscribe(node: Node, topic: Topic, take: Callable[[bytes], None], is_reliable: bool = False,
+              deadline: Callable[[Any], None] | None = None
+              ) -> tuple[Subscription, SequenceNumbers]:
     """
-    A subscription callback that gets a message and its info from any executor.
+    Subscribe to a topic as bytes; return the subscription and the counter of its lost messages.
 
-    rclpy sees by the signature that a callback wants the info. Its EventsExecutor then passes both
-    as one tuple (rclpy 7.1.5), other executors, and later ones, as two arguments.
+    ``deadline``: rclpy's callback for missed ones.
     """
+    sequence = SequenceNumbers(lambda: made.get_publisher_count())
+    events = SubscriptionEventCallbacks(matched=lambda _: sequence.forget())
+    if deadline:
+        events.deadline = deadline           # not every middleware knows this event
 
-    __signature__ = Signature([Parameter(name, Parameter.POSITIONAL_ONLY)
-                               for name in ('message', 'info')])
+    def receive(data: bytes, info: dict[str, Any]) -> None:
+        sequence.take(info['publication_sequence_number'])
+        take(data)
 
-    def __init__(self, receive: Callable[[bytes, MessageInfo], None]) -> None:
-        self._receive = receive
-
-    def __call__(self, *given: Any) -> None:
-        """Call ``receive(message, info)``."""
-        message, info = given if len(given) == 2 else given[0]
-        self._receive(message, info)
+    # rclpy sees by the signature that a callback wants the info. Its EventsExecutor then passes
+    # both as one tuple (rclpy 7.1.5), other executors, and later ones, as two arguments.
+    @wraps(receive)
+    def from_any_executor(*given: Any) -> None:
+        receive(*(given if len(given) == 2 else given[0]))
+    made = entities.subscription(node, topic, from_any_executor, is_reliable,
+                                 event_callbacks=events)
+    return made, sequence

@@ -27,7 +27,7 @@ from fourbar_ros.ros.messages import (
     Stamp,
 )
 from fourbar_ros.ros.node import entities
-from fourbar_ros.ros.node.entities import Log
+from fourbar_ros.ros.node.entities import Troubles
 from fourbar_ros.ros.node.recording import Recording
 from fourbar_ros.scene.message_fields import FieldMap, mode_number
 from fourbar_ros.scene.scene import Scene
@@ -54,8 +54,9 @@ class Stream:
     two of them.
     """
 
-    def __init__(self, node: Node, run: RunningScene, recording: Recording, log: Log) -> None:
-        self._node, self.run, self._recording, self._log = node, run, recording, log
+    def __init__(self, node: Node, run: RunningScene, recording: Recording,
+                 troubles: Troubles) -> None:
+        self._node, self.run, self._recording, self._log = node, run, recording, troubles.log
         self._lock = threading.Lock()        # held in a step, and while anything changes
         self.steps, self.bad_steps = 0, 0    # since the start; bad: the status was not OK
         self.status = OK                     # of the last step that was computed

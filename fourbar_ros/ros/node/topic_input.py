@@ -10,18 +10,16 @@ from typing import Any
 from fourbar_ros.errors import nearest
 from fourbar_ros.pipeline import joints
 from fourbar_ros.pipeline.rate_estimator import estimator_of
-from fourbar_ros.ros.messages import Message, resolve, sec_nanosec, Stamp
+from fourbar_ros.ros.messages import Message, sec_nanosec, Stamp
 from fourbar_ros.ros.node import entities
 from fourbar_ros.ros.node.clock_input import Reported
-from fourbar_ros.ros.node.entities import Log
-from fourbar_ros.ros.node.sequence import MessageInfo, SequenceNumbers, WithInfo
+from fourbar_ros.ros.node.entities import Troubles
+from fourbar_ros.ros.node.sequence import subscribe
 from fourbar_ros.ros.node.stream import Stream
 from fourbar_ros.scene.message_fields import driven_of, is_time
 from fourbar_ros.scene.scene import differ
 from fourbar_ros.scene.topics import INPUTS
-from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
-from rclpy.serialization import deserialize_message
 
 WATCH = 0.1            # [s] how often silence is looked for
 SILENT = 2.0           # [s] without a first message after which the diagnostics warn
@@ -33,73 +31,56 @@ UNHEARD = 20           # messages without the driven joint after which a relay w
 
 
 class TopicInput:
-    """
-    One step for each input message, with its stamp; missing rates are estimated.
+    """One step for each input message, with its stamp; missing rates are estimated."""
 
-    ``counts`` are for the diagnostics.
-    """
-
-    COUNTED = ('received', 'lost', 'malformed', 'without_joint', 'of_other_joints',
-               'bad_stamps', 'future', 'late', 'estimate_restarts', 'timeouts',
-               'deadlines_missed', 'faults')
-
-    def __init__(self, node: Node, stream: Stream, log: Log) -> None:
-        """Subscribe to the topic; messages come as bytes, which are recorded as they are."""
-        self._node, self._stream, self._log = node, stream, log
-        self.counts = dict.fromkeys(self.COUNTED, 0)
+    def __init__(self, node: Node, stream: Stream, troubles: Troubles) -> None:
+        self._node, self._stream, self._troubles = node, stream, troubles
+        self._counts = troubles.counts
+        troubles.expect('received', 'lost', 'malformed', 'without_joint', 'of_other_joints',
+                        'bad_stamps', 'future', 'late', 'estimate_restarts', 'timeouts',
+                        'deadlines_missed', 'faults')
         scene = stream.scene
         self._settings = settings = scene.drive
         self._topic = INPUTS[settings.source]
-        self._type = resolve(self._topic.type)
         self._scale = joints.Scale(settings.joint_ratio, settings.joint_offset)
-        clock = entities.clock_of(node)
-        self._time = entities.time_of(clock)
-        self._received = self._now()         # [s] when the newest input came
+        clock, self._time = entities.clock_of(node)
+        self._received = self._time()        # [ns] when the newest input came
         self._waiting = False                # for a next input, whose silence is a timeout
         self._horizon = 0                    # [ns] stamps up to here are known to be plausible
         self._estimated = False              # whether rates of the last input were
         self._is_relay = scene.joint_states.only_passive
         self._of_others: list[Message] = []  # first messages, while the driven joint never came
         self._estimator = estimator_of(scene)
-        self._sequence = SequenceNumbers(lambda: self._subscription.get_publisher_count())
-        self._subscription = entities.subscription(
-            node, self._topic, WithInfo(self._receive), event_callbacks=self._events())
+        self._read = entities.reader(self._topic, self._take, self._refuse)
+        has_deadline = entities.has_override(node, 'subscription', self._topic, 'deadline')
+        self._subscription, self._sequence = subscribe(
+            node, self._topic, self._receive,
+            deadline=self._deadline_missed if has_deadline else None)
         self._timer = node.create_timer(WATCH, self._watch, clock=clock)
 
-    def _events(self) -> SubscriptionEventCallbacks:
-        """Return callbacks for new publishers and, if a user asks for a deadline, missed ones."""
-        events = SubscriptionEventCallbacks(matched=lambda _: self._sequence.forget())
-        if entities.has_override(self._node, 'subscription', self._topic, 'deadline'):
-            events.deadline = self._deadline_missed      # not every middleware knows this event
-        return events
-
     def _deadline_missed(self, info: Any) -> None:
-        self.counts['deadlines_missed'] += info.total_count_change
+        self._counts['deadlines_missed'] += info.total_count_change
 
     def stop(self) -> None:
         """Unsubscribe."""
         self._node.destroy_timer(self._timer)
         self._node.destroy_subscription(self._subscription)
 
-    def _now(self) -> float:
-        return self._time() * 1e-9
-
     def age(self) -> float:
         """Return the time since the newest input [s]: steady, or simulated with use_sim_time."""
-        return self._now() - self._received
+        return (self._time() - self._received) * 1e-9
 
     def state(self) -> Reported:
         """Return (values, problems): lost inputs, the quality of an estimated acceleration."""
         estimator = self._estimator
-        self.counts.update(lost=self._sequence.lost, late=estimator.late,
-                           estimate_restarts=estimator.restarts)
+        self._counts['lost'] = self._sequence.lost
         values: dict[str, Any] = {}
         problems = []
         if not self._sequence.is_numbered:
             values['lost'] = 'unknown: the middleware gives no numbers'
-        if self._is_relay and self.counts['of_other_joints'] and not self.counts['received']:
+        if self._is_relay and self._counts['of_other_joints'] and not self._counts['received']:
             problems.append(f'joint {self._settings.joint!r} never came')
-        elif not self.counts['received'] and self.age() > SILENT:
+        elif not self._counts['received'] and self.age() > SILENT:
             problems.append(f'no input yet: {self._why_no_input()}')
         if isnan(estimator.lag) or not self._estimated:
             return values, problems
@@ -124,27 +105,20 @@ class TopicInput:
         return f'{name} has no publisher' + (
             f'; {self._topic.type} comes on {", ".join(sorted(others))}' if others else '')
 
-    def _receive(self, data: bytes, info: MessageInfo) -> None:
+    def _receive(self, data: bytes) -> None:
         """Take a message; an error in that is ours and must not end us."""
         try:
-            self._sequence.take(info['publication_sequence_number'])
-            self._take(data)
+            self._read(data)
         except Exception:
-            self._note('faults', f'a fault in taking an input: {format_exc()}')
+            self._troubles.count('faults', f'a fault in taking an input: {format_exc()}')
 
-    def _take(self, data: bytes) -> None:
-        """
-        Read a message, record it, complete its rates, and step to its motion.
+    def _refuse(self, why: str) -> None:
+        """Count a message that ROS cannot read; in a bag it would stop others."""
+        self._note_arrival()
+        self._troubles.count('malformed', why)
 
-        A message that ROS cannot read is counted and not recorded: readers of the bag would fail.
-        """
-        try:
-            message = deserialize_message(data, self._type)
-        except Exception:
-            self._note_arrival()
-            self._note('malformed', f'{self._topic.topic}: a message that is no '
-                                    f'{self._topic.type}')
-            return
+    def _take(self, message: Message) -> None:
+        """Record a message, complete its rates, and step to its motion."""
         motion = driven_of(message, self._settings.joint)
         if motion is None and self._is_relay:    # from ourselves, or another part of the robot
             self._note_other_joints(message)
@@ -152,9 +126,9 @@ class TopicInput:
         self._note_arrival()
         self._stream.record_input(self._topic.name, message)
         if motion is None:
-            hint = '' if self.counts['without_joint'] else self._joint_hint([message])
-            self._note('without_joint', f'no position of joint {self._settings.joint!r} in the '
-                                        f'input message{hint}')
+            hint = '' if self._counts['without_joint'] else self._joint_hint([message])
+            self._troubles.count('without_joint', 'no position of joint '
+                                 f'{self._settings.joint!r} in the input message{hint}')
             return
         stamp, nanoseconds = self._stamp(message.header.stamp.sec, message.header.stamp.nanosec)
         if self._settings.source == 'joint_state':
@@ -168,25 +142,26 @@ class TopicInput:
     def _completed(self, stamp: int, position: float, velocity: float, acceleration: float
                    ) -> tuple[float, float]:
         """Return (velocity, acceleration), missing ones estimated; by the scene in force."""
-        scene, old, before = self._stream.scene, self._settings, self._estimator
+        scene, old = self._stream.scene, self._settings
         self._settings = scene.drive
-        if differ(self._settings, old):          # the estimate begins anew, its counters go on
+        if differ(self._settings, old):
             self._estimator = estimator_of(scene)
-            self._estimator.late, self._estimator.restarts = before.late, before.restarts
-        restarts = self._estimator.restarts
-        velocity, estimate = self._estimator.update(stamp, position, velocity)
-        if self._estimator.restarts > restarts:
-            self._log('estimate_restarts', RESTARTED)
+        estimator = self._estimator
+        late, restarts = estimator.late, estimator.restarts
+        velocity, estimate = estimator.update(stamp, position, velocity)
+        self._counts['late'] += estimator.late - late
+        if estimator.restarts > restarts:
+            self._troubles.count('estimate_restarts', RESTARTED)
         return velocity, estimate if isnan(acceleration) else acceleration
 
     def _note_other_joints(self, message: Message) -> None:
         """Count a message without the driven joint; warn if it is in none of the first UNHEARD."""
-        self.counts['of_other_joints'] += 1
-        if self.counts['received'] or len(self._of_others) >= UNHEARD:
+        self._troubles.count('of_other_joints')
+        if self._counts['received'] or len(self._of_others) >= UNHEARD:
             return
         self._of_others.append(message)
         if len(self._of_others) == UNHEARD:
-            self._log('of_other_joints', (
+            self._troubles.log('of_other_joints', (
                 f'drive.joint = {self._settings.joint!r} had a position in none of the first '
                 f'{UNHEARD} messages on {self._subscription.topic_name}'
                 f'{self._joint_hint(self._of_others)}'))
@@ -198,8 +173,8 @@ class TopicInput:
         return nearest(joint, names) if names and joint not in names else ''
 
     def _note_arrival(self) -> None:
-        self.counts['received'] += 1
-        self._received, self._waiting = self._now(), True
+        self._troubles.count('received')
+        self._received, self._waiting = self._time(), True
 
     def _stamp(self, sec: int, nanosec: int) -> tuple[Stamp, int]:
         """Return the stamp of an input and the same in [ns]; the time of now if it has none."""
@@ -210,8 +185,8 @@ class TopicInput:
                 self._check_future(stamp)
             return (sec, nanosec), stamp
         if not is_valid:
-            self._note('bad_stamps', f'input stamped {sec} s, {nanosec} ns, which is no time: '
-                                     'stamped on arrival')
+            self._troubles.count('bad_stamps', f'input stamped {sec} s, {nanosec} ns, which is no '
+                                 'time: stamped on arrival')
         stamp = self._node.get_clock().now().nanoseconds
         return sec_nanosec(stamp), stamp
 
@@ -220,20 +195,17 @@ class TopicInput:
         now = self._node.get_clock().now().nanoseconds
         self._horizon = now + round(FUTURE * 1e9)
         if stamp > self._horizon:
-            self._note('future', f'input stamped {(stamp - now) * 1e-9:.3f} s ahead of the clock')
-
-    def _note(self, counter: str, text: str) -> None:
-        self.counts[counter] += 1
-        self._log(counter, text)
+            self._troubles.count('future', f'input stamped {(stamp - now) * 1e-9:.3f} s ahead of '
+                                 'the clock')
 
     def _watch(self) -> None:
         """Look for a timeout of the input: called every WATCH seconds."""
         self._horizon = 0                                # the clock may have been set
         if self.age() < 0.0 or not self._received:       # simulated time went back, or has begun
-            self._received = self._now()
+            self._received = self._time()
         limit = self._stream.scene.drive.timeout
         if limit and self._waiting and self.age() > limit:
             self._waiting = False
-            self.counts['timeouts'] += 1
+            self._troubles.count('timeouts')
             self._estimator.reset()
             self._stream.timeout(limit)

@@ -3,6 +3,7 @@
 """Move the input by torque, of a topic or of a motor, on the grid of the clock."""
 from __future__ import annotations
 
+from functools import partial
 from math import inf, isfinite, isnan, nan
 
 from fourbar_ros.dynamics.node_step import (
@@ -15,15 +16,14 @@ from fourbar_ros.dynamics.node_step import (
     SILENT,
     STATUS_NAMES,
 )
-from fourbar_ros.ros.messages import resolve, sec_nanosec
+from fourbar_ros.ros.messages import Message, sec_nanosec
 from fourbar_ros.ros.node import entities
 from fourbar_ros.ros.node.clock_input import ClockInput, Reported
-from fourbar_ros.ros.node.entities import Log
+from fourbar_ros.ros.node.entities import Troubles
 from fourbar_ros.ros.node.stream import Stream
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import TORQUE
 from rclpy.node import Node
-from rclpy.serialization import deserialize_message
 
 _COUNTER = {OUT_OF_BUDGET: 'budgets_used_up', AT_LIMIT: 'stops_at_a_limit',
             NOT_FINITE: 'failures'}
@@ -38,17 +38,16 @@ class TorqueInput(ClockInput):
     it is silent for ``drive.timeout``, the scene says whether it holds or is zero.
     """
 
-    COUNTED = (*ClockInput.COUNTED, 'torques', 'malformed', 'not_finite', 'limited', 'silences',
-               'budgets_used_up', 'stops_at_a_limit', 'failures')
-
-    def __init__(self, node: Node, stream: Stream, log: Log) -> None:
+    def __init__(self, node: Node, stream: Stream, troubles: Troubles) -> None:
         self._scene: Scene | None = None             # of the last step
         self._mover: Mover                           # of that scene
         self._subscription = None
-        super().__init__(node, stream, log)
+        super().__init__(node, stream, troubles)
+        troubles.expect('torques', 'malformed', 'not_finite', 'limited', 'silences',
+                        *_COUNTER.values())
         if stream.scene.drive.source == TORQUE.name:
-            self._type = resolve(TORQUE.type)
-            self._subscription = entities.subscription(node, TORQUE, self._receive)
+            self._subscription = entities.subscription(node, TORQUE, entities.reader(
+                TORQUE, self._take, partial(troubles.count, 'malformed')))
 
     def stop(self) -> None:
         """Make no more steps; unsubscribe."""
@@ -58,7 +57,7 @@ class TorqueInput(ClockInput):
 
     def age(self) -> float:
         """Return the time since the newest torque [s], NaN before the first."""
-        return self._now() - self._received if self._received > -inf else nan
+        return nan if self._received is None else (self._time() - self._received) * 1e-9
 
     def state(self) -> Reported:
         """Return (values, problems) for the diagnostics."""
@@ -76,7 +75,8 @@ class TorqueInput(ClockInput):
         self._values: DriveValues | None = None      # the state; None before the first step
         self._mode: int | None = None
         self._status = OK
-        self._torque, self._received, self._was_silent = 0.0, -inf, True
+        self._torque, self._was_silent = 0.0, True
+        self._received: int | None = None            # [ns] when the last torque came
 
     def _sample(self, stamp: int, passed: float) -> None:
         self._stream.step_by(sec_nanosec(stamp), self._move)
@@ -104,41 +104,33 @@ class TorqueInput(ClockInput):
         self._mode = self._mover.mode
         if status != self._status:
             self._status = status
-            self._log(f'drive_{status}', f'drive: {STATUS_NAMES[status]}')
+            self._troubles.log(f'drive_{status}', f'drive: {STATUS_NAMES[status]}')
         if status in _COUNTER:
-            self.counts[_COUNTER[status]] += 1
+            self._troubles.count(_COUNTER[status])
         return status, self._mode, self._values
 
     # --- the topic -------------------------------------------------------------------------------
 
-    def _now(self) -> float:
-        return self._time() * 1e-9
-
     def _command(self) -> tuple[float, bool]:
         """Return (torque in effect [N m or N], whether the topic is silent)."""
         settings = self._stream.scene.drive
-        if self._received == 0.0:            # the torque came before simulated time began
-            self._received = self._now()
-        is_silent = self._received == -inf or 0.0 < settings.timeout < self.age()
+        if self._received == 0:              # the torque came before simulated time began
+            self._received = self._time()
+        is_silent = self._received is None or 0.0 < settings.timeout < self.age()
         if is_silent and not self._was_silent:
             self._note('silences', f'no torque for {settings.timeout:g} s: '
                                    f'{settings.when_silent}')
         self._was_silent = is_silent
         return (0.0 if is_silent and settings.when_silent == 'zero' else self._torque), is_silent
 
-    def _receive(self, data: bytes) -> None:
-        """Take a message between two steps; one that ROS cannot read is not recorded either."""
-        try:
-            message = deserialize_message(data, self._type)
-        except Exception:
-            self._note('malformed', f'a message that is no {TORQUE.type}')
-            return
+    def _take(self, message: Message) -> None:
+        """Take a torque between two steps."""
         is_slide, wrench = self._stream.scene.linkage.is_driven_by_slide, message.wrench
         torque = wrench.force.x if is_slide else wrench.torque.z
-        self.counts['torques'] += 1
+        self._troubles.count('torques')
         self._stream.record_input(TORQUE.name, message)
         if isfinite(torque):
-            self._torque, self._received = self._limited(torque), self._now()
+            self._torque, self._received = self._limited(torque), self._time()
         else:
             self._note('not_finite', 'a torque that is not finite: ignored')
 
@@ -150,6 +142,5 @@ class TorqueInput(ClockInput):
             self._note('limited', f'a torque of {torque:g} is more than drive.torque_limit')
         return min(max(torque, -limit), limit)
 
-    def _note(self, counter: str, text: str) -> None:
-        self.counts[counter] += 1
-        self._log(counter, f'{TORQUE.topic}: {text}')
+    def _note(self, cause: str, text: str) -> None:
+        self._troubles.count(cause, f'{TORQUE.topic}: {text}')

@@ -8,6 +8,7 @@ Positions are taken as written: from 3.0 to -3.1 rad is a motion backwards.
 from __future__ import annotations
 
 from contextlib import suppress
+from functools import partial
 from typing import NamedTuple
 
 from fourbar_ros.errors import FourBarError, InvalidParameter
@@ -15,16 +16,15 @@ from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.pipeline.joints import Scale
 from fourbar_ros.ros.messages import Message
 from fourbar_ros.ros.node import entities
-from fourbar_ros.ros.node.entities import Abandoned, Log, Worker
-from fourbar_ros.ros.node.sequence import MessageInfo, SequenceNumbers, WithInfo
+from fourbar_ros.ros.node.entities import Abandoned, Troubles, Worker
+from fourbar_ros.ros.node.sequence import subscribe
 from fourbar_ros.ros.node.stream import Stream
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import ANSWERS, INPUT_DEPTH, TRAJECTORIES
 from fourbar_ros.transmission import Trajectory, trajectory
 import numpy as np
-from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
-from rclpy.serialization import deserialize_message, serialize_message
+from rclpy.serialization import serialize_message
 from std_msgs.msg import String
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
@@ -124,63 +124,50 @@ def _column(message: Message, name: str, joint: str, place: int) -> Array | None
 class Trajectories:
     """Converts trajectories by the scene in force, in a thread of its own."""
 
-    def __init__(self, node: Node, stream: Stream, log: Log) -> None:
-        self._stream, self._log = stream, log
-        self._came = self._overflowed = self._refused = 0
+    def __init__(self, node: Node, stream: Stream, troubles: Troubles) -> None:
+        self._stream, self._troubles = stream, troubles
+        troubles.expect('trajectories', 'trajectories_refused', 'trajectories_lost')
         self._worker = Worker('trajectories', node.get_logger().error, INPUT_DEPTH)
         self._publishers = {name: entities.publisher(node, topic)
                             for name, topic in TRAJECTORIES.items() if name not in ANSWERS}
-        # counters of the messages that the middleware lost, one for each topic that is converted
-        self._sequences = [self._listen(node, name) for name in ANSWERS]
+        for name in ANSWERS:
+            self._listen(node, name)
 
-    def _listen(self, node: Node, name: str) -> SequenceNumbers:
-        """Subscribe to a topic of trajectories; return the counter of its lost messages."""
-        sequence = SequenceNumbers(lambda: subscription.get_publisher_count())
+    def _listen(self, node: Node, name: str) -> None:
+        """Subscribe to a topic of trajectories, which are answered in the worker."""
+        read = entities.reader(TRAJECTORIES[name], partial(self._answer, name),
+                               partial(self._refuse, 'trajectories_refused'))
+        lost = 0
 
-        def take(data: bytes, info: MessageInfo) -> None:
-            sequence.take(info['publication_sequence_number'])
-            self._came += 1
-            if not self._worker.do(lambda: self._answer(name, data)):
-                self._overflowed += 1
-                self._refuse(name, f'{INPUT_DEPTH} others wait for an answer')
-        subscription = entities.subscription(
-            node, TRAJECTORIES[name], WithInfo(take), is_reliable=True,
-            event_callbacks=SubscriptionEventCallbacks(matched=lambda _: sequence.forget()))
-        return sequence
-
-    @property
-    def counts(self) -> dict[str, int]:
-        """Return counters for the diagnostics: trajectories that came, were refused, were lost."""
-        lost = sum(sequence.lost for sequence in self._sequences) + self._overflowed
-        return {'trajectories': self._came, 'trajectories_refused': self._refused,
-                'trajectories_lost': lost}
+        def take(data: bytes) -> None:
+            nonlocal lost
+            self._troubles.count('trajectories')
+            self._troubles.counts['trajectories_lost'] += sequence.lost - lost
+            lost = sequence.lost
+            if not self._worker.do(partial(read, data)):
+                self._refuse('trajectories_lost', f'{TRAJECTORIES[name].topic}: {INPUT_DEPTH} '
+                             'others wait for an answer')
+        _, sequence = subscribe(node, TRAJECTORIES[name], take, is_reliable=True)
 
     def stop(self, patience: float) -> None:
         """Answer no more; wait up to ``patience`` [s] for the answer in work."""
         self._worker.stop(patience)
 
-    def _answer(self, name: str, data: bytes) -> None:
+    def _answer(self, name: str, message: Message) -> None:
         """Send the answer to a trajectory from a topic, as ANSWERS says, or refuse it."""
         answer_topic, method = ANSWERS[name]
         conversion = self._stream.run.conversion
         assert conversion is not None            # this node's scenes have one
         try:
-            message = deserialize_message(data, JointTrajectory)
-        except Exception:
-            self._refused += 1
-            self._refuse(name, f'a message that is no {TRAJECTORIES[name].type}')
-            return
-        try:
             answer = serialize_message(conversion.answer(method, message))
         except FourBarError as error:
-            self._refused += 1
-            self._refuse(name, str(error))
+            self._refuse('trajectories_refused', f'{TRAJECTORIES[name].topic}: {error}')
             return
         with suppress(Abandoned):
             self._worker.check()             # else the node, and its publishers, may be gone
             self._publishers[answer_topic].publish(answer)
 
-    def _refuse(self, name: str, why: str) -> None:
-        """Log and publish why a trajectory on a topic gets no answer."""
-        self._log('trajectory', f'{TRAJECTORIES[name].topic}: {why}')
+    def _refuse(self, cause: str, why: str) -> None:
+        """Count, log and publish why a trajectory gets no answer."""
+        self._troubles.count(cause, why)
         self._publishers['trajectory_refused'].publish(serialize_message(String(data=why)))
