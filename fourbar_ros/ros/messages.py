@@ -5,7 +5,7 @@ Turn numbers into messages: each is made once, filled many times, serialised onc
 
 Packing writes only the numbers of a step into bytes that ROS serialised once: serialising anew
 takes twice as long (docs/bench/node.md). The byte offset of each number is found by having ROS
-serialise known numbers, so nothing here depends on the wire format. Test messages must then read
+serialise known numbers, so little here depends on the wire format. Test messages must then read
 back through ROS unchanged, else ROS serialises every message.
 """
 from __future__ import annotations
@@ -15,7 +15,7 @@ from importlib import import_module
 from math import inf, nan
 from operator import itemgetter
 from struct import Struct
-from typing import Any, NamedTuple
+from typing import Any
 
 from builtin_interfaces.msg import Time
 from fourbar_ros.scene.message_fields import FieldMap, PASSIVE_EFFORT
@@ -26,7 +26,7 @@ Message = Any                   # a ROS message of whatever type
 Stamp = tuple[int, int]         # as in a message, without making one: seconds, nanoseconds
 Pack = Callable[[Stamp, int, int, Sequence[float]], bytes]     # (stamp, status, mode, values)
 _STAMP, _STATUS, _NUMBER = Struct('<iI'), Struct('<BB'), Struct('<d')
-_EXTREME = (nan, -0.0, inf, -inf, 5e-324, -1.7976931348623157e308, 0.1)
+_EXTREME = nan, -1.7976931348623157e308
 
 
 def sec_nanosec(nanoseconds: int) -> Stamp:
@@ -106,22 +106,13 @@ def filler(output: str, message: Message, layout: FieldMap
 
 # --- packed --------------------------------------------------------------------------------------
 
-class _Contents(NamedTuple):
-    """The contents of a message."""
-
-    stamp: Stamp
-    status: int
-    mode: int
-    values: Sequence[float]
-
-
-def packer(output: str, message: Message, layout: FieldMap) -> tuple[Pack, bool]:
+def packer(output: str, message: Message, layout: FieldMap) -> Pack:
     """
-    Return the function (stamp, status, mode, values) -> bytes of a message, and whether it packs.
+    Return the function (stamp, status, mode, values) -> bytes of a message.
 
     ``output`` names the message in the layout. The constants of the message (see
-    :func:`set_constants`) must be set: they are in the bytes. If no
-    packing is found, the function has ROS serialise each message.
+    :func:`set_constants`) must be set: they are in the bytes. Where packed bytes do not read back
+    unchanged, the function has ROS serialise each message.
     """
     fill = filler(output, message, layout)
 
@@ -131,37 +122,33 @@ def packer(output: str, message: Message, layout: FieldMap) -> tuple[Pack, bool]
 
     count = len(layout.place)
     pack = _packing(serialise, hasattr(message, 'status'), layout.in_use(output), count)
-    if pack and all(_read_alike(message, serialise, pack, contents)
-                    for contents in _trials(count)):
-        return pack, True
-    return serialise, False
+    for k, extreme in enumerate(_EXTREME):
+        stamp = (2**31 - 1) * (k % 2), 999_999_999 * (k % 3) // 2
+        values = [extreme if (i + k) % 3 else i / 3.0 for i in range(count)]
+        contents = stamp, k % 6, 1 + k % 2, values
+        if pack and not _read_alike(type(message), serialise(*contents), pack(*contents)):
+            pack = None
+    return pack or serialise
 
 
 def _packing(serialise: Pack, has_status: bool, used: Collection[int], count: int) -> Pack | None:
     """
     Return the function that writes the numbers of a step into a message's bytes.
 
-    None if an offset is not found, or a stamp or status at several. ``used``: indices of the
-    ``count`` values that the message holds. Two messages with different contents are serialised; a
-    value's offset is where each message has its own content.
+    None if one of them is not found there. ``used``: indices of the ``count`` values that the
+    message holds.
     """
     # unlike numbers, which hardly occur elsewhere in a message
-    probes = [_Contents((0x1B2D3F41, 0x25374959), 0xA7, 0x5C, [k + 0.1 for k in range(count)]),
-              _Contents((0x6E5D4C3B, 0x2A190817), 0x39, 0xE2, [-k - 0.7 for k in range(count)])]
-    messages = [serialise(*probe) for probe in probes]
-    stamps = list(_offsets(messages, [_STAMP.pack(*probe.stamp) for probe in probes]))
-    statuses = list(_offsets(messages,
-                             [_STATUS.pack(probe.status, probe.mode) for probe in probes]))
-    numbers = sorted((offset, place) for place in used
-                     for offset in _offsets(messages, [_NUMBER.pack(probe.values[place])
-                                                       for probe in probes]))
-    if (len(stamps) != 1 or len(statuses) != has_status
-            or {place for _, place in numbers} != set(used)):
-        return None
-
+    stamp, status, mode = (0x1B2D3F41, 0x25374959), 0xA7, 0x5C
+    values = [-k - 0.7 for k in range(count)]
     # a message whose constants stay; each step overwrites its numbers, at these offsets
-    buffer, at_stamp = bytearray(messages[0]), stamps[0]
-    at_status = statuses[0] if has_status else None
+    buffer = bytearray(serialise(stamp, status, mode, values))
+    at_stamp = buffer.find(_STAMP.pack(*stamp))
+    at_status = buffer.find(_STATUS.pack(status, mode), at_stamp) if has_status else None
+    numbers = sorted((at, place) for place in used
+                     for at in _offsets(buffer, _NUMBER.pack(values[place])))
+    if -1 in (at_stamp, at_status) or {place for _, place in numbers} != set(used):
+        return None
     put_stamp, put_status, runs = _STAMP.pack_into, _STATUS.pack_into, list(_runs(numbers))
 
     def pack(stamp: Stamp, status: int, mode: int, values: Sequence[float]) -> bytes:
@@ -174,17 +161,12 @@ def _packing(serialise: Pack, has_status: bool, used: Collection[int], count: in
     return pack
 
 
-def _offsets(messages: Sequence[bytes], parts: Sequence[bytes]) -> Iterator[int]:
-    """
-    Yield the offsets at which message 0 has part 0 and message 1 has part 1.
-
-    A constant that looks like part 0 is the same in both messages, so it does not count.
-    """
-    at = messages[0].find(parts[0])
+def _offsets(data: bytearray, part: bytes) -> Iterator[int]:
+    """Yield the offsets of a part in bytes."""
+    at = data.find(part)
     while at >= 0:
-        if messages[1].startswith(parts[1], at):
-            yield at
-        at = messages[0].find(parts[0], at + 1)
+        yield at
+        at = data.find(part, at + 1)
 
 
 def _runs(numbers: Sequence[tuple[int, int]]
@@ -204,17 +186,10 @@ def _runs(numbers: Sequence[tuple[int, int]]
             begin = end
 
 
-def _trials(count: int) -> Iterator[_Contents]:
-    """Yield contents with extreme numbers, stamps and states, to try a packer with."""
-    for k, extreme in enumerate(_EXTREME):
-        yield _Contents(((2**31 - 1) * (k % 2), 999_999_999 * (k % 3) // 2), k % 6, 1 + k % 2,
-                        [extreme if (i + k) % 3 else i / 3.0 for i in range(count)])
-
-
-def _read_alike(message: Message, serialise: Pack, pack: Pack, contents: _Contents) -> bool:
-    """Return whether ROS reads one message from packed and serialised contents."""
-    expected = repr(deserialize_message(serialise(*contents), type(message)))    # 'nan' == 'nan'
+def _read_alike(kind: type[Message], serialised: bytes, packed: bytes) -> bool:
+    """Return whether ROS reads one message from serialised and packed bytes."""
+    expected = repr(deserialize_message(serialised, kind))      # 'nan' == 'nan'
     try:
-        return repr(deserialize_message(pack(*contents), type(message))) == expected
+        return repr(deserialize_message(packed, kind)) == expected
     except Exception:        # whatever a middleware raises for bytes that it cannot read
         return False

@@ -15,9 +15,9 @@ from fourbar_ros.errors import BagError
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.pipeline.stepper import InModes
 from fourbar_ros.pipeline.stepper import OK as KNOWN
-from fourbar_ros.ros.messages import packer, resolve, sec_nanosec, set_constants, to_stamp
+from fourbar_ros.ros.messages import resolve, sec_nanosec, to_stamp
 from fourbar_ros.ros.node.recording import about_of
-from fourbar_ros.ros.node.stream import drive_layout
+from fourbar_ros.ros.node.stream import drive_layout, writer_of
 from fourbar_ros.ros.schemas import channel
 from fourbar_ros.scene.files import NODE
 from fourbar_ros.scene.message_fields import mode_number
@@ -94,8 +94,9 @@ def _messages(simulated: SimulatedScene, topics: list[Topic],
     mode_of_scene = mode_number(scene.linkage.mode)
     modes = [mode if mode < 256 else mode_of_scene       # in a message it is a byte
              for mode in simulated.run.modes.tolist()]
-    makers = {topic.name: _maker(topic, scene) for topic in topics
-              if topic not in (SCENE, TORQUE)}
+    layouts = {DRIVE_STATE.name: drive_layout()}
+    makers = {topic.name: writer_of(topic, scene, layouts.get(topic.name, scene.layout)).pack
+              for topic in topics if topic not in (SCENE, TORQUE)}
     first = [(SCENE.name, serialize_message(resolve(SCENE.type)(data=scene.as_json)))]
     is_silent = scene.drive.source == TORQUE.name and isnan(simulated.torque)
     if scene.drive.source == TORQUE.name and not is_silent:
@@ -118,14 +119,6 @@ def _messages(simulated: SimulatedScene, topics: list[Topic],
             (name, makers[name](stamp, its_status, mode, its_values))
             for name, (its_status, its_values) in contents.items()]
         first = []
-
-
-def _maker(topic: Topic, scene: Scene) -> Callable[..., bytes]:
-    """Return the function (stamp, status, mode, values) -> bytes of the messages of a topic."""
-    message = resolve(topic.type)()
-    set_constants(topic.name, message, scene)
-    layout = drive_layout() if topic is DRIVE_STATE else scene.layout
-    return packer(topic.name, message, layout)[0]
 
 
 def _torque(scene: Scene, torque: float, start: int) -> bytes:

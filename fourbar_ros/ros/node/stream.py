@@ -107,9 +107,6 @@ class Stream:
                     run.act(name, what)
             self.run, self._values, self._markers_at = run, run.unknown, None
             self._update()
-            if unpacked := [name for name, writer in run.writers.items() if not writer.is_packed]:
-                self._log('packing', f'{", ".join(unpacked)}: cannot be packed here, ROS '
-                                     'serialises every message', 'info')
             for name, data in run.latched.items():
                 self._latch(name, data)
             self._recording.note(SCENE.name, run.scene.as_json)
@@ -374,7 +371,6 @@ class Writer(NamedTuple):
 
     key: object
     pack: Pack
-    is_packed: bool
 
 
 class RunningScene:
@@ -443,7 +439,8 @@ class RunningScene:
                                                   and self.scene.needs_loads)
 
 
-def writer_of(topic: Topic, scene: Scene, layout: FieldMap, known: Writer | None) -> Writer:
+def writer_of(topic: Topic, scene: Scene, layout: FieldMap, known: Writer | None = None
+              ) -> Writer:
     """Return the Writer of a topic: the known one, unless more than numbers has changed."""
     kind = resolve(topic.type)
     key = (layout, scene.frame_id, scene.names_shown,
@@ -452,7 +449,7 @@ def writer_of(topic: Topic, scene: Scene, layout: FieldMap, known: Writer | None
         return known
     message = kind()                         # one for all steps
     set_constants(topic.name, message, scene)
-    return Writer(key, *packer(topic.name, message, layout))
+    return Writer(key, packer(topic.name, message, layout))
 
 
 def drive_layout() -> FieldMap:
