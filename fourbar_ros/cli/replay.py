@@ -55,7 +55,7 @@ def add(verbs: Verbs) -> None:
 def _replay(arguments: argparse.Namespace) -> int:
     """Publish a bag; return the exit code of the signal that ended it, else 0."""
     from fourbar_ros.errors import BagError
-    from fourbar_ros.ros.clients.replay import replay
+    from fourbar_ros.ros.replay import replay
     topics = {topic: topic for topic in arguments.topics} if arguments.topics else None
     if arguments.inputs_only:
         from fourbar_ros.bag.origin import origin_of

@@ -59,7 +59,7 @@ def maker(scene: Scene) -> Callable[[Stamp, Sequence[float]], MarkerArray | None
     mechanism = scene.linkage
     count = len(mechanism.MOTION._fields)                # of values; behind them the loads
     loads_end = count + len(mechanism.LOADS._fields)
-    scales = Scales(LONGEST * size_of(mechanism))
+    largest: dict[str, float] = {}                       # force and moment so far
 
     def make(stamp: Stamp, values: Sequence[float]) -> MarkerArray | None:
         motion = mechanism.MOTION(*values[:count])
@@ -68,7 +68,7 @@ def maker(scene: Scene) -> Callable[[Stamp, Sequence[float]], MarkerArray | None
         markers = pose(scene, motion)
         if scene.has_loads:
             loads = mechanism.LOADS(*values[count:loads_end])
-            markers += arrows(scene, loads, diagram_of(mechanism, motion), scales)
+            markers += arrows(scene, loads, diagram_of(mechanism, motion), largest)
         for each in markers:
             each.header.stamp.sec, each.header.stamp.nanosec = stamp
         return MarkerArray(markers=markers)
@@ -96,30 +96,24 @@ def pose(scene: Scene, motion: NamedFields) -> list[Marker]:
     return markers
 
 
-class Scales:
-    """Scales of arrows, at which the largest force and moment so far are ``longest`` [m]."""
+def scale_of(largest: dict[str, float], kind: str, sizes: Iterable[float], longest: float) -> float:
+    """
+    Return the scale at which the largest of a kind so far is ``longest`` [m]; 0 if all are zero.
 
-    def __init__(self, longest: float) -> None:
-        self._longest, self._force, self._moment = longest, 0.0, 0.0
-
-    def force(self, largest: float) -> float:
-        """Return the scale of forces [m/N] for a pose with this largest force [N]."""
-        self._force = max(self._force, largest)
-        return self._longest / self._force if self._force else 0.0
-
-    def moment(self, largest: float) -> float:
-        """Return the scale of moments [m/(N m)] for a pose with this largest moment [N m]."""
-        self._moment = max(self._moment, largest)
-        return self._longest / self._moment if self._moment else 0.0
+    ``largest`` keeps it.
+    """
+    largest[kind] = max(largest.get(kind, 0.0), *sizes)
+    return longest / largest[kind] if largest[kind] else 0.0
 
 
-def arrows(scene: Scene, loads: NamedFields, diagram: Diagram, scales: Scales) -> list[Marker]:
+def arrows(scene: Scene, loads: NamedFields, diagram: Diagram, largest: dict[str, float]
+           ) -> list[Marker]:
     """
     Return the arrows of the forces at the joints, shaking force, shaking moment and drive.
 
     None at a toggle, where loads are unbounded (NaN).
     """
-    frame, width = scene.frame_id, 0.6 * WIDTH * size_of(scene.linkage)
+    frame, size = scene.frame_id, size_of(scene.linkage)
     forces = [*(force._replace(name=f'force {force.name}') for force in forces_of(diagram, loads)),
               Force('shaking force', '', ORIGIN,
                     np.array([loads.shaking_force_x, loads.shaking_force_y]))]
@@ -127,8 +121,9 @@ def arrows(scene: Scene, loads: NamedFields, diagram: Diagram, scales: Scales) -
                ('driving torque', getattr(loads, 'driving_torque', 0.0))]
     if any(np.isnan(force.vector).any() for force in forces):
         return []
-    per_force = scales.force(max(force.size for force in forces))
-    per_moment = scales.moment(max(abs(value) for _, value in moments))
+    longest, width = LONGEST * size, 0.6 * WIDTH * size
+    per_force = scale_of(largest, 'force', (force.size for force in forces), longest)
+    per_moment = scale_of(largest, 'moment', (abs(value) for _, value in moments), longest)
     scale = width, 2.0 * width, 3.0 * width          # of the shaft, of the head, its length
     markers = [marker(frame, force.name, 0, Marker.ARROW, FORCE, scale,
                       [force.place, force.place + per_force * force.vector]) for force in forces]

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from contextlib import suppress
 from functools import partial
-from typing import NamedTuple
 
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.numerics.arrays import Array
@@ -32,51 +31,44 @@ SIDES = {'to_input': ('input', 'output'), 'to_output': ('output', 'input')}     
 FIELDS = 'positions', 'velocities', 'accelerations', 'effort'
 
 
-class CommandedJoint(NamedTuple):
-    """A joint of a scene: its name and scale."""
-
-    name: str
-    scale: Scale
-
-
 class Conversion:
     """The parts of a scene that convert a trajectory."""
 
     def __init__(self, scene: Scene) -> None:
         mechanism, shown = scene.linkage, scene.joint_states
         coordinates = [joint.coordinate for joint in mechanism.JOINTS]
-        self.joints: dict[str, CommandedJoint] = {}
+        self._joints: dict[str, tuple[str, Scale]] = {}      # name and scale of both
         for side, coordinate in (('input', mechanism.input_coordinate),
                                  ('output', mechanism.outputs[0].coordinate)):
             place = coordinates.index(coordinate)
-            self.joints[side] = CommandedJoint(scene.joint_names[place],
-                                               Scale(shown.ratios[place], shown.offsets[place]))
+            self._joints[side] = (scene.joint_names[place],
+                                  Scale(shown.ratios[place], shown.offsets[place]))
         self._transmission = scene.transmission
         self._fields: list[str] = scene.values['trajectory_fields']     # beside positions
 
     def answer(self, method: str, message: Message) -> Message:
         """Return the trajectory of the other joint by a method of the Transmission."""
-        asked, given = (self.joints[side] for side in SIDES[method])
-        converted = getattr(self._transmission, method)(self._read(message, given))
-        ratio = asked.scale.ratio
-        columns = {'positions': ratio * converted.position + asked.scale.offset,
+        asked, given = SIDES[method]
+        converted = getattr(self._transmission, method)(self._read(message, *self._joints[given]))
+        name, (ratio, offset) = self._joints[asked]
+        columns = {'positions': ratio * converted.position + offset,
                    'velocities': ratio * converted.rate}
         if converted.acceleration is not None:
             columns['accelerations'] = ratio * converted.acceleration
         if converted.effort is not None:
             columns['effort'] = converted.effort / ratio
-        shown = [name for name in columns if name == 'positions' or name in self._fields]
-        rows = [columns[name].tolist() for name in shown]
+        shown = [field for field in columns if field == 'positions' or field in self._fields]
+        rows = [columns[field].tolist() for field in shown]
         points = [JointTrajectoryPoint(time_from_start=point.time_from_start,
-                                       **{name: [row[i]] for name, row in zip(shown, rows)})
+                                       **{field: [row[i]] for field, row in zip(shown, rows)})
                   for i, point in enumerate(message.points)]
-        return JointTrajectory(header=message.header, joint_names=[asked.name], points=points)
+        return JointTrajectory(header=message.header, joint_names=[name], points=points)
 
-    def _read(self, message: Message, joint: CommandedJoint) -> Trajectory:
+    def _read(self, message: Message, joint: str, scale: Scale) -> Trajectory:
         """Return the trajectory of a joint in the mechanism's coordinate."""
-        if joint.name not in message.joint_names:
+        if joint not in message.joint_names:
             raise InvalidParameter('joint_names', list(message.joint_names),
-                                   f'must hold {joint.name}')
+                                   f'must hold {joint}')
         if not message.points:
             raise InvalidParameter('points', [], 'must not be empty')
         times = [point.time_from_start.sec + 1e-9 * point.time_from_start.nanosec
@@ -85,12 +77,12 @@ class Conversion:
             if time < before:
                 raise InvalidParameter(f'points[{i}].time_from_start', time,
                                        f'must not decrease: the point before has {before:g} s')
-        place = list(message.joint_names).index(joint.name)
+        place = list(message.joint_names).index(joint)
         given = {name: column for name in FIELDS
-                 if (column := _column(message, name, joint.name, place)) is not None}
+                 if (column := _column(message, name, joint, place)) is not None}
         for name in FIELDS[:2]:
             if name not in given:
-                raise InvalidParameter(name, [], f'must be given for {joint.name} in point 0')
+                raise InvalidParameter(name, [], f'must be given for {joint} in point 0')
         acceleration, effort = given.get('accelerations'), given.get('effort')
         if 'effort' not in self._fields:
             effort = None
@@ -99,8 +91,8 @@ class Conversion:
             effort = np.zeros(len(times))
         position, rate, acceleration, effort = trajectory(
             given['positions'], given['velocities'], acceleration, effort)
-        ratio = joint.scale.ratio
-        return Trajectory((position - joint.scale.offset) / ratio, rate / ratio,
+        ratio, offset = scale
+        return Trajectory((position - offset) / ratio, rate / ratio,
                           None if acceleration is None else acceleration / ratio,
                           None if effort is None else effort * ratio)
 

@@ -1,3 +1,0 @@
-# Copyright 2026 fourbar_ros developers
-# SPDX-License-Identifier: Apache-2.0
-"""Publish a bag again."""
