@@ -183,8 +183,6 @@ def search(scene: Scene, request: Message, check: Callable[[], None], response: 
         name = 'range' if error.name == 'within' else error.name
         response.result = response.RESULT_INVALID_REQUEST
         response.message = str(InvalidParameter(name, error.value, error.allowed))
-    except _BadRequest as error:
-        response.result, response.message = response.RESULT_INVALID_REQUEST, str(error)
     except FourBarError as error:
         response.result, response.message = response.RESULT_UNSUPPORTED, str(error)
     response.extrema = [_message(extremum) for extremum in extrema]
@@ -195,7 +193,7 @@ def _checked(scene: Scene, request: Message) -> tuple[list[Asked], tuple[int, ..
     """
     Return (quantities, modes, velocity [rad/s or m/s]) of the request.
 
-    A velocity of zero stands for the speed of the timer drive. Raises _BadRequest or
+    A velocity of zero stands for the speed of the timer drive. Raises InvalidParameter or
     UnknownQuantity, for :func:`search` to report.
     """
     from fourbar_ros.mechanisms.quantities import select
@@ -204,27 +202,28 @@ def _checked(scene: Scene, request: Message) -> tuple[list[Asked], tuple[int, ..
     velocity = request.velocity or timer_speed
     modes = _modes(request, linkage)
     if rate_of_input('velocity', velocity) == 0.0:
-        raise _BadRequest(f'velocity = {velocity!r}: must not be zero '
-                          '(zero stands for the speed of the timer drive, if there is one)')
+        raise InvalidParameter('velocity', velocity, 'must not be zero (zero stands for the speed '
+                               'of the timer drive, if there is one)')
     rate_of_input('acceleration', request.acceleration)
     names = list(dict.fromkeys(request.quantities))
     quantities = select(names, linkage, scene.point_quantities)
     missing = [quantity.name for quantity in quantities
                if quantity.is_load and linkage.bodies is None]
     if missing:
-        raise _BadRequest(f'{missing[0]}: {scene.why_no_loads}')
+        raise InvalidParameter(missing[0], None, scene.why_no_loads)
     return quantities, modes, velocity
 
 
 def _modes(request: Message, linkage: Mechanism) -> tuple[int, ...]:
-    """Return the assembly modes that a request means; raise _BadRequest for one not there."""
+    """Return the assembly modes that a request means; raise InvalidParameter for one not there."""
     modes = {request.MODE_OF_SCENE: (linkage.mode,), request.MODE_CROSSED: (1,),
              request.MODE_OPEN: (2,), request.MODE_BOTH: tuple(linkage.modes)}
     if request.mode not in modes:
-        raise _BadRequest(f'mode = {request.mode}: must be 0 (of the scene), 1, 2 or 3 (both)')
+        raise InvalidParameter('mode', request.mode,
+                               'must be 0 (of the scene), 1, 2 or 3 (both)')
     if missing := [mode for mode in modes[request.mode] if mode not in linkage.modes]:
-        raise _BadRequest(f'mode = {missing[0]}: must be 0 (of the scene)'
-                          + ''.join(f' or {mode}' for mode in linkage.modes))
+        raise InvalidParameter('mode', missing[0], 'must be 0 (of the scene)'
+                               + ''.join(f' or {mode}' for mode in linkage.modes))
     return modes[request.mode]
 
 
@@ -240,7 +239,3 @@ def _message(extremum: Extremum) -> Message:
     for name in ('theta1', 'slide', 'value', 'condition', 'value_condition'):
         setattr(message, name, float(getattr(extremum, name)))
     return message
-
-
-class _BadRequest(FourBarError):
-    pass
