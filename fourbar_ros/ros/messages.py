@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Sequence
 from importlib import import_module
-from math import inf, nan
+from math import nan
 from operator import itemgetter
 from struct import Struct
 from typing import Any

@@ -106,8 +106,9 @@ class ActingInputs:
             across, tilting = self._imu.out_of_plane
             if (across > OUT_OF_PLANE * hypot(base.force_x, base.force_y)
                     or tilting > OUT_OF_PLANE * abs(base.rate)):
-                self._troubles.log('base', f'{BASES["imu"].topic}: {across:.3g} m/s^2 and {tilting:.3g} '
-                          "rad/s lie out of the linkage's plane: they are left out", 'info')
+                self._troubles.log('base', f'{BASES["imu"].topic}: {across:.3g} m/s^2 and '
+                                   f"{tilting:.3g} rad/s lie out of the linkage's plane: they are "
+                                   'left out', 'info')
         else:
             base = Base(message.force_x, message.force_y, message.rate, message.acceleration)
         self._last[BASE.name] = base

@@ -96,7 +96,8 @@ def pose(scene: Scene, motion: NamedFields) -> list[Marker]:
     return markers
 
 
-def scale_of(largest: dict[str, float], kind: str, sizes: Iterable[float], longest: float) -> float:
+def scale_of(largest: dict[str, float], kind: str, sizes: Iterable[float], longest: float
+             ) -> float:
     """
     Return the scale at which the largest of a kind so far is ``longest`` [m]; 0 if all are zero.
 

@@ -360,7 +360,8 @@ class Wanted(NamedTuple):
         wanted = set(names)
         outputs = [name for name in run.outputs if name in wanted]
         return cls(DRIVEN.name in wanted, DRIVE_STATE.name in wanted, outputs,
-                   [name for name in run.makers if name in wanted], any(map(run.needs_loads, outputs)),
+                   [name for name in run.makers if name in wanted],
+                   any(map(run.needs_loads, outputs)),
                    frozenset(name for name in outputs if name.startswith(PARTS)))
 
 
