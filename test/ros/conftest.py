@@ -1,6 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Fixtures of the ROS tests: a client, and nodes that must end well."""
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 import pytest
 from support.harness import Client, NodeProcess
 
@@ -11,6 +12,22 @@ def client():
     made = Client()
     yield made
     made.close()
+
+
+@pytest.fixture
+def diagnosed(client):
+    """
+    Return the function that gives (status, values) of the newest diagnostics.
+
+    ``messages`` of it are all that came.
+    """
+    messages = client.hear(DiagnosticArray, '/diagnostics')
+
+    def newest():
+        status = messages[-1].status[0] if messages else DiagnosticStatus()
+        return status, {pair.key: pair.value for pair in status.values}
+    newest.messages = messages
+    return newest
 
 
 @pytest.fixture

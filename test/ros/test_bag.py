@@ -8,7 +8,7 @@ import signal
 from types import SimpleNamespace
 
 from ament_index_python.packages import get_package_share_directory
-from diagnostic_msgs.msg import DiagnosticArray
+from diagnostic_msgs.msg import DiagnosticStatus
 from fourbar_ros.bag.overview import info
 from fourbar_ros.bag.reader import records
 from fourbar_ros.bag.recomputation import recompute
@@ -19,7 +19,7 @@ import pytest
 from rosbags.highlevel import AnyReader
 from rosbags.rosbag2 import Reader
 from rosbags.typesys import get_types_from_msg, get_typestore, Stores
-from support.harness import ALL_OUTPUTS, Client, NodeProcess
+from support.harness import ALL_OUTPUTS, Client, NodeProcess, recording_in
 from support.scenes import PAPER, RODS
 import yaml
 
@@ -213,65 +213,32 @@ def test_recording_refuses_with_a_reason_and_the_stream_goes_on(run_node, client
     assert sorted(p.name for p in tmp_path.iterdir()) == ['bags', 'fourbar.yaml']
 
 
-def recorder_of(client):
-    """Return (level, message, values) of the diagnostics once the recorder is included."""
-    found = []
-
-    def heard(message):
-        for status in message.status:
-            found.append((int.from_bytes(status.level, 'big') if isinstance(status.level, bytes)
-                          else status.level,
-                          status.message, {pair.key: pair.value for pair in status.values}))
-    subscription = client.node.create_subscription(DiagnosticArray, '/diagnostics', heard, 10)
-    client.until(lambda: found, 'diagnostics')
-    client.node.destroy_subscription(subscription)
-    return found[-1]
-
-
 @pytest.mark.slow
 def test_a_name_that_is_taken_does_not_stop_the_node_it_records_under_the_next_free_one(
-        run_node, client, tmp_path):
+        run_node, client, diagnosed, tmp_path):
     for name in ('run', 'run_2'):
         (tmp_path / 'bags' / name).mkdir(parents=True)
-    node = run_node({**PAPER, 'outputs': ['state'], 'recording.start': True,
-                     'recording.name': 'run',
-                     'recording.directory': str(tmp_path / 'bags')})
-    client.listen(['state'])
-    client.until(lambda: len(client.received['state']) > 20, 'the stream')
-    _, _, values = recorder_of(client)
-    assert values['recording'] == str(tmp_path / 'bags/run_3')
+    node = run_node({**PAPER, 'outputs': ['state'], **recording_in(tmp_path / 'bags')})
+    client.until(lambda: diagnosed.messages, 'diagnostics')
+    assert diagnosed()[1]['recording'] == str(tmp_path / 'bags/run_3')
     assert node.stop(signal.SIGINT) == 0
     found = info(tmp_path / 'bags/run_3')
     assert found.is_sound and found.ended == 'the node ended by SIGINT'
     assert not any(list((tmp_path / 'bags' / name).iterdir()) for name in ('run', 'run_2'))
 
 
-def test_the_reason_of_a_fault_is_logged_once(run_node, client, tmp_path):
-    node = run_node({**PAPER, 'outputs': ['state'], 'recording.start': True,
-                     'recording.name': 'run', 'recording.directory': str(tmp_path / 'bags')})
-    client.listen(['state'])
-    client.until(lambda: len(client.received['state']) > 20, 'the stream')
-    (tmp_path / 'bags/run/run_0.mcap').unlink()
-    client.until(lambda: 'recording stopped' in node.said, 'the recorder looks for its file')
-    client.until(lambda: 'removed' in recorder_of(client)[1], 'the diagnostics say so')
-    client.received['state'].clear()
-    client.until(lambda: len(client.received['state']) > 20, 'the stream goes on')
-    answer = client.call('stop_recording')
-    assert not answer.success and 'removed' in answer.message
-    assert node.stop() == 0
-    assert node.said.count('recording stopped') == 1, node.said
-
-
 @pytest.mark.slow
-def test_where_nothing_can_be_recorded_the_node_streams_and_says_so(run_node, client, tmp_path):
+def test_where_nothing_can_be_recorded_the_node_streams_and_says_so(run_node, client, diagnosed,
+                                                                    tmp_path):
     (tmp_path / 'file').write_text('')
     node = run_node({**PAPER, 'outputs': ['state'], 'recording.start': True,
                      'recording.directory': str(tmp_path / 'file/below')})
     client.listen(['state'])
     client.until(lambda: len(client.received['state']) > 20, 'the stream')
-    level, message, values = recorder_of(client)
-    assert level == 2 and 'not recording' in message and str(tmp_path / 'file/below') in message
-    assert values['recording'] == 'off'
+    client.until(lambda: diagnosed.messages, 'diagnostics')
+    status, values = diagnosed()
+    assert status.level == DiagnosticStatus.ERROR and values['recording'] == 'off'
+    assert 'not recording' in status.message and str(tmp_path / 'file/below') in status.message
     assert node.stop(signal.SIGINT) == 0
 
 

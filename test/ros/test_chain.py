@@ -8,7 +8,6 @@ from builtin_interfaces.msg import Time
 from fourbar_lab.clients.node_client import name_on
 from fourbar_msgs.msg import LinkageState, Motion
 from fourbar_ros import Applied, External
-from fourbar_ros.bag.reader import records
 from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.scene import scene
 from fourbar_ros.scene.topics import applied_topic, wrench_topic
@@ -16,18 +15,22 @@ from geometry_msgs.msg import WrenchStamped
 import pytest
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.serialization import serialize_message
-from rosgraph_msgs.msg import Clock
+from std_msgs.msg import Header
+from support.harness import in_bag, recording_in, set_parameters, SimulatedClock
 from support.samples import some
-from support.scenes import PAPER, RODS, SLIDES_7_6
+from support.scenes import PAPER, RODS
 
 LOADED = {**PAPER, **RODS, 'outputs': ['state', 'loads'], 'drive.source': 'motion',
           'drive.timeout': 0.0}
 
 
-def motion(position, velocity=2.0, stamp=1):
-    message = Motion(position=position, velocity=velocity, acceleration=3.0)
-    message.header.stamp = Time(sec=stamp)
-    return message
+IN_MOTION = {'position': 0.1, 'velocity': 2.0, 'acceleration': 3.0, 'header': Header(
+    stamp=Time(sec=1))}
+
+
+def motion(position, stamp):
+    return Motion(position=position, velocity=2.0, acceleration=3.0,
+                  header=Header(stamp=Time(sec=stamp)))
 
 
 def wrench(force_x=0.0, force_y=0.0, couple=0.0, frame=''):
@@ -41,12 +44,13 @@ def wrench(force_x=0.0, force_y=0.0, couple=0.0, frame=''):
 class Loaded:
     """A node that a test loads and drives."""
 
-    def __init__(self, run_node, client, link='output', arguments=(), **parameters):
+    def __init__(self, run_node, client, link='output', **parameters):
         self.client = client
         parameters = {name.replace('__', '.'): value for name, value in parameters.items()}
         self.given = {**LOADED, f'external.{link}.from_topic': True, **parameters}
-        self.node = run_node(self.given, arguments=arguments)
-        self.scene = scene.from_values(self.given)
+        self.node = run_node(self.given)
+        self.scene = scene.from_values({name: value for name, value in self.given.items()
+                                        if name != 'use_sim_time'})
         self.link, self.applied, self.stamp = link, [], 1
         client.node.create_subscription(
             WrenchStamped, name_on('fourbar', applied_topic(link)), self.applied.append,
@@ -54,8 +58,7 @@ class Loaded:
         self._wrenches = client.node.create_publisher(WrenchStamped,
                                                       name_on('fourbar', wrench_topic(link)), 10)
         client.listen(['state', 'loads'])
-        self._drive = client.publisher()
-        client.handshake(lambda: self._drive.publish(motion(0.1)))
+        self._drive = client.driving(**IN_MOTION)
         client.until(lambda: self._wrenches.get_subscription_count() and self.applied,
                      'the wrench topics')
 
@@ -82,7 +85,7 @@ class Loaded:
         """
         self.stamp += 1
         inboxes = self.client.received['state'], self.client.received['loads']
-        self._drive.publish(motion(position, stamp=self.stamp))
+        self._drive(motion(position, self.stamp))
         self.client.until(lambda: all(inbox and inbox[-1].header.stamp.sec == self.stamp
                                       for inbox in inboxes),
                           'an answer')
@@ -144,78 +147,26 @@ def test_a_silence(run_node, client, policy):
 
 @pytest.mark.slow
 def test_a_silence_runs_on_simulated_time(run_node, client):
-    node = Loaded(run_node, client, arguments=('-p', 'use_sim_time:=true'),
-                  external__timeout=0.4)
-    clock, now = client.node.create_publisher(Clock, '/clock', 10), [10.0]
-    client.until(clock.get_subscription_count, 'the node at the clock')
-
-    def tick(seconds):
-        now[0] += seconds
-        clock.publish(Clock(clock=Time(sec=int(now[0]), nanosec=round(now[0] % 1.0 * 1e9))))
-        client.spin(0.02)
-
-    tick(0.1)
+    clock = SimulatedClock(client, 10 * 10**9, 50_000_000, repeats=True)
+    node = Loaded(run_node, client, use_sim_time=True, external__timeout=0.4)
     node.load(5.0, 1.0, -1.0)
     for _ in range(3):
         client.spin(0.6)                     # longer than the timeout, and simulated: nothing
-        tick(0.05)
+        clock.tick()
         assert node.answer(0.3)[0].status == LinkageState.STATUS_OK
         node.load(5.0, 1.0, -1.0)
-    now[0] = 3.0                             # back: it counts from there
+    clock.now = 3 * 10**9                    # back: it counts from there
     for _ in range(4):
-        tick(0.05)
+        clock.tick()
     assert 'no wrench for' not in node.node.said
-    client.until(lambda: tick(0.05) or 'no wrench for' in node.node.said, 'the silence')
-    assert 3.4 < now[0]
+    client.until(lambda: clock.tick() or 'no wrench for' in node.node.said, 'the silence')
+    assert 34 * 10**8 < clock.now
     assert node.answer(0.3)[0].status == LinkageState.STATUS_LOADS_UNKNOWN
-
-
-def test_loads_go_back_along_a_chain_and_both_bags_compute_again(run_node, client, tmp_path):
-    chained = {'drive.source': 'motion', 'drive.timeout': 0.0, 'recording.start': True}
-    first = {**PAPER, **RODS, **chained, 'outputs': ['output', 'loads', 'state'],
-             'external.output.from_topic': True,
-             'external.timeout': 0.0, 'recording.name': 'one'}
-    second = {**SLIDES_7_6, **RODS, **chained, 'outputs': ['loads', 'drive_wrench', 'state'],
-              'frame_id': 'next',
-              'recording.name': 'two'}
-    nodes = [run_node(first, name='one', remaps=['~/external/output:=/two/drive_wrench']),
-             run_node(second, name='two', remaps=['~/input:=/one/output'])]
-    client.listen(['loads'], node='one')
-    publisher = client.publisher(node='one')
-
-    def settled(position):
-        """Send a pose until the torque is what it was: the wrench of a step acts in the next."""
-        torques = [m.driving_torque for m in client.received['loads'] if m.header.stamp.sec
-                   == position[1]]
-        return len(torques) > 2 and torques[-1] == torques[-2]
-
-    for stamp, angle in ((1, 0.3), (2, 1.4), (3, -2.0)):
-        def send():
-            publisher.publish(motion(angle, stamp=stamp))
-            client.executor.spin_once(timeout_sec=0.05)
-            return settled((angle, stamp))
-        client.until(send, 'the same torque twice')
-        between = scene.from_values(PAPER).linkage.motion(angle, 2.0, 3.0)
-        torque = scene.from_values(second).linkage.loads(between.theta4, between.omega4,
-                                                         between.alpha4).driving_torque
-        alone = scene.from_values(first).linkage
-        loaded = alone.with_external(External(output=Applied(couple=-torque)))
-        together = loaded.loads(angle, 2.0, 3.0).driving_torque
-        assert (client.received['loads'][-1].driving_torque == together
-                != alone.loads(angle, 2.0, 3.0).driving_torque)
-    for node in nodes:
-        assert node.stop() == 0
-    for name in ('one', 'two'):
-        found = recompute(tmp_path / 'bags' / name)
-        assert found.inputs > 8 and max(d.largest for d in found.differences) == 0.0
-    topics = {record.topic for record in records(tmp_path / 'bags/one')}
-    assert {'/two/drive_wrench', '/one/applied/output'} <= topics
 
 
 @some('policy', ['unknown', 'hold', 'constant'], 1)
 def test_a_bag_with_wrenches_silences_and_changes_computes_again(run_node, client, tmp_path,
                                                                  policy):
-    from ros.test_inputs import set_parameters
     node = Loaded(run_node, client, external__timeout=0.0, external__when_silent=policy,
                   external__output__couple=2.5)
     node.load(5.0, 1.0, -1.0)
@@ -238,7 +189,7 @@ def test_a_bag_with_wrenches_silences_and_changes_computes_again(run_node, clien
     assert len(set(map(repr, torques))) == {'unknown': 5, 'hold': 4,
                                             'constant': 6}[policy], torques
     found = recompute(tmp_path / 'bags/run')
-    assert found.inputs == 6 and max(d.largest for d in found.differences) == 0.0
+    assert found.inputs == 6 and found.largest == 0.0
     torque, = [d for d in found.differences if d.field == 'driving_torque']
     assert torque.messages == 6
 
@@ -264,25 +215,23 @@ def test_a_split_bag_recomputes_and_a_later_file_alone_says_why_not(run_node, cl
 
 @pytest.mark.slow
 def test_what_is_no_wrench_is_in_no_bag(run_node, client, tmp_path):
-    loaded = Loaded(run_node, client, external__timeout=0.0, recording__start=True,
-                    recording__name='run', recording__directory=str(tmp_path))
+    loaded = Loaded(run_node, client, external__timeout=0.0, **recording_in(tmp_path))
     # a shorter message of another type on the same topic: only raw bytes get there
     for data in (b'\x00\x01\x00\x00', serialize_message(wrench(1.0))[:-9], b''):
         loaded._wrenches.publish(data)
     loaded.load(3.0, -2.0, 1.0)
     loaded.answer(0.4)
     assert loaded.node.stop() == 0
-    kept = [r.message for r in records(tmp_path / 'run') if r.topic == '/fourbar/external/output']
+    kept = in_bag(tmp_path / 'run', '/fourbar/external/output')
     assert kept and all(message.wrench.force.x == 3.0 for message in kept)
-    assert max(d.largest for d in recompute(tmp_path / 'run').differences) == 0.0
+    assert recompute(tmp_path / 'run').largest == 0.0
 
 
 @pytest.mark.slow
 def test_a_wrench_of_a_chain_can_be_taken_a_step_further(run_node, client, tmp_path):
     """On the line through the last two; after a silence, and with a NaN, as it came."""
     loaded = Loaded(run_node, client, external__timeout=0.0, external__extrapolated=True,
-                    recording__start=True, recording__name='run',
-                    recording__directory=str(tmp_path))
+                    **recording_in(tmp_path))
 
     def sent(couple):
         count = len(loaded.applied)
@@ -295,4 +244,4 @@ def test_a_wrench_of_a_chain_can_be_taken_a_step_further(run_node, client, tmp_p
     _, loads = loaded.answer(0.7)
     assert loads.driving_torque == loaded.under(0.7, 0.0, 0.0, 4.0)
     assert loaded.node.stop() == 0
-    assert max(d.largest for d in recompute(tmp_path / 'run').differences) == 0.0
+    assert recompute(tmp_path / 'run').largest == 0.0

@@ -1,6 +1,5 @@
 """A real node, killed or stopped in every way: what its bag holds."""
 import random
-import signal
 import time
 
 from bag.test_recorder import assert_every_reader_takes
@@ -9,7 +8,7 @@ from fourbar_ros.bag.reader import records
 from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.bag.recorder import FLUSH
 from fourbar_ros.bag.recovery import recover
-from support.harness import ALL_OUTPUTS
+from support.harness import ALL_OUTPUTS, recording_in
 from support.samples import some
 from support.scenes import PAPER, RODS
 
@@ -17,16 +16,9 @@ RATE = 200.0
 SLACK = 5.0             # [s] of a busy machine; test/bag/test_crash.py measures it
 
 
-def recording_node(run_node, tmp_path, **parameters):
-    return run_node({**PAPER,
-                     **RODS,
-                     'drive.speed': 25.0,
-                     'drive.rate': RATE,
-                     'outputs': ALL_OUTPUTS,
-                     'recording.directory': str(tmp_path / 'bags'),
-                     'recording.name': 'run',
-                     'recording.start': True,
-                     **parameters})
+def recording_node(run_node, tmp_path):
+    return run_node({**PAPER, **RODS, 'drive.speed': 25.0, 'drive.rate': RATE,
+                     'outputs': ALL_OUTPUTS, **recording_in(tmp_path / 'bags')})
 
 
 def whole_steps(path):
@@ -68,25 +60,13 @@ def test_a_killed_node_leaves_all_but_the_newest_and_it_recomputes_exactly(
                for step in steps)
     recovered = recover(path)
     found = recompute(recovered.path)
-    assert max(d.largest for d in found.differences) == 0.0 and found.inputs == len(
+    assert found.largest == 0.0 and found.inputs == len(
         stamps) and not found.is_cut
     assert_every_reader_takes(recovered.path, recovered.messages)
 
 
-@some('number', [signal.SIGINT, signal.SIGTERM, signal.SIGHUP], (signal.SIGHUP,))
-def test_a_signal_closes_the_bag_whole(run_node, client, tmp_path, number):
-    node = recording_node(run_node, tmp_path)
-    client.listen(['driven'])
-    client.until(lambda: len(client.received['driven']) > 50, 'the stream')
-    assert node.stop(number) == 0
-    found = info(tmp_path / 'bags/run', check=True)
-    assert found.is_sound and found.ended == f'the node ended by {number.name}' and len(
-        {t.messages for t in found.topics if t.topic != '/fourbar/scene'}) == 1
-    assert_every_reader_takes(tmp_path / 'bags/run', sum(t.messages for t in found.topics))
-    assert max(d.largest for d in recompute(tmp_path / 'bags/run').differences) == 0.0
-
-
-def test_a_recording_that_dies_is_reported_and_the_stream_goes_on(run_node, client, tmp_path):
+def test_a_recording_that_dies_is_reported_once_and_the_stream_goes_on(run_node, client, diagnosed,
+                                                                       tmp_path):
     import resource
     limit = resource.getrlimit(resource.RLIMIT_FSIZE)
     # the node inherits it: a full disk
@@ -97,6 +77,7 @@ def test_a_recording_that_dies_is_reported_and_the_stream_goes_on(run_node, clie
         resource.setrlimit(resource.RLIMIT_FSIZE, limit)
     client.listen(['driven'])
     client.until(lambda: 'recording stopped' in node.said, 'the disk is full')
+    client.until(lambda: 'recording stopped' in diagnosed()[0].message, 'the diagnostics say so')
     client.received['driven'].clear()
     client.until(lambda: len(client.received['driven']) > 100, 'the stream goes on')
     answer = client.call('stop_recording')
@@ -104,6 +85,6 @@ def test_a_recording_that_dies_is_reported_and_the_stream_goes_on(run_node, clie
     path = tmp_path / 'bags/run'
     assert recompute(path).largest == 0.0 and recompute(path).inputs > 50
     assert recover(path, tmp_path / 'again').messages > 300
-    assert client.call(
-        'start_recording',
-        name='small').success and client.call('stop_recording').success
+    assert client.call('start_recording', name='small').success
+    assert client.call('stop_recording').success
+    assert node.stop() == 0 and node.said.count('recording stopped') == 1

@@ -2,16 +2,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """A real node with a force over a position, whose motion is given or follows; bags recompute."""
 from math import pi
-import subprocess
-import sys
 
 from fourbar_msgs.msg import DriveState
-from fourbar_ros.bag.reader import Bag
-from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.scene import scene
 from fourbar_ros.scene.files import folder
 import numpy as np
-from support.harness import set_parameters
+from ros.test_start import start
+from support.harness import in_bag, nanoseconds, recomputed, recording_in, set_parameters
+from support.scenes import file_of
 
 TURN = 2.0 * pi
 GIVEN = {'linkage.kind': 'slider_crank', 'linkage.a1': 0.043, 'linkage.a2': 0.143,
@@ -31,25 +29,10 @@ def with_table(tmp_path, values):
     return values, scene.from_values({**values, 'forces.gas.table': str(tmp_path / 'gas.csv')})
 
 
-def recording(tmp_path):
-    return {'recording.directory': str(tmp_path), 'recording.name': 'run',
-            'recording.start': True}
-
-
-def in_bag(path, topic):
-    return [record.message for record in Bag(path).records([topic])]
-
-
-def listen(client, kind, topic):
-    heard = []
-    client.node.create_subscription(kind, f'/fourbar/{topic}', heard.append, 1000)
-    return heard
-
-
 def test_an_engine_turns_by_its_gas_and_is_stepped_again(run_node, client, tmp_path):
     values, there = with_table(tmp_path, ENGINE)
-    node = run_node({**values, **recording(tmp_path)})
-    heard = listen(client, DriveState, 'drive_state')
+    node = run_node({**values, **recording_in(tmp_path)})
+    heard = client.hear(DriveState, '/fourbar/drive_state')
     client.until(lambda: heard and heard[-1].position > 3.0 * TURN, 'three turns')
     assert set_parameters(client, {'forces.gas.factor': -0.003})[0].successful
     refused, = set_parameters(client, {'forces.gas.values': [1.0, 2.0]})
@@ -59,10 +42,9 @@ def test_an_engine_turns_by_its_gas_and_is_stepped_again(run_node, client, tmp_p
     mark = len(heard)
     client.until(lambda: len(heard) > mark + 50, 'states after the change')
     assert node.stop() == 0
-    found = recompute(tmp_path / 'run')
-    assert not found.problems() and found.largest == 0.0
+    found = recomputed(tmp_path / 'run')
     states = in_bag(tmp_path / 'run', '/fourbar/drive_state')
-    stamps = np.array([s.header.stamp.sec * 10**9 + s.header.stamp.nanosec for s in states])
+    stamps = np.array([nanoseconds(s) for s in states])
     # a node that the machine keeps more than a second late leaves samples out
     gaps = int((np.diff(stamps) > 1.5e9 / ENGINE['drive.rate']).sum())
     assert found.stepped == found.inputs - 1 - gaps > 10 * gaps
@@ -75,12 +57,6 @@ def test_an_engine_turns_by_its_gas_and_is_stepped_again(run_node, client, tmp_p
 
 def test_a_wrong_table_is_one_line_of_the_node(tmp_path):
     (tmp_path / 'gas.csv').write_text('theta1 [deg], pressure [bar]\n0, 1\n360, nan\n')
-    lines = ''.join(f'    {name}: {str(value).lower() if value is True else value}\n'
-                    for name, value in TIMER.items() if name != 'outputs')
-    (tmp_path / 'scene.yaml').write_text(f'/**:\n  ros__parameters:\n{lines}')
-    done = subprocess.run([sys.executable, '-m', 'fourbar_ros.ros.node.start', '--ros-args',
-                           '--params-file', str(tmp_path / 'scene.yaml')], capture_output=True,
-                          text=True, timeout=300, check=False)
-    assert done.returncode == 2 and 'Traceback' not in done.stderr + done.stdout
-    said = [line for line in (done.stderr + done.stdout).splitlines() if 'row 3' in line]
-    assert len(said) == 1 and "'nan' must be a finite number" in said[0], done.stderr + done.stdout
+    file = file_of(TIMER, tmp_path)
+    code, line = start(tmp_path, '--ros-args', '--params-file', str(file))
+    assert code == 2 and 'row 3' in line and "'nan' must be a finite number" in line

@@ -17,13 +17,23 @@ PAGE = (ROOT / 'docs' / 'tutorial_gripper.md').read_text(encoding='utf-8')
 ANGLE = radians(70.0)
 
 
-@pytest.fixture
-def heard(run_node, client, tmp_path):
-    """Start the node as the page does, speak as the robot, return what was heard by topic."""
+def test_the_node_and_the_script_of_the_page_give_its_numbers(run_node, client, tmp_path):
     scene = tmp_path / 'gripper.yaml'
     scene.write_text(re.search(r'```yaml\n(.*?)```', PAGE, re.S)[1])
-    remap = re.search(r"fourbar_node .* -r '(\S+)'", PAGE)[1]
-    run_node(read_values(scene), remaps=(remap,))
+    run_node(read_values(scene), remaps=(re.search(r"fourbar_node .* -r '(\S+)'", PAGE)[1],))
+    script = re.search(r'```\n(import rclpy\n.*?)```', PAGE, re.S)[1]
+    with subprocess.Popen([sys.executable, '-u', '-c', script], text=True,
+                          stdout=subprocess.PIPE) as hand:
+        try:
+            torques = map(float, hand.stdout)       # NaN before the rates are known, says the page
+            assert next(filter(isfinite, torques)) == pytest.approx(-0.8457, abs=1e-4)
+        finally:
+            hand.kill()
+    check(heard_by(client))
+
+
+def heard_by(client):
+    """Speak as the robot; return the newest message of each topic of the page."""
     messages = {}
     for topic, kind in (('/joint_states', JointState), ('/fourbar/loads', LinkageLoads),
                         ('/fourbar/points/pad', PointMotion), ('/tf', TFMessage)):
@@ -42,21 +52,8 @@ def heard(run_node, client, tmp_path):
     return messages
 
 
-def test_its_few_lines_of_python_drive_the_finger(run_node, client, tmp_path):
-    scene = tmp_path / 'gripper.yaml'
-    scene.write_text(re.search(r'```yaml\n(.*?)```', PAGE, re.S)[1])
-    run_node(read_values(scene), remaps=(re.search(r"fourbar_node .* -r '(\S+)'", PAGE)[1],))
-    script = re.search(r'```\n(import rclpy\n.*?)```', PAGE, re.S)[1]
-    with subprocess.Popen([sys.executable, '-u', '-c', script], text=True,
-                          stdout=subprocess.PIPE) as hand:
-        try:
-            torques = map(float, hand.stdout)       # NaN before the rates are known, says the page
-            assert next(filter(isfinite, torques)) == pytest.approx(-0.8457, abs=1e-4)
-        finally:
-            hand.kill()
-
-
-def test_the_gripper_of_the_page_answers_with_its_numbers(heard):
+def check(heard):
+    """Compare with the numbers of the page."""
     joints = dict(zip(heard['/joint_states'].name, heard['/joint_states'].position))
     assert set(joints) == {'finger_pad', 'finger_pin', 'finger_follower'}
     assert joints['finger_follower'] == pytest.approx(ANGLE, abs=1e-12)     # of a parallelogram

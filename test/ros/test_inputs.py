@@ -4,19 +4,22 @@
 import json
 import math
 
-from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticStatus
 from fourbar_msgs.msg import LinkageState, Motion
+from fourbar_ros.ros.messages import to_stamp
 from fourbar_ros.scene import scene
+from fourbar_ros.scene.topics import OUTPUTS
 import pytest
 from sensor_msgs.msg import JointState
-from support.harness import set_parameters
+from support.harness import in_bag, nanoseconds, recomputed, recording_in, set_parameters
 from support.scenes import PAPER, ROCKER
 
-NANOSECONDS = 10**9
+SECOND = 10**9
 
 
 def stamped(message, time):
-    message.header.stamp = Time(sec=int(time // NANOSECONDS), nanosec=int(time % NANOSECONDS))
+    """Return a message with a stamp [ns]."""
+    message.header.stamp = to_stamp(time)
     return message
 
 
@@ -27,8 +30,7 @@ def drive(run_node, client):
         run_node({**PAPER, 'drive.source': source, 'drive.joint': 'motor', 'drive.timeout': 0.0,
                   'outputs': ['state'], **parameters})
         client.listen(['state'])
-        publisher = client.publisher(source)
-        began = client.node.get_clock().now().nanoseconds - 100 * NANOSECONDS
+        began = client.node.get_clock().now().nanoseconds - 100 * SECOND
 
         def message(seconds, position, velocity=None):
             made = JointState(name=['motor'], position=[position],
@@ -36,9 +38,10 @@ def drive(run_node, client):
             return stamped(made, began + round(seconds * 1e9))
 
         # far before what the tests send: the estimate starts afresh after it
-        client.handshake(lambda: publisher.publish(message(-50.0, 0.3)) if source == 'joint_state'
-                         else publisher.publish(Motion(position=0.1)))
-        return (publisher.publish, message)
+        publisher = client.publisher(source)
+        first = message(-50.0, 0.3) if source == 'joint_state' else Motion(position=0.1)
+        client.handshake(lambda: publisher.publish(first))
+        return publisher.publish, message
     return start
 
 
@@ -87,7 +90,7 @@ def test_after_a_pause_no_rate_is_wrong(drive, client):
     """A crank at 25 rad/s, 100 Hz: a pause of 0.25 s is a turn less 0.03 rad."""
     send, _ = drive({}, source='motion')
     times = [round((0.01 * k + 0.24 * (k >= 30)) * 1e9) for k in range(40)]
-    began = client.node.get_clock().now().nanoseconds - 100 * NANOSECONDS
+    began = client.node.get_clock().now().nanoseconds - 100 * SECOND
     states = answers(client, send, [stamped(Motion(position=25e-9 * t, velocity=math.nan,
                                                    acceleration=math.nan), began + t)
                                     for t in times])
@@ -98,7 +101,7 @@ def test_after_a_pause_no_rate_is_wrong(drive, client):
     before = client.node.get_clock().now().nanoseconds        # unstamped: stamped on arrival
     state, = answers(client, send, [Motion(position=0.2, velocity=1.0)])
     after = client.node.get_clock().now().nanoseconds
-    assert before <= state.header.stamp.sec * NANOSECONDS + state.header.stamp.nanosec <= after
+    assert before <= nanoseconds(state) <= after
 
 
 def test_a_joint_without_a_position_is_named(run_node, client):
@@ -224,24 +227,20 @@ def test_a_timer_stays_on_its_grid_while_readers_come_and_go_and_goes_on_at_a_ne
 
     def hear(count):
         """Listen until there are more states."""
-        subscription = client.node.create_subscription(LinkageState, '/fourbar/state',
-                                                       states.append, 1000)
+        subscription = client.subscribe(OUTPUTS['state'], states.append, depth=1000)
         before = len(states)
         client.until(lambda: len(states) > before + count, 'the stream')
         return subscription
-
-    def stamp(state):
-        return state.header.stamp.sec * NANOSECONDS + state.header.stamp.nanosec
     for _ in range(2):
         client.node.destroy_subscription(hear(40))
         client.spin(0.3)
     for state in states:
-        passed = stamp(state) - stamp(states[0])
-        assert (passed + 2) % (NANOSECONDS // rate) <= 4          # two stamps to 1 ns
+        passed = nanoseconds(state) - nanoseconds(states[0])
+        assert (passed + 2) % (SECOND // rate) <= 4          # two stamps to 1 ns
         assert (state.omega1, state.alpha1) == (speed, 0.0)
         assert state.theta4 == linkage.motion(state.theta1, speed).theta4
         assert state.theta1 - states[0].theta1 == pytest.approx(
-            speed * passed / NANOSECONDS, abs=speed * 2e-9 + 1e-15 * state.theta1)
+            speed * passed / SECOND, abs=speed * 2e-9 + 1e-15 * state.theta1)
     hear(20)
     assert set_parameters(client, {'drive.speed': -3.0, 'drive.rate': 250.0},
                           atomically=True)[0].successful
@@ -249,16 +248,14 @@ def test_a_timer_stays_on_its_grid_while_readers_come_and_go_and_goes_on_at_a_ne
     count = len(states)
     client.until(lambda: len(states) > count + 20, 'the stream')
     for a, b in zip(states, states[1:]):
-        step = 1e-9 * (stamp(b) - stamp(a))
+        step = 1e-9 * (nanoseconds(b) - nanoseconds(a))
         assert b.theta1 - a.theta1 == pytest.approx(b.omega1 * step, abs=3.0 * 2e-9)
     assert step == pytest.approx(0.004, abs=2e-9)
 
 
 def test_a_change_is_in_the_bag_and_recompute_follows_it(run_node, client, tmp_path):
-    from fourbar_ros.bag.reader import records
-    from fourbar_ros.bag.recomputation import recompute
-    node = run_node({**PAPER, 'drive.rate': 200.0, 'outputs': ['state'], 'recording.start': True,
-                     'recording.name': 'changed'})
+    node = run_node({**PAPER, 'drive.rate': 200.0, 'outputs': ['state'],
+                     **recording_in(tmp_path)})
     client.listen(['state'])
     client.until(lambda: len(client.received['state']) > 20, 'the stream')
     assert set_parameters(client, {'linkage.a2': 1.1})[0].successful
@@ -267,33 +264,24 @@ def test_a_change_is_in_the_bag_and_recompute_follows_it(run_node, client, tmp_p
     count = len(client.received['state'])
     client.until(lambda: len(client.received['state']) > count + 20, 'the stream')
     assert node.stop() == 0
-    path = tmp_path / 'bags/changed'
-    scenes = [json.loads(r.message.data) for r in records(path) if r.topic == '/fourbar/scene']
+    scenes = [json.loads(message.data) for message in in_bag(tmp_path / 'run', '/fourbar/scene')]
     assert [values['linkage.a2'] for values in scenes] == [1.2, 1.1]
-    assert max(d.largest for d in recompute(path).differences) == 0.0
+    recomputed(tmp_path / 'run')
 
 
 @pytest.mark.slow
-def test_diagnostics_say_how_it_runs(run_node, client):
-    from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-    heard = []
-    client.node.create_subscription(DiagnosticArray, '/diagnostics', heard.append, 10)
+def test_diagnostics_say_how_it_runs(run_node, client, diagnosed):
     run_node({**ROCKER, 'drive.speed': 0.1, 'drive.start': 0.5, 'drive.rate': 50.0,
               'outputs': ['state']})
     client.listen(['state'])
     client.until(lambda: client.received['state'], 'the stream')
 
-    def newest():
-        return heard[-1].status[0] if heard else DiagnosticStatus()
     # the limit is at 0.5368 rad
-    client.until(lambda: 'out of range' in newest().message, 'the warning')
-
-    def told():
-        return {pair.key: pair.value for pair in newest().values}
-    client.until(lambda: float(told()['rate [Hz]']) == pytest.approx(50.0, rel=0.2),
+    client.until(lambda: 'out of range' in diagnosed()[0].message, 'the warning')
+    client.until(lambda: float(diagnosed()[1]['rate [Hz]']) == pytest.approx(50.0, rel=0.2),
                  'a second that is not disturbed')
-    values = told()
-    assert newest().level == DiagnosticStatus.WARN
+    status, values = diagnosed()
+    assert status.level == DiagnosticStatus.WARN
     # six digits
     assert (values['recording'] == 'off' and float(values['change-point margin'])
             == pytest.approx(3.0 / 17.0, abs=5e-7))

@@ -51,21 +51,15 @@ class Inputs:
     def __init__(self, client):
         self.client, self.number = client, 0
         client.listen(['loads'])
-        self.heard, self.publisher = client.received['loads'], client.publisher()
-        client.handshake(lambda: self.send(0.5), 'loads')
+        self.heard, self.send = client.received['loads'], client.driving()
 
-    def send(self, position):
-        """Send an input at rest with the next number as stamp; return the number."""
+    def answer(self, position=0.5):
+        """Return the loads at an input at rest, with the next number as its stamp."""
         self.number += 1
         message = Motion(position=position)
         message.header.stamp.sec = self.number
-        self.publisher.publish(message)
-        return self.number
-
-    def answer(self, position=0.5):
-        """Return the loads at an input."""
-        number = self.send(position)
-        self.client.until(lambda: self.heard and self.heard[-1].header.stamp.sec == number,
+        self.send(message)
+        self.client.until(lambda: self.heard and self.heard[-1].header.stamp.sec == self.number,
                           'the answer to an input')
         return self.heard[-1]
 

@@ -16,7 +16,7 @@ from fourbar_ros.scene.files import find, read_values
 import numpy as np
 import pytest
 from sensor_msgs.msg import JointState
-from support.harness import ALL_OUTPUTS, fields_of
+from support.harness import ALL_OUTPUTS, fields_of, nanoseconds
 from support.scenes import PAPER, ROCKER, RODS
 
 EPS = 2.0**-52
@@ -29,11 +29,11 @@ def motion(position, velocity=0.0, acceleration=0.0, stamp=0):
     return message
 
 
-def send_all(client, publisher, inputs):
+def send_all(client, inputs):
     """Send the inputs after a handshake; return {output: messages} when each has been answered."""
-    client.handshake(lambda: publisher.publish(motion(0.1)))
+    send = client.driving()
     for k, message in enumerate(inputs):        # one by one: no queue is too short
-        publisher.publish(message)
+        send(message)
         client.until(lambda k=k: all(len(m) > k for m in client.received.values()),
                      f'answer {k} on every topic')
     return client.received
@@ -46,7 +46,7 @@ def test_every_topic_carries_the_values_of_the_core_to_the_last_bit(run_node, cl
     inputs = [motion(random.uniform(-20, 20), random.uniform(-50, 50), random.uniform(-900, 900),
                      k)
               for k in range(60)]
-    received = send_all(client, client.publisher(), inputs)
+    received = send_all(client, inputs)
     linkage, layout = scene.from_values(DRIVEN).linkage, scene.from_values(DRIVEN).layout
     for name, messages in received.items():
         assert len(messages) == len(inputs)
@@ -73,9 +73,7 @@ def test_a_named_joint_of_a_joint_state_drives_it(run_node, client):
     run_node({**PAPER, 'drive.source': 'joint_state', 'drive.joint': 'motor',
               'outputs': ['state']})
     client.listen(['state'])
-    publisher = client.publisher('joint_state')
-
-    times = count(1)
+    publisher, times = client.publisher('joint_state'), count(1)
 
     def send(position, velocity, name='motor'):
         # stamped: between two that are not, the load of a machine may lie longer than the pause
@@ -107,7 +105,7 @@ def test_bad_numbers_are_reported_and_the_next_good_message_works(run_node, clie
     run_node({**DRIVEN, 'joint_states.when_unknown': 'send_nan'})
     client.listen()
     bad = [(math.nan, 1.0, 0.0), (0.1, math.inf, 0.0), (0.1, 1.0, -math.inf), (0.1, 1e300, 0.0)]
-    received = send_all(client, client.publisher(), [
+    received = send_all(client, [
         each for one in bad for each in (motion(*one, stamp=5), motion(0.2, 1.0))])
     for k in range(0, 8, 2):
         state, good = received['state'][k:k + 2]
@@ -122,7 +120,7 @@ def test_bad_numbers_are_reported_and_the_next_good_message_works(run_node, clie
 def test_a_rocker_says_where_its_input_ends(run_node, client):
     run_node({**ROCKER, 'drive.source': 'motion', 'outputs': ['state', 'output']})
     client.listen(['state', 'output'])
-    received = send_all(client, client.publisher(), [motion(1.0, 1.0), motion(0.2, 1.0)])
+    received = send_all(client, [motion(1.0, 1.0), motion(0.2, 1.0)])
     out, good = received['state']
     assert (out.status == LinkageState.STATUS_OUT_OF_RANGE and out.theta1 == 1.0
             and math.isnan(out.theta4))
@@ -165,8 +163,7 @@ def test_find_extrema_answers_what_the_core_finds_and_a_proof_does_not_hold_up_t
     answer = client.call('find_extrema', quantities=['omega4', 'alpha4'], mode=3, certify=True)
     assert answer.result == answer.RESULT_OK
     assert all(extremum.proof == 'interval bounds' for extremum in answer.extrema)
-    stamps = [s.header.stamp.sec * 10**9 + s.header.stamp.nanosec
-              for s in client.received['state']]
+    stamps = [nanoseconds(s) for s in client.received['state']]
     steps = {round((b - a) / 5e6) for a, b in zip(stamps, stamps[1:])}
     assert steps <= {1}                                          # every sample of the 200 Hz grid
 

@@ -4,12 +4,14 @@
 from math import atan2, hypot
 
 from builtin_interfaces.msg import Time
+from fourbar_lab.clients.node_client import name_on
 from fourbar_msgs.msg import Motion
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.description.formats import describe
 from fourbar_ros.mechanisms.picture import diagram_of
 from fourbar_ros.mechanisms.points import point_motion
+from fourbar_ros.ros.messages import resolve
 from fourbar_ros.ros.node import traces
 from fourbar_ros.ros.schemas import type_hash
 from fourbar_ros.scene.scene import from_values, load
@@ -43,15 +45,12 @@ def motion(position, stamp):
 
 def listen(client, names=PICTURES):
     """Collect pictures, the latched ones as late subscribers do."""
-    client.listen({**{name: PICTURES[name] for name in names if not PICTURES[name].latched}})
-    from fourbar_ros.ros.messages import resolve
     for name in names:
-        if PICTURES[name].latched:
-            inbox = client.received.setdefault(name, [])
-            topic = PICTURES[name].topic.replace('~', '/fourbar')
-            client.node.create_subscription(
-                resolve(PICTURES[name].type), topic if topic[0] == '/' else f'/{topic}',
-                inbox.append, QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL))
+        topic = PICTURES[name]
+        qos = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        client.node.create_subscription(
+            resolve(topic.type), name_on('fourbar', topic),
+            client.received.setdefault(name, []).append, qos if topic.latched else 1000)
 
 
 def inputs(scene, count=9):
@@ -82,10 +81,9 @@ def test_frames_are_where_the_links_are(run_node, client, name):
     scene = from_values(SCENES[name])
     client.listen(['state'])
     listen(client, ['tf', 'markers'])
-    drive = client.publisher()
-    client.handshake(lambda: drive.publish(motion(inputs(scene)[0], 1)))
+    send = client.driving(position=inputs(scene)[0])
     for number, position in enumerate(inputs(scene)):
-        drive.publish(motion(position, number + 2))
+        send(motion(position, number + 2))
         client.until(lambda n=number: all(
             len(client.received[what]) > n for what in ('tf', 'markers')), 'the pictures')
         its = client.received['tf'][number]
@@ -127,11 +125,10 @@ def test_the_bag_alone_shows_the_machine(run_node, client, tmp_path):
               'pictures.rate': 0.0}
     node = run_node(values)
     client.listen(['state'])
-    drive = client.publisher()
-    client.handshake(lambda: drive.publish(motion(0.1, 1)))
+    send = client.driving()
     path = client.call('start_recording', name='seen').path
     for k in range(20):
-        drive.publish(motion(0.1 + 0.1 * k, 2 + k))
+        send(motion(0.1 + 0.1 * k, 2 + k))
     client.until(lambda: len(client.received['state']) >= 20, 'the states')
     client.call('stop_recording')
     assert node.stop() == 0
@@ -142,7 +139,7 @@ def test_the_bag_alone_shows_the_machine(run_node, client, tmp_path):
     assert len(by_topic['/tf']) == len(by_topic['/fourbar/markers']) == 20
     assert len(by_topic['/fourbar/traces']) == 1
     found = recompute(path)
-    assert found.inputs == 20 and max(d.largest for d in found.differences) == 0.0
+    assert found.inputs == 20 and found.largest == 0.0
 
 
 @pytest.mark.slow
@@ -185,26 +182,17 @@ def test_frames_follow_each_input_and_markers_come_as_often_as_eyes_need(run_nod
     run_node({**PAPER, 'drive.source': 'motion', 'outputs': ['state', 'tf', 'markers']})
     client.listen(['state'])
     listen(client, ['tf', 'markers'])
-    drive = client.publisher()
-    client.handshake(lambda: drive.publish(motion(0.1, 1)))
+    send = client.driving()
     for k in range(101):                     # 100 Hz for one second of stamps
         message = motion(0.1 + 0.01 * k, 100 + k // 100)
         message.header.stamp.nanosec = k % 100 * 10**7
-        drive.publish(message)               # one by one: a burst may outrun a queue of ten
+        send(message)               # one by one: a burst may outrun a queue of ten
         client.until(lambda k=k: min(map(len, (client.received['state'],
                                                client.received['tf']))) > k, 'the frames')
     assert len(client.received['tf']) == 101
     client.until(lambda: len(client.received['markers']) >= 26, 'the markers')
     last = [m.markers[0].header.stamp for m in client.received['markers']]
     assert len(last) == 26, last             # every fourth sample: 40 ms, for at most 30 Hz
-
-
-@pytest.mark.slow
-def test_a_scene_of_which_no_description_can_be_made_does_not_start(run_node):
-    node = run_node({**PAPER, 'outputs': ['robot_description'],
-                     'joint_states.ratios': [1.0, 2.0, 1.0, 1.0]})
-    assert node.wait() == 2
-    assert 'ratio of coupler must be 1 or -1' in node.said and 'Traceback' not in node.said
 
 
 def test_scene_check_says_so_too(tmp_path, capsys):

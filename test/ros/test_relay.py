@@ -6,15 +6,8 @@ The relay: on one topic with the robot's own joint states, it adds the passive j
 Judged by forward kinematics of the URDF in another program, by power balance, and by the bag.
 """
 from io import StringIO
-import os
-import subprocess
-import sys
-import time
 
 from builtin_interfaces.msg import Time
-from diagnostic_msgs.msg import DiagnosticArray
-from fourbar_lab.clients.node_client import NoAnswer
-from fourbar_msgs.msg import LinkageLoads
 from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.description.formats import describe
 from fourbar_ros.description.model import model_of
@@ -23,9 +16,9 @@ from fourbar_ros.scene.scene import from_values, load
 from fourbar_ros.scene.topics import DRIVEN
 import numpy as np
 import pytest
+from ros.test_start import start
 from sensor_msgs.msg import JointState
 from support import contract, ROOT
-from support.harness import PATIENCE
 from support.power import power
 from support.samples import some
 from support.scenes import PAPER, RODS, values_of
@@ -46,33 +39,26 @@ def joint_state(positions, velocities, stamp):
 class Robot:
     """Publishes the robot's joints on /joint_states and hears who answers there."""
 
-    def __init__(self, client, node='fourbar'):
-        self.client, self.answers, self.loads, self.stamp = client, [], [], 0
+    def __init__(self, client):
+        self.client, self.answers, self.stamp = client, [], 0
         self._publisher = client.node.create_publisher(JointState, '/joint_states', 100)
         client.node.create_subscription(JointState, '/joint_states', self._take, 100)
-        client.node.create_subscription(LinkageLoads, f'/{node}/loads', self.loads.append, 100)
 
     def _take(self, message):
         if 'wheel' not in message.name:
             self.answers.append(message)
 
-    def move(self, joint, position, velocity, is_answered):
-        """Publish a joint among others until the answer with its stamp has come."""
+    def move(self, joint, position, velocity):
+        """Publish a joint among others until the answer with its stamp has come; return that."""
         self.stamp += 1
-        end = time.monotonic() + PATIENCE
-        while time.monotonic() < end:
+
+        def answered():
             self._publisher.publish(joint_state({'wheel': 7.0, joint: position},
                                                 (1.0, velocity), self.stamp))
-            try:
-                self.client.until(lambda: is_answered(self), 'an answer', 0.5)
-                return
-            except NoAnswer:             # not discovered yet
-                continue
-        raise NoAnswer(f'of {joint}')
-
-
-def newest(messages, stamp):
-    return next((m for m in reversed(messages) if m.header.stamp.sec == stamp), None)
+            self.client.spin(0.2)
+            return self.answers and self.answers[-1].header.stamp.sec == self.stamp
+        self.client.until(answered, f'an answer of {joint}')
+        return self.answers[-1]
 
 
 class Checked:
@@ -88,9 +74,8 @@ class Checked:
     def check(self, position, velocity=2.0):
         """Drive the joint there; names, rates, efforts and the closed loops are right."""
         driven, mechanism = self.scene.drive.joint, self.mechanism
-        self.robot.move(driven, position, velocity, lambda r: newest(r.answers, r.stamp))
-        answer, motion = (newest(self.robot.answers, self.robot.stamp),
-                          mechanism.motion(position, velocity))
+        answer = self.robot.move(driven, position, velocity)
+        motion = mechanism.motion(position, velocity)
         passive = {name: joint.coordinate
                    for name, joint in zip(self.scene.joint_names, mechanism.JOINTS)
                    if name != driven}
@@ -145,15 +130,14 @@ def test_the_drive_effort_is_what_power_asks_for(run_node, client, name, start):
                        'outputs': ['joint_states', 'state', 'loads', 'links']})
     client.listen(['state', 'joint_states'])
     client.listen({'driven': DRIVEN})
-    publisher = client.publisher('joint_state')
-    client.handshake(lambda: publisher.publish(JointState(
-        name=[names[driven]], position=[2.0 * start], velocity=[0.0])))
+    send = client.driving('joint_state', name=[names[driven]], position=[2.0 * start],
+                          velocity=[0.0])
     for k in range(6):                       # 10 ms apart, at constant acceleration
         t = 0.01 * k
         message = joint_state({names[driven]: 2.0 * start + 0.8 * t + 1.5 * t * t},
                               (0.8 + 3.0 * t,), 50)
         message.header.stamp.nanosec = 10**7 * k
-        publisher.publish(message)
+        send(message)
     client.until(lambda: all(len(inbox) >= 6 for inbox in client.received.values()), 'the joints')
     given, joints = client.received['driven'][-1], client.received['joint_states'][-1]
     want, size = power(mechanism, given.position, given.velocity, given.acceleration)
@@ -166,34 +150,26 @@ def test_a_bag_of_a_relay_computes_again(run_node, client, tmp_path):
     node = run_node({**PAPER, **RODS, **RELAY, 'joint_names': ['motor', 'a', 'b', 'c'],
                      'recording.directory': str(tmp_path / 'bags')}, remaps=SAME_TOPIC)
     robot = Robot(client)
-    robot.move('motor', 0.1, 1.0, lambda r: newest(r.answers, r.stamp))
+    robot.move('motor', 0.1, 1.0)
     path = client.call('start_recording', name='relay').path
     for k in range(10):
-        robot.move('motor', 0.1 + 0.1 * k, 1.0, lambda r: newest(r.answers, r.stamp))
+        robot.move('motor', 0.1 + 0.1 * k, 1.0)
     client.call('stop_recording')
     assert node.stop() == 0
     found = recompute(path)
     assert found.inputs >= 10 and not found.unmatched
     assert {d.topic for d in found.differences} >= {'/joint_states', '/fourbar/loads'}
-    assert max(d.largest for d in found.differences) == 0.0
+    assert found.largest == 0.0
     assert 'without' not in node.said
 
 
 FILE = ROOT / 'examples/nodes/arm.yaml'
 
 
-def start(*arguments, file=FILE):
-    return subprocess.Popen([sys.executable, '-m', 'fourbar_ros.ros.node.start', *arguments,
-                             '--ros-args', '--params-file', str(file), '-r', SAME_TOPIC[0]],
-                            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-                            env=os.environ)
-
-
-def test_names_that_cannot_be_are_one_line():
-    process = start('boom', 'arm')
-    said, _ = process.communicate(timeout=PATIENCE)
-    assert process.returncode == 2, said
-    assert 'linkage.a1: must be given' in said.splitlines()[-1], said
+def test_names_that_cannot_be_are_one_line(tmp_path):
+    code, line = start(tmp_path, 'boom', 'arm', '--ros-args', '--params-file', str(FILE), '-r',
+                       SAME_TOPIC[0])
+    assert code == 2 and 'linkage.a1: must be given' in line
 
 
 def test_a_file_of_several_nodes_is_read_by_name(capsys):
@@ -220,18 +196,16 @@ def test_an_answer_on_the_topic_of_the_input_is_refused(run_node, values, remap,
 
 
 @pytest.mark.slow
-def test_a_driven_joint_that_never_comes_is_missed(run_node, client):
+def test_a_driven_joint_that_never_comes_is_missed(run_node, client, diagnosed):
     node = run_node({**PAPER, **RODS, **RELAY, 'drive.joint': 'motr',
                      'joint_names': ['motr', 'a', 'b', 'c']}, remaps=SAME_TOPIC)
-    newest = []
-    client.node.create_subscription(DiagnosticArray, '/diagnostics', newest.append, 10)
     publisher = client.node.create_publisher(JointState, '/joint_states', 10)
 
     def told():
         publisher.publish(joint_state({'wheel': 7.0, 'motor': 0.2}, (0.0, 1.0), 1))
         client.spin(0.02)
-        return 'did you mean motor?' in node.said and any(
-            "joint 'motr' never came" in array.status[0].message for array in newest)
+        return ('did you mean motor?' in node.said
+                and "joint 'motr' never came" in diagnosed()[0].message)
     client.until(told, 'the warning')
     assert ("drive.joint = 'motr' had a position in none of the first 20 messages on /joint_states"
             in node.said)

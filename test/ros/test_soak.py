@@ -9,7 +9,6 @@ import math
 import os
 from pathlib import Path
 import random
-import resource
 import shutil
 import signal
 import struct
@@ -24,11 +23,17 @@ from fourbar_ros.scene import scene
 from geometry_msgs.msg import WrenchStamped
 import pytest
 from rclpy.serialization import serialize_message
-from ros.test_inputs import set_parameters
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 from support.faults import Faults
-from support.harness import ALL_OUTPUTS, NodeProcess, PATIENCE
+from support.harness import (
+    ALL_OUTPUTS,
+    cpu_of,
+    cpu_of_ended,
+    NodeProcess,
+    PATIENCE,
+    set_parameters,
+)
 from support.scenes import PAPER, RODS
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
@@ -46,18 +51,6 @@ def usage(process):
     shared = sum('/dev/shm/' in line for line in (proc / 'maps').read_text().splitlines())
     return (int(status['VmRSS'].split()[0]) / 1024.0, int(status['Threads']),
             len(os.listdir(proc / 'fd')), shared)
-
-
-def cpu_of(process):
-    """Return the CPU time that a process has taken [s]."""
-    fields = Path(f'/proc/{process.pid}/stat').read_text().rpartition(')')[2].split()
-    return (int(fields[11]) + int(fields[12])) / os.sysconf('SC_CLK_TCK')
-
-
-def cpu_of_ended():
-    """Return the CPU time that all children took which have ended [s]."""
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
 
 
 def check_alive(client, publisher, linkage):
@@ -221,11 +214,8 @@ class Beside:
         self._torque = client.node.create_publisher(WrenchStamped, '/beside/torque', 10)
         self._trajectory = client.node.create_publisher(JointTrajectory,
                                                         '/beside/output_trajectory', 10)
-        self.answered, self.refused = [], []
-        for kind, topic, heard in (
-                (JointTrajectory, 'output_trajectory/drive', self.answered),
-                (String, 'trajectory_refused', self.refused)):
-            client.node.create_subscription(kind, f'/beside/{topic}', heard.append, 100)
+        self.answered = client.hear(JointTrajectory, '/beside/output_trajectory/drive')
+        self.refused = client.hear(String, '/beside/trajectory_refused')
         self._points = [JointTrajectoryPoint(
             positions=[1.6 + 0.5 * math.sin(0.01 * i)], velocities=[0.5 * math.cos(0.01 * i)],
             time_from_start=Duration(nanosec=10**7 * (i % 100), sec=i // 100)) for i in range(200)]
@@ -404,7 +394,7 @@ def test_it_starts_and_stops_again_and_again(tmp_path, client):
         while not (file.exists() and file.stat().st_size > 20_000):
             assert time.monotonic() < deadline and node.process.poll() is None, node.said
             client.executor.spin_once(timeout_sec=0.02)
-        until_now, ended = cpu_of(node.process), cpu_of_ended()
+        until_now, ended = cpu_of(node.process.pid), cpu_of_ended()
         assert node.stop(random.choice([signal.SIGINT, signal.SIGTERM,
                                         signal.SIGHUP])) == 0, node.said
         # of all that it took, its end is the smaller part, on a machine of any speed

@@ -4,16 +4,16 @@
 import subprocess
 import sys
 
-from fourbar_ros.errors import FourBarError
+from fourbar_ros.errors import BagError, FourBarError
+from fourbar_ros.ros.node.recording import directory_of
 from fourbar_ros.ros.node.start import asked
 from fourbar_ros.scene import scene
 from fourbar_ros.scene.files import folder
 import pytest
 from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
-from ros.test_inputs import set_parameters
 from scene.test_refused import REFUSED as SCENES
 from support import ROOT
-from support.harness import PATIENCE
+from support.harness import PATIENCE, set_parameters
 from support.samples import some
 from support.scenes import file_of, PAPER
 
@@ -76,20 +76,13 @@ def test_a_log_that_cannot_be_written_is_one_line(tmp_path, paper, monkeypatch):
     assert code == 2 and 'ROS_LOG_DIR' in line
 
 
-def test_in_a_removed_working_directory_the_stream_goes_on_without_a_bag(client, tmp_path, paper):
-    node = subprocess.Popen(
-        ['bash', '-c', 'mkdir gone && cd gone && rmdir ../gone && exec "$@"', '-', sys.executable,
-         '-m', 'fourbar_ros.ros.node.start', '--ros-args', '--params-file', paper, '-p',
-         'recording.start:=true'], cwd=tmp_path, text=True, stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT)
-    try:
-        client.listen(['state'])
-        client.until(lambda: len(client.received['state']) > 5, 'the stream')
-    finally:
-        node.terminate()
-        said, _ = node.communicate(timeout=PATIENCE)
-    assert node.returncode == 0 and 'Traceback' not in said
-    assert "not recording: recording.directory = 'bags': the working directory has been" in said
+def test_a_removed_working_directory_is_no_place_for_bags(tmp_path, monkeypatch):
+    gone = tmp_path / 'gone'
+    gone.mkdir()
+    monkeypatch.chdir(gone)
+    gone.rmdir()
+    with pytest.raises(BagError, match="recording.directory = 'bags': the working directory has"):
+        directory_of(scene.from_values(PAPER))
 
 
 EMPTY = ('joint_names', 'linkage.range', 'linkage.dyads', 'joint_states.ratios', 'outputs',

@@ -5,10 +5,8 @@ Whatever signals come, and whenever: exit code 0, a whole bag, soon.
 
 Nothing waits for a search or a disk.
 """
-import os
 from pathlib import Path
 import random
-import resource
 import signal
 import threading
 import time
@@ -22,7 +20,7 @@ from fourbar_ros.ros.node.entities import Abandoned, Worker
 from fourbar_ros.ros.node.start import caught_signals, SIGNALS
 from fourbar_ros.scene.topics import SERVICES
 import pytest
-from support.harness import ALL_OUTPUTS, PATIENCE
+from support.harness import ALL_OUTPUTS, cpu_of, cpu_of_ended, PATIENCE, recording_in
 from support.samples import some
 from support.scenes import PAPER, RODS
 
@@ -33,25 +31,12 @@ LAUNCH = 5.0
 # [s] of CPU time from the signal to the end; the search takes some ten
 ABANDONED = 2.0
 FLOODS, SENT = 3, 6
-TICKS = os.sysconf('SC_CLK_TCK')
 
 
 def catches(process, number):
     """Return whether a process has a handler for a signal."""
     status = Path(f'/proc/{process.pid}/status').read_text()
     return int(status.split('SigCgt:')[1].split()[0], 16) >> (number - 1) & 1
-
-
-def cpu_of(pid):
-    """Return the CPU time that a process has used, by all its threads [s]."""
-    fields = Path(f'/proc/{pid}/stat').read_text().rpartition(')')[2].split()
-    return (int(fields[11]) + int(fields[12])) / TICKS
-
-
-def cpu_of_the_ended():
-    """Return the CPU time of all processes that this one has waited for [s]."""
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
 
 
 def flood(process, rng, period):
@@ -78,8 +63,7 @@ services.search = tell
 def test_a_certified_search_is_abandoned_and_the_bag_closed(run_node, client, tmp_path):
     """All quantities of a machine whose proofs take ten seconds: nobody waits for them."""
     node = run_node({**load_scene('jansen').values, 'drive.source': 'timer', 'drive.rate': 200.0,
-                     'outputs': ['state', 'loads'], 'recording.start': True,
-                     'recording.name': 'run'}, first=TELLING)
+                     'outputs': ['state', 'loads'], **recording_in(tmp_path)}, first=TELLING)
     client.listen(['state'])
     client.until(lambda: client.received['state'], 'the stream')
     # so that the next request arrives
@@ -87,11 +71,12 @@ def test_a_certified_search_is_abandoned_and_the_bag_closed(run_node, client, tm
     service = SERVICES['find_extrema']
     asked = client.service('find_extrema').call_async(resolve(service.type).Request(certify=True))
     client.until(lambda: 'proving' in node.said, 'the search')
-    before, others = cpu_of(node.process.pid), cpu_of_the_ended()
+    before, others = cpu_of(node.process.pid), cpu_of_ended()
     assert node.stop(signal.SIGINT) == 0, node.said
-    assert cpu_of_the_ended() - others - before < ABANDONED
+    assert cpu_of_ended() - others - before < ABANDONED
     assert 'Traceback' not in node.said
-    assert info(tmp_path / 'bags/run', check=True).is_sound
+    bag = info(tmp_path / 'run', check=True)
+    assert bag.is_sound and bag.ended == 'the node ended by SIGINT'
     # on a busy machine the node ends before the search has seen that it shall, and nobody answers
     began = time.monotonic()
     client.until(lambda: asked.done() or time.monotonic() - began > LAUNCH, 'an answer or none')
@@ -146,8 +131,7 @@ def test_a_slow_disk_at_the_end_of_a_bag_holds_up_no_input(run_node, client):
     """
     node = run_node({**PAPER, 'drive.source': 'motion', 'outputs': ['state']}, first=SLOW_DISK)
     client.listen(['state'])
-    publisher = client.publisher()
-    client.handshake(lambda: publisher.publish(Motion(position=0.1)))
+    send = client.driving()
     assert client.call('start_recording', name='slow').success
     # the two have seen each other
     client.call('stop_recording')
@@ -157,7 +141,7 @@ def test_a_slow_disk_at_the_end_of_a_bag_holds_up_no_input(run_node, client):
     for k in range(20):
         message = Motion(position=0.01 * k)
         message.header.stamp = Time(sec=k + 1)
-        publisher.publish(message)
+        send(message)
         client.until(lambda k=k: len(client.received['state']) > k, f'answer {k}')
         assert not stopping.done()
     client.until(stopping.done, 'the end of the bag')

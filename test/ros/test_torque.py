@@ -4,13 +4,9 @@
 from math import inf, isnan, nan
 import time
 
-from builtin_interfaces.msg import Time
-from diagnostic_msgs.msg import DiagnosticArray
 from fourbar_lab.clients.node_client import NoAnswer
 from fourbar_msgs.msg import DriveState, LinkageState
 from fourbar_ros.bag.overview import info
-from fourbar_ros.bag.reader import Bag
-from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.dynamics import node_step
 from fourbar_ros.dynamics.simulation import simulate
 from fourbar_ros.scene import scene
@@ -18,8 +14,14 @@ from geometry_msgs.msg import WrenchStamped
 import numpy as np
 import pytest
 from rclpy.serialization import serialize_message
-from rosgraph_msgs.msg import Clock
-from support.harness import set_parameters
+from support.harness import (
+    in_bag,
+    nanoseconds,
+    recomputed,
+    recording_in,
+    set_parameters,
+    SimulatedClock,
+)
 from support.scenes import PAPER, RODS
 
 TORQUE_DRIVEN = {**PAPER, **RODS, 'gravity.y': -9.81, 'drive.source': 'torque',
@@ -30,16 +32,9 @@ MOTOR_DRIVEN = {**TORQUE_DRIVEN, 'drive.source': 'motor', 'motor.stall_torque': 
                 'shaft.damping': 100.0, 'drive.rate': 1000.0}
 
 
-def recording(tmp_path):
-    return {'recording.directory': str(tmp_path), 'recording.name': 'run',
-            'recording.start': True}
-
-
 def states(client):
     """Listen to the state of the drive; return the growing list of messages."""
-    heard = []
-    client.node.create_subscription(DriveState, '/fourbar/drive_state', heard.append, 1000)
-    return heard
+    return client.hear(DriveState, '/fourbar/drive_state')
 
 
 def torques(client, axis='z'):
@@ -55,10 +50,6 @@ def torques(client, axis='z'):
     return send
 
 
-def in_bag(path, topic):
-    return [record.message for record in Bag(path).records([topic])]
-
-
 def test_the_numbers_of_the_status_are_those_of_the_message():
     names = ('OK', 'SILENT', 'BUDGET', 'AT_LIMIT', 'FAILED')
     assert [getattr(DriveState, f'STATUS_{name}') for name in names] == [
@@ -69,15 +60,15 @@ def test_the_numbers_of_the_status_are_those_of_the_message():
 
 
 def test_a_motor_turns_the_paper_linkage_as_scipy_says(run_node, client, tmp_path):
-    node = run_node({**MOTOR_DRIVEN, **recording(tmp_path)})
+    node = run_node({**MOTOR_DRIVEN, **recording_in(tmp_path)})
     heard = states(client)
     client.until(lambda: len(heard) > 200, 'states of the drive')
     assert node.stop() == 0
     path = tmp_path / 'run'
-    found = recompute(path)
-    assert not found.problems() and found.largest == 0.0 and info(path, check=True).is_sound
+    found = recomputed(path)
+    assert info(path, check=True).is_sound
     there = in_bag(path, '/fourbar/drive_state')
-    stamps = np.array([m.header.stamp.sec * 10**9 + m.header.stamp.nanosec for m in there])
+    stamps = np.array([nanoseconds(m) for m in there])
     # a node that is more than a second late leaves samples out
     gaps = np.flatnonzero(np.diff(stamps) > 1_500_000)
     assert found.stepped == found.inputs - 1 - len(gaps)
@@ -98,7 +89,7 @@ def test_a_motor_turns_the_paper_linkage_as_scipy_says(run_node, client, tmp_pat
 
 
 def test_a_torque_topic_with_gaps_nan_and_jumps(run_node, client, tmp_path):
-    node = run_node({**TORQUE_DRIVEN, **recording(tmp_path), 'drive.timeout': 0.3,
+    node = run_node({**TORQUE_DRIVEN, **recording_in(tmp_path), 'drive.timeout': 0.3,
                      'drive.torque_limit': 50.0})
     heard = states(client)
     send = torques(client)
@@ -122,14 +113,13 @@ def test_a_torque_topic_with_gaps_nan_and_jumps(run_node, client, tmp_path):
     assert {m.command for m in heard} <= {0.0, 5.0, 50.0, -50.0, -20.0, 3.0}
     assert all(np.isfinite([m.position, m.velocity, m.acceleration]).all() for m in heard)
     assert 'not finite' in node.said and 'drive.torque_limit' in node.said
-    found = recompute(tmp_path / 'run')
-    assert not found.problems() and found.largest == 0.0, found
+    recomputed(tmp_path / 'run')
     assert len(in_bag(tmp_path / 'run', '/fourbar/torque')) >= 7
 
 
 @pytest.mark.slow
 def test_a_torque_that_changes_as_often_as_samples(run_node, client, tmp_path):
-    node = run_node({**TORQUE_DRIVEN, **recording(tmp_path), 'drive.rate': 1000.0})
+    node = run_node({**TORQUE_DRIVEN, **recording_in(tmp_path), 'drive.rate': 1000.0})
     heard = states(client)
     send = torques(client)
     client.until(lambda: heard and heard[-1].command == 5.0 or not send(5.0), 'the torque')
@@ -138,14 +128,13 @@ def test_a_torque_that_changes_as_often_as_samples(run_node, client, tmp_path):
         time.sleep(0.0007)
     client.until(lambda: heard[-1].command == 0.5 or not send(0.5), 'the last torque')
     assert node.stop() == 0
-    found = recompute(tmp_path / 'run')
-    assert not found.problems() and found.largest == 0.0
+    recomputed(tmp_path / 'run')
     assert len({m.command for m in in_bag(tmp_path / 'run', '/fourbar/drive_state')}) > 10
 
 
 def test_a_torque_whose_text_ros_alone_can_read_is_recorded_readable(run_node, client, tmp_path):
     """A text without its final zero: ROS takes it, readers of bags refuse it."""
-    node = run_node({**TORQUE_DRIVEN, **recording(tmp_path)})
+    node = run_node({**TORQUE_DRIVEN, **recording_in(tmp_path)})
     heard, publisher = states(client), client.node.create_publisher(WrenchStamped,
                                                                     '/fourbar/torque', 10)
     client.until(publisher.get_subscription_count, 'the node at the torque topic')
@@ -157,7 +146,7 @@ def test_a_torque_whose_text_ros_alone_can_read_is_recorded_readable(run_node, c
     node.stop()
     assert any(torque.wrench.torque.z == 7.0 for torque in in_bag(tmp_path / 'run',
                                                                   '/fourbar/torque'))
-    assert not recompute(tmp_path / 'run').problems()
+    recomputed(tmp_path / 'run')
 
 
 @pytest.mark.slow
@@ -171,7 +160,7 @@ def test_silence_may_hold_the_torque(run_node, client, tmp_path):
 
 
 def test_parameters_change_while_it_runs_and_the_state_goes_on(run_node, client, tmp_path):
-    node = run_node({**MOTOR_DRIVEN, **recording(tmp_path)})
+    node = run_node({**MOTOR_DRIVEN, **recording_in(tmp_path)})
     heard = states(client)
     client.until(lambda: len(heard) > 20, 'states')
     assert set_parameters(client, {'motor.stall_torque': 100.0})[0].successful
@@ -188,7 +177,7 @@ def test_parameters_change_while_it_runs_and_the_state_goes_on(run_node, client,
     assert node.stop() == 0
     steps = [b.position - a.position for a, b in zip(heard, heard[1:])]
     assert max(map(abs, steps)) < 26.0 * 2 * 0.001       # nowhere a jump
-    assert not recompute(tmp_path / 'run').problems()
+    recomputed(tmp_path / 'run')
 
 
 def test_a_change_point_linkage_is_refused(run_node):
@@ -207,9 +196,8 @@ SLIDE = {**RODS, 'bodies.output.mass': 2.0, 'linkage.kind': 'slider_crank',
 def test_a_released_rocker_swings_through_its_toggles_as_simulate_says(
         run_node, client, tmp_path):
     node = run_node({**ROCKER, 'drive.rate': 500.0, 'outputs': ['state', 'loads', 'links'],
-                     **recording(tmp_path)})
-    heard, outputs = states(client), []
-    client.node.create_subscription(LinkageState, '/fourbar/state', outputs.append, 1000)
+                     **recording_in(tmp_path)})
+    heard, outputs = states(client), client.hear(LinkageState, '/fourbar/state')
 
     def toggles(messages):
         return np.count_nonzero(np.diff([m.mode for m in messages]))
@@ -217,15 +205,13 @@ def test_a_released_rocker_swings_through_its_toggles_as_simulate_says(
     client.until(lambda: toggles(heard) > 3 and toggles(outputs) > 3, 'four toggles')
     assert node.stop() == 0
     path = tmp_path / 'run'
-    found = recompute(path)
-    assert not found.problems() and found.largest == 0.0, found
+    again = recomputed(path).stepped
     assert info(path, check=True).is_sound
     there = in_bag(path, '/fourbar/drive_state')
     assert toggles(there) > 3 and {m.mode for m in there} == {m.mode for m in outputs} == {1, 2}
     assert {m.status for m in there} == {DriveState.STATUS_SILENT}
     # after a gap of a late node no state is stepped again until it is away from toggles
-    stamps = [m.header.stamp.sec * 10**9 + m.header.stamp.nanosec for m in there]
-    again = found.stepped
+    stamps = [nanoseconds(m) for m in there]
     if np.diff(stamps).max() < 3_000_000:
         assert again == len(there) - 1
     assert again > len(there) // 2
@@ -242,7 +228,7 @@ def test_a_released_rocker_swings_through_its_toggles_as_simulate_says(
 
 @pytest.mark.slow
 def test_a_bag_that_begins_anywhere_in_a_swing_recomputes(run_node, client, tmp_path):
-    node = run_node({**ROCKER, **recording(tmp_path), 'recording.start': False,
+    node = run_node({**ROCKER, **recording_in(tmp_path), 'recording.start': False,
                      'recording.name': ''})
     heard, mark = states(client), 0
     for _ in range(6):                       # some begin next to a toggle, some in the other mode
@@ -252,20 +238,17 @@ def test_a_bag_that_begins_anywhere_in_a_swing_recomputes(run_node, client, tmp_
         client.until(lambda: len(heard) > mark + 150, 'states in the bag')
         client.call('stop_recording')
         mark = len(heard)
-        found = recompute(bag)
-        assert not found.problems() and found.largest == 0.0, found
+        recomputed(bag)
     assert node.stop() == 0
 
 
 @pytest.mark.slow
 def test_at_an_end_of_its_stroke_the_input_is_held_until_the_force_pulls_it_back(
-        run_node, client, tmp_path):
-    values = {**SLIDE, **recording(tmp_path)}
+        run_node, client, diagnosed, tmp_path):
+    values = {**SLIDE, **recording_in(tmp_path)}
     low, high = values['linkage.range']
     node = run_node(values)
-    heard, outputs, diagnosed = states(client), [], []
-    client.node.create_subscription(LinkageState, '/fourbar/state', outputs.append, 1000)
-    client.node.create_subscription(DiagnosticArray, '/diagnostics', diagnosed.append, 10)
+    heard, outputs = states(client), client.hear(LinkageState, '/fourbar/state')
     send = torques(client, 'x')
 
     def pushed_to(end, force):
@@ -291,41 +274,30 @@ def test_at_an_end_of_its_stroke_the_input_is_held_until_the_force_pulls_it_back
                for m in heard)
     assert {m.status for m in outputs} == {LinkageState.STATUS_OK}
     assert all(np.isfinite([m.slide, m.slide_velocity, m.theta1]).all() for m in outputs)
-    client.until(lambda: any('held at a limit' in status.message for array in diagnosed
-                             for status in array.status), 'diagnostics that say so')
+    client.until(lambda: any('held at a limit' in array.status[0].message
+                             for array in diagnosed.messages), 'diagnostics that say so')
     assert node.stop() == 0
     assert 'drive: held at a limit' in node.said
-    found = recompute(tmp_path / 'run')
-    assert not found.problems() and found.largest == 0.0, found
+    recomputed(tmp_path / 'run')
 
 
 def test_simulated_time_moves_the_state_and_starts_again_when_it_goes_back(run_node, client,
                                                                            tmp_path):
-    node = run_node({**MOTOR_DRIVEN, **recording(tmp_path), 'drive.rate': 100.0,
+    node = run_node({**MOTOR_DRIVEN, **recording_in(tmp_path), 'drive.rate': 100.0,
                      'drive.budget': 1000, 'use_sim_time': True})
-    heard, now = states(client), [10**9]
-    clock = client.node.create_publisher(Clock, '/clock', 10)
-
-    def tick():
-        now[0] += 5_000_000
-        clock.publish(Clock(clock=Time(sec=now[0] // 10**9, nanosec=now[0] % 10**9)))
-        client.spin(0.01)
-        return len(heard)
-
-    def stamp(message):
-        return message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
-
-    client.until(lambda: tick() > 20, 'states in simulated time')
+    heard, clock = states(client), SimulatedClock(client, step=5_000_000)
+    client.until(lambda: clock.tick() or len(heard) > 20, 'states in simulated time')
     first, last = heard[0], heard[-1]    # the very first may come before the node knows of us
     assert 0.0 <= first.position < last.position
-    assert sum(m.step for m in heard[1:]) == pytest.approx(1e-9 * (stamp(last) - stamp(first)))
-    now[0] = 10**9
+    assert sum(m.step for m in heard[1:]) == pytest.approx(1e-9 * (nanoseconds(last)
+                                                                     - nanoseconds(first)))
+    clock.now = 10**9
     count = len(heard)                   # several may come at once
-    client.until(lambda: tick() and any(m.step == 0.0 for m in heard[count:]),
+    client.until(lambda: clock.tick() or any(m.step == 0.0 for m in heard[count:]),
                  'a start in time that goes back')
     assert all(m.position == 0.0 for m in heard[count:] if m.step == 0.0)
     assert node.stop() == 0 and 'went back' in node.said
-    assert not recompute(tmp_path / 'run').problems()
+    recomputed(tmp_path / 'run')
     start = in_bag(tmp_path / 'run', '/fourbar/drive_state')[0]
     assert start.step == start.position == 0.0
 
@@ -334,42 +306,37 @@ def test_simulated_time_moves_the_state_and_starts_again_when_it_goes_back(run_n
 def test_silence_runs_on_simulated_time_that_may_pause_and_go_back(run_node, client, tmp_path):
     """The clock of a simulation rests for longer than the timeout: no torque is missed by it."""
     silent, period = DriveState.STATUS_SILENT, 10_000_000
-    node = run_node({**TORQUE_DRIVEN, **recording(tmp_path), 'drive.timeout': 0.3,
+    node = run_node({**TORQUE_DRIVEN, **recording_in(tmp_path), 'drive.timeout': 0.3,
                      'drive.rate': 100.0, 'drive.budget': 1000, 'use_sim_time': True})
-    heard, now, send = states(client), [5 * 10**9], torques(client)
-    clock = client.node.create_publisher(Clock, '/clock', 10)
+    heard, send = states(client), torques(client)
+    clock = SimulatedClock(client, 5 * 10**9, period)
 
-    def stamp(message):
-        return message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
-
-    def tick(torque=None):
+    def tick(torque=None, patience=None):
         """Go on by a period, and until there is the state of that time; return it."""
         if torque is not None:
             send(torque)
             client.spin(0.05)                # of two topics, the order is not told
-        now[0] += period
-        clock.publish(Clock(clock=Time(sec=now[0] // 10**9, nanosec=now[0] % 10**9)))
-        client.until(lambda: heard and stamp(heard[-1]) == now[0], 'the state', 2.0)
+        clock.tick()
+        client.until(lambda: heard and nanoseconds(heard[-1]) == clock.now, 'the state', patience)
         return heard[-1]
 
     def ticked(torque, status):
         try:
-            return tick(torque).status == status
+            return tick(torque, 2.0).status == status
         except NoAnswer:                     # not discovered yet, or a timer that begins anew
             return False
     client.until(lambda: ticked(30.0, DriveState.STATUS_OK), 'a torque in effect')
     for _ in range(3):
         client.spin(0.5)                     # simulated: nothing
         assert {tick(30.0).status} | {tick().status for _ in range(5)} == {DriveState.STATUS_OK}
-    given = now[0] - 6 * period              # of the last torque, or a step before
+    given = clock.now - 6 * period              # of the last torque, or a step before
     while (last := tick()).status != silent:
-        assert last.torque == 30.0 and stamp(last) - given <= 3 * 10**8 + period
-    assert stamp(last) - given >= 3 * 10**8 and last.torque == 0.0
+        assert last.torque == 30.0 and nanoseconds(last) - given <= 3 * 10**8 + period
+    assert nanoseconds(last) - given >= 3 * 10**8 and last.torque == 0.0
     tick(-20.0)
     assert tick().torque == -20.0
-    now[0], count = 10**9, len(heard)        # it starts again, as it started
+    clock.now, count = 10**9, len(heard)        # it starts again, as it started
     client.until(lambda: ticked(None, silent), 'a start in time that goes back')
     assert heard[count].step == 0.0 and node.stop() == 0
     assert {(m.status, m.torque) for m in heard[count:]} == {(silent, 0.0)}
-    found = recompute(tmp_path / 'run')
-    assert not found.problems() and found.largest == 0.0, found
+    recomputed(tmp_path / 'run')

@@ -2,19 +2,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """Trajectories of the output over the wire: there and back, gears, and refusals with a reason."""
 from builtin_interfaces.msg import Duration
-from diagnostic_msgs.msg import DiagnosticArray
 from fourbar_ros.ros.node.trajectories import FIELDS
 from fourbar_ros.scene.scene import from_values
 from fourbar_ros.scene.topics import ANSWERS, TRAJECTORIES
 from fourbar_ros.transmission import trajectory, Transmission
 import numpy as np
 import pytest
-from ros.test_inputs import set_parameters
 from ros.test_start import start
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 from support import ROOT
-from support.harness import Client, NodeProcess
+from support.harness import Client, NodeProcess, set_parameters
 from support.scenes import PAPER, RODS
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
@@ -48,8 +46,7 @@ class Asker:
             if name in ANSWERS:
                 self._publishers[name] = client.node.create_publisher(kind, full, 1000)
             else:
-                client.node.create_subscription(
-                    kind, full, self.heard.setdefault(name, []).append, 1000)
+                self.heard[name] = client.hear(kind, full)
         client.until(lambda: all(p.get_subscription_count() for p in self._publishers.values())
                      and all(client.node.count_publishers(t.topic.replace('~', f'/{node}'))
                              for n, t in TRAJECTORIES.items() if n in self.heard), 'the topics')
@@ -181,12 +178,11 @@ def test_a_stream_of_single_points_turns_on_and_on(run_node, client):
     assert np.abs(through.to_output(trajectory(answers)).position - positions).max() <= 1e-11
 
 
-def test_what_is_not_answered_is_counted(geared):
-    (asker, _), newest = geared, []
-    asker.client.node.create_subscription(DiagnosticArray, '/diagnostics', newest.append, 10)
+def test_what_is_not_answered_is_counted(geared, diagnosed):
+    asker, _ = geared
 
     def counted():
-        values = {pair.key: pair.value for pair in newest[-1].status[0].values} if newest else {}
+        values = diagnosed()[1]
         refused, answered = (len(asker.heard[name]) for name in (
             'trajectory_refused', 'drive_trajectory'))
         return (values.get('trajectories') == str(refused + answered + 1)       # one came back
@@ -215,8 +211,7 @@ def test_while_a_long_trajectory_is_answered_the_inputs_are(run_node, client, tm
     node = run_node({**TURNING, 'drive.source': 'joint_state', 'drive.joint': 'motor',
                      'joint_states.only_passive': True, 'outputs': ['joint_states']},
                     first=WAITING)
-    asker, states = Asker(client), []
-    client.node.create_subscription(JointState, '/joint_states', states.append, 1000)
+    asker, states = Asker(client), client.hear(JointState, '/joint_states')
     motor = client.node.create_publisher(JointState, '/fourbar/input_joint_states', 1000)
 
     def moved(number):

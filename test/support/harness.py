@@ -3,6 +3,8 @@
 """A real node in a process of its own and a real client beside it."""
 from operator import attrgetter
 import os
+from pathlib import Path
+import resource
 import signal
 import subprocess
 import sys
@@ -10,8 +12,12 @@ import threading
 import time
 
 from fourbar_lab.clients.node_client import NoAnswer, NodeClient
+from fourbar_ros.bag.reader import Bag
+from fourbar_ros.bag.recomputation import recompute
+from fourbar_ros.ros.messages import to_stamp
 from fourbar_ros.scene.topics import DRIVEN, FAMILIES, OUTPUTS
 import rclpy
+from rosgraph_msgs.msg import Clock
 from support.scenes import file_of
 
 # Requests that change nothing, to learn whether a service and its client have seen each other.
@@ -21,6 +27,41 @@ HARMLESS = {'find_extrema': {'quantities': ['?']}, 'evaluate': {},
 PATIENCE = 120.0
 # the others have a topic for each of their members
 ALL_OUTPUTS = [name for name in OUTPUTS if name not in FAMILIES]
+
+
+def nanoseconds(message):
+    """Return the stamp of a message [ns]."""
+    return message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
+
+
+def recording_in(folder):
+    """Return the parameters of a node that records from its start, as ``run`` in a folder."""
+    return {'recording.start': True, 'recording.name': 'run',
+            'recording.directory': str(folder)}
+
+
+def in_bag(path, topic):
+    """Return the messages of a topic in a bag."""
+    return [record.message for record in Bag(path).records([topic])]
+
+
+def recomputed(path):
+    """Recompute a bag, demand that nothing differs, and return what was found."""
+    found = recompute(path)
+    assert found.inputs and not found.problems() and found.largest == 0.0, found
+    return found
+
+
+def cpu_of(pid):
+    """Return the CPU time that a process has used, by all its threads [s]."""
+    fields = Path(f'/proc/{pid}/stat').read_text().rpartition(')')[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf('SC_CLK_TCK')
+
+
+def cpu_of_ended():
+    """Return the CPU time of all processes that this one has waited for [s]."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
 
 
 def fields_of(layout, output, message):
@@ -90,9 +131,22 @@ class Client(NodeClient):
         for name in names:
             self.subscribe(topics[name], self.received.setdefault(name, []).append, node, depth)
 
+    def hear(self, kind, topic, depth=1000):
+        """Return the growing list of the messages on a topic."""
+        heard = []
+        self.node.create_subscription(kind, topic, heard.append, depth)
+        return heard
+
     def publisher(self, source='motion', node='fourbar'):
         """Return a publisher on the input topic."""
         return super().publisher(source, node)
+
+    def driving(self, source='motion', node='fourbar', **fields):
+        """Return the function that sends an input, once its node and all listeners have met."""
+        publisher = self.publisher(source, node)
+        kind = publisher.msg_type
+        self.handshake(lambda: publisher.publish(kind(**fields or {'position': 0.1})))
+        return publisher.publish
 
     def handshake(self, send, inbox='state'):
         """
@@ -143,6 +197,30 @@ class Client(NodeClient):
         super().close()
         self.node.destroy_node()
         rclpy.try_shutdown()
+
+
+class SimulatedClock:
+    """
+    Publishes /clock, in steps [ns] by :meth:`tick`.
+
+    ``repeats``: the time is sent again and again, as by a simulation that stands.
+    """
+
+    def __init__(self, client, now=10**9, step=20_000_000, repeats=False):
+        self.now, self.step, self._client = now, step, client
+        self._publisher = client.node.create_publisher(Clock, '/clock', 10)
+        if repeats:
+            client.node.create_timer(0.02, self.send)
+
+    def send(self):
+        """Publish the time."""
+        self._publisher.publish(Clock(clock=to_stamp(self.now)))
+
+    def tick(self):
+        """Go on by a step; handle messages for a while."""
+        self.now += self.step
+        self.send()
+        self._client.spin(0.01)
 
 
 def set_parameters(client, values, atomically=False, node='fourbar'):
