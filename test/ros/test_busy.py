@@ -4,24 +4,19 @@
 from fourbar_msgs.srv import FindExtrema
 from fourbar_ros.ros.node.entities import WAITING
 from fourbar_ros.scene.files import read_values
-import pytest
 
 PROOF = FindExtrema.Request(mode=0, velocity=10.0, certify=True)     # of every quantity
 JANSEN = {**read_values('config/jansen.yaml'), 'outputs': ['state']}
-V8 = {**read_values('config/classics/v8.yaml'), 'outputs': ['state']}
 
 
-@pytest.mark.parametrize('scene, asked, quantity', [
-    (JANSEN, 14, 'driving_torque'),
-    pytest.param(V8, 30, 'driving_torque', marks=pytest.mark.slow)])
-def test_only_proofs_wait_for_a_proof_and_eight_of_them(run_node, client, scene, asked, quantity):
+def test_only_proofs_wait_for_a_proof_and_eight_of_them(run_node, client):
     """
     In order of events, not by the clock: a proof takes as long as hundreds of evaluations.
 
     An evaluation after each request gives the node time to take it: a service keeps ten only.
     """
-    node = run_node(scene)
-    wanted = {'quantities': [quantity], 'velocity': 10.0}
+    node, asked = run_node(JANSEN), 14
+    wanted = {'quantities': ['driving_torque'], 'velocity': 10.0}
     service, alone = client.service('find_extrema'), client.call('find_extrema', **wanted)
     proofs = []
 

@@ -1,7 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """The node over the wire: every topic, every service, against the core to the last bit."""
-from itertools import count
 import math
 import random
 
@@ -13,13 +12,10 @@ from fourbar_ros.mechanisms.inertia import held_rigid, input_equation
 from fourbar_ros.pipeline import stepper as codes
 from fourbar_ros.scene import scene
 from fourbar_ros.scene.files import find, read_values
-import numpy as np
 import pytest
-from sensor_msgs.msg import JointState
 from support.harness import ALL_OUTPUTS, fields_of, nanoseconds
 from support.scenes import PAPER, ROCKER, RODS
 
-EPS = 2.0**-52
 DRIVEN = {**PAPER, **RODS, 'drive.source': 'motion', 'outputs': ALL_OUTPUTS, 'frame_id': 'machine'}
 
 
@@ -67,38 +63,6 @@ def test_every_topic_carries_the_values_of_the_core_to_the_last_bit(run_node, cl
                                                           LinkageState.MODE_OPEN)
     assert list(received['joint_states'][0].name) == ['crank', 'coupler', 'coupler_output',
                                                       'output']
-
-
-def test_a_named_joint_of_a_joint_state_drives_it(run_node, client):
-    run_node({**PAPER, 'drive.source': 'joint_state', 'drive.joint': 'motor',
-              'outputs': ['state']})
-    client.listen(['state'])
-    publisher, times = client.publisher('joint_state'), count(1)
-
-    def send(position, velocity, name='motor'):
-        # stamped: between two that are not, the load of a machine may lie longer than the pause
-        # of 1 s after which estimates begin afresh
-        seconds, tenths = divmod(next(times), 10)
-        message = JointState(name=['other', name], position=[9.0, position],
-                             velocity=[8.0, velocity])
-        message.header.stamp = Time(sec=seconds, nanosec=tenths * 10**8)
-        publisher.publish(message)
-
-    client.handshake(lambda: send(0.1, 1.0))
-    for _ in range(4):
-        send(0.1, 1.0)
-    send(0.5, 3.0, name='elsewhere')      # ignored, said once
-    send(0.7, 3.0)
-    states = client.received['state']
-    client.until(lambda: states and states[-1].theta1 == 0.7, 'an answer')
-    assert [state.theta1 for state in states] == [0.1] * 4 + [0.7]
-    # the line through the newest five velocities, one step between them left out
-    alpha1 = np.polyfit((0.0, 0.1, 0.2, 0.3, 0.5), (1.0, 1.0, 1.0, 1.0, 3.0), 1)[0]
-    state = states[-1]
-    assert state.alpha1 == pytest.approx(alpha1, rel=32 * EPS)
-    expected = scene.from_values(PAPER).linkage.motion(0.7, 3.0, state.alpha1)
-    assert (state.theta4, state.omega4, state.alpha4) == (
-        expected.theta4, expected.omega4, expected.alpha4)
 
 
 def test_bad_numbers_are_reported_and_the_next_good_message_works(run_node, client):

@@ -108,16 +108,6 @@ def test_the_answers_close_the_urdf_over_the_whole_range(run_node, client, case)
         checked.check(low + share * (high - low))
 
 
-@pytest.mark.slow
-def test_jansens_leg_as_a_relay_over_a_revolution(run_node, client):
-    pytest.importorskip('yourdfpy')
-    values = read_values('jansen') | RELAY | {'drive.joint': 'base'}
-    checked = Checked(run_node, client, values)
-    assert len(checked.model.closures) == 3
-    for position in np.linspace(-np.pi, np.pi, 73):
-        checked.check(float(position))
-
-
 @some('name, start', [('paper', 0.2), ('cylinder', 1.4)], 1)
 def test_the_drive_effort_is_what_power_asks_for(run_node, client, name, start):
     """With all joints shown, effort times velocity of the driven joint is the power needed."""

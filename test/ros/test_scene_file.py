@@ -6,60 +6,11 @@ import pytest
 import rclpy
 from rclpy.node import Node
 
-SCALARS = [
-    '4e-1',
-    '1',
-    '0x10',
-    '010',
-    '08',
-    '0b11',
-    '0o17',
-    '1_000',
-    '1.',
-    '.5',
-    '+1',
-    '-2',
-    '+1.5',
-    '1e5',
-    '1E+5',
-    '.nan',
-    'nan',
-    '.inf',
-    '-.inf',
-    'inf',
-    'Infinity',
-    'yes',
-    'on',
-    'On',
-    'True',
-    'TRUE',
-    'No',
-    'off',
-    'OFF',
-    'null',
-    '~',
-    '1:30',
-    '2020-01-01',
-    '"4e-1"',
-    "'1'",
-    '1.e3',
-    'NaN',
-    '-inf',
-    '.Inf',
-    '.INF',
-    '1e',
-    '4e1x',
-    '1f',
-    '0x',
-    '-0',
-    '1__0',
-    'text',
-    '[a,b]',
-    '[yes,no]',
-    '9223372036854775807',
-    '-9223372036854775808',
-    '=',
-    '<<']
+SCALARS = r"""
+    4e-1 1 0x10 010 08 0b11 0o17 1_000 1. .5 +1 -2 +1.5 1e5 1E+5 .nan nan .inf -.inf inf Infinity
+    yes on On True TRUE No off OFF null ~ 1:30 2020-01-01 "4e-1" '1' 1.e3 NaN -inf .Inf .INF 1e
+    4e1x 1f 0x -0 1__0 text [a,b] [yes,no] 9223372036854775807 -9223372036854775808 = <<
+""".split()
 
 
 def asked(file, name='fourbar', namespace=''):

@@ -76,13 +76,16 @@ def test_a_log_that_cannot_be_written_is_one_line(tmp_path, paper, monkeypatch):
     assert code == 2 and 'ROS_LOG_DIR' in line
 
 
-def test_a_removed_working_directory_is_no_place_for_bags(tmp_path, monkeypatch):
+def test_a_tilde_is_the_home_and_a_removed_directory_no_place_for_bags(tmp_path, monkeypatch):
     gone = tmp_path / 'gone'
     gone.mkdir()
     monkeypatch.chdir(gone)
     gone.rmdir()
     with pytest.raises(BagError, match="recording.directory = 'bags': the working directory has"):
         directory_of(scene.from_values(PAPER))
+    monkeypatch.setenv('HOME', str(tmp_path))
+    there = scene.from_values({**PAPER, 'recording.directory': '~/bags'})
+    assert directory_of(there) == tmp_path / 'bags'
 
 
 EMPTY = ('joint_names', 'linkage.range', 'linkage.dyads', 'joint_states.ratios', 'outputs',
