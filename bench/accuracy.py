@@ -8,34 +8,33 @@ from math import nan
 import numpy as np
 from rich.console import Console
 from rich.progress import track
-from support.four_bar_families import FAMILIES, ORDINARY
-from support.reference import EPS
+from support.cartesian import EPS
 
 from .errors import (
     COLORS,
+    errors,
+    FAMILIES,
     FORMULAS,
     MARKERS,
-    motion_errors,
+    ORDINARY,
     OURS,
-    reaction_errors,
     SYSTEM,
     WAYS,
 )
 from .near_toggle import draw_toggles, MARGINS, print_toggles, toggle_errors
 from .pages import figure, save, table
 
-# poses a family; one in 6 with loads; random: 4 times
-SAMPLES, LOAD_SHARE, RANDOM_TIMES, WORKERS = 600, 6, 4, 2
+# poses a family; random: 4 times
+SAMPLES, RANDOM_TIMES, WORKERS = 600, 4, 2
 LARGEST_DRAWN = 1e20
 PROGRESS = Console(stderr=True)
 
 
 def family_errors(family, samples):
-    """Return {way: (poses, 4)} of motion_errors and {way: (poses,)} of reaction_errors."""
-    rng = np.random.default_rng(list(FAMILIES).index(family))
+    """Return the errors of :func:`errors` by their ways: arrays (poses, 4) and (poses,)."""
+    rng = np.random.default_rng(FAMILIES.index(family))
     samples *= RANDOM_TIMES if family == 'random' else 1
-    motion = [motion_errors(rng, family) for _ in range(samples)]
-    loads = [reaction_errors(rng, family) for _ in range(max(1, samples // LOAD_SHARE))]
+    motion, loads = zip(*(errors(rng, family) for _ in range(samples)))
     return ({way: np.array([row[way] for row in motion]) for way in WAYS},
             {way: np.array([row[way] for row in loads]) for way in (OURS, SYSTEM)})
 
@@ -59,8 +58,7 @@ def both(errors):
 def print_ours(found):
     """Print errors and failures of the package by family."""
     print('Errors of fourbar_ros in eps times condition: largest (99th percentile). First column '
-          f'in rad, where the condition of theta4 is at most {ORDINARY:g}; reactions at one pose '
-          f'in {LOAD_SHARE}.\n')
+          f'in rad, where the condition of theta4 is at most {ORDINARY:g}.\n')
     rows = []
     for family, (motion, loads) in found.items():
         errors = motion[OURS]

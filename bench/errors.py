@@ -3,17 +3,30 @@
 """Errors of one pose in eps times condition: the package, naive formulas, the 9x9 system."""
 from dataclasses import astuple
 from functools import partial
-from math import inf, nan
+from math import inf, nan, tau
 
-from fourbar_ros import FourBar, FourBarError
-import mpmath as mp
+from flint import acb, arb, ctx
+from fourbar_ros import Applied, FourBar, FourBarError
 import numpy as np
-from support.four_bar_families import draw, least_conditions, loaded, ORDINARY
-from support.reference import condition, EPS, motion_of
+from support.cartesian import beside, BITS, conditions, EPS, exact, kept_at, MANY_BITS
+from support.contract import (
+    at_change_point,
+    CASES,
+    draw,
+    families_of,
+    flat_positions,
+    random_masses,
+)
 
 from . import naive
 
 OURS, SYSTEM = 'fourbar_ros', '9x9'
+CRANKS = [case for case in CASES if case.kind is FourBar]
+AT_CHANGE_POINT = 'next to an exact change point'
+FAMILIES = *families_of(CRANKS[0]), AT_CHANGE_POINT
+ORDINARY = 6.0      # condition of theta4 up to which it is not in line within some degrees
+# of the rates of a parallelogram, which are constant, by those of the input: no error is zero
+LEAST = 1.0
 FORMULAS = {'half angle': naive.half_angle, 'law of cosines': naive.law_of_cosines,
             'coordinates': naive.coordinates}
 COLORS = {OURS: '#d62728', 'half angle': '#1f77b4', 'law of cosines': '#2ca02c',
@@ -45,39 +58,56 @@ def others(formula, lengths, mode, x, omega):
 WAYS = {OURS: ours, **{name: partial(others, formula) for name, formula in FORMULAS.items()}}
 
 
-def in_eps(error, cond):
-    """Return an error in eps cond; NaN if the result was no number."""
-    return float(error / (EPS * cond)) if mp.isfinite(error) else nan
+def drawn(rng, family):
+    """Return a four-bar with everything acting, its input at constant rate, and its conditions."""
+    case = CRANKS[rng.integers(2)]
+    while True:
+        lengths, (x, omega, _) = (draw(rng, case, family) if family != AT_CHANGE_POINT else
+                                  (at_change_point(rng, case), (0.0, float(rng.normal()), 0.0)))
+        masses = random_masses(rng, case, float(np.median(lengths)), abs(omega))
+        linkage = case.make(lengths, masses)
+        # the 9x9 system knows none on the crank
+        linkage = linkage.with_external(linkage.external._replace(crank=Applied()))
+        if family != AT_CHANGE_POINT:
+            given = x, omega, 0.0
+            with ctx.workprec(BITS):
+                return linkage, given, conditions(exact(linkage, given), given)
+        with ctx.workprec(MANY_BITS):
+            for flat in flat_positions(linkage):
+                x = float(flat + float(rng.choice((-1.0, 1.0)) * 10.0**rng.uniform(-14.0, -2.0)))
+                given = x, omega, 0.0
+                found, = beside(linkage, flat, [arb(x) - flat], given[1:])
+                return linkage, given, conditions(found, given, kept_at(found.machine, flat,
+                                                                        found))
 
 
-def motion_errors(rng, family):
-    """Return {way: errors of theta4, theta4', theta4'' in eps cond, of theta4 in rad}."""
-    case, mode, lengths = draw(rng, family)
-    omega = case.speed * rng.normal()
-    truth, cond = condition(
-        lambda v: [motion_of(case.lengths(*v[2:]), 2 * mode - 3, v[0], v[1], 0)[i]
-                   for i in (0, 2, 6)],
-        [mp.mpf(v) for v in (case.theta1, omega, *case.parameters)])
-    least = least_conditions(case, lengths, omega)
-    cond = [max(c, mp.mpf(limit)) for c, limit in zip(cond, least)]
+def in_eps(found, true, cond):
+    """Return the error of a result in eps cond; NaN if it is no number."""
+    found = complex(found)
+    return (float(abs(acb(found.real, found.imag) - true)) / (EPS * cond) if np.isfinite(found)
+            else nan)
+
+
+def errors(rng, family):
+    """
+    Return {way: errors of theta4, theta4', theta4'' in eps cond, of theta4 in rad}.
+
+    And {way: that of the worst reaction}.
+    """
+    linkage, given, (motion, loads) = drawn(rng, family)
     rows = {}
     for way, function in WAYS.items():
-        errors = [abs(mp.mpf(float(found)) - true)
-                  for found, true in zip(function(lengths, mode, case.theta1, omega), truth)]
-        errors[0] = (abs(mp.fmod(errors[0] + mp.pi, 2 * mp.pi) - mp.pi) if mp.isfinite(errors[0])
-                     else errors[0])
-        rows[way] = ([in_eps(e, c) for e, c in zip(errors, cond)]
-                     + [float(errors[0]) if cond[0] <= ORDINARY else 0.0])
-    return rows
-
-
-def reaction_errors(rng, family):
-    """Return {way: error of the worst reaction in eps cond}, with everything acting."""
-    linkage, given, truth, cond = loaded(rng, family)
-    found = {OURS: forces_of(linkage, *given), SYSTEM: forces_by_system(linkage, *given)}
-    return {way: max((in_eps(abs(mp.mpc(*force) - true), c)
-                      for force, true, c in zip(forces, truth, cond)),
-                     key=lambda e: inf if e != e else e) for way, forces in found.items()}
+        found = [*function(linkage.lengths, linkage.mode, *given[:2])]
+        true, cond = motion['theta4']
+        found[0] += tau * round(float(true - found[0]) / tau) if np.isfinite(found[0]) else 0.0
+        row = [in_eps(value, motion[name][0], max(motion[name][1], least))
+               for value, name, least in zip(found, ('theta4', 'omega4', 'alpha4'),
+                                             (1.0, LEAST * abs(given[1]), LEAST * given[1]**2))]
+        rows[way] = [*row, row[0] * EPS * max(cond, 1.0) if cond <= ORDINARY else 0.0]
+    forces = {OURS: forces_of(linkage, *given), SYSTEM: forces_by_system(linkage, *given)}
+    return rows, {way: max((in_eps(complex(*force), *loads[name])
+                            for force, name in zip(its, ('f41', 'f21', 'f32', 'f43'))),
+                           key=lambda e: inf if e != e else e) for way, its in forces.items()}
 
 
 def forces_of(linkage, x, omega, alpha):

@@ -38,13 +38,12 @@ def cases():
                for ratio in (1e-2, 1e-4, 1e-6)}}
 
 
-def truth_of(lengths, x, bodies):
+def truth_of(linkage, x):
     """Return (theta4, omega4, alpha4, F41) to many digits, rounded."""
-    import mpmath as mp
-    from support.reference import loads_of, motion_of
-    motion = motion_of(lengths, 1, mp.mpf(x), OMEGA, 0)
-    force = loads_of(lengths, 1, mp.mpf(x), OMEGA, 0, bodies, [(0,) * 5] * 2, (0, 0))[0]
-    return float(motion[0]), float(motion[2]), float(motion[6]), complex(force)
+    from support.cartesian import values
+    found = values(linkage, x, OMEGA)
+    return (*(float(found[name]) for name in ('theta4', 'omega4', 'alpha4')),
+            complex(found['f41_x'], found['f41_y']))
 
 
 def errors(lengths, samples):
@@ -56,10 +55,11 @@ def errors(lengths, samples):
     from fourbar_ros import Bodies, FourBar, round_rod
     rods = [round_rod(length, 7750.0, 0.01) for length in lengths[:3]]
     bodies = [(rod.mass, rod.cg_along, rod.cg_across, rod.inertia) for rod in rods]
+    linkage = FourBar(*lengths, bodies=Bodies(*rods))
     truth = [np.array(column)
-             for column in zip(*(truth_of(lengths, x, bodies) for x in samples.tolist()))]
+             for column in zip(*(truth_of(linkage, x) for x in samples.tolist()))]
     with np.errstate(all='ignore'):
-        found = (FourBar(*lengths, bodies=Bodies(*rods)).step(samples, OMEGA, fields=FIELDS),
+        found = (linkage.step(samples, OMEGA, fields=FIELDS),
                  textbook(lengths, 1.0, bodies, samples, OMEGA, 0.0))
     rows = []
     for values in found:

@@ -1,18 +1,16 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Errors of accelerations and reactions near a toggle position, over their peaks."""
-from fourbar_ros import Bodies, FourBar, round_rod
-import mpmath as mp
+from fourbar_ros import Bodies, FourBar, InvalidParameter, round_rod
 import numpy as np
-from support.four_bar_families import near_toggle
-from support.reference import free_bodies, pose, reactions
+from support.cartesian import values
+from support.contract import crank_lengths
 
 from .errors import (
     COLORS,
     forces_by_system,
     forces_of,
     MARKERS,
-    numbers_of,
     OURS,
     SYSTEM,
     WAYS,
@@ -34,19 +32,28 @@ def toggle_errors(margin):
         linkage = rods(near_toggle(rng, margin))
         angles = [side * 10.0**power for side in (-1.0, 1.0)
                   for power in np.linspace(-9.0, 0.4, AROUND)]
-        places = [pose(linkage.lengths, 1, mp.mpf(x)) for x in angles]
-        true = np.array([float(place.ddy) for place in places])
+        places = [values(linkage, x) for x in angles]
+        true = np.array([float(place['alpha4']) for place in places])
         for way, function in WAYS.items():
             found = np.array([function(linkage.lengths, 2, x, 1.0)[2] for x in angles])
             second[way] = max(second[way], np.abs(found - true).max() / np.abs(true).max())
-        true = np.array([complex(reactions(free_bodies(
-            linkage.lengths, place, mp.mpf(x), 1, 0, numbers_of(linkage.bodies), [(0,) * 5] * 2,
-            (0, 0)))[0])
-                         for place, x in zip(places, angles)])
+        true = np.array([complex(place['f41_x'], place['f41_y']) for place in places])
         for way, function in ((OURS, forces_of), (SYSTEM, forces_by_system)):
             found = np.array([complex(*function(linkage, x, 1.0, 0.0)[0]) for x in angles])
             force[way] = max(force[way], np.abs(found - true).max() / np.abs(true).max())
     return second, force
+
+
+def near_toggle(rng, margin):
+    """Return lengths of a crank-rocker that clears the toggle at theta1 = 0 by a margin."""
+    while True:
+        a1, _, a3, a4 = crank_lengths(rng).tolist()
+        lengths = (a1, a4 - a1 + a3 - margin * (a4 - a1), a3, a4)
+        try:
+            if FourBar(*lengths).classification == 'Grashof crank-rocker':
+                return lengths
+        except InvalidParameter:
+            continue
 
 
 def rods(lengths):

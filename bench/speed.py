@@ -36,20 +36,19 @@ FIELDS_LIMIT = 1.2
 
 def write_case(file):
     """Write one revolution of the linkage with its true values for the runners."""
-    from fourbar_ros.mechanics.bodies import round_rod
-    import mpmath as mp
-    from support.reference import loads_of, motion_of
-    bodies = [(b.mass, b.cg_along, b.cg_across, b.inertia)
-              for b in (round_rod(length, DENSITY, RADIUS) for length in LENGTHS[:3])]
+    from fourbar_ros import Bodies, FourBar, round_rod
+    from support.cartesian import values
+    rods = Bodies(*(round_rod(length, DENSITY, RADIUS) for length in LENGTHS[:3]))
+    bodies = [(b.mass, b.cg_along, b.cg_across, b.inertia) for b in rods]
+    linkage = FourBar(*LENGTHS, bodies=rods)
     theta1 = [2.0 * pi * k / SAMPLES for k in range(SAMPLES)]
     names = 'theta4', 'beta', 'omega4', 'omega_beta', 'alpha4'
     truth = {name: [] for name in (*names, 'f41')}
     for x in theta1:
-        motion = motion_of(LENGTHS, 1, mp.mpf(x), OMEGA, 0)
-        force = loads_of(LENGTHS, 1, mp.mpf(x), OMEGA, 0, bodies, [(0,) * 5] * 2, (0, 0))[0]
-        for name, value in zip(names, (motion[0], motion[1], motion[2], motion[3], motion[6])):
-            truth[name].append(float(value))
-        truth['f41'].append((float(force.real), float(force.imag)))
+        found = values(linkage, x, OMEGA)
+        for name in names:
+            truth[name].append(float(found[name]))
+        truth['f41'].append((float(found['f41_x']), float(found['f41_y'])))
     file.write_text(json.dumps({'lengths': LENGTHS, 'omega': OMEGA, 'bodies': bodies,
                                 'theta1': theta1,
                                 'truth': truth}))

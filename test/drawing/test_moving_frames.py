@@ -4,7 +4,7 @@
 from fourbar_lab.drawing.moving_frames import acceleration_terms, coriolis_acceleration, turned
 import mpmath as mp
 import numpy as np
-from support.reference import EPS
+from support.cartesian import EPS
 
 ORDERS = (0, 1, 2)
 

@@ -15,7 +15,7 @@ from fourbar_ros.bag.origin import origin_of
 import numpy as np
 import pytest
 from support import contract, DATA
-from support.cartesian import BITS, Cartesian, EPS, value_and_condition
+from support.cartesian import BITS, conditions, EPS, exact
 from support.samples import more
 
 SOURCES = ([(what, link) for what in ('body', 'point mass', 'inertia', 'weight')
@@ -50,24 +50,22 @@ def with_source(rng, mechanism, what, link):
                    external=mechanism.EXTERNAL(**acting))
 
 
-def errors(case, mechanism, given):
+def errors(mechanism, given):
     """
     Return {name: error in eps times the largest condition of its sort}.
 
     A moment is a sum of moments and of forces at arms as long as the links.
     """
     with ctx.workprec(BITS):
-        found = case.exact(mechanism, given)
-        _, exact = found.machine.fields(Cartesian(found.machine, given, found))
-        exact = {name: value_and_condition(column) for name, column in exact.items()}
+        _, loads = conditions(exact(mechanism, given), given)
         ours, wrong = mechanism.loads(*given), {}
-        most = max(condition for _, condition in exact.values())
-        for name, (true, _) in exact.items():
+        most = max(condition for _, condition in loads.values())
+        for name, (true, _) in loads.items():
             value = (acb(getattr(ours, f'{name}_x'), getattr(ours, f'{name}_y'))
                      if isinstance(true, acb) else arb(getattr(ours, name)))
             arm = max(map(abs, mechanism.lengths)) if is_moment(name) else 1.0
             largest = max(condition if is_moment(other) else arm * condition
-                          for other, (_, condition) in exact.items()
+                          for other, (_, condition) in loads.items()
                           if is_moment(name) or not is_moment(other))
             if largest > 1e-60 * most:
                 wrong[name] = float(abs(value - true)) / (EPS * largest)
@@ -90,7 +88,7 @@ def test_each_source_alone(case, family):
         given = position, rate * (moves > 0.2), acceleration * (moves > 0.5)
         for source in SOURCES:
             mechanism = with_source(rng, case.make(lengths), *source)
-            for load, error in errors(case, mechanism, given).items():
+            for load, error in errors(mechanism, given).items():
                 if not error <= BOUND:
                     bad[(*source, load)] = error
     assert bad == {}

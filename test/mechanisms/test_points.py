@@ -8,7 +8,7 @@ from fourbar_ros.mechanisms.points import point_motion, vector
 from fourbar_ros.mechanisms.sliders import SliderCrank
 import numpy as np
 import pytest
-from support.reference import EPS
+from support.cartesian import EPS
 
 
 def test_the_split_is_the_acceleration():

@@ -15,7 +15,7 @@ from fourbar_ros.numerics.tables import ARRAYS
 import mpmath as mp
 import numpy as np
 import pytest
-from support.reference import EPS
+from support.cartesian import EPS
 
 FUNCTIONS = {
     'sin': ((-7.0, 7.0),), 'cos': ((-7.0, 7.0),), 'sqrt': ((1e-3, 9.0),), 'fabs': ((-3.0, 3.0),),

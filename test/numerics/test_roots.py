@@ -7,7 +7,7 @@ from fourbar_ros.numerics import roots
 import numpy as np
 import pytest
 from scipy.optimize import brentq
-from support.reference import EPS
+from support.cartesian import EPS
 
 
 def waves(rng, count, order):

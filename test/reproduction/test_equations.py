@@ -9,7 +9,8 @@ from fourbar_ros import CROSSED, FourBar, OPEN
 import mpmath as mp
 import numpy as np
 import pytest
-from support.reference import EPS, random_lengths
+from support.cartesian import EPS
+from support.contract import random_lengths
 
 
 def angles_of(linkage, theta1):

@@ -38,8 +38,7 @@ from fourbar_ros import __version__, CROSSED, FourBar, OPEN
 from fourbar_ros.mechanisms.points import point_motion
 import numpy as np
 import pytest
-from support import ROOT, slider_reference
-from support.reference import pose
+from support import cartesian, ROOT
 from support.samples import some
 
 
@@ -194,27 +193,24 @@ def test_examples_to_1e_12_of_an_independent_solution(sections):
         for what, value in expected.items():
             assert values[what] == pytest.approx(float(value), rel=1e-12), what
 
-    foot, kinds = published.FOOT, slider_reference.KINDS
-    m = slider_reference.exact(kinds[0], published.EXAMPLE_7_2.lengths, 1,
-                               (*published.GIVEN_7_2, 0.0))
-    close('Example 7.2 -', {'angular velocity of the coupler': m.rate[1],
-                            'angular acceleration of the coupler': m.acceleration[1],
-                            'acceleration of C': -m.acceleration[2] / foot})
-    m = slider_reference.exact(kinds[2], published.EXAMPLE_7_5.lengths, 1,
-                               (*published.GIVEN_7_5, 0.0))
-    close('Example 7.5 -', {'angular velocity of the bar': m.rate[1],
-                            'angular acceleration of the bar': m.acceleration[1],
-                            'relative velocity': -m.rate[2] / foot})
-    p, speed = pose(published.EXAMPLE_7_3.lengths, 1,
-                    published.GIVEN_7_3[0]), published.GIVEN_7_3[1]
-    close('Example 7.3 -', {'angular velocity of the coupler': p.db * speed,
-                            'angular velocity of the output link': p.dy * speed,
-                            'angular acceleration of the coupler': p.ddb * speed**2,
-                            'angular acceleration of the output link, cw': -p.ddy * speed**2})
-    p = pose(published.EXAMPLE_7_6.lengths, 1, radians(60.0))
-    close('Example 7.6 -', {'omega4': 10 * p.dy, 'alpha4': 100 * (p.dy + p.ddy),
-                            'omega2 (of the coupler)': 10 * p.db,
-                            'alpha2 (of the coupler)': 100 * (p.db + p.ddb)})
+    foot = published.FOOT
+    m = cartesian.values(published.EXAMPLE_7_2, *published.GIVEN_7_2)
+    close('Example 7.2 -', {'angular velocity of the coupler': m['omega_beta'],
+                            'angular acceleration of the coupler': m['alpha_beta'],
+                            'acceleration of C': -m['slide_acceleration'] / foot})
+    m = cartesian.values(published.EXAMPLE_7_5, *published.GIVEN_7_5)
+    close('Example 7.5 -', {'angular velocity of the bar': m['omega4'],
+                            'angular acceleration of the bar': m['alpha4'],
+                            'relative velocity': -m['slide_velocity'] / foot})
+    m = cartesian.values(published.EXAMPLE_7_3, *published.GIVEN_7_3)
+    close('Example 7.3 -', {'angular velocity of the coupler': m['omega_beta'],
+                            'angular velocity of the output link': m['omega4'],
+                            'angular acceleration of the coupler': m['alpha_beta'],
+                            'angular acceleration of the output link, cw': -m['alpha4']})
+    m = cartesian.values(published.EXAMPLE_7_6, radians(60.0), 10.0, 100.0)
+    close('Example 7.6 -', {'omega4': m['omega4'], 'alpha4': m['alpha4'],
+                            'omega2 (of the coupler)': m['omega_beta'],
+                            'alpha2 (of the coupler)': m['alpha_beta']})
 
 
 @pytest.mark.parametrize('linkage, mode, theta1, printed, quantity', [

@@ -5,7 +5,7 @@ from fourbar_lab.reproduction import published
 import mpmath as mp
 import numpy as np
 import pytest
-from support.reference import EPS
+from support.cartesian import EPS
 
 
 def family(e, theta):

@@ -16,6 +16,8 @@ from typing import NamedTuple
 
 from flint import acb, arb, arb_mat, ctx
 from fourbar_ros import Applied, Base
+from fourbar_ros.machine import Machine
+from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.mechanisms.machine.describe.description import direction
 import mpmath as mp
 import numpy as np
@@ -23,6 +25,9 @@ from scipy.linalg import qr
 
 EPS = 2.0**-52
 BITS, MANY_BITS = 512, 1600      # MANY: next to exact change points
+ANGLES = 'theta', 'beta'         # how fields begin that count modulo a turn
+BEGIN = 0.01                     # from where a change point is approached [rad or m]
+mp.mp.dps = 150                  # what tests compute by hand
 GROUND, J = 'ground', acb(0, 1)
 NONE, ONE, ZERO = acb(0), acb(1), arb(0)
 
@@ -254,7 +259,11 @@ class Cartesian:
 
     def read(self, given, data):
         self.joints = joints_of(self.machine, data)
-        self.given = [data.real(v) for v in given]
+        x, *rates = map(number, given)
+        # of an angle only the part beyond full turns counts
+        turn = 2 * arb.pi()
+        turns = 0 if self.machine.input in ('slide', 'cylinder') else round(float(x / turn))
+        self.given = [data.real(x, x - turns * turn), *map(data.real, rates)]
 
     def move(self, order, step):
         step = np.array(step.tolist(), object).reshape(self.q[order].shape)
@@ -545,27 +554,59 @@ def _size(values):
     return max(abs(float(v)) for v in values.flat)
 
 
-def exact(machine, given, near=None):
+def reference_of(mechanism):
+    """Return what a :class:`Cartesian` takes: a machine of dyads itself, a linkage as a Kind."""
+    if isinstance(mechanism, (Kind, Machine)):
+        return mechanism
+    name = next((name for name, kind in KINDS.items() if type(mechanism) is kind), 'four_bar')
+    return Kind(name, mechanism.lengths, 2 * mechanism.mode - 3, mechanism.input,
+                mechanism.bodies, mechanism.external, mechanism.gravity)
+
+
+def pose_of(mechanism, x):
+    """Return x, y and angle of the moving links at an input, by the library."""
+    motion, found = mechanism.motion(float(x)), []
+    for link in mechanism.BODIES._fields:
+        at = mechanism.link_motion(motion, link)
+        found.append([at.x, at.y, float(np.arctan2(at.sine, at.cosine))])
+    if mechanism.input == 'crank':
+        found[0][2] = float(x)
+    return found
+
+
+def exact(mechanism, given, near=None):
     """
-    Return the :class:`Cartesian` of a machine in one column, by default near the library's pose.
+    Return the :class:`Cartesian` of a mechanism in one column, by default near the library's pose.
 
     Raises ArithmeticError or ZeroDivisionError if there is no pose near it, or none in its modes.
     """
-    if near is None:
-        motion = machine.motion(*map(float, given))
-        near = [[getattr(motion, f'{what}_{link}') for what in ('x', 'y', 'theta')]
-                for link in machine.layout.moving]
-    found = Cartesian(machine, given, near)
+    found = Cartesian(reference_of(mechanism), given,
+                      pose_of(mechanism, given[0]) if near is None else near)
     if not found.is_in_modes():
         raise ArithmeticError('in another mode')
     return found
 
 
+def beside(mechanism, flat, ways, rates=(1.0, 0.0)):
+    """Yield the same at inputs ``flat + way`` next to an exact change point, by falling ways."""
+    begin = float(flat) + (BEGIN if ways[0] > 0 else -BEGIN)
+    found = exact(mechanism, (begin, 1.0, 0.0))
+    for way in ways:
+        found = toward(found, flat, flat + way)
+        yield Cartesian(found.machine, (flat + way, *rates), found.q[0][:, :, 0])
+
+
+def fields_of(found):
+    """Return columns of motion and of loads by their fields, those of vectors complex."""
+    if isinstance(found.machine, Kind):
+        return found.machine.fields(found)
+    return found.motion(), found.loads() if found.machine.bodies else {}
+
+
 def values_of(found):
-    """Return {field: value for mpmath} of a machine: places and forces by x, y and size too."""
-    values = {}
-    loads = found.loads() if found.machine.bodies else {}
-    for name, (value, *_) in (found.motion() | loads).items():
+    """Return {field: value for mpmath}: places and forces by x, y and size too."""
+    values, (motion, loads) = {}, fields_of(found)
+    for name, (value, *_) in (motion | loads).items():
         if not isinstance(value, acb):
             values[name] = of_mpmath(value)
             continue
@@ -577,50 +618,82 @@ def values_of(found):
     return values
 
 
+def values(mechanism, x, rate=1.0, acceleration=0.0):
+    """Return {field: value for mpmath} of a mechanism at an input."""
+    with ctx.workprec(BITS):
+        return values_of(exact(mechanism, tuple(map(number, (x, rate, acceleration)))))
+
+
 def exact_values(machine, name, inputs, rates):
     """Return a quantity at some inputs to many digits; None if the reference does not have it."""
-    with ctx.workprec(BITS), mp.workdps(40):
-        found = [values_of(exact(machine, (float(x), *rates))) for x in inputs]
-    return [values[name] for values in found] if name in found[0] else None
+    found = [values(machine, float(x), *rates) for x in inputs]
+    return [each[name] for each in found] if name in found[0] else None
 
 
 # --- the library beside it -----------------------------------------------------------------------
 
-def errors(machine, given, found, kept=None):
+def conditions(found, given, kept=None):
     """
-    Yield (field, error of the library in eps times condition, whether it is a load).
+    Return {field: (value, condition)} of motion and of loads, those of vectors complex.
 
-    Angles have a condition of 1 at least, relative ones at pins those of both links, places of
-    links that slide that of the slide too: they are what its way adds up to.
+    Angles of machines at pins have the conditions of both links, places of links that slide that
+    of the slide too: they are what their way adds up to.
 
     Parameters
     ----------
-    machine, given
     found : Cartesian
         In one column.
+    given : tuple of 3 numbers
     kept : Kept, optional
         At an exact change point.
 
     """
-    columns = Cartesian(machine, given, found)
+    columns = Cartesian(found.machine, given, found)
     motion, loads = ({name: value_and_condition(column, kept) for name, column in fields.items()}
-                     for fields in (columns.motion(), columns.loads() if machine.bodies else {}))
-    for pin, *pair in machine.layout.pins():
+                     for fields in fields_of(columns))
+    if isinstance(found.machine, Kind):
+        return motion, loads
+    layout = found.machine.layout
+    for pin, *pair in layout.pins():
         for what in ('theta', 'omega', 'alpha'):
             truth, condition = motion[f'{what}_{pin}']
             motion[f'{what}_{pin}'] = truth, condition + sum(
-                motion[f'{what}_{machine.layout.links[i]}'][1] for i in pair)
-    for link in {*machine.layout.slides()[machine.input == 'slide':]} - {GROUND}:
+                motion[f'{what}_{layout.links[i]}'][1] for i in pair)
+    for link in {*layout.slides()[found.machine.input == 'slide':]} - {GROUND}:
         (place, condition), (way, _) = motion[f'place_{link}'], motion[f'slide_{link}']
         motion[f'place_{link}'] = place, condition + float(abs(way))
-    for ours, fields in zip(machine.motion_and_loads(*given), (motion, loads)):
+    return motion, loads
+
+
+def errors(mechanism, given, found, kept=None):
+    """
+    Yield (field, error of the library in eps times condition, whether it is a load).
+
+    Of one value and of an array. Angles count modulo a turn and have a condition of 1 at least;
+    fields NAME_x, NAME_y have one error, of their vector.
+    """
+    many = [np.full(100, float(v)) for v in given]
+    for is_load, fields in enumerate(conditions(found, given, kept)):
+        if not fields:
+            continue
+        both = [mechanism.loads(*its) if is_load else mechanism.motion(*its)
+                for its in (tuple(map(float, given)), many)]
         for name, (truth, condition) in fields.items():
-            x, y = ((f'x{name[5:]}', f'y{name[5:]}') if name.startswith('place') else
-                    (f'{name}_x', f'{name}_y'))
-            error = (acb(getattr(ours, x), getattr(ours, y)) if isinstance(truth, acb)
-                     else arb(getattr(ours, name))) - truth
-            if name.startswith('theta'):
-                error, condition = (J * error).exp() - ONE, max(condition, 1.0)
-            size = float(abs(error))
-            yield (name, size / (EPS * condition or 1e-300) if not size <= 1e-30 else 0.0,
-                   fields is loads)
+            yield name, max(_error(name, ours, truth, condition) for ours in both), bool(is_load)
+
+
+def _error(name, ours, truth, condition):
+    def first(field):
+        return float(np.ravel(getattr(ours, field))[0])
+    if isinstance(truth, acb):
+        x, y = ((f'x{name[5:]}', f'y{name[5:]}') if name.startswith('place') else
+                (f'{name}_x', f'{name}_y'))
+        error = acb(first(x), first(y)) - truth
+    else:
+        error = arb(first(name)) - truth
+    if name.startswith(ANGLES):
+        error, condition = (J * error).exp() - ONE, max(condition, 1.0)
+    size = float(abs(error))
+    if condition:
+        return size / (EPS * condition)
+    return 0.0 if size <= 1e-30 else float('inf')

@@ -14,11 +14,11 @@ from fourbar_ros import FourBarError, InvalidParameter
 from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 import numpy as np
+from support.cartesian import BEGIN
 from support.random_machines import random_dyads, random_machines, random_masses
 
 TRIPLES = ((3, 4, 5), (5, 12, 13), (8, 15, 17))
 PI = arb.pi
-BEGIN = 0.01       # from where a change point is approached [rad or m]
 
 
 class Drawn(NamedTuple):

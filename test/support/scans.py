@@ -9,7 +9,7 @@ from fourbar_ros.extrema.path_search import PART_OF_NOISE
 from fourbar_ros.extrema.sampling import Sampler
 from fourbar_ros.mechanisms.quantities import select
 import numpy as np
-from support.reference import EPS
+from support.cartesian import EPS
 
 
 def place(mechanism, extremum):

@@ -10,8 +10,8 @@ from fourbar_ros.numerics.number_types import REAL
 import numpy as np
 import pytest
 from support import contract
+from support.cartesian import EPS, exact
 from support.contract import every_case, every_mechanism
-from support.reference import EPS
 from support.samples import more
 
 STEP = 1e-40  # of the complex step: its square is lost beside anything
@@ -26,12 +26,12 @@ def test_links_are_where_the_reference_has_them(case):
     """
     for mechanism, given in contract.ordinary(case, 206, 20):
         motion = mechanism.motion(*given)
-        exact, size = case.exact(mechanism, given), max(map(abs, mechanism.lengths))
+        near, size = exact(mechanism, given), max(map(abs, mechanism.lengths))
         for link in mechanism.BODIES._fields:
             at, point = (mechanism.link_motion(motion, link),
                          point_motion(mechanism, motion, link, 0.3, -0.2))
             places, directions = (np.array([complex(level[0]) for level in levels])
-                                  for levels in exact.link(link))
+                                  for levels in near.link(link))
             assert abs(complex(at.x, at.y) - places[0]) <= 1e-13 * (size + abs(places[0])), link
             assert abs(complex(at.cosine, at.sine) - directions[0]) <= 1e-12, link
             scale = size + np.abs([*places, *directions]).max()

@@ -9,7 +9,7 @@ from fourbar_ros.mechanisms.points import point_of
 import numpy as np
 from support import contract
 from support.contract import every_mechanism
-from support.reference import EPS
+from support.cartesian import EPS
 from support.samples import more
 
 

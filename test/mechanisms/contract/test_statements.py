@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from support import contract
 from support.contract import CASES, every_case, every_mechanism
-from support.reference import EPS
+from support.cartesian import EPS
 
 
 def test_every_kind_has_a_case():

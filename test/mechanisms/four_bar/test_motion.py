@@ -10,7 +10,8 @@ from math import cos, nextafter, pi, sin
 from fourbar_ros import CROSSED, FourBar, OPEN, Toggle
 import numpy as np
 import pytest
-from support.reference import EPS, random_lengths
+from support.cartesian import EPS
+from support.contract import random_lengths
 
 
 def angle_difference(one, other):

@@ -1,11 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""
-Four-bars driven at A or B, against the loop and Newton-Euler in many digits.
-
-The reference never inverts a linkage: it takes poses of the crank, and by the chain rule the
-rates and accelerations for which the relative angle moves as given.
-"""
+"""Four-bars driven at A or B: bags, change points, free motion, pictures."""
 
 from fourbar_lab.drawing.figure import make_figure
 from fourbar_ros import (
@@ -18,11 +13,9 @@ from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.dynamics import simulate, System
 from fourbar_ros.mechanisms.quantities import known
 from fourbar_ros.scene.parameters import check
-import mpmath as mp
 import numpy as np
 import pytest
 from support import bags
-from support.reference import EPS, pose
 from support.scans import check_against_scan
 
 RATE, ACCELERATION, GRAVITY = 1.7, -0.6, (0.4, -9.8)
@@ -50,47 +43,8 @@ def test_a_bag_of_it_recomputes_without_a_difference(joint, tmp_path):
 
 # --- exact change points -------------------------------------------------------------------------
 
-# With input 0 flat: theta1 is there 0 for a drive at A, pi for one at B.
-FLAT_AT_ZERO = [('A', (2.0, 3.5, 4.0, 1.5)), ('A', (2.0, 3.0, 2.0, 3.0)),
-                ('B', (2.0, 3.0, 2.0, 3.0)), ('B', (2.0, 2.0, 3.0, 3.0)),
-                ('B', (2.0, 4.0, 3.0, 5.0)), ('B', (1.0, 1.0, 1.0, 1.0))]
-
-
-def beside_flat(lengths, joint, mode, ahead):
-    """Return the reference's pose and slope of the joint at a small input, in a mode."""
-    flat = 0 if joint == 'A' else mp.pi
-    for sign in (1, -1):
-        for side in (1, -1):
-            x = flat + side * mp.mpf(ahead)
-            for _ in range(9):           # Newton's iteration to the input
-                place = pose(lengths, sign, x)
-                theta, slope = ((place.b - x, place.db - 1) if joint == 'A' else
-                                (place.y - place.b + mp.pi, place.dy - place.db))
-                gap = mp.arg(mp.expj(theta - ahead))
-                x -= gap / slope
-            opposite = mp.sin(place.y) if joint == 'A' else mp.sin(x)
-            if abs(gap) < mp.mpf(10)**-60 and (opposite > 0) == (mode == 2):
-                return x, place, slope
-    raise AssertionError('no pose')
-
-
-@pytest.mark.parametrize('mode', [1, 2])
-@pytest.mark.parametrize('joint, lengths', FLAT_AT_ZERO)
-def test_a_flat_position_has_all_digits_and_the_limit_from_above(joint, lengths, mode):
-    linkage = MovingJointFourBar(*lengths, mode=mode, input=joint)
-    assert linkage.change_point_margin == 0.0 and linkage.is_flat_at_zero
-    for at in (0.0, 1e-14, 1e-8, 1e-3):
-        with mp.workdps(120):
-            x, place, slope = beside_flat(lengths, joint, mode, mp.mpf(at or 1e-40))
-            for motion in (linkage.motion(at, 1.0), linkage.motion(np.full(1, at), 1.0)):
-                for ours, truth in ((motion.omega1, 1 / slope), (motion.omega4, place.dy / slope)):
-                    assert abs(float(np.ravel(ours)[0] - truth)) <= 8 * EPS * max(1.0, abs(truth))
-                for ours, truth in ((motion.theta1, x), (motion.theta4, place.y)):
-                    turned = mp.arg(mp.expj(float(np.ravel(ours)[0]) - truth))
-                    assert abs(turned) <= 4 * EPS
-
-
-@pytest.mark.parametrize('joint, lengths', FLAT_AT_ZERO[:1] + FLAT_AT_ZERO[4:5])
+@pytest.mark.parametrize('joint, lengths', [('A', (2.0, 3.5, 4.0, 1.5)),
+                                            ('B', (2.0, 4.0, 3.0, 5.0))])
 def test_extrema_at_change_points_are_those_of_a_scan(joint, lengths):
     linkage = MovingJointFourBar(*lengths, input=joint, bodies=bodies_of(np.random.default_rng(2)))
     quantities = [known(linkage, joint)[name] for name in ('omega1', 'alpha4', 'driving_torque')]

@@ -14,17 +14,16 @@ from fourbar_ros.mechanisms.machine.machine import Machine
 from fourbar_ros.mechanisms.quantities import known
 import pytest
 from support.cartesian import (
+    beside,
     BITS,
-    Cartesian,
     errors,
     exact,
     exact_values,
     kept_at,
     MANY_BITS,
     NoWay,
-    toward,
 )
-from support.machine_families import BEGIN, Drawn, FAMILIES
+from support.machine_families import Drawn, FAMILIES
 from support.random_machines import random_machines
 from support.samples import more, some
 from support.scans import check_against_scan
@@ -56,9 +55,8 @@ def exact_pose(machine, given, flat):
     if flat is None:
         return exact(machine, given), None
     at = flat()
-    begin = float(at) + (BEGIN if given[0] > at else -BEGIN)
-    found = toward(exact(machine, (begin, 1.0, 0.0)), at, arb(given[0]))
-    return Cartesian(machine, given, found.q[0][:, :, 0]), kept_at(machine, at, found)
+    found, = beside(machine, at, [arb(given[0]) - at], given[1:])
+    return found, kept_at(machine, at, found)
 
 
 def failures(family, seed, count):

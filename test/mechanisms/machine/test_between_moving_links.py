@@ -20,7 +20,7 @@ from fourbar_ros.scene.files import read_values
 import mpmath as mp
 import numpy as np
 import pytest
-from support.cartesian import BITS, Cartesian, errors, exact, value_and_condition
+from support.cartesian import BITS, conditions, errors, exact
 from support.machine_families import between_moving_links
 from support.power import power
 from support.samples import more
@@ -89,8 +89,7 @@ def test_near_toggles_loads_are_good_relative_to_the_largest(count=more(3, 10)):
             near = exact(machine, given)
             assert max(error for _, error, is_load in errors(machine, given, near)
                        if not is_load) <= 10.0
-            found = {name: value_and_condition(column) for name, column in Cartesian(
-                machine, given, near).loads().items()}
+            _, found = conditions(near, given)
             loads = machine.step(*given)[1]
             largest = max(condition for _, condition in found.values())
             for name, (truth, _) in found.items():
