@@ -204,6 +204,11 @@ def _near_a_parallelogram_or_kite(rng, case):
                                                                                         0)
 
 
+def _ground_like_crank(rng, case):
+    a1, a2, a3, _ = rng.uniform(0.1, 1.0, 4)
+    return a1, a2, a3, a1 * (1.0 + small(rng, -13, -5))
+
+
 def _many_turns(rng, case):
     return crank_lengths(rng), rng.uniform(-1e9, 1e9)
 
@@ -218,7 +223,8 @@ _WITH_INPUT = {'theta4 near pi': _theta4_near_pi, 'crank clears a toggle': _cran
                'many turns': _many_turns}
 # {kind: families} of hard cases beside those that all kinds share
 OWN_FAMILIES = {SliderCrank: _OF_SLIDERS, InvertedSlider: _OF_SLIDERS,
-                FourBar: {'link ratios 1e16': _link_ratios(8.0), **_WITH_INPUT}}
+                FourBar: {'link ratios 1e16': _link_ratios(8.0),
+                          'ground like the crank': _ground_like_crank, **_WITH_INPUT}}
 
 
 def families_of(case):

@@ -21,7 +21,6 @@ from typing import NamedTuple
 
 from flint import ctx, fmpz_poly
 import mpmath
-import numpy as np
 
 BITS = 400      # of roots: enough to tell those of doubles from each other
 
@@ -136,70 +135,3 @@ def exact_roots(lengths, order):
                 value = (-e * sign * mpmath.sqrt(s) + r2 / 2 / mpmath.sqrt(t)**3) / (2 * q**2)
             found.append((sign * x, value))
     return found
-
-
-def families():
-    """
-    Return the 19 families of linkages.
-
-    Name -> function of a random generator to four lengths.
-    """
-    def uniform(rng):
-        return rng.uniform(0.1, 1.0, 4)
-
-    def shortest_plus_longest(rng, gap):
-        """
-        Lengths from short to long.
-
-        The gap of Grashof's sum, relative to the longest, if any.
-        """
-        a = np.sort(uniform(rng))
-        if gap is not None:
-            a[3] = (a[1] + a[2] - a[0]) / (1.0 + gap * rng.choice((-1.0, 1.0)))
-        return a
-
-    def crank(gap=None):
-        def draw(rng):
-            while True:
-                a = shortest_plus_longest(rng, None if gap is None else abs(gap))
-                if gap is not None:
-                    a[3] = (a[1] + a[2] - a[0]) * (1.0 - gap)
-                if a[0] + a[3] < a[1] + a[2] and a[3] > 0.0:
-                    return np.concatenate((a[:1], rng.permutation(a[1:])))
-        return draw
-
-    def grashof(wanted):
-        def draw(rng):
-            while True:
-                a = np.sort(uniform(rng))
-                if (a[0] + a[3] < a[1] + a[2]) == wanted and a[3] < a[:3].sum():
-                    return rng.permutation(a)
-        return draw
-
-    def any_gap(gap):
-        return lambda rng: rng.permutation(shortest_plus_longest(rng, gap))
-
-    def near_isosceles(size):
-        def draw(rng):
-            a = uniform(rng)
-            a[3] = a[0] * (1.0 + size * rng.normal())
-            return a
-        return draw
-
-    def near_parallelogram(size):
-        def draw(rng):
-            a, b = rng.uniform(0.1, 1.0, 2)
-            return np.array((a, b, a, b)) * (1.0 + size * rng.normal(size=4))
-        return draw
-
-    def ratios(smallest):
-        return lambda rng: smallest**rng.uniform(0.0, 1.0, 4)
-
-    return {'crank': crank(), 'Grashof': grashof(True), 'non-Grashof': grashof(False),
-            'a1 near a4 1e-6': near_isosceles(1e-6), 'a1 near a4 1e-12': near_isosceles(1e-12),
-            **{f'crank gap {gap:.0e}': crank(gap) for gap in (1e-2, 1e-4, 1e-6, 1e-8, 1e-10,
-                                                              1e-12)},
-            **{f'gap {gap:.0e}': any_gap(gap) for gap in (1e-4, 1e-8)},
-            **{f'near parallelogram {size:.0e}': near_parallelogram(size)
-               for size in (1e-3, 1e-6, 1e-9)},
-            **{f'ratios {size:.0e}': ratios(size) for size in (1e-2, 1e-4, 1e-6)}}
