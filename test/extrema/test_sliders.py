@@ -14,15 +14,13 @@ from fourbar_ros.extrema.input_paths import TooNarrow
 from fourbar_ros.mechanisms.parts import CRANK, SLIDE
 from fourbar_ros.mechanisms.quantities import (
     known,
-    point_acceleration,
-    point_speed,
     select,
     UnknownQuantity,
 )
 import numpy as np
 import pytest
 from scipy.optimize import brentq
-from support.samples import more
+from support import contract
 from support.scans import place
 
 EPS = 2.0**-52
@@ -33,26 +31,6 @@ KINDS = [(SliderCrank, CRANK), (SliderCrank, SLIDE), (InvertedSlider, CRANK),
 def random_bodies(rng):
     return Bodies(*(Body(*rng.uniform((0.1, 0.0, -0.2, 0.01), (2.0, 1.0, 0.2, 0.2)).tolist())
                     for _ in range(3)))
-
-
-def random_mechanism(rng, kind, driven, least=1e-3):
-    """Return a random mechanism with masses and gravity, not too near a change point."""
-    while True:
-        try:
-            mechanism = kind(*rng.uniform(0.1, 1.0, 2).tolist(), float(rng.normal(0.0, 0.2)),
-                             mode=int(rng.integers(1, 3)),
-                             input=driven, gravity=tuple(rng.normal(0.0, 5.0, 2).tolist()),
-                             bodies=random_bodies(rng))
-        except InvalidParameter:
-            continue
-        if mechanism.change_point_margin > least:
-            return mechanism
-
-
-def everything(mechanism, rng):
-    return [*select((), mechanism),
-            point_speed(mechanism, 'coupler', *rng.uniform(-0.5, 0.5, 2).tolist()),
-            point_acceleration(mechanism, 'coupler', *rng.uniform(-0.5, 0.5, 2).tolist())]
 
 
 @pytest.mark.parametrize('kind, driven', KINDS)
@@ -115,20 +93,6 @@ def test_a_slide_that_is_driven_has_a_place_and_a_crank_angle():
             assert abs(np.sin(extremum.theta1)) < 1e-7
 
 
-@pytest.mark.parametrize('kind, driven', KINDS)
-def test_extrema_are_proved_complete(kind, driven, count=more(1, 2)):
-    """All but magnitudes of reactions, which may have a kink or be too steep to decide."""
-    pytest.importorskip('flint')
-    rng = np.random.default_rng(12)
-    for _ in range(count):
-        mechanism = random_mechanism(rng, kind, driven, least=0.02)
-        quantities = [q for q in everything(mechanism, rng)
-                      if q.name not in ('f41', 'f21', 'f32', 'f43', 'guide_couple')]
-        proofs = {e.proof for e in find_extrema(mechanism, quantities, 3.0, 4.0, certify=True)}
-        assert all(proof.startswith('interval bounds') for proof in proofs), (mechanism, proofs)
-        assert all('at the ends' in proof for proof in proofs) != mechanism.turns_fully
-
-
 def test_what_is_given_is_no_quantity():
     with pytest.raises(UnknownQuantity, match='nearest: '):
         find_extrema(SliderCrank(0.1, 0.3, input=SLIDE), ('slide_velocity',), 1.0)
@@ -175,10 +139,8 @@ def test_pairs_next_to_a_toggle_are_found(mechanism, rate, count):
 @pytest.mark.parametrize('seed', range(3))
 def test_a_magnitude_is_least_where_its_force_changes_its_sign(seed):
     """The guide force of a driven crank acts along one line: its magnitude has kinks at zero."""
-    rng, zeros = np.random.default_rng(seed), 0
-    while zeros < 20:
-        mechanism = random_mechanism(rng, SliderCrank, CRANK)
-        rate = float(rng.normal(0.0, 3.0))
+    zeros = 0
+    for mechanism, (_, rate, _) in contract.ordinary_of(('slider_crank',), seed, 15, 'crank'):
 
         def guide_force(x, mechanism=mechanism, rate=rate):
             return mechanism.loads(float(x), rate).guide_force
@@ -195,7 +157,8 @@ def test_a_magnitude_is_least_where_its_force_changes_its_sign(seed):
                 loads = mechanism.loads(root, rate)
                 rounding = 64 * EPS * max(loads.f41, loads.f21, loads.f32) / abs(slope)
                 assert min(abs(mechanism.distance(root, at)) for at in found) <= (
-                    rounding + 8 * EPS * abs(root))
+                    rounding + 8 * EPS * max(1.0, abs(root)))
+    assert zeros > 20
 
 
 def test_the_condition_of_a_place_is_in_metres_where_a_slide_is_driven():
@@ -212,8 +175,3 @@ def test_the_condition_of_a_place_is_in_metres_where_a_slide_is_driven():
         assert other.value == pytest.approx(one.value, rel=1e-9)
         assert other.condition == pytest.approx(1024.0 * one.condition, rel=1e-3)
         assert other.value_condition == pytest.approx(one.value_condition, rel=1e-3)
-    # a place moves by its condition, at most, if one length is wrong by a relative 1e-6
-    moved = find_extrema(small.with_lengths([0.5, 1.3 * (1.0 + 1e-6), 0.1]), quantities, 1.0)
-    ratios = [abs(other.slide - one.slide) / (1e-6 * one.condition)
-              for one, other in zip(found, moved) if one.place == 'interior']
-    assert max(ratios) < 1.001 and max(ratios) > 0.1
