@@ -1,7 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Rods and bars beside integrals over their volume, by quadrature that is exact for them."""
-from fourbar_ros import flat_bar, round_rod
+from math import inf, nan
+
+from fourbar_ros import Body, flat_bar, InvalidParameter, round_rod
 import numpy as np
 import pytest
 
@@ -42,3 +44,13 @@ def test_a_flat_bar_is_a_box_whose_width_lies_in_the_plane(length, width, thickn
     x, y = np.meshgrid(x, y, indexing='ij')
     mass = 2700.0 * thickness * by_x[:, None] * by_y
     assert_is(flat_bar(length, 2700.0, width, thickness), x, y, mass)
+
+
+@pytest.mark.parametrize('make, arguments, name', [
+    (Body, (-1.0,), 'mass'), (Body, (nan,), 'mass'), (Body, (1.0, inf), 'cg_along'),
+    (Body, (1.0, 0.0, nan), 'cg_across'), (Body, (1.0, 0.0, 0.0, -1.0), 'inertia'),
+    (round_rod, (0.0, 1.0, 1.0), 'length'), (round_rod, (1.0, -1.0, 1.0), 'density'),
+    (round_rod, (1.0, 1.0, nan), 'radius')])
+def test_bad_bodies_are_refused_by_name(make, arguments, name):
+    with pytest.raises(InvalidParameter, match=f'^{name} = '):
+        make(*arguments)

@@ -1,0 +1,238 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Classes, limits of the input, dead points of every kind: in closed form with many digits."""
+from dataclasses import replace
+from math import inf, nan, nextafter, pi, remainder
+
+from fourbar_ros import FourBar, InvalidParameter, InvertedSlider, OutOfRange, SliderCrank, Toggle
+import mpmath as mp
+import numpy as np
+import pytest
+from support import contract
+from support.cartesian import EPS, values
+from support.contract import random_lengths
+
+# --- classes -------------------------------------------------------------------------------------
+
+
+def reachable(lengths, angles):
+    """
+    Return at which input angles the linkage closes.
+
+    The diagonal fits between a2 + a3 and |a2 - a3|.
+    """
+    a1, a2, a3, a4 = lengths
+    q = a1**2 + a4**2 - 2.0 * a1 * a4 * np.cos(angles)
+    return ((a2 - a3)**2 < q) & (q < (a2 + a3)**2)
+
+
+AROUND = np.linspace(-pi, pi, 720, endpoint=False) + pi / 720.0
+# whether input, output, coupler turn fully; whether the input ranges hold 0 and pi, the output's
+CLASSES = {
+    'Grashof crank-rocker': (True, False, False),
+    'Grashof double-crank': (True, True, True),
+    'Grashof rocker-crank': (False, True, False),
+    'Grashof double-rocker': (False, False, True)}
+
+
+def test_eight_classes_of_four_bars_by_brute_force():
+    """Try all angles for which links turn fully and where the two ranges lie."""
+    seen = set()
+    for lengths in random_lengths(np.random.default_rng(41), 1500).tolist():
+        linkage = FourBar(*lengths)
+        if linkage.change_point_margin < 1e-3:
+            continue    # ends closer to 0 or pi than the samples
+        seen.add(linkage.classification)
+        a1, a2, a3, a4 = lengths
+        from_input = reachable(lengths, AROUND)
+        from_output = reachable((a3, a2, a1, a4), pi - AROUND)        # the linkage seen from O4
+        # crank and coupler at A: link a1 held
+        relative = reachable((a1, a4, a3, a2), AROUND)
+        if linkage.classification.startswith('Grashof'):
+            expected = CLASSES[linkage.classification]
+            assert (from_input.all(), from_output.all()) == expected[:2], lengths
+            coupler_turns = from_input.all() and from_output.all() or (
+                relative.all() and reachable((a2, a1, a4, a3), AROUND).all())
+            assert coupler_turns == expected[2], lengths
+        else:
+            passes = {True: '0', False: 'pi'}
+            zero, half = len(AROUND) // 2, 0
+            name = f'{passes[bool(from_input[zero])]}-{passes[bool(from_output[zero])]}'
+            assert linkage.classification == f'non-Grashof {name} double-rocker', lengths
+            assert from_input[zero] != from_input[half] and from_output[zero] != from_output[half]
+    assert len(seen) == 8
+
+
+@pytest.mark.parametrize('mechanism, name', [
+    (SliderCrank(2.5, 6.0), 'Grashof crank-slider'),
+    (SliderCrank(2.5, 6.0, -3.4), 'Grashof crank-slider'),
+    (SliderCrank(2.5, 6.0, -3.6), 'non-Grashof rocker-slider'),
+    (SliderCrank(6.0, 2.5, 3.4), 'Grashof rocker-slider'),
+    (SliderCrank(6.0, 2.5, 8.4), 'non-Grashof rocker-slider'),
+    (InvertedSlider(3.0, 14.0), 'Grashof crank-rocker'),
+    (InvertedSlider(3.0, 14.0, -10.9), 'Grashof crank-rocker'),
+    (InvertedSlider(3.0, 14.0, 11.1), 'non-Grashof double-rocker'),
+    (InvertedSlider(6.0, 2.5, 3.4), 'Grashof double-crank'),
+    (InvertedSlider(6.0, 2.5, 8.4), 'non-Grashof double-rocker')])
+def test_classes_of_sliders(mechanism, name):
+    assert mechanism.classification == name and mechanism.change_point_margin > 0.0
+    is_crank = name.startswith(('Grashof crank', 'Grashof double-crank'))
+    assert mechanism.turns_fully == is_crank
+    if is_crank and isinstance(mechanism, InvertedSlider):
+        theta4 = mechanism.motion(np.linspace(-pi, pi, 2001)).theta4
+        turns = np.diff(np.unwrap(theta4)).sum() / (2.0 * pi)
+        assert turns == pytest.approx(1.0 if name.endswith('double-crank') else 0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize('kind, lengths', [
+    *((FourBar, lengths) for lengths in (
+        (2.0, 4.0, 3.0, 5.0), (2.0, 3.0, 2.0, 3.0), (2.0, 2.0, 3.0, 3.0), (2.0, 3.0, 3.0, 2.0),
+        (1.0, 1.0, 1.0, 1.0))),
+    (SliderCrank, (2.5, 6.0, 3.5)), (SliderCrank, (6.0, 2.5, -3.5)), (SliderCrank, (1.0, 1.0, 0.0)),
+    (InvertedSlider, (3.0, 14.0, 11.0)), (InvertedSlider, (6.0, 2.5, -3.5)),
+    (InvertedSlider, (1.0, 1.0, 0.0))])
+def test_change_points_are_exact(kind, lengths):
+    mechanism = kind(*lengths)
+    assert mechanism.classification == 'change point' and mechanism.change_point_margin == 0.0
+    off = kind(lengths[0] * (1.0 + 2.0 * EPS), *lengths[1:])
+    assert off.classification != 'change point' and 0.0 < off.change_point_margin < 4.0 * EPS
+
+
+# --- limits of the input -------------------------------------------------------------------------
+
+def exact_ends(mechanism):
+    """Return where the input of a linkage can end, positive ones, by the law of cosines."""
+    one, other, *_, e = lengths = [mp.mpf(length) for length in mechanism.lengths]
+    if isinstance(mechanism, FourBar):
+        cosines = [(one**2 + e**2 - (other + k * lengths[2])**2) / (2 * one * e) for k in (-1, 1)]
+    elif mechanism.is_driven_by_slide:
+        squares = [(one + k * other)**2 - e**2 for k in (-1, 1)]
+        return [mp.sqrt(square) for square in squares if square >= 0]
+    elif isinstance(mechanism, SliderCrank):
+        return [abs(end) for k in (-1, 1) if abs(e + k * other) <= one
+                for angle in [mp.asin((e + k * other) / one)] for turn in (-2, -1, 0, 1, 2)
+                for end in (turn * mp.pi + angle, turn * mp.pi - angle)]
+    else:
+        cosines = [(one**2 + other**2 - e**2) / (2 * one * other)]
+    return [end for cosine in cosines if abs(cosine) <= 1 for angle in [mp.acos(cosine)]
+            for end in (angle, 2 * mp.pi - angle)]
+
+
+@contract.every_case
+def test_limits_are_exact_to_the_last_bits(case):
+    rng = np.random.default_rng(95)
+    if case.name == 'scotch_yoke' or case.driven in 'AB' or case.mode == 1:
+        return
+    families = {'random', 'near a change point', 'near the limit of the offset'}
+    for family in families & contract.families_of(case).keys():
+        for _ in range(60):
+            mechanism = case.make(contract.draw(rng, case, family)[0])
+            for end in () if mechanism.turns_fully else np.ravel(mechanism.input_ranges).tolist():
+                assert min(abs(abs(end) - exact) for exact in exact_ends(mechanism)) <= (
+                    4 * EPS * abs(end))
+
+
+def test_four_bars_have_one_range_or_two():
+    shapes = set()
+    for lengths in random_lengths(np.random.default_rng(42), 400).tolist():
+        linkage = FourBar(*lengths)
+        ranges = linkage.input_ranges
+        shapes.add((len(ranges), linkage.turns_fully, ranges[-1][1] > pi))
+        found = [] if linkage.turns_fully else [end for end in ranges[-1] if 0.0 < end < pi]
+        assert len(found) == len([end for end in exact_ends(linkage) if end < pi])
+    assert shapes == {(1, True, False), (1, False, False), (1, False, True), (2, False, False)}
+
+
+def test_full_turns_of_the_input_angle_change_nothing_but_rounding():
+    linkage = FourBar(4.0, 3.0, 2.0, 8.0)
+    assert linkage.motion(0.1 + 20.0 * pi).theta4 == pytest.approx(linkage.motion(0.1).theta4,
+                                                                   abs=1e-13)
+    with pytest.raises(OutOfRange):
+        linkage.motion(pi + 20.0 * pi)
+
+
+def test_toggle_raises_for_one_value_and_is_nan_in_arrays():
+    """
+    At a limit the angle is rounded.
+
+    It is called a toggle from both sides, and nothing is finite.
+    """
+    for lengths in ((4.0, 3.0, 2.0, 8.0), (3.0, 2.0, 4.0, 3.5), (1.0, 0.5, 0.25, 0.5)):
+        linkage = FourBar(*lengths)
+        for end in (end for bounds in linkage.input_ranges for end in bounds):
+            outcomes = set()
+            for theta1 in (nextafter(end, -9.0), end, nextafter(end, 9.0)):
+                try:
+                    motion = linkage.motion(theta1, 1.0)
+                    assert abs(motion.sin_mu) < 1e-7 and abs(motion.omega4) > 1e5
+                    outcomes.add('finite')
+                except Toggle:
+                    assert not np.isfinite(linkage.motion([theta1], 1.0).omega4[0])
+                    outcomes.add('toggle')
+            assert 'toggle' in outcomes
+
+
+@pytest.mark.parametrize('driven', ['crank', 'slide'])
+@pytest.mark.parametrize('kind', [SliderCrank, InvertedSlider])
+def test_offset_at_and_past_its_limit(kind, driven):
+    for offset in (8.5, -8.5, 9.0, inf, nan):
+        with pytest.raises(InvalidParameter, match='^offset = '):
+            kind(2.5, 6.0, offset, input=driven)
+    inside = kind(2.5, 6.0, nextafter(8.5, 0.0), input=driven)
+    (low, high), = inside.input_ranges
+    middle = inside.motion(low + 0.4 * (high - low), 1.0)
+    assert 0.0 < high - low < 1e-6
+    # all in one line, the guide or the bar square to it
+    assert abs(middle.sin_x) == pytest.approx(float(kind is SliderCrank), abs=1e-6)
+    assert (middle.sin_b if kind is SliderCrank else middle.sin_y) == pytest.approx(1.0, abs=1e-14)
+    # the crank's limit: full turns up to |offset| = a2 - a1, not beyond
+    assert kind(2.5, 6.0, 3.5).turns_fully
+    assert not kind(2.5, 6.0, nextafter(3.5, 4.0)).turns_fully
+
+
+# --- dead points ---------------------------------------------------------------------------------
+
+COUNTS = {'Grashof crank-rocker': {2}, 'Grashof double-crank': {0}, 'Grashof rocker-crank': {0},
+          'Grashof double-rocker': {2}, 'Grashof crank-slider': {2}, 'Grashof rocker-slider': {2},
+          'non-Grashof rocker-slider': {1}}
+
+
+CRANKS = [case for case in contract.CASES if case.driven == 'crank' and case.name != 'scotch_yoke']
+
+
+@pytest.mark.parametrize('case', CRANKS, ids=contract.name_of)
+def test_the_output_stalls_at_dead_points(case):
+    """Its angle or way is extreme there, an end of its range."""
+    rng = np.random.default_rng(96)
+    for _ in range(60):
+        mechanism = case.make(contract.draw(rng, case)[0])
+        if mechanism.change_point_margin < 1e-3 or abs(np.subtract(*mechanism.lengths[:2])) < 0.05:
+            continue
+        output = mechanism.outputs[0].coordinate
+        ends = np.ravel(mechanism.ranges_of_both_modes[output.position]
+                        if output.position in mechanism.ranges_of_both_modes else
+                        replace(mechanism, input='slide').input_ranges
+                        if case.name == 'slider_crank' else [])
+        points = mechanism.dead_points
+        assert len(points) in COUNTS.get(mechanism.classification, {0, 1, 2})
+        for theta1, place, *stretched in points:
+            exact, motion = values(mechanism, theta1), mechanism.motion(theta1, 1.0)
+            bound = 64 * EPS * (1.0 + motion.condition)
+            assert abs(exact[output.rate]) <= bound * (1.0 + motion.condition)
+            assert is_near(place, float(exact[output.position]), output, bound)
+            assert not ends.size or any(is_near(place, end, output, bound) for end in ends)
+            for is_stretched in stretched:
+                assert (mp.cos(exact['theta2']) > 0) == is_stretched
+
+
+def is_near(one, other, coordinate, bound):
+    """Return whether two values of a coordinate are as near as this, angles modulo a turn."""
+    apart = one - other
+    if coordinate.position.startswith('theta'):
+        apart = remainder(apart, 2.0 * pi)
+    return abs(apart) <= bound
+
+
+@pytest.mark.parametrize('kind', [SliderCrank, InvertedSlider])
+def test_a_driven_slide_has_no_dead_points(kind):
+    assert kind(2.5, 6.0, input='slide').dead_points == ()

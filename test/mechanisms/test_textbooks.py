@@ -1,0 +1,218 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Examples of textbooks, loads by hand, and a linkage seen as another one."""
+from math import cos, pi, radians, remainder, sin
+
+from fourbar_ros import (
+    Applied,
+    Bodies,
+    Body,
+    External,
+    find_extrema,
+    FourBar,
+    InvalidParameter,
+    InvertedSlider,
+    OutOfRange,
+    point_motion,
+    ScotchYoke,
+    SliderCrank,
+    Toggle,
+)
+import numpy as np
+import pytest
+from support import contract
+from support.cartesian import EPS
+
+# --- examples ------------------------------------------------------------------------------------
+
+
+def test_example_7_2():
+    """
+    Crank 2.5 in at 30 deg and 1800 rpm cw, coupler 6 in.
+
+    w3 69.5 rad/s, a3 6538 rad/s^2, slider 8095 ft/s^2.
+    """
+    motion = SliderCrank(2.5, 6.0).motion(radians(30.0), -60.0 * pi)
+    assert (motion.omega_beta, motion.alpha_beta,
+            motion.slide_acceleration / 12.0) == pytest.approx(
+        (69.54, 6538.1, -8094.5), rel=1e-4)
+
+
+def test_example_7_3():
+    """
+    Points E and F of Uicker's 4R.
+
+    2614 and 1937 ft/s^2 (read off the drawing: 2580 and 1960).
+    """
+    inch, linkage = 0.0254, FourBar(4 * 0.0254, 18 * 0.0254, 11 * 0.0254, 10 * 0.0254)
+    motion = linkage.motion(radians(120.0), 30.0 * pi)
+    e = point_motion(linkage, motion, 'coupler', 10 * inch, -4 * inch)
+    f = point_motion(linkage, motion, 'output', 7 * inch, -3 * inch)
+    assert (motion.omega_beta, motion.omega4,
+            motion.alpha4) == pytest.approx((25.38, 49.50, -1819.0), rel=1e-3)
+    assert [np.hypot(*p.acceleration) / 0.3048 for p in (e, f)] == pytest.approx([2614.0, 1937.0],
+                                                                                 rel=1e-3)
+
+
+def test_example_7_5():
+    """
+    Crank 3 in at 30 deg to the ground of 14 in, 36 rad/s cw. Of the offset the text says nothing.
+
+    Read off the drawing: w4 7.55 rad/s, V_rel 5.52 ft/s, a4 283 rad/s^2. Without offset we have
+    7.45, 5.48 and 291 (1.3, 0.8, 2.9 % off); with the 2 in of AB to either side w4 is 12 to 15 %
+    off.
+    """
+    given, drawn = (radians(30.0), -36.0, 0.0), np.array([7.55, 5.52 * 12.0, 283.0])
+    for h, share in ((0.0, (0.0, 0.03)), (2.0, (0.1, 0.2)), (-2.0, (0.1, 0.2))):
+        m = InvertedSlider(3.0, 14.0, h).motion(*given)
+        values = (m.omega4, -m.slide_velocity, m.alpha4)
+        assert share[0] < np.abs(values / drawn - 1.0).max() < share[1]
+
+
+MASSES = Bodies(Body(2.0, 0.0, 0.0, 0.1), Body(0.3), Body(4.0))
+
+
+def test_harmonic_motion_of_a_textbook():
+    """
+    Any textbook: s = r cos wt, v = -r w sin wt, a = -r w^2 cos wt.
+
+    The frame takes m a of yoke and block.
+    """
+    r, w = 0.1, 30.0
+    yoke = ScotchYoke(r, bodies=MASSES)
+    for t in (0.0, 0.01, 0.04, 0.07):
+        motion, loads = yoke.step(w * t, w)
+        assert motion.slide == pytest.approx(r * cos(w * t), abs=1e-16)
+        assert motion.slide_velocity == pytest.approx(-r * w * sin(w * t), abs=1e-14)
+        assert motion.slide_acceleration == pytest.approx(-r * w**2 * cos(w * t), abs=1e-12)
+        assert loads.shaking_force_x == pytest.approx((4.0 + 0.3) * r * w**2 * cos(w * t),
+                                                      abs=1e-11)
+        assert loads.shaking_force_y == pytest.approx(0.3 * r * w**2 * sin(w * t), abs=1e-11)
+        assert (loads.f32_x == pytest.approx(4.0 * r * w**2 * cos(w * t), abs=1e-11)
+                and loads.f32_y == 0.0)
+        assert loads.driving_torque == pytest.approx(0.5 * 4.0 * r**2 * w**2 * sin(2.0 * w * t),
+                                                     abs=1e-11)
+
+
+def test_extrema_of_harmonic_motion():
+    """
+    Two of the velocity and two of the acceleration, at quarters of a turn.
+
+    Torque at odd eighths.
+    """
+    yoke = ScotchYoke(0.1, 0.02, bodies=MASSES)
+    found = find_extrema(yoke, ('slide_velocity', 'slide_acceleration', 'driving_torque'), 30.0)
+    places = {name: sorted(e.theta1 for e in found if e.quantity == name)
+              for name in {e.quantity for e in found}}
+    assert places['slide_velocity'] == pytest.approx([0.5 * pi, 1.5 * pi], abs=1e-12)
+    assert places['slide_acceleration'] == pytest.approx([0.0, pi], abs=1e-12)
+    assert places['driving_torque'] == pytest.approx([(k + 0.5) * 0.5 * pi for k in range(4)],
+                                                     abs=1e-12)
+    largest = {'slide_velocity': 3.0, 'slide_acceleration': 90.0, 'driving_torque': 18.0}
+    for extremum in found:
+        assert abs(extremum.value) == pytest.approx(largest[extremum.quantity], rel=1e-14)
+
+
+def test_toggles_modes_and_ranges():
+    yoke = ScotchYoke(0.1, input='slide')
+    assert yoke.input_ranges == ((-0.1, 0.1),) and set(yoke.modes) == {1, 2}
+    with pytest.raises(Toggle):
+        yoke.motion(0.1, 1.0)
+    with pytest.raises(OutOfRange):
+        yoke.motion(0.1000001, 1.0)
+    assert yoke.in_mode(1).motion(0.05).theta1 == -yoke.motion(0.05).theta1
+    assert np.isnan(yoke.motion(np.array([0.2])).theta1[0])
+    with pytest.raises(InvalidParameter, match='one assembly mode'):
+        ScotchYoke(0.1, mode=1)
+    assert [tuple(point) for point in ScotchYoke(0.1).dead_points] == [(0.0, 0.1), (pi, -0.1)]
+    assert ScotchYoke(0.1, input='slide', stroke=(0.0, 0.05)).input_ranges == ((0.0, 0.05),)
+
+
+# --- a linkage seen as another one ---------------------------------------------------------------
+
+def test_the_cylinder_is_the_slider_crank_seen_from_its_bar():
+    for mechanism, given in contract.ordinary_of(('inverted_slider',), 110, 30, 'slide'):
+        m = mechanism.motion(*given)
+        seen = SliderCrank(mechanism.a4, mechanism.a1, mechanism.offset, 3 - mechanism.mode,
+                           'slide').motion(*given)
+        assert remainder(m.theta4 - (pi - seen.theta1),
+                         2.0 * pi) == pytest.approx(0.0, abs=4 * EPS)
+        assert (m.omega4, m.alpha4, m.omega1) == (-seen.omega1, -seen.alpha1, seen.omega2)
+
+
+def test_a_long_output_link_makes_a_slider_of_the_four_bar():
+    """
+    The modes are those of a 4R whose output link is very long, below the guide.
+
+    theta4 = pi/2.
+    """
+    a1, a2, e, far = 0.1, 0.3, 0.02, 1e6
+    for mode in (1, 2):
+        slider = SliderCrank(a1, a2, e, mode)
+        middle = slider.motion(0.8).slide
+        # O4 below the middle of the stroke; the 4R's x axis runs from O1 to it
+        ground = complex(middle, e - far)
+        turn = np.angle(ground)
+        four = FourBar(a1, a2, far, abs(ground), mode=mode)
+        m, s = four.motion(0.8 - turn, 3.0), slider.motion(0.8, 3.0)
+        assert remainder(m.beta + turn - s.beta, 2.0 * pi) == pytest.approx(0.0, abs=1e-6)
+        assert m.omega_beta == pytest.approx(s.omega_beta, rel=1e-5)
+        assert m.transmission_angle == pytest.approx(s.transmission_angle, abs=1e-6)
+        assert -far * m.omega4 == pytest.approx(s.slide_velocity, rel=1e-5)
+
+
+# --- loads by hand -------------------------------------------------------------------------------
+
+def test_gas_force_on_the_piston():
+    """Massless links: the coupler carries the force, the torque is that of virtual work."""
+    nothing = Bodies(Body(0.0), Body(0.0), Body(0.0))
+    push = External(output=Applied(force_x=-1000.0, across=0.02))
+    for e in (0.0, 0.05):
+        m, loads = SliderCrank(0.1, 0.3, e, bodies=nothing, external=push).step(0.8, 30.0)
+        assert loads.driving_torque == pytest.approx(1000.0 * m.slide_ratio, rel=1e-14)
+        # two-force member
+        assert abs(loads.f32_x * m.sin_b - loads.f32_y * m.cos_b) <= 8 * EPS * loads.f32
+        assert loads.guide_force == pytest.approx(-1000.0 * m.sin_b / m.cos_b, rel=1e-13)
+        # turns the slider back: 0.02 m x 1000 N
+        assert loads.guide_couple == pytest.approx(-20.0, rel=4 * EPS)
+        assert loads.f43_x == 0.0 and loads.shaking_force_x == -1000.0
+        m, loads = SliderCrank(0.1, 0.3, e, mode=1, input='slide', bodies=nothing,
+                               external=push).step(0.25)
+        assert loads.driving_force == 1000.0 and loads.f21 == loads.f32 == 0.0
+
+
+def test_an_excavator_at_rest():
+    """
+    A load on the boom (crank).
+
+    Cylinder force from moments about O1, no offset, so a two-force member.
+    """
+    weight = Bodies(Body(100.0, 2.0), Body(0.0), Body(0.0))
+    cylinder = InvertedSlider(1.0, 2.0, mode=2, input='slide', bodies=weight, gravity=(0.0, -9.81))
+    m, loads = cylinder.step(2.1)
+    assert abs(loads.guide_force) <= EPS * loads.f41 and loads.guide_couple == 0.0
+    arm = m.cos_x * m.sin_y - m.sin_x * m.cos_y
+    assert loads.driving_force * arm == pytest.approx(9.81 * 100.0 * 2.0 * m.cos_x, rel=1e-14)
+    assert loads.f21 == pytest.approx(abs(loads.driving_force), rel=4 * EPS) == loads.f43
+    assert loads.shaking_force_y == pytest.approx(-981.0, rel=4 * EPS)
+
+
+# --- what a user sees ----------------------------------------------------------------------------
+
+def test_what_a_four_bar_says_twice_is_the_same():
+    for mechanism, given in contract.ordinary_of(('four_bar',), 3, 20, 'crank'):
+        m = mechanism.motion(*given)
+        assert m.omega4 == pytest.approx(m.omega1 * m.velocity_ratio, rel=8 * EPS)
+        mu = remainder(m.theta4 - m.beta, 2.0 * pi)
+        assert m.transmission_angle == pytest.approx(abs(mu), abs=16 * EPS)
+        for c, s, angle in ((m.cos_x, m.sin_x, m.theta1), (m.cos_b, m.sin_b, m.beta),
+                            (m.cos_y, m.sin_y, m.theta4), (m.cos_mu, m.sin_mu, mu)):
+            assert (c, s) == pytest.approx((cos(angle), sin(angle)), abs=16 * EPS)
+
+
+def test_tab_completion_shows_what_a_user_asks_for():
+    linkage = FourBar(0.4, 1.2, 0.8, 1.0)
+    motion = linkage.motion(1.0, 25.0)
+    assert len(dir(linkage)) <= 30 and {'a1', 'motion', 'dead_points'} <= set(dir(linkage))
+    assert 'cos_x' not in dir(motion) and 'cos_x' not in repr(motion)
+    assert all(hasattr(linkage, name) for name in dir(linkage))
