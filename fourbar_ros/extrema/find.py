@@ -12,18 +12,17 @@ where they have one-sided values.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
-from math import isfinite, isnan, nan
+from math import isfinite, isnan, nan, pi
 from typing import Any, NamedTuple, Union
 
-from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.errors import in_words, InvalidParameter
 from fourbar_ros.extrema.path_search import PathExtremum
 from fourbar_ros.extrema.search import Search
-from fourbar_ros.extrema.within import in_part, parts_of
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Quantity
 from fourbar_ros.mechanisms.quantities import Asked, Function, select, UnknownQuantity
 from fourbar_ros.numerics.arrays import EPS
-from fourbar_ros.numerics.given import rate_of_input
+from fourbar_ros.numerics.given import number, rate_of_input
 from fourbar_ros.numerics.roots import fold
 import numpy as np
 
@@ -151,22 +150,35 @@ def find_extrema(linkage: Mechanism, quantities: AskedQuantities = (), rate: flo
         return [extremum for quantity in every
                 for extremum in (_of_inertia(linkage, options) if quantity == INERTIA else
                                  find_extrema(linkage, quantity, rate, acceleration, **options))]
-    parts = None if within is None else parts_of(linkage, within)
     rate, acceleration = map(rate_of_input, ('rate', 'acceleration'), (rate, acceleration))
     quantities = _resolve(quantities, linkage)
     check()
-    search = Search(linkage, quantities, (rate, acceleration))
+    part = None if within is None else _checked_part(linkage, within)
+    search = Search(linkage, quantities, (rate, acceleration), part)
+    if not search.paths:
+        raise InvalidParameter('within', within, 'the links close at none of these inputs, but in '
+                               + in_words(linkage.input_ranges, linkage.input_coordinate.unit))
     found, proofs = search.extrema(conditions), [''] * len(quantities)
     if certify:
         def tell(share: float) -> None:
             check()
             progress(share)
         found, proofs = search.proved(found, conditions, tell, seconds)
-    if parts is not None:
-        by_part = [in_part(search, linkage, part, found) for part in parts]
-        found = [[one for part in of_one for one in part] for of_one in zip(*by_part)]
     return [extremum for quantity, part, proof in zip(quantities, found, proofs)
             for extremum in _extrema(quantity, linkage, part, proof)]
+
+
+def _checked_part(linkage: Mechanism, within: Any) -> tuple[float, float]:
+    """Return the lowest and the highest input of a search [rad or m]."""
+    try:
+        low, high = (number('within', value) for value in within)
+    except (TypeError, ValueError):
+        raise InvalidParameter('within', within, 'must be two finite inputs') from None
+    if not low < high:
+        raise InvalidParameter('within', within, 'must be two inputs, the lower one first')
+    if not linkage.is_driven_by_slide and high - low > 2.0 * pi:
+        raise InvalidParameter('within', within, 'must span a turn at most')
+    return low, high
 
 
 def _of_inertia(linkage: Mechanism, options: dict[str, Any]) -> list[Extremum]:

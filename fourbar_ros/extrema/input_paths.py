@@ -16,7 +16,7 @@ z|; kernels of the widths 4 w, 16 w, ... thin out the samples with the distance.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import pi
+from math import inf, pi
 from typing import NamedTuple
 
 from fourbar_ros.errors import FourBarError
@@ -29,16 +29,16 @@ PER_KERNEL, WIDER, NARROWEST = 16, 4.0, 1e-12
 NODES = 32                          # of each kernel, to solve t(phi) = t
 # Points added towards a toggle, each twice as close as the one before, and towards a flat
 # position, every second one twice as close. The last are 1e-6 in u from a toggle and 1e-12 in x
-# from either, where x itself has four digits left.
-TOGGLE_POINTS, FLAT_POINTS = 14, 64
+# from either, where x itself has four digits left. How many others a path has at least.
+TOGGLE_POINTS, FLAT_POINTS, LEAST = 14, 64, 32
 
 
 class End(NamedTuple):
-    """End of an input path: a toggle, a flat position or the end of a stroke."""
+    """End of an input path: a toggle, a flat position, or where a stroke or a search ends."""
 
     x: float                     # input, in the mechanism's unit
     is_flat: bool                # the flat position of a change point
-    is_regular: bool = False     # the end of a stroke, where nothing is singular
+    is_regular: bool = False     # the end of a stroke or a search, where nothing is singular
 
 
 class InputPath(NamedTuple):
@@ -49,7 +49,7 @@ class InputPath(NamedTuple):
     added next to ``low`` and ``high``.
     """
 
-    x: Array             # (n,), inputs in the order of motion; of a full turn in [-pi, pi]
+    x: Array             # (n,), rising inputs; of a full turn in [-pi, pi]
     low: End | None      # where it begins; None for full turns: after the last point is the first
     high: End | None     # where it ends
     first: int           # index of the point half a step from ``low``
@@ -71,7 +71,7 @@ class InputPath(NamedTuple):
     def with_points(self, points: Array) -> InputPath:
         """Return the path with those of more inputs, in any order, that lie between its ends."""
         start, end = self.x[[0, -1]]
-        if self.is_closed or end < start:       # all inputs, and through pi
+        if self.is_closed:
             points = points - 2.0 * pi * (points > pi)
         else:
             points = points[(points > start) & (points < end)]
@@ -152,35 +152,64 @@ class Range(NamedTuple):
         return float(np.arcsin((x - self.middle) / self.half))
 
 
-def input_paths(mechanism: Mechanism, points: int) -> list[InputPath]:
+def input_paths(mechanism: Mechanism, points: int,
+                within: tuple[float, float] | None = None) -> list[InputPath]:
     """
     Return the paths that make up the motion of a mechanism in its mode.
 
-    ``points`` is the least number of points of a full turn, without those added at the ends. A
-    slide is given in units of :attr:`input_unit`.
+    ``points`` is the least number of points of a full turn, without those added at the ends.
+    ``within``: the inputs [rad or m] between which paths are wanted, of angles at most a turn
+    apart. A slide is given in units of :attr:`input_unit`.
     """
     unit = mechanism.input_unit
     singular = np.array(mechanism.singular_inputs, complex) / unit
     if mechanism.turns_fully:
-        return _closed(singular, points)
-    stroke = [end / unit for end in mechanism.stroke or ()]
+        return _of_turns(singular, points, within)
     paths = []
     for low, high in mechanism.closing_ranges:
         bounds = Range(low / unit, high / unit)
         inside = _beside(singular, bounds, not mechanism.is_driven_by_slide)
         ends = [End(end, end * unit in mechanism.flat_limits) for end in bounds]
-        paths += _between(bounds, ends, inside, points, stroke)
+        for cut in _cuts(mechanism, within):
+            paths += _between(bounds, ends, inside, points, [end / unit for end in cut])
     return paths
 
 
-def _closed(singular: Array, points: int) -> list[InputPath]:
-    """Return the paths of a crank that turns fully: a whole turn, or between flat positions."""
+def _cuts(mechanism: Mechanism, within: tuple[float, float] | None) -> list[tuple[float, float]]:
+    """Return the parts of the input [rad or m] in which paths are wanted, angles in each turn."""
+    low, high = within or (-inf, inf)
+    if mechanism.is_driven_by_slide:
+        begin, end = mechanism.stroke or (-inf, inf)
+        return [(max(low, begin), min(high, end))]
+    if not within:
+        return [(low, high)]
+    turns = round(low / (2.0 * pi))
+    return [(low - 2.0 * pi * turn, high - 2.0 * pi * turn)
+            for turn in range(turns - 2, turns + 3)]
+
+
+def _of_turns(singular: Array, points: int,
+              within: tuple[float, float] | None) -> list[InputPath]:
+    """
+    Return the paths of a crank that turns fully.
+
+    They are a whole turn, or lead from one flat position or end of ``within`` to the next.
+    """
     flat = np.unique(singular.real[singular.imag == 0.0])
     kernels = _kernels(singular[singular.imag != 0.0], points)
-    if not flat.size:
+    if within:
+        turn = 2.0 * pi * round(sum(within) / (4.0 * pi))
+        low, high = within[0] - turn, within[1] - turn
+        ends = {x: End(float(x), True) for x in (*(flat - 2.0 * pi), *flat, *(flat + 2.0 * pi))
+                if low - NARROWEST < x < high + NARROWEST}
+        for x in (low, high):
+            if all(abs(x - place) >= NARROWEST for place in ends):
+                ends[x] = End(x, False, True)
+        ends = dict(sorted(ends.items()))
+    elif flat.size:
+        ends = {x: End(float(x), True) for x in (*flat, flat[0] + 2.0 * pi)}
+    else:
         return [InputPath(_spread(kernels, (-pi, pi), ())[0], None, None, 0, -1)]
-    places = [*flat, flat[0] + 2.0 * pi]
-    ends = {place: End(float(place), True) for place in places}
     return _paths(kernels, ends, lambda phi: phi)
 
 
@@ -195,11 +224,11 @@ def _beside(singular: Array, bounds: Range, is_periodic: bool) -> Array:
 
 
 def _between(bounds: Range, limits: Sequence[End], singular: Array, points: int,
-             stroke: Sequence[float]) -> list[InputPath]:
+             cut: Sequence[float]) -> list[InputPath]:
     """
     Return the paths of a range between two toggles: two, if a flat position lies between them.
 
-    ``limits``: the ends of the range; ``stroke``: () or two inputs to which paths are cut.
+    ``limits``: the ends of the range; ``cut``: the two inputs to which paths are cut.
     """
     scaled = (singular - bounds.middle) / bounds.half
     is_flat = (scaled.imag == 0.0) & (np.abs(scaled.real) < 1.0)
@@ -208,14 +237,14 @@ def _between(bounds: Range, limits: Sequence[End], singular: Array, points: int,
     flat = {float(np.arcsin(place)): End(float(x), True)
             for place, x in zip(scaled.real[is_flat], singular.real[is_flat])}
     ends = {-0.5 * pi: limits[0], **dict(sorted(flat.items())), 0.5 * pi: limits[1]}
-    return _paths(kernels, _within(ends, stroke, bounds) if stroke else ends, bounds.to_input)
+    return _paths(kernels, _within(ends, cut, bounds), bounds.to_input)
 
 
-def _within(ends: dict[float, End], stroke: Sequence[float], bounds: Range) -> dict[float, End]:
-    """Return {phi: End} of the part of a range within a stroke, whose ends are regular ends."""
-    low, high = stroke
+def _within(ends: dict[float, End], cut: Sequence[float], bounds: Range) -> dict[float, End]:
+    """Return {phi: End} of the part of a range between two inputs, which are regular ends."""
+    low, high = cut
     inside = {phi: end for phi, end in ends.items() if low <= end.x <= high}
-    for x in stroke:
+    for x in cut:
         if abs(x - bounds.middle) < bounds.half and all(x != end.x for end in inside.values()):
             inside[bounds.phi(x)] = End(x, False, True)
     return dict(sorted(inside.items()))
@@ -267,7 +296,7 @@ def _spread(kernels: Kernels, bounds: tuple[float, float],
     t counts samples, phi [rad] stands for the input, see the top of this file.
     """
     begin, end = kernels.samples(np.array(bounds))[0].tolist()
-    count = int(np.ceil(end - begin))
+    count = max(int(np.ceil(end - begin)), LEAST)
     before, after = (closer_points(one, count) for one in ends or (None, None))
     t = np.concatenate((before[::-1], (np.arange(count) + 0.5) / count, 1.0 - after))
     return _inverse(kernels, bounds, begin + (end - begin) * t), before.size, after.size

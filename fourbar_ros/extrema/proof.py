@@ -200,8 +200,7 @@ def _away_from_ends(path: InputPath) -> InputPath:
     if path.is_closed:
         return path
     ends = [end for _, end in path.ends()]
-    low, high = ends[0].x, ends[1].x
-    limit = LEFT_OUT_AT_LIMIT * (high - low + 2.0 * pi * (high < low))
+    limit = LEFT_OUT_AT_LIMIT * (ends[1].x - ends[0].x)
     return path._replace(x=path.x[[
         all(abs(x - end.x) > (LEFT_OUT if end.is_flat else limit) for end in ends)
         for x in path.x.tolist()]])
@@ -209,7 +208,7 @@ def _away_from_ends(path: InputPath) -> InputPath:
 
 def _pieces(path: InputPath) -> list[tuple[float, float]]:
     """Return the pieces (low, high) between every fourth sample of a path."""
-    x = (path.x + 2.0 * pi * (path.x < path.x[0])).tolist()
+    x = path.x.tolist()
     x += [x[0] + 2.0 * pi] if path.is_closed else []
     edges = x[:-1:STRIDE] + x[-1:]
     return list(zip(edges, edges[1:]))

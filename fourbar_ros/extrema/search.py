@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import cached_property
-from math import nan
 from typing import TYPE_CHECKING
 
 from fourbar_ros.extrema.difference_sampling import DifferenceSampler
@@ -19,7 +18,6 @@ from fourbar_ros.extrema.path_search import PathExtremum, search_path
 from fourbar_ros.extrema.sampling import Sampler
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.quantities import Asked, Function
-import numpy as np
 
 if TYPE_CHECKING:       # loaded when a proof is asked for
     from fourbar_ros.extrema.proof import Proof
@@ -31,9 +29,10 @@ class Search:
     """The search, and its proof, for some quantities of a mechanism at rate and acceleration."""
 
     def __init__(self, linkage: Mechanism, quantities: Sequence[Asked],
-                 rates: tuple[float, float]) -> None:
+                 rates: tuple[float, float], within: tuple[float, float] | None = None) -> None:
         """Make samplers of the quantities, by complex steps and by differences."""
         self._linkage, self._quantities, self._rates = linkage, quantities, rates
+        self._within = within
         rough = [row for row, one in enumerate(quantities)
                  if isinstance(one, Function) and not one.is_smooth]
         smooth = [row for row in range(len(quantities)) if row not in rough]
@@ -43,7 +42,7 @@ class Search:
     @cached_property
     def paths(self) -> list[InputPath]:
         """Return the paths of the input, with their sample points."""
-        return input_paths(self._linkage, SAMPLES)
+        return input_paths(self._linkage, SAMPLES, self._within)
 
     def extrema(self, with_conditions: bool = True,
                 more: Sequence[float] = ()) -> list[list[PathExtremum]]:
@@ -57,24 +56,6 @@ class Search:
             for path in self.paths:
                 for part in search_path(sampler, path, with_conditions, more):
                     found[rows[part.quantity]].append(part)
-        return found
-
-    def values_at(self, x: float) -> list[float]:
-        """Return the quantities at an input in its unit, angles in the turn of the search."""
-        found = [nan] * len(self._quantities)
-        for sampler, rows in self._groups:
-            values = sampler.values(np.array([x]))[:, 0]
-            if sampler.is_angle.any():
-                beside = [sampler.along(path) for path in self.paths]
-                every = np.concatenate([samples.path.x for samples in beside])
-                nearest = np.abs([self._linkage.distance(self._linkage.input_unit * one,
-                                                         self._linkage.input_unit * x)
-                                  for one in every.tolist()]).argmin()
-                values = sampler.same_turn(
-                    np.concatenate([samples.values for samples in beside], axis=1)[:, nearest],
-                    values, np.arange(values.size))
-            for row, value in zip(rows, values.tolist()):
-                found[row] = value
         return found
 
     def proved(self, found: list[list[PathExtremum]], with_conditions: bool,
