@@ -4,7 +4,7 @@
 Extrema of the output's rate and acceleration of many linkages at once.
 
 Cranks that turn fully are searched together (:mod:`fourbar_ros.extrema.full_turns`); other
-linkages, those in doubt and ties that only conditions decide, one by one.
+linkages and those in doubt one by one, as those with ties that only conditions decide.
 """
 from __future__ import annotations
 
@@ -23,7 +23,6 @@ from fourbar_ros.numerics.arrays import Array, EPS
 from fourbar_ros.numerics.exact_sums import exact_sum_of_four
 from fourbar_ros.numerics.given import array, FASTEST
 from fourbar_ros.numerics.number_types import NumberType
-from fourbar_ros.numerics.roots import order_in_rows
 from fourbar_ros.numerics.tables import ARRAYS, run
 from fourbar_ros.numerics.trace import flat, Trace
 from fourbar_ros.numerics.write import keep_memory
@@ -34,8 +33,6 @@ RATES = 'omega4', 'alpha4'
 # Linkages searched together: their samples stay in the cache. Samples of a turn; a larger number
 # is for linkages that the smaller one does not resolve.
 TOGETHER, SAMPLES = 1024, (48, 96, 192, 384)
-# Between these many linkages progress is told.
-CHUNK = 8192
 # Values nearer to each other than this part of them may be equal, as far as their conditions tell.
 NEARLY = 1e-8
 
@@ -67,13 +64,8 @@ class Extrema(NamedTuple):
     side: Array
 
 
-ExtremumColumns = tuple[Array, ...]     # index, theta1, value, is_maximum, side
-
-
 def find_extrema_many(a1: ArrayLike, a2: ArrayLike, a3: ArrayLike, a4: ArrayLike,
-                      mode: ArrayLike = OPEN, rate: ArrayLike = 1.0,
-                      progress: Callable[[float], object] | None = None
-                      ) -> dict[str, Extrema]:
+                      mode: ArrayLike = OPEN, rate: ArrayLike = 1.0) -> dict[str, Extrema]:
     """
     Return all extrema of omega4 and alpha4 of many linkages at constant input rate.
 
@@ -85,8 +77,6 @@ def find_extrema_many(a1: ArrayLike, a2: ArrayLike, a3: ArrayLike, a4: ArrayLike
         Lengths [m]; broadcast. Linkages that cannot be assembled have no extrema.
     mode, rate : array_like
         Assembly mode (1 or 2) and input rate [rad/s], not zero.
-    progress : callable, optional
-        Called with the part done so far, from 0 to 1.
 
     Returns
     -------
@@ -106,36 +96,43 @@ def find_extrema_many(a1: ArrayLike, a2: ArrayLike, a3: ArrayLike, a4: ArrayLike
     if not ((mode == CROSSED) | (mode == OPEN)).all():
         raise InvalidParameter('mode', mode, 'must be 1 (crossed) or 2 (open)')
     lengths = np.array((a1, a2, a3, a4), dtype=float)
-    parts: dict[str, list[Extrema]] = {name: [] for name in RATES}
     keep_memory()
-    for start in range(0, max(rate.size, 1), CHUNK):
-        chunk = slice(start, start + CHUNK)
-        found = _chunk(lengths[:, chunk], mode[chunk], rate[chunk])
-        for name, part in found.items():
-            parts[name].append(part._replace(index=part.index + start))
-        if progress is not None:
-            progress(min(start + CHUNK, rate.size) / max(rate.size, 1))
-    return {name: Extrema(*map(np.concatenate, zip(*chunks))) for name, chunks in parts.items()}
-
-
-def _chunk(lengths: Array, mode: Array, rate: Array) -> dict[str, Extrema]:
-    """Return the extrema of both quantities of some linkages."""
     closes, turns = _closing(lengths)
     left = np.flatnonzero(turns)
-    found: dict[str, list[ExtremumColumns]] = {name: [] for name in RATES}
+    found: dict[str, list[Extrema]] = {name: [_columns(0, [])] for name in RATES}
     for count in SAMPLES:
         doubtful = [left[:0]]
         for start in range(0, left.size, TOGETHER):
             which = left[start:start + TOGETHER]
             is_doubtful, *both = _together(lengths[:, which], mode[which], rate[which], count)
             doubtful.append(which[is_doubtful])
-            for name, (row, *others) in zip(RATES, both):
-                found[name].append((which[row], *others))
+            for name, part in zip(RATES, both):
+                found[name].append(part._replace(index=which[part.index]))
         left = np.concatenate(doubtful)
     for index in np.concatenate((left, np.flatnonzero(closes & ~turns))).tolist():
-        for name, extrema in _alone(lengths, mode, rate, index).items():
-            found[name].append(_columns(index, extrema))
-    return {name: _marked(name, columns, lengths, mode, rate) for name, columns in found.items()}
+        a1, a2, a3, a4 = lengths[:, index].tolist()
+        alone = find_extrema(FourBar(a1, a2, a3, a4, int(mode[index])), RATES, float(rate[index]))
+        for name in RATES:
+            found[name].append(_columns(index, [one for one in alone if one.quantity == name]))
+    return {name: _sorted(parts) for name, parts in found.items()}
+
+
+def _sorted(parts: Sequence[Extrema]) -> Extrema:
+    """Return extrema of one quantity, given in parts, by linkage and theta1."""
+    whole = Extrema(*map(np.concatenate, zip(*parts)))
+    order = np.argsort(8.0 * whole.index + whole.theta1, kind='stable')      # theta1 < 2 pi < 8
+    return Extrema(*(column[order] for column in whole))
+
+
+def _columns(index: int, extrema: list[Extremum]) -> Extrema:
+    """Return the extrema of one quantity of one linkage as arrays."""
+    largest = max([one.value for one in extrema], default=0.0)
+    return Extrema(np.full(len(extrema), index), np.array([one.theta1 for one in extrema]),
+                   np.array([one.value for one in extrema]),
+                   np.array([one.kind == MAXIMUM or one.kind == CONSTANT and one.value == largest
+                             for one in extrema], bool),
+                   np.array([one.is_global for one in extrema], bool),
+                   np.array([one.side for one in extrema], int))
 
 
 def _closing(lengths: Array) -> tuple[Array, Array]:
@@ -163,9 +160,9 @@ def _trace() -> Trace:
 
 
 def _together(lengths: Array, mode: Array, rate: Array,
-              count: int) -> tuple[Array, ExtremumColumns, ExtremumColumns]:
+              count: int) -> tuple[Array, Extrema, Extrema]:
     """
-    Return which linkages are in doubt, and the columns of both quantities of the others.
+    Return which linkages are in doubt, and the extrema of both quantities of the others.
 
     The search is at 1 rad/s; values are then scaled by the rate (omega4) or its square (alpha4).
     """
@@ -202,66 +199,23 @@ def _together(lengths: Array, mode: Array, rate: Array,
         return np.stack([own[i] for i in flat(trace.results)])
 
     turns = search_turns(evaluate, mode.size, count, np.zeros(2, bool), phase)
-    found = list[ExtremumColumns]()
-    for order, (places, values) in enumerate(zip(turns.places, turns.values)):
+    is_doubtful, tables = turns.is_doubtful, list[tuple[Array, ...]]()
+    for order, values in enumerate(turns.values):
         # a negative rate turns maxima of omega4 into minima, not those of alpha4
         with np.errstate(under='ignore'):
             values = values * (rate**(order + 1))[:, None]
-        row, k = np.nonzero(np.isfinite(values) & ~turns.is_doubtful[:, None])
-        number = turns.counts[order][row]
         # maxima and minima alternate: a maximum is not below the next one
-        is_maximum = values[row, k] >= values[row, (k + 1) % number]
+        after = (np.arange(values.shape[1]) + 1) % np.maximum(turns.counts[order], 1)[:, None]
+        is_maximum = values >= np.take_along_axis(values, after, axis=1)
+        best = np.where(is_maximum, np.fmax.reduce(values, axis=1)[:, None],
+                        np.fmin.reduce(values, axis=1)[:, None])
+        beyond, size = np.abs(best - values), np.abs(best)
+        is_global = beyond <= 64 * EPS * size
+        is_doubtful = is_doubtful | ((beyond <= NEARLY * size) & ~is_global).any(axis=1)
+        tables.append((values, is_maximum, is_global))
+    found = []
+    for places, columns in zip(turns.places, tables):
+        row, k = np.nonzero(np.isfinite(places) & ~is_doubtful[:, None])
         inside = np.zeros(row.size, int)         # as ``side``: a full turn has no ends
-        found.append((row, places[row, k], values[row, k], is_maximum, inside))
-    return turns.is_doubtful, found[0], found[1]
-
-
-def _alone(lengths: Array, mode: Array, rate: Array, index: int) -> dict[str, list[Extremum]]:
-    """Return {quantity: extrema} of one of the linkages, by the search for any mechanism."""
-    a1, a2, a3, a4 = lengths[:, index].tolist()
-    extrema = find_extrema(FourBar(a1, a2, a3, a4, int(mode[index])), RATES, float(rate[index]))
-    return {name: [one for one in extrema if one.quantity == name] for name in RATES}
-
-
-def _columns(index: int, extrema: list[Extremum]) -> ExtremumColumns:
-    """Return the columns of extrema of one quantity of one linkage."""
-    largest = max([one.value for one in extrema], default=0.0)
-    return (np.full(len(extrema), index), np.array([one.theta1 for one in extrema]),
-            np.array([one.value for one in extrema]),
-            np.array([one.kind == MAXIMUM or one.kind == CONSTANT and one.value == largest
-                      for one in extrema], bool),
-            np.array([one.side for one in extrema], int))
-
-
-def _marked(name: str, columns: list[ExtremumColumns], lengths: Array, mode: Array,
-            rate: Array) -> Extrema:
-    """Return :class:`Extrema` of one quantity by linkage and theta1, the global ones marked."""
-    columns = [_columns(0, []), *columns]
-    index, theta1, *rest = (np.concatenate(arrays) for arrays in zip(*columns))
-    order = order_in_rows(index, theta1)
-    index, theta1, value, is_maximum, side = (v[order] for v in (index, theta1, *rest))
-    best = _best(index, value, is_maximum)
-    with np.errstate(invalid='ignore'):
-        beyond, size = np.abs(best - value), np.where(np.isfinite(best), np.abs(best), np.nan)
-        is_global = (value == best) | (beyond <= 64 * EPS * size)
-        is_near = ~is_global & (beyond <= NEARLY * size)
-    # what is nearly global may be so within its condition
-    for j in np.unique(index[is_near]).tolist():
-        alone, rows = _alone(lengths, mode, rate, j)[name], np.nonzero(index == j)[0]
-        if rows.size == len(alone):
-            is_global[rows] = [extremum.is_global for extremum in alone]
-    return Extrema(index, theta1, value, is_maximum, is_global, side)
-
-
-def _best(index: Array, value: Array, is_maximum: Array) -> Array:
-    """
-    Return, for each maximum, the largest value of its linkage; for each minimum the least.
-
-    ``index`` is sorted. For a maximum 3, a minimum 1 and a maximum 2 of one linkage: 3, 1 and 3.
-    """
-    if not index.size:
-        return value
-    is_first = np.append(True, index[1:] != index[:-1])
-    first, linkage = np.nonzero(is_first)[0], np.cumsum(is_first) - 1
-    low, high = (extreme.reduceat(value, first) for extreme in (np.minimum, np.maximum))
-    return np.where(is_maximum, high[linkage], low[linkage])
+        found.append(Extrema(row, places[row, k], *(table[row, k] for table in columns), inside))
+    return is_doubtful, found[0], found[1]

@@ -37,20 +37,6 @@ def fold(x: Value) -> Value:
     return np.where(x < 2.0 * pi, x, 0.0)
 
 
-def order_in_rows(row: Array, x: Array) -> Array:
-    """
-    Return the order by row, a whole number, and there by x, at most two turns [rad], both (n,).
-
-    One key of both sorts in a third of the time of two; where it rounds neighbours together, two
-    keys tell.
-    """
-    order = np.argsort(16.0 * row + x)
-    by_row, by_x = row[order], x[order]
-    apart = np.diff(by_row)
-    is_sorted = (apart > 0) | (apart == 0) & (by_x[1:] > by_x[:-1])
-    return order if is_sorted.all() else np.lexsort((x, row))
-
-
 def turns_back(f: Array, rise: Array) -> Array:
     """Return where the Bernstein coefficient next to a sample has the other sign, or nearly so."""
     return np.asarray(((1.0 - CAUTION) * f + rise >= 0.0) != (f >= 0.0))

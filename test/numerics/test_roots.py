@@ -167,12 +167,3 @@ def test_angles_are_folded_into_a_turn():
     assert [roots.fold(v) for v in x.tolist()] == folded.tolist()
     assert np.abs(np.exp(1j * folded) - np.exp(1j * x)).max() <= 4 * EPS
     assert roots.turn_after(0.1, 6.0) == 0.1 + 2.0 * pi and roots.turn_after(6.1, 6.0) == 6.1
-
-
-@pytest.mark.parametrize('spread', [2.0 * pi, 2.0**-40, 0.0])
-def test_the_order_in_rows_is_that_of_two_keys(spread):
-    rng = np.random.default_rng(7)
-    row, x = rng.integers(0, 16384, 40_000), 1.0 + spread * rng.random(40_000)
-    x[::1000] = np.nan, *[1.0] * 39
-    assert (roots.order_in_rows(row, x) == np.lexsort((x, row))).all()
-    assert roots.order_in_rows(row[:0], x[:0]).size == 0
