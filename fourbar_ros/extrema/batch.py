@@ -110,8 +110,8 @@ def find_extrema_many(a1: ArrayLike, a2: ArrayLike, a3: ArrayLike, a4: ArrayLike
                 found[name].append(part._replace(index=which[part.index]))
         left = np.concatenate(doubtful)
     for index in np.concatenate((left, np.flatnonzero(closes & ~turns))).tolist():
-        a1, a2, a3, a4 = lengths[:, index].tolist()
-        alone = find_extrema(FourBar(a1, a2, a3, a4, int(mode[index])), RATES, float(rate[index]))
+        linkage = FourBar(*lengths[:, index].tolist()).in_mode(int(mode[index]))
+        alone = find_extrema(linkage, RATES, float(rate[index]))
         for name in RATES:
             found[name].append(_columns(index, [one for one in alone if one.quantity == name]))
     return {name: _sorted(parts) for name, parts in found.items()}
@@ -199,8 +199,8 @@ def _together(lengths: Array, mode: Array, rate: Array,
         return np.stack([own[i] for i in flat(trace.results)])
 
     turns = search_turns(evaluate, mode.size, count, np.zeros(2, bool), phase)
-    is_doubtful, tables = turns.is_doubtful, list[tuple[Array, ...]]()
-    for order, values in enumerate(turns.values):
+    is_doubtful, found = turns.is_doubtful, list[Extrema]()
+    for order, (places, values) in enumerate(zip(turns.places, turns.values)):
         # a negative rate turns maxima of omega4 into minima, not those of alpha4
         with np.errstate(under='ignore'):
             values = values * (rate**(order + 1))[:, None]
@@ -212,10 +212,10 @@ def _together(lengths: Array, mode: Array, rate: Array,
         beyond, size = np.abs(best - values), np.abs(best)
         is_global = beyond <= 64 * EPS * size
         is_doubtful = is_doubtful | ((beyond <= NEARLY * size) & ~is_global).any(axis=1)
-        tables.append((values, is_maximum, is_global))
-    found = []
-    for places, columns in zip(turns.places, tables):
-        row, k = np.nonzero(np.isfinite(places) & ~is_doubtful[:, None])
+        row, k = np.nonzero(np.isfinite(places))
         inside = np.zeros(row.size, int)         # as ``side``: a full turn has no ends
-        found.append(Extrema(row, places[row, k], *(table[row, k] for table in columns), inside))
-    return is_doubtful, found[0], found[1]
+        found.append(Extrema(row, places[row, k], values[row, k], is_maximum[row, k],
+                             is_global[row, k], inside))
+    omega, alpha = (Extrema(*(column[~is_doubtful[each.index]] for column in each))
+                    for each in found)
+    return is_doubtful, omega, alpha

@@ -22,7 +22,7 @@ from fourbar_ros.mechanisms.quantities import Asked, is_position, is_published
 from fourbar_ros.numerics.arrays import Array, EPS, Value
 from fourbar_ros.numerics.number_types import Function, Scalar
 from fourbar_ros.numerics.roots import fold
-from fourbar_ros.numerics.tables import ARRAYS, WITHOUT_ANGLES
+from fourbar_ros.numerics.tables import ARRAYS
 import numpy as np
 
 # Complex step: its square vanishes next to one, and it is far below the distance of any sample
@@ -68,11 +68,6 @@ def _term_sizes(mechanism: Mechanism, motion: NamedFields) -> dict[str, Scalar]:
     return {'rad/s': omega, 'rad/s^2': alpha, 'm/s': size * omega, 'm/s^2': size * alpha}
 
 
-def needs_angles(quantity: Asked) -> bool:
-    """Return whether a quantity may depend on angles, not only on their sines and rates."""
-    return not is_published(quantity) or is_position(quantity)
-
-
 def not_real(quantity: Asked, found: str) -> InvalidParameter:
     """Return the error for a function that does not give real numbers."""
     return InvalidParameter('quantities', quantity.name, 'a function must give a finite real '
@@ -103,19 +98,19 @@ class Sampler:
                  rates: tuple[float, float]) -> None:
         """Make the function of motion and loads of real and complex arrays."""
         self.linkage, self.quantities, self.rates = linkage, quantities, rates
-        self.with_angles = with_angles = any(map(needs_angles, quantities))
         self.needs_loads = any(q.is_load for q in quantities)
         if self.needs_loads and linkage.bodies is None:
             raise MissingBodies
         self.unit: float = linkage.input_unit
         self.is_angle = np.array([is_position(q) and q.unit == 'rad' for q in quantities])
         self.flats: dict[int, FlatSide] = {}
-        self._has_loads = linkage.bodies is not None and (self.needs_loads or with_angles)
-        self._table = ARRAYS if with_angles else WITHOUT_ANGLES
-        self._step = step_of_arrays(linkage, self._has_loads, self._table)
         # of published quantities no other field is needed for their values
         known = linkage.MOTION._fields + linkage.LOADS._fields
-        self._wanted = None if with_angles else [known.index(q.name) for q in quantities]
+        self._wanted = ([known.index(q.name) for q in quantities]
+                        if all(map(is_published, quantities)) else None)
+        self._has_loads = linkage.bodies is not None and (self.needs_loads
+                                                          or self._wanted is None)
+        self._step = step_of_arrays(linkage, self._has_loads)
         self._values = step_of_arrays(linkage, self._has_loads, wanted=self._wanted)
 
     def enter(self, path: InputPath) -> None:

@@ -33,7 +33,6 @@ from numpy.typing import ArrayLike
 
 if TYPE_CHECKING:
     from fourbar_ros.mechanisms.mechanism import Mechanism
-    from fourbar_ros.numerics.tables import Table
 
 # Inputs beside a flat position, in its unit, so near that the first term of a result is all of it.
 NEAR = Decimal('1e-22'), Decimal('1e-24')
@@ -275,19 +274,16 @@ def order_of(trace: Trace, wanted: tuple[int, ...]
     return once, varying, done
 
 
-def step_of_arrays(mechanism: Mechanism, with_loads: bool, table: Table | None = None,
-                   data: Constants | None = None, wanted: Sequence[int] | None = None
-                   ) -> Function:
+def step_of_arrays(mechanism: Mechanism, with_loads: bool, data: Constants | None = None,
+                   wanted: Sequence[int] | None = None) -> Function:
     """
     Return (position, rate, acceleration) -> fields of motion, and of loads, as a list.
 
-    Of arrays, real or complex, that broadcast; by the trace, with the operations of ``table``,
-    by default those of numpy.
+    Of arrays, real or complex, that broadcast; by the trace, with the operations of numpy.
     ``data``: columns in place of the mechanism's own :attr:`constants`, of many like it.
     ``wanted``: numbers of the fields, by default all; no others are computed, they are NaN.
     """
     from fourbar_ros.numerics.tables import ARRAYS, run  # nodes take one sample at a time
-    table = ARRAYS if table is None else table
     trace, known, _ = (mechanism.record_with_loads if with_loads else mechanism.record_of_motion)
     places = flat(trace.results)
     wanted = range_of(trace) if wanted is None else wanted
@@ -297,11 +293,11 @@ def step_of_arrays(mechanism: Mechanism, with_loads: bool, table: Table | None =
         known[trace.count:trace.count + trace.size] = numbers_of(
             data if with_loads else data._replace(bodies=None))
         with np.errstate(all='ignore'):
-            run(trace, once, table, known)
+            run(trace, once, ARRAYS, known)
 
     def step(*inputs: Values) -> list[Values]:
         """Return the fields, arrays or single numbers."""
-        values = run(trace, steps, table, [*inputs, *known[trace.count:]], done)
+        values = run(trace, steps, ARRAYS, [*inputs, *known[trace.count:]], done)
         fields: list[Values] = [nan] * len(places)
         for i in wanted:
             fields[i] = values[places[i]]

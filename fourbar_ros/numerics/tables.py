@@ -52,8 +52,6 @@ ARRAYS: Table = {
     'hypot': hypot_of_complex, 'fabs': size_of_complex, 'where': np.where,
     'gt': lambda a, b: np.real(a) > np.real(b), 'lt': lambda a, b: np.real(a) < np.real(b),
     'exact_sum': lambda *terms: exact_sum_of_four(terms), 'power_of_two': power_of_two_of_arrays}
-# The same where angles are not asked for: they are zero.
-WITHOUT_ANGLES: Table = {**ARRAYS, 'atan2': lambda y, x: 0.0}
 
 
 # --- duals of another table ----------------------------------------------------------------------
