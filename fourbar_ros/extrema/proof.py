@@ -289,37 +289,34 @@ class Enclosing:
         with_loads = linkage.bodies is not None and any(
             quantity.is_load or not is_published(quantity) for quantity in quantities)
         self._formula, data = formula_of(linkage, with_loads)
-        self._trace = trace = Trace(self._make, 3, data)
-        steps = [trace.steps[place] for place in flat(trace.results)]
-        self.squares = {i for i, step in enumerate(steps) if step.operation in ('hypot', 'sqrt')}
-        self._is_hypot = [step.operation == 'hypot' for step in steps]
-        self._results = [step.arguments if i in self.squares else (place,)
-                         for i, (step, place) in enumerate(zip(steps, flat(trace.results)))]
-        given = [None, *rates, *numbers_of(data)]
+        self._trace = trace = Trace(self._make, 1, (rates, data))
+        places = flat(trace.results)
+        operations = [trace.steps[place].operation for place in places]
+        self.squares = {i for i, name in enumerate(operations) if name in ('hypot', 'sqrt')}
+        self._is_hypot = [name == 'hypot' for name in operations]
+        self._results = [trace.steps[place].arguments if i in self.squares else (place,)
+                         for i, place in enumerate(places)]
         self._values: list[Any] = [None] * len(trace.steps)
-        for place, step in enumerate(trace.steps):
-            value = given[place] if place < len(given) else step.value
-            if step.is_given and value is not None:
-                self._values[place] = arb(value), arb(value)
+        for place, value in {**trace.literals(),
+                             **dict(enumerate([*rates, *numbers_of(data)], 1))}.items():
+            self._values[place] = arb(value), arb(value)
         self._orders: dict[tuple[int, ...], list[int]] = {}
         self._leasts = {place for place, step in enumerate(trace.steps)
                         if step.operation == 'lt'
                         and all(trace.steps[i].operation == 'fabs' for i in step.arguments)}
-        self._varies = {0}
-        for place, step in enumerate(trace.steps):
-            if not self._varies.isdisjoint(step.arguments):
-                self._varies.add(place)
         with arb_settings(BITS, ORDER + 2):
             run(trace, [place for place in self._needed(tuple(range(len(quantities))))
-                        if place not in self._varies], self._table, self._values)
+                        if place not in trace.varies], self._table, self._values)
 
-    def _make(self, numbers: NumberType, data: Any) -> Function:
-        """Return the formula of all quantities: (position, rate, acceleration) -> values."""
+    def _make(self, numbers: NumberType, given: Any) -> Function:
+        """Return the formula of all quantities: position -> values; ``given``: rates and data."""
+        rates, data = given
         step = self._formula.make(numbers, data)
 
-        def values(*inputs: Any) -> list[Any]:
+        def values(position: Any) -> list[Any]:
             """Return the quantities; 0 of a function that does other things than arithmetic."""
-            motion, loads = step(*inputs) if self._formula.with_loads else (step(*inputs), None)
+            fields = step(position, *rates)
+            motion, loads = fields if self._formula.with_loads else (fields, None)
             state = (self._linkage.MOTION(*motion),
                      self._linkage.LOADS(*loads) if loads else NoLoads())
             found: list[Any] = []
@@ -352,7 +349,7 @@ class Enclosing:
                 (middle, order + 1), (arb(low).union(arb(high)), order + 2))])
             try:
                 run(self._trace, [place for place in self._needed(tuple(rows))
-                                  if place in self._varies], self._table, values)
+                                  if place in self._trace.varies], self._table, values)
                 return middle, {i: self._coefficients(i, values, order) for i in rows}
             except (ValueError, ZeroDivisionError):     # a divisor may vanish
                 return middle, dict.fromkeys(rows)
