@@ -197,17 +197,12 @@ def _of_turns(singular: Array, points: int,
     """
     flat = np.unique(singular.real[singular.imag == 0.0])
     kernels = _kernels(singular[singular.imag != 0.0], points)
+    ends = {x: End(float(x), True) for turn in (-2.0 * pi, 0.0, 2.0 * pi) for x in flat + turn}
     if within:
         turn = 2.0 * pi * round(sum(within) / (4.0 * pi))
-        low, high = within[0] - turn, within[1] - turn
-        ends = {x: End(float(x), True) for x in (*(flat - 2.0 * pi), *flat, *(flat + 2.0 * pi))
-                if low - NARROWEST < x < high + NARROWEST}
-        for x in (low, high):
-            if all(abs(x - place) >= NARROWEST for place in ends):
-                ends[x] = End(x, False, True)
-        ends = dict(sorted(ends.items()))
+        ends = _within(ends, [x - turn for x in within], Range(-inf, inf), float)
     elif flat.size:
-        ends = {x: End(float(x), True) for x in (*flat, flat[0] + 2.0 * pi)}
+        ends = {x: ends[x] for x in (*flat, flat[0] + 2.0 * pi)}
     else:
         return [InputPath(_spread(kernels, (-pi, pi), ())[0], None, None, 0, -1)]
     return _paths(kernels, ends, lambda phi: phi)
@@ -237,16 +232,23 @@ def _between(bounds: Range, limits: Sequence[End], singular: Array, points: int,
     flat = {float(np.arcsin(place)): End(float(x), True)
             for place, x in zip(scaled.real[is_flat], singular.real[is_flat])}
     ends = {-0.5 * pi: limits[0], **dict(sorted(flat.items())), 0.5 * pi: limits[1]}
-    return _paths(kernels, _within(ends, cut, bounds), bounds.to_input)
+    return _paths(kernels, _within(ends, cut, bounds, bounds.phi), bounds.to_input)
 
 
-def _within(ends: dict[float, End], cut: Sequence[float], bounds: Range) -> dict[float, End]:
-    """Return {phi: End} of the part of a range between two inputs, which are regular ends."""
+def _within(ends: dict[float, End], cut: Sequence[float], bounds: Range,
+            to_phi: Callable[[float], float]) -> dict[float, End]:
+    """
+    Return {phi: End} of the part of a range between two inputs, which are regular ends.
+
+    Next to a flat position, that is the end.
+    """
+    slack = {phi: NARROWEST if end.is_flat else 0.0 for phi, end in ends.items()}
     low, high = cut
-    inside = {phi: end for phi, end in ends.items() if low <= end.x <= high}
-    for x in cut:
-        if abs(x - bounds.middle) < bounds.half and all(x != end.x for end in inside.values()):
-            inside[bounds.phi(x)] = End(x, False, True)
+    inside = {phi: end for phi, end in ends.items()
+              if low - slack[phi] <= end.x <= high + slack[phi]}
+    regular = [x for x in cut if bounds.low < x < bounds.high
+               and all(abs(x - end.x) > slack[phi] for phi, end in inside.items())]
+    inside.update({to_phi(x): End(x, False, True) for x in regular})
     return dict(sorted(inside.items()))
 
 
