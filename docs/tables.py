@@ -16,8 +16,7 @@ import sys
 ROOT = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(ROOT), str(ROOT / 'docs')]
 
-import approximations  # noqa: E402
-import formulas  # noqa: E402, I100
+import formulas  # noqa: E402
 from fourbar_lab.studies.measures import INPUT, OF_MECHANISM, PARTS, QUANTITY  # noqa: E402
 from fourbar_ros.cli import main  # noqa: E402, I100
 from fourbar_ros.mechanisms.kinds import KINDS, LOADS  # noqa: E402
@@ -171,23 +170,6 @@ def study_tables():
                                         for name, (text, unit) in OF_MECHANISM.items()])}
 
 
-def approximation_tables():
-    """Return {name: Markdown table} of robots.md."""
-    table = formulas.table
-    return {'mimic': table(('scene', 'output', 'travel', 'line', 'cubic', 'rate of the line'),
-                           list(approximations.mimic_rows())),
-            'static_map': table(('rate', 'largest torque', 'of the static map', 'error'),
-                                list(approximations.static_rows()))}
-
-
-def chain_table():
-    """Return {name: Markdown table} of node.md."""
-    return {'chains': formulas.table(
-        ('largest error of the driving torque, of its peak, at',
-         *(f'{rate:g} Hz' for rate in approximations.SAMPLED)),
-        list(approximations.chain_rows()))}
-
-
 def with_loads(text):
     """Return the text of LinkageLoads.msg with a field for each load."""
     return text + ''.join(f'float64 {load.name:<21} # [{load.unit}] {load.text}\n'
@@ -201,9 +183,7 @@ def pages():
             for name, tables in (('reference.md', reference_tables()),
                                  ('formulas.md', formulas.tables()),
                                  ('command_line.md', command_tables()),
-                                 ('studies.md', study_tables()),
-                                 ('robots.md', approximation_tables()),
-                                 ('node.md', chain_table()))}
+                                 ('studies.md', study_tables()))}
 
 
 def filled(page, tables):

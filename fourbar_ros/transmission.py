@@ -159,12 +159,6 @@ class Transmission:
             Trajectory(position, rate, None if driven.acceleration is None else acceleration,
                        effort), self._output, driven, ratio == 0.0, position)
 
-    def static_effort(self, wanted: Trajectory) -> Array:
-        """Return r M [N m or N]: the effort of the drive as if the links had no mass."""
-        inputs = self._solve(self._within_branch(wanted.position, self._output))
-        effort: Array = ratio_of(self.mechanism, inputs) * wanted.effort
-        return effort
-
     # --- what cannot be followed ----------------------------------------------------------------
 
     def _within_branch(self, positions: Array, coordinate: Coordinate) -> Array:
