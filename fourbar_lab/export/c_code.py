@@ -7,15 +7,14 @@ A model as C99: one header, one source; one statement per operation, so none is 
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from math import inf
 from textwrap import wrap
 
 from fourbar_lab.export.drive import DriveCode, tables
 from fourbar_lab.export.model import GeneratedModel, Named
-from fourbar_lab.export.statements import JUDGED, literal, snippet, Statements
+from fourbar_lab.export.statements import literal, snippet, Statements
 from fourbar_ros import __version__
-from fourbar_ros.numerics.trace import Step
 
 FLAGS = '-std=c99 -O2'
 CALLS = {'motion': 'motion_at', 'loads': 'loads_at', 'step': 'step'}
@@ -46,16 +45,9 @@ class Formulas:
 
     def line(self, with_loads: bool) -> list[str]:
         """Return the statements of motion, or of motion and loads."""
-        steps, found = self._steps, list[str]()
-        needed = {place for place in self._model.needed(with_loads)
-                  if place in self.varies and not steps[place].is_given}
-        for place in sorted(needed.union(self._model.refusing(with_loads))):
-            if place in needed:
-                found += self._statement(place, self.of_line)
-            refusal = self._refusal(steps[place])
-            if refusal and refusal not in found:
-                found.append(refusal)
-        return found
+        model = self._model
+        return self.writer.lines(model.trace, model.needed(with_loads),
+                                 model.refusing(with_loads), self.of_line)
 
     def of_line(self, place: int) -> str:
         """Return a number as the statements of the inputs name it."""
@@ -77,7 +69,9 @@ class Formulas:
                 x, y = (self._datum(first + i) for i in pairs[place])
                 found.append(f'const double d{place} = hypot_of({x}, {y});')
             elif place not in self._data:
-                found += self._statement(place, self._datum)
+                step = self._steps[place]
+                found += self.writer.define(f'd{place}', step, list(map(self._datum,
+                                                                        step.arguments)))
         return found + [f'made->k[{i}] = {self._datum(place)};'
                         for place, i in self.kept.items()]
 
@@ -90,22 +84,6 @@ class Formulas:
         value = self._values[place]
         assert value is not None, 'it depends on an input'
         return literal(value)
-
-    def _statement(self, place: int, name_of: Callable[[int], str]) -> list[str]:
-        step, is_line = self._steps[place], place in self.varies
-        return self.writer.define(
-            f'{"v" if is_line else "d"}{place}', step, [name_of(i) for i in step.arguments],
-            is_line, bool(step.arguments) and step.arguments[0] in self.varies)
-
-    def _refusal(self, step: Step) -> str:
-        """Return the statement that notes a refusal by floats in Python, or nothing."""
-        if step.operation not in JUDGED:
-            return ''
-        last = step.arguments[-1]
-        name, is_root = self.of_line(last), step.operation == 'sqrt'
-        if last not in self.varies and last not in self._tuned and self._values[last] != 0.0:
-            return ''
-        return f'refused |= {name} {"<" if is_root else "=="} 0.0;'
 
 
 class Code:

@@ -3,7 +3,7 @@
 """Steps of a trace as statements of C, one an operation, so that none can be contracted."""
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache
 from importlib.resources import files
 from math import isfinite
@@ -15,7 +15,9 @@ from fourbar_ros.numerics.trace import flat, Step, Trace
 _FORMS = {'add': '{} + {}', 'sub': '{} - {}', 'mul': '{} * {}', 'truediv': '{} / {}',
           'neg': '-{}', 'gt': '{} > {}', 'lt': '{} < {}', 'pow': 'power({}, {})',
           'hypot': 'hypot_of({}, {})'}
-JUDGED = ('sqrt', 'truediv')       # refuse an input by their last argument
+# operations that refuse an input by their last argument, as floats of Python do: its test in C
+JUDGED = {'sqrt': '{} < 0.0', 'truediv': '{} == 0.0'}
+ALL_JUDGED = JUDGED | {'sin': 'is_infinite({})', 'cos': 'is_infinite({})'}
 _OF_LISTS = ('exact_sum', 'power_of_two')
 _SNIPPETS = {'pow': 'power', 'hypot': 'hypot', 'exact_sum': 'exact_sum',
              'power_of_two': 'power_of_two'}
@@ -62,22 +64,45 @@ class Statements:
         self.most_terms = 0
         self.called: list[Function] = []
 
-    def define(self, its_name: str, step: Step, names: Sequence[str], is_flag: bool = False,
-               is_chosen_by_flag: bool = True) -> list[str]:
+    def lines(self, trace: Trace, needed: Iterable[int], refusing: Iterable[int],
+              name_of: Callable[[int], str], refused: Mapping[str, str] = JUDGED) -> list[str]:
         """
-        Return the definition of a number as the result of a step.
+        Return the statements of all that varies with the inputs, in order.
 
         Parameters
         ----------
-        its_name : str
-        step : Step
-        names : sequence of str
-            Of its arguments.
-        is_flag : bool
-            A comparison is an int, not 1.0 or 0.0.
-        is_chosen_by_flag : bool
-            The condition of a choice is an int.
+        trace : Trace
+        needed : iterable of int
+            Places whose results are wanted.
+        refusing : iterable of int
+            Places that refuse some inputs, wanted or not.
+        name_of : callable
+            Place -> the name of its result in C.
+        refused : mapping
+            {operation: test of its last argument that refuses the inputs}.
 
+        """
+        found, needed = list[str](), set(needed)
+        for place in sorted(trace.varies & {*needed, *refusing}):
+            step = trace.steps[place]
+            if place in needed and not step.is_given:
+                found += self.define(f'v{place}', step, [name_of(i) for i in step.arguments],
+                                     True, step.arguments[0] in trace.varies)
+            if step.operation in refused:
+                last = name_of(step.arguments[-1])
+                refusal = f'refused |= {refused[step.operation].format(last)};'
+                # a number of the scene refuses nothing, unless it is zero
+                if (last[0] in 'vxk' or last == '0.0') and refusal not in found:
+                    found.append(refusal)
+        return found
+
+    def define(self, its_name: str, step: Step, names: Sequence[str], is_flag: bool = False,
+               is_chosen_by_flag: bool = False) -> list[str]:
+        """
+        Return the definition of a number as the result of a step; ``names`` of its arguments.
+
+        ``is_flag``: a comparison is an int, not 1.0 or 0.0; ``is_chosen_by_flag``: so is the
+        condition of a choice.
         """
         operation, kind = step.operation, 'double'
         if operation in _SNIPPETS:
@@ -116,33 +141,15 @@ class Statements:
                 assert value is not None
                 return literal(value)
             return f'x[{place}]' if steps[place].is_given else f'v{place}'
+
         results = flat(trace.results)
         refusing = [place for place in trace.varies
                     if refuses and steps[place].operation in JUDGED]
-        needed = set(trace.needed([*results, *(steps[i].arguments[-1] for i in refusing)]))
-        lines = list[str]()
-        for place in sorted(trace.varies & {*needed, *refusing}):
-            step = steps[place]
-            if place in needed and not step.is_given:
-                lines += self.define(f'v{place}', step, [name_of(i) for i in step.arguments],
-                                     True, step.arguments[0] in trace.varies)
-            refusal = _refusal(step, name_of) if refuses else ''
-            if refusal and refusal not in lines:
-                lines.append(refusal)
+        needed = trace.needed([*results, *(steps[i].arguments[-1] for i in refusing)])
+        lines = self.lines(trace, needed, refusing, name_of, ALL_JUDGED if refuses else {})
         lines += [f'to[{i}] = {name_of(place)};' for i, place in enumerate(results)]
         is_used = any('x[' in line for line in lines)
         return '\n'.join([f'static {"int" if refuses else "void"} {its_name}(const double *x, '
                           'double *to)\n{', *['  int refused = 0;'] * refuses,
                           *['  (void)x;'] * (not is_used), *(f'  {line}' for line in lines),
                           *['  return refused;'] * refuses, '}', ''])
-
-
-def _refusal(step: Step, name_of: Callable[[int], str]) -> str:
-    """Return the statement that notes a refusal by a function of floats, or nothing."""
-    last = name_of(step.arguments[-1]) if step.arguments else ''
-    if not last.startswith(('v', 'x')):
-        return ''
-    return {'sqrt': f'refused |= {last} < 0.0;',
-            'truediv': f'refused |= {last} == 0.0;',
-            'sin': f'refused |= is_infinite({last});',
-            'cos': f'refused |= is_infinite({last});'}.get(step.operation, '')
