@@ -11,7 +11,6 @@ from typing import Any
 from fourbar_lab.drawing.poses import DrawnPose
 from fourbar_ros.extrema.find import Extremum, find_extrema
 from fourbar_ros.mechanisms.inertia import mean_rigid, middles
-from fourbar_ros.mechanisms.loop import bilinear_factors
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Coordinate
 from fourbar_ros.mechanisms.picture import Points
@@ -23,8 +22,6 @@ import numpy as np
 SAMPLES = 721
 END = 1e-14                         # step inside from an end of the input, in its unit
 ANGLE = 'transmission_angle'
-# Where the factors A1, C1, D1 of a four-bar are zero lie its change points.
-CHANGE_POINTS = {'A1': 'a1 + a4 = a2 + a3', 'C1': 'a1 + a3 = a2 + a4', 'D1': 'a1 + a2 = a3 + a4'}
 
 LinkageRecord = dict[str, Any]             # text, numbers, lists and records
 Intervals = Sequence[tuple[float, float]]
@@ -52,7 +49,7 @@ def properties_of(linkage: Mechanism) -> LinkageRecord:
         'outputs': _outputs(linkage),
         'dead_points': [_dead_point(linkage, point) for point in linkage.dead_points],
         'toggles': toggles_of(linkage), 'transmission_angles': transmission_angles(linkage),
-        'change_point_margin': linkage.change_point_margin, 'mobility': mobility(linkage),
+        'change_point_margin': linkage.change_point_margin,
         'bodies': linkage.bodies and {name: asdict(body)
                                       for name, body in linkage.bodies._asdict().items()},
         'inertia_at_input': _inertia(linkage) if linkage.bodies else None,
@@ -147,27 +144,6 @@ def transmission_angles(linkage: Mechanism) -> dict[str, LinkageRecord]:
         record[name] = {'least': least.value, 'most': most.value, 'worst': worst.value,
                         'worst_at': counted(linkage, worst.input)}
     return record
-
-
-def mobility(linkage: Mechanism) -> LinkageRecord | None:
-    """
-    Return where a four-bar lies among all of them, None of any other mechanism.
-
-    All four-bars that can be closed fill the octahedron |A1| + |C1| + |D1| <= B2 = a1 + a2 + a3 +
-    a4. A1, C1, D1 are factors of the input-output equation (sums of lengths with signs). On a face
-    a link has length zero or the loop is stretched. On the planes A1 = 0, C1 = 0, D1 = 0 lie the
-    change points; the eight octants between them are the eight Grashof classes. ``factors``: the
-    eight sums [m]; ``place``: A1, C1, D1 over the sum of the lengths; the smallest is the distance
-    from the nearest change point.
-    """
-    signs = linkage.MARGIN_SIGNS
-    if len(signs) != len(CHANGE_POINTS) or not all(map(all, signs)):  # four-bars have 3 full rows
-        return None
-    a1, a2, a3, a4 = linkage.lengths
-    factors = bilinear_factors(a1, a2, a3, a4)
-    place = {name: getattr(factors, name) / factors.B2 for name in CHANGE_POINTS}
-    return {'factors': factors._asdict(), 'place': place,
-            'nearest_change_point': CHANGE_POINTS[min(place, key=lambda name: abs(place[name]))]}
 
 
 def _inertia(linkage: Mechanism) -> LinkageRecord | None:

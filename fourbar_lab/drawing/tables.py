@@ -9,7 +9,6 @@ from math import degrees, pi, tau
 from fourbar_lab.drawing.poses import in_degrees, number, ranges_in_words, shown
 from fourbar_lab.drawing.record import (
     ANGLE,
-    CHANGE_POINTS,
     counted,
     Intervals,
     LinkageRecord,
@@ -82,8 +81,7 @@ def facts(linkage: Mechanism) -> list[tuple[str, str]]:
              *(_transmission_angle(driven, name, angle)
                for name, angle in found['transmission_angles'].items()),
              ('change-point margin', f'{found["change_point_margin"]:.6g} {margin}')]
-    return [*rows, *(_masses(linkage, found) if linkage.bodies else []),
-            *_mobility(found['mobility'])]
+    return [*rows, *(_masses(linkage, found) if linkage.bodies else [])]
 
 
 def _masses(linkage: Mechanism, found: LinkageRecord) -> list[tuple[str, str]]:
@@ -123,19 +121,6 @@ def _transmission_angle(driven: Coordinate, name: str, angle: LinkageRecord) -> 
                  f'{degrees(abs(angle["worst"] - 0.5 * pi)):.1f} deg at '
                  f'{driven.position} {shown(driven, angle["worst_at"])}')
     return f'transmission angle{name.removeprefix(ANGLE).replace("_", " ")}', words
-
-
-def _mobility(found: LinkageRecord | None) -> list[tuple[str, str]]:
-    """Return rows (name, text): signs of the eight factors of a four-bar, its three places."""
-    if not found:
-        return []
-    signs = [f'{name} {"0" if value == 0.0 else "+" if value > 0.0 else "-"}'
-             for name, value in found['factors'].items()]
-    nearest = found['nearest_change_point']
-    return [('factors', '  '.join(signs)),
-            *((name, f'{value:+.6f} of the perimeter'
-               + (f'; nearest change point: {nearest}' if CHANGE_POINTS[name] == nearest else ''))
-              for name, value in found['place'].items())]
 
 
 def extrema_table(linkage: Mechanism, extrema: Sequence[Extremum], title: str) -> Table:
