@@ -281,7 +281,9 @@ class Code:
         near = 2.0**-17 * mechanism.input_unit
         reach += [f'!(fabs({self._apart(literal(flat))}) <= {literal(near)})'
                   for flat in sorted(set(mechanism.flat_limits))]
-        ends = sorted({end for bounds in model.toggles for end in bounds})
+        toggles = (mechanism.input_ranges if mechanism.stroke is None
+                   else mechanism.closing_ranges)
+        ends = sorted({end for bounds in toggles for end in bounds})
         at_ends = ' || '.join([f'fabs({self._apart(literal(end))}) <= near' for end in ends]
                               + ['x == 0.0'] * mechanism.is_flat_at_zero)
         summed = sum(one.name in mechanism.MOTION._fields for one in model.motion)

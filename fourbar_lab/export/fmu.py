@@ -8,7 +8,7 @@ A sample out of range is no error: its outputs are NaN, and ``status`` says why.
 """
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Sequence
 from dataclasses import replace
 from math import pi
 from pathlib import Path
@@ -27,7 +27,6 @@ from fourbar_lab.export.model import GeneratedModel, Named, NotGenerated
 from fourbar_lab.export.statements import snippet
 from fourbar_ros import __version__
 
-# Exponents of kg, m, s, rad, A.
 # exponents of kg, m, s, rad and A in the units of which others are products
 BASES = {'kg': (1, 0, 0, 0, 0), 'm': (0, 1, 0, 0, 0), 's': (0, 0, 1, 0, 0), 'rad': (0, 0, 0, 1, 0),
          'A': (0, 0, 0, 0, 1), 'N': (1, 1, -2, 0, 0), 'J': (1, 2, -2, 0, 0), 'W': (1, 2, -3, 0, 0),
@@ -67,7 +66,6 @@ def write(model: GeneratedModel, directory: Path, version: int) -> tuple[Path, l
                                         if texts.get(one.name, ('', ''))[0]])
     code = Code(model)
     variables = _variables(model, code.drive)
-    _check_names(model, variables)
     text = _source(code, version)
     guid = str(uuid.uuid5(uuid.NAMESPACE_URL, text + repr(variables)))
     source = text.replace('GUID', f'{{{guid}}}')
@@ -95,24 +93,21 @@ def _variables(model: GeneratedModel, drive: DriveCode | None) -> list[Variable]
     Value references: inputs from 0, then parameters, motion, loads, status and time. With a drive
     its values follow, and no motion is prescribed: a torque, if commanded, is the input.
     """
-    topics = model.from_topics
-    given = {one.name for one in model.inputs}
+    position, *rates = model.inputs
     start = model.sample()[0][0]      # a pose that exists
-
-    def of(named: tuple[Named, ...], first: int, causality: str) -> Iterator[Variable]:
-        """Yield variables with references from ``first``; external forces are inputs."""
-        for i, one in enumerate(named):
-            is_topic = one.name.rpartition('.')[0] in topics
-            yield Variable(one.name, first + i, 'input' if is_topic else causality, one.unit,
-                           one.text, one.value, bool(model.bound_of(one.name)))
-    inputs = [one._replace(value=start * (not i)) for i, one in enumerate(model.inputs)]
-    places = [0, len(inputs), len(inputs) + len(model.tunable)]
-    found = [*of(tuple(inputs), 0, 'input'), *of(model.tunable, places[1], 'parameter'),
-             *of(model.motion, places[2], 'output'),
-             *of(model.loads, places[2] + len(model.motion), 'output')]
-    last = places[2] + len(model.motion) + len(model.loads)
+    groups: dict[str, Sequence[Named]] = {
+        'input': [position._replace(value=start), *rates], 'parameter': model.tunable,
+        'output': (*model.motion, *model.loads)}
+    found = list[Variable]()
+    for causality, named in groups.items():
+        for one in named:
+            is_topic = one.name.rpartition('.')[0] in model.from_topics
+            found.append(Variable(one.name, len(found), 'input' if is_topic else causality,
+                                  one.unit, one.text, one.value, bool(model.bound_of(one.name))))
+    last = len(found)
     status = Variable('status', last, 'output', '', STATUS_TEXT, 0.0)
     if drive is None:
+        given = {one.name for one in model.inputs}
         return [*(one for one in found if one.causality != 'output' or one.name not in given),
                 status]
     signs = {f'sign_{i + 1}' for i in range(len(model.signs))} | {'sign'}
@@ -123,18 +118,9 @@ def _variables(model: GeneratedModel, drive: DriveCode | None) -> list[Variable]
     command = drive.command
     own_input = [Variable(command.name, last + 1, 'input', command.unit, command.text,
                           command.start)] if command else []
-    kept = [one for one in found if one.reference >= len(inputs) and one.name not in signs]
+    kept = [one for one in found if one.reference >= len(model.inputs) and one.name not in signs]
     return [*own_input, *kept, status,
             *of_drive, Variable('drive.status', last, 'output', '', DRIVE_TEXT, 0.0)]
-
-
-def _check_names(model: GeneratedModel, variables: list[Variable]) -> None:
-    """Refuse two names that differ in dots alone: ROS makes one topic of both."""
-    seen: dict[str, str] = {}
-    for one in variables:
-        other = seen.setdefault(one.name.replace('.', '_'), one.name)
-        if other != one.name:
-            raise NotGenerated(f'{model.name}: {one.name} and {other} would be one topic')
 
 
 def _source(code: Code, version: int) -> str:
@@ -230,13 +216,6 @@ def _unit(unit: str) -> str:
     return unit.replace(' ', '.').replace('^', '')
 
 
-def _head(model: GeneratedModel, version: str, **attributes: str) -> ElementTree.Element:
-    return _element(None, 'fmiModelDescription', fmiVersion=version, modelName=model.name,
-                    description=f'{model.mechanism.description}, mode {model.mechanism.mode}',
-                    version=__version__, generationTool=f'fourbar_ros {__version__}',
-                    variableNamingConvention='structured', **attributes)
-
-
 def _exponents(unit: str) -> list[int]:
     """Return the exponents of kg, m, s, rad and A in a unit such as N m or kg m^2."""
     found = [0] * 5
@@ -259,23 +238,7 @@ def _units(root: ElementTree.Element, variables: list[Variable]) -> None:
             _element(own, 'DisplayUnit', name='deg', factor=repr(180.0 / pi))
 
 
-def _attributes(one: Variable) -> dict[str, object]:
-    return {'name': one.name, 'valueReference': one.reference, 'description': one.text,
-            'causality': one.causality,
-            'variability': 'tunable' if one.causality == 'parameter' else 'continuous'}
-
-
-def _real(one: Variable) -> dict[str, object]:
-    start = {} if one.causality == 'output' else {'start': repr(one.start)}
-    return {'unit': _unit(one.unit), **({'min': '0'} if one.is_positive else {}), **start}
-
-
-def _step_of(model: GeneratedModel) -> str:
-    """Return the step of the default experiment [s]: that of a node that moves by torque."""
-    return repr(1.0 / model.scene.drive.rate if model.moves_by_torque else 0.001)
-
-
-def _interfaces(model: GeneratedModel, ending: str = '') -> list[tuple[str, dict[str, str]]]:
+def _interfaces(model: GeneratedModel, ending: str) -> list[tuple[str, dict[str, str]]]:
     """
     Return the interfaces of an FMU and their own attributes.
 
@@ -288,12 +251,6 @@ def _interfaces(model: GeneratedModel, ending: str = '') -> list[tuple[str, dict
     return [co_simulation] if model.moves_by_torque else [('ModelExchange', slopes), co_simulation]
 
 
-def _feeds_through(one: Variable) -> bool:
-    """Return whether outputs depend on it at once: on torque or voltage only by steps."""
-    return (one.causality == 'input' and one.name != 'torque'
-            and not one.name.startswith('motor.'))
-
-
 def _description(model: GeneratedModel, variables: list[Variable], guid: str,
                  version: int) -> ElementTree.Element:
     """
@@ -302,7 +259,11 @@ def _description(model: GeneratedModel, variables: list[Variable], guid: str,
     Dependencies name variables by their order, from 1, in FMI 2.0, by value references in 3.0.
     """
     is_2 = version == 2
-    root = _head(model, f'{version}.0', **{'guid' if is_2 else 'instantiationToken': guid})
+    root = _element(None, 'fmiModelDescription', fmiVersion=f'{version}.0', modelName=model.name,
+                    description=f'{model.mechanism.description}, mode {model.mechanism.mode}',
+                    version=__version__, generationTool=f'fourbar_ros {__version__}',
+                    variableNamingConvention='structured',
+                    **{'guid' if is_2 else 'instantiationToken': guid})
     state = 'FMUstate' if is_2 else 'FMUState'
     for tag, more in _interfaces(model, '' if is_2 else 's'):
         kind = _element(root, tag, modelIdentifier=model.name, **{
@@ -310,22 +271,31 @@ def _description(model: GeneratedModel, variables: list[Variable], guid: str,
         if is_2:
             _element(_element(kind, 'SourceFiles'), 'File', name=f'{model.name}.c')
     _units(root, variables)
-    _element(root, 'DefaultExperiment', startTime='0', stopTime='1', stepSize=_step_of(model))
+    step = 1.0 / model.scene.drive.rate if model.moves_by_torque else 0.001
+    _element(root, 'DefaultExperiment', startTime='0', stopTime='1', stepSize=repr(step))
     listed = _element(root, 'ModelVariables')
     if not is_2:
         status = next(one for one in variables if one.name == 'status')
         _element(listed, 'Float64', name='time', valueReference=status.reference + 1,
                  causality='independent', variability='continuous', unit='s')
     for one in variables:
+        about = {'name': one.name, 'valueReference': one.reference, 'description': one.text,
+                 'causality': one.causality,
+                 'variability': 'tunable' if one.causality == 'parameter' else 'continuous'}
+        number = {'unit': _unit(one.unit), 'min': '0' if one.is_positive else '',
+                  'start': '' if one.causality == 'output' else repr(one.start)}
         if is_2:
-            _element(_element(listed, 'ScalarVariable', **_attributes(one)), 'Real', **_real(one))
+            _element(_element(listed, 'ScalarVariable', **about), 'Real', **number)
         else:
-            _element(listed, 'Float64', **_attributes(one), **_real(one))
+            _element(listed, 'Float64', **about, **number)
     structure = _element(root, 'ModelStructure')
     numbers = {one.name: i if is_2 else one.reference for i, one in enumerate(variables, 1)}
-    for tag, is_on in (('Output', _feeds_through),
-                       ('InitialUnknown', lambda one: one.causality != 'output')):
-        on = ' '.join(str(numbers[one.name]) for one in variables if is_on(one))
+    not_outputs = [one for one in variables if one.causality != 'output']
+    # on torque, voltage or speed of the motor outputs depend by steps alone, not at once
+    inputs = [one for one in not_outputs if one.causality == 'input' and one.name != 'torque'
+              and not one.name.startswith('motor.')]
+    for tag, given in (('Output', inputs), ('InitialUnknown', not_outputs)):
+        on = ' '.join(str(numbers[one.name]) for one in given)
         under, name, key = ((_element(structure, f'{tag}s'), 'Unknown', 'index') if is_2
                             else (structure, tag, 'valueReference'))
         for one in variables:

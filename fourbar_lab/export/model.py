@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
-from functools import cached_property, partial
+from functools import cached_property
 from math import isfinite
 import re
 from typing import Any, NamedTuple
@@ -18,7 +18,6 @@ from fourbar_ros.mechanisms import quantities
 from fourbar_ros.mechanisms.evaluation import limits_at_zero
 from fourbar_ros.mechanisms.kinds import LOADS
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import Ranges
 from fourbar_ros.mechanisms.points import make_point, PointMotion
 from fourbar_ros.numerics.number_types import (
     Function,
@@ -138,27 +137,40 @@ class GeneratedModel:
     @cached_property
     def trace(self) -> Trace:
         """Return the trace of motion, loads and points, with the operations of ``step``."""
-        mechanism, found = self.mechanism, self._traced
+        mechanism, (found, _, end_of_loads) = self.mechanism, self._recorded
         zeros = {found.count + i: 0.0 for i, value in enumerate(self.data)
-                 if value == 0.0 and i not in self._asked and i < self._own
+                 if value == 0.0 and i not in self._asked and i < len(numbers_of(self.constants))
                  } if mechanism.LEAVES_OUT_ZEROS else {}
         # of points a node leaves nothing out
-        if not zeros:
-            return found
-        _, _, end_of_loads = self._recorded
-        return found.simplified({**found.literals(), **zeros}, end_of_loads)
+        return found.simplified({**found.literals(), **zeros}, end_of_loads) if zeros else found
 
     @cached_property
     def _recorded(self) -> tuple[Trace, int, int]:
         """Return the trace of all results, and its steps where motion and where loads end."""
-        ends = list[int]()
-        trace = Trace(partial(self._formula, ends), 3, (self.constants, self._places))
+        mechanism, elements, ends = self.mechanism, self.scene.elements, list[int]()
+
+        def make_formula(n: NumberType, data: Any) -> Function:
+            """Return the formula (three inputs) -> (motion, loads, points), of some numbers."""
+            constants, places = data
+            external = make_external(n, mechanism, elements) if elements else None
+            points = [make_point(n, mechanism, point.link, *place)
+                      for point, place in zip(self.scene.points.values(), places)]
+            motion_of = mechanism.motion_formula(n, constants)
+
+            def formula(*given: Any) -> Any:
+                motion, loads = mechanism.MOTION._make(motion_of(*given)), ()
+                ends.append(len(given[0].trace.steps))
+                if mechanism.bodies:
+                    its = constants if external is None else constants._replace(
+                        external=external(motion, given[0], constants.external))
+                    loads = mechanism.loads_formula(n, its)(motion)
+                ends.append(given[0].trace.begin_apart())
+                return tuple(motion), loads, [point(motion) for point in points]
+            return formula
+
+        trace = Trace(make_formula, 3, (self.constants, self._places))
         end_of_motion, end_of_loads = ends
         return trace, end_of_motion, end_of_loads
-
-    @property
-    def _traced(self) -> Trace:
-        return self._recorded[0]
 
     @property
     def _places(self) -> tuple[tuple[float, ...], ...]:
@@ -177,48 +189,6 @@ class GeneratedModel:
         return [float(value) for value in numbers_of((self.constants, self._places))]
 
     @cached_property
-    def _own(self) -> int:
-        return len(numbers_of(self.constants))
-
-    def _formula(self, ends: list[int], n: NumberType, data: Any) -> Function:
-        """
-        Return the formula (three inputs) -> (motion, loads, points) that the trace records.
-
-        ``data``: constants of the mechanism and places of the points, of the number type ``n``;
-        ``ends`` gets the numbers of the steps where motion and loads end.
-        """
-        motion_of, loads_of, points_of = self._parts_of_formula(n, data)
-
-        def formula(*given: Any) -> Any:
-            """Return all results."""
-            motion = self.mechanism.MOTION._make(motion_of(*given))
-            trace = given[0].trace
-            ends.append(len(trace.steps))
-            loads = loads_of(motion, given[0])
-            ends.append(trace.begin_apart())
-            return tuple(motion), loads, points_of(motion)
-        return formula
-
-    def _parts_of_formula(self, n: NumberType, data: Any) -> tuple[Function, Function, Function]:
-        """Return inputs -> motion, (motion, position) -> loads and motion -> points."""
-        constants, places = data
-        mechanism, points = self.mechanism, self.scene.points.values()
-        elements = self.scene.elements
-        external = make_external(n, mechanism, elements) if elements else None
-
-        def loads_of(motion: Any, position: Any) -> Any:
-            """Return the loads with the forces of all elements; without bodies there are none."""
-            if not mechanism.bodies:
-                return ()
-            mine = constants if external is None else constants._replace(
-                external=external(motion, position, constants.external))
-            return mechanism.loads_formula(n, mine)(motion)
-        made = [make_point(n, mechanism, point.link, *place)
-                for point, place in zip(points, places)]
-        return (mechanism.motion_formula(n, constants), loads_of,
-                lambda motion: tuple([point(motion) for point in made]))
-
-    @cached_property
     def derivatives(self) -> Trace | None:
         """
         Return the trace of the exact derivatives of all wanted results along one direction.
@@ -232,7 +202,8 @@ class GeneratedModel:
                 or any(step.operation == 'call' for step in self.trace.steps)):
             return None
 
-        base, parts, names = self._traced, _parts(self._traced), self.mechanism.LOADS._fields
+        base, names = self._recorded[0], self.mechanism.LOADS._fields
+        parts = _parts(base)
         places = dict(zip((*self.names_of_motion, *names), parts[0] + parts[2] + parts[1]))
         wanted = [places[one.name] for one in (*self.motion, *self.loads)]
         steps = [i for i in base.needed(wanted) if not base.steps[i].is_given]
@@ -438,12 +409,6 @@ class GeneratedModel:
 
     # --- when there is no answer ----------------------------------------------------------------
 
-    @property
-    def toggles(self) -> Ranges:
-        """Return the ranges whose ends are toggle positions."""
-        mechanism = self.mechanism
-        return mechanism.input_ranges if mechanism.stroke is None else mechanism.closing_ranges
-
     @cached_property
     def limits_at_zero(self) -> tuple[list[float], ...]:
         """
@@ -468,7 +433,7 @@ class GeneratedModel:
 
         Terms that are zero in this scene count too.
         """
-        trace = self._traced
+        trace = self._recorded[0]
         found = [{0: 0, 1: 1, 2: 2}.get(place, 0) for place in range(len(trace.steps))]
         for place, step in enumerate(trace.steps):
             for i in step.arguments:
@@ -512,7 +477,7 @@ class GeneratedModel:
     @property
     def roots_left_out(self) -> list[int]:
         """Return the arguments of roots that the transmission angle has but for zeros."""
-        whole, trace = self._traced, self.trace
+        whole, trace = self._recorded[0], self.trace
         place = _parts(whole)[0][self.mechanism.MOTION._fields.index('transmission_angle')]
         lost = set(whole.needed([place])) - set(trace.needed([self.transmission]))
         return [trace.steps[i].arguments[0] for i in sorted(lost)
