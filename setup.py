@@ -102,7 +102,6 @@ setup(
                           for verb in ('balance', 'draw', 'generate', 'list', 'live',
                                        'new', 'record', 'reproduce', 'show', 'study', 'table')],
         'fourbar.lab': [f'sdf = {LAB}.export.sdf:sdf', f'mjcf = {LAB}.export.mjcf:mjcf',
-                        f'compiled = {LAB}.export.compiled:Compiled',
                         f'plot = {LAB}.drawing.recorded:plot'],
     },
 )

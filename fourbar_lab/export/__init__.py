@@ -8,12 +8,10 @@ from typing import TYPE_CHECKING
 from fourbar_ros.optional import lazily
 
 if TYPE_CHECKING:
-    from fourbar_lab.export.compiled import Compiled
     from fourbar_lab.export.files import generate, Generated
 
-__all__ = ['Compiled', 'Generated', 'generate']
+__all__ = ['Generated', 'generate']
 
 __getattr__, __dir__ = lazily(__name__, {
-    'fourbar_lab.export.compiled': 'Compiled',
     'fourbar_lab.export.files': 'generate, Generated',
 })

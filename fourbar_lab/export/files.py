@@ -4,14 +4,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-import json
 from pathlib import Path
 from typing import NamedTuple
 
 from fourbar_lab.export.c_code import Code
 from fourbar_lab.export.model import GeneratedModel, word
 from fourbar_lab.export.statements import snippet
-from fourbar_ros import __version__
 from fourbar_ros.errors import InvalidParameter, one_of
 from fourbar_ros.scene.scene import load, Scene
 from fourbar_ros.scene.topics import TORQUE
@@ -51,8 +49,8 @@ def generate(scene: str | Path | Scene, directory: str | Path, as_: str = 'c',
     directory : str or Path
         Made if it is not there.
     as_ : str
-        'c': NAME.h and NAME.c, C99, a wrapper NAME.hpp, and NAME.json, which says what was
-        generated of what; 'fmu2', 'fmu3': NAME.fmu of FMI 2.0 or 3.0, co-simulation.
+        'c': NAME.h and NAME.c, C99, and a wrapper NAME.hpp; 'fmu2', 'fmu3': NAME.fmu of FMI 2.0
+        or 3.0, co-simulation.
     outputs : sequence of str, optional
         Fields of motion and loads, and POINT.FIELD of points; not given: all, of an FMU all with
         a unit.
@@ -88,22 +86,11 @@ def generate(scene: str | Path | Scene, directory: str | Path, as_: str = 'c',
         path, more, operations = write(model, directory, int(as_[-1]))
         return Generated((path,), operations, (*notes, *more))
     code = Code(model)
-    texts = {'.h': code.header(), '.c': code.source(), '.hpp': wrapper(model),
-             '.json': json.dumps(manifest(model), indent=1) + '\n'}
+    texts = {'.h': code.header(), '.c': code.source(), '.hpp': wrapper(model)}
     paths = [directory / (model.name + ending) for ending in texts]
     for path, text in zip(paths, texts.values()):
         path.write_text(text, encoding='utf-8')
     return Generated(tuple(paths), max(code.operations.values()), tuple(notes))
-
-
-def manifest(model: GeneratedModel) -> dict[str, object]:
-    """Return names of inputs, parameters and outputs, with their scene, ready for JSON."""
-    return {'fourbar_ros': __version__, 'name': model.name,
-            'scene': json.loads(model.scene.as_json),
-            'input': [one.field for one in model.inputs],
-            'parameters': {one.field: one.value for one in model.tunable},
-            'outputs': None if model.outputs is None else list(model.outputs),
-            'tunable': None if model.parameters is None else list(model.parameters)}
 
 
 def wrapper(model: GeneratedModel) -> str:

@@ -13,6 +13,8 @@ from dataclasses import replace
 from math import pi
 from pathlib import Path
 import platform
+import shutil
+import subprocess
 import sys
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
@@ -21,7 +23,6 @@ from xml.etree import ElementTree
 import zipfile
 
 from fourbar_lab.export.c_code import Code, FLAGS, STATUS
-from fourbar_lab.export.compiled import build, NoCompiler
 from fourbar_lab.export.drive import DriveCode, STATUS_OF_DRIVE
 from fourbar_lab.export.model import GeneratedModel, Named, NotGenerated
 from fourbar_lab.export.statements import snippet
@@ -33,6 +34,7 @@ BASES = {'kg': (1, 0, 0, 0, 0), 'm': (0, 1, 0, 0, 0), 's': (0, 0, 1, 0, 0), 'rad
          'V': (1, 2, -3, 0, -1), '1': (0, 0, 0, 0, 0)}
 PLATFORMS = {'linux': ('linux64', '{}-linux', 'so'), 'darwin': ('darwin64', '{}-darwin', 'dylib'),
              'win32': ('win64', '{}-windows', 'dll')}
+COMPILERS = ('cc', 'gcc', 'clang')
 MADE = (1980, 1, 1, 0, 0, 0)     # of all files of the archive: the same scene, the same bytes
 DRIVE_TEXT = ', '.join(f'{i} {text.replace("_", " ")}' for i, text in enumerate(STATUS_OF_DRIVE))
 STATUS_TEXT = ', '.join(f'{i} {text.replace("_", " ")}' for i, text in enumerate(STATUS))
@@ -77,7 +79,7 @@ def write(model: GeneratedModel, directory: Path, version: int) -> tuple[Path, l
     notes = []
     try:
         inside.update(_binary(model.name, source, version))
-    except (NoCompiler, NotGenerated) as error:
+    except NotGenerated as error:
         notes.append(f'{error}: the FMU has sources alone')
     path = directory / f'{model.name}.fmu'
     with zipfile.ZipFile(path, 'w', zipfile.ZIP_DEFLATED) as archive:
@@ -180,6 +182,19 @@ def _input_of_drive(code: Code) -> str:
     return text + snippet('fmu.c', 'mode') * bool(code.model.signs)
 
 
+def build(source: Path, library: Path, command: str = '',
+          flags: Sequence[str] = tuple(FLAGS.split())) -> None:
+    """Compile C into a shared library; NotGenerated without a compiler, or with its first line."""
+    command = command or next(filter(None, map(shutil.which, COMPILERS)), '')
+    if not command:
+        raise NotGenerated(f'no C compiler ({", ".join(COMPILERS)}) on the path')
+    done = subprocess.run([command, *flags, '-shared', '-fPIC', '-o', str(library), str(source),
+                           '-lm'], capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise NotGenerated(f'{source.name}: the C compiler refuses it: '
+                           f'{(done.stderr.splitlines() or ["no message"])[0]}')
+
+
 def _binary(name: str, source: str, version: int) -> dict[str, bytes]:
     """Return {place in the archive: bytes} of the library for this platform."""
     if sys.platform not in PLATFORMS:
@@ -191,7 +206,7 @@ def _binary(name: str, source: str, version: int) -> dict[str, bytes]:
     with TemporaryDirectory() as folder:
         path, library = Path(folder) / f'{name}.c', Path(folder) / f'{name}.{ending}'
         path.write_text(source, encoding='utf-8')
-        build([path], library, flags=[*FLAGS.split(), '-fvisibility=hidden', '-s'])
+        build(path, library, flags=[*FLAGS.split(), '-fvisibility=hidden', '-s'])
         where = two if version == 2 else three.format(machine)
         return {f'binaries/{where}/{library.name}': library.read_bytes()}
 

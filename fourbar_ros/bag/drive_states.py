@@ -3,20 +3,13 @@
 """Step a drive again from each of its recorded states to the next, as the node's mover does."""
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from math import inf, isfinite, isnan
-from typing import Any, Union
+from typing import Any
 
 from fourbar_ros.dynamics.node_step import DriveValues, KEY, Mover, NAME, OK, SILENT
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import TORQUE
-
-MoverOf = Callable[[Scene, Union[int, None]], Mover]      # as mover_of()
-
-
-def mover_of(scene: Scene, mode: int | None = None) -> Mover:
-    """Return the integrator of a scene driven by torque, of a mode beyond a toggle if given."""
-    return scene.mover if mode is None else scene.mover_in(mode)
 
 
 class DriveStates:
@@ -26,8 +19,7 @@ class DriveStates:
     If another version of the integrator made the bag, accelerations and torques alone are computed
     again, from the states. Next to a toggle, input and rate do not determine the state; a mover
     that came there by its own steps knows it. Without such, as where a bag begins there, states
-    are not compared up to the first one past the toggle. ``about``: custom_data of the bag;
-    ``moved_by`` makes the mover that steps again, from a scene and a mode (None: its own).
+    are not compared up to the first one past the toggle. ``about``: custom_data of the bag.
 
     Attributes
     ----------
@@ -39,10 +31,8 @@ class DriveStates:
 
     """
 
-    def __init__(self, scene: Scene, about: Mapping[str, str], moved_by: MoverOf = mover_of
-                 ) -> None:
+    def __init__(self, scene: Scene, about: Mapping[str, str]) -> None:
         """Begin before the first message, with no state to step from."""
-        self._moved_by = moved_by
         self._has_our_integrator = scene.dynamics is not None and about.get(KEY) == NAME
         self.largest: dict[str, float] = {}
         self.stepped = self.alone = self.unknown = 0
@@ -59,7 +49,7 @@ class DriveStates:
 
     def change(self, scene: Scene) -> None:
         """Take another scene; the state stays."""
-        self._scene, self._mover = scene, self._moved_by(scene, None)
+        self._scene, self._mover = scene, scene.mover
         self._movers: dict[int, Mover] = {}              # by mode
         for name, what in self._acting.items():
             self.act(name, what)
@@ -101,7 +91,7 @@ class DriveStates:
             self.unknown += 1
         else:
             if mode not in self._movers:
-                self._movers[mode] = self._moved_by(self._scene, mode)
+                self._movers[mode] = self._scene.mover_in(mode)
                 for name, what in self._acting.items():
                     self._movers[mode].act(name, what)
             mover = self._movers[mode]

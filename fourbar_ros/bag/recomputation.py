@@ -16,13 +16,13 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from fourbar_ros import __version__
-from fourbar_ros.bag.drive_states import DriveStates, mover_of, MoverOf
+from fourbar_ros.bag.drive_states import DriveStates
 from fourbar_ros.bag.origin import Origin, origin_of, scene_of
 from fourbar_ros.bag.reader import Bag, Progress, Raw, software_of, stamps_of
 from fourbar_ros.errors import BagError
 from fourbar_ros.mechanics.bodies import Base
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.pipeline.stepper import Evaluate, evaluate, InModes, INPUT_TIMEOUT, OK
+from fourbar_ros.pipeline.stepper import InModes, INPUT_TIMEOUT, OK
 from fourbar_ros.pipeline.wrenches import ActingInput, Wrench
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import (
@@ -109,19 +109,17 @@ class Recomputed(NamedTuple):
         return texts if self.compared else ['nothing could be compared', *texts]
 
 
-def recompute(path: str | Path, node: str | None = None, progress: Progress | None = None,
-              by: Evaluate = evaluate, moved_by: MoverOf = mover_of) -> Recomputed:
+def recompute(path: str | Path, node: str | None = None, progress: Progress | None = None
+              ) -> Recomputed:
     """
     Compute all outputs of a bag again from their driven motions and compare field by field.
 
     Differences are absolute; NaN against NaN is none, NaN against a number infinite. Memory hardly
-    grows with the bag. ``node``: its name, if a bag of ``ros2 bag`` has several. In place of
-    Python ``by`` computes motion and loads, as ``evaluate`` of generated code, and ``moved_by``
-    makes the integrator of a drive. Raises BagError.
+    grows with the bag. ``node``: its name, if a bag of ``ros2 bag`` has several. Raises BagError.
     """
     bag = Bag(path)
     origin = origin_of(bag, node)
-    recomputation = Recomputation(bag, origin, by, moved_by)
+    recomputation = Recomputation(bag, origin)
     for raw in bag.raw(set(origin.topics.values()), progress=progress):
         recomputation.take(raw)
     if bag.damage:
@@ -132,9 +130,9 @@ def recompute(path: str | Path, node: str | None = None, progress: Progress | No
 class Recomputation:
     """Takes the messages of a bag in order; compares outputs with their motions in blocks."""
 
-    def __init__(self, bag: Bag, origin: Origin, by: Evaluate, moved_by: MoverOf) -> None:
+    def __init__(self, bag: Bag, origin: Origin) -> None:
         """Begin before the first message, with the scene at the start of the bag."""
-        self._bag, self._origin, self._by = bag, origin, by
+        self._bag, self._origin = bag, origin
         self._names = {topic: name for name, topic in origin.topics.items()}
         self._largest: dict[tuple[str, str], float] = {}        # {(name, field): difference}
         self._counts: Counter[str] = Counter()      # messages of each output that were compared
@@ -152,13 +150,13 @@ class Recomputation:
         self._holds_unknown = origin.is_later
         self._drive_states = None
         if origin.scene.dynamics and origin.in_order:
-            self._drive_states = DriveStates(origin.scene, bag.about, moved_by)
+            self._drive_states = DriveStates(origin.scene, bag.about)
         self._acting: dict[str, ActingInput] = {}    # the newest wrench on each link, and base
         self._begin(origin.scene)
 
     def _begin(self, scene: Scene) -> None:
         self._scene, self._topics = scene, scene.topics
-        self._steppers = InModes(scene, self._acting, self._by)
+        self._steppers = InModes(scene, self._acting)
         self._acts.clear()
         # what acts, but the bag does not tell yet
         self._untold = {name for name in scene.acting

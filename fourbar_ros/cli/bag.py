@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
 from datetime import datetime
-from typing import Any, TYPE_CHECKING
+from typing import TYPE_CHECKING
 
 from fourbar_ros.cli.common import (
     add_json,
@@ -176,21 +176,14 @@ def _add_recompute(actions: Verbs) -> None:
     add_json(recompute)
     add_tolerance(recompute)
     add_node(recompute)
-    recompute.add_argument('--with', dest='by', metavar='DIR',
-                           help='compute motion, loads and steps with the C code of this folder, '
-                                'as fourbar generate wrote it')
     recompute.set_defaults(run=_recompute)
 
 
 def _recompute(arguments: Namespace) -> int:
-    """Recompute the outputs of a bag, by the library or by generated C code (``--with``)."""
+    """Recompute the outputs of a bag, and print or dump how far they are off."""
     from fourbar_ros.bag.recomputation import recompute
-    code: dict[str, Any] = {}
-    if arguments.by:
-        compiled = lab('compiled')(arguments.by)
-        code = {'by': compiled.evaluate, 'moved_by': compiled.mover}
     with reading(arguments.bag, 'recomputing') as step:
-        found = recompute(arguments.bag, arguments.node, step, **code)
+        found = recompute(arguments.bag, arguments.node, step)
     problems = found.problems(arguments.tolerance)
     if arguments.json:
         print(json_line({

@@ -33,7 +33,6 @@ STATUS_NAMES = ('ok', 'out of range', 'invalid input', 'toggle', 'rates unknown'
 
 
 Evaluated = tuple[int, NamedFields, NamedFields]      # status, MOTION and LOADS of the mechanism
-Evaluate = Callable[[Mechanism, float, float, float, bool], Evaluated]     # as evaluate()
 
 
 @cache
@@ -109,14 +108,12 @@ class Stepper:
     status says OUT_OF_RANGE in any case.
 
     ``acting``: a wrench for each link that a topic loads, and the base if it has one, by default
-    the scene's before a first message. ``by`` evaluates within range in place of
-    :func:`evaluate`, as generated code does.
+    the scene's before a first message.
     """
 
-    def __init__(self, scene: Scene, acting: Mapping[str, ActingInput] | None = None,
-                 by: Evaluate = evaluate) -> None:
+    def __init__(self, scene: Scene, acting: Mapping[str, ActingInput] | None = None) -> None:
         """Prepare all that depends on the scene alone; no step has been made."""
-        self._scene, self._evaluate = scene, by
+        self._scene = scene
         self.linkage, self._policy = scene.bare_linkage, scene.drive.out_of_range
         # outputs: (name, function of the solved values, its values where nothing is known)
         self._parts: list[tuple[str, Callable[[NamedFields], Iterable[float]],
@@ -187,7 +184,7 @@ class Stepper:
         if self._with_element_forces and with_loads:       # springs act on the links too
             loaded = self._with_element_forces(position, rate)
             linkage, with_loads = loaded or linkage, loaded is not None
-        status, motion, loads = self._evaluate(linkage, position, rate, acceleration,
+        status, motion, loads = evaluate(linkage, position, rate, acceleration,
                                                with_loads and not self._loads_unknown)
         if self._loads_unknown and status == OK:
             status = LOADS_UNKNOWN
@@ -291,10 +288,9 @@ class InModes:
     A drive that passes a toggle goes on in another mode than the scene's.
     """
 
-    def __init__(self, scene: Scene, acting: Mapping[str, ActingInput] | None = None,
-                 by: Evaluate = evaluate) -> None:
-        self._scene, self.own_mode, self._by = scene, mode_number(scene.linkage.mode), by
-        self._own = Stepper(scene, acting, by)
+    def __init__(self, scene: Scene, acting: Mapping[str, ActingInput] | None = None) -> None:
+        self._scene, self.own_mode = scene, mode_number(scene.linkage.mode)
+        self._own = Stepper(scene, acting)
         self._all = {self.own_mode: self._own}
 
     @property
@@ -311,7 +307,7 @@ class InModes:
         """Make the steppers of modes that may come, so that no step has to wait for one."""
         for mode in modes:
             if mode not in self._all:
-                self._all[mode] = Stepper(self._scene.taken_in(mode), self.acting, self._by)
+                self._all[mode] = Stepper(self._scene.taken_in(mode), self.acting)
 
     def step(self, mode: int, position: float, rate: float, acceleration: float,
              with_loads: bool, with_parts: Wanted) -> Sample:

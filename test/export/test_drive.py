@@ -1,24 +1,21 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Torque-driven steps as C have the bits of the node's, whatever drives; bags stepped by it."""
+"""Torque-driven steps as C have the bits of the node's, whatever drives."""
 import ctypes
 import math
 import subprocess
 
-from fourbar_lab.export import Compiled, generate
-from fourbar_lab.export.compiled import build, CompiledMover
+from fourbar_lab.export import generate
+from fourbar_lab.export.fmu import build
 from fourbar_lab.export.model import NotGenerated
 from fourbar_ros import load_scene
-from fourbar_ros.bag.drive_states import DriveStates
-from fourbar_ros.dynamics.node_step import KEY, NAME, NOT_FINITE, OK, OUT_OF_BUDGET
+from fourbar_ros.dynamics.node_step import NOT_FINITE, OK, OUT_OF_BUDGET
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.pipeline.stepper import InModes
-from fourbar_ros.scene.message_fields import mode_number
 from fourbar_ros.scene.scene import from_values
 import numpy as np
 import pytest
-from support.drive_states import take_all
-from support.exported import COMPILERS, STRICT
+from support.exported import Code, COMPILERS, library_of, MoverOfC, STRICT
 from support.scenes import PAPER, RODS
 
 pytestmark = pytest.mark.skipif(not COMPILERS, reason='no C compiler')
@@ -93,17 +90,17 @@ def differing(mine, theirs, lengths, seed=1):
 
 def generated(scene, folder):
     generate(scene, folder, name='code')
-    return Compiled(folder)
+    return library_of(folder, 'code')
 
 
 @pytest.mark.parametrize('name', CASES)
 def test_steps_have_the_bits_of_the_node(name, tmp_path):
     scene = scene_of(name)
     code = generated(scene, tmp_path)
-    assert code.library.code_self_check() == 0
+    assert code.code_self_check() == 0
     statuses = set()
     for step, count in ((1.0 / scene.drive.rate, 300), (0.03, 60)):
-        wrong, found, _ = differing(code.mover(scene), scene.mover, [step] * count)
+        wrong, found, _ = differing(MoverOfC(scene, code), scene.mover, [step] * count)
         assert not wrong, wrong[0]
         statuses |= found
     assert {OK, OUT_OF_BUDGET} <= statuses
@@ -119,8 +116,8 @@ def test_every_drive_with_every_compiler(name, tmp_path):
     level = f'-O{[*CASES, *MORE].index(name) % 4}'
     for compiler in COMPILERS:
         library = tmp_path / f'{compiler}{level}.so'
-        build([tmp_path / 'code.c'], library, compiler, ('-std=c99', level, *STRICT))
-        mover = CompiledMover(scene, ctypes.CDLL(str(library)), 'code', None)
+        build(tmp_path / 'code.c', library, compiler, ('-std=c99', level, *STRICT))
+        mover = MoverOfC(scene, ctypes.CDLL(str(library)))
         wrong, statuses, _ = differing(mover, scene.mover, lengths)
         assert not wrong, (compiler, level, len(wrong), wrong[0])
         assert statuses & {OK, NOT_FINITE}
@@ -162,29 +159,24 @@ def rocker(tmp_path_factory):
     return scene, generated(scene, tmp_path_factory.mktemp('rocker'))
 
 
-def test_states_of_a_bag_are_stepped_by_the_code(rocker):
-    scene, code = rocker
-    mover, rows = scene.mover, []
-    rows.append((OK, mover.mode, mover.start()))
-    for _ in range(300):
-        status, values = mover.next(rows[-1][2], 0.005)
-        rows.append((status, mover.mode, values))
-    assert {mode for _, mode, _ in rows} == {1, 2}
-    for first in (0, 60):               # a bag may begin anywhere
-        found = DriveStates(scene, {KEY: NAME}, code.mover)
-        take_all(found, rows[first:], first)
-        assert found.stepped > 200 and set(found.largest.values()) == {0.0}
-    # motion and loads in both modes
-    one, other = InModes(scene), InModes(scene, by=code.evaluate)
-    for _, mode, values in rows[::5]:
-        given = mode, values.position, values.velocity, values.acceleration, True, True
-        (status, expected), (said, found) = one.step(*given), other.step(*given)
-        assert status == said and bits(found) == bits(expected)
+def test_motion_and_loads_are_those_of_both_modes(rocker, tmp_path):
+    scene, _ = rocker
+    code = Code(scene, tmp_path, 'code')
+    run, stepper = code.compiled(COMPILERS[0], '-O2'), InModes(scene)
+    rng, (low, high) = np.random.default_rng(6), scene.linkage.input_ranges[0]
+    inputs = np.transpose([rng.uniform(low, high, 100), *rng.normal(0.0, 3.0, (2, 100))])
+    for mode in (1, 2):
+        signs = {place: numbers[mode] for place, numbers in code.model.signs.items()}
+        status, rows = run(np.ascontiguousarray(inputs), [
+            signs.get(one.place, one.value) for one in code.model.tunable])
+        for said, found, given in zip(status, rows, inputs.tolist()):
+            wanted, expected = stepper.step(mode, *given, True, True)
+            assert said == wanted == OK and bits(found) == bits(expected)
 
 
 def test_a_state_can_be_set_and_a_wrong_step_holds_it(rocker):
     scene, code = rocker
-    mine, theirs = code.mover(scene), scene.mover
+    mine, theirs = MoverOfC(scene, code), scene.mover
     place = theirs.at((0.3, -2.0, 0.0, 0.0, 0.0), 1)
     assert bits(mine.values(place, 0.0, 0.0, 0.0)) == bits(theirs.values(place, 0.0, math.nan, 0))
     for step in (0.0, -1.0, math.nan, math.inf, -math.inf):
@@ -198,21 +190,9 @@ def test_a_state_can_be_set_and_a_wrong_step_holds_it(rocker):
 @pytest.mark.parametrize('value', [math.nan, math.inf, -math.inf])
 def test_a_state_without_a_number_is_held_as_such(rocker, field, value):
     scene, code = rocker
-    for mover in (code.mover(scene), scene.mover):
+    for mover in (MoverOfC(scene, code), scene.mover):
         status, values = mover.next(mover.start()._replace(**{field: value}), 0.002)
         assert status == NOT_FINITE and values.velocity == 0.0
-
-
-def test_loads_have_the_springs_in_them(tmp_path):
-    scene = load_scene('sundials')
-    code = generated(scene, tmp_path)
-    one, other = InModes(scene), InModes(scene, by=code.evaluate)
-    rng = np.random.default_rng(4)
-    for position, rate, acceleration in rng.normal(0.0, 3.0, (200, 3)).tolist():
-        given = mode_number(scene.linkage.mode), position, rate, acceleration, True, True
-        (status, expected), (said, found) = one.step(*given), other.step(*given)
-        assert status == said == OK and bits(found) == bits(expected)
-    assert not np.isnan(expected).any()
 
 
 def test_what_is_not_generated_is_refused_by_name(tmp_path):

@@ -8,7 +8,7 @@ import sys
 from xml.etree import ElementTree
 import zipfile
 
-from fourbar_lab.export import compiled, generate
+from fourbar_lab.export import fmu, generate
 from fourbar_ros import load_scene
 from fourbar_ros.dynamics.node_step import NOT_FINITE, OK
 from fourbar_ros.mechanisms.evaluation import step_of_arrays
@@ -336,7 +336,7 @@ def test_what_is_not_there_is_refused(paper):
 @pytest.fixture
 def sources_alone(monkeypatch):
     """Let no unit be compiled."""
-    monkeypatch.setattr(compiled, 'COMPILERS', ('no_such_compiler',))
+    monkeypatch.setattr(fmu, 'COMPILERS', ('no_such_compiler',))
 
 
 @pytest.mark.parametrize('as_', ['fmu2', 'fmu3'])

@@ -4,7 +4,7 @@
 import ctypes
 from math import inf, isnan, nan, sqrt
 
-from fourbar_lab.export.compiled import build
+from fourbar_lab.export.fmu import build
 from fourbar_lab.export.statements import literal, Statements
 from fourbar_ros.numerics.trace import Trace
 import pytest
@@ -15,7 +15,7 @@ HEAD = '#include <math.h>\n'
 def compiled(folder, text):
     """Return the library of a C text."""
     (folder / 'its.c').write_text(HEAD + text)
-    build([folder / 'its.c'], folder / 'its.so')
+    build(folder / 'its.c', folder / 'its.so')
     return ctypes.CDLL(str(folder / 'its.so'))
 
 

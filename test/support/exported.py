@@ -7,7 +7,9 @@ import shutil
 import subprocess
 
 from fourbar_lab.export.files import generate
+from fourbar_lab.export.fmu import build
 from fourbar_lab.export.model import GeneratedModel, word
+from fourbar_ros.dynamics.node_step import DriveValues, Mover
 from fourbar_ros.mechanisms.points import make_point, PointMotion
 from fourbar_ros.numerics.given import FASTEST
 from fourbar_ros.numerics.number_types import REAL
@@ -83,6 +85,53 @@ class Code:
                  to.ctypes.data_as(ctypes.c_void_p), status.ctypes.data_as(ctypes.c_void_p))
             return status, to
         return run
+
+
+def library_of(folder, name):
+    """Return the C of a folder that ``generate`` wrote, compiled for this machine."""
+    build(folder / f'{name}.c', folder / f'{name}.so')
+    return ctypes.CDLL(str(folder / f'{name}.so'))
+
+
+class MoverOfC(Mover):
+    """A mover of a scene whose steps and values are those of generated code, of the name code."""
+
+    def __init__(self, scene, library):
+        super().__init__(scene.dynamics.system(scene.bare_linkage), scene.drive.tolerance,
+                         scene.drive.budget, scene.drive.source == 'torque')
+        self.of = {what: getattr(library, f'code_{what}') for what in ('complete', 'advance')}
+        # behind the fields of a state: mode, place, command
+        self.drive = (ctypes.c_double * (len(DriveValues._fields) + 1 + 6 + 1))()
+        library.code_start(self.drive, *self.torques(0.0))
+        self.latest = None
+
+    def next(self, values, step, command=0.0):
+        if values is not self.latest:
+            self.set(values, self.at(self.state(values)).mode, command)
+        status = self.of['advance'](self.drive, ctypes.c_double(step), *self.torques(command))
+        return status, self.taken()
+
+    def values(self, at, step, command, evaluations):
+        position, rate, twist, speed, own = at.state
+        self.set(DriveValues(step, command, position, rate, math.nan, twist, math.nan, speed,
+                             math.nan, math.nan, own, own, evaluations), at.mode, command)
+        return self.taken()
+
+    def set(self, values, mode, command):
+        size = len(values)
+        self.drive[:size] = list(values)
+        if self.passes:
+            self.drive[size] = mode
+        self.of['complete'](self.drive, *self.torques(command))
+
+    def taken(self):
+        size = len(DriveValues._fields)
+        self.mode = int(self.drive[size]) if self.passes else self.mode
+        self.latest = DriveValues(*self.drive[:size])
+        return self.latest
+
+    def torques(self, command):
+        return [ctypes.c_double(command)] * self._takes_commands
 
 
 def random_inputs(mechanism, seed, count, share_unknown=0.02):
