@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fourbar_lab.drawing.cycles import cycles, usual_points
-from fourbar_lab.drawing.figure import CannotDraw, need_matplotlib, new_figure
+from fourbar_lab.drawing.figure import CannotDraw, need_matplotlib, new_figure, writing
 from fourbar_lab.drawing.mechanism_panel import draw_part, POINT
 from fourbar_lab.drawing.sheet import Sheet
 from fourbar_ros.errors import FourBarError
@@ -57,10 +57,8 @@ def animate(mechanism: Mechanism, rate: float, points: Points, path: str | Path)
                 draw_part(sheet, part)
 
         moving = FuncAnimation(figure, draw, frames=poses, blit=False)
-        try:
+        with writing(path):
             moving.save(path, writer=writer, dpi=100)
-        except OSError as error:
-            raise CannotDraw(f'{path}: {error.strerror or error}') from None
     return path
 
 

@@ -8,7 +8,7 @@ or slowest. Only the functions that draw import matplotlib.
 """
 from __future__ import annotations
 
-from math import degrees, hypot, inf
+from math import degrees, hypot
 from typing import TYPE_CHECKING
 
 from fourbar_lab.drawing.collineation import collineation_axis
@@ -62,13 +62,10 @@ def _clipped(line: Array, low: Array, high: Array) -> Array | None:
     if not size > 0.0:               # the line at infinity, or NaN
         return None
     foot, direction = -line[2] / size**2 * line[:2], np.array([-line[1], line[0]]) / size
-    first, last = -inf, inf
-    for start, slope, bottom, top in zip(foot, direction, low, high):
-        if slope == 0.0 and not bottom <= start <= top:
-            return None
-        if slope != 0.0:
-            enters, leaves = sorted(((bottom - start) / slope, (top - start) / slope))
-            first, last = max(first, enters), min(last, leaves)
+    with np.errstate(divide='ignore', invalid='ignore'):
+        between = np.sort(np.array([low - foot, high - foot]) / direction, axis=0)
+    # along an edge of the window itself nothing bounds s
+    first, last = np.nanmax(between[0]), np.nanmin(between[1])
     return np.array([foot + first * direction, foot + last * direction]) if first < last else None
 
 

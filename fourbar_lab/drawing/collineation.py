@@ -29,6 +29,7 @@ docs/extrema.md derives both.
 """
 from __future__ import annotations
 
+from functools import partial
 from typing import Any, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter
@@ -99,11 +100,12 @@ def collineation_axis(linkage: Mechanism, motion: NamedFields) -> CollineationAx
     scales = [unit if w else 1.0 for *_, w in corners]       # a direction has no unit
     o1, a, b, o4 = (np.stack(np.broadcast_arrays(x / scale, y / scale, w, motion.theta1)[:-1])
                     for (x, y, w), scale in zip(corners, scales))
-    lines = {'ground': _cross(o1, o4), 'coupler': _cross(a, b), 'crank': _cross(o1, a),
-             'output': _cross(o4, b)}
-    p13 = _cross(lines['ground'], coupler := lines['coupler'])
-    p24 = _cross(lines['crank'], lines['output'])
-    lines['axis'] = axis = _cross(p13, p24)
+    cross = partial(np.cross, axis=0)        # the line through two points, the point on two lines
+    lines = {'ground': cross(o1, o4), 'coupler': cross(a, b), 'crank': cross(o1, a),
+             'output': cross(o4, b)}
+    p13 = cross(lines['ground'], coupler := lines['coupler'])
+    p24 = cross(lines['crank'], lines['output'])
+    lines['axis'] = axis = cross(p13, p24)
     return CollineationAxis(p13, p24, coupler[0] * axis[0] + coupler[1] * axis[1],
                             coupler[0] * axis[1] - coupler[1] * axis[0], lines)
 
@@ -142,8 +144,3 @@ def _corners(linkage: Mechanism, motion: Any) -> tuple[tuple[Any, Any, float], .
         return at_o1, at_a, (motion.slide, linkage.offset, 1.0), (0.0, 1.0, 0.0)
     at_b = -np.sin(motion.theta4), np.cos(motion.theta4), 0.0     # ... square to the bar
     return at_o1, at_a, at_b, (linkage.lengths[1], 0.0, 1.0)
-
-
-def _cross(one: Array, other: Array) -> Array:
-    """Return the line through two points, or the point on two lines."""
-    return np.cross(one, other, axis=0)

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import NamedTuple, TYPE_CHECKING
 
 from fourbar_lab.drawing.cycles import cycles
-from fourbar_lab.drawing.figure import CannotDraw, make_panels, save, write_page
+from fourbar_lab.drawing.figure import CannotDraw, make_panels, save, write_page, writing
 from fourbar_lab.drawing.labels import symbols_of
 from fourbar_lab.drawing.record import counted
 from fourbar_lab.drawing.tables import rates_in_words
@@ -222,18 +222,17 @@ def write_table(curves: Curves, path: str | Path) -> Path:
     path = _checked(path, TABLES)
     heads, rows = _heads_and_rows(curves)
     try:
-        if path.suffix == '.csv':
-            path.write_text(csv_of(curves), encoding='utf-8', newline='')
-        elif path.suffix == '.xlsx':
-            _write_sheet(path, heads, rows)
-        else:
-            import pyarrow
-            import pyarrow.parquet
-            pyarrow.parquet.write_table(pyarrow.table(dict(zip(heads, rows.T))), path)
+        with writing(path):
+            if path.suffix == '.csv':
+                path.write_text(csv_of(curves), encoding='utf-8', newline='')
+            elif path.suffix == '.xlsx':
+                _write_sheet(path, heads, rows)
+            else:
+                import pyarrow
+                import pyarrow.parquet
+                pyarrow.parquet.write_table(pyarrow.table(dict(zip(heads, rows.T))), path)
     except ModuleNotFoundError as error:
         raise MissingPackage(f'a table as {path.suffix}', error) from None
-    except OSError as error:
-        raise CannotDraw(f'{path}: {error.strerror or error}') from None
     return path
 
 

@@ -75,6 +75,15 @@ def new_figure(what: str, **options: Any) -> Iterator[Figure]:
         yield Figure(**options)
 
 
+@contextmanager
+def writing(path: Path) -> Iterator[None]:
+    """Raise CannotDraw for what keeps a file from being written."""
+    try:
+        yield
+    except (OSError, ValueError) as error:
+        raise CannotDraw(f'{path}: {getattr(error, "strerror", None) or error}') from None
+
+
 def draw_polygon(axes: Axes, arrows: Sequence[Arrow], title: str, unit: tuple[str, float],
                  names: Mapping[str, str] | None = None) -> None:
     """
@@ -163,13 +172,8 @@ def save(figure: Figure, path: str | Path) -> Path:
     if not path.suffix:
         path = path.with_name(path.name + '.png')
     options = {'metadata': {'Date': None}} if path.suffix == '.svg' else {}
-    try:
-        with matplotlib.rc_context(STYLE):
-            figure.savefig(path, dpi=200, **options)
-    except OSError as error:
-        raise CannotDraw(f'{path}: {error.strerror}') from None
-    except ValueError as error:
-        raise CannotDraw(f'{path}: {error}') from None
+    with matplotlib.rc_context(STYLE), writing(path):
+        figure.savefig(path, dpi=200, **options)
     return path
 
 
@@ -181,8 +185,6 @@ def write_page(path: Path, title: str, figures: Mapping[str, Figure]) -> Path:
         figure.savefig(text, format='svg')
         svg = text.getvalue().partition('<!DOCTYPE')[2].partition('>')[2]
         parts += [f'<h2>{escape(heading)}</h2>' if heading else '', svg]
-    try:
+    with writing(path):
         path.write_text(PAGE.format(title=escape(title), body='\n'.join(parts)), encoding='utf-8')
-    except OSError as error:
-        raise CannotDraw(f'{path}: {error.strerror or error}') from None
     return path

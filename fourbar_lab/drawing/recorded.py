@@ -8,7 +8,7 @@ from pathlib import Path
 import re
 from typing import TYPE_CHECKING
 
-from fourbar_lab.drawing.figure import make_panels
+from fourbar_lab.drawing.figure import make_panels, writing
 from fourbar_ros.bag.reader import Bag, Progress
 from fourbar_ros.bag.tables import table_of
 from fourbar_ros.errors import BagError, nearest
@@ -47,10 +47,8 @@ def plot(path: str | Path, names: Sequence[str], out: str | Path, progress: Prog
          x: str | None = None) -> None:
     """Draw fields into a file (.png, .svg, .pdf), as :func:`make_figure`."""
     figure = make_figure(path, names, progress, x)
-    try:
+    with writing(Path(out)):
         figure.savefig(out)
-    except (OSError, ValueError) as error:
-        raise BagError(f'{out}: {error}') from None
 
 
 RecordedCurve = tuple[Array, Array, str]        # stamps [ns], values, unit
