@@ -211,9 +211,9 @@ def _draw_centre(sheet: Sheet, at: Array) -> None:
     """Draw the quartered circle of a centre of gravity."""
     from matplotlib.patches import Wedge
     radius = 0.06 * sheet.inch
-    for start in (0.0, 90.0, 180.0, 270.0):
-        sheet.axes.add_patch(Wedge(at, radius, start, start + 90.0, fc='w' if start % 180.0 else 'k',
-                                   ec='none', zorder=6.5))
+    for start, colour in ((0.0, 'k'), (90.0, 'w'), (180.0, 'k'), (270.0, 'w')):
+        sheet.axes.add_patch(Wedge(at, radius, start, start + 90.0, fc=colour, ec='none',
+                                   zorder=6.5))
     sheet.axes.add_patch(Wedge(at, radius, 0.0, 360.0, fc='none', ec='k', lw=0.8, zorder=6.6))
     sheet.occupy(at, at)
 
