@@ -2,41 +2,138 @@
 # SPDX-License-Identifier: Apache-2.0
 """Errors in eps times condition over ordinary and extreme cases, of naive formulas too."""
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import astuple
 from functools import partial
-from math import nan
+from math import inf, nan, tau
 
+from flint import acb, arb, ctx
+from fourbar_ros import Applied, FourBar, FourBarError
 import numpy as np
-from rich.console import Console
-from rich.progress import track
-from support.cartesian import EPS
-
-from .errors import (
-    COLORS,
-    errors,
-    FAMILIES,
-    FORMULAS,
-    MARKERS,
-    ORDINARY,
-    OURS,
-    SYSTEM,
-    WAYS,
+from support.cartesian import beside, BITS, conditions, EPS, exact, kept_at, MANY_BITS
+from support.contract import (
+    at_change_point,
+    CASES,
+    draw,
+    families_of,
+    flat_positions,
+    random_masses,
 )
-from .near_toggle import draw_toggles, MARGINS, print_toggles, toggle_errors
-from .pages import figure, save, table
 
-# poses a family; random: 4 times
-SAMPLES, RANDOM_TIMES, WORKERS = 600, 4, 2
-LARGEST_DRAWN = 1e20
-PROGRESS = Console(stderr=True)
+from . import naive
+from .pages import table
 
+SAMPLES, RANDOM_TIMES, WORKERS = 600, 4, 2      # poses a family; random: 4 times
+OURS, NAIVE = 'fourbar_ros', 'naive'
+CRANKS = [case for case in CASES if case.kind is FourBar]
+AT_CHANGE_POINT = 'next to an exact change point'
+FAMILIES = *families_of(CRANKS[0]), AT_CHANGE_POINT
+ORDINARY = 6.0      # condition of theta4 up to which it is not in line within some degrees
+
+
+# --- one pose ------------------------------------------------------------------------------------
+
+def ours(lengths, mode, x, omega):
+    """Return theta4, omega4 and alpha4; NaN where they are refused."""
+    try:
+        motion = FourBar(*lengths, mode=mode).motion(x, omega)
+    except FourBarError:
+        return nan, nan, nan
+    return motion.theta4, motion.omega4, motion.alpha4
+
+
+def by_cosines(lengths, mode, x, omega):
+    """Return the same by the law of cosines."""
+    with np.errstate(all='ignore'):
+        y, _, dy, _, ddy, _ = naive.law_of_cosines([np.float64(a) for a in lengths], 2 * mode - 3,
+                                                   np.float64(x))
+    return y, dy * omega, ddy * omega**2
+
+
+def drawn(rng, family):
+    """Return a four-bar with everything acting, its input at constant rate, and its conditions."""
+    case = CRANKS[rng.integers(2)]
+    while True:
+        lengths, (x, omega, _) = (draw(rng, case, family) if family != AT_CHANGE_POINT else
+                                  (at_change_point(rng, case), (0.0, float(rng.normal()), 0.0)))
+        masses = random_masses(rng, case, float(np.median(lengths)), abs(omega))
+        linkage = case.make(lengths, masses)
+        # the 9x9 system knows none on the crank
+        linkage = linkage.with_external(linkage.external._replace(crank=Applied()))
+        if family != AT_CHANGE_POINT:
+            given = x, omega, 0.0
+            with ctx.workprec(BITS):
+                return linkage, given, conditions(exact(linkage, given), given)
+        with ctx.workprec(MANY_BITS):
+            for flat in flat_positions(linkage):
+                x = float(flat + float(rng.choice((-1.0, 1.0)) * 10.0**rng.uniform(-14.0, -2.0)))
+                given = x, omega, 0.0
+                found, = beside(linkage, flat, [arb(x) - flat], given[1:])
+                return linkage, given, conditions(found, given, kept_at(found.machine, flat,
+                                                                        found))
+
+
+def in_eps(found, true, cond):
+    """Return the error of a result in eps cond; NaN if it is no number."""
+    found = complex(found)
+    return (float(abs(acb(found.real, found.imag) - true)) / (EPS * cond) if np.isfinite(found)
+            else nan)
+
+
+def errors(rng, family):
+    """
+    Return {way: errors of theta4, theta4', theta4'' in eps cond, of theta4 in rad}.
+
+    And {way: that of the worst reaction}.
+    """
+    linkage, given, (motion, loads) = drawn(rng, family)
+    # the rates of a parallelogram are constant, so that no error is zero: at least the input's
+    least = 1.0, abs(given[1]), given[1]**2
+    rows = {}
+    for way, function in ((OURS, ours), (NAIVE, by_cosines)):
+        found = [*function(linkage.lengths, linkage.mode, *given[:2])]
+        true, cond = motion['theta4']
+        found[0] += tau * round(float(true - found[0]) / tau) if np.isfinite(found[0]) else 0.0
+        row = [in_eps(value, motion[name][0], max(motion[name][1], size))
+               for value, name, size in zip(found, ('theta4', 'omega4', 'alpha4'), least)]
+        rows[way] = [*row, row[0] * EPS * max(cond, 1.0) if cond <= ORDINARY else 0.0]
+    forces = {OURS: forces_of(linkage, *given), NAIVE: forces_by_system(linkage, *given)}
+    return rows, {way: max((in_eps(complex(*force), *loads[name])
+                            for force, name in zip(its, ('f41', 'f21', 'f32', 'f43'))),
+                           key=lambda e: inf if e != e else e) for way, its in forces.items()}
+
+
+def forces_of(linkage, x, omega, alpha):
+    """Return F41, F21, F32, F43 as (x, y) by the package; NaN where they are refused."""
+    try:
+        loads = linkage.loads(x, omega, alpha)
+    except FourBarError:
+        return np.full((4, 2), nan)
+    return np.array(loads[:8]).reshape(4, 2)
+
+
+def forces_by_system(linkage, x, omega, alpha):
+    """Return the same by the 9x9 system, the motion by the law of cosines."""
+    x = np.float64(x)
+    lengths = [np.float64(a) for a in linkage.lengths]
+    with np.errstate(all='ignore'):
+        motion = naive.law_of_cosines(lengths, linkage.sign, x)
+        try:
+            solution = naive.nine_by_nine(
+                lengths, motion, x, omega, alpha, [astuple(body) for body in linkage.bodies],
+                [astuple(applied) for applied in linkage.external], linkage.gravity)
+        except np.linalg.LinAlgError:
+            return np.full((4, 2), nan)
+    return solution[:8].reshape(4, 2)
+
+
+# --- families of poses ---------------------------------------------------------------------------
 
 def family_errors(family, samples):
     """Return the errors of :func:`errors` by their ways: arrays (poses, 4) and (poses,)."""
     rng = np.random.default_rng(FAMILIES.index(family))
     samples *= RANDOM_TIMES if family == 'random' else 1
-    motion, loads = zip(*(errors(rng, family) for _ in range(samples)))
-    return ({way: np.array([row[way] for row in motion]) for way in WAYS},
-            {way: np.array([row[way] for row in loads]) for way in (OURS, SYSTEM)})
+    return [{way: np.array([row[way] for row in rows]) for way in (OURS, NAIVE)}
+            for rows in zip(*(errors(rng, family) for _ in range(samples)))]
 
 
 def largest(errors):
@@ -55,81 +152,28 @@ def both(errors):
     return f'{digits(largest(errors))} ({digits(np.nanquantile(errors, 0.99))})'
 
 
-def print_ours(found):
-    """Print errors and failures of the package by family."""
+def failing(errors):
+    """Return the largest error and the share of failures as text."""
+    share = np.isnan(errors).mean()
+    return digits(largest(errors)) + (f' ({1000.0 * share:.0f})' if share else '')
+
+
+def main(samples=SAMPLES):
+    """Print both tables; ``samples``: poses a family."""
+    with ProcessPoolExecutor(WORKERS) as pool:
+        found = dict(zip(FAMILIES, pool.map(partial(family_errors, samples=samples), FAMILIES)))
     print('Errors of fourbar_ros in eps times condition: largest (99th percentile). First column '
           f'in rad, where the condition of theta4 is at most {ORDINARY:g}.\n')
     rows = []
     for family, (motion, loads) in found.items():
-        errors = motion[OURS]
-        rows.append((family, len(errors), f'{largest(errors[:, 3]):.1e}' if errors[:, 3].any()
-                     else '-',
-                     *(both(errors[:, i]) for i in range(3)), both(loads[OURS]),
-                     np.isnan(errors).any(axis=1).sum() + np.isnan(loads[OURS]).sum()))
+        its = motion[OURS]
+        rows.append((family, len(its), f'{largest(its[:, 3]):.1e}' if its[:, 3].any() else '-',
+                     *(both(its[:, i]) for i in range(3)), both(loads[OURS]),
+                     np.isnan(its).any(axis=1).sum() + np.isnan(loads[OURS]).sum()))
     table(('family', 'poses', 'theta4 [rad]', 'theta4', "theta4'", "theta4''", 'worst reaction',
            'not finite'), rows)
-
-
-def print_others(found):
-    """Print largest errors and failures of the naive formulas by family."""
-    print('The same poses by naive formulas: largest error in eps times condition; in brackets '
-          'how many poses in 1000 have no finite result.\n')
-    head = ['family'] + [f'{what}: {name}' for what in ('theta4', "theta4''") for name in FORMULAS]
-    rows = []
-    for family, (motion, loads) in found.items():
-        cells = [failing(motion[name][:, i]) for i in (0, 2) for name in FORMULAS]
-        rows.append((family, *cells, failing(loads[SYSTEM])))
-    table((*head, 'worst reaction: 9x9'), rows)
-
-
-def failing(errors):
-    """Return the largest error and the share of failures as text."""
-    share = np.isnan(errors).mean()
-    text = digits(largest(errors)) if share < 1.0 else '-'
-    return f'{text} ({1000.0 * share:.0f})' if share else text
-
-
-def draw_families(found):
-    """Draw the largest errors by family."""
-    drawing, axes = figure(1, 3, figsize=(12.0, 6.6), sharey=True, sharex=True)
-    names, rows = list(found), range(len(found))
-    panels = (('θ4', 0), ("θ4''", 2), ('worst reaction', None))
-    for axis, (title, i) in zip(axes, panels):
-        for way in WAYS if i is not None else (OURS, SYSTEM):
-            errors = [largest(motion[way][:, i] if i is not None else loads[way])
-                      for motion, loads in found.values()]
-            axis.plot(np.clip(errors, 0.1, LARGEST_DRAWN), rows, linestyle='none',
-                      marker=MARKERS[way], color=COLORS[way],
-                      markersize=11 if way == OURS else 6, label=way, alpha=0.9,
-                      zorder=3 if way == OURS else 2)
-        axis.axvline(5.0, color='0.6', linewidth=0.8, linestyle='--')
-        axis.axvline(1.0 / EPS, color='0.8', linewidth=0.8)
-        axis.set(xscale='log', xlim=(0.03, 20.0 * LARGEST_DRAWN), title=title,
-                 xlabel='largest error [eps × condition]')
-        axis.set_xticks([10.0**k for k in (0, 5, 10, 15)] + [LARGEST_DRAWN],
-                        ['1', '$10^5$', '$10^{10}$', '$10^{15}$', r'$\geq10^{20}$'])
-        axis.grid(True, axis='y', color='0.93')
-    axes[0].set_yticks(list(rows), names)
-    axes[0].set_ylim(len(found) - 0.4, -1.3)
-    axes[0].text(7.0, -0.8, 'promised: 5', fontsize=8, color='0.4')
-    axes[0].text(0.7 / EPS, -0.8, 'no digit left', fontsize=8, color='0.4', ha='right')
-    lines = [*axes[0].get_lines()[:len(WAYS)], axes[2].get_lines()[1]]
-    drawing.legend(handles=lines, loc='outside lower center', ncols=5, frameon=False)
-    save(drawing, 'accuracy')
-    print('![Largest errors by family; where a mark is missing, no result was finite]'
-          '(accuracy.svg)\n')
-
-
-def main(samples=SAMPLES):
-    """Print all tables and draw; ``samples``: poses a family."""
-    with ProcessPoolExecutor(WORKERS) as pool:
-        families = pool.map(partial(family_errors, samples=samples), FAMILIES)
-        toggles = pool.map(toggle_errors, MARGINS)
-        found = dict(zip(FAMILIES, track(families, 'families', len(FAMILIES), console=PROGRESS,
-                                         transient=True)))
-        near = dict(zip(MARGINS, toggles))
-    print_ours(found)
-    draw_families(found)
-    print_others(found)
-    print_toggles(near)
-    draw_toggles(near)
+    print('The same poses by the law of cosines and the 9x9 system: largest error in eps times '
+          'condition; in brackets how many poses in 1000 have no finite result.\n')
+    table(('family', 'theta4', "theta4''", 'worst reaction'),
+          [(family, failing(motion[NAIVE][:, 0]), failing(motion[NAIVE][:, 2]),
+            failing(loads[NAIVE])) for family, (motion, loads) in found.items()])

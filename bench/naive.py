@@ -12,12 +12,9 @@ from types import SimpleNamespace
 
 import numpy as np
 
-SCALAR = SimpleNamespace(sin=math.sin, cos=math.cos, tan=math.tan, sqrt=math.sqrt, acos=math.acos,
-                         atan=math.atan,
+SCALAR = SimpleNamespace(sin=math.sin, cos=math.cos, sqrt=math.sqrt, acos=math.acos,
                          atan2=math.atan2)
-ARRAY = SimpleNamespace(sin=np.sin, cos=np.cos, tan=np.tan, sqrt=np.sqrt, acos=np.arccos,
-                        atan=np.arctan,
-                        atan2=np.arctan2)
+ARRAY = SimpleNamespace(sin=np.sin, cos=np.cos, sqrt=np.sqrt, acos=np.arccos, atan2=np.arctan2)
 
 
 def law_of_cosines(lengths, sign, x, m=ARRAY):
@@ -51,30 +48,6 @@ def coordinates(lengths, sign, x, m=ARRAY):
     py = ay + uy * rate_b * rate_b - wy * rate_y * rate_y
     return (m.atan2(wy, wx), m.atan2(uy, ux), rate_y, rate_b,
             (ux * px + uy * py) / area, (wx * px + wy * py) / area)
-
-
-def half_angle(lengths, sign, x, m=ARRAY):
-    """
-    Solve the formulas of the slides: v4 = tan(y/2) from (16), then (22), (28).
-
-    No coupler.
-    """
-    a1, a2, a3, a4 = lengths
-    A, B = (a1 - a2 - a3 + a4) * (a1 + a2 - a3 + a4), (a1 - a2 + a3 + a4) * (a1 + a2 + a3 + a4)
-    C, D = (a1 - a2 + a3 - a4) * (a1 + a2 + a3 - a4), (a1 + a2 - a3 - a4) * (a1 - a2 - a3 - a4)
-    M = 4.0 * a1 * a3
-    v1 = m.tan(0.5 * x)
-    p, r, k = A * v1 * v1 + C, B * v1 * v1 + D, M * v1
-    v4 = (k - sign * m.sqrt(k * k - p * r)) / p
-    dv1 = 0.5 * (1.0 + v1 * v1)
-    f1, f4 = 2.0 * v1 * (A * v4 * v4 + B) - 2.0 * M * v4, 2.0 * v4 * p - 2.0 * k
-    dv4 = -f1 * dv1 / f4
-    ddv4 = -(2.0 * (A * v4 * v4 + B) * dv1 * dv1 + 2.0 * (4.0 * A * v1 * v4 - 2.0 * M) * dv1 * dv4
-             + 2.0 * p * dv4 * dv4 + f1 * v1 * dv1) / f4
-    scale = 2.0 / (1.0 + v4 * v4)
-    dy = scale * dv4
-    nothing = x * math.nan
-    return 2.0 * m.atan(v4), nothing, dy, nothing, scale * ddv4 - v4 * dy * dy, nothing
 
 
 def free_bodies(lengths, motion, x, omega, alpha, bodies, applied, gravity, m=ARRAY):
