@@ -71,13 +71,13 @@ def _drawn(study: Study, workers: int | None) -> tuple[dict[str, Summary], float
     """
     Compute the rows of a study; return {measure: its Summary} and the share that is feasible.
 
-    All rows count, feasible or not, and nobody wants objectives or curves here.
+    All rows count, feasible or not, and nobody wants objectives here.
     """
     from fourbar_lab.studies.chunks import compute
     from fourbar_lab.studies.engine import processes
     from fourbar_lab.studies.results import summary
     import numpy as np
-    study = replace(study, keeps_all=True, objectives={}, curves={})
+    study = replace(study, keeps_all=True, objectives={})
     with processes(workers) as pool:
         chunks = list(pool.map(partial(compute, study), range(study.chunks)))
     columns = {name: np.concatenate([chunk.columns[name] for chunk in chunks])

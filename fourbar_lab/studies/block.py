@@ -33,7 +33,6 @@ from fourbar_ros.extrema.full_turns import search_turns, Turns
 from fourbar_ros.extrema.sampling import State
 from fourbar_ros.mechanisms.evaluation import step_of_arrays
 from fourbar_ros.mechanisms.parts import NoLoads, OPEN
-from fourbar_ros.mechanisms.points import point_of
 from fourbar_ros.mechanisms.quantities import is_position, is_published
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.scene.parameters import find
@@ -56,9 +55,9 @@ class DesignBlock:
     """
     Measures of n designs of one study, computed together.
 
-    Results are written into ``columns``, {measure or axis of a curve: values, shape (n,)}, and are
-    right where ``is_done``, shape (n,). ``scene`` is one design that can be built; ``drawn`` is
-    {parameter: values, shape (n,)}.
+    Results are written into ``columns``, {measure: values, shape (n,)}, and are right where
+    ``is_done``, shape (n,). ``scene`` is one design that can be built; ``drawn`` is {parameter:
+    values, shape (n,)}.
     """
 
     def __init__(self, study: Study, scene: Scene, drawn: dict[str, Array],
@@ -131,10 +130,6 @@ class DesignBlock:
                 values, is_right = self._measure(measure, turns, needed)
                 done &= is_right
                 self.columns[measure.name][rows[done]] = values[done]
-        for point, samples in self.study.curves.items():
-            for axis, values in zip('xy', self._curve(designs, point, samples)):
-                self.columns[f'{point}.{axis}'][rows[done]] = values[done]
-                done &= np.isfinite(values).all(axis=1)
         return done
 
     def _search(self, designs: Designs, quantities: Sequence[Searched], count: int) -> Turns:
@@ -177,15 +172,6 @@ class DesignBlock:
         extent = _extent(turns.counts[row], turns.places[row], turns.values[row])
         has_ends = np.asarray(extent.extrema > 0) if measure.part == STROKE else all_right
         return np.asarray(extent.of(measure.part)), has_ends
-
-    def _curve(self, designs: Designs, point: str, samples: int) -> tuple[Array, Array]:
-        """Return x and y [m] of a point over a turn, each of shape (n, samples)."""
-        x = np.broadcast_to(tau * np.arange(samples) / samples, (designs.size, samples))
-        motion, _ = designs.step(0.0, False)(x)
-        link = designs.many.link_motion(motion, self.scene.points[point].link)
-        place = point_of(link, designs.values[f'points.{point}.along'],
-                         designs.values[f'points.{point}.across'])
-        return np.broadcast_to(place[0], x.shape), np.broadcast_to(place[1], x.shape)
 
 
 def _extent(counts: Array, places: Array, values: Array) -> Extent:

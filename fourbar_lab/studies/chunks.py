@@ -31,8 +31,8 @@ class Chunk(NamedTuple):
     """
     Results of one chunk.
 
-    ``columns``: {name: array of the rows kept}: ``row``, the parameters that vary, the measures,
-    ``NAME.x`` and ``NAME.y`` of shape (rows, samples) of curves; ``feasible`` if all are kept.
+    ``columns``: {name: array of the rows kept}: ``row``, the parameters that vary, the measures;
+    ``feasible`` if all are kept.
     ``counts``: {reason: number} of its designs, kept or left out by which constraint;
     ``failures``: rows whose computation raised an error, and its text.
     """
@@ -47,11 +47,14 @@ def measured(study: Study, drawn: dict[str, Array]
     """
     Return the measures of n designs, why each is left out, and (index, error) of failures.
 
-    ``drawn``: {parameter that varies: values, shape (n,)}. Measures are {name of a measure or of
-    an axis of a curve: array}, NaN where it was not computed; a reason may be :data:`FEASIBLE`. As
-    many as possible are computed together; those in doubt, and other kinds, one by one.
+    ``drawn``: {parameter that varies: values, shape (n,)}. Measures are {name: array}, NaN where it
+    was not computed; a reason may be :data:`FEASIBLE`. As many as possible are computed together;
+    those in doubt, and other kinds, one by one.
     """
-    columns = _empty(study, len(next(iter(drawn.values()))))
+    size = len(next(iter(drawn.values())))
+    # counts are floats here too: NaN says that one is unknown
+    columns = {measure.name: np.full(size, '', dtype=object) if measure.part == CLASS
+               else np.full(size, np.nan) for measure in study.measures}
     is_done = _together(study, drawn, columns)
     reasons = np.full(is_done.size, FEASIBLE, dtype=object)
     failures: list[tuple[int, str]] = []
@@ -86,28 +89,10 @@ def compute(study: Study, chunk: int) -> Chunk:
     if study.keeps_all:
         columns[FEASIBLE] = np.array([reasons[i] == FEASIBLE for i in kept], bool)
     columns |= {name: column[kept] for name, column in drawn.items()}
-    types = types_of(study)
-    columns |= {name: column[kept].astype(types[name]) for name, column in measures.items()}
+    types = {CLASS: str, 'extrema': np.int32}
+    columns |= {measure.name: measures[measure.name][kept].astype(types.get(measure.part, float))
+                for measure in study.measures}
     return Chunk(columns, dict(Counter(reasons)), [(start + i, text) for i, text in failures])
-
-
-def types_of(study: Study) -> dict[str, type]:
-    """Return {measure or axis of a curve: the type of its numbers, or str}."""
-    types = {measure.name: {CLASS: str, 'extrema': np.int32}.get(measure.part, float)
-             for measure in study.measures}
-    return types | {f'{point}.{axis}': float for point in study.curves for axis in 'xy'}
-
-
-def _empty(study: Study, size: int) -> dict[str, Array]:
-    """
-    Return {measure or axis of a curve: array of ``size`` designs}, NaN or ''.
-
-    Numbers are floats here, counts too: NaN says that one is unknown. Texts are objects.
-    """
-    columns = {name: np.full(size, '', dtype=object) if kind is str else np.full(size, np.nan)
-               for name, kind in types_of(study).items()}
-    return columns | {f'{point}.{axis}': np.full((size, samples), np.nan)
-                      for point, samples in study.curves.items() for axis in 'xy'}
 
 
 def _together(study: Study, drawn: dict[str, Array], columns: dict[str, Array]) -> Array:
@@ -148,7 +133,7 @@ def _cheap_first(study: Study) -> list[Bound]:
 
 def _row(study: Study, design: Design) -> dict[str, Any]:
     """
-    Return {measure or axis of a curve: its value} of one design.
+    Return {measure: its value} of one design.
 
     A failed constraint ends the work, unless rows that fail are kept.
     """
@@ -159,7 +144,4 @@ def _row(study: Study, design: Design) -> dict[str, Any]:
         if not study.keeps_all and not bound.allows(value):
             return results
     design.search(study.measures)
-    results |= {measure.name: design.of(measure) for measure in study.measures}
-    for point, samples in study.curves.items():
-        results[f'{point}.x'], results[f'{point}.y'] = design.curve(point, samples)
-    return results
+    return {measure.name: design.of(measure) for measure in study.measures}

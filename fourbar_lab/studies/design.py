@@ -22,7 +22,6 @@ from fourbar_lab.studies.measures import (
     TIME_RATIO,
 )
 from fourbar_ros.extrema.find import Extremum, find_extrema
-from fourbar_ros.mechanisms.points import point_of
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.scene.scene import Scene
 import numpy as np
@@ -109,23 +108,6 @@ class Design:
                 return mean
             points, before = 2 * points, mean
         return before
-
-    def curve(self, point: str, samples: int) -> tuple[Array, Array]:
-        """
-        Return the path of a point, x and y [m], each of shape (samples,), at equal input steps.
-
-        Over a full turn from 0, or one range: a path is one curve, and the links cannot pass from
-        range to range. The last range is taken, that of the largest inputs.
-        """
-        low, high = self.linkage.input_ranges[-1]
-        share = np.arange(samples) / samples
-        # not at the ends of a range, where toggles may be
-        x = (2.0 * pi * share if self.linkage.turns_fully
-             else low + (high - low) * (share + 0.5 / samples))
-        link, along, across = self.scene.points[point]
-        motion = self.linkage.motion(x, *self.rates)
-        place_x, place_y = point_of(self.linkage.link_motion(motion, link), along, across)[:2]
-        return np.asarray(place_x), np.asarray(place_y)
 
 
 def nodes(low: float, high: float, points: int, is_turn: bool) -> tuple[Array, Array]:

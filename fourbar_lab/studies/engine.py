@@ -10,18 +10,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from concurrent.futures import (
+    as_completed,
     BrokenExecutor,
     CancelledError,
     Executor,
-    FIRST_COMPLETED,
     ProcessPoolExecutor,
-    wait,
 )
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import asdict
 from functools import lru_cache
 from io import BytesIO
-from itertools import islice
 import json
 import multiprocessing
 from multiprocessing.connection import Connection
@@ -40,12 +38,8 @@ import fourbar_ros
 KERNELS = '4'
 PART = 'part-{:08d}.parquet'
 KEY = b'fourbar_ros'    # of our metadata in a part
-AHEAD = 1024            # chunks that wait for a worker or are being computed
-DEATHS = 3              # times that workers may die without a chunk getting done in between
 PATIENCE = 30.0         # [s] until a scheduler must have answered
 KEPT = 'what is done is kept, --resume goes on'
-
-Pool = AbstractContextManager[Executor]
 
 
 @contextmanager
@@ -85,7 +79,8 @@ def cluster(address: str) -> Iterator[Executor]:
         yield pool
 
 
-def run(study: Study, folder: str | Path, pool: Callable[[], Pool] = processes, *,
+def run(study: Study, folder: str | Path,
+        pool: Callable[[], AbstractContextManager[Executor]] = processes, *,
         resume: bool = False, report: Callable[[int], object] = lambda there: None) -> int:
     """
     Compute the parts of a study that its folder does not hold yet; return how many designs.
@@ -93,42 +88,24 @@ def run(study: Study, folder: str | Path, pool: Callable[[], Pool] = processes, 
     ``pool`` gives the executor: :func:`processes` or :func:`cluster`, with their arguments bound.
     ``report`` is told how many designs are there, first and as each part gets done.
     StudyError if the folder holds a study and is not to be resumed, or another study; if a worker
-    fails, or workers keep dying; if a part cannot be written.
+    fails or dies; if a part cannot be written.
     """
     folder = Path(folder)
-    before = _begin(study, folder, resume)
+    _begin(study, folder, resume)
+    there = parts(folder).keys()
+    before, done = sum(study.size_of(number) for number in there), 0
     report(before)
-    done, deaths = 0, 0
-    while True:
-        there = parts(folder).keys()
-        todo = (number for number in range(study.chunks) if number not in there)
-        try:
-            with pool() as executor:
-                for number, content in _computed(study, executor, todo):
-                    _write(folder / PART.format(number), content)
-                    start, stop = study.rows_of(number)
-                    done, deaths = done + stop - start, 0
-                    report(before + done)
-            return done
-        except (BrokenExecutor, CancelledError) as error:   # all that was under way is lost
-            deaths += 1
-            if deaths > DEATHS or not isinstance(error, BrokenExecutor):
-                raise StudyError(f'the workers are gone; {KEPT}') from None
-
-
-def _computed(study: Study, executor: Executor, todo: Iterator[int]
-              ) -> Iterator[tuple[int, bytes]]:
-    """Yield (number, Parquet file) of chunks as they get done, in any order."""
-    def submitted(count: int) -> set[Any]:
-        return {executor.submit(compute_part, study, number, made_with())
-                for number in islice(todo, count)}
-
-    under_way = submitted(AHEAD)
-    while under_way:
-        done, under_way = wait(under_way, return_when=FIRST_COMPLETED)
-        under_way |= submitted(len(done))
-        for future in done:
-            yield future.result()
+    try:
+        with pool() as executor:
+            for future in as_completed([executor.submit(compute_part, study, number, made_with())
+                                        for number in range(study.chunks) if number not in there]):
+                number, content = future.result()
+                _write(folder / PART.format(number), content)
+                done += study.size_of(number)
+                report(before + done)
+    except (BrokenExecutor, CancelledError):        # what was under way is lost
+        raise StudyError(f'the workers are gone; {KEPT}') from None
+    return done
 
 
 def compute_part(study: Study, number: int, versions: dict[str, str]) -> tuple[int, bytes]:
@@ -145,19 +122,12 @@ def compute_part(study: Study, number: int, versions: dict[str, str]) -> tuple[i
 
 
 def encode(study: Study, number: int) -> bytes:
-    """
-    Return the part of a chunk: a Parquet file, the same bytes for the same numbers.
-
-    Fields have their unit; curves, of shape (rows, samples), become lists of fixed size.
-    """
+    """Return the part of a chunk: a Parquet file, the same bytes for the same numbers."""
     import pyarrow
     from pyarrow import parquet
-    chunk, units = compute(study, number), units_of(study)
-    arrays = [pyarrow.FixedSizeListArray.from_arrays(pyarrow.array(column.ravel()),
-                                                     column.shape[1])
-              if column.ndim == 2 else
-              pyarrow.array(column, pyarrow.string() if column.dtype.kind in 'UO' else None)
-              for column in chunk.columns.values()]
+    chunk = compute(study, number)
+    units = {one.name: one.unit for one in (*study.vary, *study.measures) if one.unit}
+    arrays = [pyarrow.array(column) for column in chunk.columns.values()]
     fields = [pyarrow.field(name, array.type,
                             metadata={'unit': units[name]} if name in units else None)
               for name, array in zip(chunk.columns, arrays)]
@@ -166,14 +136,6 @@ def encode(study: Study, number: int) -> bytes:
     file = BytesIO()
     parquet.write_table(pyarrow.table(arrays, schema=schema), file, compression='zstd')
     return file.getvalue()
-
-
-def units_of(study: Study) -> dict[str, str]:
-    """Return {column: unit} of the columns that have one."""
-    units = {one.name: one.unit for one in study.vary}
-    units |= {one.name: one.unit for one in study.measures}
-    units |= {f'{point}.{axis}': 'm' for point in study.curves for axis in 'xy'}
-    return {name: unit for name, unit in units.items() if unit}
 
 
 def _about(study: Study, **others: Any) -> str:
@@ -209,18 +171,18 @@ def about(part: Path) -> dict[str, Any]:
         raise StudyError(f'{part}: no part of a study: {" ".join(str(error).split())}') from None
 
 
-def _begin(study: Study, folder: Path, resume: bool) -> int:
-    """Make the folder, or check what it holds; return how many designs are there."""
+def _begin(study: Study, folder: Path, resume: bool) -> None:
+    """Make the folder, or check that the parts in it are of this study and may be resumed."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for path in folder.glob('.part-*'):                 # of a run that was killed
             path.unlink(missing_ok=True)
-        others = [path for path in folder.iterdir() if not path.name.startswith('.')]
+        others = [path for path in folder.iterdir() if not path.name.startswith(('.', 'part-'))]
     except OSError as error:
         raise StudyError(f'{folder}: {error.strerror}') from None
-    there = parts(folder)
-    if len(others) > len(there):
+    if others:
         raise StudyError(f'{folder}: exists already and is no study of this version')
+    there = parts(folder)
     if there and not resume:
         raise StudyError(f'{folder}: holds a study already; --resume goes on with it')
     ours = json.loads(_about(study))
@@ -231,7 +193,6 @@ def _begin(study: Study, folder: Path, resume: bool) -> int:
         if differ:
             raise StudyError(f'{folder}: holds another study: {", ".join(differ)} '
                              f'differ{"s" * (len(differ) == 1)}; give another folder')
-    return sum(stop - start for start, stop in map(study.rows_of, there))
 
 
 def _write(path: Path, content: bytes) -> None:

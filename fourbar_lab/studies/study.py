@@ -30,12 +30,12 @@ from fourbar_ros.scene.scene import from_values, Scene
 from fourbar_ros.scene.settings import ParameterValues
 
 KEYS = ('scene', 'vary', 'method', 'rows', 'seed', 'acceleration', 'quantities', 'constraints',
-        'objectives', 'curves', 'keep', 'chunk')
+        'objectives', 'keep', 'chunk')
 KEEP = ('feasible', 'all')
 SENSES = ('minimize', 'maximize')
 # Rows that are computed, kept and lost together: seconds of work.
 CHUNK = 8192
-LARGEST_CHUNK, MOST_SAMPLES = 2**20, 4096
+LARGEST_CHUNK = 2**20
 TRIED = 1000        # first designs; at least one must be possible
 
 
@@ -72,7 +72,6 @@ class Study:
     measures: tuple[Measure, ...]       # all columns, of constraints and objectives too
     bounds: tuple[Bound, ...]
     objectives: dict[str, str]          # {measure: one of SENSES}
-    curves: dict[str, int]              # {point: inputs at which its path is kept}
     keeps_all: bool                     # keep rows that do not fulfil the constraints too
     chunk: int                          # rows that are computed together
 
@@ -84,6 +83,11 @@ class Study:
     def rows_of(self, chunk: int) -> tuple[int, int]:
         """Return (first, after last) row of a chunk."""
         return chunk * self.chunk, min((chunk + 1) * self.chunk, self.rows)
+
+    def size_of(self, chunk: int) -> int:
+        """Return how many rows a chunk has."""
+        start, stop = self.rows_of(chunk)
+        return stop - start
 
     def drawn(self, start: int, stop: int) -> dict[str, Array]:
         """Return {parameter that varies: its values in rows start to stop - 1, shape (n,)}."""
@@ -125,22 +129,20 @@ def from_document(document: Yaml, folder: Path = Path()) -> Study:
             raise InvalidParameter('objectives', CLASS, 'is text and cannot be minimized')
     objectives = {measure.name: choice_of(f'objectives.{measure.name}', sense, SENSES)
                   for measure, sense in ranked.items()}
-    curves = {name: integer_of(f'curves.{name}', samples, 1, MOST_SAMPLES) for name, samples
-              in mapping_of('curves', document.get('curves', {}), tuple(scene.points)).items()}
     names = document.get('quantities', [])
     if not isinstance(names, list):
         raise InvalidParameter('quantities', names, 'must be a list, as [shaking_force, swing]')
     asked = [measure for name in names for measure in measures.named('quantities', str(name))]
     columns = tuple(dict.fromkeys([*asked, *(bound.measure for bound in bounds), *ranked]))
-    if not columns and not curves:
-        raise InvalidParameter('quantities', None, 'must be given (or constraints, objectives or '
-                                                   'curves): what is to be computed?')
+    if not columns:
+        raise InvalidParameter('quantities', None, 'must be given (or constraints or objectives): '
+                                                   'what is to be computed?')
     study = Study(
         values=dict(scene.values), vary=vary, method=method,
         rows=_rows(document.get('rows'), method, vary),
         seed=integer_of('seed', document.get('seed', 0), 0, 2**63 - 1),
         acceleration=number_of('acceleration', document.get('acceleration', 0.0)),
-        measures=columns, bounds=bounds, objectives=objectives, curves=curves,
+        measures=columns, bounds=bounds, objectives=objectives,
         keeps_all=choice_of('keep', document.get('keep', KEEP[0]), KEEP) == 'all',
         chunk=integer_of('chunk', document.get('chunk', CHUNK), 1, LARGEST_CHUNK))
     tried = min(study.rows, TRIED)
@@ -209,7 +211,7 @@ def mapping_of(entry: str, value: Yaml, keys: tuple[str, ...] = ()) -> dict[str,
     if not isinstance(value, dict):
         raise InvalidParameter(entry, value, 'must be a mapping'
                                + f' of {", ".join(keys)}' * bool(keys))
-    for key in value if keys or entry == 'curves' else ():
+    for key in value if keys else ():
         if key not in keys:
             raise InvalidParameter(f'{entry}.{key}', None, f'unknown{nearest(str(key), keys)}')
     return {str(key): below for key, below in value.items()}

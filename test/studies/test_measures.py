@@ -6,7 +6,6 @@ from math import acos, inf, isnan, pi
 from fourbar_lab.studies import chunks
 from fourbar_lab.studies.chunks import compute
 from fourbar_lab.studies.study import from_document
-from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.scene.scene import from_values
 import numpy as np
 import pytest
@@ -136,20 +135,6 @@ def test_rows_that_fail_constraints_are_counted_by_the_first_that_fails():
             np.testing.assert_allclose(column, other, 1e-9, 1e-9, err_msg=name)
 
 
-def test_a_curve_is_the_path_of_the_point():
-    study = from_document({'scene': 'slider_crank', 'rows': 2, 'curves': {'middle': 36},
-                           'vary': {'points.middle.across': {'range': [0.01, 0.02]}}})
-    columns = compute(study, 0).columns
-    assert columns['middle.x'].shape == (2, 36)
-    for i in range(2):
-        across = columns['points.middle.across'][i]
-        linkage = scene_of(study, i).linkage
-        there = point_motion(linkage, linkage.motion(np.arange(36) * 2.0 * pi / 36), 'coupler',
-                             0.1, across)
-        assert np.abs(columns['middle.x'][i] - there.x).max() < 1e-15
-        assert np.abs(columns['middle.y'][i] - there.y).max() < 1e-15
-
-
 def together_and_alone(study, monkeypatch, atol=1e-9):
     """Return a chunk computed together, then one by one; at first, how many designs were alone."""
     alone = []
@@ -180,9 +165,9 @@ def test_designs_computed_together_are_those_computed_one_by_one(name, monkeypat
     assert together_and_alone(study, monkeypatch)[1] < 80       # most are computed together
 
 
-def test_curves_computed_together_are_those_computed_one_by_one(monkeypatch):
+def test_points_computed_together_are_those_computed_one_by_one(monkeypatch):
     together_and_alone(from_document({
-        'scene': 'slider_crank', 'rows': 40, 'curves': {'middle': 24},
+        'scene': 'slider_crank', 'rows': 40,
         'vary': {'points.middle.across': {'range': [0.01, 0.02]},
                  'linkage.a2': {'range': [0.1, 0.3]}},
         'quantities': ['middle.speed', 'middle.acceleration.max']}), monkeypatch, 1e-13)

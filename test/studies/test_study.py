@@ -51,7 +51,6 @@ BAD = [
     ('constraints', {'class': 3}, 'a type or a list of types'),
     ('objectives', {'class': 'minimize'}, 'is text and cannot'),
     ('objectives', {'swing': 'max'}, 'must be one of minimize, maximize'),
-    ('curves', {'tip': 36}, 'curves.tip: unknown'),
     ('seed', -1, 'must be an integer from 0'),
     ('colour', 'red', 'study.colour: unknown'),
 ]
