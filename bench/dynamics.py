@@ -1,7 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Torque-driven motion: error against CPU time of simulate and scipy's integrators."""
-from functools import partial
 import time
 from typing import NamedTuple
 import warnings
@@ -28,12 +27,9 @@ from support.dynamics_problems import (
     sundials_slider_crank,
 )
 
-from .pages import best_time, figure, save, table
-
-TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10)
+TOLERANCES = (1e-6, 1e-10)
 METHODS = ('RK45', 'DOP853', 'LSODA', 'Radau', 'BDF')
 BUDGET = 60_000            # evaluations after which a method counts as stuck
-ROUNDS = 15                # of what takes milliseconds
 ALLOWED = 10.0             # times the tolerance: errors above it are called wrong
 
 
@@ -161,27 +157,10 @@ def theirs(scene, method, tolerance):
 
 def cell(outcome, tolerance):
     """Return an outcome as text; a wrong answer that was called a success in bold."""
-    if outcome.status not in (REACHED,):
+    if outcome.status != REACHED:
         return f'{outcome.status}, {outcome.milliseconds:.0f}'
     text = f'{outcome.error:.0e}, {outcome.milliseconds:.1f}'
     return f'**{text}**' if outcome.error > ALLOWED * tolerance else text
-
-
-def sundials():
-    """Print what P2 costs at each tolerance, without and with the check of a run."""
-    def cells(tolerance):
-        for check in (False, True):
-            run = partial(simulate, system, 10.0, tolerance, check=check)
-            done = run()
-            assert done.status == REACHED or not check
-            yield f'{abs(done.position[-1] - float(P2_POSITION)):.0e}'
-            yield f'{1e3 * best_time(run, ROUNDS):.1f}'
-    system = sundials_slider_crank()
-    print(f'\n## P2\n\nError of q(10) [rad] and CPU time [ms], the least of {ROUNDS}, of '
-          '`simulate`.\n')
-    table(('tolerance', 'one run: error', 'time', 'checked: error', 'time'),
-          [(f'{tolerance:.0e}', *cells(tolerance))
-           for tolerance in (1e-6, 1e-8, 1e-9, 1e-10, 1e-12)])
 
 
 def summary(results):
@@ -189,64 +168,28 @@ def summary(results):
     print('\n| | right | success reported, error > 10 tolerances | stuck or gave up |\n'
           '| --- | --- | --- | --- |')
     for method in ('simulate', *METHODS):
-        every = [(tolerance, outcome) for (_, name, tolerance), outcome in results.items()
-                 if name == method]
+        every = [(tolerance, found[method]) for (_, tolerance), found in results.items()]
         good = [o.error <= ALLOWED * t for t, o in every if o.status == REACHED]
         print(f'| {method} | {sum(good)} | {len(good) - sum(good)} | {len(every) - len(good)} |')
 
 
-def draw(results, names):
-    """Draw error against CPU time for each scene."""
-    columns = 4
-    rows = -(-len(names) // columns)
-    drawing, axes = figure(rows, columns, figsize=(13.0, 3.0 * rows))
-    for axis, name in zip(axes.flat, names):
-        for i, method in enumerate(('simulate', *METHODS)):
-            points = [(o.milliseconds, max(o.error, 1e-15))
-                      for (scene, other, _), o in results.items()
-                      if (scene, other) == (name, method) and o.status == REACHED]
-            if points:
-                axis.loglog(*zip(*points), 'o-' if i == 0 else '.-', color=f'C{i}', label=method,
-                            linewidth=1.8 if i == 0 else 1.0)
-        axis.set_title(name, fontsize=10)
-        axis.grid(alpha=0.3)
-    for axis in axes.flat[len(names):]:
-        axis.set_axis_off()
-    drawing.supxlabel('CPU time [ms]')
-    drawing.supylabel('error of the last position [rad]')
-    handles, labels = axes.flat[0].get_legend_handles_labels()
-    drawing.legend(handles, labels, loc='lower right', ncols=2)
-    save(drawing, 'dynamics')
-    print('\n![Error against CPU time of simulate and scipy](dynamics.svg)')
-
-
 def main():
-    """Print tables in Markdown and draw the figure."""
+    """Print all tables."""
     print('Error of the last position [rad], CPU time [ms], at tolerances 1e-6 and 1e-10. '
           '`simulate` runs twice or more and checks itself; the others are `solve_ivp`, once, on '
           'the same equation. Bold: success was reported with an error above 10 tolerances. '
           f'*Stuck*: more than {BUDGET} evaluations.\n')
-    results, names, family = {}, [], None
+    results, family = {}, None
     for scene in scenes():
-        names.append(scene.name)
         if scene.family != family:
             family = scene.family
             print(f'\n## {family.capitalize()}\n\n| scene, reference | tolerance | simulate | '
                   f'{" | ".join(METHODS)} |\n|{" --- |" * (len(METHODS) + 3)}')
         for tolerance in TOLERANCES:
-            results[scene.name, 'simulate', tolerance] = ours(scene, tolerance)
-            for method in METHODS:
-                results[scene.name, method, tolerance] = theirs(scene, method, tolerance)
-            if tolerance in (1e-6, 1e-10):
-                cells = [cell(results[scene.name, method, tolerance], tolerance)
-                         for method in ('simulate', *METHODS)]
-                print(f'| {scene.name} ({scene.source}) | {tolerance:.0e} | {" | ".join(cells)} |',
-                      flush=True)
-    sundials()
+            found = {'simulate': ours(scene, tolerance),
+                     **{method: theirs(scene, method, tolerance) for method in METHODS}}
+            results[scene.name, tolerance] = found
+            cells = ' | '.join(cell(outcome, tolerance) for outcome in found.values())
+            print(f'| {scene.name} ({scene.source}) | {tolerance:.0e} | {cells} |', flush=True)
     print('## All of them')
     summary(results)
-    draw(results, names)
-
-
-if __name__ == '__main__':
-    main()

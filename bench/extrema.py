@@ -3,7 +3,7 @@
 """All extrema of theta4' and theta4'' beside other ways to them: run time, misses, errors."""
 from functools import partial
 import gc
-from math import inf
+from math import inf, pi
 from statistics import median
 import time
 
@@ -11,18 +11,17 @@ from fourbar_ros import Bodies, find_extrema, find_extrema_many, FourBar, round_
 from fourbar_ros.extrema.batch import RATES
 import mpmath
 import numpy as np
-from rich.console import Console
-from rich.progress import track
+from scipy.optimize import brentq
 from support.extrema_reference import exact_roots
 
-from . import rivals
+from .naive import ARRAY, coordinates, SCALAR
+from .pages import table
 
 # the paper's linkage; the slides' Example 7.7
 SEEDS = ((0.4, 1.2, 0.8, 1.0), (2.0, 6.0, 7.0, 5.0))
 LOADS = ('shaking_force', 'shaking_moment', 'driving_torque', 'f41', 'f21', 'f32', 'f43')
 ROUNDS, PER_FAMILY, MANY = 5, 20, 10_000
 LEAST = 0.1              # [s] of CPU time for one figure
-PROGRESS = Console(stderr=True)
 
 
 # --- linkages ------------------------------------------------------------------------------------
@@ -70,10 +69,9 @@ def families(rng):
                for name, draw in draws.items()}}
 
 
-# --- ours ----------------------------------------------------------------------------------------
+# --- ways: lengths -> theta1 of the extrema of theta4', of those of theta4'' ---------------------
 
 def ours(lengths):
-    """Return theta1 of the extrema of omega4 and of alpha4."""
     found = [], []
     for extremum in find_extrema(FourBar(*lengths), RATES, conditions=False):
         found[RATES.index(extremum.quantity)].append(extremum.theta1)
@@ -89,17 +87,32 @@ def ours_with_loads(lengths):
     return find_extrema(FourBar(*lengths, bodies=bodies), (*RATES, *LOADS))
 
 
+def slopes(lengths, x, m=ARRAY):
+    """Return theta4'' and theta4''', from the loop differentiated three times."""
+    a1, a2, a3, _ = lengths
+    y, b, dy, db, ddy, ddb = coordinates(lengths, 1.0, x, m)
+    sine, cosine = m.sin(y - b), m.cos(y - b)
+    return (ddy, ((3.0 * a2 * db * ddb - a1 * m.sin(x - b)) / a3 - 3.0 * dy * ddy * cosine) / sine
+            + dy * dy * dy)
+
+
+def by_grid(lengths, shift=0.0):
+    """Refine between neighbours of different sign among 720 samples of a turn."""
+    grid = 2.0 * pi * np.arange(721) / 720 + shift
+    found = []
+    for order, samples in enumerate(slopes(lengths, grid)):
+        def slope(x, order=order):
+            return slopes(lengths, x, SCALAR)[order]
+        before = np.flatnonzero((samples[1:] >= 0.0) != (samples[:-1] >= 0.0)).tolist()
+        found.append([brentq(slope, float(grid[k]), float(grid[k + 1])) for k in before])
+    return found
+
+
 OURS = 'find_extrema'
-WAYS = {
-    OURS: ours,
-    'find_extrema, certify': ours_proved,
-    'find_extrema, and seven loads': ours_with_loads,
-    '720 points + brentq, plain Python': rivals.grid_with_formulas,
-    '720 points + brentq, numpy': rivals.grid_in_numpy,
-    'the same, half a step on': rivals.shifted_grid,
-    'Chebyshev colleague matrix + Newton': rivals.chebyshev_colleague,
-}
-FINDERS = {name: way for name, way in WAYS.items() if way not in (ours_proved, ours_with_loads)}
+FINDERS = {OURS: ours, '720 points + brentq': by_grid,
+           'the same, half a step on': partial(by_grid, shift=pi / 720)}
+WAYS = {**FINDERS, 'find_extrema, certify': ours_proved,
+        'find_extrema, and seven loads': ours_with_loads}
 
 
 # --- time ----------------------------------------------------------------------------------------
@@ -128,7 +141,7 @@ def measure(linkages, many):
     """Return {name: CPU times per linkage [s], one a round}."""
     times = {name: [] for name in (*WAYS, 'batch')}
     each(ours, linkages)
-    for _ in track(range(ROUNDS), 'rounds', transient=True, console=PROGRESS):
+    for _ in range(ROUNDS):
         for name, way in WAYS.items():
             times[name].append(time_of(each, way, linkages) / len(linkages))
         times['batch'].append(time_of(find_extrema_many, *many) / many.shape[1])
@@ -137,16 +150,11 @@ def measure(linkages, many):
 
 def table_of_times(times):
     """Print CPU times and their ratios to ours, each the median over the rounds."""
-    print(f"| theta4' and theta4'' of one linkage | CPU time [ms] | over {OURS} |\n"
-          '| --- | --- | --- |')
-    for name in WAYS:
-        print(f'| {name} | {1e3 * median(times[name]):.3g} | {ratio(times, name, OURS):.3g} |')
-    print(f'\nA batch of {MANY} linkages (`find_extrema_many`): '
+    table(("theta4' and theta4'' of one linkage", 'CPU time [ms]', f'over {OURS}'),
+          [(name, f'{1e3 * median(times[name]):.3g}',
+            f'{median(a / b for a, b in zip(times[name], times[OURS])):.3g}') for name in WAYS])
+    print(f'A batch of {MANY} linkages (`find_extrema_many`): '
           f'{1.0 / median(times["batch"]):.3g} linkages per second of CPU time.\n')
-
-
-def ratio(times, one, other):
-    return median(a / b for a, b in zip(times[one], times[other]))
 
 
 # --- misses and errors ---------------------------------------------------------------------------
@@ -180,19 +188,17 @@ def cell(results, number):
 def table_of_misses(families):
     """Print how many of the exact extrema each way misses, and how wrong the others are."""
     with mpmath.workdps(40):
-        columns = [column(name, linkages) for name, linkages in families.items()]
-    print(f'| missed, spurious; largest error of theta1 [rad] | {" | ".join(families)} |')
-    print('| --- |' + ' --- |' * len(families))
-    for name in FINDERS:
-        print(f'| {name} | {" | ".join(texts[name] for texts in columns)} |')
+        columns = [column(linkages) for linkages in families.values()]
+    table(('missed, spurious; largest error of theta1 [rad]', *families),
+          [(name, *(texts[name] for texts in columns)) for name in FINDERS])
 
 
-def column(family, linkages):
+def column(linkages):
     """Return {way: text} about the linkages of one family."""
     exact = [[[x for x, _ in exact_roots(lengths, order)] for order in (0, 1)]
              for lengths in linkages]
     results = {name: [] for name in FINDERS}
-    for lengths, truth in zip(track(linkages, family, transient=True, console=PROGRESS), exact):
+    for lengths, truth in zip(linkages, exact):
         for name, way in FINDERS.items():
             results[name] += map(judge, way(lengths), truth)
     number = sum(len(roots) for truth in exact for roots in truth)
@@ -213,7 +219,3 @@ def main():
           'found beside is spurious. The grids have 0 and pi among their points, where near '
           'change points all happens; one is without.\n')
     table_of_misses(known)
-
-
-if __name__ == '__main__':
-    main()

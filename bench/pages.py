@@ -1,8 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""What the pages of measurements share: tables, figures, the least time of some rounds."""
-import time
-
+"""What the pages of measurements share: tables and figures."""
 from . import ROOT
 
 is_written = False      # whether docs/bench is written: --write
@@ -32,13 +30,3 @@ def save(drawing, name, dpi=100):
         drawing.savefig(file.with_suffix('.svg'), metadata={'Date': None})
         drawing.savefig(file.with_suffix('.png'), dpi=dpi)
     pyplot.close(drawing)
-
-
-def best_time(function, rounds=3):
-    """Return the least CPU time of some rounds [s]."""
-    times = []
-    for _ in range(rounds):
-        begun = time.process_time()
-        function()
-        times.append(time.process_time() - begun)
-    return min(times)
