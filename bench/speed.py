@@ -10,26 +10,18 @@ import subprocess
 import sys
 import tempfile
 
-from . import hard, ROOT
-from .pages import figure, save
+from . import ROOT
+from .pages import figure, save, table
 
 PEERS = Path(__file__).resolve().parent / 'peers'
 ENVIRONMENT = ROOT / '.venv-peers'
-PICTURE = 'speed'
 # the paper's, mode 2
 LENGTHS, OMEGA, DENSITY, RADIUS = (0.4, 1.2, 0.8, 1.0), 25.0, 7750.0, 0.01
 SAMPLES, ROUNDS = 1000, 5
 ONE_THREAD = dict.fromkeys(('OMP_NUM_THREADS', 'OPENBLAS_NUM_THREADS', 'MKL_NUM_THREADS'), '1')
 OURS = 'fourbar_ros'
 SCALAR, SCALAR_MOTION = f'{OURS}, scalar', f'{OURS}, scalar, motion only'
-BATCHES = [f'{OURS}, batch of {count}' for count in (1000, 10000, 100000)]
-BATCH_MOTION = f'{BATCHES[1]}, motion only'
-STEP, UNITS = 'one step', ('math.sin', 'numpy.sin')
-FIELDS = [f'{batch}, fields of the textbook' for batch in BATCHES]
-TEXTBOOK = [f'textbook numpy, batch of {count}' for count in (1000, 10000, 100000)]
-SCALAR_LIMIT, BATCH_LIMIT = 180, 20     # in bare calls of math.sin, in elements of numpy.sin
-# times the textbook script for its 15 outputs, in batches of 10000 and more
-FIELDS_LIMIT = 1.2
+BATCH, BATCH_MOTION = f'{OURS}, batch of 10000', f'{OURS}, batch of 10000, motion only'
 
 
 # --- the case and the peers ----------------------------------------------------------------------
@@ -54,24 +46,19 @@ def write_case(file):
                                 'truth': truth}))
 
 
-def install(wanted=()):
-    """
-    Return {peer: why not, or None}, each installed by itself into the environment for peers.
-
-    ``wanted``: names of packages; without any, all.
-    """
+def install():
+    """Return {peer: why not, or None}, each installed by itself into the environment for peers."""
     python = ENVIRONMENT / 'bin' / 'python'
     if not python.exists():
         subprocess.run([sys.executable, '-m', 'venv', str(ENVIRONMENT)], check=True)
-    lines = [line for line in (PEERS / 'requirements.txt').read_text().splitlines() if line
-             and line[0] != '#' and (not wanted or line.split('==')[0] in wanted)]
     found = {}
-    for line in lines:
-        done = subprocess.run([str(python), '-m', 'pip', 'install', '--quiet',
-                               '--disable-pip-version-check',
-                               *line.split()],
-                              check=False, capture_output=True, text=True, env=clean())
-        found[line] = (done.stderr.strip().splitlines() or ['?'])[-1] if done.returncode else None
+    for line in (PEERS / 'requirements.txt').read_text().splitlines():
+        if not line.startswith('#'):
+            done = subprocess.run([str(python), '-m', 'pip', 'install', '--quiet',
+                                   '--disable-pip-version-check', *line.split()],
+                                  check=False, capture_output=True, text=True, env=clean())
+            found[line] = ((done.stderr.strip().splitlines() or ['?'])[-1] if done.returncode
+                           else None)
     return found
 
 
@@ -153,72 +140,42 @@ def ratios(times, name, other):
 
 def print_methods(errors, times):
     """Print error and run time of every method, ours first, then by time."""
-    print('| method | CPU time [us/sample] | times ours, scalar | (lowest to highest round) | '
-          'theta4 [rad] | '
-          "theta4'' | F41 |\n| --- | --- | --- | --- | --- | --- | --- |")
-    for name in sorted(set(errors) - {STEP, *UNITS},
-                       key=lambda n: (not n.startswith(OURS), median(times[n]))):
+    rows = []
+    for name in sorted(errors, key=lambda n: (not n.startswith(OURS), median(times[n]))):
         ratio = ratios(times, name, SCALAR)
-        error = [f'{errors[name][key]:.1e}' if key in errors[name] else '-'
-                 for key in ('theta4', 'alpha4', 'f41')]
-        print(f'| {name} | {median(times[name]) * 1e6:.3g} | {median(ratio):.3g} | '
-              f'{min(ratio):.3g} to {max(ratio):.3g} | '
-              + ' | '.join(error) + ' |')
-    print()
-
-
-def print_units(times):
-    """Print what a sample of ours costs in sines."""
-    print('| motion and all loads | unit | cost | (lowest to highest round) | limit |\n| --- | '
-          '--- | --- | --- | --- |')
-    for name, unit, limit in ([(STEP, UNITS[0], SCALAR_LIMIT)]
-                              + [(b, UNITS[1], BATCH_LIMIT) for b in BATCHES]):
-        ratio = ratios(times, name, unit)
-        print(f'| {name} | '
-              f'{"bare calls of math.sin" if unit == UNITS[0] else "elements of numpy.sin"} | '
-              f'{median(ratio):.0f} | {min(ratio):.0f} to {max(ratio):.0f} | {limit} |')
-    print()
-
-
-def print_textbook(times):
-    """Print what the same 15 outputs cost beside the textbook script."""
-    print('| the 15 outputs of the textbook script | times the script | (lowest to highest round) '
-          '| limit |\n| --- | --- | --- | --- |')
-    for ours, theirs, limit in zip(FIELDS, TEXTBOOK, ('-', FIELDS_LIMIT, FIELDS_LIMIT)):
-        ratio = ratios(times, ours, theirs)
-        print(f'| {ours} | {median(ratio):.2f} | {min(ratio):.2f} to {max(ratio):.2f} | {limit} |')
-    single = ratios(times, SCALAR, 'textbook, one a call')
-    print(f'| {SCALAR}, all fields | {median(single):.2f} | {min(single):.2f} to '
-          f'{max(single):.2f} | - |\n')
+        rows.append((name, f'{median(times[name]) * 1e6:.3g}', f'{median(ratio):.3g}',
+                     f'{min(ratio):.3g} to {max(ratio):.3g}',
+                     *(f'{errors[name][key]:.1e}' if key in errors[name] else '-'
+                       for key in ('theta4', 'alpha4', 'f41'))))
+    table(('method', 'CPU time [us/sample]', 'times ours, scalar', '(lowest to highest round)',
+           'theta4 [rad]', "theta4''", 'F41'), rows)
 
 
 def print_verdict(errors, times):
     """Print for accuracies the cheapest engine that reaches them: forces, and motion only."""
-    engines = [name for name in errors if not name.startswith((OURS, '9x9', 'textbook'))
-               and name not in (STEP, *UNITS)]
-    print('| to reach | cheapest engine | times our scalar | times our batch of 10000 |\n| --- | '
-          '--- | --- | --- |')
-    for what, key, single, batch in (('F41', 'f41', SCALAR, BATCHES[1]),
+    engines = [name for name in errors if not name.startswith((OURS, '9x9', 'textbook'))]
+    rows = []
+    for what, key, single, batch in (('F41', 'f41', SCALAR, BATCH),
                                      ("theta4''", 'alpha4', SCALAR_MOTION, BATCH_MOTION)):
         for bound in (1e-12, 1e-4, 1e-2):
             good = [name for name in engines if errors[name].get(key, inf) <= bound]
             if good:
                 best = min(good, key=lambda name: median(times[name]))
-                print(f'| {what} to {bound:.0e} | {best} | '
-                      f'{median(ratios(times, best, single)):.3g} | '
-                      + (f'{median(ratios(times, best, batch)):.3g} |' if best.startswith(IN_BATCH)
-                         else '- |'))
-    print()
+                rows.append((f'{what} to {bound:.0e}', best,
+                             f'{median(ratios(times, best, single)):.3g}',
+                             f'{median(ratios(times, best, batch)):.3g}'
+                             if best.startswith(IN_BATCH) else '-'))
+    table(('to reach', 'cheapest engine', 'times our scalar', 'times our batch of 10000'), rows)
 
 
 # many samples in one call: fair beside our batch
-IN_BATCH = ('MuJoCo rollout', 'pylinkage', 'Exudyn')
+IN_BATCH = ('MuJoCo connect', 'pylinkage', 'Exudyn')
 
 GROUPS = ((OURS, '#d62728', '*'), ('textbook', '#000000', 'd'), ('9x9 numpy', '#7f7f7f', 's'),
           ('fourbarhinge', '#8c564b', 'D'),
           ('pylinkage', '#e377c2', 'v'), ('MuJoCo tree', '#1f77b4', 'o'),
-          ('MuJoCo connect, default', '#17becf', 'x'), ('MuJoCo connect, hardest', '#17becf', 'o'),
-          ('MuJoCo rollout', '#9467bd', 'o'), ('Pinocchio tree', '#2ca02c', '^'),
+          ('MuJoCo connect, default', '#17becf', 'x'), ('MuJoCo connect, hardest', '#9467bd', 'o'),
+          ('Pinocchio tree', '#2ca02c', '^'),
           ('Pinocchio constraintDynamics', '#98df8a', '^'),
           ('Exudyn generalized', '#ff7f0e', 'P'), ('Exudyn trapezoidal', '#bcbd22', 'X'))
 
@@ -231,13 +188,11 @@ def draw(errors, times):
             points = sorted((median(times[name]) * 1e6, errors[name][key]) for name in errors
                             if name.startswith(group) and key in errors[name])
             if points or key == 'f41':
+                is_stepper = group.startswith(('Exudyn', 'MuJoCo connect, hardest'))
                 axis.loglog(*(zip(*points) if points else ([], [])), marker=marker, color=color,
-                            label=group,
-                            linestyle='-'
-                            if group.startswith(('Exudyn', 'MuJoCo connect, hardest',
-                                                 'MuJoCo rollout')) else 'none', linewidth=0.8,
-                            markersize=14 if group == OURS else 8, zorder=3 if group == OURS
-                            else 2)
+                            label=group, linestyle='-' if is_stepper else 'none', linewidth=0.8,
+                            markersize=14 if group == OURS else 8,
+                            zorder=3 if group == OURS else 2)
         axis.set_title(f'{title}: largest error over one revolution, of its peak')
         axis.set_xlabel('CPU time per sample [µs]')
         axis.grid(True, which='major', color='0.9')
@@ -247,7 +202,7 @@ def draw(errors, times):
                      arrowprops={'arrowstyle': '->', 'color': '0.4'}, color='0.4')
     drawing.legend(*axes[0].get_legend_handles_labels(), loc='outside lower center', ncols=4,
                    frameon=False)
-    save(drawing, PICTURE, dpi=110)
+    save(drawing, 'speed', dpi=110)
 
 
 def main():
@@ -262,15 +217,8 @@ def main():
                                                for name, version in versions.items())
           + '. Garbage collection is off while timing.\n')
     print_methods(errors, times)
-    print_textbook(times)
     print_verdict(errors, times)
-    print_units(times)
-    hard.print_errors()
     for peer, why in left_out.items():
         print(f'Left out: {peer}: {why}')
     draw(errors, times)
-    print(f'![Error against run time]({PICTURE}.svg)')
-
-
-if __name__ == '__main__':
-    main()
+    print('![Error against run time](speed.svg)')

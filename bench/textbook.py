@@ -1,9 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-A textbook four-bar, in as few operations as a careful user would write.
-
-The batch to beat, and its scalar twin.
+A textbook four-bar, in as few operations as a careful user would write: the batch to beat.
 
 Diagonal and law of cosines, directions by projection, Cramer's rule for the rates, for the
 accelerations and for the force at B: position, velocity, acceleration of coupler and output link,

@@ -1,10 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""
-The loop of two tree ends that must coincide.
-
-The 2x2 systems that a tree engine leaves to its user.
-"""
+"""The loop of two tree ends that must coincide: what a tree engine leaves to its user."""
 
 
 def solve(matrix, right):

@@ -1,12 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""
-This package, a textbook script and 9x9 systems in numpy, and the units.
-
-Math.sin and numpy.sin.
-"""
-from collections import deque
-from itertools import repeat
+"""This package, a textbook script, and 9x9 systems in numpy."""
 import math
 from pathlib import Path
 import sys
@@ -42,10 +36,6 @@ def scalar_motion(theta1):
         motion = motion_of(x, omega, 0.0)
         rows.append((motion.theta4, motion.omega4, motion.alpha4))
     return rows
-
-
-def one_step(theta1):
-    deque(map(linkage.step, theta1.tolist(), repeat(omega), repeat(0.0)), 0)
 
 
 def read_scalar(rows):
@@ -92,10 +82,6 @@ def read_systems(rows):
 one_system = system(SCALAR)
 
 
-def math_sin(theta1):
-    deque(map(math.sin, theta1.tolist()), 0)      # bare calls: no loop in Python, no look-ups
-
-
 def only(theta1, rate, acceleration):
     return linkage.step(theta1, rate, acceleration, fields=FIELDS)
 
@@ -110,29 +96,17 @@ def read_fields(found):
             'f41': np.stack((fields['f41_x'], fields['f41_y']), -1)}
 
 
-def nothing(_):
-    return {'theta4': case.truth['theta4']}
-
-
-samples = np.tile(case.theta1, 10)
 serve(case, [
     Method('fourbar_ros, scalar', scalar, read_scalar),
     Method('fourbar_ros, scalar, motion only', scalar_motion, read_scalar),
     *(Method(f'fourbar_ros, batch of {count}', batch(linkage.step, count), read)
       for count in (1000, 10000, 100000)),
     Method('fourbar_ros, batch of 10000, motion only', batch(linkage.motion, 10000), read_motion),
-    *(Method(f'fourbar_ros, batch of {count}, fields of the textbook', batch(only, count),
-             read_fields)
-      for count in (1000, 10000, 100000)),
-    *(Method(f'textbook numpy, batch of {count}', batch(by_textbook, count), read_fields)
-      for count in (1000, 10000, 100000)),
+    Method('fourbar_ros, batch of 10000, fields of the textbook', batch(only, 10000), read_fields),
+    Method('textbook numpy, batch of 10000', batch(by_textbook, 10000), read_fields),
     Method('textbook, one a call', lambda theta1: [by_textbook(x, omega, 0.0, SCALAR)
                                                    for x in theta1.tolist()],
            lambda rows: read_fields(np.array(rows).T)),
     Method('9x9 numpy, one a call', lambda theta1: [one_system(x) for x in theta1.tolist()],
            read_systems),
-    *(Method(f'9x9 numpy, batch of {count}', batch_system(count), read_system)
-      for count in (1000, 100000)),
-    Method('one step', one_step, nothing), Method('math.sin', math_sin, nothing),
-    Method('numpy.sin', lambda _: np.sin(samples),
-           lambda _: {'theta4': np.tile(case.truth['theta4'], 10)})])
+    Method('9x9 numpy, batch of 1000', batch_system(1000), read_system)])

@@ -1,10 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""
-MuJoCo: inverse dynamics of a tree with the loop closed here.
-
-And its own loop, the connect constraint.
-"""
+"""MuJoCo: inverse dynamics of a tree with the loop closed here; and its own, connect."""
 from common import Case, Method, serve
 from loop import read, run_tree
 import mujoco
@@ -76,34 +72,7 @@ class Tree:
 
 
 def connect(steps, hardest):
-    """Return the stepper: two turns, RK4, some steps a sample."""
-    dt = case.step / case.omega / steps
-    solver = f'solref="{2.0 * dt!r} 1" solimp="0.9999 0.9999 0.001 0.5 2"' if hardest else ''
-    loop = model(f'<connect site1="coupler" site2="output" {solver}/>',
-                 f'timestep="{dt!r}" integrator="RK4" iterations="20" tolerance="0"', FLYWHEEL)
-    data = mujoco.MjData(loop)
-    crank = loop.body('crank').id
-
-    def run(theta1):
-        mujoco.mj_resetData(loop, data)
-        data.qpos[:], data.qvel[:] = (x0, b0 - x0, y0), (dx0, db0 - dx0, dy0)
-        rows = []
-        for _ in range(2 * len(theta1)):
-            mujoco.mj_forward(loop, data)
-            mujoco.mj_rnePostConstraint(loop, data)
-            rows.append((data.qpos[2], data.qvel[2], data.qacc[2],
-                         data.cfrc_int[crank, 3:5].tolist()))
-            mujoco.mj_step(loop, data, steps)
-        return rows[len(theta1):]
-    return run
-
-
-def rollout(steps, hardest):
-    """
-    Return the same stepping as one call of mujoco.rollout.
-
-    All of it in C++, outputs by sensors.
-    """
+    """Return the stepper: two turns, RK4, some steps a sample, in one call of mujoco.rollout."""
     dt = case.step / case.omega / steps
     solver = f'solref="{2.0 * dt!r} 1" solimp="0.9999 0.9999 0.001 0.5 2"' if hardest else ''
     sensors = ('<force site="o1"/><frameangvel objtype="body" objname="output"/>'
@@ -122,7 +91,7 @@ def rollout(steps, hardest):
     return run
 
 
-def read_rollout(found):
+def read_connect(found):
     """
     States are those after a step, what the sensors say is from before it.
 
@@ -138,15 +107,9 @@ def read_rollout(found):
             'f41': np.stack((cosine * fx - sine * fy, sine * fx + cosine * fy), -1)}
 
 
-methods = [Method(f'MuJoCo tree, loop closed to {tolerance:.0e} m',
-                  run_tree(Tree(), case, tolerance), read)
-           for tolerance in (1e-3, 1e-9)]
-methods.append(Method('MuJoCo connect, default softness', connect(1, False), read, 2))
-methods += [
-    Method(f'MuJoCo connect, hardest, {steps} step{"s" * (steps > 1)}', connect(steps, True), read,
-           2)
-    for steps in (1, 4, 16)]
-methods += [Method(f'MuJoCo rollout, hardest, {steps} step{"s" * (steps > 1)}',
-                   rollout(steps, True), read_rollout, 2)
-            for steps in (1, 4, 16)]
-serve(case, methods)
+serve(case, [
+    *(Method(f'MuJoCo tree, loop closed to {tolerance:.0e} m', run_tree(Tree(), case, tolerance),
+             read) for tolerance in (1e-3, 1e-9)),
+    Method('MuJoCo connect, default softness', connect(1, False), read_connect, 2),
+    Method('MuJoCo connect, hardest, 1 step', connect(1, True), read_connect, 2),
+    Method('MuJoCo connect, hardest, 4 steps', connect(4, True), read_connect, 2)])
