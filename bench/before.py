@@ -11,10 +11,9 @@ import sys
 import tempfile
 
 from . import ROOT
+from .pages import table
 from .speed import clean, PEERS
 
-# the last before formulas took their functions from number types
-BEFORE_NUMBER_TYPES = '6b9935e'
 ROUNDS = 30
 
 
@@ -47,7 +46,7 @@ def version(folder):
         process.wait(60)
 
 
-def main(against=BEFORE_NUMBER_TYPES):
+def main(against='HEAD'):
     """Print ratios of both versions; ``against``: the commit of the earlier one."""
     with tempfile.TemporaryDirectory() as folder:
         unpack(against, Path(folder))
@@ -59,18 +58,9 @@ def main(against=BEFORE_NUMBER_TYPES):
                                        else (now(name), before(name))[::-1])
     print(f'This version beside {against}: CPU time of one, the least of {ROUNDS} rounds of both '
           'in turn; ratios of these, and within the same round.\n')
-    print('| what | before [us] | now [us] | now / before | median of rounds |\n'
-          '| --- | --- | --- | --- | --- |')
-    least = {name: [min(side) for side in zip(*found)] for name, found in times.items()}
-    for name, (old, new) in least.items():
-        ratios = median(after / first for first, after in times[name])
-        print(f'| {name} | {old * 1e6:.3g} | {new * 1e6:.3g} | {new / old:.2f} | {ratios:.2f} |')
-    print('\nOne step in bare calls of `math.sin`: ' + ', '.join(
-        f'{least["one step"][i] / least["sine"][i]:.0f} {when}'
-        for i, when in enumerate(('before', 'now')))
-        + '. A sine takes a different share of a step on each machine and in each C library: '
-          'compare these two, not those of two machines.')
-
-
-if __name__ == '__main__':
-    main()
+    rows = []
+    for name, found in times.items():
+        old, new = map(min, zip(*found))
+        rows.append((name, f'{old * 1e6:.3g}', f'{new * 1e6:.3g}', f'{new / old:.2f}',
+                     f'{median(after / first for first, after in found):.2f}'))
+    table(('what', 'before [us]', 'now [us]', 'now / before', 'median of rounds'), rows)
