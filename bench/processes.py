@@ -1,10 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""
-What the measurements of the node share.
-
-Nodes in processes of their own, and one that listens and drives them.
-"""
+"""Nodes in processes of their own, and one that listens and drives them."""
 from contextlib import contextmanager
 import gc
 import json
@@ -35,7 +31,7 @@ class Child:
     """A process under measurement."""
 
     def __init__(self, name, *command):
-        self.name, self.started = name, time.time()
+        self.name = name
         self.process = subprocess.Popen([sys.executable, *command], cwd=ROOT,
                                         stdout=subprocess.DEVNULL,
                                         stderr=subprocess.DEVNULL)
@@ -46,17 +42,10 @@ class Child:
         """Return the CPU time used so far [s]."""
         return time.clock_gettime(self._clock)
 
-    def rss(self):
-        """Return the resident memory [MB]."""
-        return (int(Path(f'/proc/{self.process.pid}/statm').read_text().split()[1])
-                * os.sysconf('SC_PAGE_SIZE') / 1e6)
-
     def stop(self):
-        """End it; return how long that took [s]."""
-        began = time.monotonic()
+        """End it."""
         self.process.send_signal(signal.SIGTERM)
         self.process.wait(20)
-        return time.monotonic() - began
 
 
 def ours(outputs=KINEMATICS, **parameters):

@@ -1,22 +1,19 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Recording: what a message costs, what a kill costs, how fast a long bag is written and read."""
+"""Recording: how fast a long bag is written and read, and what memory that takes."""
 from contextlib import contextmanager
 import json
 import os
 from pathlib import Path
-from statistics import median
 import struct
 import tempfile
-import threading
 import time
+
+from .pages import table
 
 MINUTES = float(os.environ.get('MINUTES', '6'))     # of the long bag; 60 for the whole hour
 RATE = 1000                                         # [Hz] all outputs
 PERIOD = 5                                          # [s] after which the recorded motion repeats
-ROUNDS = 5
-KILLS = 4
-KINDS = {'fast': '6 kHz', 'slow': '50 Hz'}
 STAMP = struct.Struct('<iI')
 
 
@@ -52,100 +49,14 @@ def stamped(step, k):
     return [data[:4] + stamp + data[12:] for data in step]
 
 
-def fill_ours(folder, channels, about, messages):
-    """Write messages as the node does; return CPU seconds a message: in the caller, in all."""
-    from fourbar_ros.bag.recorder import BagWriter
-    writer = BagWriter(folder, '', channels, about)
-    begin, caller = time.process_time(), 0.0
-    for step in messages:
-        before = time.thread_time()
-        writer.write_all(list(enumerate(step)))
-        caller += time.thread_time() - before
-    assert not writer.dropped
-    writer.close()
-    count = len(messages) * len(channels)
-    return caller / count, (time.process_time() - begin) / count
-
-
-def fill_library(folder, channels, about, messages):
-    """Write the same with the library's Writer, flushed by a thread under a lock."""
-    from mcap.writer import Writer
-    lock, stop = threading.Lock(), threading.Event()
-    with open(Path(folder) / f'{time.time_ns()}.mcap', 'wb') as file:
-        writer = Writer(file)
-        writer.start('ros2', 'bench')
-        ids = [writer.register_channel(c.topic, 'cdr', writer.register_schema(c.type, 'ros2msg',
-                                                                              c.schema.encode()),
-                                       c.metadata) for c in channels]
-
-        def flush():
-            while not stop.wait(0.1):
-                with lock:
-                    writer.flush()
-        thread = threading.Thread(target=flush)
-        begin, caller = time.process_time(), 0.0
-        thread.start()
-        for step in messages:
-            before = time.thread_time()
-            for number, data in zip(ids, step):
-                with lock:
-                    stamp = time.time_ns()
-                    writer.add_message(number, stamp, data, stamp)
-            caller += time.thread_time() - before
-        stop.set()
-        thread.join()
-        writer.finish()
-    count = len(messages) * len(channels)
-    return caller / count, (time.process_time() - begin) / count
-
-
-def cost_table(channels, about, messages):
-    """Print the cost of a message beside that of the library's Writer."""
-    found = {fill_ours: [], fill_library: []}
-    for _ in range(ROUNDS):
-        for fill, costs in found.items():
-            with tempfile.TemporaryDirectory() as folder:
-                costs.append(fill(folder, channels, about, messages))
-    ours, library = ([1e6 * median(column) for column in zip(*found[fill])]
-                     for fill in (fill_ours, fill_library))
-    print(f'One message of {len(channels)} topics in turn, CPU, median of {ROUNDS} rounds in '
-          'turn:\n')
-    print('| | in the caller [us] | in all [us] | ratio |\n| --- | --- | --- | --- |')
-    print(f'| `BagWriter` | {ours[0]:.2f} | {ours[1]:.2f} | {ours[1] / library[1]:.2f} |')
-    print(f'| `mcap.Writer`, lock and flush thread | {library[0]:.2f} | {library[1]:.2f} | 1 |')
-
-
-def node_table():
-    """Print the CPU of a node at RATE, recorder off and on, with every topic subscribed."""
-    from bench.node import recorder
-    import rclpy
-    rclpy.init()
-    print('\nA node whose recorder is off and on in turns; on, the motion of the input is a sixth '
-          'message:\n')
-    try:
-        recorder(float(RATE))
-    finally:
-        rclpy.try_shutdown()
-
-
-def kill_table():
-    """Print what kills cost."""
-    from bag.test_crash import kill_once
-    print(f'\nkill -9 at random moments, {KILLS} each, what was lost:\n')
-    print('| recorder | median [ms] | worst [ms] |\n| --- | --- | --- |')
-    for kind in KINDS:
-        lost = [1e3 * kill_once(kind, 5000 + seed) for seed in range(KILLS)]
-        print(f'| {KINDS[kind]} | {median(lost):.0f} | {max(lost):.0f} |')
-
-
 @contextmanager
 def measured(what, count, rows):
-    """Time a piece of work over ``count`` messages; keep a row with the growth of the memory."""
-    before, begin, cpu = rss(), time.perf_counter(), time.process_time()
+    """Measure a piece of work over ``count`` messages; keep a row with the growth of the memory."""
+    before, begin = rss(), time.process_time()
     yield
-    seconds, cpu = time.perf_counter() - begin, time.process_time() - cpu
-    rows.append(f'| {what} | {seconds:.2f} | {1e6 * cpu / count:.2f} | '
-                f'{60 * MINUTES / seconds:.0f} | {rss() - before:+.0f} |')
+    cpu = time.process_time() - begin
+    rows.append((what, f'{1e6 * cpu / count:.2f}', f'{60 * MINUTES / cpu:.0f}',
+                 f'{rss() - before:+.0f}'))
 
 
 def write_long(folder, channels, about, messages, total):
@@ -165,9 +76,10 @@ def write_long(folder, channels, about, messages, total):
     return writer.close(), memory
 
 
-def long_table(channels, about, messages):
+def main():
     """Print speed and memory of a long bag: written, read, checked, recomputed, exported."""
     from fourbar_ros.bag import export, info, recompute, recover
+    channels, about, messages = steps()
     total, rows = int(60 * MINUTES * RATE), []
     count = total * len(channels)
     with tempfile.TemporaryDirectory() as name:
@@ -189,22 +101,7 @@ def long_table(channels, about, messages):
         with measured('`export` csv, state only', total, rows):
             export(path, folder / 'csv', topics=['/fourbar/state'])
         size = sum(f.stat().st_size for f in path.iterdir())
-    print(f'\nA bag of {MINUTES:g} minutes at {RATE} Hz, {len(channels)} topics, {count} '
+    print(f'A bag of {MINUTES:g} minutes at {RATE} Hz, {len(channels)} topics, {count} '
           f'messages, {size / 1e6:.0f} MB:\n')
-    print('| | [s] | CPU a message [us] | times real time | memory [MB] |\n| --- | --- | --- | '
-          '--- | --- |')
-    print('\n'.join(rows))
-    print('\nMemory while writing, at each tenth [MB]: ' + ', '.join(f'{m:.0f}' for m in memory))
-
-
-def main():
-    """Print all tables."""
-    channels, about, messages = steps()
-    cost_table(channels, about, messages)
-    node_table()
-    kill_table()
-    long_table(channels, about, messages)
-
-
-if __name__ == '__main__':
-    main()
+    table(('', 'CPU a message [us]', 'run over CPU time', 'memory [MB]'), rows)
+    print('Memory while writing, at each tenth [MB]: ' + ', '.join(f'{m:.0f}' for m in memory))
