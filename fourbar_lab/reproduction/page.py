@@ -9,23 +9,11 @@ from html import escape
 from io import StringIO
 from math import tau
 from pathlib import Path
-import re
-from typing import TYPE_CHECKING
+from typing import Any, TYPE_CHECKING
 
 from fourbar_lab.drawing.figure import CannotDraw, make_figure, need_matplotlib, STYLE, Units
 from fourbar_lab.reproduction import published
-from fourbar_lab.reproduction.documents import (
-    ASSUMED,
-    COLUMNS,
-    DIFFERS,
-    GARBLED,
-    MISPRINT,
-    MISSING,
-    Section,
-    summary,
-    VERDICTS,
-    WRONG,
-)
+from fourbar_lab.reproduction.documents import COLUMNS, Section, summary, VERDICTS
 from fourbar_ros import __version__
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.mechanisms.parts import CROSSED, OPEN
@@ -39,58 +27,54 @@ Captioned = tuple['Figure', str]                # with its caption
 PlottedCurve = tuple[Array, str, str, str]      # values over theta1, label, line style, colour
 Panel = tuple[str, list[PlottedCurve], list[tuple[float, float]]]  # title, curves, circled points
 
-CSS = """\
-body { font: 15px/1.45 system-ui, sans-serif; max-width: 64em; margin: 2em auto; padding: 0 1em;
-  color: #222; }
-table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
-div.wide { overflow-x: auto; }
-th, td { padding: 0.15em 0.9em 0.15em 0; text-align: left; border-bottom: 1px solid #ddd;
-  vertical-align: top; }
-td.number, th.number { text-align: right; white-space: nowrap; }
-tr.wrong td { background: #fbeee6; } tr.copy td, tr.assumed td { background: #eef3f8; }
-  tr.differs td { background: #f6c6c6; }
-td.part { padding-left: 1.2em; } nav ul { columns: 2; } dt { font-weight: 600; } dd { margin: 0 0
-  0.3em 1.5em; }
-figure { margin: 1em 0; } svg { max-width: 100%; height: auto; } figcaption, ol { color: #555;
-  font-size: 0.92em; }
-@media print { section { break-inside: avoid; } nav { break-after: page; } }
+PAGE = """\
+<!doctype html>
+<html lang="en"><head><meta charset="utf-8"><title>The two source documents, recomputed</title>
+<style>
+body {{ font-family: sans-serif; margin: 2em auto; max-width: 64em; }}
+th, td {{ padding-right: 1em; text-align: left; vertical-align: top; }}
+.number {{ text-align: right; white-space: nowrap; }} .part {{ padding-left: 1.2em; }}
+svg {{ max-width: 100%; height: auto; }}
+</style></head>
+<body><h1>The two source documents, recomputed</h1>
+<p>Lecture slide set 7 (Hayes, Irani, Afagh, Langlois) and the paper of Hayes, Hninn and Irani:
+printed value, ours, difference, verdict. {summary}.</p>
+<p>fourbar_ros {version}, {when}.</p>
+<dl>{legend}</dl>
+{body}
+</body></html>
 """
-STYLES = {MISPRINT: 'wrong', WRONG: 'wrong', GARBLED: 'copy', ASSUMED: 'assumed',
-          MISSING: 'assumed', DIFFERS: 'differs'}
 FEET = Units(('in', published.INCH), ('ft/s', published.FOOT), ('ft/s$^2$', published.FOOT))
-
-
-def example_7_2() -> Captioned:
-    linkage = published.EXAMPLE_7_2
-    return make_figure(linkage, linkage.motion(*published.GIVEN_7_2), None,
-                       'slider-crank at 30 deg, points and units of the slides', None,
-                       {'O_1': 'O_2', 'A': 'B', 'B': 'C'}, FEET), (
-        'Velocity and acceleration polygons.')
-
-
-def example_7_3() -> Captioned:
-    linkage = published.EXAMPLE_7_3
-    return make_figure(linkage, linkage.motion(*published.GIVEN_7_3), None,
-                       '4R at 120 deg, points and units of the slides', published.POINTS_7_3,
-                       {'O_1': 'A', 'A': 'B', 'B': 'C', 'O_4': 'D'}, FEET), (
-        'Velocity and acceleration polygons.')
-
-
-def example_7_5() -> Captioned:
-    linkage = published.EXAMPLE_7_5
-    return make_figure(linkage, linkage.motion(*published.GIVEN_7_5), None,
-                       'inverted slider-crank at 30 deg, points and units of the slides', None,
-                       {'O_1': 'E', 'O_4': 'D'}, FEET), (
+# {figure of one pose: linkage, input, title, points, their letters in the slides, units, caption}
+POSES: dict[str, tuple[Any, ...]] = {
+    'example_7_2': (
+        published.EXAMPLE_7_2, published.GIVEN_7_2,
+        'slider-crank at 30 deg, points and units of the slides', None,
+        {'O_1': 'O_2', 'A': 'B', 'B': 'C'}, FEET, 'Velocity and acceleration polygons.'),
+    'example_7_3': (
+        published.EXAMPLE_7_3, published.GIVEN_7_3,
+        '4R at 120 deg, points and units of the slides', published.POINTS_7_3,
+        {'O_1': 'A', 'A': 'B', 'B': 'C', 'O_4': 'D'}, FEET, 'Velocity and acceleration polygons.'),
+    'example_7_5': (
+        published.EXAMPLE_7_5, published.GIVEN_7_5,
+        'inverted slider-crank at 30 deg, points and units of the slides', None,
+        {'O_1': 'E', 'O_4': 'D'}, FEET,
         'Q is the point of the bar under A; the Coriolis term turns V_rel by 90° in the sense of '
-        'the bar.')
+        'the bar.'),
+    'example_7_6': (
+        published.EXAMPLE_7_6, published.GIVEN_7_6,
+        '4R at 60 deg, 10 rad/s, 100 rad/s², assembly mode 2', None, None, Units(),
+        'The slides solve this example with the input-output equations, in any unit of length.')}
 
 
-def example_7_6() -> Captioned:
-    linkage = published.EXAMPLE_7_6
-    return make_figure(linkage, linkage.motion(*published.GIVEN_7_6), None,
-                       '4R at 60 deg, 10 rad/s, 100 rad/s², assembly mode 2', None, None,
-                       Units()), (
-        'The slides solve this example with the input-output equations, in any unit of length.')
+def figure_of(name: str) -> Captioned:
+    """Return a figure by name, with its caption."""
+    if name in POSES:
+        linkage, given, title, points, letters, units, caption = POSES[name]
+        return make_figure(linkage, linkage.motion(*given), None, title, points, letters,
+                           units), caption
+    return {'example_7_7': example_7_7, 'paper_figure_3': paper_figure_3,
+            'paper_figure_4': paper_figure_4}[name]()
 
 
 def example_7_7() -> Captioned:
@@ -164,7 +148,7 @@ def _curves(theta1: Array, panels: Sequence[Panel], scales: Sequence[str] = ('li
 def svg(name: str) -> tuple[str, str]:
     """Return (SVG text, caption) of a figure by name; the text is the same every time."""
     import matplotlib
-    figure, caption = globals()[name]()
+    figure, caption = figure_of(name)
     file = StringIO()
     with matplotlib.rc_context({**STYLE, 'svg.hashsalt': name}):
         figure.savefig(file, format='svg', metadata={'Date': None})
@@ -174,53 +158,30 @@ def svg(name: str) -> tuple[str, str]:
 
 def page(sections: Sequence[Section], when: str) -> str:
     """Return the whole report as one self-contained HTML page with a date on it."""
-    body = '\n'.join(_section(section, i) for i, section in enumerate(sections))
-    contents = ''.join(f'<li><a href="#s{i}">{escape(section.title)}</a></li>'
-                       for i, section in enumerate(sections))
     legend = ''.join(f'<dt>{name}</dt><dd>{meaning}</dd>' for name, meaning in VERDICTS.items())
-    return ('<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
-            '<meta name="viewport" content="width=device-width"><title>The two source documents, '
-            f'recomputed</title>\n<style>\n{CSS}</style></head>\n<body>\n<h1>The two source '
-            'documents, recomputed</h1>\n<p>Lecture slide set 7 (Hayes, Irani, Afagh, Langlois) '
-            'and the paper of Hayes, Hninn and Irani: printed value, ours, difference, verdict. '
-            f'{summary(sections)}.</p>\n<p>fourbar_ros {__version__}, {when}.</p>\n'
-            f'<h2>Verdicts</h2>\n<dl>{legend}</dl>\n'
-            f'<nav><h2>Contents</h2>\n<ul>{contents}</ul></nav>\n{body}\n</body></html>\n')
+    return PAGE.format(summary=summary(sections), version=__version__, when=when, legend=legend,
+                       body='\n'.join(map(_section, sections)))
 
 
-GREEK = {'theta': 'θ', 'omega': 'ω', 'alpha': 'α'}
-
-
-def typeset(text: str) -> str:
-    """Return a text as HTML: theta1, V_A, A_C/B with their indices, s^2 with its power."""
-    text = re.sub(r'\b(theta|omega|alpha)(\d)',
-                  lambda match: f'{GREEK[match[1]]}<sub>{match[2]}</sub>', escape(text))
-    text = re.sub(r'\b([AV])_([A-Z](?:/[A-Z])?)\b', r'\1<sub>\2</sub>', text)
-    return re.sub(r'\b(m|s|ft|v\d)\^(\d)', r'\1<sup>\2</sup>', text)
-
-
-def _section(section: Section, number: int) -> str:
+def _section(section: Section) -> str:
     """Return a section as HTML: its table, numbered reasons below, and its figure."""
-    def row(tag: str, cells: Sequence[str], style: str = '') -> str:
-        kinds = [' class="part"' if cell.startswith(' ') else
-                 ' class="number"' if head.endswith('>') else ''
+    def row(tag: str, cells: Sequence[str]) -> str:
+        kinds = [' class="number"' if head.endswith('>') else
+                 ' class="part"' if cell.startswith(' ') else ''
                  for head, cell in zip(COLUMNS, cells)]
-        return f'<tr{style}>' + ''.join(f'<{tag}{kind}>{typeset(cell)}</{tag}>' for kind, cell
-                                        in zip(kinds, cells)) + '</tr>'
+        return '<tr>' + ''.join(f'<{tag}{kind}>{escape(cell)}</{tag}>'
+                                for kind, cell in zip(kinds, cells)) + '</tr>'
 
     notes = section.footnotes
-    rows = [row('th', [head.rstrip('>') for head in COLUMNS])] + [
-        row('td', [*its.cells, f'({notes[its.reason]})' if its.reason else ''],
-            f' class="{STYLES[its.verdict]}"' if its.verdict in STYLES else '')
-        for its in section.rows]
-    text = (f'<section id="s{number}"><h2>{typeset(section.title)}</h2>\n<div '
-            f'class="wide"><table>' + '\n'.join(rows) + '\n</table></div>')
-    if notes:
-        text += '\n<ol>' + ''.join(f'<li>{typeset(reason)}</li>' for reason in notes) + '</ol>'
+    text = [f'<h2>{escape(section.title)}</h2>', '<table>',
+            row('th', [head.rstrip('>') for head in COLUMNS]),
+            *(row('td', [*its.cells, f'({notes[its.reason]})' if its.reason else ''])
+              for its in section.rows),
+            '</table>', '<ol>', *(f'<li>{escape(reason)}</li>' for reason in notes), '</ol>']
     if section.figure:
         picture, caption = svg(section.figure)
-        text += f'\n<figure>{picture}<figcaption>{escape(caption)}</figcaption></figure>'
-    return text + '</section>'
+        text.append(f'<figure>{picture}<figcaption>{escape(caption)}</figcaption></figure>')
+    return '\n'.join(text)
 
 
 def write_page(sections: Sequence[Section], path: str | Path) -> None:

@@ -316,11 +316,7 @@ def test_the_command_writes_a_page_that_holds_all_and_loads_nothing(sections, tm
     assert found.count['tr'] == len(sections) + sum(len(section.rows) for section in sections)
     assert found.count['figure'] == found.count['svg'] == 7
     assert text == page(sections, day)               # the same bytes every time
-    assert 'θ<sub>1</sub>' in text
-    # legend, contents
-    assert found.count['dt'] == len(VERDICTS) and found.count['li'] >= len(sections)
-    for i in range(len(sections)):
-        assert f'href="#s{i}"' in text and f'id="s{i}"' in text
+    assert found.count['dt'] == len(VERDICTS)
     for section in sections:
         for row in section.rows:
             assert row.printed in text
@@ -330,8 +326,8 @@ def test_the_command_writes_a_page_that_holds_all_and_loads_nothing(sections, tm
                      ('example_7_5', '$A_{Cor}$')], 1)
 def test_figures_have_the_units_and_letters_of_their_tables(name, word):
     pytest.importorskip('matplotlib')
-    from fourbar_lab.reproduction import page
-    figure, _ = getattr(page, name)()
+    from fourbar_lab.reproduction.page import figure_of
+    figure, _ = figure_of(name)
     words = [text.get_text() for axes in figure.axes for text in axes.texts]
     assert any(text.startswith(word) for text in words), words
     assert any(text.endswith((' ft/s', ' ft/s$^2$')) for text in words)
