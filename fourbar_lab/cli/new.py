@@ -7,30 +7,23 @@ from argparse import ArgumentTypeError, Namespace
 from math import pi
 from pathlib import Path
 import re
-import sys
-from typing import TYPE_CHECKING
 
 from fourbar_ros.cli.common import add_verb, assembly_mode, Verbs, warn
 from fourbar_ros.errors import FourBarError, InvalidParameter, nearest
 from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.scene.units import measured, of
 
-if TYPE_CHECKING:      # verbs import when they run
-    from fourbar_ros.mechanisms.parts import Length
-
 MATERIALS = {'steel': 7850.0, 'stainless': 8000.0, 'aluminium': 2700.0, 'brass': 8500.0,
              'titanium': 4500.0, 'pla': 1240.0, 'wood': 700.0}      # [kg/m^3]
 BAR = re.compile(r'([\d.]+) *([a-z]*) *x *([\d.]+) *([a-z]*)')
 NAMES = tuple(dict.fromkeys(length.name for kind in KINDS.values() for length in kind.LENGTHS))
 DESCRIPTION = """\
-Write a scene from a few numbers: lengths, speed, and bars or rods of one section. Lengths that
-are not given are asked for on a terminal. The scene is in SI, with comments; change it as you
-like. No file is overwritten.
+Write a scene from a few numbers: lengths, speed, and bars or rods of one section. The scene is
+in SI, with comments; change it as you like. No file is overwritten.
 """
 EPILOG = """\
 examples:
   fourbar new my.yaml --a1 50mm --a2 150mm --a3 100mm --a4 125mm --speed 300rpm --bar 20x5mm
-  fourbar new my.yaml                                       asks for the lengths
   fourbar new pump.yaml --kind slider_crank --a1 30mm --a2 90mm --rod 8mm --material aluminium
 
 then:
@@ -133,7 +126,7 @@ def _new(arguments: Namespace) -> None:
 
 def _lengths(arguments: Namespace) -> dict[str, float]:
     """
-    Return {name: length [m]} of the kind: as given, or asked for on a terminal.
+    Return {name: length [m]} of the kind, all as given.
 
     Signed lengths, as the offset of a guide, are 0 unless given.
     """
@@ -142,21 +135,13 @@ def _lengths(arguments: Namespace) -> dict[str, float]:
     for name, value in given.items():
         if name not in lengths:
             raise InvalidParameter(f'--{name}', value, f'is no length of a {arguments.kind}')
-    return {name: given[name] if name in given else 0.0 if length.signed else _ask_for(length)
-            for name, length in lengths.items()}
-
-
-def _ask_for(length: Length) -> float:
-    """Return a length [m] that the user types on the terminal; raise if there is none."""
-    while sys.stdin.isatty():
-        try:
-            return measured(input(f'{length.name}, {length.text} [m, or 50mm]: '), 'length')
-        except ArgumentTypeError as error:
-            print(error)
-        except EOFError:
-            break
-    raise InvalidParameter(f'--{length.name}', None,
-                           f'must be given: {length.text} [m], or 50mm')
+    for name, length in lengths.items():
+        if length.signed:
+            given.setdefault(name, 0.0)
+        elif name not in given:
+            raise InvalidParameter(f'--{name}', None,
+                                   f'must be given: {length.text} [m], or 50mm')
+    return given
 
 
 def scene_text(kind: str, lengths: dict[str, float], mode: int, speed: float,

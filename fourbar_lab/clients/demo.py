@@ -17,13 +17,13 @@ from fourbar_lab.drawing.tables import mode_name, rates_in_words, what_it_is
 from fourbar_msgs.msg import Extremum
 from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.errors import FourBarError
-from fourbar_ros.mechanisms.quantities import known, positions, select
+from fourbar_ros.mechanisms.quantities import known, positions
 from fourbar_ros.pipeline.stepper import STATUS_NAMES
-from fourbar_ros.ros.messages import Message, resolve, to_stamp
+from fourbar_ros.ros.messages import Message, to_stamp
 from fourbar_ros.scene.arguments import Parser, positive
 from fourbar_ros.scene.files import find, NODE
 from fourbar_ros.scene.scene import load, Scene
-from fourbar_ros.scene.topics import INPUTS, OUTPUTS
+from fourbar_ros.scene.topics import INPUTS
 from fourbar_ros.terminal import make_console, make_table
 from rclpy.node import Node
 from rich.console import Console
@@ -128,27 +128,20 @@ def watch(client: Driver, node: subprocess.Popen[bytes], seconds: float, console
         console.print()
 
 
-def show_extrema(client: Driver, console: Console) -> Sequence[Message]:
-    """Ask the node for all extrema and print the global ones; return all, none if it refused."""
+def show_extrema(client: Driver, console: Console) -> None:
+    """Ask the node for all extrema and print the global ones."""
     linkage, speed = client.scene.linkage, client.scene.drive.speed
     answer = client.call('find_extrema', velocity=speed)
     if answer.result != answer.RESULT_OK:
         console.print(f'find_extrema: {answer.message}')
-        return ()
+        return
     console.print(make_table(
         f'global extrema at {rates_in_words(linkage, speed)}, mode {mode_name(linkage)}, from '
         f'{NODE}/find_extrema',
         ('quantity', '', 'value>', 'unit', f'{linkage.input_coordinate.position}>'),
-        [(one.quantity, KINDS[one.kind], f'{one.value:.9g}', one.unit, f'{place_of(one):.7f}')
-         for one in answer.extrema if one.is_global]))
+        [(one.quantity, KINDS[one.kind], f'{one.value:.9g}', one.unit,
+          f'{one.theta1 if isnan(one.slide) else one.slide:.7f}') for one in answer.extrema if one.is_global]))
     console.print()
-    extrema: Sequence[Message] = answer.extrema
-    return extrema
-
-
-def place_of(extremum: Message) -> float:
-    """Return the input of an extremum [rad or m]."""
-    return float(extremum.theta1 if isnan(extremum.slide) else extremum.slide)
 
 
 def check_bag(path: str | Path, console: Console) -> bool:
@@ -164,33 +157,6 @@ def check_bag(path: str | Path, console: Console) -> bool:
                   f'from their recorded input, {len(differences)} fields, largest difference '
                   f'{worst:g}', soft_wrap=True)
     return bool(messages) and worst == 0.0
-
-
-def write_page_of(scene: Scene, extrema: Sequence[Message], bag: Path) -> Path:
-    """
-    Write page.html into a bag's folder and return its path.
-
-    It shows the mechanism, its curves with the extrema of the node, and the recorded run.
-    """
-    from fourbar_lab.drawing import curves, figure
-    from fourbar_lab.drawing import recorded as recording
-    linkage, speed = scene.linkage, scene.drive.speed
-    position = scene.drive.start if linkage.turns_fully else 0.5 * sum(linkage.input_ranges[-1])
-    motion = linkage.motion(position, speed, 0.0)
-    names = [quantity.name for quantity in select((), linkage, scene.point_quantities)]
-    over_input = curves.curves_of(scene, linkage, names, speed)
-    scale = degrees(1.0) if linkage.input_coordinate.unit == 'rad' else 1.0   # as curves have it
-    marks = [(extremum.quantity, scale * place_of(extremum), extremum.value)
-             for extremum in extrema if extremum.kind != Extremum.KIND_CONSTANT]
-    recorded = [f'{topic}.{name}' for name in names for topic in ('state', 'loads')
-                if topic in scene.outputs
-                and name in resolve(OUTPUTS[topic].type).get_fields_and_field_types()]
-    loads = scene.loads(position, speed, 0.0) if scene.tells_loads else None
-    figures = {'Mechanism': figure.make_figure(linkage, motion, loads, points=scene.points),
-               'Over the input, with all extrema': curves.make_figure(over_input, marks)}
-    if recorded:
-        figures['Recorded'] = recording.make_figure(bag, recorded)
-    return figure.write_page(bag / 'page.html', bag.name, figures)
 
 
 def run(path: str | Path, seconds: float, directory: str | Path, console: Console) -> bool:
@@ -211,7 +177,7 @@ def run(path: str | Path, seconds: float, directory: str | Path, console: Consol
     try:
         with opened(lambda own: Driver(own, scene), 'fourbar_demo') as client:
             watch(client, node, seconds, console)
-            extrema = show_extrema(client, console)
+            show_extrema(client, console)
     finally:
         node.send_signal(signal.SIGTERM)
         code = node.wait()
@@ -220,10 +186,6 @@ def run(path: str | Path, seconds: float, directory: str | Path, console: Consol
     good = check_bag(bag, console)
     console.print(f'bag: {bag}\nfor Foxglove and PlotJuggler: {bag / (name + "_0.mcap")}',
                   soft_wrap=True)
-    try:
-        console.print(f'to look at: {write_page_of(scene, extrema, bag)}', soft_wrap=True)
-    except FourBarError as error:
-        console.print(f'no page: {error}', soft_wrap=True)
     return good and code == 0
 
 

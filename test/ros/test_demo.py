@@ -17,7 +17,4 @@ def test_numbers_of_the_demonstration_are_whole(width, scene, expected, tmp_path
                         '--directory', str(tmp_path)], width)
     assert code == 0 and '…' not in text, text
     assert set(expected) <= set(NUMBER.findall(text)), text
-    page, = tmp_path.glob('*/page.html')
-    assert str(page) in text.replace('\n', '')
-    drawn = page.read_text()
-    assert drawn.count('<svg') == drawn.count('</svg>') == 3 and 'Recorded' in drawn
+    assert 'largest difference 0' in text
