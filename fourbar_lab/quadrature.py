@@ -6,13 +6,11 @@ from __future__ import annotations
 from functools import lru_cache
 from math import pi
 
+from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
-
-def full_turn(points: int) -> tuple[Array, Array]:
-    """Return inputs and weights of the trapezoidal rule, which is spectral over a full turn."""
-    return 2.0 * pi * np.arange(points) / points, np.full(points, 1.0 / points)
+MOST_OF_RANGE = 1024        # points of a range: they are eigenvalues, more would take seconds
 
 
 @lru_cache(maxsize=8)
@@ -20,13 +18,19 @@ def _gauss(points: int) -> tuple[Array, Array]:
     return np.polynomial.legendre.leggauss(points)
 
 
-def between(low: float, high: float, points: int) -> tuple[Array, Array]:
+def nodes(mechanism: Mechanism, points: int) -> tuple[Array, Array]:
     """
-    Return inputs and weights of Gauss's rule in the angle whose sine is the input.
+    Return inputs and weights of a mean over the input, ``points`` in each of its ranges.
 
-    Roots of the distance to a toggle at an end, as angles have, are smooth in that angle.
+    Over a full turn the trapezoidal rule, which is spectral there. Else Gauss's rule in the angle
+    whose sine is the input: roots of the distance to a toggle at an end, as angles have, are
+    smooth in it.
     """
-    nodes, weights = _gauss(points)
-    phi = 0.5 * pi * nodes
-    return (0.5 * (low + high) + 0.5 * (high - low) * np.sin(phi),
-            0.25 * pi * weights * np.cos(phi))
+    if mechanism.turns_fully:
+        return 2.0 * pi * np.arange(points) / points, np.full(points, 1.0 / points)
+    places, weights = _gauss(min(points, MOST_OF_RANGE))
+    phi, ranges = 0.5 * pi * places, mechanism.input_ranges
+    whole = sum(high - low for low, high in ranges)
+    x = [0.5 * (low + high) + 0.5 * (high - low) * np.sin(phi) for low, high in ranges]
+    parts = [0.25 * pi * weights * np.cos(phi) * ((high - low) / whole) for low, high in ranges]
+    return np.concatenate(x), np.concatenate(parts)

@@ -23,6 +23,7 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 from fourbar_lab.balancing.loads import BalanceError, Loads, NUMBERS, without_weight
+from fourbar_lab.quadrature import nodes
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.numerics.arrays import Array, EPS
@@ -241,7 +242,7 @@ def least_peak(places: Places, name: str, mass: float) -> Balance:
     inputs of these are added, and all is solved again.
     """
     loads, mass = places.loads, number('mass', mass, 'must be zero or more', least=0.0)
-    x, _ = loads.nodes(INPUTS)
+    x, _ = nodes(loads.mechanism, INPUTS)
     for _ in range(ROUNDS):
         blocks = np.stack([*loads.matrices(x, loads.group(name)).values()], axis=1)
         weights, bound = _least(places, blocks, mass)

@@ -22,7 +22,7 @@ from dataclasses import replace
 from functools import cached_property
 from math import isfinite
 
-from fourbar_lab.quadrature import between, full_turn
+from fourbar_lab.quadrature import nodes
 from fourbar_ros.errors import FourBarError, InvalidParameter, nearest
 from fourbar_ros.mechanics.bodies import Body, NOT_APPLIED
 from fourbar_ros.mechanisms.mechanism import Mechanism
@@ -136,21 +136,6 @@ class Loads:
         values = mechanism.step(x, self.rate, fields=fields)
         return {name: np.broadcast_to(value, x.shape) for name, value in zip(fields, values)}
 
-    def nodes(self, points: int) -> tuple[Array, Array]:
-        """
-        Return inputs and weights of a mean over the input, ``points`` in each of its ranges.
-
-        The weights add up to one. A range that is no full turn gets 1024 points at most (Gauss).
-        They are enough; more would take seconds, since they are eigenvalues.
-        """
-        if self.mechanism.turns_fully:
-            return full_turn(points)
-        ranges = self.mechanism.input_ranges
-        parts = [between(low, high, min(points, 1024)) for low, high in ranges]
-        widths = np.array([high - low for low, high in ranges])
-        return (np.concatenate([x for x, _ in parts]),
-                np.concatenate([w * width for (_, w), width in zip(parts, widths)]) / widths.sum())
-
     def root(self, names: Iterable[str]) -> Array:
         """
         Return R such that |R p| is the root mean square over the input of the loads by name.
@@ -164,7 +149,7 @@ class Loads:
             raise InvalidParameter('minimize', names, 'must name a load at least'
                                    f'{nearest("", self.groups)}')
         while True:
-            x, weights = self.nodes(points)
+            x, weights = nodes(self.mechanism, points)
             blocks = [self._block(name, x, weights, len(names) > 1) for name in names]
             # B = Q R with |Q v| = |v|: R has the norms of B in few rows
             root = np.asarray(np.linalg.qr(np.concatenate(blocks), mode='r'))

@@ -10,6 +10,7 @@ from typing import NamedTuple
 from fourbar_lab.balancing.cone import Balance, peak
 from fourbar_lab.balancing.loads import body_of, Loads, NUMBERS
 from fourbar_lab.drawing.figure import make_panels, save
+from fourbar_lab.quadrature import nodes
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.scene.files import as_text
 from fourbar_ros.scene.parameters import find
@@ -76,7 +77,7 @@ def scene_text(scene: Scene, balance: Balance, what: str) -> str:
 def draw_changes(loads: Loads, numbers: Array, path: str | Path) -> None:
     """Draw force, moment and torque of inertia over the input, before and after."""
     is_angle = loads.mechanism.input_coordinate.unit == 'rad'
-    x = np.sort(loads.nodes(SAMPLES)[0])
+    x = np.sort(nodes(loads.mechanism, SAMPLES)[0])
     panels = {}
     for name in DRAWN:
         components = loads.group(name)

@@ -20,7 +20,8 @@ from dataclasses import replace
 from math import isfinite, nan, pi
 from typing import Any, NamedTuple
 
-from fourbar_lab.studies.design import Design, nodes
+from fourbar_lab.quadrature import nodes
+from fourbar_lab.studies.design import Design
 from fourbar_lab.studies.measures import (
     CHANGE_POINT,
     INPUT_RANGE,
@@ -254,9 +255,8 @@ class _MeasureDerivatives:
         """Return d sqrt(mean Q^2) = mean(Q Q_p) / sqrt(mean Q^2)."""
         if not self._input_is_fixed:
             return self._unknown
-        is_turn = self._design.linkage.turns_fully
-        (low, high), = self._design.linkage.input_ranges
-        x, weights = nodes(low, high, POINTS if is_turn else NODES, is_turn)
+        linkage = self._design.linkage
+        x, weights = nodes(linkage, POINTS if linkage.turns_fully else NODES)
         values, slopes = self._derivatives.of(name, x)
         size = float(np.sqrt(np.sum(weights * values * values)))
         if size == 0.0:       # it grows whichever way a parameter goes: no derivative

@@ -8,9 +8,9 @@ It covers mechanisms of any kind and every case: computation in blocks hands bac
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import inf, isfinite, nan, pi, sqrt
+from math import inf, isfinite, nan, sqrt
 
-from fourbar_lab.quadrature import between, full_turn
+from fourbar_lab.quadrature import MOST_OF_RANGE, nodes
 from fourbar_lab.studies.measures import (
     CHANGE_POINT,
     CLASS,
@@ -22,13 +22,12 @@ from fourbar_lab.studies.measures import (
     TIME_RATIO,
 )
 from fourbar_ros.extrema.find import Extremum, find_extrema
-from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.scene.scene import Scene
 import numpy as np
 
-# Inputs of a mean square: doubled from, at most to (in a full turn, in a range), until two results
-# agree to this part.
-POINTS, MOST_OF_TURN, MOST_OF_RANGE, AGREE = 128, 2**16, 1024, 1e-12
+# Inputs of a mean square: doubled from, in a full turn at most to, until two results agree to this
+# part.
+POINTS, MOST_OF_TURN, AGREE = 128, 2**16, 1e-12
 
 
 class Design:
@@ -85,31 +84,19 @@ class Design:
         return choose(self._extrema[name], key=lambda extremum: extremum.value, default=None)
 
     def _rms(self, quantity: Searched) -> float:
-        """Return the root mean square of a quantity over all ranges of the input."""
+        """
+        Return the root mean square of a quantity over all ranges of the input.
+
+        Points are doubled until two means agree; at the most points, the last one counts.
+        """
         if any(not isfinite(extremum.value) for extremum in self._extrema.get(quantity.name, ())):
             return inf         # as one over the root of the distance, at least: not integrable
-        ranges = self.linkage.input_ranges
-        return sqrt(sum(self._mean_square(quantity, low, high) * (high - low)
-                        for low, high in ranges) / sum(high - low for low, high in ranges))
-
-    def _mean_square(self, quantity: Searched, low: float, high: float) -> float:
-        """
-        Return the mean of the square of a quantity in a range of the input.
-
-        Points are doubled until two means agree; at the most points, the last one is returned.
-        """
-        is_turn = self.linkage.turns_fully
-        points, before = POINTS, nan
-        while points <= (MOST_OF_TURN if is_turn else MOST_OF_RANGE):
-            x, weights = nodes(low, high, points, is_turn)
+        points, mean = POINTS, nan
+        while points <= (MOST_OF_TURN if self.linkage.turns_fully else MOST_OF_RANGE):
+            x, weights = nodes(self.linkage, points)
             values = quantity.of(*self.linkage.motion_and_loads(x, *self.rates))
-            mean = float(np.sum(weights * np.square(values)))
+            before, mean = mean, float(np.sum(weights * np.square(values)))
             if abs(mean - before) <= AGREE * mean:
-                return mean
-            points, before = 2 * points, mean
-        return before
-
-
-def nodes(low: float, high: float, points: int, is_turn: bool) -> tuple[Array, Array]:
-    """Return inputs and weights of a mean over a range of the input, or over a full turn."""
-    return full_turn(points) if is_turn else between(low, high, points)
+                break
+            points *= 2
+        return sqrt(mean)

@@ -16,6 +16,7 @@ from fourbar_lab.balancing import (
 from fourbar_lab.balancing.cone import peak
 from fourbar_lab.balancing.loads import body_of, Loads, numbers_of
 from fourbar_lab.balancing.result import scene_values
+from fourbar_lab.quadrature import nodes
 from fourbar_ros.cli.main import main
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Body, NOT_APPLIED
@@ -51,7 +52,7 @@ def places_of(loads, links=None, radius=None):
 @pytest.mark.parametrize('name', (*SCENES, 'watt'))
 def test_loads_are_linear_in_masses_moments_and_inertias(name):
     loads, rng = loads_of(name), np.random.default_rng(1)
-    x, _ = loads.nodes(64)
+    x, _ = nodes(loads.mechanism, 64)
     fields = [field for group in loads.groups.values() for field in group]
     matrices = loads.matrices(x, fields)
     unit = max(loads.mechanism.lengths)
@@ -83,7 +84,7 @@ def test_bodies_and_their_numbers_are_the_same_thing():
 def test_full_balance_leaves_no_shaking_force(name, links):
     loads = loads_of(name)
     found = full_force_balance(places_of(loads, links))
-    x, _ = loads.nodes(512)
+    x, _ = nodes(loads.mechanism, 512)
     before = still(loads.mechanism).loads(x, loads.rate).shaking_force
     after = still(loads.balanced(found.numbers)).loads(x, loads.rate)
     # as published by the node, from the bodies of the scene
