@@ -3,8 +3,8 @@
 """
 Run measurements and print their tables; ``--write`` puts them into docs/bench.
 
-A page there is a subject, and has a section for each measurement: of the main one the first table
-and figure are in sight, all else is folded. The text around the sections is written by hand.
+A page there has a section for each of its measurements: the first table and figure are in sight,
+all else is folded. The text around it is written by hand.
 """
 import argparse
 import contextlib
@@ -22,8 +22,6 @@ from . import pages, ROOT
 
 MODULES = {file.stem: file for file in sorted(Path(__file__).parent.glob('[a-z]*.py'))
            if 'def main(' in file.read_text()}
-# the page of a measurement, where it is not a page of its own
-PAGE_OF = {'before': 'speed', 'live_changes': 'node', 'paths': 'node', 'smallest': 'node'}
 
 
 class Tee(io.StringIO):
@@ -44,32 +42,25 @@ def machine():
             f'numpy {numpy.__version__}, {platform.system()} {platform.machine()}')
 
 
-def folded(title, *blocks):
-    """Return Markdown that is closed until a reader opens it."""
-    return '\n\n'.join([f'<details markdown="1"><summary>{title}</summary>', *blocks,
-                        '</details>'])
-
-
-def section(name, about, how, text):
+def section(about, how, text):
     """Return the Markdown of a measurement: its first table and figure, the rest folded."""
     blocks = re.sub('^#', '##', text.strip(), flags=re.M).split('\n\n')
-    if name in PAGE_OF:
-        return folded(about, how, *blocks)
     table, figure = (next((place for place, block in enumerate(blocks) if block.startswith(mark)),
                           -1) for mark in ('|', '!['))
     shown = [*blocks[:table + 1], *([blocks[figure]] if figure > table else [])]
     rest = [block for block in blocks[table + 1:] if block not in shown]
-    return '\n\n'.join([f'## {about}', how, *shown, *([folded('more', *rest)] if rest else [])])
+    folded = ['<details markdown="1"><summary>more</summary>', *rest, '</details>'] if rest else []
+    return '\n\n'.join([f'## {about}', how, *shown, *folded])
 
 
 def write(name, about, how, text):
-    """Write the section of a measurement on the page of its subject, in docs/bench."""
-    page = ROOT / 'docs' / 'bench' / f'{PAGE_OF.get(name, name)}.md'
-    before = page.read_text(encoding='utf-8') if page.exists() else f'# {about}\n'
-    new = f'<!-- {name} -->\n{section(name, about, how, text)}\n<!-- end -->'
-    after, known = re.subn(rf'<!-- {name} -->\n.*?<!-- end -->', lambda _: new, before,
-                           flags=re.S)
-    page.write_text(after if known else f'{before.rstrip()}\n\n{new}\n', encoding='utf-8')
+    """Write the section of a measurement on the page in docs/bench that has one."""
+    new = f'<!-- {name} -->\n{section(about, how, text)}\n<!-- end -->'
+    for page in (ROOT / 'docs' / 'bench').glob('*.md'):
+        before = page.read_text(encoding='utf-8')
+        if f'<!-- {name} -->' in before:
+            page.write_text(re.sub(rf'<!-- {name} -->\n.*?<!-- end -->', lambda _: new, before,
+                                   flags=re.S), encoding='utf-8')
 
 
 def main():

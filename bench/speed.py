@@ -176,7 +176,6 @@ GROUPS = ((OURS, '#d62728', '*'), ('textbook', '#000000', 'd'), ('9x9 numpy', '#
           ('pylinkage', '#e377c2', 'v'), ('MuJoCo tree', '#1f77b4', 'o'),
           ('MuJoCo connect, default', '#17becf', 'x'), ('MuJoCo connect, hardest', '#9467bd', 'o'),
           ('Pinocchio tree', '#2ca02c', '^'),
-          ('Pinocchio constraintDynamics', '#98df8a', '^'),
           ('Exudyn generalized', '#ff7f0e', 'P'), ('Exudyn trapezoidal', '#bcbd22', 'X'))
 
 

@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Pinocchio: rnea of a tree with the loop closed here; and its own loop, constraintDynamics."""
+"""Pinocchio: rnea of a tree with the loop closed here."""
 from common import Case, Method, serve
 from loop import read, run_tree
 import numpy as np
@@ -56,36 +56,5 @@ class Tree:
         return effort, (data.oMi[crank].rotation @ data.f[crank].linear)[:2].tolist()
 
 
-def closed(mu, iterations):
-    """Return the tree above, its accelerations and loop force by constraintDynamics."""
-    constraints, datas = pin.StdVec_RigidConstraintModel(), pin.StdVec_RigidConstraintData()
-    constraints.append(pin.RigidConstraintModel(pin.ContactType.CONTACT_3D, model, coupler,
-                                                place(a2), output,
-                                                place(a3), pin.LOCAL))
-    datas.append(constraints[0].createData())
-    data = model.createData()
-    pin.initConstraintDynamics(model, data, constraints, datas)
-    settings = pin.ProximalSettings(1e-14, mu, iterations)
-    unit, zero = np.array([1.0, 0.0, 0.0]), np.zeros(3)
-
-    class Loop(Tree):
-
-        def bias(self, q, v):
-            return 0.0, 0.0     # not needed: the accelerations are found below
-
-        def efforts(self, q, v, a):
-            v = np.array(v)
-            free = pin.constraintDynamics(model, data, self.q, v, zero, constraints, datas,
-                                          settings).copy()
-            pushed = pin.constraintDynamics(model, data, self.q, v, unit, constraints, datas,
-                                            settings).copy()
-            torque = -free[0] / (pushed[0] - free[0])
-            a[:] = (free + torque * (pushed - free)).tolist()
-            return Tree.efforts(self, q, v, a)
-    return run_tree(Loop(), case, 1e-9)
-
-
-serve(case, [
-    *(Method(f'Pinocchio tree, loop closed to {tolerance:.0e} m', run_tree(Tree(), case, tolerance),
-             read) for tolerance in (1e-3, 1e-9)),
-    Method('Pinocchio constraintDynamics', closed(1e-4, 20), read)])
+serve(case, [Method(f'Pinocchio tree, loop closed to {tolerance:.0e} m',
+                    run_tree(Tree(), case, tolerance), read) for tolerance in (1e-3, 1e-9)])
