@@ -243,11 +243,6 @@ def test_the_command_writes_a_scene_that_is_balanced(tmp_path, capsys):
         assert text in capsys.readouterr().err
 
 
-def test_a_counterweight_is_a_point():
-    one = Counterweight('crank', 2.0, 0.3, 0.4)
-    assert one.numbers.tolist() == pytest.approx([2.0, 0.6, 0.8, 0.5])
-
-
 def test_what_takes_more_inertia_than_a_point_is_two_points_within_the_radius():
     places = places_of(loads_of('paper'), ['output'], 0.6)
     for part in ((0.3, 0.1, -0.2, 0.25), (0.5, 0.0, 0.0, 0.5), (0.2, 0.12, 0.16, 0.2)):
