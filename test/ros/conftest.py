@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Fixtures of the ROS tests: a client, and nodes that must end well."""
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from fourbar_ros import clients
 import pytest
-from support.harness import Client, NodeProcess
+from support.harness import Client, NodeProcess, PATIENCE
 
 
 @pytest.fixture
@@ -28,6 +29,20 @@ def diagnosed(client):
         return status, {pair.key: pair.value for pair in status.values}
     newest.messages = messages
     return newest
+
+
+@pytest.fixture
+def lockstep(monkeypatch):
+    """Return the function that makes a LockStep for some outputs; all are closed afterwards."""
+    made = []
+    monkeypatch.setattr(clients, 'FIRST', PATIENCE)
+
+    def make(*outputs, patience=PATIENCE):
+        made.append(clients.LockStep(outputs=outputs, patience=patience))
+        return made[-1]
+    yield make
+    for each in made:
+        each.close()
 
 
 @pytest.fixture

@@ -3,38 +3,25 @@
 """What a larger simulation takes from a node: equation of motion, inertia, the rest, in step."""
 from math import isnan
 
-from fourbar_ros import Base, clients, InvalidParameter
-from fourbar_ros.bag.recomputation import recompute
-from fourbar_ros.clients import Late, LockStep
+from fourbar_ros import Base, InvalidParameter
+from fourbar_ros.clients import Late
 from fourbar_ros.mechanisms.inertia import held_rigid, mean_rigid
 from fourbar_ros.scene.scene import from_values
 import numpy as np
 import pytest
 from sensor_msgs.msg import Imu
+from support.harness import recomputed, recording_in
 from support.scenes import PAPER, RODS
 
 LOADED = {**PAPER, **RODS, 'gravity.y': -9.81, 'drive.source': 'motion', 'drive.timeout': 0.0}
 
 
-@pytest.fixture
-def lockstep():
-    """Return the function that makes a LockStep; all are closed afterwards."""
-    made = []
-
-    def make(*arguments, **options):
-        made.append(LockStep(*arguments, **options))
-        return made[-1]
-    yield make
-    for each in made:
-        each.close()
-
-
 def test_equation_and_inertia_are_those_of_the_linkage_and_recompute(run_node, lockstep,
                                                                      tmp_path):
     outputs = ['equation', 'inertia', 'loads', 'state']
-    given = {**LOADED, 'outputs': outputs, 'drive.carried_inertia': 0.5, 'recording.start': True,
-             'recording.directory': str(tmp_path), 'recording.name': 'run'}
-    node, ask = run_node(given), lockstep(outputs=outputs)
+    given = {**LOADED, 'outputs': outputs, 'drive.carried_inertia': 0.5,
+             **recording_in(tmp_path)}
+    node, ask = run_node(given), lockstep(*outputs)
     linkage = from_values(given).linkage
     for number in range(1, 40):
         x, rate, acceleration = 0.2 * number, 3.0 - 0.1 * number, 0.5 * number - 7.0
@@ -50,15 +37,14 @@ def test_equation_and_inertia_are_those_of_the_linkage_and_recompute(run_node, l
         held = held_rigid(linkage, linkage.motion(x))
         assert (inertia.m, inertia.com.x, inertia.com.y, inertia.izz) == held
     node.stop()
-    found = recompute(str(tmp_path / 'run'))
-    assert found.compared >= 4 * 39 and all(each.largest == 0.0 for each in found.differences)
+    assert recomputed(tmp_path / 'run').compared >= 4 * 39
 
 
 def test_the_wrench_is_that_of_the_rest_of_what_the_simulator_carries(run_node, lockstep):
     given = {**LOADED, 'gravity.y': 0.0, 'outputs': ['shaking_wrench', 'loads'],
              'base.topic': 'motion_of_base', 'base.timeout': 0.0, 'base.carried.mean': True}
     run_node(given)
-    ask, linkage = lockstep(outputs=given['outputs']), from_values(given).bare_linkage
+    ask, linkage = lockstep(*given['outputs']), from_values(given).bare_linkage
     mean = mean_rigid(linkage)
     base = Base(3.0, 9.0, 2.0, -5.0)
     answer = ask(0.001, 0.3, 2.0, 3.0, base)
@@ -78,25 +64,25 @@ def test_an_imu_in_step_and_what_another_base_is_told(run_node, lockstep, monkey
     given = {**LOADED, 'gravity.y': 0.0, 'outputs': ['loads'], 'base.topic': 'imu',
              'base.timeout': 0.0}
     run_node(given)
-    ask, imu = lockstep(outputs=('loads',)), Imu()
+    ask, imu = lockstep('loads'), Imu()
     imu.linear_acceleration.y = 9.81
     assert isnan(ask(0.001, 0.3, 2.0, 3.0, imu).loads.f41)      # one rate tells no acceleration
     imu.angular_velocity.z = 0.01
     due = from_values(given).bare_linkage.loads(0.3, 2.0, 3.0, base=Base(0.0, 9.81, 0.01, 10.0))
     assert ask(0.002, 0.3, 2.0, 3.0, imu).loads.f41 == pytest.approx(due.f41, rel=1e-9)
-    monkeypatch.setattr(clients, 'FIRST', 0.5)
+    monkeypatch.setattr(ask, '_patience', 0.5)
     with pytest.raises(Late, match=r'does its scene have base\.topic: motion_of_base\?'):
         ask(0.003, 0.3, 2.0, 3.0, Base(0.0, 9.81))
 
 
 def test_lock_step_says_what_is_late(run_node, lockstep):
     node = run_node({**LOADED, 'outputs': ['state']})
-    ask = lockstep(outputs=('state',), patience=0.5)
+    ask = lockstep('state', patience=0.5)
     assert ask(0.1, 0.3, 1.0, 0.0).state.theta1 == 0.3
     with pytest.raises(InvalidParameter, match='a stamp of 0 is none'):
         ask(0.0, 0.3)
     with pytest.raises(InvalidParameter, match='must be one of state, output'):
-        lockstep(outputs=('stat',))
+        lockstep('stat')
     node.stop()
     with pytest.raises(Late, match=r'no answer of 0\.200000000 s on state from fourbar'):
         ask(0.2, 0.4, 1.0, 0.0)
@@ -107,7 +93,7 @@ def test_torques_act_in_the_step_they_are_for(run_node, lockstep):
     given = {**LOADED, 'drive.source': 'torque', 'drive.rate': 1000.0, 'use_sim_time': True,
              'outputs': ['state', 'loads'], 'drive.when_silent': 'hold'}
     run_node(given)
-    ask = lockstep(outputs=('state', 'loads'))
+    ask = lockstep('state', 'loads')
     torques = [float(5.0 * np.sin(0.1 * k)) for k in range(1, 200)]
     rates = [ask.push(1.0 + 0.001 * k, torque).state.omega1 for k, torque in enumerate(torques)]
     assert np.ptp(rates) > 0.1

@@ -1,7 +1,8 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """A live change is made beside the stream: no input waits for it."""
-from fourbar_msgs.msg import Motion
+from itertools import count
+
 from fourbar_ros.scene.files import read_values
 from fourbar_ros.scene.scene import from_values
 import pytest
@@ -45,41 +46,29 @@ def torque_at(position, **changes):
     return from_values({**LOADED, **changes}).linkage.step(position, 0.0, 0.0)[1].driving_torque
 
 
-class Inputs:
-    """Sends one input after the other and collects the loads in answer."""
-
-    def __init__(self, client):
-        self.client, self.number = client, 0
-        client.listen(['loads'])
-        self.heard, self.send = client.received['loads'], client.driving()
-
-    def answer(self, position=0.5):
-        """Return the loads at an input at rest, with the next number as its stamp."""
-        self.number += 1
-        message = Motion(position=position)
-        message.header.stamp.sec = self.number
-        self.send(message)
-        self.client.until(lambda: self.heard and self.heard[-1].header.stamp.sec == self.number,
-                          'the answer to an input')
-        return self.heard[-1]
+@pytest.fixture
+def torque(lockstep):
+    """Return the function that asks for the driving torque at rest, one input after another."""
+    ask, times = lockstep('loads'), count(1)
+    return lambda: ask(next(times), 0.5, 0.0, 0.0).loads.driving_torque
 
 
-def test_inputs_are_answered_while_a_change_is_made(run_node, client, tmp_path):
+def test_inputs_are_answered_while_a_change_is_made(run_node, client, torque, tmp_path):
     """In order of events, not by the clock: the change may take as long as it likes."""
     node = run_node(LOADED, first=WAITING)
-    inputs, changes = Inputs(client), Changes(client)
-    change = changes.to(-2.0)
+    torque()
+    change = Changes(client).to(-2.0)
     client.until(lambda: 'at work' in node.said, 'the change')
     old, new = torque_at(0.5), torque_at(0.5, **{'gravity.y': -2.0})
     assert old != new
     for _ in range(10):
-        assert inputs.answer().driving_torque == old
+        assert torque() == old
     assert not change.done()
     client.call('evaluate', position=0.5)                # nor does a service wait for it
     (tmp_path / 'go').touch()
     client.until(change.done, 'the answer')
     assert change.result().results[0].successful
-    assert inputs.answer().driving_torque == new
+    assert torque() == new
 
 
 def test_too_many_changes_are_refused_and_a_node_ends_within_one(run_node, client, tmp_path):
@@ -107,7 +96,7 @@ def test_too_many_changes_are_refused_and_a_node_ends_within_one(run_node, clien
     client.until(lambda: node.said.count('at work') == 2, 'the second change')
 
 
-def test_a_change_that_fails_after_the_swap_leaves_the_old_scene(run_node, client):
+def test_a_change_that_fails_after_the_swap_leaves_the_old_scene(run_node, client, torque):
     broken = """
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.ros.node.recording import Recording
@@ -119,16 +108,16 @@ def fail(self, key, text):
 Recording.note = fail
 """
     run_node(LOADED, first=broken)
-    inputs, changes = Inputs(client), Changes(client)
+    changes = Changes(client)
     change = changes.to(-2.0)
     client.until(change.done, 'the answer')
     assert not change.result().results[0].successful
     assert 'as a test' in change.result().results[0].reason
-    assert inputs.answer().driving_torque == torque_at(0.5)
+    assert torque() == torque_at(0.5)
     change = changes.to(-3.0)
     client.until(change.done, 'the answer')
     assert change.result().results[0].successful
-    assert inputs.answer().driving_torque == torque_at(0.5, **{'gravity.y': -3.0})
+    assert torque() == torque_at(0.5, **{'gravity.y': -3.0})
 
 
 def test_what_depends_on_structure_alone_is_not_made_again():
