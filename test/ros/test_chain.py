@@ -1,36 +1,25 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Loads pass back along a chain of nodes, fall silent, and recompute from the bag."""
+from functools import partial
+from itertools import count
 import math
 import time
 
-from builtin_interfaces.msg import Time
-from fourbar_lab.clients.node_client import name_on
-from fourbar_msgs.msg import LinkageState, Motion
+from fourbar_msgs.msg import LinkageState
 from fourbar_ros import Applied, External
 from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.scene import scene
-from fourbar_ros.scene.topics import applied_topic, wrench_topic
 from geometry_msgs.msg import WrenchStamped
 import pytest
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.serialization import serialize_message
-from std_msgs.msg import Header
 from support.harness import in_bag, recording_in, set_parameters, SimulatedClock
 from support.samples import some
 from support.scenes import PAPER, RODS
 
 LOADED = {**PAPER, **RODS, 'outputs': ['state', 'loads'], 'drive.source': 'motion',
           'drive.timeout': 0.0}
-
-
-IN_MOTION = {'position': 0.1, 'velocity': 2.0, 'acceleration': 3.0, 'header': Header(
-    stamp=Time(sec=1))}
-
-
-def motion(position, stamp):
-    return Motion(position=position, velocity=2.0, acceleration=3.0,
-                  header=Header(stamp=Time(sec=stamp)))
 
 
 def wrench(force_x=0.0, force_y=0.0, couple=0.0, frame=''):
@@ -44,22 +33,19 @@ def wrench(force_x=0.0, force_y=0.0, couple=0.0, frame=''):
 class Loaded:
     """A node that a test loads and drives."""
 
-    def __init__(self, run_node, client, link='output', **parameters):
-        self.client = client
+    def __init__(self, run_node, client, ask, link='output', **parameters):
+        self.client, self.link, self._ask, self._times = client, link, ask, count(1)
         parameters = {name.replace('__', '.'): value for name, value in parameters.items()}
-        self.given = {**LOADED, f'external.{link}.from_topic': True, **parameters}
-        self.node = run_node(self.given)
-        self.scene = scene.from_values({name: value for name, value in self.given.items()
-                                        if name != 'use_sim_time'})
-        self.link, self.applied, self.stamp = link, [], 1
-        client.node.create_subscription(
-            WrenchStamped, name_on('fourbar', applied_topic(link)), self.applied.append,
-            QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL))
-        self._wrenches = client.node.create_publisher(WrenchStamped,
-                                                      name_on('fourbar', wrench_topic(link)), 10)
-        client.listen(['state', 'loads'])
-        self._drive = client.driving(**IN_MOTION)
-        client.until(lambda: self._wrenches.get_subscription_count() and self.applied,
+        given = {**LOADED, f'external.{link}.from_topic': True, **parameters}
+        self.node = run_node(given)
+        given.pop('use_sim_time', None)
+        self.linkage = scene.from_values(given).linkage
+        self.applied = client.hear(WrenchStamped, f'/fourbar/applied/{link}', QoSProfile(
+            depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL))
+        self.wrenches = client.node.create_publisher(WrenchStamped, f'/fourbar/external/{link}',
+                                                     10)
+        self.answer(0.1)
+        client.until(lambda: self.wrenches.get_subscription_count() and self.applied,
                      'the wrench topics')
 
     def load(self, *numbers, frame=''):
@@ -70,7 +56,7 @@ class Loaded:
         """
         given = wrench(*numbers).wrench
         while True:
-            self._wrenches.publish(wrench(*numbers, frame=frame))
+            self.wrenches.publish(wrench(*numbers, frame=frame))
             end = time.monotonic() + 0.5
             while time.monotonic() < end:
                 self.client.executor.spin_once(timeout_sec=0.05)
@@ -78,31 +64,28 @@ class Loaded:
                     return
 
     def answer(self, position):
-        """
-        Return (state, loads) of an input.
-
-        Those with its stamp, so that no late answer is taken for them.
-        """
-        self.stamp += 1
-        inboxes = self.client.received['state'], self.client.received['loads']
-        self._drive(motion(position, self.stamp))
-        self.client.until(lambda: all(inbox and inbox[-1].header.stamp.sec == self.stamp
-                                      for inbox in inboxes),
-                          'an answer')
-        return tuple(inbox[-1] for inbox in inboxes)
+        """Return (state, loads) of an input."""
+        found = self._ask(next(self._times), position, 2.0, 3.0)
+        return found.state, found.loads
 
     def under(self, position, *numbers):
         """Return the driving torque of the core under a wrench, in the place of the scene."""
-        given = getattr(self.scene.linkage.external, self.link)
+        given = getattr(self.linkage.external, self.link)
         applied = Applied(*numbers[:2], given.along, given.across, numbers[2])
-        loaded = self.scene.linkage.with_external(External(**{self.link: applied}))
+        loaded = self.linkage.with_external(External(**{self.link: applied}))
         return loaded.loads(position, 2.0, 3.0).driving_torque
 
 
+@pytest.fixture
+def loaded(run_node, client, lockstep):
+    """Return the function that starts a node to be loaded."""
+    return partial(Loaded, run_node, client, lockstep('state', 'loads'))
+
+
 @some('link', ['crank', 'output'], 1)
-def test_a_wrench_from_a_topic_acts_from_the_next_step_on(run_node, client, link):
-    node = Loaded(run_node, client, link, **{f'external.{link}.along': 0.4,
-                                             'external.timeout': 0.0})
+def test_a_wrench_from_a_topic_acts_from_the_next_step_on(loaded, link):
+    node = loaded(link, **{f'external.{link}.along': 0.4,
+                           'external.timeout': 0.0})
     state, loads = node.answer(0.3)
     assert state.status == loads.status == LinkageState.STATUS_LOADS_UNKNOWN
     assert math.isfinite(state.alpha4) and math.isnan(loads.driving_torque)
@@ -118,11 +101,11 @@ def test_a_wrench_from_a_topic_acts_from_the_next_step_on(run_node, client, link
     assert node.answer(0.4)[1].status == LinkageState.STATUS_LOADS_UNKNOWN
 
 
-def test_a_force_of_another_frame_does_not_act(run_node, client):
-    node = Loaded(run_node, client, external__timeout=0.0)
+def test_a_force_of_another_frame_does_not_act(loaded, client):
+    node = loaded(external__timeout=0.0)
     node.load(5.0)
     for _ in range(3):
-        node._wrenches.publish(wrench(9.0, frame='tool'))
+        node.wrenches.publish(wrench(9.0, frame='tool'))
     client.until(lambda: "'tool'" in node.node.said, 'the warning')
     assert node.answer(0.3)[1].driving_torque == node.under(0.3, 5.0, 0.0, 0.0)
     node.node.stop()
@@ -130,8 +113,8 @@ def test_a_force_of_another_frame_does_not_act(run_node, client):
 
 
 @some('policy', ['unknown', 'constant'], 1)
-def test_a_silence(run_node, client, policy):
-    node = Loaded(run_node, client, external__timeout=0.4, external__when_silent=policy,
+def test_a_silence(loaded, client, policy):
+    node = loaded(external__timeout=0.4, external__when_silent=policy,
                   external__output__couple=2.5)
     node.load(5.0, 1.0, -1.0)
     client.until(lambda: 'no wrench for' in node.node.said, 'the silence')
@@ -146,9 +129,9 @@ def test_a_silence(run_node, client, policy):
 
 
 @pytest.mark.slow
-def test_a_silence_runs_on_simulated_time(run_node, client):
+def test_a_silence_runs_on_simulated_time(loaded, client):
     clock = SimulatedClock(client, 10 * 10**9, 50_000_000, repeats=True)
-    node = Loaded(run_node, client, use_sim_time=True, external__timeout=0.4)
+    node = loaded(use_sim_time=True, external__timeout=0.4)
     node.load(5.0, 1.0, -1.0)
     for _ in range(3):
         client.spin(0.6)                     # longer than the timeout, and simulated: nothing
@@ -165,9 +148,9 @@ def test_a_silence_runs_on_simulated_time(run_node, client):
 
 
 @some('policy', ['unknown', 'hold', 'constant'], 1)
-def test_a_bag_with_wrenches_silences_and_changes_computes_again(run_node, client, tmp_path,
+def test_a_bag_with_wrenches_silences_and_changes_computes_again(loaded, client, tmp_path,
                                                                  policy):
-    node = Loaded(run_node, client, external__timeout=0.0, external__when_silent=policy,
+    node = loaded(external__timeout=0.0, external__when_silent=policy,
                   external__output__couple=2.5)
     node.load(5.0, 1.0, -1.0)
     # while something acts from before
@@ -195,8 +178,8 @@ def test_a_bag_with_wrenches_silences_and_changes_computes_again(run_node, clien
 
 
 @pytest.mark.slow
-def test_a_split_bag_recomputes_and_a_later_file_alone_says_why_not(run_node, client, tmp_path):
-    node = Loaded(run_node, client, external__timeout=0.0, recording__split_duration=0.5)
+def test_a_split_bag_recomputes_and_a_later_file_alone_says_why_not(loaded, client, tmp_path):
+    node = loaded(external__timeout=0.0, recording__split_duration=0.5)
     node.load(5.0, 1.0, -1.0)                            # once, before the bag
     assert client.call('start_recording', name='run').success
     end = time.monotonic() + 1.3
@@ -214,34 +197,34 @@ def test_a_split_bag_recomputes_and_a_later_file_alone_says_why_not(run_node, cl
 
 
 @pytest.mark.slow
-def test_what_is_no_wrench_is_in_no_bag(run_node, client, tmp_path):
-    loaded = Loaded(run_node, client, external__timeout=0.0, **recording_in(tmp_path))
+def test_what_is_no_wrench_is_in_no_bag(loaded, tmp_path):
+    node = loaded(external__timeout=0.0, **recording_in(tmp_path))
     # a shorter message of another type on the same topic: only raw bytes get there
     for data in (b'\x00\x01\x00\x00', serialize_message(wrench(1.0))[:-9], b''):
-        loaded._wrenches.publish(data)
-    loaded.load(3.0, -2.0, 1.0)
-    loaded.answer(0.4)
-    assert loaded.node.stop() == 0
+        node.wrenches.publish(data)
+    node.load(3.0, -2.0, 1.0)
+    node.answer(0.4)
+    assert node.node.stop() == 0
     kept = in_bag(tmp_path / 'run', '/fourbar/external/output')
     assert kept and all(message.wrench.force.x == 3.0 for message in kept)
     assert recompute(tmp_path / 'run').largest == 0.0
 
 
 @pytest.mark.slow
-def test_a_wrench_of_a_chain_can_be_taken_a_step_further(run_node, client, tmp_path):
+def test_a_wrench_of_a_chain_can_be_taken_a_step_further(loaded, client, tmp_path):
     """On the line through the last two; after a silence, and with a NaN, as it came."""
-    loaded = Loaded(run_node, client, external__timeout=0.0, external__extrapolated=True,
-                    **recording_in(tmp_path))
+    node = loaded(external__timeout=0.0, external__extrapolated=True,
+                  **recording_in(tmp_path))
 
     def sent(couple):
-        count = len(loaded.applied)
-        loaded._wrenches.publish(wrench(couple=couple))
-        client.until(lambda: len(loaded.applied) > count, 'what acts')
-        return loaded.applied[-1].wrench.torque.z
+        count = len(node.applied)
+        node.wrenches.publish(wrench(couple=couple))
+        client.until(lambda: len(node.applied) > count, 'what acts')
+        return node.applied[-1].wrench.torque.z
     assert [sent(couple) for couple in (1.0, 4.0, 5.0, 1e308, -1e308)] == [
         1.0, 7.0, 6.0, 1e308, -1e308]
     assert math.isnan(sent(math.nan)) and sent(2.0) == 2.0 and sent(3.0) == 4.0
-    _, loads = loaded.answer(0.7)
-    assert loads.driving_torque == loaded.under(0.7, 0.0, 0.0, 4.0)
-    assert loaded.node.stop() == 0
+    _, loads = node.answer(0.7)
+    assert loads.driving_torque == node.under(0.7, 0.0, 0.0, 4.0)
+    assert node.node.stop() == 0
     assert recompute(tmp_path / 'run').largest == 0.0
