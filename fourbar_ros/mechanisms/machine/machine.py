@@ -13,7 +13,7 @@ from dataclasses import fields as fields_of
 from decimal import Decimal
 from functools import cached_property, partial
 from math import nan, pi, remainder
-from typing import Any, ClassVar, NamedTuple, TYPE_CHECKING
+from typing import Any, ClassVar, TYPE_CHECKING
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, Toggle
 from fourbar_ros.mechanics.bodies import Applied, Body, Gravity, NOT_APPLIED
@@ -40,6 +40,7 @@ from fourbar_ros.mechanisms.machine.ranges import (
     find_ranges,
     flat_place,
     Limit,
+    Near,
     RangeEnds,
     SAME,
 )
@@ -69,25 +70,8 @@ from fourbar_ros.numerics.number_types import Function, NumberType, REAL, Scalar
 if TYPE_CHECKING:
     from fourbar_ros.mechanisms.machine.seen_from_link import SeenFromLink
 
-LIMIT, FLAT_LIMIT, FLAT, TOGGLE, POLE = 'limit', 'flat limit', 'flat', 'toggle', 'pole'
-# How near another one is the same: a double root is found beside it as far as the root of its
-# rounding error.
-SAME_AS = {LIMIT: SAME, FLAT_LIMIT: DOUBLE, FLAT: DOUBLE}
 DRIVERS = (CRANK, SLIDE, CYLINDER)
 NO_BODY = Body(0.0)
-
-
-class Singularity(NamedTuple):
-    """
-    An input at which a dyad of a machine is in line [rad or m].
-
-    ``kind``: 'limit', an end of a range, or 'flat limit', one that is a change point; 'flat', a
-    change point through which the motion goes on; off the real inputs 'toggle', or 'pole' where
-    the ends of a dyad meet.
-    """
-
-    input: complex
-    kind: str
 
 
 @dataclass(frozen=True)
@@ -286,26 +270,22 @@ class Machine(Mechanism):
         return found
 
     @cached_by_lengths
-    def singularities(self) -> tuple[Singularity, ...]:
-        """Return where a dyad is in line: real inputs, then complex ones near ranges."""
-        real = [Singularity(complex(end.x), FLAT_LIMIT if end.is_flat else LIMIT)
-                for end in self._ends]
-        real += [Singularity(complex(x), FLAT) for x in self.flat_inputs]
-
-        def is_new(z: complex) -> bool:
-            """Return whether z is none of the real ones, which searches find too, a bit beside."""
-            return all(abs(self.distance(z.real, one.input.real) + 1j * z.imag)
-                       > SAME_AS[one.kind] * self.input_unit for one in real)
-        return (*real,
-                *[Singularity(z, TOGGLE) for search in self._ranges.near for z in search()
-                  if is_new(z)],
-                *[Singularity(z, POLE) for search in self._ranges.poles for z in search()
-                  if is_new(z)])
-
-    @property
     def singular_inputs(self) -> list[complex]:
-        """Return the inputs of :attr:`singularities`."""
-        return [one.input for one in self.singularities]
+        """Return where a dyad is in line or its ends meet: real inputs, then complex ones."""
+        real = [end.x for end in self._ends] + list(self.flat_inputs)
+        return [*map(complex, real), *self._complex_toggles, *self._off_real(self._ranges.poles)]
+
+    @cached_by_lengths
+    def _complex_toggles(self) -> list[complex]:
+        return self._off_real(self._ranges.near)
+
+    def _off_real(self, searches: Sequence[Near]) -> list[complex]:
+        """Return the complex inputs that searches find, without real ones found a bit beside."""
+        real = [(end.x, DOUBLE if end.is_flat else SAME) for end in self._ends]
+        real += [(x, DOUBLE) for x in self.flat_inputs]
+        return [z for search in searches for z in search()
+                if all(abs(self.distance(z.real, x) + 1j * z.imag) > same * self.input_unit
+                       for x, same in real)]
 
     @property
     def flat_inputs(self) -> tuple[float, ...]:
@@ -354,8 +334,7 @@ class Machine(Mechanism):
         """Return the distance of the nearest complex toggle from a range, over its size."""
         if self.flat_inputs or self.flat_limits:
             return 0.0
-        return min([abs(one.input.imag) / self.input_unit for one in self.singularities
-                    if one.kind == TOGGLE], default=1.0)
+        return min([abs(z.imag) / self.input_unit for z in self._complex_toggles], default=1.0)
 
     @property
     def is_flat_at_zero(self) -> bool:
