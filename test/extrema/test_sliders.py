@@ -13,7 +13,6 @@ from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.extrema.input_paths import TooNarrow
 from fourbar_ros.mechanisms.parts import CRANK, SLIDE
 from fourbar_ros.mechanisms.quantities import (
-    known,
     select,
     UnknownQuantity,
 )

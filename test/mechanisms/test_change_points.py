@@ -86,14 +86,14 @@ def check(mechanism, rates):
     assert limits, mechanism
     for quantity in {e.quantity for e in found}:
         check_that_kinds_alternate(mechanism, [e for e in found if e.quantity == quantity])
-        for (place, side), values in limits.items():
-            if values[quantity][1]:
+        for (place, side), there in limits.items():
+            if there[quantity][1]:
                 assert any((e.side, e.place) == (side, 'one-sided') for e in found
                            if e.quantity == quantity), (
                         mechanism, rates, quantity, place, side)
             else:
                 constant = [e for e in found if e.quantity == quantity and e.kind == 'constant']
-                assert any(e.value == pytest.approx(values[quantity][0], rel=16 * EPS)
+                assert any(e.value == pytest.approx(there[quantity][0], rel=16 * EPS)
                            for e in constant), (mechanism, quantity)
     return number
 
@@ -197,8 +197,8 @@ def check_at_zero(mechanism, rates):
     return bool(np.isinf(loads).any())
 
 
-@pytest.mark.parametrize('case', [case for case in CASES if case[::2] != ('slider_crank', 'crank')],
-                         ids=contract.name_of)
+@pytest.mark.parametrize('case', [case for case in CASES if case[::2] != ('slider_crank', 'crank')
+                                  ], ids=contract.name_of)
 def test_at_a_flat_position_values_are_limits_and_unbounded_loads_a_toggle(case,
                                                                            count=more(5, 30)):
     rng = np.random.default_rng(77)

@@ -88,7 +88,8 @@ def test_classes_of_sliders(mechanism, name):
     *((FourBar, lengths) for lengths in (
         (2.0, 4.0, 3.0, 5.0), (2.0, 3.0, 2.0, 3.0), (2.0, 2.0, 3.0, 3.0), (2.0, 3.0, 3.0, 2.0),
         (1.0, 1.0, 1.0, 1.0))),
-    (SliderCrank, (2.5, 6.0, 3.5)), (SliderCrank, (6.0, 2.5, -3.5)), (SliderCrank, (1.0, 1.0, 0.0)),
+    (SliderCrank, (2.5, 6.0, 3.5)), (SliderCrank, (6.0, 2.5, -3.5)),
+    (SliderCrank, (1.0, 1.0, 0.0)),
     (InvertedSlider, (3.0, 14.0, 11.0)), (InvertedSlider, (6.0, 2.5, -3.5)),
     (InvertedSlider, (1.0, 1.0, 0.0))])
 def test_change_points_are_exact(kind, lengths):

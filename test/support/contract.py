@@ -115,7 +115,7 @@ def small(rng, low, high):
     return float(rng.choice((-1.0, 1.0)) * 10.0 ** rng.uniform(low, high))
 
 
-# --- families: functions (rng, case) -> lengths and, if the family is of inputs too, the input ----
+# --- families: functions (rng, case) -> lengths, or lengths and input ---------------------------
 
 def _any(rng, case):
     return rng.uniform(np.where(are_signed(case.kind), -1.0, 0.1), 1.0)

@@ -127,19 +127,19 @@ def test_another_coordinate_gives_the_same_links_by_the_chain_rule(case):
         curves = mechanism.make_coefficients(REAL)(value)
         others = mechanism.driven_otherwise()
         other, ratio, bend = others[0].read_coordinate(REAL, curves)
-        own, *slopes = mechanism.read_coordinate(REAL, curves)
-        assert abs(mechanism.distance(own, value)) <= 1e-13 * (1.0 + abs(value))
+        place, *slopes = mechanism.read_coordinate(REAL, curves)
+        assert abs(mechanism.distance(place, value)) <= 1e-13 * (1.0 + abs(value))
         assert slopes == pytest.approx((1.0, 0.0), abs=1e-11)
         errors = []
         for same in others:
             found = same.make_coefficients(REAL)(other)
             error = abs(mechanism.distance(mechanism.read_coordinate(REAL, found)[0], value))
-            for (x, y, dx, dy, ddx, ddy, cosine, sine, turn, turn2), exact in zip(found, curves):
+            for (x, y, dx, dy, ddx, ddy, cosine, sine, turn, turn2), own in zip(found, curves):
                 by_chain = (x, y, ratio * dx, ratio * dy, ratio**2 * ddx + bend * dx,
                             ratio**2 * ddy + bend * dy, cosine, sine, ratio * turn,
                             ratio**2 * turn2 + bend * turn)
                 error = max(error, *(abs(a - b) / (1.0 + abs(b))
-                                     for a, b in zip(by_chain, exact)))
+                                     for a, b in zip(by_chain, own)))
             errors.append(error)
         # next to its own limit the other coordinate has half of the digits
         assert min(errors) <= EPS**0.5, (mechanism, value)

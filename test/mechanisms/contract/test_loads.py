@@ -8,8 +8,8 @@ from fourbar_ros import Applied, InvalidParameter
 from fourbar_ros.mechanisms.points import point_of
 import numpy as np
 from support import contract
-from support.contract import every_mechanism
 from support.cartesian import EPS
+from support.contract import every_mechanism
 from support.samples import more
 
 

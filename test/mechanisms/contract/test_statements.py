@@ -12,8 +12,8 @@ from fourbar_ros.mechanisms.quantities import known
 import numpy as np
 import pytest
 from support import contract
-from support.contract import CASES, every_case, every_mechanism
 from support.cartesian import EPS
+from support.contract import CASES, every_case, every_mechanism
 
 
 def test_every_kind_has_a_case():
