@@ -2,27 +2,24 @@
 # SPDX-License-Identifier: Apache-2.0
 """What is given: every public function converts it to doubles or refuses it by name."""
 import copy
+from dataclasses import replace
 from datetime import datetime
 from decimal import Decimal
 from fractions import Fraction
-from math import nan
+from math import inf, nan
 import pickle
 
 from fourbar_lab.drawing.figure import CannotDraw
 from fourbar_ros import (
     Applied,
-    Bodies,
     Body,
-    External,
     flat_bar,
-    FourBar,
     FourBarError,
     InvalidParameter,
-    InvertedSlider,
+    load_scene,
     MissingBodies,
     OutOfRange,
     round_rod,
-    SliderCrank,
     Toggle,
 )
 from fourbar_ros.errors import BagError
@@ -39,53 +36,47 @@ from fourbar_ros.scene.files import SceneError
 from fourbar_ros.transmission import Transmission
 import numpy as np
 import pytest
+from support import contract
+from support.contract import every_input
 
-RODS = Bodies(*(round_rod(length, 7750.0, 0.01) for length in (0.4, 1.2, 0.8)))
-KINDS = [(FourBar, (0.4, 1.2, 0.8, 1.0), {}), (SliderCrank, (0.4, 1.2, 0.1), {}),
-         (SliderCrank, (0.4, 1.2, 0.1), {'input': 'slide'}), (InvertedSlider, (0.4, 1.2, 0.1), {}),
-         (InvertedSlider, (0.4, 1.2, 0.1), {'input': 'slide'})]
-every_kind = pytest.mark.parametrize('kind, lengths, more', KINDS)
-GIVEN = (1.2, 3.0, -2.0)
+FOUR_BAR = load_scene('paper').linkage
 ODD = ['1.0', b'1', None, True, 1j, datetime(2020, 1, 1), np.datetime64('2020'), Decimal(1), [1.0],
        object(),
        np.array([1.0, 2.0]), np.ma.masked]
 ARRAYS = [['1.0', '2.0'], [1.0, None], [None], [True, False], np.array(['2020'], 'M8[D]'),
           [[1.0], [1.0, 2.0]],
           [datetime(2020, 1, 1)], np.array([1, 2], 'm8[s]')]
+WRONG = [
+    ('gravity', -9.81), ('gravity', None), ('gravity', (0.0, nan)),
+    ('gravity', 'xy'),
+    ('bodies', [1, 2, 3]), ('bodies', 5), ('bodies', (Body(1.0), Body(1.0))), ('external', None),
+    ('external', (1.0, 2.0)),
+    ('mode', 3), ('mode', True), ('mode', None), ('mode', '2'), ('input', 'motor'),
+    ('input', None), ('gravity', (0.0,))]
 NUMBERS = (np.float32, np.float16, np.float64, np.longdouble, Fraction,
            lambda v: np.array(v, 'f4'))
 
 
-def with_rods(kind, lengths, more):
-    return kind(*lengths, bodies=RODS, gravity=(0.0, -9.81), external=External(Applied(1.0, 2.0)),
-                **more)
+def loaded(case, seed=600):
+    """Return a mechanism with everything acting, and its input."""
+    return next(contract.ordinary(case, seed, 1))
 
 
 # --- numbers of other types ----------------------------------------------------------------------
 
 @pytest.mark.parametrize('made', NUMBERS)
-def test_other_numbers_are_computed_with_as_doubles(made):
+@every_input
+def test_other_numbers_are_computed_with_as_doubles(case, made):
     """A float32 is the double it is equal to, not a precision to compute in."""
-    for kind in KINDS:
-        check_other_numbers(*kind, made)
-
-
-def check_other_numbers(kind, lengths, more, made):
-    rounded = [float(made(v)) for v in lengths]
-
-    def bodies(of):
-        return Bodies(*[Body(*map(of, (2.0, 0.3, 0.1, 0.05)))] * 3)
-
-    one = kind(*map(made, lengths), bodies=bodies(made), gravity=(made(0.0), made(-9.81)),
-               external=External(Applied(*map(made, (1.1, 2.3, 0.7, 0.2, 0.9)))), **more)
-    plain = [float(made(v)) for v in (1.1, 2.3, 0.7, 0.2, 0.9)]
-    other = kind(*rounded, bodies=bodies(lambda v: float(made(v))),
-                 gravity=(0.0, float(made(-9.81))),
-                 external=External(Applied(*plain)), **more)
+    rng = np.random.default_rng(600)
+    lengths, given = contract.draw(rng, case)
+    masses = contract.random_masses(rng, case, 1.0, 1.0)
+    one = case.make(map(made, lengths), [*map(made, masses)])
+    other = case.make([float(made(v)) for v in lengths], [float(made(v)) for v in masses])
     assert one == other and all(type(v) is float
                                 for v in (*one.lengths, *one.gravity, one.bodies.crank.mass))
-    assert one.step(*GIVEN) == other.step(*GIVEN)
-    given = [made(v) for v in GIVEN]
+    given = [made(v) for v in given]
+    assert one.step(*map(float, given)) == other.step(*map(float, given))
     for part, expected in zip(one.step(*given), other.step(*map(float, given))):
         if isinstance(given[0], np.ndarray):       # an array without dimensions stays one
             assert all(value.shape == () and value.dtype == float for value in part)
@@ -94,9 +85,9 @@ def check_other_numbers(kind, lengths, more, made):
             assert part == expected and all(type(value) is float for value in part)
 
 
-@every_kind
-def test_other_arrays_are_computed_with_as_doubles(kind, lengths, more):
-    mechanism, ones = with_rods(kind, lengths, more), np.ones(3)
+@every_input
+def test_other_arrays_are_computed_with_as_doubles(case):
+    mechanism, ones = loaded(case)[0], np.ones(3)
     expected = [field for part in mechanism.step(ones, 3.0) for field in part]
     for dtype in ('f2', 'f4', 'f8', 'i4', 'u1', '>f8', 'g'):
         found = [field for part in mechanism.step(ones.astype(dtype), 3.0) for field in part]
@@ -106,14 +97,25 @@ def test_other_arrays_are_computed_with_as_doubles(kind, lengths, more):
 
 # --- refused -------------------------------------------------------------------------------------
 
-@every_kind
-def test_what_is_no_number_is_refused_by_name(kind, lengths, more):
-    for value in ODD:
-        for i, name in enumerate(length.name for length in kind.LENGTHS):
+@every_input
+def test_what_is_no_number_or_cannot_be_is_refused_by_name(case):
+    lengths, given = contract.draw(np.random.default_rng(217), case)
+    for i, (length, is_signed) in enumerate(zip(case.kind.LENGTHS,
+                                                contract.are_signed(case.kind))):
+        for value in (*ODD, nan, inf, *(() if is_signed else (0.0, -1.0))):
+            with pytest.raises(InvalidParameter, match=f'^{length.name}'):
+                case.make([*lengths[:i], value, *lengths[i + 1:]])
+    for name, value in [*WRONG, *(('gravity', (0.0, value)) for value in ODD)]:
+        if name == 'mode' or name in case.kind.__dataclass_fields__:   # no four-bar has an input
+            options = {'mode': case.mode} | ({'input': case.driven} if len(case.kind.INPUTS) > 1
+                                             else {}) | {name: value}
             with pytest.raises(InvalidParameter, match=f'^{name}'):
-                kind(*lengths[:i], value, *lengths[i + 1:], **more)
-        with pytest.raises(InvalidParameter, match='^gravity'):
-            kind(*lengths, gravity=(0.0, value), **more)
+                case.kind(*lengths, **options)
+    mechanism = case.make(lengths)
+    with pytest.raises(MissingBodies, match='mass'):
+        mechanism.loads(*given)
+    with pytest.raises(InvalidParameter, match=f'^{mechanism.input_coordinate[2]} = '):
+        mechanism.motion(*given[:2], inf)
 
 
 @pytest.mark.parametrize('make, given, names', [
@@ -127,48 +129,31 @@ def test_what_is_no_number_is_refused_in_bodies_and_loads(make, given, names):
                 make(**{**given, name: value})
 
 
-WRONG = [
-    ('gravity', -9.81), ('gravity', None), ('gravity', (1.0,)), ('gravity', (0.0, nan)),
-    ('gravity', 'xy'),
-    ('bodies', [1, 2, 3]), ('bodies', 5), ('bodies', RODS[:2]), ('external', None),
-    ('external', (1.0, 2.0)),
-    ('mode', 3), ('mode', True), ('mode', None), ('mode', '2'), ('input', 'motor'),
-    ('input', None)]
-
-
-@every_kind
-def test_what_is_no_such_thing_is_refused_by_name(kind, lengths, more):
-    for name, value in WRONG:
-        if name in kind.__dataclass_fields__:      # the input of a four-bar is not a choice
-            with pytest.raises(InvalidParameter, match=f'^{name}'):
-                kind(*lengths, **{**more, name: value})
-
-
-@every_kind
-def test_lists_are_as_good_as_tuples(kind, lengths, more):
-    one = kind(*lengths, bodies=list(RODS), gravity=np.array([0.0, -9.81]),
-               external=[Applied(), Applied(), Applied()], **more)
-    other = kind(*lengths, bodies=RODS, gravity=(0.0, -9.81), **more)
+@every_input
+def test_lists_are_as_good_as_tuples(case):
+    one, _ = loaded(case)
+    other = replace(one, bodies=list(one.bodies), gravity=np.array(one.gravity),
+                    external=list(one.external))
     assert one == other and hash(one) == hash(other) and one.mode is not True
 
 
-@every_kind
-def test_inputs_that_are_no_numbers_are_refused(kind, lengths, more):
-    mechanism = with_rods(kind, lengths, more)
+@every_input
+def test_inputs_that_are_no_numbers_are_refused(case):
+    mechanism, given = loaded(case)
     for value in (*ARRAYS, '1.0', None, True, datetime(2020, 1, 1), Decimal(1), object()):
         for i, name in enumerate(mechanism.input_coordinate):
             for call in (mechanism.motion, mechanism.loads, mechanism.step):
                 with pytest.raises(InvalidParameter, match=f'^{name}'):
-                    call(*GIVEN[:i], value, *GIVEN[i + 1:])
+                    call(*given[:i], value, *given[i + 1:])
 
 
 def test_shapes_that_do_not_fit_are_refused():
     with pytest.raises(InvalidParameter, match=r'^theta1, omega1, alpha1 .*broadcast'):
-        with_rods(*KINDS[0]).motion(np.zeros(3), np.zeros(2))
+        FOUR_BAR.motion(np.zeros(3), np.zeros(2))
 
 
 def test_other_functions_refuse_what_is_no_number():
-    linkage = with_rods(*KINDS[0])
+    linkage = FOUR_BAR
     for name in ('rate', 'acceleration'):
         for value in ('1', None, 1j, nan, 1e160, -1e300):
             with pytest.raises(InvalidParameter, match=f'^{name}'):
@@ -194,10 +179,10 @@ def test_other_functions_refuse_what_is_no_number():
 
 # --- masks, no samples, complex steps, overflow --------------------------------------------------
 
-@every_kind
-def test_masked_samples_are_nan(kind, lengths, more):
-    mechanism = with_rods(kind, lengths, more)
-    values = np.ma.masked_array([1.1, 1.2, 1.3], [False, True, False])
+@every_input
+def test_masked_samples_are_nan(case):
+    mechanism, (x, _, _) = loaded(case)
+    values = np.ma.masked_array([x, x, 1.001 * x], [False, True, False])
     for masked, plain in zip(mechanism.step(values, 3.0), mechanism.step(values.data, 3.0)):
         for a, b in zip(masked, plain):
             # hypot has another form beside NaN
@@ -205,19 +190,19 @@ def test_masked_samples_are_nan(kind, lengths, more):
     assert np.isnan(mechanism.loads(values, 3.0).f41).tolist() == [False, True, False]
 
 
-@every_kind
-def test_no_samples_give_none(kind, lengths, more):
+@every_input
+def test_no_samples_give_none(case):
     for empty in ([], np.zeros(0), np.zeros((0, 3)), np.zeros((2, 0))):
-        for field in sum(with_rods(kind, lengths, more).step(empty, 1.0), ()):
+        for field in sum(loaded(case)[0].step(empty, 1.0), ()):
             assert field.shape == np.shape(empty) and field.dtype == np.float64
 
 
-@every_kind
-def test_too_long_is_reported(kind, lengths, more):
+@every_input
+def test_too_long_is_reported(case):
+    lengths = loaded(case)[0].lengths
     for power in (1000, 1022, 1023):
-        for i, name in enumerate(length.name for length in kind.LENGTHS[:2]):
-            with pytest.raises(InvalidParameter, match=f'^{name}.*shorter than'):
-                kind(*lengths[:i], 2.0**power, *lengths[i + 1:], **more)
+        with pytest.raises(InvalidParameter, match='^a1.*shorter than'):
+            case.make([2.0**power, *lengths[1:]])
 
 
 # --- copies -----------------------------------------------------------------------------------
@@ -235,17 +220,17 @@ def test_errors_and_objects_are_the_same_after_a_copy(again):
     for error in ERRORS:
         same = again(error)
         assert type(same) is type(error) and str(same) == str(error) and vars(same) == vars(error)
-    for kind in KINDS:
-        mechanism = with_rods(*kind)
-        result = mechanism.step(*GIVEN), mechanism.step(np.array(GIVEN), 1.0)
+    for case in contract.CASES:
+        mechanism, given = loaded(case)
+        result = mechanism.step(*given), mechanism.step(np.array(given), 1.0)
         find_extrema(mechanism, ('f41',))
         mechanism.classification, mechanism.input_ranges
         same = again(mechanism)
-        assert (same == mechanism and hash(same) == hash(mechanism) and same.step(*GIVEN)
+        assert (same == mechanism and hash(same) == hash(mechanism) and same.step(*given)
                 == result[0])
-        assert again(result[0]) == result[0] and type(again(result[1][0])) is kind[0].MOTION
+        assert again(result[0]) == result[0] and type(again(result[1][0])) is mechanism.MOTION
         for make in (point_speed, point_acceleration):
             quantity = make(mechanism, 'coupler', 0.2)
             assert again(quantity).of(*result[0]) == quantity.of(*result[0])
-    extrema = find_extrema(with_rods(*KINDS[0]), ('omega4',))
+    extrema = find_extrema(FOUR_BAR, ('omega4',))
     assert repr(again(extrema)) == repr(extrema)

@@ -102,6 +102,8 @@ def name_of(case):
 
 MACHINES = 'machines'  # of dyads, drawn with their structure: see :func:`ordinary`
 every_case = pytest.mark.parametrize('case', CASES, ids=name_of)
+every_input = pytest.mark.parametrize('case', [case for case in CASES if case.mode == 2],
+                                      ids=name_of)
 every_mechanism = pytest.mark.parametrize('case', [*CASES, MACHINES], ids=name_of)
 
 
