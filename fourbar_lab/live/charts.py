@@ -8,6 +8,7 @@ from math import isfinite, radians
 from typing import Any
 
 from fourbar_lab.drawing.labels import significant
+from fourbar_lab.drawing.record import counted
 from fourbar_lab.live.model import LIMIT, Shown, written
 from fourbar_ros.extrema.find import CONSTANT, Extremum, INTERIOR, MAXIMUM
 import numpy as np
@@ -109,7 +110,7 @@ def _column(shown: Shown, name: str) -> list[float | None]:
 
 def _marks(shown: Shown, name: str, extrema: Sequence[Extremum]) -> list[Options]:
     """Return the marks of the extrema of a quantity, the global ones with their value."""
-    return [{'coord': [shown.shown_input(shown.place_of(extremum)), extremum.value],
+    return [{'coord': [shown.shown_input(counted(shown.linkage, extremum.input)), extremum.value],
              'value': significant(extremum.value), 'symbol': 'circle',
              'symbolSize': 9 if extremum.is_global else 5,
              'label': {'show': extremum.is_global, 'fontSize': 11, **INK,

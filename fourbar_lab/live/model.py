@@ -13,6 +13,7 @@ from fourbar_lab.drawing.axis import AXIS_ANGLE, axis_angle
 from fourbar_lab.drawing.collineation import has_axis
 from fourbar_lab.drawing.cycles import cycles, usual_points
 from fourbar_lab.drawing.labels import Labels, labels_of
+from fourbar_lab.drawing.record import counted
 from fourbar_ros.extrema.find import Extremum, find_extrema
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields, Quantity
@@ -82,16 +83,13 @@ class Shown:
         An angle counts in any turn: with a range from -1 to 1, the input nearest to 7.0 is 0.717.
         Ends of ranges are left out, which may be toggles.
         """
-        same = [position]
-        if not self.linkage.is_driven_by_slide:
-            angle = remainder(position, tau)
-            same += [angle, angle - tau, angle + tau]
-        nearest = []
-        for place in same:
-            low, high = min(self.ranges, key=lambda ends: max(ends[0] - place, place - ends[1]))
-            margin = 0.0 if self.linkage.turns_fully else 1e-6 * (high - low)
-            nearest.append(min(max(place, low + margin), high - margin))
-        return min(zip(nearest, same), key=lambda pair: abs(pair[0] - pair[1]))[0]
+        place = position
+        if not (self.linkage.is_driven_by_slide
+                or any(low <= position <= high for low, high in self.ranges)):
+            place = counted(self.linkage, remainder(position, tau))
+        low, high = min(self.ranges, key=lambda ends: max(ends[0] - place, place - ends[1]))
+        margin = 0.0 if self.linkage.turns_fully else 1e-6 * (high - low)
+        return min(max(place, low + margin), high - margin)
 
     @cached_property
     def cycles(self) -> tuple[Cycle, ...]:
@@ -151,14 +149,6 @@ class Shown:
         return find_extrema(self.linkage, [quantity.name if is_published(quantity) else quantity
                                            for quantity in wanted],
                             self.rate, self.acceleration, conditions=False) if wanted else []
-
-    def place_of(self, extremum: Extremum) -> float:
-        """Return the input of an extremum [rad] or [m], within the ranges."""
-        turns = (0.0,) if self.linkage.is_driven_by_slide else (0.0, -tau, tau)
-        inside = [extremum.input + turn for turn in turns
-                  if any(low - 1e-9 <= extremum.input + turn <= high + 1e-9
-                         for low, high in self.ranges)]
-        return inside[0] if inside else extremum.input
 
     def pose(self, position: float) -> tuple[int, PagePose]:
         """Return the status and the :class:`PagePose` at an input; loads None without masses."""

@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from fourbar_lab.drawing.poses import number
+from fourbar_lab.drawing.record import counted
 from fourbar_lab.live.model import PagePose, Shown, written
 from fourbar_lab.live.svg import plain
 from fourbar_ros.extrema.find import Extremum
@@ -25,7 +26,7 @@ def extrema_rows(shown: Shown, extrema: Sequence[Extremum]) -> list[dict[str, st
     """Return the rows of the table of extrema; a click goes to ``input``, in the page's unit."""
     rows: list[dict[str, str | float]] = []
     for i, extremum in enumerate(extrema):
-        at = shown.shown_input(shown.place_of(extremum))
+        at = shown.shown_input(counted(shown.linkage, extremum.input))
         rows.append({'key': i, 'quantity': extremum.quantity, 'kind': extremum.kind,
                      'value': number(extremum.value), 'unit': written(extremum.unit),
                      'at': f'{at:.4f} {shown.input_unit}', 'input': at,
