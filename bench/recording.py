@@ -51,7 +51,7 @@ def stamped(step, k):
 
 @contextmanager
 def measured(what, count, rows):
-    """Measure a piece of work over ``count`` messages; keep a row with the growth of the memory."""
+    """Measure work over ``count`` messages; keep a row, with the growth of the memory."""
     before, begin = rss(), time.process_time()
     yield
     cpu = time.process_time() - begin

@@ -140,7 +140,8 @@ def show_extrema(client: Driver, console: Console) -> None:
         f'{NODE}/find_extrema',
         ('quantity', '', 'value>', 'unit', f'{linkage.input_coordinate.position}>'),
         [(one.quantity, KINDS[one.kind], f'{one.value:.9g}', one.unit,
-          f'{one.theta1 if isnan(one.slide) else one.slide:.7f}') for one in answer.extrema if one.is_global]))
+          f'{one.theta1 if isnan(one.slide) else one.slide:.7f}')
+         for one in answer.extrema if one.is_global]))
     console.print()
 
 

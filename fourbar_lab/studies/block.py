@@ -122,7 +122,8 @@ class DesignBlock:
         """
         drawn = {name: column[rows] for name, column in self.drawn.items()}
         designs = Designs(self.scene, self.study.values, drawn)
-        known = self._measures.quantities | designs.point_quantities()
+        known = self._measures.quantities | point_quantities_of(self.scene, designs.values,
+                                                                designs.many)
         turns = self._search(designs, [known[name] for name in needed], count)
         done = ~turns.is_doubtful
         for measure in self.study.measures:
@@ -242,10 +243,6 @@ class Designs:
             return (linkage.MOTION(*fields[:count]),
                     linkage.LOADS(*fields[count:]) if with_loads else NoLoads())
         return state
-
-    def point_quantities(self) -> dict[str, Searched]:
-        """Return {name: quantity} of the points of the scene, for these designs."""
-        return point_quantities_of(self.scene, self.values, self.many)
 
     def margins(self) -> Array | None:
         """

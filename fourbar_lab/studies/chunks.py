@@ -47,9 +47,9 @@ def measured(study: Study, drawn: dict[str, Array]
     """
     Return the measures of n designs, why each is left out, and (index, error) of failures.
 
-    ``drawn``: {parameter that varies: values, shape (n,)}. Measures are {name: array}, NaN where it
-    was not computed; a reason may be :data:`FEASIBLE`. As many as possible are computed together;
-    those in doubt, and other kinds, one by one.
+    ``drawn``: {parameter that varies: values, shape (n,)}. Measures are {name: array}, NaN where
+    one was not computed; a reason may be :data:`FEASIBLE`. As many as possible are computed
+    together; those in doubt, and other kinds, one by one.
     """
     size = len(next(iter(drawn.values())))
     # counts are floats here too: NaN says that one is unknown

@@ -37,7 +37,6 @@ class Design:
         self.scene, self.linkage = scene, scene.linkage
         self.rates = scene.drive.speed, acceleration        # of the input
         self._measures = Measures(scene)
-        self.output = self._measures.output
         self._extrema: dict[str, list[Extremum]] = {}       # of each quantity searched so far
 
     def search(self, measures: Sequence[Measure]) -> None:
