@@ -4,8 +4,7 @@
 import math
 import random
 
-from builtin_interfaces.msg import Time
-from fourbar_msgs.msg import LinkageState, Motion
+from fourbar_msgs.msg import LinkageState
 from fourbar_ros import load_scene
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.mechanisms.inertia import held_rigid, input_equation
@@ -19,77 +18,50 @@ from support.scenes import PAPER, ROCKER, RODS
 DRIVEN = {**PAPER, **RODS, 'drive.source': 'motion', 'outputs': ALL_OUTPUTS, 'frame_id': 'machine'}
 
 
-def motion(position, velocity=0.0, acceleration=0.0, stamp=0):
-    message = Motion(position=position, velocity=velocity, acceleration=acceleration)
-    message.header.stamp = Time(sec=stamp, nanosec=stamp + 1)
-    return message
-
-
-def send_all(client, inputs):
-    """Send the inputs after a handshake; return {output: messages} when each has been answered."""
-    send = client.driving()
-    for k, message in enumerate(inputs):        # one by one: no queue is too short
-        send(message)
-        client.until(lambda k=k: all(len(m) > k for m in client.received.values()),
-                     f'answer {k} on every topic')
-    return client.received
-
-
-def test_every_topic_carries_the_values_of_the_core_to_the_last_bit(run_node, client):
+def test_every_topic_carries_the_values_of_the_core_to_the_last_bit(run_node, lockstep):
     run_node(DRIVEN)
-    client.listen()
-    random.seed(1)
-    inputs = [motion(random.uniform(-20, 20), random.uniform(-50, 50), random.uniform(-900, 900),
-                     k)
-              for k in range(60)]
-    received = send_all(client, inputs)
-    linkage, layout = scene.from_values(DRIVEN).linkage, scene.from_values(DRIVEN).layout
-    for name, messages in received.items():
-        assert len(messages) == len(inputs)
-        for sent, message in zip(inputs, messages):
-            motion_and_loads = linkage.step(sent.position, sent.velocity, sent.acceleration)
-            torque = motion_and_loads[1].driving_torque
-            equation = input_equation(linkage, sent.position, sent.velocity)
-            values = (*sum(motion_and_loads, ()), *equation, torque,
-                      *held_rigid(linkage, motion_and_loads[0]), 0.0, 0.0, -torque)
+    ask, rng, its = lockstep(*ALL_OUTPUTS), random.Random(1), scene.from_values(DRIVEN)
+    linkage, layout = its.linkage, its.layout
+    for k in range(1, 61):
+        position, rate, acceleration = (rng.uniform(-size, size) for size in (20, 50, 900))
+        answer = ask(k, position, rate, acceleration)
+        motion, loads = linkage.step(position, rate, acceleration)
+        torque = loads.driving_torque
+        values = (*motion, *loads, *input_equation(linkage, position, rate), torque,
+                  *held_rigid(linkage, motion), 0.0, 0.0, -torque)
+        for name, message in vars(answer).items():
             # NaN is NaN here
             assert repr(fields_of(layout, name, message)) == repr(layout.expected(name, values))
-            assert message.header.stamp == sent.header.stamp
             assert message.header.frame_id == 'machine'
             if hasattr(message, 'status'):
                 assert getattr(message, 'change_point_margin',
                                linkage.change_point_margin) == linkage.change_point_margin
                 assert (message.status, message.mode) == (LinkageState.STATUS_OK,
                                                           LinkageState.MODE_OPEN)
-    assert list(received['joint_states'][0].name) == ['crank', 'coupler', 'coupler_output',
-                                                      'output']
+    assert list(answer.joint_states.name) == ['crank', 'coupler', 'coupler_output', 'output']
 
 
-def test_bad_numbers_are_reported_and_the_next_good_message_works(run_node, client):
+def test_bad_numbers_are_reported_and_the_next_good_message_works(run_node, lockstep):
     run_node({**DRIVEN, 'joint_states.when_unknown': 'send_nan'})
-    client.listen()
+    ask = lockstep(*ALL_OUTPUTS)
     bad = [(math.nan, 1.0, 0.0), (0.1, math.inf, 0.0), (0.1, 1.0, -math.inf), (0.1, 1e300, 0.0)]
-    received = send_all(client, [
-        each for one in bad for each in (motion(*one, stamp=5), motion(0.2, 1.0))])
-    for k in range(0, 8, 2):
-        state, good = received['state'][k:k + 2]
-        loads = received['loads'][k]
-        assert state.status == loads.status == LinkageState.STATUS_INVALID_INPUT
-        assert math.isnan(state.theta4) and math.isnan(loads.f41)
-        assert math.isnan(received['shaking_wrench'][k].wrench.force.x)
-        assert state.header.stamp.sec == 5
+    for k, given in enumerate(bad, 1):
+        answer = ask(k, *given)
+        assert answer.state.status == answer.loads.status == LinkageState.STATUS_INVALID_INPUT
+        assert math.isnan(answer.state.theta4) and math.isnan(answer.loads.f41)
+        assert math.isnan(answer.shaking_wrench.wrench.force.x)
+        good = ask(k + 0.5, 0.2, 1.0, 0.0).state
         assert good.status == LinkageState.STATUS_OK and math.isfinite(good.theta4)
 
 
-def test_a_rocker_says_where_its_input_ends(run_node, client):
+def test_a_rocker_says_where_its_input_ends(run_node, client, lockstep):
     run_node({**ROCKER, 'drive.source': 'motion', 'outputs': ['state', 'output']})
-    client.listen(['state', 'output'])
-    received = send_all(client, [motion(1.0, 1.0), motion(0.2, 1.0)])
-    out, good = received['state']
-    assert (out.status == LinkageState.STATUS_OUT_OF_RANGE and out.theta1 == 1.0
-            and math.isnan(out.theta4))
-    assert math.isnan(received['output'][0].position)
-    assert good.status == LinkageState.STATUS_OK
+    ask = lockstep('state', 'output')
+    out = ask(1, 1.0, 1.0, 0.0)
+    assert (out.state.status == LinkageState.STATUS_OUT_OF_RANGE and out.state.theta1 == 1.0
+            and math.isnan(out.state.theta4))
+    assert math.isnan(out.output.position)
+    assert ask(2, 0.2, 1.0, 0.0).state.status == LinkageState.STATUS_OK
     answer = client.call('evaluate', position=1.0)
     assert answer.result == answer.RESULT_OUT_OF_RANGE and '0.536750177' in answer.message
     assert not answer.has_loads and math.isnan(answer.loads.f41)
