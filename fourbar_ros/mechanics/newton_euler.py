@@ -24,35 +24,9 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from fourbar_ros.mechanics.bodies import Applied, Base, Body, Gravity, NOT_APPLIED
+from fourbar_ros.mechanics.bodies import Applied, Base, Body, Gravity
 from fourbar_ros.numerics.number_types import Scalar
 from fourbar_ros.numerics.vectors import Vector
-
-
-class LinkConstants(NamedTuple):
-    """
-    The constants of a link in these equations, about its first joint.
-
-    With lengths in a unit, kg unit for kg and N unit for N m, so that forces stay in N.
-    """
-
-    mass: Scalar             # times the unit
-    first_moment: Vector     # mass times centre of gravity, along the link and to its left
-    inertia: Scalar
-    held: Vector             # [N] -W, the force that holds the link at rest
-    # -C = couple + by_cosine cos(angle) + by_sine sin(angle), that turns with the link
-    couple: Scalar
-    by_cosine: Scalar
-    by_sine: Scalar
-
-    def moment(self, direction: Vector, inertial: Scalar) -> Scalar:
-        """
-        Return ``inertial`` - C of (N2): the moment that the joints must transmit.
-
-        C, of weight and loads, depends on the direction of the link, a unit vector.
-        """
-        return (inertial + self.by_cosine * direction.x + self.by_sine * direction.y
-                + self.couple)
 
 
 class Needs(NamedTuple):
@@ -62,10 +36,10 @@ class Needs(NamedTuple):
     moment: Scalar
 
 
-def about_first_joint(body: Body, unit: Scalar, gravity: Gravity,
-                      applied: Applied = NOT_APPLIED) -> LinkConstants:
+def needs_of(body: Body, unit: Scalar, gravity: Gravity, applied: Applied,
+             link: Any, rates: tuple[Scalar, Scalar] | None = None) -> Needs:
     """
-    Return the constants of a link in the equations of motion about its first joint.
+    Return what the joints must give a link, (N1) and (N2), about its first joint.
 
     Parameters
     ----------
@@ -73,8 +47,13 @@ def about_first_joint(body: Body, unit: Scalar, gravity: Gravity,
         In SI units; applied loads include no weight.
     unit : number
         A power of two [m] in which lengths are about one, so that no square of a length overflows.
+        Moments are in N unit.
     gravity : tuple of 2, or Base
-        Field of gravity (x, y) [m/s^2]; a base is left to :func:`on_base`.
+        Field of gravity (x, y) [m/s^2], or the motion of the base.
+    link : :class:`.LinkMotion`
+        Its motion, on a base that moves as seen from that; lengths in ``unit``.
+    rates : tuple of 2 numbers, optional
+        Rate and acceleration of the input, if ``link`` is its motion at unit rate.
 
     """
     mass, along, across = body.mass * unit, body.cg_along / unit, body.cg_across / unit
@@ -84,31 +63,20 @@ def about_first_joint(body: Body, unit: Scalar, gravity: Gravity,
                 (gravity[0] / unit, gravity[1] / unit))
     f_x, f_y = applied.force_x, applied.force_y
     p_along, p_across = applied.along / unit, applied.across / unit
-    return LinkConstants(mass, Vector(along, across), inertia,
-                         Vector(-mass * g_x - f_x, -mass * g_y - f_y), -applied.couple / unit,
-                         across * g_x - along * g_y + p_across * f_x - p_along * f_y,
-                         across * g_y + along * g_x + p_across * f_y + p_along * f_x)
+    held = Vector(-mass * g_x - f_x, -mass * g_y - f_y)      # [N] -W
+    # -C = couple + by_cosine cos(angle) + by_sine sin(angle), that turns with the link
+    couple = -applied.couple / unit
+    by_cosine = across * g_x - along * g_y + p_across * f_x - p_along * f_y
+    by_sine = across * g_y + along * g_x + p_across * f_y + p_along * f_x
 
-
-def on_base(base: Base, unit: Scalar, link: Any) -> Any:
-    """
-    Return the motion by which a link on a moving base is loaded, (N3).
-
-    Its first joint and its direction are those on the base, its accelerations and its rate are
-    those of the ground, less gravity. ``link``: a :class:`.LinkMotion` with lengths in ``unit``
-    [m].
-    """
-    w, e = base.rate, base.acceleration
-    f_x, f_y = base.force_x / unit, base.force_y / unit
-    return link._replace(
-        a_x=link.a_x + f_x - e * link.y - 2.0 * (w * link.v_y) - w * w * link.x,        # (N3)
-        a_y=link.a_y + f_y + e * link.x + 2.0 * (w * link.v_x) - w * w * link.y,
-        omega=link.omega + w, alpha=link.alpha + e)
-
-
-def needs_of(link: LinkConstants, a: Vector, direction: Vector, omega: Scalar,
-             alpha: Scalar) -> Needs:
-    """Return what the joints must give a link whose first joint has the acceleration ``a``."""
-    r = link.first_moment.along(direction)
-    return Needs(a * link.mass + link.held + r.normal * alpha - r * (omega * omega),    # (N1)
-                 link.moment(direction, link.inertia * alpha + r.x * a.y - r.y * a.x))  # (N2)
+    link = link if rates is None else link.at(*rates)
+    a_x, a_y, omega, alpha = link.a_x, link.a_y, link.omega, link.alpha
+    if isinstance(gravity, Base):
+        w, e = gravity.rate, gravity.acceleration
+        a_x = a_x + gravity.force_x / unit - e * link.y - 2.0 * (w * link.v_y) - w * w * link.x
+        a_y = a_y + gravity.force_y / unit + e * link.x + 2.0 * (w * link.v_x) - w * w * link.y
+        omega, alpha = omega + w, alpha + e                                             # (N3)
+    r = Vector(along, across).along(Vector(link.cosine, link.sine))
+    force = Vector(a_x, a_y) * mass + held + r.normal * alpha - r * (omega * omega)     # (N1)
+    moment = inertia * alpha + r.x * a_y - r.y * a_x                                    # (N2)
+    return Needs(force, moment + by_cosine * link.cosine + by_sine * link.sine + couple)

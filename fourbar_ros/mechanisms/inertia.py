@@ -11,14 +11,13 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from fourbar_ros.mechanics.bodies import Base, Body, field_of
-from fourbar_ros.mechanics.newton_euler import about_first_joint, needs_of, on_base
+from fourbar_ros.mechanics.bodies import Base, Body, field_of, NOT_APPLIED
+from fourbar_ros.mechanics.newton_euler import needs_of
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.mechanisms.points import FIXED, point_of
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.number_types import Scalar
-from fourbar_ros.numerics.vectors import Vector
 import numpy as np
 
 
@@ -96,9 +95,7 @@ def rest_of(loads: NamedFields, carried: Rigid, mechanism: Mechanism) -> NamedFi
     """
     gravity = mechanism.gravity
     base = gravity if isinstance(gravity, Base) else Base(*(-g for g in field_of(gravity)))
-    fixed = on_base(base, 1.0, FIXED)
-    needs = needs_of(about_first_joint(Body(*carried), 1.0, (0.0, 0.0)),
-                     Vector(fixed.a_x, fixed.a_y), Vector(1.0, 0.0), fixed.omega, fixed.alpha)
+    needs = needs_of(Body(*carried), 1.0, base, NOT_APPLIED, FIXED)
     x, y = loads.shaking_force_x + needs.force.x, loads.shaking_force_y + needs.force.y
     found: NamedFields = loads._replace(
         shaking_force_x=x, shaking_force_y=y, shaking_force=float(np.hypot(x, y)),

@@ -18,7 +18,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from typing import Any, ClassVar, NamedTuple, TYPE_CHECKING
 
-from fourbar_ros.mechanics.bodies import applied_to, Base, Bodies, External
+from fourbar_ros.mechanics.bodies import applied_to, Bodies, External
 from fourbar_ros.mechanisms.evaluation import Constants
 from fourbar_ros.mechanisms.kinds import DERIVED, derives
 from fourbar_ros.mechanisms.machine.solve.dyads import Direction, Driven, DyadMotion, ORIGIN
@@ -327,7 +327,7 @@ class Kind(Mechanism):
     def _loads(self, n: NumberType, constants: Constants, m: Any) -> Any:
         """Return needs of the links, then the drive by virtual power, then all reactions."""
         # of linkages with masses alone
-        from fourbar_ros.mechanics.newton_euler import about_first_joint, Needs, needs_of, on_base
+        from fourbar_ros.mechanics.newton_euler import Needs, needs_of
         from fourbar_ros.mechanisms.machine.solve.loads import drive_and_shaking
         from fourbar_ros.numerics.vectors import Vector
         drive, is_slide = self.drive, self.is_driven_by_slide
@@ -337,12 +337,8 @@ class Kind(Mechanism):
                      for own, length in zip(self.length_names, lengths) if own == name}
         links, needs = self._links(lengths, m, per_unit), {}
         for (name, link), body in zip(links.items(), constants.bodies):
-            gravity = constants.gravity
-            if isinstance(gravity, Base):
-                link = on_base(gravity, unit, link)
-            terms = about_first_joint(body, unit, gravity, applied_to(constants.external, name))
-            needs[name] = needs_of(terms, Vector(link.a_x, link.a_y),
-                                   Vector(link.cosine, link.sine), link.omega, link.alpha)
+            needs[name] = needs_of(body, unit, constants.gravity,
+                                   applied_to(constants.external, name), link)
         push, (shake_x, shake_y, shake, moment) = drive_and_shaking(
             n, self._links(lengths, m, per_unit, True).values(), needs.values())
         push, (sine, sign) = unit * push, drive.sine

@@ -54,8 +54,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from typing import NamedTuple
 
-from fourbar_ros.mechanics.bodies import applied_to, Base, Body, Gravity
-from fourbar_ros.mechanics.newton_euler import about_first_joint, Needs, needs_of, on_base
+from fourbar_ros.mechanics.bodies import applied_to, Body, Gravity
+from fourbar_ros.mechanics.newton_euler import Needs, needs_of
 from fourbar_ros.mechanisms.machine.solve.pairs import slides_of
 from fourbar_ros.mechanisms.machine.structure import (
     COEFFICIENTS,
@@ -85,14 +85,8 @@ def loads_of(n: NumberType, layout: Layout, numbers: Sequence[Numbers], bodies: 
              motion: Sequence[Scalar]) -> tuple[Scalar, ...]:
     """Return the fields of :func:`.structure.load_fields` for those of a motion."""
     curves, slides, sines, rate, acceleration = parts_of(layout, motion)
-    needs = []
-    for curve, name, body in zip(curves, layout.moving, bodies):
-        terms = about_first_joint(body, 1.0, gravity, applied_to(external, name))
-        link = curve.at(rate, acceleration)
-        if isinstance(gravity, Base):
-            link = on_base(gravity, 1.0, link)
-        needs.append(needs_of(terms, Vector(link.a_x, link.a_y), Vector(link.cosine, link.sine),
-                              link.omega, link.alpha))
+    needs = [needs_of(body, 1.0, gravity, applied_to(external, name), curve, (rate, acceleration))
+             for curve, name, body in zip(curves, layout.moving, bodies)]
     drive, shaking = drive_and_shaking(n, curves, needs)
     if layout.ground:
         curves[layout.ground - 1] = FIXED
