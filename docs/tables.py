@@ -23,7 +23,6 @@ from fourbar_ros.mechanisms.kinds import KINDS, LOADS  # noqa: E402
 from fourbar_ros.mechanisms.quantities import known, POSITIONS, positions, QUANTITIES  # noqa: E402
 from fourbar_ros.scene.settings import (  # noqa: E402
     FAMILIES,
-    LINKS,
     REQUIRED,
     with_motors,
 )
@@ -93,7 +92,7 @@ def reference_tables():
         'wrenches': table(('topic', 'type', 'what'),
                           [(f'`{t.topic}`', f'`{t.type}`', t.text)
                            for topic in (wrench_topic, applied_topic)
-                           for t in map(topic, LINKS)]),
+                           for t in [topic('NAME')]]),
         'always': table(('topic', 'type', 'what'),
                         [(f'`{t.topic}`', f'`{t.type}`', t.text)
                          for t in (DRIVEN, SCENE, DRIVE_STATE)]),

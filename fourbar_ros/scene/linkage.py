@@ -91,6 +91,7 @@ def _of_kind(values: ParameterValues) -> Mechanism:
             raise InvalidParameter('linkage.range', values['linkage.range'],
                                    'only a driven slide has a stroke')
         arguments['stroke'] = tuple(values['linkage.range'])
+    _check_links(values, kind)
     bodies = Bodies(values, kind.LINKS,
                     {length: values[f'linkage.{length}'] for length in LENGTHS})
     linkage: Mechanism = kind(
@@ -117,9 +118,10 @@ def _machine(values: ParameterValues) -> Mechanism:
     return made
 
 
-def _check_links(values: ParameterValues, machine: Mechanism) -> None:
-    """Refuse bodies of links that a machine does not have, and forces on links that bear none."""
-    known = {'bodies': [link.name for link in machine.LINKS], 'external': machine.EXTERNAL._fields}
+def _check_links(values: ParameterValues, mechanism: Mechanism | type[Mechanism]) -> None:
+    """Refuse bodies of links that it does not have, and forces on links that bear none."""
+    known = {'bodies': [link.name for link in mechanism.LINKS],
+             'external': mechanism.EXTERNAL._fields}
     for name, value in values.items():
         family, link, _ = member_of(name) or ('', '', '')
         if family not in known or name in ROD_PARAMETERS:

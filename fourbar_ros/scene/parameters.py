@@ -11,14 +11,14 @@ import re
 from typing import Any
 
 from fourbar_ros.errors import InvalidParameter, nearest, one_of
+from fourbar_ros.mechanisms.kinds import FACTS
 from fourbar_ros.mechanisms.parts import GROUND
 from fourbar_ros.scene.settings import (
     FAMILIES,
-    LINKS,
     MACHINE,
     NAME,
     OF_GROUPS,
-    OF_MACHINES,
+    OF_LINKS,
     Parameter,
     PARAMETERS,
     ParameterValues,
@@ -81,15 +81,10 @@ def meant(values: ParameterValues, given: ParameterValues) -> list[str]:
     ``values``: all parameters of the scene, checked; ``given``: the parameters in its file.
     drive.speed has no meaning where a topic drives.
     """
-    absent: tuple[str, ...] = ()
-    if values['linkage.kind'] == MACHINE:        # it has links of its own
-        absent = tuple(f'{family}.{link}.' for family in ('bodies', 'external')
-                       for link in LINKS.keys() - set(_links_of_machine(values)))
-
     def is_relevant(name: str) -> bool:
         """Return whether a parameter has a meaning."""
         asks = of_name(name).is_relevant or OF_GROUPS.get(name.partition('.')[0])
-        return not name.startswith(absent) and (asks is None or asks(values))
+        return asks is None or asks(values)
     return [name for name in values if name in given or is_relevant(name)]
 
 
@@ -121,9 +116,8 @@ def check(values: ParameterValues) -> dict[str, Any]:
 
 
 def _is_of_member(name: str, is_machine: bool) -> bool:
-    """Return whether it is a parameter of a member; only machines name dyads and links."""
-    return _of_member(name) is not None and (
-        is_machine or name.partition('.')[0] not in OF_MACHINES)
+    """Return whether it is a parameter of a member; only machines have dyads."""
+    return _of_member(name) is not None and (is_machine or not name.startswith('dyads.'))
 
 
 def _why_unknown(name: str, is_machine: bool, value: Any) -> str:
@@ -140,13 +134,13 @@ def _why_unknown(name: str, is_machine: bool, value: Any) -> str:
     if below:
         return f'is a group of parameters, not a value{nearest("", below)}'
     if parts[0] in FAMILIES and len(parts) > 2 and not member_of(name):
-        of_what = {'bodies': 'link', 'external': 'link'}.get(parts[0], parts[0][:-1])
+        of_what = 'link' if parts[0] in OF_LINKS else parts[0][:-1]
         return (f'{parts[1]!r} is not a valid {of_what.replace("_", " ")} name: use letters, '
                 'digits and _, starting with a letter')
     if parts[0] == 'dyads' and not is_machine:
         return f'linkage.kind {MACHINE} alone has dyads'
     known = [*with_motors(), *FAMILIES['points']]
-    if member_of(name) and (is_machine or parts[0] not in OF_MACHINES):
+    if member_of(name):
         known = [p.name for p in _parameters_of(parts[0], parts[1])]
     group, _, last = name.rpartition('.')
     beside = list(dict.fromkeys(other.removeprefix(f'{group}.').split('.')[0] for other in known
@@ -160,23 +154,18 @@ def _members(values: ParameterValues, is_machine: bool) -> list[tuple[str, str]]
     """
     Return (family, name) of all members of a scene, whose missing parameters get defaults.
 
-    All links of a machine are members of bodies and external, mentioned or not.
+    All links of the mechanism are members of bodies and external, mentioned or not.
     """
-    members = [(family, name) for family in FAMILIES if family not in OF_MACHINES
-               for name in names_in(family, values)]
+    mentioned: dict[str, list[str]] = {family: [] for family in FAMILIES}
     if is_machine:
-        members += [('dyads', name) for name in _dyads(values)]
+        mentioned['dyads'] = _names(values.get('linkage.dyads'))
         links = _links_of_machine(values)
-        for family in ('bodies', 'external'):
-            names = dict.fromkeys([*links, *names_in(family, values)])
-            members += [(family, name) for name in names if name != 'rods']
-    return members
-
-
-def _dyads(values: ParameterValues) -> list[str]:
-    """Return the names of the dyads of a machine, listed or with parameters."""
-    return list(dict.fromkeys([*_names(values.get('linkage.dyads')),
-                               *names_in('dyads', values)]))
+    else:
+        kind = FACTS.get(values.get('linkage.kind', PARAMETERS['linkage.kind'].default))
+        links = [link.name for link in kind.links] if kind else []
+    mentioned.update(dict.fromkeys(OF_LINKS, links))
+    return [(family, name) for family, names in mentioned.items()
+            for name in dict.fromkeys([*names, *names_in(family, values)]) if name != 'rods']
 
 
 def _links_of_machine(values: ParameterValues) -> list[str]:
@@ -185,7 +174,7 @@ def _links_of_machine(values: ParameterValues) -> list[str]:
     cylinder = [*_names(values.get('cylinder.links', PARAMETERS['cylinder.links'].default)),
                 *_names([values.get('cylinder.base.link')])]
     of_drive = {'slide': ['slider'], 'cylinder': ['crank', *cylinder]}.get(driver, ['crank'])
-    of_dyads = [link for name in _dyads(values)
+    of_dyads = [link for name in (*_names(values.get('linkage.dyads')), *names_in('dyads', values))
                 for link in _names(values.get(f'dyads.{name}.links'))]
     return [link for link in (*of_dyads, *of_drive) if link != GROUND]
 

@@ -154,19 +154,8 @@ def _length(name: str) -> Parameter:
                      is_relevant=of_kinds(lengths))
 
 
-def _first_joint(link: str) -> str:
-    """Return the first joint of a link as text: 'O1', or 'A (B of a slider_crank)' by kinds."""
-    joints = _kinds_by_text((kind, find_link(its.links, link).first_joint)
-                            for kind, its in FACTS.items()
-                            if link in [its_link.name for its_link in its.links])
-    usual, *others = sorted(joints, key=lambda joint: -len(joints[joint]))
-    return usual + ''.join(f' ({joint} of a {" or ".join(joints[joint])})' for joint in others)
-
-
-# of all kinds together: names of the lengths, {link: its first joint}
+# of all kinds together: names of the lengths
 LENGTHS = tuple(dict.fromkeys(length.name for kind in FACTS.values() for length in kind.lengths))
-LINKS = {name: _first_joint(name)
-         for name in dict.fromkeys(link.name for kind in FACTS.values() for link in kind.links)}
 _DRIVEN = tuple(dict.fromkeys(name for names in (*(kind.inputs for kind in FACTS.values()),
                                                  *AT_MOVING_JOINTS.values()) for name in names))
 _KINDS_IN_WORDS = '; '.join(f'{kind.text} ({name})' for name, kind in FACTS.items())
@@ -203,46 +192,6 @@ def law_of(kind: str) -> type[Law]:
 
 GEAR = Parameter('motor.gear', 'double', 1.0, '',
                  'gear ratio: speed of the motor over that of the shaft behind the gear; not zero')
-
-
-# --- bodies and forces of links ------------------------------------------------------------------
-
-def _body(link: str, first_joint: str) -> tuple[Parameter, ...]:
-    """Return mass, inertia and centre of gravity of a link as parameters ``bodies.LINK.*``."""
-    name = f'bodies.{link}.'
-    return (
-        Parameter(name + 'mass', 'double', nan, 'kg', f'mass of the {link}', low=0.0),
-        Parameter(name + 'inertia', 'double', nan, 'kg m^2',
-                  f'moment of inertia of the {link} about its centre of gravity; required with a '
-                  'mass', low=0.0),
-        Parameter(name + 'cg_along', 'double', nan, 'm',
-                  f'centre of gravity of the {link}: distance from {first_joint} along the link; '
-                  'default: half its length (0 for a link without a length)'),
-        Parameter(name + 'cg_across', 'double', 0.0, 'm',
-                  f'centre of gravity of the {link}: distance to the left of the line of the '
-                  'link'),
-    )
-
-
-def _external(link: str, first_joint: str) -> tuple[Parameter, ...]:
-    """Return the parameters of the force and couple that act on a link from outside."""
-    name = f'external.{link}.'
-    return (
-        *(Parameter(f'{name}force_{axis}', 'double', 0.0, 'N',
-                    f'external force on the {link}: {axis} component, constant') for axis in 'xy'),
-        Parameter(name + 'along', 'double', 0.0, 'm',
-                  f'point where the external force acts on the {link}: distance from '
-                  f'{first_joint} along the link'),
-        Parameter(name + 'across', 'double', 0.0, 'm',
-                  f'point where the external force acts on the {link}: distance to the left of '
-                  'the line of the link'),
-        Parameter(name + 'couple', 'double', 0.0, 'N m',
-                  f'external couple on the {link}, constant, counter-clockwise positive'),
-        Parameter(name + 'from_topic', 'bool', False, '',
-                  f'take the external force and couple on the {link} from the topic '
-                  f'{wrench_topic(link).topic} instead of force_x, force_y and couple',
-                  live=False),
-    )
 
 
 # --- groups --------------------------------------------------------------------------------------
@@ -451,8 +400,6 @@ PARAMETERS = _table(
               'bodies.rods.density and .thickness)', positive=True),
     Parameter('bodies.rods.thickness', 'double', nan, 'm',
               'thickness of these bars, square to the plane', positive=True),
-    *(parameter for item in LINKS.items() for parameter in _body(*item)),
-    *(parameter for item in LINKS.items() for parameter in _external(*item)),
     *_OF_TOPICS, *_BASE, *_DRIVE,
     Parameter('motor.kind', 'string', 'line', '',
               'with motor: torque that falls linearly with speed (line), DC motor (dc), speed '
@@ -578,6 +525,33 @@ _DYAD = _table(
     Parameter('dyads.NAME.mode', 'integer', 2, '',
               'assembly mode of dyad NAME, see docs/machines.md', 1, 2),
 )
+# of each link of the mechanism
+_BODY = _table(
+    Parameter('bodies.NAME.mass', 'double', nan, 'kg', 'mass of the NAME', low=0.0),
+    Parameter('bodies.NAME.inertia', 'double', nan, 'kg m^2',
+              'moment of inertia of the NAME about its centre of gravity; required with a mass',
+              low=0.0),
+    Parameter('bodies.NAME.cg_along', 'double', nan, 'm',
+              'centre of gravity of the NAME: distance from its first joint along the link; '
+              'default: half its length (0 for a link without a length)'),
+    Parameter('bodies.NAME.cg_across', 'double', 0.0, 'm',
+              'centre of gravity of the NAME: distance to the left of the line of the link'),
+)
+_EXTERNAL = _table(
+    *(Parameter(f'external.NAME.force_{axis}', 'double', 0.0, 'N',
+                f'external force on the NAME: {axis} component, constant') for axis in 'xy'),
+    Parameter('external.NAME.along', 'double', 0.0, 'm',
+              'point where the external force acts on the NAME: distance from its first joint '
+              'along the link'),
+    Parameter('external.NAME.across', 'double', 0.0, 'm',
+              'point where the external force acts on the NAME: distance to the left of the line '
+              'of the link'),
+    Parameter('external.NAME.couple', 'double', 0.0, 'N m',
+              'external couple on the NAME, constant, counter-clockwise positive'),
+    Parameter('external.NAME.from_topic', 'bool', False, '',
+              'take the external force and couple on the NAME from the topic '
+              f'{wrench_topic(NAME).topic} instead of force_x, force_y and couple', live=False),
+)
 # A damper is a spring without stiffness.
 _SPRING = _table(
     *_end('first'), *_end('second'),
@@ -641,9 +615,8 @@ _FORCE = _table(
               'negative against the direction'),
 )
 FAMILIES = {'points': _POINT, 'springs': _SPRING, 'torsion_springs': _TORSION, 'forces': _FORCE,
-            'dyads': _DYAD, 'bodies': _table(*_body(NAME, 'its first joint')),
-            'external': _table(*_external(NAME, 'its first joint'))}
-OF_MACHINES = 'dyads', 'bodies', 'external'      # families whose names only machines choose
+            'dyads': _DYAD, 'bodies': _BODY, 'external': _EXTERNAL}
+OF_LINKS = 'bodies', 'external'      # families of which every link of the mechanism is a member
 # when groups have a meaning, but for parameters that say so themselves
 OF_GROUPS: dict[str, Relevant] = {
     'cylinder': has_cylinder, 'external': has_masses, 'base': has_masses,

@@ -67,7 +67,7 @@ TABLE = [
         ('bodies.rods.diameter', 0.02, 'of bodies.rods'),
         ('bodies.crank.mass', -1.0, 'must be >= 0'),
         ('bodies.crank.mass', 1.0, 'must be given', 'bodies.crank.inertia'),
-        ('bodies.handle.mass', 1.0, 'did you mean bodies.crank.mass?'),
+        ('bodies.handle.mass', 1.0, 'there is no such link here', 'bodies.handle'),
         ('outputs', 'state', 'must be a list of texts'),
         ('outputs', ['stat'], 'did you mean state?'),
         ('outputs', ['xyzzy'], 'nearest: '),
