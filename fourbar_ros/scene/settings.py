@@ -343,6 +343,20 @@ _BASE = _group('base', (
 ))
 
 
+def _place(name: str, what: str, link: Any, on_what: str, live: bool = True
+           ) -> tuple[Parameter, ...]:
+    """Return the parameters of a point; ``link``: default of its link, ``on_what``: its text."""
+    return (
+        Parameter(f'{name}.link', 'string', link, '', on_what, live=live),
+        Parameter(f'{name}.along', 'double', 0.0, 'm',
+                  f'{what}: distance from the first joint of its link along the link; of the '
+                  'ground x from O1'),
+        Parameter(f'{name}.across', 'double', 0.0, 'm',
+                  f'{what}: distance to the left of the line of its link; of the ground y from '
+                  'O1'),
+    )
+
+
 # --- the table -----------------------------------------------------------------------------------
 
 PARAMETERS = _table(
@@ -368,21 +382,11 @@ PARAMETERS = _table(
     Parameter('linkage.output', 'string', '', '',
               f'link of a {MACHINE} whose motion is the output; empty: the last link',
               live=False, is_relevant=of_kinds([MACHINE])),
-    Parameter('cylinder.base.link', 'string', GROUND, '',
-              'with linkage.input cylinder: link on which its tube is pinned, the ground or one '
-              'to which the crank is pinned at O1; see docs/machines.md', live=False),
-    Parameter('cylinder.base.along', 'double', 0.0, 'm',
-              'with linkage.input cylinder: x of the pivot of its tube on that link'),
-    Parameter('cylinder.base.across', 'double', 0.0, 'm',
-              'with linkage.input cylinder: y of that pivot'),
-    Parameter('cylinder.pin.link', 'string', 'crank', '',
-              'with linkage.input cylinder: link on which its rod is pinned, the crank',
-              live=False),
-    Parameter('cylinder.pin.along', 'double', 0.0, 'm',
-              'with linkage.input cylinder: pin of its rod on the crank, distance from O1 along '
-              'the crank'),
-    Parameter('cylinder.pin.across', 'double', 0.0, 'm',
-              'with linkage.input cylinder: pin of its rod, distance to the left of the crank'),
+    *_place('cylinder.base', 'with linkage.input cylinder: pivot of its tube', GROUND,
+            'with linkage.input cylinder: link on which its tube is pinned, the ground or one '
+            'to which the crank is pinned at O1; see docs/machines.md', live=False),
+    *_place('cylinder.pin', 'with linkage.input cylinder: pin of its rod', 'crank',
+            'with linkage.input cylinder: link on which its rod is pinned, the crank', live=False),
     Parameter('cylinder.links', 'strings', ['rod', 'tube'], '',
               'with linkage.input cylinder: names of rod and tube', live=False),
     Parameter('cylinder.mode', 'integer', 2, '',
@@ -458,52 +462,16 @@ def _having(dimension: str) -> str:
     return ', '.join(kind for kind, names in DIMENSIONS.items() if dimension in names)
 
 
-def _place(name: str, which: str) -> tuple[Parameter, ...]:
-    """
-    Return the parameters of the point where the first or second link of a dyad is hinged.
-
-    ``name`` is their common prefix, such as ``dyads.NAME.first``; ``which``: first or second.
-    """
-    return (
-        Parameter(f'{name}.link', 'string', REQUIRED, '',
-                  f'link on which dyad NAME hangs with its {which} link: ground, the driven link '
-                  '(crank or slider), or a link of a dyad before it', live=False),
-        Parameter(f'{name}.along', 'double', 0.0, 'm',
-                  'the point of that link: distance from its first joint along it; of the ground '
-                  'x and y'),
-        Parameter(f'{name}.across', 'double', 0.0, 'm',
-                  'the point of that link: distance to the left of its line'),
-    )
-
-
-def _end(which: str) -> tuple[Parameter, ...]:
-    """Return the parameters of an end of a spring; ``which``: first or second."""
-    name = f'springs.NAME.{which}'
-    return (
-        Parameter(f'{name}.link', 'string', GROUND, '',
-                  f'link to which the {which} end of the spring NAME is fixed'),
-        Parameter(f'{name}.along', 'double', 0.0, 'm',
-                  f'{which} end of the spring NAME: distance from the first joint of its link '
-                  'along the link; on the ground x from O1'),
-        Parameter(f'{name}.across', 'double', 0.0, 'm',
-                  f'{which} end of the spring NAME: distance to the left of the line of its link; '
-                  'on the ground y from O1'),
-    )
-
-
-_POINT = _table(
-    Parameter('points.NAME.link', 'string', 'coupler', '',
-              'link to which the point NAME is fixed'),
-    Parameter('points.NAME.along', 'double', 0.0, 'm', 'position of the point NAME: distance '
-              'from the first joint of its link along the link'),
-    Parameter('points.NAME.across', 'double', 0.0, 'm',
-              'position of the point NAME: distance to the left of the line of its link'),
-)
+_POINT = _table(*_place('points.NAME', 'point NAME', 'coupler',
+                        'link to which the point NAME is fixed'))
 _DYAD = _table(
     Parameter('dyads.NAME.kind', 'string', REQUIRED, '',
               'kind of dyad NAME by its joints, R a pin, P a slide: outer, inner, outer; '
               'see docs/machines.md', choices=tuple(DIMENSIONS), live=False),
-    *_place('dyads.NAME.first', 'first'), *_place('dyads.NAME.second', 'second'),
+    *(parameter for end in ('first', 'second') for parameter in _place(
+        f'dyads.NAME.{end}', f'point on which dyad NAME hangs with its {end} link', REQUIRED,
+        f'link on which dyad NAME hangs with its {end} link: ground, the driven link (crank or '
+        'slider), or a link of a dyad before it', live=False)),
     Parameter('dyads.NAME.links', 'strings', REQUIRED, '',
               'names of the two links of dyad NAME, the one at `first` first', live=False),
     Parameter('dyads.NAME.length_1', 'double', nan, 'm',
@@ -554,7 +522,9 @@ _EXTERNAL = _table(
 )
 # A damper is a spring without stiffness.
 _SPRING = _table(
-    *_end('first'), *_end('second'),
+    *(parameter for end in ('first', 'second') for parameter in _place(
+        f'springs.NAME.{end}', f'{end} end of the spring NAME', GROUND,
+        f'link to which the {end} end of the spring NAME is fixed')),
     Parameter('springs.NAME.stiffness', 'double', 0.0, 'N/m', 'stiffness of the spring NAME',
               low=0.0),
     Parameter('springs.NAME.free_length', 'double', 0.0, 'm',
@@ -576,12 +546,8 @@ _TORSION = _table(
 )
 # A table of forces stands in a file, or in places and values.
 _FORCE = _table(
-    Parameter('forces.NAME.link', 'string', REQUIRED, '',
-              'link on which the force NAME acts, also in a motion that is given'),
-    Parameter('forces.NAME.along', 'double', 0.0, 'm', 'point where the force NAME acts: distance '
-              'from the first joint of its link along the link'),
-    Parameter('forces.NAME.across', 'double', 0.0, 'm',
-              'point where the force NAME acts: distance to the left of the line of its link'),
+    *_place('forces.NAME', 'point where the force NAME acts', REQUIRED,
+            'link on which the force NAME acts, also in a motion that is given'),
     Parameter('forces.NAME.acts', 'string', REQUIRED, '',
               'direction of the force NAME: x or y of the ground; along the link, of a slider '
               'along its guide, or across it, to its left; or a couple, counter-clockwise',
