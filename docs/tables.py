@@ -23,8 +23,8 @@ from fourbar_ros.mechanisms.kinds import KINDS, LOADS  # noqa: E402
 from fourbar_ros.mechanisms.quantities import known, POSITIONS, positions, QUANTITIES  # noqa: E402
 from fourbar_ros.scene.settings import (  # noqa: E402
     FAMILIES,
+    PARAMETERS,
     REQUIRED,
-    with_motors,
 )
 from fourbar_ros.scene.topics import (  # noqa: E402
     applied_topic,
@@ -104,7 +104,7 @@ def reference_tables():
         'parameters': table(('parameter', 'type', 'unit', 'default', 'allowed', 'live', 'what'),
                             [(f'`{p.name}`', p.type, p.unit, default(p), p.allowed, 'yes' if p.live
                               else '', p.text)
-                             for table_of in (with_motors(), *FAMILIES.values())
+                             for table_of in (PARAMETERS, *FAMILIES.values())
                              for p in table_of.values()]),
         'joints': table(('`linkage.kind`', 'joints in this order: place, coordinate'),
                         [(f'`{name}`', '; '.join(f'{joint.place} `{joint.coordinate.position}`'

@@ -11,7 +11,7 @@ from fourbar_ros.errors import FourBarError, InvalidParameter, one_of
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.numerics.given import quantities_of
 from fourbar_ros.scene.parameters import names_in
-from fourbar_ros.scene.settings import GEAR, law_of, of_motor, ParameterValues, SOURCES
+from fourbar_ros.scene.settings import GEAR, MOTORS, of_motor, ParameterValues, SOURCES
 
 if TYPE_CHECKING:      # other scenes do without
     from fourbar_ros.dynamics.elements import Element, PositionForce
@@ -78,7 +78,7 @@ def _source(values: ParameterValues) -> Law:
     if values['drive.source'] == 'torque':
         return ConstantTorque(0.0)
     kind = values['motor.kind']
-    parameters, law = of_motor(kind), law_of(kind)
+    parameters, law = of_motor(kind), MOTORS[kind]
     own = {field: values[parameter.name] for field, parameter in parameters.items()}
     for field, default, _ in quantities_of(law):
         if default is MISSING and isnan(own[field]):

@@ -23,7 +23,6 @@ from fourbar_ros.scene.settings import (
     PARAMETERS,
     ParameterValues,
     REQUIRED,
-    with_motors,
 )
 
 VALUES = {'double': float, 'integer': int, 'string': str, 'bool': bool, 'strings': list,
@@ -44,8 +43,7 @@ def member_of(name: str) -> tuple[str, str, str] | None:
 
 def find(name: str) -> Parameter | None:
     """Return the Parameter of this name, one of the table or of a member of a family, or None."""
-    return PARAMETERS.get(name) or (with_motors().get(name) if name.startswith('motor.')
-                                    else _of_member(name))
+    return PARAMETERS.get(name) or _of_member(name)
 
 
 @lru_cache(maxsize=4096)
@@ -97,22 +95,17 @@ def check(values: ParameterValues) -> dict[str, Any]:
     Raises InvalidParameter for the first unknown, missing or bad one.
     """
     is_machine = values.get('linkage.kind') == MACHINE
-    table = PARAMETERS
-    if values.get('drive.source') == 'motor' or any(
-            name.startswith('motor.') and name not in PARAMETERS for name in values):
-        table = with_motors()
     for name in values:
-        if not (name in table or _is_of_member(name, is_machine)):
+        if not (name in PARAMETERS or _is_of_member(name, is_machine)):
             raise InvalidParameter(name, values[name],
                                    _why_unknown(name, is_machine, values[name]))
-    of_members = [parameter for family, name in _members(values, is_machine)
-                  for parameter in _parameters_of(family, name)]
-    every = {parameter.name: parameter for parameter in of_members} | table
+    every = PARAMETERS | {parameter.name: parameter for family, name in _members(values, is_machine)
+                          for parameter in _parameters_of(family, name)}
     for parameter in every.values():
         if parameter.default is REQUIRED and parameter.name not in values:
             raise InvalidParameter(parameter.name, None, f'must be given: {parameter.text}')
-    return {name: check_value(every[name], values.get(name, every[name].default))
-            for name in (*table, *(name for name in every if name not in table))}
+    return {name: check_value(parameter, values.get(name, parameter.default))
+            for name, parameter in every.items()}
 
 
 def _is_of_member(name: str, is_machine: bool) -> bool:
@@ -128,7 +121,7 @@ def _why_unknown(name: str, is_machine: bool, value: Any) -> str:
     """
     parts = name.split('.')
     below = list(dict.fromkeys(known.removeprefix(f'{name}.').split('.')[0]
-                               for known in with_motors() if known.startswith(f'{name}.')))
+                               for known in PARAMETERS if known.startswith(f'{name}.')))
     if below and isinstance(value, str) and ':' in value:
         return f'a blank is missing behind the colon: {value.replace(":", ": ", 1)}'
     if below:
@@ -139,7 +132,7 @@ def _why_unknown(name: str, is_machine: bool, value: Any) -> str:
                 'digits and _, starting with a letter')
     if parts[0] == 'dyads' and not is_machine:
         return f'linkage.kind {MACHINE} alone has dyads'
-    known = [*with_motors(), *FAMILIES['points']]
+    known = [*PARAMETERS, *FAMILIES['points']]
     if member_of(name):
         known = [p.name for p in _parameters_of(parts[0], parts[1])]
     group, _, last = name.rpartition('.')

@@ -10,11 +10,17 @@ have any number: in ``points.NAME.link`` NAME is free.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from functools import cache
 from math import inf, isfinite, nan, pi
 from types import MappingProxyType
-from typing import Any, cast, NamedTuple, TYPE_CHECKING
+from typing import Any, NamedTuple
 
+from fourbar_ros.dynamics.sources import (
+    DCMotor,
+    InductionMotor,
+    Law,
+    MotorLine,
+    SpeedController,
+)
 from fourbar_ros.mechanisms.kinds import AT_MOVING_JOINTS, DIMENSIONS, FACTS
 from fourbar_ros.mechanisms.parts import find_link, GROUND
 from fourbar_ros.numerics.given import FASTEST, quantities_of
@@ -27,9 +33,6 @@ from fourbar_ros.scene.topics import (
     TORQUE,
     wrench_topic,
 )
-
-if TYPE_CHECKING:      # only scenes with a motor need it
-    from fourbar_ros.dynamics.sources import Law
 
 ParameterValues = Mapping[str, Any]       # {name: value}; their types stand in the table
 Relevant = Callable[[ParameterValues], bool]   # whether a parameter has a meaning in a scene
@@ -166,28 +169,21 @@ _WITH_SLIDES = ' or '.join(name for name, kind in FACTS.items() if len(kind.inpu
 
 # --- motors --------------------------------------------------------------------------------------
 
-# {kind of motor: its law in :mod:`fourbar_ros.dynamics.sources`}, whose numbers are motor.NAME
-MOTORS = {'line': 'MotorLine', 'dc': 'DCMotor', 'controller': 'SpeedController',
-          'induction': 'InductionMotor'}
+# {kind of motor: its law}, whose numbers are motor.NAME
+MOTORS: dict[str, type[Law]] = {'line': MotorLine, 'dc': DCMotor, 'controller': SpeedController,
+                                'induction': InductionMotor}
 
 
-@cache
 def of_motor(kind: str) -> dict[str, Parameter]:
-    """Return {number of the law of a motor: its parameter motor.NAME}; imports the law."""
+    """Return {number of the law of a motor: its parameter motor.NAME}."""
     parameters = {}
-    for name, default, quantity in quantities_of(law_of(kind)):
+    for name, default, quantity in quantities_of(MOTORS[kind]):
         is_given = isinstance(default, (int, float)) and isfinite(default)
         parameters[name] = Parameter(
             f'motor.{quantity.parameter or name}', 'integer' if quantity.is_whole else 'double',
             default if is_given else nan, quantity.unit, f'{kind}: {quantity.text}',
             low=quantity.least, positive=quantity.above == 0.0)
     return parameters
-
-
-def law_of(kind: str) -> type[Law]:
-    """Return the law of a kind of motor; scenes without a motor do without."""
-    from fourbar_ros.dynamics import sources
-    return cast('type[Law]', getattr(sources, MOTORS[kind]))
 
 
 GEAR = Parameter('motor.gear', 'double', 1.0, '',
@@ -412,6 +408,8 @@ PARAMETERS = _table(
     GEAR,
     Parameter('motor.rotor_inertia', 'double', 0.0, 'kg m^2 or kg',
               'inertia of the rotor itself; behind the gear it counts gear^2 times', low=0.0),
+    *(parameter for kind in MOTORS for parameter in of_motor(kind).values()
+      if parameter.name != GEAR.name),
     Parameter('shaft.stiffness', 'double', nan, 'N m/rad or N/m',
               'elastic shaft between the drive and the input; default: a rigid one',
               positive=True),
@@ -443,16 +441,6 @@ PARAMETERS = _table(
               'effort', choices=('velocities', 'accelerations', 'effort')),
     *_RECORDING,
 )
-
-
-@cache
-def with_motors() -> dict[str, Parameter]:
-    """Return all parameters, with the numbers of motors, which :data:`PARAMETERS` leaves out."""
-    behind = list(PARAMETERS).index('motor.rotor_inertia') + 1
-    every = list(PARAMETERS.values())
-    every[behind:behind] = [parameter for kind in MOTORS for parameter in of_motor(kind).values()
-                            if parameter.name != GEAR.name]
-    return _table(*every)
 
 
 # --- families ------------------------------------------------------------------------------------

@@ -7,7 +7,7 @@ import math
 from fourbar_ros import FourBarError, InvalidParameter
 from fourbar_ros.scene import scene
 from fourbar_ros.scene.parameters import check_value, find
-from fourbar_ros.scene.settings import MOTORS, of_motor, REQUIRED, with_motors
+from fourbar_ros.scene.settings import MOTORS, of_motor, PARAMETERS, REQUIRED
 from hypothesis import given
 from hypothesis import strategies as st
 import pytest
@@ -24,7 +24,7 @@ def test_every_scene_that_is_shipped_is_good(file):
 
 
 def test_defaults_are_themselves_allowed():
-    for parameter in with_motors().values():
+    for parameter in PARAMETERS.values():
         if parameter.default is not REQUIRED:
             value = check_value(parameter, parameter.default)
             assert value == parameter.default or math.isnan(value)
