@@ -9,8 +9,8 @@ from support.scenes import PAPER
 SECOND = 10**9
 
 
-def test_a_late_input_is_counted_and_a_publisher_without_the_deadline_is_named(run_node, client,
-                                                                                  diagnosed):
+def test_a_late_input_is_counted_and_a_publisher_without_the_deadline_is_named(
+        run_node, client, diagnosed):
     node = run_node({**PAPER, 'drive.source': 'motion', 'drive.timeout': 0.0, 'outputs': ['state'],
                      'qos_overrides./fourbar/input.subscription.deadline': SECOND // 5})
     client.listen(['state'])

@@ -289,8 +289,8 @@ def test_simulated_time_moves_the_state_and_starts_again_when_it_goes_back(run_n
     client.until(lambda: clock.tick() or len(heard) > 20, 'states in simulated time')
     first, last = heard[0], heard[-1]    # the very first may come before the node knows of us
     assert 0.0 <= first.position < last.position
-    assert sum(m.step for m in heard[1:]) == pytest.approx(1e-9 * (nanoseconds(last)
-                                                                     - nanoseconds(first)))
+    passed = nanoseconds(last) - nanoseconds(first)
+    assert sum(m.step for m in heard[1:]) == pytest.approx(1e-9 * passed)
     clock.now = 10**9
     count = len(heard)                   # several may come at once
     client.until(lambda: clock.tick() or any(m.step == 0.0 for m in heard[count:]),

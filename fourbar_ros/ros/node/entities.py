@@ -29,7 +29,6 @@ QUIET = 10.0                       # [s] between two lines of one cause in the l
 WAITING = 8                        # most jobs that wait for one thread
 
 
-
 def publisher(node: Node, topic: Topic, **options: Any) -> Publisher:
     """Return a publisher on a topic with its QoS, latched or not, and the user's overrides."""
     profile = (QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL) if topic.latched

@@ -32,6 +32,7 @@ from rcl_interfaces.srv import SetParameters, SetParametersAtomically
 from rclpy.exceptions import ParameterNotDeclaredException
 from rclpy.node import Node
 from rclpy.parameter import Parameter as RosParameter
+from rclpy.service import Service
 from rosgraph_msgs.msg import Clock
 
 if TYPE_CHECKING:      # only the scenes that want it
@@ -181,10 +182,7 @@ class FourBarNode(Node):
         """
         Create a service; an exception in its callback is logged and does not end the node.
 
-        If that takes long, ``worker_for(request)`` returns the thread to answer in. Then the
-        executor calls a callback that returns its arguments, and passes those to
-        ``send_response``. That is replaced: it queues the answer. rclpy has callback groups for
-        that, but its EventsExecutor does not know them (ros2/rclpy#1473).
+        If that takes long, ``worker_for(request)`` returns the thread to answer in.
         """
         def answer(request: Message, response: Message) -> Message:
             try:
@@ -193,25 +191,17 @@ class FourBarNode(Node):
                 self.get_logger().error(f'a fault in {srv_name}: {format_exc()}')
                 return _without_answer(request, response, 'RESULT_INVALID_REQUEST',
                                        f'a fault in the node, see its log: {error!r}')
-
-        def beside(request: Message) -> Worker:
-            return self.workers[CHANGES]
-
-        def both(request: Message, response: Message) -> tuple[Message, Message]:
-            return request, response
-
-        def queue(arguments: tuple[Message, Message], header: Message) -> None:
-            if not worker_for(arguments[0]).do(lambda: send(answer(*arguments), header)):
-                send(_without_answer(*arguments, 'RESULT_BUSY', f'{WAITING} requests wait for an '
-                                     'answer already: ask again later'), header)
-
         if srv_type in (SetParameters, SetParametersAtomically):
-            worker_for = beside
+            worker_for = self._changes
         if worker_for is None:
             return super().create_service(srv_type, srv_name, answer, **options)
-        service = super().create_service(srv_type, srv_name, both, **options)
-        send, service.send_response = service.send_response, queue
+        service = super().create_service(srv_type, srv_name, _both, **options)
+        _answer_beside(service, answer, worker_for)
         return service
+
+    def _changes(self, request: Message) -> Worker:
+        """Return the thread that changes parameters, whatever the request."""
+        return self.workers[CHANGES]
 
     def _between_callbacks(self, job: Callable[[], None]) -> None:
         """Do a job of the thread CHANGES between two callbacks of the executor; wait for it."""
@@ -230,6 +220,30 @@ class FourBarNode(Node):
         while not wait([done], LOOK).done:
             worker.check()
         done.result()
+
+
+# --- services that answer in another thread ------------------------------------------------------
+
+def _both(request: Message, response: Message) -> tuple[Message, Message]:
+    return request, response
+
+
+def _answer_beside(service: Service, answer: Callable[[Message, Message], Message],
+                   worker_for: Callable[[Message], Worker]) -> None:
+    """
+    Have a service answer in the worker for the request, or at once that too many wait.
+
+    The executor calls its callback, which is :func:`_both`, and passes the result to
+    ``send_response``. That is replaced: it queues the answer. rclpy has callback groups for that,
+    but its EventsExecutor does not know them (ros2/rclpy#1473).
+    """
+    send = service.send_response
+
+    def queue(arguments: tuple[Message, Message], header: Message) -> None:
+        if not worker_for(arguments[0]).do(lambda: send(answer(*arguments), header)):
+            send(_without_answer(*arguments, 'RESULT_BUSY', f'{WAITING} requests wait for an '
+                                 'answer already: ask again later'), header)
+    service.send_response = queue
 
 
 def _without_answer(request: Message, response: Message, result: str, why: str) -> Message:
