@@ -1,14 +1,15 @@
-"""A real node, killed or stopped in every way: what its bag holds."""
+"""A real node, killed, or with a full disk, or splitting its bag: what the bag holds."""
 import random
 import time
 
 from bag.test_recorder import assert_every_reader_takes
 from fourbar_ros.bag.overview import info
-from fourbar_ros.bag.reader import records
+from fourbar_ros.bag.reader import Bag, records
 from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.bag.recorder import FLUSH
 from fourbar_ros.bag.recovery import recover
-from support.harness import ALL_OUTPUTS, recording_in
+from rosbags.rosbag2 import Reader
+from support.harness import ALL_OUTPUTS, recomputed, recording_in
 from support.samples import some
 from support.scenes import PAPER, RODS
 
@@ -16,9 +17,9 @@ RATE = 200.0
 SLACK = 5.0             # [s] of a busy machine; test/bag/test_crash.py measures it
 
 
-def recording_node(run_node, tmp_path):
+def recording_node(run_node, tmp_path, **others):
     return run_node({**PAPER, **RODS, 'drive.speed': 25.0, 'drive.rate': RATE,
-                     'outputs': ALL_OUTPUTS, **recording_in(tmp_path / 'bags')})
+                     'outputs': ALL_OUTPUTS, **recording_in(tmp_path / 'bags'), **others})
 
 
 def whole_steps(path):
@@ -88,3 +89,19 @@ def test_a_recording_that_dies_is_reported_once_and_the_stream_goes_on(run_node,
     assert client.call('start_recording', name='small').success
     assert client.call('stop_recording').success
     assert node.stop() == 0 and node.said.count('recording stopped') == 1
+
+
+def test_a_node_splits_its_bag_by_its_parameters(run_node, client, tmp_path):
+    node = recording_node(run_node, tmp_path, **{'recording.split_duration': 0.3})
+    path = tmp_path / 'bags/run'
+    client.until(lambda: (path / 'run_3.mcap').exists(), 'the files')
+    assert node.stop() == 0
+    found = info(path, check=True)
+    assert found.is_sound and found.missing == 0 and found.files > 3 and info(path).is_sound
+    whole = recomputed(path)
+    assert whole.inputs > 100 and not whole.skipped
+    for file in Bag(path).files[:3]:
+        recomputed(file)
+        assert info(file, check=True).is_sound
+    with Reader(path) as reader:
+        assert reader.message_count == sum(1 for _ in reader.messages())

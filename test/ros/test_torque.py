@@ -30,6 +30,10 @@ AT_LIMIT = DriveState.STATUS_AT_LIMIT
 MOTOR_DRIVEN = {**TORQUE_DRIVEN, 'drive.source': 'motor', 'motor.stall_torque': 400.0,
                 'motor.free_speed': 26.0, 'motor.rotor_inertia': 0.5, 'shaft.stiffness': 1e9,
                 'shaft.damping': 100.0, 'drive.rate': 1000.0}
+SLIDE = {**RODS, 'bodies.output.mass': 2.0, 'linkage.kind': 'slider_crank',
+         'linkage.input': 'slide', 'linkage.a1': 0.4, 'linkage.a2': 1.2,
+         'linkage.range': [1.0, 1.4], 'drive.start': 1.2, 'drive.source': 'torque',
+         'drive.rate': 200.0, 'drive.when_silent': 'hold', 'outputs': ['state', 'loads']}
 
 
 def states(client):
@@ -117,6 +121,13 @@ def test_a_torque_topic_with_gaps_nan_and_jumps(run_node, client, tmp_path):
     assert len(in_bag(tmp_path / 'run', '/fourbar/torque')) >= 7
 
 
+def test_a_force_on_a_slide_is_cut_to_its_limit_on_both_sides(run_node, client):
+    run_node({**SLIDE, 'drive.torque_limit': 20.0})
+    heard, send = states(client), torques(client, 'x')
+    for sent, acts in ((-500.0, -20.0), (500.0, 20.0), (-3.0, -3.0)):
+        client.until(lambda: heard and heard[-1].command == acts or not send(sent), 'the force')
+
+
 @pytest.mark.slow
 def test_a_torque_that_changes_as_often_as_samples(run_node, client, tmp_path):
     node = run_node({**TORQUE_DRIVEN, **recording_in(tmp_path), 'drive.rate': 1000.0})
@@ -187,10 +198,7 @@ def test_a_change_point_linkage_is_refused(run_node):
 
 
 ROCKER = {**TORQUE_DRIVEN, 'linkage.a1': 1.2, 'linkage.a2': 0.4, 'drive.start': -0.5}
-SLIDE = {**RODS, 'bodies.output.mass': 2.0, 'linkage.kind': 'slider_crank',
-         'linkage.input': 'slide', 'linkage.a1': 0.4, 'linkage.a2': 1.2,
-         'linkage.range': [1.0, 1.4], 'drive.start': 1.2, 'drive.source': 'torque',
-         'drive.rate': 200.0, 'drive.when_silent': 'hold', 'outputs': ['state', 'loads']}
+
 
 
 def test_a_released_rocker_swings_through_its_toggles_as_simulate_says(

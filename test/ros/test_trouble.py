@@ -18,6 +18,8 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from fourbar_msgs.msg import LinkageState, Motion
 from fourbar_ros.ros.node.sequence import SequenceNumbers
 import pytest
+from rclpy.duration import Duration
+from rclpy.qos import QoSProfile
 from ros.test_inputs import answers, SECOND, stamped
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
@@ -88,6 +90,21 @@ def test_gaps_in_the_numbers_of_several_publishers():
     for number in (40, 10, 11, 41):
         sequence.take(number)
     assert sequence.lost == 3
+
+
+def test_a_late_input_is_counted_and_a_publisher_without_the_deadline_is_named(
+        run_node, client, diagnosed):
+    node = run_node({**PAPER, 'drive.source': 'motion', 'drive.timeout': 0.0, 'outputs': ['state'],
+                     'qos_overrides./fourbar/input.subscription.deadline': SECOND // 5})
+    client.listen(['state'])
+    client.publisher()                                   # offers none
+    client.until(lambda: 'incompatible' in node.said.lower() or 'DEADLINE' in node.said,
+                 'the warning')
+    offered = QoSProfile(depth=10, deadline=Duration(nanoseconds=SECOND // 5))
+    publisher = client.node.create_publisher(Motion, '/fourbar/input', offered)
+    client.handshake(lambda: publisher.publish(Motion(position=0.1)))
+    # nothing is sent now
+    client.until(lambda: int(diagnosed()[1].get('deadlines missed', 0)) >= 2, 'the count')
 
 
 # --- the log -------------------------------------------------------------------------------------
@@ -207,15 +224,6 @@ def test_an_estimated_acceleration_that_is_noise_is_reported(run_node, client, d
         client.until(is_said, f'noise: {is_noise}')
     # window 5
     assert float(diagnosed()[1]['lag of the estimated acceleration [s]']) == pytest.approx(0.004)
-
-
-@pytest.mark.slow
-def test_nodes_of_one_name_in_two_namespaces_have_diagnostics_of_their_own(run_node, client,
-                                                                           diagnosed):
-    for namespace in ('left', 'right'):
-        run_node(DRIVEN, remaps=[f'__ns:=/{namespace}'])
-    expected = {'left/fourbar: linkage', 'right/fourbar: linkage'}
-    client.until(lambda: expected <= {m.status[0].name for m in diagnosed.messages}, 'both')
 
 
 def test_an_input_that_never_comes_is_told_with_where_its_type_comes(run_node, client, diagnosed):
