@@ -68,7 +68,8 @@ class LockStep:
     def __init__(self, node: str = 'fourbar', outputs: Sequence[str] = ('shaking_wrench',),
                  patience: float = 5.0) -> None:
         known = [name for name in OUTPUTS if name not in FAMILIES]
-        for output in (outputs,) if isinstance(outputs, str) else outputs:
+        self._outputs = (outputs,) if isinstance(outputs, str) else tuple(outputs)
+        for output in self._outputs:
             if output not in known:
                 raise InvalidParameter('outputs', output, one_of(known, output))
         self._context = Context()            # whatever else uses ROS in this process
@@ -83,7 +84,6 @@ class LockStep:
         self._heard: list[Any] = []          # subscriptions
         self._clock: Any = None
         self._met: set[str] = set()
-        self._outputs = (outputs,) if isinstance(outputs, str) else tuple(outputs)
         for output in self._outputs:
             self._listen(OUTPUTS[output])
 

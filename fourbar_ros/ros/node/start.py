@@ -80,6 +80,7 @@ def run(given: Sequence[str], signals: Signals) -> int:
     import rclpy
     from rclpy.exceptions import NameValidationException, ParameterException
     from rclpy.impl.implementation_singleton import rclpy_implementation
+    from rclpy.signals import SignalHandlerOptions
 
     unknown = rclpy_implementation.UnknownROSArgsError
     # a file that rcl cannot parse, names that are not valid, another type for a parameter
@@ -88,7 +89,13 @@ def run(given: Sequence[str], signals: Signals) -> int:
     nodes: list[FourBarNode] = []
     try:
         names, namespace, files = asked(given)
-        begin_ros(given)
+        try:
+            rclpy.init(args=['fourbar_node', *given],
+                       signal_handler_options=SignalHandlerOptions.NO)
+        except ros_errors:
+            raise
+        except RuntimeError as error:        # of rclpy's own, without a type
+            raise FourBarError(f'no log (ROS_LOG_DIR): {error}') from None
         for name in names:
             nodes.append(FourBarNode(name, namespace, files))
     except (FourBarError, *ros_errors) as error:
@@ -145,21 +152,6 @@ def wrong_in_file(given: Sequence[str]) -> str:
     except SceneError as error:
         return str(error)
     return ''
-
-
-def begin_ros(given: Sequence[str]) -> None:
-    """Begin ROS; raise FourBarError if the file of its log cannot be written."""
-    from fourbar_ros.errors import FourBarError
-    import rclpy
-    from rclpy.impl.implementation_singleton import rclpy_implementation
-    from rclpy.signals import SignalHandlerOptions
-
-    try:
-        rclpy.init(args=['fourbar_node', *given], signal_handler_options=SignalHandlerOptions.NO)
-    except (rclpy_implementation.RCLError, rclpy_implementation.UnknownROSArgsError):
-        raise
-    except RuntimeError as error:
-        raise FourBarError(f'no log (ROS_LOG_DIR): {error}') from None
 
 
 def warn_of_shared_frames(nodes: Sequence[FourBarNode]) -> None:
