@@ -5,12 +5,10 @@ from itertools import pairwise
 from math import inf, isinf, pi
 
 from fourbar_ros import (
-    Bodies,
     FourBar,
     InvalidParameter,
     InvertedSlider,
     MissingBodies,
-    round_rod,
     SliderCrank,
 )
 from fourbar_ros.extrema import batch as many_module
@@ -27,6 +25,7 @@ import mpmath
 import numpy as np
 import pytest
 from support import contract, scans
+from support.contract import with_rods
 from support.extrema_reference import count_extrema, exact_roots
 from support.samples import more
 
@@ -34,11 +33,6 @@ EPS = 2.0**-52
 PAPER = (0.4, 1.2, 0.8, 1.0)
 RATES = ('omega4', 'alpha4')
 QUANTITIES = known(FourBar)
-
-
-def with_rods(lengths, **others):
-    return FourBar(*lengths, bodies=Bodies(*(round_rod(length, 7750.0, 0.01)
-                                             for length in lengths[:3])), **others)
 
 
 def angle_between(a, b):

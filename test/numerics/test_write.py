@@ -15,17 +15,15 @@ from hypothesis import strategies as st
 import numpy as np
 import pytest
 from support import contract
-from support.contract import CASES
-from support.strategies import linkages, machines
-
-every_case = pytest.mark.parametrize('case', CASES, ids=contract.name_of)
+from support.contract import every_case
+from support.strategies import mechanisms
 
 
 @every_case
 @given(st.data())
 def test_coefficients_have_the_same_bits(case, data):
     """Every kind, input and mode, whatever the lengths: all numbers of all links."""
-    mechanism, (value, _, _) = data.draw(linkages(case))
+    mechanism, (value, _, _) = data.draw(mechanisms(case))
 
     def flat(n):
         coefficients = mechanism.make_coefficients(n)
@@ -37,7 +35,7 @@ def test_coefficients_have_the_same_bits(case, data):
 @given(st.data())
 def test_it_refuses_what_the_formula_refuses(case, data):
     """Out of range there is no square root, also where nothing of it is wanted."""
-    mechanism, _ = data.draw(linkages(case))
+    mechanism, _ = data.draw(mechanisms(case))
     ends = [end for bounds in mechanism.closing_ranges for end in bounds]
     outside = max(map(abs, ends)) * 1.001
     if mechanism.turns_fully or not mechanism.is_driven_by_slide and outside > pi:
@@ -57,7 +55,7 @@ def bits(values):
 @given(st.data())
 def test_steps_have_the_bits_of_the_formulas(case, data):
     """With all masses, without gravity, and with bodies of no mass."""
-    mechanism, its = data.draw(linkages(case))
+    mechanism, its = data.draw(mechanisms(case))
     nothing = type(mechanism.bodies)._make([Body(0.0)] * len(mechanism.bodies))
     for one in (mechanism, replace(mechanism, gravity=(0.0, -0.0)),
                 replace(mechanism, bodies=nothing, external=type(mechanism.external)())):
@@ -68,7 +66,7 @@ def test_steps_have_the_bits_of_the_formulas(case, data):
         assert bits(found[1]) == bits(loads)
 
 
-@given(machines(dyads=(1, 4), least_sine=0.2))
+@given(mechanisms(contract.MACHINES, dyads=(1, 4), least_sine=0.2))
 def test_steps_of_machines_with_other_loads_are_those_of_the_formulas(drawn):
     """Also where a load that was zero no longer is, or is no longer there: lines are shared."""
     mechanism, its = drawn

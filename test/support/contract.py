@@ -21,6 +21,7 @@ from fourbar_ros import (
     InvalidParameter,
     InvertedSlider,
     MovingJointFourBar,
+    round_rod,
     SliderCrank,
 )
 from fourbar_ros.mechanisms.kinds import KINDS
@@ -162,6 +163,12 @@ def _near_the_limit_of_the_offset(rng, case):
 def _equal_lengths(rng, case):
     one = rng.uniform(0.1, 1.0)
     return one, one * (1.0 + small(rng, -16, -2)), rng.choice((0.0, small(rng, -16, -2)))
+
+
+def with_rods(lengths, **others):
+    """Return a four-bar of steel rods, 2 cm thick."""
+    return FourBar(*lengths, bodies=Bodies(*(round_rod(length, 7750.0, 0.01)
+                                             for length in lengths[:3])), **others)
 
 
 def random_lengths(rng, count):

@@ -7,17 +7,14 @@ Profiles are in test/conftest.py: ``quick`` in ``make test``, ``long`` in ``make
 """
 from math import inf, nan
 
-from fourbar_ros import FourBarError
 from fourbar_ros.scene.parameters import of_name
 from fourbar_ros.scene.topics import OUTPUTS, PICTURES
-from hypothesis import assume
 from hypothesis import strategies as st
 import numpy as np
 from rosbags.interfaces import Nodetype
 from support import contract, random_machines
 
 seeds = st.integers(0, 2**32 - 1)
-shares = st.floats(0.02, 0.98)                  # of a range, away from its ends
 rates = st.floats(-30.0, 30.0)
 inputs = st.tuples(st.floats(-9.0, 9.0), rates, st.floats(-90.0, 90.0))
 wrenches = st.tuples(*[st.floats(-50.0, 50.0)] * 3)
@@ -25,27 +22,11 @@ wrenches = st.tuples(*[st.floats(-50.0, 50.0)] * 3)
 # --- linkages and machines -----------------------------------------------------------------------
 
 
-@st.composite
-def linkages(draw, case):
-    """Draw (mechanism, input) with everything acting, away from toggles and change points."""
-    lengths = [draw(st.floats(-1.0, 1.0) if signed else st.floats(0.1, 1.0))
-               for signed in contract.are_signed(case.kind)]
-    rng = np.random.default_rng(draw(seeds))
-    try:
-        mechanism = case.make(lengths, contract.random_masses(rng, case, 1.0, 3.0))
-        assume(mechanism.input_ranges and mechanism.change_point_margin > 1e-2)
-        low, high = mechanism.input_ranges[0]
-        given = low + (high - low) * draw(shares), draw(rates), draw(rates)
-        motion = mechanism.motion(*given)
-    except FourBarError:
-        assume(False)
-    assume(abs(np.sin(motion.transmission_angle)) > 0.2)
-    return mechanism, given
-
-
-def machines(**how):
-    """Draw (machine of dyads, input), as :func:`random_machines.random_machines` makes them."""
-    return seeds.map(lambda seed: next(random_machines.random_machines(seed, 1, **how)))
+def mechanisms(case, **how):
+    """Draw (mechanism, input) of a case, or of machines of dyads, as the tests of kinds do."""
+    if case == contract.MACHINES:
+        return seeds.map(lambda seed: next(random_machines.random_machines(seed, 1, **how)))
+    return seeds.map(lambda seed: next(contract.ordinary(case, seed, 1)))
 
 
 # --- values that a parameter should not have -----------------------------------------------------

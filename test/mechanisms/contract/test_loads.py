@@ -4,12 +4,12 @@
 
 from math import isfinite
 
-from fourbar_ros import Applied, InvalidParameter
-from fourbar_ros.mechanisms.points import point_of
+from fourbar_ros import InvalidParameter
 import numpy as np
 from support import contract
 from support.cartesian import EPS
 from support.contract import every_mechanism
+from support.power import needed
 from support.samples import more
 
 
@@ -22,37 +22,6 @@ def test_magnitudes_are_those_of_their_components(case):
         for name in pairs:
             size = np.hypot(getattr(loads, f'{name}_x'), getattr(loads, f'{name}_y'))
             assert abs(getattr(loads, name) - size) <= 2 * EPS * size, name
-
-
-def needed(mechanism, motion):
-    """Return force, moment about O1 and power that the links need, and their sizes."""
-    total, sizes, gravity = np.zeros(4), np.zeros(3), complex(*mechanism.gravity)
-    for link, body in mechanism.bodies._asdict().items():
-        at, push = (
-            mechanism.link_motion(motion, link),
-            getattr(mechanism.external, link, Applied()),
-        )
-        couple = body.inertia * at.alpha - push.couple
-        for along, across, is_body in (
-            (body.cg_along, body.cg_across, True),
-            (push.along, push.across, False),
-        ):
-            x, y, v_x, v_y, a_x, a_y = point_of(at, along, across)
-            force = (
-                body.mass * (complex(a_x, a_y) - gravity)
-                if is_body
-                else -complex(push.force_x, push.force_y)
-            )
-            total += (
-                force.real,
-                force.imag,
-                x * force.imag - y * force.real,
-                v_x * force.real + v_y * force.imag,
-            )
-            sizes += (abs(force), np.hypot(x, y) * abs(force), np.hypot(v_x, v_y) * abs(force))
-        total += (0.0, 0.0, couple, couple * at.omega)
-        sizes += (0.0, abs(couple), abs(couple * at.omega))
-    return complex(*total[:2]), total[2], total[3], sizes
 
 
 @every_mechanism
