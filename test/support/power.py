@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a mechanism takes, from the motion of its bodies alone: no reaction is involved."""
 from fourbar_ros import Applied
-from fourbar_ros.mechanisms.points import link_motion, point_of
+from fourbar_ros.mechanisms.points import point_of
 import numpy as np
 
 
@@ -14,7 +14,7 @@ def needed(mechanism, motion):
     """
     force = moment = power = size_force = size_moment = size_power = 0.0
     for link, body in mechanism.bodies._asdict().items():
-        at = link_motion(mechanism, motion, link)
+        at = mechanism.link_motion(motion, link)
         push = getattr(mechanism.external, link, Applied())
         g_x, g_y = mechanism.gravity
         x, y, v_x, v_y, a_x, a_y = point_of(at, body.cg_along, body.cg_across)

@@ -62,7 +62,7 @@ def test_points_of_all_links(case):
                 np.hypot(point.acceleration_x, point.acceleration_y), rel=4 * EPS
             )
         with pytest.raises(InvalidParameter, match='^link = '):
-            mechanism.link_motion(state[0], 'spring')
+            point_motion(mechanism, state[0], 'spring', 0.0)
 
 
 @every_case
