@@ -8,7 +8,7 @@ from fourbar_ros import Bodies, Body, find_extrema, FourBar
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.mechanisms.machine.describe.description import Cylinder, Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
-from fourbar_ros.mechanisms.quantities import known, UnknownQuantity
+from fourbar_ros.mechanisms.quantities import known
 from hypothesis import given
 from hypothesis import strategies as st
 import numpy as np
@@ -182,10 +182,3 @@ def test_machines_near_two_toggles_against_a_graded_scan(count, points):
 def test_what_is_no_quantity_is_refused_by_name(quantities):
     with pytest.raises(InvalidParameter, match='quantities'):
         find_extrema(FourBar(*PAPER), quantities)
-
-
-def test_a_quantity_that_the_mechanism_has_not_is_refused_by_name():
-    from fourbar_ros.mechanisms.quantities import Quantity
-
-    with pytest.raises(UnknownQuantity, match='omega9'):
-        find_extrema(FourBar(*PAPER), Quantity('omega9', 'rad/s', '', False))

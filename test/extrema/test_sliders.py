@@ -6,14 +6,13 @@ Extrema of slider-cranks and inverted slider-cranks, driven at crank or slide, a
 Limits, change points.
 """
 from dataclasses import replace
-from math import inf, isfinite, isnan, nan, pi
+from math import isfinite, isnan, pi
 
 from fourbar_ros import Bodies, Body, FourBar, InvalidParameter, InvertedSlider, SliderCrank
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.extrema.input_paths import TooNarrow
 from fourbar_ros.mechanisms.quantities import (
     select,
-    UnknownQuantity,
 )
 import numpy as np
 import pytest
@@ -89,14 +88,6 @@ def test_a_slide_that_is_driven_has_a_place_and_a_crank_angle():
             assert extremum.theta1 == mechanism.motion(extremum.slide).theta1 % (2.0 * pi)
         else:
             assert abs(np.sin(extremum.theta1)) < 1e-7
-
-
-def test_what_is_given_is_no_quantity():
-    with pytest.raises(UnknownQuantity, match='nearest: '):
-        find_extrema(SliderCrank(0.1, 0.3, input='slide'), ('slide_velocity',), 1.0)
-    with pytest.raises(InvalidParameter):
-        find_extrema(SliderCrank(0.1, 0.3), ('slide_velocity',), nan)
-    assert inf not in {abs(e.value) for e in find_extrema(SliderCrank(0.1, 0.3), (), 1.0)}
 
 
 def test_near_a_change_point_the_ends_of_an_inverted_slider_are_unbounded():

@@ -11,10 +11,8 @@ from fourbar_ros import (
     round_rod,
     SliderCrank,
 )
-from fourbar_ros.mechanisms import evaluation as arrays
 from fourbar_ros.numerics import write
 from fourbar_ros.numerics.number_types import ARRAY
-from fourbar_ros.numerics.trace import flat, Number
 import numpy as np
 import pytest
 from support import contract
@@ -99,19 +97,6 @@ def test_short_arrays_with_what_is_out_of_range_are_nan_there():
     found = rocker.loads([0.1, 1.0, 0.2], 1.0)
     assert all(np.isnan(field).tolist() == [False, True, False] for field in found)
     assert np.isnan(rocker.step([np.inf, 0.1], 1.0, fields=('f41',))[0]).tolist() == [True, False]
-
-
-def test_a_trace_is_made_once_for_a_kind_and_less_is_done_for_less():
-    one, other = (FourBar(a1, 1.2, 0.8, 1.0,
-                          bodies=Bodies(*(round_rod(0.5, 7750.0, 0.01) for _ in range(3))))
-                  for a1 in (0.4, 0.5))
-    (trace, constants, _), (same, others, _) = (arrays.recorded(m, True) for m in (one, other))
-    assert trace is same and constants != others
-    places = flat(trace.results)
-    angle = trace.needed([places[one.MOTION._fields.index('theta4')]])
-    assert len(angle) < 0.3 * len(trace.needed(places))
-    with pytest.raises(TypeError, match='where'):
-        bool(Number(trace, 0))
 
 
 SOME = Bodies(*(round_rod(0.5, 7750.0, 0.01) for _ in range(3)))

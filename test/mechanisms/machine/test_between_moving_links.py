@@ -22,7 +22,6 @@ import numpy as np
 import pytest
 from support.cartesian import BITS, conditions, errors, exact
 from support.machine_families import between_moving_links
-from support.power import power
 from support.samples import more
 
 EPS = 2.0**-52
@@ -96,13 +95,6 @@ def test_near_toggles_loads_are_good_relative_to_the_largest(count=more(3, 10)):
                 ours = (acb(getattr(loads, f'{name}_x'), getattr(loads, f'{name}_y'))
                         if isinstance(truth, acb) else arb(getattr(loads, name)))
                 assert float(abs(ours - truth)) <= 10.0 * EPS * largest, name
-
-
-def test_power_of_the_cylinder_is_that_of_all_links():
-    for machine, given, _ in islice(between_moving_links(9), 6):
-        taken, size = power(machine, *given)
-        force = machine.step(*given)[1].driving_force
-        assert abs(force * given[1] - taken) <= 1e3 * EPS * size
 
 
 # --- the shipped lift table ----------------------------------------------------------------------

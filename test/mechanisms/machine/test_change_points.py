@@ -5,7 +5,7 @@ from math import atan2, inf, pi
 import pickle
 import random
 
-from fourbar_ros import Body, Toggle
+from fourbar_ros import Toggle
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.mechanisms.machine.describe.description import Cylinder, Dyad, Point
@@ -13,11 +13,8 @@ from fourbar_ros.mechanisms.machine.machine import Machine
 import mpmath as mp
 import numpy as np
 import pytest
-from support.power import power
 
 EPS = 2.0**-52
-CRANK, ROD, LAST = (Body(2.0, 0.3, 0.1, 0.5), Body(1.0, 0.2, -0.1, 0.2), Body(3.0, 0.4, 0.05, 0.7))
-ACTING = {'gravity': (1.0, -9.0)}
 DISTANCES = (1e-3, 1e-6, 1e-9, 1e-12)
 
 
@@ -48,9 +45,9 @@ PLACED = {        # the dyad, and the same as a first dyad at O1 along x, turned
 
 @pytest.mark.parametrize('name', PLACED)
 def test_change_points_anywhere_on_crank_and_ground(name):
-    """On both sides of the flat position rates are bounded, smooth, and of power balance."""
+    """On both sides of the flat position rates are bounded and smooth."""
     dyad, flat = PLACED[name]
-    machine = Machine([dyad], bodies={'crank': CRANK, 'a': ROD, 'b': LAST}, **ACTING)
+    machine = Machine([dyad])
     assert any(abs(machine.distance(flat, place)) < 4 * EPS * pi for place in machine.flat_inputs)
     assert machine.change_point_margin == 0.0
     for side in (1, -1):
@@ -61,15 +58,7 @@ def test_change_points_anywhere_on_crank_and_ground(name):
             # an analytic function: it approaches its limit as the distance
             assert all(abs(value - values[-1]) <= 40.0 * d * size + 1e-12 * size
                        for value, d in zip(values, DISTANCES)), (field, values)
-        for d in DISTANCES:
-            check_power(machine, flat + side * d)
     assert machine.mode_beyond(flat) != machine.mode
-
-
-def check_power(machine, x):
-    """Drive times rate is what the links gain in a second, by Newton and Euler."""
-    needed, size = power(machine, x, 1.3, 0.7)
-    assert abs(machine.loads(x, 1.3, 0.7).driving_torque * 1.3 - needed) <= 1e3 * EPS * size
 
 
 # --- of other dyads than pairs -------------------------------------------------------------------

@@ -6,7 +6,6 @@ import pickle
 
 from fourbar_ros import (
     Body,
-    FourBar,
     MissingBodies,
     OutOfRange,
     Toggle,
@@ -16,7 +15,6 @@ from fourbar_ros.mechanisms.machine.machine import Machine
 import numpy as np
 import pytest
 from support.machines import andrews, ANDREWS_BETA, ANDREWS_POSE
-from support.random_machines import random_machines
 
 # --- ranges --------------------------------------------------------------------------------------
 
@@ -29,25 +27,6 @@ def test_a_cylinder_has_no_length_below_zero():
         machine.motion(-1.0)
     found = machine.motion(np.array([-1.0, -0.1, 1.0])).theta_crank
     assert np.isnan(found).tolist() == [True, True, False]
-
-
-@pytest.mark.parametrize('lengths', [(1.0, 1.2, 0.8, 0.5), (0.9, 0.4, 0.8, 1.0),
-                                     (1.0, 0.7, 0.75, 0.9), (2.0, 1.0, 1.7, 1.0)])
-def test_ranges_of_four_bars_whose_crank_rocks(lengths):
-    a1, a2, a3, a4 = lengths
-    kind = FourBar(*lengths)
-    machine = Machine([Dyad('d', 'RRR', Point('crank', a1), Point('ground', a4), ('b', 'c'),
-                            length_1=a2, length_2=a3)])
-    turned = [np.sort(np.mod(np.ravel(ranges) + 1.0, 2.0 * pi)) for ranges in
-              (kind.input_ranges, machine.input_ranges)]
-    assert np.allclose(*turned, rtol=0.0, atol=1e-14)
-    if kind.input_ranges != ((-pi, pi),):
-        end = machine.input_ranges[0][1]
-        assert machine.limits[0][1].dyad == 'd'
-        with pytest.raises(OutOfRange):
-            machine.motion(end + 1e-9)
-        inside = machine.motion(end - 1e-9)
-        assert abs(inside.sine_d) < 1e-3
 
 
 # --- a published machine -------------------------------------------------------------------------
@@ -105,22 +84,7 @@ def test_modes_of_all_dyads_are_one_number():
     assert machine.modes == {4: 'lower 2, upper 2'}
 
 
-# --- numbers of all kinds, balances --------------------------------------------------------------
-
-def test_forces_on_the_ground_add_up_to_the_shaking_force():
-    for machine, given in random_machines(512, 10):
-        loads, links = machine.loads(*given), machine.layout.links
-        on_ground = complex(loads.base_x, loads.base_y)
-        size = loads.base
-        for stage in machine.layout.stages:
-            for place, parent in (('first', stage.first), ('second', stage.second)):
-                if links[parent] == 'ground':
-                    name = f'{stage.name}_{place}'
-                    on_ground += complex(getattr(loads, f'{name}_x'), getattr(loads, f'{name}_y'))
-                    size += getattr(loads, name)
-        shaking = complex(loads.shaking_force_x, loads.shaking_force_y)
-        assert abs(on_ground + shaking) <= 1e-12 * size
-
+# --- units ---------------------------------------------------------------------------------------
 
 def test_a_longer_machine_in_small_and_large_units():
     """Lengths times a power of two: angles are the same to the last bit."""
