@@ -16,7 +16,6 @@ from fourbar_ros.dynamics.system import System
 from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 import mpmath as mp
-from support.machines import exact_links
 
 # P2, q(10) and its rate: two formulations by Taylor series agree in all of these digits.
 P2_POSITION, P2_RATE = '1.27567584865023941071419054572', '-0.23991499719600068392576030065'
@@ -158,19 +157,21 @@ def _peaked(function, start, length, mechanism):
 
 def exact_speeds_inertia(mechanism, q):
     """Return J(q) of a driven crank from positions in the current precision."""
-    links, bodies = exact_links(mechanism, q), mechanism.bodies
-    a1 = mp.mpf(mechanism.a1)
-    b = links['coupler'][1]
+    a1, bodies = mp.mpf(mechanism.a1), mechanism.bodies
     a_rate = a1 * mp.mpc(0, 1) * mp.expj(q)
     if isinstance(mechanism, FourBar):
-        y = links['output'][1]
         a2, a3 = mp.mpf(mechanism.a2), mp.mpf(mechanism.a3)
+        d = mp.mpf(mechanism.a4) - a1 * mp.expj(q)
+        along = (a2**2 - a3**2 + abs(d)**2) / (2 * abs(d))
+        rod = d / abs(d) * mp.mpc(along, mechanism.sign * mp.sqrt(a2**2 - along**2))
+        b, y = mp.arg(rod), mp.arg(rod - d)
         # a1 i e^{iq} + a2 b' i e^{ib} = a3 y' i e^{iy}
         determinant = a2 * a3 * mp.sin(b - y)
         b1 = a1 * a3 * mp.sin(y - q) / determinant
         y1 = a1 * a2 * mp.sin(b - q) / determinant
         rates = ((mp.mpc(0), 1, q), (a_rate, b1, b), (mp.mpc(0), y1, y))
     else:
+        b = -mp.asin(a1 * mp.sin(q) / mechanism.a2)
         b1 = -a1 * mp.cos(q) / (mp.mpf(mechanism.a2) * mp.cos(b))
         slide = -a1 * mp.sin(q) - mp.mpf(mechanism.a2) * mp.sin(b) * b1
         rates = ((mp.mpc(0), 1, q), (a_rate, b1, b), (mp.mpc(slide), 0, mp.mpf(0)))

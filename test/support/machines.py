@@ -1,6 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Mechanisms with masses for tests of dynamics, and their poses and energies to many digits."""
+"""Mechanisms with masses for tests of dynamics, and their energies to many digits."""
+from contextlib import contextmanager
+
+from flint import acb, arb, ctx
 from fourbar_ros import (
     Applied,
     Bodies,
@@ -16,6 +19,7 @@ from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 import mpmath as mp
 import numpy as np
+from support.cartesian import exact, number, of_mpmath
 
 EPS = 2.0**-52
 KINDS = {'four-bar': (FourBar, 4, {}), 'slider-crank': (SliderCrank, 3, {'input': 'crank'}),
@@ -60,86 +64,59 @@ def random_elements(rng):
             TorsionSpring('crank', 'coupler', 3.0, float(rng.uniform(-0.4, 0.4)), 0.7))
 
 
-def exact_links(mechanism, q):
-    """Return {link: (place of its first joint, angle)} in the current precision."""
-    sign, a1 = mp.mpf(mechanism.sign), mp.mpf(mechanism.a1)
-    if isinstance(mechanism, FourBar):
-        a2, a3, a4 = mp.mpf(mechanism.a2), mp.mpf(mechanism.a3), mp.mpf(mechanism.a4)
-        a = a1 * mp.expj(q)
-        d = a4 - a
-        r = abs(d)
-        along = (a2**2 - a3**2 + r**2) / (2 * r)
-        b = a + d / r * mp.mpc(along, sign * mp.sqrt(a2**2 - along**2))
-        return {'crank': (mp.mpc(0), q), 'coupler': (a, mp.arg(b - a)),
-                'output': (mp.mpc(a4), mp.arg(b - a4)), GROUND: (mp.mpc(0), mp.mpf(0))}
-    e = mp.mpf(mechanism.offset)
-    if isinstance(mechanism, SliderCrank):
-        a2 = mp.mpf(mechanism.a2)
-        if mechanism.input == 'crank':
-            a = a1 * mp.expj(q)
-            b = mp.mpc(a.real + sign * mp.sqrt(a2**2 - (e - a.imag)**2), e)
-        else:
-            b = mp.mpc(q, e)
-            r = abs(b)
-            along = (a1**2 - a2**2 + r**2) / (2 * r)
-            a = b / r * mp.mpc(along, -sign * mp.sqrt(a1**2 - along**2))
-        return {'crank': (mp.mpc(0), mp.arg(a)), 'coupler': (a, mp.arg(b - a)),
-                'output': (b, mp.mpf(0)), GROUND: (mp.mpc(0), mp.mpf(0))}
-    a4 = mp.mpf(mechanism.a4)
-    if mechanism.input == 'crank':
-        a = a1 * mp.expj(q)
-        slide = sign * mp.sqrt(abs(a - a4)**2 - e**2)
-    else:
-        slide, r2 = q, q**2 + e**2
-        cosine = (a1**2 + a4**2 - r2) / (2 * a1 * a4)
-        a = a1 * mp.mpc(cosine, sign * mp.sqrt(1 - cosine**2))
-    y = mp.arg((a - a4) / mp.mpc(slide, e))
-    return {'crank': (mp.mpc(0), mp.arg(a)), 'coupler': (a, y), 'output': (mp.mpc(a4), y),
-            GROUND: (mp.mpc(0), mp.mpf(0))}
+# --- energies by Cartesian coordinates of all links, for q in mpmath -----------------------------
+
+@contextmanager
+def pose(mechanism, q):
+    """Give the Cartesian of a mechanism at unit rate, to more digits than mpmath has now."""
+    with ctx.workprec(mp.mp.prec + 64):
+        yield exact(mechanism, (q, 1, 0))
 
 
-def point_on(links, link, along, across):
-    place, angle = links[link]
-    return place + mp.expj(angle) * mp.mpc(along, across)
+def point_on(found, link, along, across, order=0):
+    """Return a point of a link, or its derivative by q."""
+    place, e = found.link(link)
+    return place[order][0] + e[order][0] * acb(along, across)
+
+
+def exact_inertia(mechanism, q):
+    """Return J(q)."""
+    with pose(mechanism, q) as found:
+        return of_mpmath(sum(
+            number(body.mass) * abs(point_on(found, link, body.cg_along, body.cg_across, 1))**2
+            + number(body.inertia) * found.angle(link, 1)[0]**2
+            for link, body in mechanism.bodies._asdict().items()))
 
 
 def exact_potential(mechanism, elements, q):
     """Return V(q), couples and springs included."""
-    links, energy = exact_links(mechanism, q), mp.mpf(0)
-    gravity = mp.mpc(*mechanism.gravity)
-    for link, body in mechanism.bodies._asdict().items():
-        at = point_on(links, link, body.cg_along, body.cg_across)
-        energy -= body.mass * (gravity * mp.conj(at)).real
-    for link, applied in mechanism.external._asdict().items():
-        at = point_on(links, link, applied.along, applied.across)
-        energy -= (mp.mpc(applied.force_x, applied.force_y) * mp.conj(at)).real
-        energy -= applied.couple * links[link][1]
-    for element in elements:
-        energy += element.stiffness * exact_stretch(element, links)**2 / 2
-    return energy
+    with pose(mechanism, q) as found:
+        gravity, energy = acb(*mechanism.gravity), arb(0)
+        for link, body in mechanism.bodies._asdict().items():
+            at = point_on(found, link, body.cg_along, body.cg_across)
+            energy -= body.mass * (gravity * at.conjugate()).real
+        for link, applied in mechanism.external._asdict().items():
+            at = point_on(found, link, applied.along, applied.across)
+            energy -= (acb(applied.force_x, applied.force_y) * at.conjugate()).real
+            energy -= applied.couple * found.angle(link, 0)[0]
+        for element in elements:
+            energy += element.stiffness * _stretch(element, found)**2 / 2
+        return of_mpmath(energy)
 
 
-def exact_stretch(element, links):
-    if isinstance(element, TorsionSpring):
-        turn = links[element.second][1] - links[element.first][1] - mp.mpf(element.free_angle)
-        return mp.arg(mp.expj(turn))
+def exact_stretch(mechanism, element, q):
+    with pose(mechanism, q) as found:
+        return of_mpmath(_stretch(element, found))
+
+
+def _stretch(element, found):
     one, two = element.first, element.second
-    return abs(point_on(links, two.link, two.along, two.across)
-               - point_on(links, one.link, one.along, one.across)) - element.free_length
-
-
-def exact_inertia(mechanism, q):
-    """Return J(q) from derivatives of the places of the centres of gravity and of the angles."""
-    total = mp.mpf(0)
-    for link, body in mechanism.bodies._asdict().items():
-        def centre(x, link=link, body=body):
-            return point_on(exact_links(mechanism, x), link, body.cg_along, body.cg_across)
-
-        def direction(x, link=link):
-            return mp.expj(exact_links(mechanism, x)[link][1])
-        total += body.mass * abs(mp.diff(centre, q))**2
-        total += body.inertia * abs(mp.diff(direction, q))**2
-    return total
+    if isinstance(element, TorsionSpring):
+        turn = sum(sign * found.angle(link, 0)[0] for sign, link in ((1, two), (-1, one))
+                   if link != GROUND) - element.free_angle
+        return arb.atan2(turn.sin(), turn.cos())
+    return abs(point_on(found, two.link, two.along, two.across)
+               - point_on(found, one.link, one.along, one.across)) - element.free_length
 
 
 # --- Andrews' squeezer: IVP Test Set, andrews.f; Hairer and Wanner, Solving ODEs II, VII.7 -------
@@ -153,6 +130,14 @@ ANDREWS_POSE = {
     'K5': (0, (0.487364979543842550225598953530,)),
     'K6': (2, (-0.222668390165885884674473185609, 1.23054744454982119249735015568)),
     'K7': (-1, (1.23054744454982119249735015568,))}
+
+
+UNTIL = 0.03
+# Driven by its torque, beta and its rate then, to 25 digits by two routes: quadrature of the
+# energy integral, t = integral of sqrt(J / (2 (E - V))) d beta, which knows no equation of motion;
+# and Taylor series of that equation in ball arithmetic, which knows no energy.
+ANDREWS_ANGLE = '15.810771195153705841647478'
+ANDREWS_RATE = '1139.9203022591062132888514'
 
 
 def andrews():
