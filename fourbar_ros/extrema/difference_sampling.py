@@ -9,7 +9,6 @@ from math import sqrt
 from numbers import Real
 
 from fourbar_ros.extrema.sampling import not_real, Sampler, State
-from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.quantities import Asked
 from fourbar_ros.numerics.arrays import Array, EPS
 import numpy as np
@@ -27,12 +26,6 @@ class DifferenceSampler(Sampler):
     TURN = DIFFERENCE
 
     _x: Array                # samples of the path in rising order
-
-    def of(self, linkage: Mechanism) -> DifferenceSampler:
-        """Return a sampler of the same quantities and steps for another linkage."""
-        other = DifferenceSampler(linkage, self.quantities, self.rates)
-        other._x = self._x
-        return other
 
     def _rows(self, state: State, x: Array) -> Array:
         """Return the quantities of a state, (quantities, *x.shape), one by one if need be."""

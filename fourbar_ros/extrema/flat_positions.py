@@ -15,7 +15,6 @@ from functools import cache, lru_cache
 from math import frexp, log10, pi, prod
 from typing import Any
 
-from fourbar_ros.extrema.input_paths import InputPath
 from fourbar_ros.mechanisms.evaluation import formula_of, MOST_STRUCTURES, NEAR
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.numerics.arrays import Array
@@ -119,10 +118,3 @@ class FlatSide:
                 values[place] = row * t**power if power >= 0 else row * (1.0 / t)**-power
             run(self._trace, self._late, ARRAYS, values)
         return np.stack([np.broadcast_to(values[i], t.shape) for i in self._results])
-
-
-def flat_sides(mechanism: Mechanism, rates: tuple[float, float], path: InputPath,
-               with_loads: bool) -> dict[int, FlatSide]:
-    """Return {side: FlatSide} of the ends of a path that are flat positions, +1 the lower end."""
-    return {side: FlatSide(mechanism, rates, end.x, side, with_loads)
-            for side, end in path.ends() if end.is_flat}

@@ -339,7 +339,7 @@ def _limits_at_toggle(sampler: Sampler, samples: Samples, where: tuple[int, End]
         return limits
     near = path.half_a_step_from(side) + side * np.arange(NEIGHBOURS)
     mode = sampler.linkage.mode_beyond(sampler.unit * end.x)
-    other = sampler.of(sampler.linkage.in_mode(mode))
+    other = type(sampler)(sampler.linkage.in_mode(mode), sampler.quantities, sampler.rates)
     here, x = values[:, near], path.x[near]
     bounded, is_coarse = _continued(sampler, here, other.values(x))
     if is_coarse[rows].any():       # what turns between samples and toggle shows nearer to it

@@ -13,7 +13,7 @@ from math import pi
 from typing import Any, ClassVar, NamedTuple, Union
 
 from fourbar_ros.errors import InvalidParameter, MissingBodies
-from fourbar_ros.extrema.flat_positions import flat_sides, FlatSide, REACH
+from fourbar_ros.extrema.flat_positions import FlatSide, REACH
 from fourbar_ros.extrema.input_paths import InputPath
 from fourbar_ros.mechanisms.evaluation import step_of_arrays
 from fourbar_ros.mechanisms.mechanism import Mechanism
@@ -74,17 +74,12 @@ def not_real(quantity: Asked, found: str) -> InvalidParameter:
                             f'number for each input inside the range, not {found}')
 
 
-def too_large(rates: tuple[float, float]) -> InvalidParameter:
-    """Return the error for rates of the input at which quantities overflow."""
-    return InvalidParameter('rate, acceleration', rates, 'too large: quantities overflow')
-
-
 class Sampler:
     """
     Values and derivatives of some quantities of a mechanism in its mode.
 
     The input x is in units of :attr:`~fourbar_ros.mechanisms.mechanism.Mechanism.input_unit`. Next
-    to the flat positions at the ends of the path that was given to :meth:`enter` motion and loads
+    to the flat positions at the ends of the path that was given to :meth:`along` motion and loads
     are those of :mod:`fourbar_ros.extrema.flat_positions`.
 
     ``rates``: rate and acceleration of the input. Raises MissingBodies if a quantity needs loads
@@ -113,22 +108,16 @@ class Sampler:
         self._step = step_of_arrays(linkage, self._has_loads)
         self._values = step_of_arrays(linkage, self._has_loads, wanted=self._wanted)
 
-    def enter(self, path: InputPath) -> None:
-        """Prepare the samples beside flat positions at the ends of a path."""
-        self.flats = flat_sides(self.linkage, self.rates, path, self._has_loads)
-
-    def of(self, linkage: Mechanism) -> Sampler:
-        """Return a sampler of the same quantities for another linkage."""
-        return type(self)(linkage, self.quantities, self.rates)
-
     def along(self, path: InputPath) -> Samples:
         """Return the samples of a path; refuse functions that are NaN, rates that overflow."""
-        self.enter(path)
+        self.flats = {side: FlatSide(self.linkage, self.rates, end.x, side, self._has_loads)
+                      for side, end in path.ends() if end.is_flat}
         with np.errstate(over='ignore', invalid='ignore'):
             values, slopes, state = self.sample(path.x)
         self._refuse_nan(path.x, values)
         if np.isinf(values).any() or np.isinf(slopes).any():
-            raise too_large(self.rates)
+            raise InvalidParameter('rate, acceleration', self.rates,
+                                   'too large: quantities overflow')
         return Samples(path, self._continuous(values), slopes, state, self.noise(state))
 
     def _refuse_nan(self, x: Array, values: Array) -> None:

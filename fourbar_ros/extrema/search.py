@@ -9,11 +9,10 @@ functions of users by differences.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 from fourbar_ros.extrema.difference_sampling import DifferenceSampler
-from fourbar_ros.extrema.input_paths import input_paths, InputPath
+from fourbar_ros.extrema.input_paths import input_paths
 from fourbar_ros.extrema.path_search import PathExtremum, search_path
 from fourbar_ros.extrema.sampling import Sampler
 from fourbar_ros.mechanisms.mechanism import Mechanism
@@ -26,23 +25,22 @@ SAMPLES = 256       # points of a full turn, at least
 
 
 class Search:
-    """The search, and its proof, for some quantities of a mechanism at rate and acceleration."""
+    """
+    The search, and its proof, for some quantities of a mechanism at rate and acceleration.
+
+    ``within``: lowest and highest input, see :func:`.input_paths`; ``paths``: those of the input.
+    """
 
     def __init__(self, linkage: Mechanism, quantities: Sequence[Asked],
                  rates: tuple[float, float], within: tuple[float, float] | None = None) -> None:
         """Make samplers of the quantities, by complex steps and by differences."""
         self._linkage, self._quantities, self._rates = linkage, quantities, rates
-        self._within = within
         rough = [row for row, one in enumerate(quantities)
                  if isinstance(one, Function) and not one.is_smooth]
         smooth = [row for row in range(len(quantities)) if row not in rough]
         self._groups = [(kind(linkage, [quantities[row] for row in rows], rates), rows)
                         for kind, rows in ((Sampler, smooth), (DifferenceSampler, rough)) if rows]
-
-    @cached_property
-    def paths(self) -> list[InputPath]:
-        """Return the paths of the input, with their sample points."""
-        return input_paths(self._linkage, SAMPLES, self._within)
+        self.paths = input_paths(linkage, SAMPLES, within)
 
     def extrema(self, with_conditions: bool = True,
                 more: Sequence[float] = ()) -> list[list[PathExtremum]]:
