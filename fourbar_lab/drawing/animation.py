@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from fourbar_lab.drawing.cycles import cycles, usual_points
 from fourbar_lab.drawing.figure import CannotDraw, need_matplotlib, new_figure, writing
@@ -17,9 +16,6 @@ from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.mechanisms.picture import diagram_of, picture, Points
 from fourbar_ros.mechanisms.points import point_motion
 import numpy as np
-
-if TYPE_CHECKING:      # drawings alone need it
-    from matplotlib.animation import AbstractMovieWriter
 
 FRAMES, PER_SECOND = 90, 25
 
@@ -58,20 +54,20 @@ def animate(mechanism: Mechanism, rate: float, points: Points, path: str | Path)
 
         moving = FuncAnimation(figure, draw, frames=poses, blit=False)
         with writing(path):
-            moving.save(path, writer=writer, dpi=100)
+            moving.save(path, writer=writer, fps=PER_SECOND, dpi=100)
     return path
 
 
-def _writer(path: Path) -> AbstractMovieWriter:
-    """Return matplotlib's writer for the suffix of a path; raise CannotDraw for another one."""
-    from matplotlib.animation import FFMpegWriter, PillowWriter
+def _writer(path: Path) -> str:
+    """Return the name of matplotlib's writer for a suffix; raise CannotDraw if there is none."""
+    from matplotlib.animation import writers
     if path.suffix == '.gif':
-        return PillowWriter(fps=PER_SECOND)
+        return 'pillow'
     if path.suffix != '.mp4':
         raise CannotDraw(f'{path}: an animation is a .gif or an .mp4')
-    if not FFMpegWriter.isAvailable():
+    if not writers.is_available('ffmpeg'):
         raise CannotDraw(f'{path}: .mp4 requires the program ffmpeg; .gif does not')
-    return FFMpegWriter(fps=PER_SECOND)
+    return 'ffmpeg'
 
 
 def _poses(mechanism: Mechanism, rate: float) -> list[NamedFields]:

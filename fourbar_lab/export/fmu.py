@@ -165,7 +165,7 @@ def _source(code: Code, version: int) -> str:
     # the versions differ in the type of flags and in some letters
     meanings |= {'Flag': 'int' if version == 2 else 'bool', 'FMI_': f'fmi{version}'}
     if version == 2:
-        shared = shared.replace('FMUState', 'FMUstate').replace('FMI_Des', 'FMI_DeS')
+        shared = shared.replace('FMUState', 'FMUstate')
     else:
         shared = '#include <stdbool.h>\n\n' + shared
     for word, meaning in meanings.items():
@@ -281,8 +281,8 @@ def _description(model: GeneratedModel, variables: list[Variable], guid: str,
                     **{'guid' if is_2 else 'instantiationToken': guid})
     state = 'FMUstate' if is_2 else 'FMUState'
     for tag, more in _interfaces(model, '' if is_2 else 's'):
-        kind = _element(root, tag, modelIdentifier=model.name, **{
-            f'canGetAndSet{state}': 'true', f'canSerialize{state}': 'true'}, **more)
+        kind = _element(root, tag, modelIdentifier=model.name, **{f'canGetAndSet{state}': 'true'},
+                        **more)
         if is_2:
             _element(_element(kind, 'SourceFiles'), 'File', name=f'{model.name}.c')
     _units(root, variables)

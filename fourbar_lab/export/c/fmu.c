@@ -100,15 +100,6 @@ static Instance new_instance(void)
   return state;
 }
 
-/* Copies of the whole state, kept by the master; `to` is made if it is not there. */
-static Status copy_state(const void *from, void **to)
-{
-  if (*to == NULL) *to = malloc(sizeof(State));
-  if (*to == NULL) return ERROR;
-  memcpy(*to, from, sizeof(State));
-  return OK;
-}
-
 EXPORT void FMI_FreeInstance(Instance instance) { free(instance); }
 PLAIN(FMI_ExitInitializationMode)
 PLAIN(FMI_Terminate)
@@ -123,7 +114,14 @@ EXPORT Status FMI_SetDebugLogging(Instance instance, Flag on, size_t count, cons
   return OK;
 }
 
-EXPORT Status FMI_GetFMUState(Instance instance, void **to) { return copy_state(instance, to); }
+/* A copy of the whole state, kept by the master; `to` is made if it is not there. */
+EXPORT Status FMI_GetFMUState(Instance instance, void **to)
+{
+  if (*to == NULL) *to = malloc(sizeof(State));
+  if (*to == NULL) return ERROR;
+  memcpy(*to, instance, sizeof(State));
+  return OK;
+}
 
 EXPORT Status FMI_SetFMUState(Instance instance, void *from)
 {
@@ -137,27 +135,6 @@ EXPORT Status FMI_FreeFMUState(Instance instance, void **kept)
   free(*kept);
   *kept = NULL;
   return OK;
-}
-
-EXPORT Status FMI_SerializedFMUStateSize(Instance instance, void *kept, size_t *size)
-{
-  (void)instance; (void)kept;
-  *size = sizeof(State);
-  return OK;
-}
-
-EXPORT Status FMI_SerializeFMUState(Instance instance, void *kept, void *to, size_t size)
-{
-  (void)instance;
-  if (size < sizeof(State)) return ERROR;
-  memcpy(to, kept, sizeof(State));
-  return OK;
-}
-
-EXPORT Status FMI_DeserializeFMUState(Instance instance, const void *from, size_t size, void **to)
-{
-  (void)instance;
-  return size == sizeof(State) ? copy_state(from, to) : ERROR;
 }
 
 EXPORT Status FMI_CompletedIntegratorStep(Instance instance, Flag is_final, Flag *enters_event,
