@@ -130,56 +130,28 @@ def _source(code: Code, version: int) -> str:
     model, name = code.model, code.name
     header = code.header().replace('extern "C" {', '').replace('#ifdef __cplusplus\n}\n#endif\n',
                                                                '')
-    loads, drive = len(model.loads), code.drive
-    command = drive.command if drive else None
-    torque = ', state->torque' * bool(drive and drive.takes_torque)
+    # before the source: it writes down which functions it calls
     derivatives = (code.writer.function('derivatives_of', model.derivatives, refuses=False)
                    if model.derivatives else '')
-    call = (f'{name}_{"step" if loads else "motion_at"}(&state->constants, &state->input, '
-            f'&state->motion{", &state->loads" if loads else ""});')
-    meanings = {
-        'DERIVATIVES_OF\n': derivatives,
-        'DERIVATIVES\n': snippet('fmu.c', 'derivatives' if derivatives else 'no_derivatives'),
-        'LOADS_FIELD\n': f'  {name}_loads loads;\n' if loads else '',
-        'LOADS_NUMBER\n': '  if (reference < RESULTS)\n    return (char *)&state->loads + '
-                          '(reference - GIVEN - MOTIONS) * sizeof(double);\n' if loads else '',
-        'DRIVE_FIELD\n': f'  {name}_drive drive;\n  double drive_status, torque, mode;\n  '
-                         'int has_moved;\n' if drive else '',
-        'DRIVE_NUMBERS': f', DRIVE = TIME + 1, DRIVE_STATUS = DRIVE + {len(drive.numbers)}, TORQUE'
-                         if drive else '',
-        'DRIVE_NUMBER\n': snippet('fmu.c', 'number') if drive else '',
-        '      INPUT_OF_DRIVE\n': _input_of_drive(code) if drive else '',
-        '    SET_COMMAND\n': snippet('fmu.c', 'command') if command else '',
-        '  ADVANCE\n': snippet('fmu.c', 'advance') if drive else '',
-        'STEP;': call,
-        'COMMAND': (f'state->drive.{command.field}' if command and command.field
-                    else 'state->torque'),
-        'BEGIN': f'{name}_{"start" if torque else "complete"}(&state->drive{torque})',
-        'STARTS': f'{name}_start(&state->drive{torque});' if drive else
-                  f'state->input.{model.inputs[0].field} = {model.sample()[0][0]!r};',
-        ' GIVEN_TORQUE': torque,
-        'enum { GIVEN': f'enum {{ EXCHANGES = {int(not drive)} }};\n'
-                        f'enum {{ INPUTS = {len(model.inputs)}, PARAMETERS = '
-                        f'{len(model.tunable)}, LOADS = {loads} }};\nenum {{ GIVEN'}
-    shared = snippet('fmu.c') + snippet(f'fmu{version}.c')
-    # the versions differ in the type of flags and in some letters
-    meanings |= {'Flag': 'int' if version == 2 else 'bool', 'FMI_': f'fmi{version}'}
+    drive = code.drive
+    command = drive.command if drive else None
+    is_torque_given = bool(drive and drive.takes_torque)
+    settings = {
+        'INPUTS': len(model.inputs), 'PARAMETERS': len(model.tunable), 'LOADS': len(model.loads),
+        'START': repr(model.sample()[0][0]), 'HAS_DERIVATIVES': int(bool(derivatives)),
+        'HAS_DRIVE': int(bool(drive)), 'HAS_MODES': int(bool(drive and model.signs)),
+        'DRIVE_NUMBERS': len(drive.numbers) if drive else 0, 'HAS_COMMAND': int(bool(command)),
+        'COMMAND': f'state->{f"drive.{command.field}" if command and command.field else "torque"}',
+        'GIVEN_TORQUE': ', state->torque' * is_torque_given,
+        'BEGIN': f'{name}_{"start" if is_torque_given else "complete"}'}
+    defined = ''.join(f'#define {word} {meaning}\n' for word, meaning in settings.items())
+    # the versions differ in the type of flags and in a letter
+    flag = '#include <stdbool.h>\ntypedef bool Flag;\n' if version == 3 else 'typedef int Flag;\n'
+    shared = (snippet('fmu.c') + snippet(f'fmu{version}.c')).replace('FMI_', f'fmi{version}')
     if version == 2:
         shared = shared.replace('FMUState', 'FMUstate')
-    else:
-        shared = '#include <stdbool.h>\n\n' + shared
-    for word, meaning in meanings.items():
-        shared = shared.replace(word, meaning)
     text = code.source().replace(f'#include "{name}.h"\n', header)
-    return text + shared.replace('NAME', name)
-
-
-def _input_of_drive(code: Code) -> str:
-    """Return the statements that take the input of the formulas from the drive."""
-    fields, indent = [one.field for one in code.model.inputs], ' ' * 6
-    text = ''.join(f'{indent}state->input.{field} = state->drive.{of};\n' for field, of in zip(
-        fields, ('position', 'velocity', 'acceleration')))
-    return text + snippet('fmu.c', 'mode') * bool(code.model.signs)
+    return text + derivatives + defined + flag + shared.replace('NAME', name)
 
 
 def build(source: Path, library: Path, command: str = '',

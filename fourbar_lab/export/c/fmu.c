@@ -11,15 +11,25 @@ typedef struct {
   NAME_input input;
   NAME_parameters parameters;
   NAME_motion motion;
-LOADS_FIELD
-DRIVE_FIELD
+#if LOADS
+  NAME_loads loads;
+#endif
+#if HAS_DRIVE
+  NAME_drive drive;
+  double drive_status, torque, mode;
+  int has_moved;
+#endif
   NAME_constants constants;
   double status, time;
   int constants_are_old, results_are_old;
 } State;
 
 enum { GIVEN = INPUTS + PARAMETERS, RESULTS = GIVEN + MOTIONS + LOADS, STATUS = RESULTS,
-       TIME = RESULTS + 1DRIVE_NUMBERS, NUMBERS };
+       TIME = RESULTS + 1,
+#if HAS_DRIVE
+       DRIVE, DRIVE_STATUS = DRIVE + DRIVE_NUMBERS, TORQUE,
+#endif
+       NUMBERS, EXCHANGES = !HAS_DRIVE };
 
 typedef void *Instance;
 typedef const char *Text;
@@ -31,7 +41,11 @@ static void reset(State *state)
 {
   memset(state, 0, sizeof *state);
   NAME_defaults(&state->parameters);
-  STARTS
+#if HAS_DRIVE
+  NAME_start(&state->drive GIVEN_TORQUE);
+#else
+  *(double *)&state->input = START;
+#endif
   state->constants_are_old = state->results_are_old = 1;
 }
 
@@ -43,9 +57,40 @@ static void *number(State *state, unsigned reference)
     return (char *)&state->parameters + (reference - INPUTS) * sizeof(double);
   if (reference < GIVEN + MOTIONS)
     return (char *)&state->motion + (reference - GIVEN) * sizeof(double);
-LOADS_NUMBER
-DRIVE_NUMBER
+#if LOADS
+  if (reference < RESULTS)
+    return (char *)&state->loads + (reference - GIVEN - MOTIONS) * sizeof(double);
+#endif
+#if HAS_DRIVE
+  if (reference == TORQUE) return &COMMAND;
+  if (reference == DRIVE_STATUS) return &state->drive_status;
+  if (reference >= DRIVE) return (char *)&state->drive + (reference - DRIVE) * sizeof(double);
+#endif
   return reference == STATUS ? &state->status : &state->time;
+}
+
+static void compute(State *state)
+{
+#if HAS_DRIVE
+  const double input[INPUTS] = {state->drive.position, state->drive.velocity,
+                                state->drive.acceleration};
+  memcpy(&state->input, input, sizeof input);
+#endif
+#if HAS_MODES
+  if (state->mode < state->drive.mode || state->mode > state->drive.mode) {
+    state->mode = state->drive.mode;
+    NAME_set_mode(&state->parameters, state->mode);
+    state->constants_are_old = 1;
+  }
+#endif
+  if (state->constants_are_old) NAME_prepare(&state->parameters, &state->constants);
+#if LOADS
+  state->status = (double)NAME_step(&state->constants, &state->input, &state->motion,
+                                    &state->loads);
+#else
+  state->status = (double)NAME_motion_at(&state->constants, &state->input, &state->motion);
+#endif
+  state->constants_are_old = state->results_are_old = 0;
 }
 
 static int get_numbers(State *state, const unsigned *references, size_t count, double *to)
@@ -53,12 +98,8 @@ static int get_numbers(State *state, const unsigned *references, size_t count, d
   size_t i;
   for (i = 0; i < count; ++i) {
     if (references[i] >= NUMBERS) return 3;
-    if (references[i] >= GIVEN && references[i] <= STATUS && state->results_are_old) {
-      INPUT_OF_DRIVE
-      if (state->constants_are_old) NAME_prepare(&state->parameters, &state->constants);
-      state->status = (double)STEP;
-      state->constants_are_old = state->results_are_old = 0;
-    }
+    if (references[i] >= GIVEN && references[i] <= STATUS && state->results_are_old)
+      compute(state);
     memcpy(to + i, number(state, references[i]), sizeof *to);
   }
   return 0;
@@ -69,7 +110,14 @@ static int set_numbers(State *state, const unsigned *references, size_t count,
 {
   size_t i;
   for (i = 0; i < count; ++i) {
-    SET_COMMAND
+#if HAS_COMMAND
+    if (references[i] == TORQUE) {
+      COMMAND = from[i];
+      if (!state->has_moved) BEGIN(&state->drive GIVEN_TORQUE);
+      state->results_are_old = 1;
+      continue;
+    }
+#endif
     if (references[i] >= GIVEN) return 3;
     memcpy(number(state, references[i]), from + i, sizeof *from);
     if (references[i] >= INPUTS) state->constants_are_old = 1;
@@ -78,11 +126,31 @@ static int set_numbers(State *state, const unsigned *references, size_t count,
   return 0;
 }
 
-DERIVATIVES_OF
 static int derivatives(State *state, const unsigned *of, size_t many, const unsigned *by,
                        size_t count, const double *along, double *to)
 {
-DERIVATIVES
+#if HAS_DERIVATIVES
+  const unsigned all = STATUS;
+  double x[2 * GIVEN], status, found[MOTIONS + LOADS];     /* x: what is given, the direction */
+  size_t i;
+  memset(x, 0, sizeof x);
+  memcpy(x, &state->input, INPUTS * sizeof *x);
+  memcpy(x + INPUTS, &state->parameters, PARAMETERS * sizeof *x);
+  for (i = 0; i < count; ++i) {
+    if (by[i] >= GIVEN) return 3;
+    x[GIVEN + by[i]] += along[i];
+  }
+  (void)get_numbers(state, &all, 1, &status);
+  derivatives_of(x, found);
+  for (i = 0; i < many; ++i) {
+    if (of[i] < GIVEN || of[i] > STATUS) return 3;
+    to[i] = of[i] == STATUS ? 0.0 : status > 0.0 ? NAN : found[of[i] - GIVEN];
+  }
+  return 0;
+#else
+  (void)state; (void)of; (void)many; (void)by; (void)count; (void)along; (void)to;
+  return 3;
+#endif
 }
 
 /* Model exchange: the inputs determine everything, so there are no states and no events. */
@@ -148,7 +216,12 @@ EXPORT Status FMI_CompletedIntegratorStep(Instance instance, Flag is_final, Flag
 static Status do_step(State *state, double time, double step)
 {
   if (!(step >= 0.0 && step < HUGE_VAL)) return ERROR;
-  ADVANCE
+#if HAS_DRIVE
+  if (step > 0.0) {
+    state->drive_status = (double)NAME_advance(&state->drive, step GIVEN_TORQUE);
+    state->has_moved = state->results_are_old = 1;
+  }
+#endif
   state->time = time + step;
   return OK;
 }
@@ -157,46 +230,3 @@ STATES(FMI_SetContinuousStates, const double *)
 STATES(FMI_GetEventIndicators, double *)
 STATES(FMI_GetContinuousStates, double *)
 STATES(FMI_GetNominalsOfContinuousStates, double *)
-// --- number
-  if (reference == TORQUE) return &COMMAND;
-  if (reference == DRIVE_STATUS) return &state->drive_status;
-  if (reference >= DRIVE) return (char *)&state->drive + (reference - DRIVE) * sizeof(double);
-// --- command
-    if (references[i] == TORQUE) {
-      COMMAND = from[i];
-      if (!state->has_moved) BEGIN;
-      state->results_are_old = 1;
-      continue;
-    }
-// --- advance
-  if (step > 0.0) {
-    state->drive_status = (double)NAME_advance(&state->drive, step GIVEN_TORQUE);
-    state->has_moved = state->results_are_old = 1;
-  }
-// --- derivatives
-  const unsigned all = STATUS;
-  double x[2 * GIVEN], status, found[MOTIONS + LOADS];     /* x: what is given, the direction */
-  size_t i;
-  memset(x, 0, sizeof x);
-  memcpy(x, &state->input, INPUTS * sizeof *x);
-  memcpy(x + INPUTS, &state->parameters, PARAMETERS * sizeof *x);
-  for (i = 0; i < count; ++i) {
-    if (by[i] >= GIVEN) return 3;
-    x[GIVEN + by[i]] += along[i];
-  }
-  (void)get_numbers(state, &all, 1, &status);
-  derivatives_of(x, found);
-  for (i = 0; i < many; ++i) {
-    if (of[i] < GIVEN || of[i] > STATUS) return 3;
-    to[i] = of[i] == STATUS ? 0.0 : status > 0.0 ? NAN : found[of[i] - GIVEN];
-  }
-  return 0;
-// --- no_derivatives
-  (void)state; (void)of; (void)many; (void)by; (void)count; (void)along; (void)to;
-  return 3;
-// --- mode
-      if (state->mode < state->drive.mode || state->mode > state->drive.mode) {
-        state->mode = state->drive.mode;
-        NAME_set_mode(&state->parameters, state->mode);
-        state->constants_are_old = 1;
-      }
