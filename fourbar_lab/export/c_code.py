@@ -22,7 +22,7 @@ STATUS = ('ok', 'out_of_range', 'invalid_input', 'toggle', 'rates_unknown')    #
 
 
 class Formulas:
-    """The statements of a model: those of its parameters alone, and those of its inputs."""
+    """Names of the numbers in a model's statements, and the statements of its parameters alone."""
 
     def __init__(self, model: GeneratedModel, writer: Statements) -> None:
         """Find the steps that depend on tunable parameters; a step's place is its number."""
@@ -42,12 +42,6 @@ class Formulas:
         # place of a tunable parameter -> its C expression
         self._data = {first + i: f'from->{one.field}' for i, one in data.items()}
         self.kept: dict[int, int] = {}       # places of prepared values, and their numbers
-
-    def line(self, with_loads: bool) -> list[str]:
-        """Return the statements of motion, or of motion and loads."""
-        model = self._model
-        return self.writer.lines(model.trace, model.needed(with_loads),
-                                 model.refusing(with_loads), self.of_line)
 
     def of_line(self, place: int) -> str:
         """Return a number as the statements of the inputs name it."""
@@ -93,8 +87,9 @@ class Code:
         """Write the formulas, once of motion alone (key False), once with loads (key True)."""
         self.model, self.name, self.writer = model, model.name, Statements()
         self.formulas = Formulas(model, self.writer)
-        self.lines = {with_loads: self.formulas.line(with_loads)
-                      for with_loads in ((False, True) if model.loads else (False,))}
+        self.lines = {with_loads: self.writer.lines(
+            model.trace, model.needed(with_loads), model.refusing(with_loads),
+            self.formulas.of_line) for with_loads in ((False, True) if model.loads else (False,))}
         self.operations = {with_loads: sum(text.startswith('const') for text in lines)
                            for with_loads, lines in self.lines.items()}
         self._results = {with_loads: self._body(with_loads) for with_loads in self.lines}

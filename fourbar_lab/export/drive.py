@@ -114,11 +114,6 @@ class DriveCode:
                 *['  (void)phase;'] * (len(cases) == 1), *cases, '}', '']
 
     @property
-    def has_limits(self) -> bool:
-        """Return whether the input cannot go on for ever."""
-        return not self._system.has_no_limits
-
-    @property
     def stack(self) -> int:
         """Return a bound of the bytes of stack of a step."""
         return 16 * max(text.count('\n') for text in self._functions) + 4096
@@ -242,7 +237,7 @@ class DriveCode:
         flags = {'PHASES': len(self._phases), 'TABLES': len(self._tables),
                  'PASSES': int(bool(self.modes)), 'BUDGET': mover.budget,
                  'HAS_SHAFT': int(self._drive.shaft is not None),
-                 'HAS_LIMITS': int(self.has_limits), 'TAKES_TORQUE': int(self.takes_torque),
+                 'HAS_LIMITS': int(not self._system.has_no_limits), 'TAKES_TORQUE': int(self.takes_torque),
                  'HALVINGS': node_step.BISECTIONS, 'OF_PLACE': node_step.PLACE,
                  'OF_ATTEMPT': node_step.ATTEMPT, 'OF_EULER': node_step.EULER}
         is_turned = self.modes and not self._system.mechanism.is_driven_by_slide

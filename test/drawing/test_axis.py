@@ -4,7 +4,7 @@
 from math import degrees, hypot
 
 from fourbar_lab.drawing.axis import axis_angle, axis_parts, extrema_inside
-from fourbar_ros import find_extrema, FourBar, InvalidParameter, InvertedSlider, SliderCrank
+from fourbar_ros import find_extrema, FourBar, InvertedSlider, SliderCrank
 from fourbar_ros.cli.main import main
 from fourbar_ros.mechanisms.picture import diagram_of
 import numpy as np
@@ -65,9 +65,3 @@ def test_the_command_draws_it(tmp_path, capsys):
     assert out.read_text().startswith('<?xml')
     assert main(['draw', 'jansen', '--over', 'axis', '-o', str(tmp_path / 'no.svg')]) == 1
     assert 'its crank drives' in capsys.readouterr().err
-
-
-def test_a_machine_has_none():
-    slide = SliderCrank(0.3, 0.8, 0.1, input='slide')
-    with pytest.raises(InvalidParameter, match='its crank drives'):
-        axis_parts(slide, slide.motion(0.6), np.zeros(2), np.ones(2))
