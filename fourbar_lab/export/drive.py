@@ -237,9 +237,10 @@ class DriveCode:
         flags = {'PHASES': len(self._phases), 'TABLES': len(self._tables),
                  'PASSES': int(bool(self.modes)), 'BUDGET': mover.budget,
                  'HAS_SHAFT': int(self._drive.shaft is not None),
-                 'HAS_LIMITS': int(not self._system.has_no_limits), 'TAKES_TORQUE': int(self.takes_torque),
-                 'HALVINGS': node_step.BISECTIONS, 'OF_PLACE': node_step.PLACE,
-                 'OF_ATTEMPT': node_step.ATTEMPT, 'OF_EULER': node_step.EULER}
+                 'HAS_LIMITS': int(not self._system.has_no_limits),
+                 'TAKES_TORQUE': int(self.takes_torque), 'HALVINGS': node_step.BISECTIONS,
+                 'OF_PLACE': node_step.PLACE, 'OF_ATTEMPT': node_step.ATTEMPT,
+                 'OF_EULER': node_step.EULER}
         is_turned = self.modes and not self._system.mechanism.is_driven_by_slide
         return [*(f'enum {{ {name} = {value} }};' for name, value in flags.items()),
                 f'static const int IS_INPUT[] = '
