@@ -53,8 +53,9 @@ def measured(study: Study, drawn: dict[str, Array]
     """
     size = len(next(iter(drawn.values())))
     # counts are floats here too: NaN says that one is unknown
-    columns = {measure.name: np.full(size, '', dtype=object) if measure.part == CLASS
-               else np.full(size, np.nan) for measure in study.measures}
+    columns: dict[str, Array] = {
+        measure.name: np.full(size, '', dtype=object) if measure.part == CLASS
+        else np.full(size, np.nan) for measure in study.measures}
     is_done = _together(study, drawn, columns)
     reasons = np.full(is_done.size, FEASIBLE, dtype=object)
     failures: list[tuple[int, str]] = []

@@ -126,10 +126,11 @@ def encode(study: Study, number: int) -> bytes:
     import pyarrow
     from pyarrow import parquet
     chunk = compute(study, number)
-    units = {one.name: one.unit for one in (*study.vary, *study.measures) if one.unit}
+    units = {one.name: one.unit for one in study.vary}
+    units |= {one.name: one.unit for one in study.measures}
     arrays = [pyarrow.array(column) for column in chunk.columns.values()]
     fields = [pyarrow.field(name, array.type,
-                            metadata={'unit': units[name]} if name in units else None)
+                            metadata={'unit': units[name]} if units.get(name) else None)
               for name, array in zip(chunk.columns, arrays)]
     schema = pyarrow.schema(fields, {KEY: _about(study, counts=chunk.counts,
                                                  failures=chunk.failures)})
