@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 from argparse import Namespace
-import gc
 
 from fourbar_ros.cli.common import add_scene, add_verb, Verbs
 
@@ -34,11 +33,7 @@ def add(verbs: Verbs) -> None:
 
 def _live(arguments: Namespace) -> None:
     """Serve the page of a scene until it is interrupted."""
+    from fourbar_lab.live.server import free_port, serve
     from fourbar_ros.scene.scene import load
     scene = load(arguments.scene)
-    # collections find nothing in what imports make, and take a tenth of the start
-    gc.disable()
-    from fourbar_lab.live.server import free_port, serve
-    gc.freeze()
-    gc.enable()
     serve(str(arguments.scene), scene.values, free_port(arguments.port), not arguments.no_browser)

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import argparse
 from dataclasses import replace
-from functools import partial
 from math import isfinite
 from typing import TYPE_CHECKING
 
@@ -32,8 +31,6 @@ def add(actions: Verbs) -> None:
     parser.add_argument('study', metavar='STUDY', help='study (YAML, see docs/studies.md)')
     parser.add_argument('--rows', type=positive_integer, metavar='N',
                         help='designs to draw; default: the rows of the study')
-    parser.add_argument('--workers', type=positive_integer, metavar='N',
-                        help='processes on this machine; default: one for each processor')
     parser.set_defaults(run=_run)
 
 
@@ -47,7 +44,7 @@ def _run(arguments: argparse.Namespace) -> None:
         study = replace(study, rows=arguments.rows)
     box, units = box_of(study), {one.name: one.unit for one in study.vary}
     results = tolerances(study)
-    drawn, share = _drawn(study, arguments.workers)
+    drawn, share = _drawn(study)
     console = make_console()
     for title, heads, rows in (
             ('box', ('parameter', 'unit', 'middle>', '+->'),
@@ -67,19 +64,17 @@ def _run(arguments: argparse.Namespace) -> None:
         console.print(f'{100.0 * share:.6g} % of the designs fulfil the constraints')
 
 
-def _drawn(study: Study, workers: int | None) -> tuple[dict[str, Summary], float]:
+def _drawn(study: Study) -> tuple[dict[str, Summary], float]:
     """
     Compute the rows of a study; return {measure: its Summary} and the share that is feasible.
 
     All rows count, feasible or not, and nobody wants objectives here.
     """
     from fourbar_lab.studies.chunks import compute
-    from fourbar_lab.studies.engine import processes
     from fourbar_lab.studies.results import summary
     import numpy as np
     study = replace(study, keeps_all=True, objectives={})
-    with processes(workers) as pool:
-        chunks = list(pool.map(partial(compute, study), range(study.chunks)))
+    chunks = [compute(study, number) for number in range(study.chunks)]
     columns = {name: np.concatenate([chunk.columns[name] for chunk in chunks])
                for name in ('feasible', *(one.name for one in study.measures
                                           if one.part != 'class'))}

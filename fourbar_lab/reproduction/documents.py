@@ -73,14 +73,13 @@ class Section(NamedTuple):
 
 
 def number(what: str, unit: str, printed: str, ours: float, verdict: str = AGREES, why: str = '',
-           *, within: float = 0.0, scale: float = nan, own: float = nan,
-           copies: Sequence[str] = ()) -> Row:
+           *, within: float = 0.0, scale: float = nan, own: float = nan) -> Row:
     """
     Return the Row of a printed number, as text: its digits say how exact it is.
 
     ``within``: the largest difference that the verdict explains, as a share of ``scale``, by
     default of our value; ``own``: the printed number from others that are printed, which must
-    agree too; ``copies``: texts in our copy of a garbled number, of which it is a reading.
+    agree too. A garbled number without ``within`` must not agree: it is a doubt.
     """
     ours = float(ours)                          # of numpy
     is_right, difference = agrees(ours, printed), abs(ours - float(printed or nan))
@@ -88,10 +87,8 @@ def number(what: str, unit: str, printed: str, ours: float, verdict: str = AGREE
     is_earned = {
         AGREES: is_right, DRAWN: is_near and not is_right, ROUNDED: is_near and not is_right,
         MISPRINT: not is_right, WRONG: not is_right, ASSUMED: True, DEFINED: True, MISSING: True,
-        GARBLED: ((is_right or is_near) and is_reading(printed, copies) if copies
-                  else not is_right)}[verdict] and (isnan(own) or agrees(own, printed))
-    why = why or (f'the copy has {" and ".join(repr(text.strip()) for text in copies)}'
-                  if copies else '')
+        GARBLED: is_near if within else not is_right}[verdict] and (
+            isnan(own) or agrees(own, printed))
     return Row(what, unit, printed, ours, ours - float(printed or nan),
                verdict if is_earned else DIFFERS, why)
 
@@ -99,12 +96,6 @@ def number(what: str, unit: str, printed: str, ours: float, verdict: str = AGREE
 def remark(what: str, verdict: str, why: str) -> Row:
     """Return the Row of what is not compared, or only defined."""
     return Row(what, '', '', nan, nan, verdict, why)
-
-
-def is_reading(text: str, copies: Sequence[str]) -> bool:
-    """Return whether each character of a text stands at its place in a garbled copy."""
-    return all(len(copy) == len(text) for copy in copies) and all(
-        any(copy[i] == character for copy in copies) for i, character in enumerate(text))
 
 
 def agrees(value: float, text: str) -> bool:

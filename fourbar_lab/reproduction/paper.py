@@ -100,35 +100,36 @@ def table_1() -> Section:
 def table_2() -> Section:
     return Section('Paper, Table 2 and Figure 3 - extrema at 25 rad/s', [
         *_extremum(CROSSED, 'omega4', 'minimum', '-23.95938176', '0.36933536508', '21.16135764',
-                   ('rad',), (' 22.05028176', '-23.93938170', ' 23 05038176')),
+                   ('rad',), '" 22.05028176", "-23.93938170" and " 23 05038176"'),
         *_extremum(CROSSED, 'omega4', 'maximum', '13.51343678', '-1.667165012', '-95.52151894',
-                   ('rad', 'deg'), ('13 513/3678', '15.51545078')),
+                   ('rad', 'deg'), '"13 513/3678" and "15.51545078"'),
         *_extremum(CROSSED, 'alpha4', 'maximum', '462.6986574', '0.8382412814', '48.02768764',
                    ('value',)),
         *_extremum(CROSSED, 'alpha4', 'minimum', '-1062.775829', '-0.1482557001', '-8.494425904',
                    ('deg',)),
         *_extremum(OPEN, 'omega4', 'maximum', '13.51343678', '1.667165012', '95.52151894',
-                   ('rad', 'deg'), ('13 51343678', '15.51545070')),
+                   ('rad', 'deg'), '"13 51343678" and "15.51545070"'),
         *_extremum(OPEN, 'omega4', 'minimum', '-23.95938176', '5.913849943', '338.8386424',
-                   ('rad',), (' 22.05028176', '-23.93938170', ' 23 05038176')),
+                   ('rad',), '" 22.05028176", "-23.93938170" and " 23 05038176"'),
         *_extremum(OPEN, 'alpha4', 'maximum', '1062.775829', '0.1482557001', '8.494425904',
-                   ('deg',), ('1062 775829', '1002.775029')),
+                   ('deg',), '"1062 775829" and "1002.775029"'),
         *_extremum(OPEN, 'alpha4', 'minimum', '-462.6986574', '5.444944024', '311.9723124',
-                   ('rad',), (' 162 6086571', '-402.0980374')),
+                   ('rad',), '" 162 6086571" and "-402.0980374"'),
     ], figure='paper_figure_3')
 
 
 def _extremum(mode: int, quantity: str, kind: str, value: str, place: str, in_degrees: str,
-              lost: tuple[str, ...], copies: tuple[str, ...] = ()) -> list[Row]:
+              lost: tuple[str, ...], copies: str = '') -> list[Row]:
     """
     Return the Rows of one extremum of Table 2: its value, and where it is in rad and deg.
 
-    ``lost``: which of the three lost digits in the search; ``copies``: a garbled value.
+    ``lost``: which of the three lost digits in the search; ``copies``: of a garbled value.
     """
     found = published.extreme(published.PAPER.in_mode(mode), quantity, kind, PAPER_SPEED)
     theta1 = found.theta1 - tau if place.startswith('-') else found.theta1
-    how: dict[str, Any] = {'verdict': GARBLED, 'copies': copies, 'within': 2e-9} if copies else (
-        LOST if 'value' in lost else {})
+    how: dict[str, Any] = LOST if 'value' in lost else {}
+    if copies:
+        how = {'verdict': GARBLED, 'why': f'the copy has {copies}', 'within': 2e-9}
     return [number(f'mode {mode}, {quantity}', 'rad/s' if quantity == 'omega4' else 'rad/s^2',
                    value, found.value, **how),
             number('  its theta1', 'rad', place, theta1, **(LOST if 'rad' in lost else {})),

@@ -23,7 +23,6 @@ from fourbar_lab.reproduction.documents import (
     DRAWN,
     equal,
     GARBLED,
-    is_reading,
     MISPRINT,
     MISSING,
     number,
@@ -71,7 +70,7 @@ def verdicts(sections, title):
 
 
 def test_the_copy_is_not_taken_for_the_authors(sections):
-    """Every garbled cell of Table 2 is a reading of the copy; nothing there is a misprint."""
+    """Every garbled cell of Table 2 is near ours; nothing there is a misprint."""
     table_2 = rows(sections, 'Table 2')
     garbled = [row for row in table_2 if row.verdict == GARBLED]
     assert len(garbled) == 6 and MISPRINT not in {row.verdict for row in table_2}
@@ -80,13 +79,6 @@ def test_the_copy_is_not_taken_for_the_authors(sections):
         assert abs(row.difference) <= 2e-9 * abs(row.ours) and 'the copy has' in row.reason
     assert [row.what for row in rows(sections, 'Example 7.6 -') if row.verdict
             == GARBLED] == ['dv2/dt on the last page']
-
-
-@pytest.mark.parametrize('text, expected', [('-23.95938176', True), ('-23.95938170', True),
-                                            ('-23.95938171', False),
-                                            ('-23.9593817', False), ('-13.95938176', False)])
-def test_a_reading_takes_each_character_from_its_place(text, expected):
-    assert is_reading(text, [' 22.05028176', '-23.93938170', ' 23 05038176']) == expected
 
 
 def test_table_3_is_a_wrong_computation_and_its_percentage_agrees(sections):
@@ -174,8 +166,7 @@ def test_agreement_is_to_the_last_printed_digit(value, text, expected):
     number('a', '', '3250', 3250.0, WRONG, 'none'),
     number('v4', '', '0.9094', 0.90945, DRAWN, within=0.1),         # it agrees
     number('normal part', '', '2255', 2260.0, DRAWN, within=0.01, own=49.7**2 * 11 / 12),
-    number('alpha4', '', '-462.6986575', -462.69865742, GARBLED, within=1e-9,
-           copies=[' 162 6086571', '-402.0980374']),
+    number('alpha4', '', '-462.6986675', -462.69865742, GARBLED, within=1e-9),
     zero('Eq.', 1.0, -2.0, 1.1), equal('Eq.', '', 1.0, 1.0 + 1e-9),
     zero('Eq.', 1.0, -1.0, verdict=MISPRINT, why='none', correct=[1.0, -1.0]),
     zero('Eq.', 1.0, -2.0, verdict=MISPRINT, why='so', correct=[1.0, -1.5]),

@@ -67,7 +67,7 @@ def test_the_command_shows_them_side_by_side(tmp_path, capsys):
     file.write_text('scene: paper\nmethod: random\nrows: 500\n'
                     'vary: {linkage.a1: {uniform: 0.001}, linkage.a4: {uniform: 0.001}}\n'
                     'constraints: {swing: {most: 1.2877}}\nquantities: [shaking_force.max]\n')
-    assert not main(['study', 'tolerances', str(file), '--rows', '64', '--workers', '1'])
+    assert not main(['study', 'tolerances', str(file), '--rows', '64'])
     text = capsys.readouterr().out
     for part in ('least first order', 'greatest of corners', 'greatest drawn',
                  'percentiles of 64 designs', 'N/m', '% of the designs fulfil'):
