@@ -99,7 +99,8 @@ def check(values: ParameterValues) -> dict[str, Any]:
         if not (name in PARAMETERS or _is_of_member(name, is_machine)):
             raise InvalidParameter(name, values[name],
                                    _why_unknown(name, is_machine, values[name]))
-    every = PARAMETERS | {parameter.name: parameter for family, name in _members(values, is_machine)
+    every = PARAMETERS | {parameter.name: parameter
+                          for family, name in _members(values, is_machine)
                           for parameter in _parameters_of(family, name)}
     for parameter in every.values():
         if parameter.default is REQUIRED and parameter.name not in values:

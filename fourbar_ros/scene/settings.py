@@ -22,7 +22,7 @@ from fourbar_ros.dynamics.sources import (
     SpeedController,
 )
 from fourbar_ros.mechanisms.kinds import AT_MOVING_JOINTS, DIMENSIONS, FACTS
-from fourbar_ros.mechanisms.parts import find_link, GROUND
+from fourbar_ros.mechanisms.parts import GROUND
 from fourbar_ros.numerics.given import FASTEST, quantities_of
 from fourbar_ros.scene.topics import (
     BASES,
