@@ -185,7 +185,7 @@ class Stepper:
             loaded = self._with_element_forces(position, rate)
             linkage, with_loads = loaded or linkage, loaded is not None
         status, motion, loads = evaluate(linkage, position, rate, acceleration,
-                                               with_loads and not self._loads_unknown)
+                                         with_loads and not self._loads_unknown)
         if self._loads_unknown and status == OK:
             status = LOADS_UNKNOWN
         elif self._carried and with_loads and status == OK:

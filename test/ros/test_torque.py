@@ -200,7 +200,6 @@ def test_a_change_point_linkage_is_refused(run_node):
 ROCKER = {**TORQUE_DRIVEN, 'linkage.a1': 1.2, 'linkage.a2': 0.4, 'drive.start': -0.5}
 
 
-
 def test_a_released_rocker_swings_through_its_toggles_as_simulate_says(
         run_node, client, tmp_path):
     node = run_node({**ROCKER, 'drive.rate': 500.0, 'outputs': ['state', 'loads', 'links'],
