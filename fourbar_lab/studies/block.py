@@ -31,7 +31,7 @@ from fourbar_lab.studies.study import Study
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.extrema.full_turns import search_turns, Turns
 from fourbar_ros.extrema.sampling import State
-from fourbar_ros.mechanisms.evaluation import step_of_arrays
+from fourbar_ros.mechanisms.batches import step_of_arrays
 from fourbar_ros.mechanisms.parts import NoLoads, OPEN
 from fourbar_ros.mechanisms.quantities import is_position, is_published
 from fourbar_ros.numerics.arrays import Array

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.extrema.find import CONSTANT, Extremum, find_extrema, MAXIMUM
 from fourbar_ros.extrema.full_turns import Phase, search_turns
-from fourbar_ros.mechanisms.evaluation import order_of, range_of
+from fourbar_ros.mechanisms.batches import order_of, range_of
 from fourbar_ros.mechanisms.four_bars import FourBar
 from fourbar_ros.mechanisms.loop import bilinear_factors, loop
 from fourbar_ros.mechanisms.parts import CROSSED, OPEN

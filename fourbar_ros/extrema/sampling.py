@@ -15,7 +15,7 @@ from typing import Any, ClassVar, NamedTuple, Union
 from fourbar_ros.errors import InvalidParameter, MissingBodies
 from fourbar_ros.extrema.flat_positions import FlatSide, REACH
 from fourbar_ros.extrema.input_paths import InputPath
-from fourbar_ros.mechanisms.evaluation import step_of_arrays
+from fourbar_ros.mechanisms.batches import step_of_arrays
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields, NoLoads, Quantity
 from fourbar_ros.mechanisms.quantities import Asked, is_position, is_published

@@ -32,13 +32,9 @@ from fourbar_ros.mechanics.bodies import (
 from fourbar_ros.mechanisms.checks import checked, checked_gravity, checked_stroke
 from fourbar_ros.mechanisms.evaluation import (
     Constants,
-    evaluate,
     line_of,
-    line_within,
-    loads_on_bases,
     Recorded,
     recorded,
-    with_limits,
 )
 from fourbar_ros.mechanisms.parts import (
     Connection,
@@ -454,14 +450,7 @@ class Mechanism(ABC):
 
     @cached_by_lengths
     def _motion_line(self) -> Function:
-        return self._line(with_loads=False)
-
-    def _line(self, with_loads: bool) -> Function:
-        """Return three floats -> motion, or (motion, loads), as plain tuples; no checks."""
-        line = line_of(self, with_loads)
-        if self.is_flat_at_zero:
-            line = with_limits(self, line, with_loads)
-        return line_within(line, self.reaches)
+        return line_of(self, with_loads=False)
 
     def make_coefficients(self, numbers: NumberType) -> Coefficients:
         """
@@ -515,7 +504,7 @@ class Mechanism(ABC):
         """Return the line of motion and loads, and the functions that make records of both."""
         if self.bodies is None:
             raise MissingBodies
-        return self._line(with_loads=True), self.MOTION._make, self.LOADS._make
+        return line_of(self, with_loads=True), self.MOTION._make, self.LOADS._make
 
     @cached_by_lengths
     def _as_motion(self) -> Callable[[Iterable[Any]], NamedFields]:
@@ -591,6 +580,7 @@ class Mechanism(ABC):
                 position, rate, acceleration = map(number, self.input_coordinate,
                                                    (position, rate, acceleration))
                 return self.motion(position, rate, acceleration)
+            from fourbar_ros.mechanisms.batches import evaluate  # nodes take one sample at a time
             return self._as_motion(evaluate(self, (position, rate, acceleration), None, False))
         if (position + rate * rate + acceleration) * 0.0 != 0.0:    # one comparison for all
             self._refuse(position, rate, acceleration)
@@ -613,6 +603,7 @@ class Mechanism(ABC):
             return self.with_base(base).step(position, rate, acceleration)[1]
         if self.bodies is None:
             raise MissingBodies
+        from fourbar_ros.mechanisms.batches import loads_on_bases
         return loads_on_bases(self, (position, rate, acceleration), base)
 
     @cached_property
@@ -664,6 +655,7 @@ class Mechanism(ABC):
                 position, rate, acceleration = map(number, self.input_coordinate,
                                                    (position, rate, acceleration))
                 return self.step(position, rate, acceleration)
+            from fourbar_ros.mechanisms.batches import evaluate  # nodes take one sample at a time
             rows = evaluate(self, (position, rate, acceleration), None, True)
             count = len(self.MOTION._fields)
             return as_motion(rows[:count]), as_loads(rows[count:])
@@ -714,6 +706,7 @@ class Mechanism(ABC):
         if needs_loads and self.bodies is None:
             raise MissingBodies
         if not _are_numbers(*inputs):
+            from fourbar_ros.mechanisms.batches import evaluate  # nodes take one sample at a time
             return tuple(evaluate(self, inputs, wanted, needs_loads))
         if needs_loads:
             motion, loads = self.step(*inputs)

@@ -1,0 +1,198 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""A mechanism evaluated for arrays of inputs, by programs of numpy written from its trace."""
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cache, lru_cache
+from math import nan, prod
+from typing import Any, TYPE_CHECKING
+
+from fourbar_ros.errors import FourBarError, InvalidParameter
+from fourbar_ros.mechanics.bodies import Base
+from fourbar_ros.mechanisms.evaluation import Constants, limits_at_zero, MOST_STRUCTURES
+from fourbar_ros.mechanisms.parts import NamedFields
+from fourbar_ros.numerics.arrays import Array, Values
+from fourbar_ros.numerics.given import array
+from fourbar_ros.numerics.number_types import Function, numbers_of
+from fourbar_ros.numerics.tables import ARRAYS, run
+from fourbar_ros.numerics.trace import flat, Trace
+from fourbar_ros.numerics.write import program
+import numpy as np
+from numpy.typing import ArrayLike
+
+if TYPE_CHECKING:
+    from fourbar_ros.mechanisms.mechanism import Mechanism
+
+
+def _set_limits(mechanism: Mechanism, inputs: Sequence[Any], rows: Sequence[Array],
+                wanted: Sequence[int], with_loads: bool) -> None:
+    """
+    Overwrite samples at input 0, a flat position (0/0 in the formulas), by the limits there.
+
+    ``inputs``: position of shape (n,), rate and acceleration of shape (n,) or one number each;
+    ``rows``: of shape (n,), of the fields ``wanted``. Limits are computed once for each pair of
+    finite rates.
+    """
+    at_zero = np.flatnonzero(inputs[0] == 0.0)
+    rates = np.stack([np.broadcast_to(v, inputs[0].shape)[at_zero] for v in inputs[1:]])
+    for rate, acceleration in np.unique(rates[:, np.isfinite(rates).all(axis=0)], axis=1).T:
+        fields = limits_at_zero(mechanism, float(rate), float(acceleration), with_loads)
+        samples = at_zero[(rates[0] == rate) & (rates[1] == acceleration)]
+        for row, i in zip(rows, wanted):
+            row[samples] = fields[i]
+
+
+def evaluate(mechanism: Mechanism, given: tuple[ArrayLike, ...], wanted: tuple[int, ...] | None,
+             with_loads: bool) -> list[Array]:
+    """
+    Return fields of motion, or of motion and loads, as arrays of the inputs' common shape.
+
+    Samples where the links cannot close, or outside the stroke, are NaN but for the position.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    given : tuple of 3
+        Position, rate, acceleration; array_like. Complex for a derivative by a complex step.
+    wanted : tuple of int, optional
+        Numbers of the fields; None: all.
+    with_loads : bool
+        Whether the fields are those of motion and loads together.
+
+    """
+    inputs, shape = _inputs(mechanism, given)
+    position, reaches = inputs[0], mechanism.reaches
+    if reaches is not None:
+        inputs[0] = np.where(reaches(position), position, np.nan)
+    with np.errstate(all='ignore'):
+        if any(v.dtype.kind == 'c' for v in inputs):
+            rows = _complex_rows(mechanism, inputs, shape, wanted, with_loads)
+        else:
+            # a rate that is one number stays one: all that follows from it is computed once
+            flattened = [float(v) if i and not v.ndim else np.broadcast_to(v, shape).reshape(-1)
+                         for i, v in enumerate(inputs)]
+            trace, constants, zeros = (mechanism.record_with_loads if with_loads
+                                       else mechanism.record_of_motion)
+            wanted = range_of(trace) if wanted is None else wanted
+            rows = program(trace, wanted, tuple([type(v) is float for v in flattened]),
+                           zeros)(flattened, constants, prod(shape))
+            if mechanism.is_flat_at_zero:
+                _set_limits(mechanism, flattened, rows, wanted, with_loads)
+    if reaches is not None:             # the position itself is known out of reach too
+        place = mechanism.MOTION._fields.index(mechanism.input_coordinate.position)
+        for i, row in zip(range(len(rows)) if wanted is None else wanted, rows):
+            if i == place:
+                row[...] = np.broadcast_to(position, shape).reshape(-1)
+    return [row.reshape(shape) for row in rows]
+
+
+@cache
+def range_of(trace: Trace) -> tuple[int, ...]:
+    """Return the numbers of all results of a trace."""
+    return tuple(range(len(flat(trace.results))))
+
+
+def _inputs(mechanism: Mechanism, given: tuple[ArrayLike, ...]
+            ) -> tuple[list[Array], tuple[int, ...]]:
+    """Return position, rate and acceleration as arrays (complex if given so), and their shape."""
+    names = mechanism.input_coordinate
+    inputs = [array(name, value, name == names.position) for name, value in zip(names, given)]
+    if not any(v.ndim for v in inputs[1:]):
+        return inputs, inputs[0].shape
+    try:
+        return inputs, np.broadcast_shapes(*(v.shape for v in inputs))
+    except ValueError:
+        raise InvalidParameter(', '.join(names), ', '.join(str(v.shape) for v in inputs),
+                               'must have shapes that broadcast') from None
+
+
+@lru_cache(maxsize=2 * MOST_STRUCTURES)
+def order_of(trace: Trace, wanted: tuple[int, ...]
+             ) -> tuple[list[int], list[int], dict[int, list[int]]]:
+    """
+    Return the steps that some results need, of data alone and of inputs, and what is done with.
+
+    {place of a step: places that it is the last one to need}, of inputs.
+    """
+    results = flat(trace.results)
+    places = [results[i] for i in wanted]
+    steps = [i for i in trace.needed(places) if not trace.steps[i].is_given]
+    once, varying = [[i for i in steps if (i in trace.varies) is varies]
+                     for varies in (False, True)]
+    last = {i: place for place in varying for i in trace.steps[place].arguments
+            if i in trace.varies}
+    done: dict[int, list[int]] = {}
+    for i in last.keys() - places:
+        done.setdefault(last[i], []).append(i)
+    return once, varying, done
+
+
+def step_of_arrays(mechanism: Mechanism, with_loads: bool, data: Constants | None = None,
+                   wanted: Sequence[int] | None = None) -> Function:
+    """
+    Return (position, rate, acceleration) -> fields of motion, and of loads, as a list.
+
+    Of arrays, real or complex, that broadcast; by the trace, with the operations of numpy.
+    ``data``: columns in place of the mechanism's own :attr:`constants`, of many like it.
+    ``wanted``: numbers of the fields, by default all; no others are computed, they are NaN.
+    """
+    trace, known, _ = (mechanism.record_with_loads if with_loads else mechanism.record_of_motion)
+    places = flat(trace.results)
+    wanted = range_of(trace) if wanted is None else wanted
+    once, steps, done = order_of(trace, tuple(wanted))
+    if data is not None:
+        known = [trace.steps[i].value for i in range(len(known))]
+        known[trace.count:trace.count + trace.size] = numbers_of(
+            data if with_loads else data._replace(bodies=None))
+        with np.errstate(all='ignore'):
+            run(trace, once, ARRAYS, known)
+
+    def step(*inputs: Values) -> list[Values]:
+        """Return the fields, arrays or single numbers."""
+        values = run(trace, steps, ARRAYS, [*inputs, *known[trace.count:]], done)
+        fields: list[Values] = [nan] * len(places)
+        for i in wanted:
+            fields[i] = values[places[i]]
+        return fields
+    return step
+
+
+def loads_on_bases(mechanism: Mechanism, given: tuple[ArrayLike, ...], base: Base) -> NamedFields:
+    """Return the loads for arrays of inputs and of motions of the base that broadcast, real."""
+    names = [*mechanism.input_coordinate, *base._fields]
+    values = [array(name, value, not i) for i, (name, value) in enumerate(
+        zip(names, (*given, *base)))]
+    try:
+        values = [np.array(value, float) for value in np.broadcast_arrays(*values)]
+    except ValueError:
+        raise InvalidParameter(', '.join(names), ', '.join(str(v.shape) for v in values),
+                               'must have shapes that broadcast') from None
+    position, reaches, on_base = values[0], mechanism.reaches, mechanism.with_base(Base())
+    shape, start = position.shape, len(mechanism.MOTION._fields)
+    if reaches is not None:
+        position[~np.asarray(reaches(position))] = np.nan
+    step = step_of_arrays(on_base, True, data=on_base.constants._replace(
+        gravity=Base._make(values[3:])), wanted=range(start, start + len(mechanism.LOADS._fields)))
+    with np.errstate(all='ignore'):
+        rows = [np.array(np.broadcast_to(row, shape)) for row in step(*values[:3])[start:]]
+    if mechanism.is_flat_at_zero:
+        for place in zip(*np.nonzero(position == 0.0)):
+            x, rate, acceleration, *of_base = [float(value[place]) for value in values]
+            try:
+                limits = [*mechanism.with_base(Base(*of_base)).loads(x, rate, acceleration)]
+            except FourBarError:
+                limits = [nan] * len(rows)
+            for row, limit in zip(rows, limits):
+                row[place] = limit
+    found: NamedFields = mechanism.LOADS._make(rows)
+    return found
+
+
+def _complex_rows(mechanism: Mechanism, inputs: list[Array], shape: tuple[int, ...],
+                  wanted: tuple[int, ...] | None, with_loads: bool) -> list[Array]:
+    """Return the wanted fields for complex inputs x + i h: derivatives are imag / h."""
+    inputs = [np.broadcast_to(v.astype(complex), shape).reshape(-1) for v in inputs]
+    fields = step_of_arrays(mechanism, with_loads, wanted=wanted)(*inputs)
+    return [np.array(np.broadcast_to(field, inputs[0].shape), complex)
+            for field in (fields if wanted is None else [fields[i] for i in wanted])]
