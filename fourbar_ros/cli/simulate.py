@@ -48,8 +48,8 @@ def add(verbs: Verbs) -> None:
                           help='largest error of the position [rad], for a slide relative to its '
                                'size, and of the energy, relative (default 1e-8)')
     simulate.add_argument('--method', choices=METHODS, default='auto',
-                          help='integrator of scipy; auto: DOP853, or LSODA where a shaft, a '
-                               'drive or a force table makes the system stiff')
+                          help='integrator of scipy; auto: DOP853, or LSODA where a shaft or '
+                               'a drive makes the system stiff')
     simulate.add_argument('--evaluations', type=positive, default=MOST, metavar='N',
                           help='most evaluations of the equation of motion in all runs '
                                f'(default {MOST:g}); a run that needs more gives up')

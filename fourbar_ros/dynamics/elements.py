@@ -209,20 +209,15 @@ class TableForce:
         return [place + turn * self.period if turn else place
                 for turn in range(-count, count + 1) for place in places]
 
-    def piece(self, place: float) -> tuple[float, float, float, float]:
-        """
-        Return four places next to each other, with the one given between the second and the third.
-
-        Between two neighbours F is one polynomial.
-        """
+    def piece(self, place: float) -> tuple[float, float]:
+        """Return the two places next to one given: between them F is one polynomial."""
         base, first = place, self.table.places[0]
         if self.middle is not None:
             base = self.middle + remainder(place - self.middle, tau)
         elif self.table.is_periodic:
             base = first + (place - first) % self.table.span
         i, shift = bisect_right(self.ends, base), place - base
-        before, low, high, after = self.ends[i - 2:i + 2]
-        return before + shift, low + shift, high + shift, after + shift
+        return self.ends[i - 1] + shift, self.ends[i] + shift
 
 
 INPUT = 'input'        # place of a force: the input of the mechanism, an angle or a slide

@@ -440,23 +440,23 @@ class Equation:
         """Return q -> the places s of all forces with a table."""
         return self.in_both_modes(self.make_places)
 
-    def make_excess(self, position: float) -> Callable[[float, bool], float]:
+    def make_excess(self, position: float) -> Callable[[float], float]:
         """
-        Return (q, is_outer) -> how far q is beyond the pieces of all tables at ``position``.
+        Return q -> how far it is beyond the pieces of all tables at ``position``.
 
-        Over 1 and the size of a place; negative within the piece, ``is_outer``: or within its
-        neighbours. Positive REACH, or twice that, from ``position``: no place comes round unseen.
+        Over 1 and the size of a place; negative within the piece. Positive REACH from
+        ``position``: no place comes round unseen.
         """
         starts, reach = self.places.of_one(position), REACH * self.coordinate.input_unit
         pieces = [(start, table.piece(start), 1.0 + abs(start), isinstance(force.over, LinkAngle))
                   for start, (force, table) in zip(starts, self.tables)]
 
-        def excess(there: float, is_outer: bool) -> float:
-            most = abs(there - position) - (2.0 if is_outer else 1.0) * reach
-            for place, (start, ends, unit, is_angle) in zip(self.places.of_one(there), pieces):
+        def excess(there: float) -> float:
+            most = abs(there - position) - reach
+            for place, (start, (low, high), unit, is_angle) in zip(self.places.of_one(there),
+                                                                   pieces):
                 if is_angle:
                     place = start + remainder(place - start, tau)
-                low, high = (ends[0], ends[3]) if is_outer else (ends[1], ends[2])
                 most = max(most, (low - place) / unit, (place - high) / unit)
             return most
         return excess

@@ -426,7 +426,7 @@ class Mover:
         return (new, 0.0, False) if new else (at, left, False)
 
 
-def _to_table(excess: Callable[[float, bool], float], position: float, gain: float, bend: float
+def _to_table(excess: Callable[[float], float], position: float, gain: float, bend: float
               ) -> float:
     """
     Return the part of a step, in (0, 1], after which a force table comes to its next piece.
@@ -436,7 +436,7 @@ def _to_table(excess: Callable[[float, bool], float], position: float, gain: flo
     """
     def is_beyond(part: float) -> bool:
         try:
-            return excess(position + part * (gain + part * bend), False) > NEAREST
+            return excess(position + part * (gain + part * bend)) > NEAREST
         except REFUSALS:
             return True
     if not is_beyond(1.0):

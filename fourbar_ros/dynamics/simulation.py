@@ -5,8 +5,8 @@ Motion over time by scipy's solve_ivp, with the result checked: no wrong answer 
 
 A run is integrated leg by leg. A leg is one coordinate (:mod:`fourbar_ros.dynamics.coordinate`)
 and one stretch between jumps of the torque; it ends at a limit, where another coordinate takes
-over near a toggle, or where it would pass over a piece of a force table. DOP853 integrates, or
-LSODA where a shaft, a drive or a force table makes the system stiff.
+over near a toggle, or at a place of a force table. DOP853 integrates, or LSODA where a shaft or a
+drive makes the system stiff.
 
 A run is compared with one at a tenth of its tolerance, all along it, and the energy less the work
 of drive and dampers must stay constant at every step. While the difference or the drift of the
@@ -54,7 +54,6 @@ MOST = 3_000_000           # evaluations in all runs
 FIRST_TRY = 0.1            # part of them after which LSODA takes the place of DOP853
 AIM = 0.3                  # error to aim at, over the tolerance
 STIFF = 1e4                # fastest mode at the start times the run, above which LSODA integrates
-MANY = 16                  # places of a force table with which LSODA integrates
 HUGE = 1e100               # states and derivatives beyond it count as not finite
 WITHIN_A_STEP = 5000       # evaluations beyond the bound after which a step is broken off
 SAME = 1e-12               # how far beyond a piece of a table a leg ends
@@ -381,7 +380,8 @@ def simulate(system: System, until: float, tolerance: float = 1e-8, method: str 
         if method != 'auto':
             return run(method, tolerance)
         if not _is_stiff(system, until):
-            found = run('DOP853', tolerance, share=FIRST_TRY)
+            # many short legs are no sign of a stiff system
+            found = run('DOP853', tolerance, share=1.0 if system.equation.tables else FIRST_TRY)
             if found.status != STOPPED:
                 return found
             work.reason = ''
@@ -445,11 +445,9 @@ def _is_stiff(system: System, until: float) -> bool:
     """
     Return whether stability, not accuracy, would limit the steps of DOP853.
 
-    So it is where a long force table bends the force over and over, or where the fastest mode at
-    the start is far faster than the run: an eigenvalue of the Jacobian, by central differences.
+    So it is where the fastest mode at the start is far faster than the run: an eigenvalue of the
+    Jacobian, by central differences.
     """
-    if any(len(table.table.places) > MANY for _, table in system.equation.tables):
-        return True
     coordinate, state = system.coordinates.at(system.start)
     columns = []
     try:
@@ -478,7 +476,7 @@ def _integrate(system: System, method: str, tolerance: float, work: Work, stop_w
     breaks = _restarts(system, work.until, is_finer)
     (coordinate, state), first = system.coordinates.at(system.start), 0.0
     stop_value = nan         # of stop_when; nothing stops at the start: a zero there is none
-    end = REACHED
+    end, step = REACHED, None
     while first < work.until:
         if end == HANDED_OVER:
             coordinate, state = coordinate.next(state)
@@ -486,7 +484,7 @@ def _integrate(system: System, method: str, tolerance: float, work: Work, stop_w
         if coordinate.can_end:
             events.append(Event(coordinate.excess, HANDED_OVER, 1.0))
         if coordinate.equation.tables:
-            events.append(_piece(coordinate, first, state))
+            events.append(_kink(coordinate, state))
         if stop_when is not None:
             stop = _of_input(coordinate, stop_when)
             if first == 0.0:
@@ -494,13 +492,14 @@ def _integrate(system: System, method: str, tolerance: float, work: Work, stop_w
             events.append(Event(stop, EVENT, 0.0, stop_value))
         after = int(np.searchsorted(breaks, first, 'right'))
         last = float(breaks[after]) if after < breaks.size else work.until
-        leg = _leg(coordinate, (first, last), state, method,
-                   tolerance, work, events)
+        leg = _leg(coordinate, (first, last), state, method, tolerance, work, events, step)
         # two coordinates that hand over to each other at one time: nothing goes on
         stands = leg.time[-1] <= nextafter(first, inf)
         if stands and leg.end in (HANDED_OVER, AT_KINK):
             leg = leg._replace(end=LIMIT)
         yield leg
+        # the next piece of a table takes about as long
+        step = float(leg.time[-1] - first) if leg.end == AT_KINK else None
         first, state, end = float(leg.time[-1]), leg.states[:, -1].tolist(), leg.end
         if end not in (REACHED, HANDED_OVER, AT_KINK):
             return
@@ -510,7 +509,7 @@ def _integrate(system: System, method: str, tolerance: float, work: Work, stop_w
 
 def _leg(coordinate: Coordinate, span: tuple[float, float],
          state: list[float], method: str, tolerance: float, work: Work,
-         events: list[Event]) -> Leg:
+         events: list[Event], step: float | None) -> Leg:
     """Return the leg from a time and a state on, to the end of its span or to an event."""
     try:
         from scipy.integrate import solve_ivp
@@ -523,6 +522,7 @@ def _leg(coordinate: Coordinate, span: tuple[float, float],
         warnings.simplefilter('ignore')      # of what the end of the leg says
         try:
             found = solve_ivp(rates, span, start, method, dense_output=True, events=functions,
+                              first_step=min(step, span[1] - span[0]) if step else None,
                               **tolerances)
             ends = [event.end for event, at in zip(events, found.t_events) if at.size]
             length = found.t[-1] - found.t[-2] if found.t.size > 1 else 0.0
@@ -610,22 +610,10 @@ def _watch(work: Work, first: float) -> Event:
     return Event(left, STOPPED, -1.0)
 
 
-def _piece(coordinate: Coordinate, first: float, state: list[float]) -> Event:
-    """Return the event at the end of a piece of a force table, if a step passes over the next."""
-    excess, before = coordinate.equation.make_excess(state[0]), first
-
-    def passed(time: float, state: Array) -> float:
-        nonlocal excess, before
-        position = float(state[0])
-        if time > before:          # the end of a step, not the search within it
-            before = time
-            if excess(position, True) > 0.0:
-                return 1.0
-            if excess(position, False) > 0.0:
-                excess = coordinate.equation.make_excess(position)
-            return -1.0
-        return excess(position, False) - SAME
-    return Event(passed, AT_KINK, 1.0)
+def _kink(coordinate: Coordinate, state: list[float]) -> Event:
+    """Return the event where the force of a table bends: at the next place of one."""
+    excess = coordinate.equation.make_excess(state[0])
+    return Event(lambda time, state: excess(float(state[0])) - SAME, AT_KINK, 1.0)
 
 
 def _of_input(coordinate: Coordinate, stop_when: Stop) -> Stop:
