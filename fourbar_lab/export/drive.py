@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 from fourbar_lab.export.model import GeneratedModel, NotGenerated
 from fourbar_lab.export.statements import literal, snippet, Statements
 from fourbar_ros.dynamics import node_step, rosenbrock
-from fourbar_ros.dynamics.coordinate import Coordinate
+from fourbar_ros.dynamics.coordinate import MotionCoordinate
 from fourbar_ros.dynamics.elements import LinkAngle, PositionForce, TableForce
 from fourbar_ros.dynamics.equation import REACH
 from fourbar_ros.dynamics.rosenbrock import StepFormulas
@@ -83,7 +83,7 @@ class DriveCode:
         self._source: Law = self._drive.source
         # coordinates and modes of its motion, those at the start first -> formulas, and what
         # takes over
-        self._phases: dict[Coordinate, StepFormulas] = self._mover.formulas
+        self._phases: dict[MotionCoordinate, StepFormulas] = self._mover.formulas
         if any(phase.equation.changes_mode for phase in self._phases):
             raise NotGenerated(f'{model.name}: motion by torque through a change point')
         if scene.acting:

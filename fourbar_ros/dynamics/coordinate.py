@@ -45,7 +45,7 @@ LONGEST, FARTHEST = 2.0, 1e3      # |do/dp| at which o takes over from p; at mos
 NEXT_TO_TOGGLE = 1e-6             # distance from an end of the range over half its length
 
 
-class Coordinate:
+class MotionCoordinate:
     """
     Motion of a system in one coordinate p: the input, or the one that goes on at its toggles.
 
@@ -115,7 +115,7 @@ class Coordinate:
             return FARTHEST - LONGEST
         return float(min(ratio * self.unit_of_ratio, FARTHEST) - LONGEST)
 
-    def next(self, state: State) -> tuple[Coordinate, list[float]]:
+    def next(self, state: State) -> tuple[MotionCoordinate, list[float]]:
         """Return the coordinate that takes over at a state, and the state in it, (T1)."""
         other, ratio, _ = map(float, self.other(float(state[0])))
         taking_over = self.all.taking_over(self, float(state[0]), other, ratio)
@@ -152,7 +152,7 @@ class Coordinate:
         return np.where(is_other, self.mode_beyond, self.mode)
 
 
-def _of_system(system: System, *key: object) -> Coordinate:
+def _of_system(system: System, *key: object) -> MotionCoordinate:
     """Return a coordinate of a system that was pickled."""
     return system.coordinates.of(*key)       # type: ignore[arg-type]  # a key of a coordinate
 
@@ -178,16 +178,16 @@ class Coordinates:
             self.middle, self.half = 0.5 * (low + high), 0.5 * (high - low)
             if not mechanism.is_driven_by_slide:
                 self.middle = start - remainder(start - self.middle, tau)
-        self._known: dict[tuple[bool, int, int, int], Coordinate] = {}
+        self._known: dict[tuple[bool, int, int, int], MotionCoordinate] = {}
         # (coordinate, whether the other one grows with it) -> coordinate that takes over
-        self._taking_over: dict[tuple[Coordinate, bool], Coordinate] = {}
+        self._taking_over: dict[tuple[MotionCoordinate, bool], MotionCoordinate] = {}
         self.first = self.of(True, mechanism.mode, mechanism.mode, start)
 
-    def of(self, is_input: bool, number: int, mode: int, start: float) -> Coordinate:
+    def of(self, is_input: bool, number: int, mode: int, start: float) -> MotionCoordinate:
         """
         Return a coordinate; ``number``: mode of its links as it drives them.
 
-        ``mode`` and ``start`` as of :class:`Coordinate`. Where flat positions make the mode
+        ``mode`` and ``start`` as of :class:`MotionCoordinate`. Where flat positions make the mode
         alternate, every second interval between them shares a coordinate.
         """
         links = self._mechanism.in_mode(number) if is_input else self.others[number]
@@ -195,10 +195,10 @@ class Coordinates:
         if key not in self._known:
             equation = self.system.make_equation(self._mechanism.in_mode(mode), start,
                                                  None if is_input else links)
-            self._known[key] = Coordinate(self, equation, mode, start)
+            self._known[key] = MotionCoordinate(self, equation, mode, start)
         return self._known[key]
 
-    def at(self, state: State) -> tuple[Coordinate, list[float]]:
+    def at(self, state: State) -> tuple[MotionCoordinate, list[float]]:
         """Return the coordinate in which a run begins at a state of the input, its state there."""
         has_ended = self.first.can_end and self.first.excess(0.0, state) > 0.0
         return self.first.next(state) if has_ended else (self.first, list(state))
@@ -223,14 +223,14 @@ class Coordinates:
             return int(mechanism.mode_beyond(place))
         return next((other for other in mechanism.modes_passed if other != mode), mode)
 
-    def taking_over(self, last: Coordinate, value: float, other: float, ratio: float
-                    ) -> Coordinate:
+    def taking_over(self, last: MotionCoordinate, value: float, other: float, ratio: float
+                    ) -> MotionCoordinate:
         """
         Return the coordinate that goes on near a toggle: the input's, or the one in its place.
 
         Parameters
         ----------
-        last : Coordinate
+        last : MotionCoordinate
             The one in use so far.
         value, other : float
             Of the last coordinate, and of the one that takes over.
@@ -247,7 +247,7 @@ class Coordinates:
             self._taking_over[key] = self.of(not last.is_input, driven_mode, mode, other)
         return self._taking_over[key]
 
-    def _mode_at(self, last: Coordinate, value: float, other: float) -> int:
+    def _mode_at(self, last: MotionCoordinate, value: float, other: float) -> int:
         """Return the mode in which the other coordinate has the links where they are now."""
         links = last.equation.links_in(bool(last.equation.is_alternate(value)))
         pose, distances = _pose(links, value), {}
@@ -259,7 +259,7 @@ class Coordinates:
             distances[number] = sum((a - b)**2 for a, b in zip(pose, own))
         return min(distances, key=lambda number: distances[number])
 
-    def prepare(self) -> dict[Coordinate, tuple[Coordinate, Coordinate]]:
+    def prepare(self) -> dict[MotionCoordinate, tuple[MotionCoordinate, MotionCoordinate]]:
         """
         Return {coordinate: the ones that take over}, of a mechanism with two modes and toggles.
 

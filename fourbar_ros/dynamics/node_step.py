@@ -8,7 +8,7 @@ from itertools import chain
 from math import inf, isfinite, isnan, nan
 from typing import NamedTuple
 
-from fourbar_ros.dynamics.coordinate import Coordinate
+from fourbar_ros.dynamics.coordinate import MotionCoordinate
 from fourbar_ros.dynamics.rosenbrock import (
     count_of,
     Place,
@@ -47,7 +47,7 @@ class Refused(FourBarError):
 class At(NamedTuple):
     """The full state of a system between steps, next to a toggle in the other coordinate."""
 
-    coordinate: Coordinate
+    coordinate: MotionCoordinate
     state: State           # in this coordinate
     mode: int              # assembly mode of the mechanism
 

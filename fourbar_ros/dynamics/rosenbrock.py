@@ -30,7 +30,7 @@ from itertools import islice
 from math import nan
 from typing import Any, cast, NamedTuple
 
-from fourbar_ros.dynamics.coordinate import Coordinate, FARTHEST, LONGEST
+from fourbar_ros.dynamics.coordinate import FARTHEST, LONGEST, MotionCoordinate
 from fourbar_ros.dynamics.equation import Outside
 from fourbar_ros.dynamics.sources import Drive, Law, Piece
 from fourbar_ros.dynamics.system import NEAR_TOGGLE
@@ -60,7 +60,7 @@ HUGE = 1e100               # derivatives beyond it count as not finite
 SMALLEST, LARGEST, SAFETY = 0.1, 4.0, 0.85      # next step over this one: bounds, factor
 
 
-class Terms(NamedTuple):
+class StepTerms(NamedTuple):
     """The terms of (E1) in a coordinate, and the coordinate that takes over there."""
 
     inertia: Scalar
@@ -103,7 +103,7 @@ class StepFormulas:
 
     Parameters
     ----------
-    coordinate : Coordinate
+    coordinate : MotionCoordinate
     drive : Drive
     takes_commands : bool
         The torque of the source is a number given at each step, in place of its own law.
@@ -117,8 +117,9 @@ class StepFormulas:
 
     """
 
-    def __init__(self, coordinate: Coordinate, drive: Drive, source: Law, takes_commands: bool,
-                 passes: bool, tolerance: float, acting: Sequence[str] = ()) -> None:
+    def __init__(self, coordinate: MotionCoordinate, drive: Drive, source: Law,
+                 takes_commands: bool, passes: bool, tolerance: float,
+                 acting: Sequence[str] = ()) -> None:
         """Note which parts of the state there are, in the order in which they are eliminated."""
         self._coordinate, self._equation = coordinate, coordinate.equation
         self._source, self._takes_commands, self._passes = source, takes_commands, passes
@@ -170,7 +171,7 @@ class StepFormulas:
 
     def make_terms(self, links: DrivenLinks, n: NumberType, outside: Outside | None = None
                    ) -> Function:
-        """Return the formula p -> :class:`Terms`."""
+        """Return the formula p -> :class:`StepTerms`."""
         terms: Function = self._equation.make_with_ratio(links, n, outside)
         if self._passes:
             other, coordinate = self._coordinate.make_other(links, n), self._coordinate
@@ -197,7 +198,7 @@ class StepFormulas:
     def make_place(self, n: NumberType, terms_at: Function | None = None) -> Function:
         """Return the formula of :attr:`place`."""
         def place(p: Any, u: Any, s: Any, v: Any, z: Any, command: Any, *acting: Any) -> Any:
-            terms = Terms(*self._with_outside(self.make_terms, n, terms_at, acting)(p))
+            terms = StepTerms(*self._with_outside(self.make_terms, n, terms_at, acting)(p))
             change, on_input, of_motor, piece = self._rates(
                 terms, (p, u, s, v, z), self._law(n, command))
             acceleration = (change[1] if self._equation.is_input else

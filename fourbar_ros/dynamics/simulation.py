@@ -26,7 +26,7 @@ import time as clock
 from typing import Any, NamedTuple, TYPE_CHECKING
 import warnings
 
-from fourbar_ros.dynamics.coordinate import Coordinate
+from fourbar_ros.dynamics.coordinate import MotionCoordinate
 from fourbar_ros.dynamics.forces import loads_with
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import FourBarError, InvalidParameter
@@ -74,7 +74,7 @@ class Event(NamedTuple):
 class Leg(NamedTuple):
     """A stretch of a run in one coordinate."""
 
-    coordinate: Coordinate
+    coordinate: MotionCoordinate
     time: Array                        # steps of the integrator [s], (n,)
     states: Array                      # there, in that coordinate, (states, n)
     between: Callable[[Array], Array]  # times -> states, interpolated
@@ -507,10 +507,9 @@ def _integrate(system: System, method: str, tolerance: float, work: Work, stop_w
             stop_value = stop(first, leg.states[:, -1]) or stop_value
 
 
-def _leg(coordinate: Coordinate, span: tuple[float, float],
-         state: list[float], method: str, tolerance: float, work: Work,
-         events: list[Event], step: float | None) -> Leg:
-    """Return the leg from a time and a state on, to the end of its span or to an event."""
+def _leg(coordinate: MotionCoordinate, span: tuple[float, float], state: list[float], method: str,
+         tolerance: float, work: Work, events: list[Event], step: float | None) -> Leg:
+    """Return the leg from a state on, to the end of its span or an event; ``step``: its first."""
     try:
         from scipy.integrate import solve_ivp
     except ModuleNotFoundError as error:
@@ -565,7 +564,7 @@ def _restarts(system: System, until: float, is_finer: bool) -> Array:
     return breaks
 
 
-def _limits(system: System, coordinate: Coordinate) -> list[Event]:
+def _limits(system: System, coordinate: MotionCoordinate) -> list[Event]:
     """Return the events that end a run in a coordinate: limits of the input."""
     passes_toggles = coordinate.can_end or system.has_no_limits
 
@@ -610,13 +609,13 @@ def _watch(work: Work, first: float) -> Event:
     return Event(left, STOPPED, -1.0)
 
 
-def _kink(coordinate: Coordinate, state: list[float]) -> Event:
+def _kink(coordinate: MotionCoordinate, state: list[float]) -> Event:
     """Return the event where the force of a table bends: at the next place of one."""
     excess = coordinate.equation.make_excess(state[0])
     return Event(lambda time, state: excess(float(state[0])) - SAME, AT_KINK, 1.0)
 
 
-def _of_input(coordinate: Coordinate, stop_when: Stop) -> Stop:
+def _of_input(coordinate: MotionCoordinate, stop_when: Stop) -> Stop:
     """Return a function of time and state of the input as one of the state in a coordinate."""
     return lambda time, state: number('stop_when', stop_when(
         time, coordinate.states_of_input(np.asarray(state))))

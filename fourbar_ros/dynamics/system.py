@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import inf
 
-from fourbar_ros.dynamics.coordinate import Coordinate, Coordinates
+from fourbar_ros.dynamics.coordinate import Coordinates, MotionCoordinate
 from fourbar_ros.dynamics.elements import Element, PositionForce
 from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.dynamics.sources import Answer, Drive
@@ -140,7 +140,7 @@ class System:
                     + drive.shaft.damping * (speed - rate))
         return on_input, (speed, (torque - on_input) / drive.rotor, *change)
 
-    def make_derivative(self, coordinate: Coordinate) -> Function:
+    def make_derivative(self, coordinate: MotionCoordinate) -> Function:
         """Return (time, state in a coordinate) -> d state / dt, by (E1); of the work by (E6)."""
         terms_of, is_input = coordinate.equation.of_one, coordinate.is_input
 
