@@ -49,19 +49,13 @@ class Loaded:
                      'the wrench topics')
 
     def load(self, *numbers, frame=''):
-        """
-        Send a wrench until it acts.
-
-        An earlier one that was sent twice must not be taken for it.
-        """
-        given = wrench(*numbers).wrench
-        while True:
+        """Send a wrench until it acts."""
+        def acts():
             self.wrenches.publish(wrench(*numbers, frame=frame))
-            end = time.monotonic() + 0.5
-            while time.monotonic() < end:
-                self.client.executor.spin_once(timeout_sec=0.05)
-                if repr(self.applied[-1].wrench) == repr(given):     # NaN is NaN here
-                    return
+            self.client.spin(0.1)
+            # NaN is NaN here
+            return repr(self.applied[-1].wrench) == repr(wrench(*numbers).wrench)
+        self.client.until(acts, 'the wrench in effect')
 
     def answer(self, position):
         """Return (state, loads) of an input."""

@@ -81,7 +81,7 @@ class NodeProcess:
     message.
     """
 
-    def __init__(self, parameters, tmp_path, name='fourbar', remaps=(), first='', arguments=()):
+    def __init__(self, parameters, tmp_path, name='fourbar', remaps=(), first=''):
         self.name = name
         file = file_of({'drive.timeout': 0.0, **parameters}, tmp_path, name)
         remap = [part for rule in (f'__node:={name}', *remaps) for part in ('-r', rule)]
@@ -89,7 +89,7 @@ class NodeProcess:
                      'sys.exit(main())']
         self.process = subprocess.Popen(
             [sys.executable, *(run if first else ['-m', 'fourbar_ros.ros.node.start']),
-             '--ros-args', '--params-file', str(file), *remap, *arguments],
+             '--ros-args', '--params-file', str(file), *remap],
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, cwd=tmp_path,
             env=os.environ)
         self.said = ''
