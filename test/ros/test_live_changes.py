@@ -104,16 +104,25 @@ note = Recording.note
 def fail(self, key, text):
     if '"gravity.y": -2.0' in text:
         raise FourBarError('as a test')
+    if '"gravity.y": -2.5' in text:
+        raise ValueError('ours')
     note(self, key, text)
 Recording.note = fail
 """
-    run_node(LOADED, first=broken)
+    node = run_node(LOADED, first=broken)
     changes = Changes(client)
     change = changes.to(-2.0)
     client.until(change.done, 'the answer')
     assert not change.result().results[0].successful
     assert 'as a test' in change.result().results[0].reason
     assert torque() == torque_at(0.5)
+    change = changes.to(-2.5)
+    client.until(change.done, 'the answer')
+    assert change.result().results[0].reason == (
+        "a fault in the node, see its log: ValueError('ours')")
+    assert torque() == torque_at(0.5)
+    client.until(lambda: 'Traceback' in node.said, 'the line of its log')
+    node.said = node.said.replace('Traceback', '')       # this one was asked for
     change = changes.to(-3.0)
     client.until(change.done, 'the answer')
     assert change.result().results[0].successful

@@ -330,15 +330,13 @@ def watch(node: Node, current: Callable[[], Scene], apply: Callable[[Scene], Non
         before = current()
         try:
             change(given)
-            return SetParametersResult(successful=True)
-        except FourBarError as error:
-            why = str(error)
         except Exception as error:
-            node.get_logger().error(f'a fault in a change of parameters: {format_exc()}')
-            why = f'a fault in the node, see its log: {error!r}'
-        if current() is not before:
-            apply(before)
-        return SetParametersResult(successful=False, reason=why)
+            if current() is not before:
+                apply(before)
+            if not isinstance(error, FourBarError):
+                raise                        # the service answers it
+            return SetParametersResult(successful=False, reason=str(error))
+        return SetParametersResult(successful=True)
 
     # The scene changes while rclpy asks whether it may: the callback after rclpy has set the
     # parameters cannot refuse any more. No other callback can refuse these parameters.
