@@ -143,7 +143,7 @@ def model_of(scene: Scene) -> RobotModel:
 
     """
     mechanism = scene.linkage
-    tree, position = tree_of(mechanism), start_of(scene)
+    (holding, cut), position = tree_of(mechanism), start_of(scene)
     motion = mechanism.motion(position, 0.0, 0.0)
     joints = [_joint(scene, place, motion) for place in range(len(mechanism.JOINTS))]
     shapes = shapes_of(mechanism, [(joint.connection, joint.travel) for joint in joints],
@@ -155,12 +155,12 @@ def model_of(scene: Scene) -> RobotModel:
     links = tuple(ModelLink(name, frames[name], frames[joints[place].connection.parent],
                             joints[place], bodies.get(name), shapes[name],
                             _pose(mechanism.link_motion(motion, name)))
-                  for name, place in tree.holding.items())
+                  for name, place in holding.items())
     closures = tuple(Closure(joints[place].name, joints[place].connection,
                              frames[joints[place].connection.parent],
                              frames[joints[place].connection.child], joints[place].ratio,
                              joints[place].start)
-                     for place in tree.cut)
+                     for place in cut)
     points = {point_frame(scene, name): (frames[point.link], point.along, point.across)
               for name, point in scene.points.items()}
     model = RobotModel(scene.frame_id, f'{mechanism.description}, mode {mechanism.mode}',
@@ -254,16 +254,11 @@ class NoDescription(FourBarError):
     """A mechanism or a scene cannot be written in a format."""
 
 
-class Tree(NamedTuple):
-    """The joints that carry links, and the joints that close loops, as indices of ``JOINTS``."""
-
-    holding: dict[str, int]          # {link: its joint}, each link after its carrier
-    cut: tuple[int, ...]
-
-
-def tree_of(mechanism: Mechanism) -> Tree:
+def tree_of(mechanism: Mechanism) -> tuple[dict[str, int], list[int]]:
     """
-    Return the :class:`Tree` of a mechanism.
+    Return ({link: the joint that it hangs on}, joints that close loops), joints as in ``JOINTS``.
+
+    Each link stands after its carrier.
 
     A link hangs on the driven joint if that is at its first joint, else on a joint that slides,
     else on one that turns: so loops are cut at pins wherever they have one.
@@ -298,8 +293,7 @@ def tree_of(mechanism: Mechanism) -> Tree:
             raise NoDescription('these links hang on each other in a circle: '
                                 f'{", ".join(sorted(chosen.keys() - ordered.keys()))}')
         ordered |= reached
-    cut = tuple(sorted(set(range(len(connections))) - set(ordered.values())))
-    return Tree(ordered, cut)
+    return ordered, sorted(set(range(len(connections))) - set(ordered.values()))
 
 
 class Inertia(NamedTuple):
