@@ -62,8 +62,7 @@ class DriveStates:
 
     def command(self, message: Any) -> None:
         """Take a message of the torque topic, cut to the torque limit as the node does."""
-        limit = self._scene.drive.torque_limit
-        limit = inf if isnan(limit) else limit
+        limit = self._scene.drive.torque_limit           # NaN, for none, is neither less nor more
         is_slide = self._scene.linkage.is_driven_by_slide
         torque = message.wrench.force.x if is_slide else message.wrench.torque.z
         if isfinite(torque):

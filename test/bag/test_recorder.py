@@ -255,7 +255,6 @@ def test_dropped_messages_leave_a_gap_that_info_counts(tmp_path, monkeypatch):
 
 
 def test_a_disk_that_gets_full_ends_the_bag_whole_while_there_is_room(tmp_path, monkeypatch):
-    monkeypatch.setattr(recorder, 'LOOK', 0.0)
     told = []
     writer = open_bag(tmp_path, tell=told.append)
     for k in range(20):
@@ -314,8 +313,7 @@ def test_a_refused_write_is_told_once_and_leaves_a_cut_bag_that_recover_finishes
 
 
 @pytest.mark.parametrize('change', ['removed', 'replaced', 'folder removed'])
-def test_a_file_that_is_lost_while_it_is_recorded_is_noticed(tmp_path, monkeypatch, change):
-    monkeypatch.setattr(recorder, 'LOOK', 0.0)
+def test_a_file_that_is_lost_while_it_is_recorded_is_noticed(tmp_path, change):
     told = []
     writer = open_bag(tmp_path, tell=told.append)
     writer.write(0, motion(0))
