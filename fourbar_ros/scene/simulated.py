@@ -8,7 +8,9 @@ from dataclasses import replace
 from math import isnan, nan, tau
 from typing import Any, NamedTuple, TYPE_CHECKING
 
+from fourbar_ros.dynamics.sources import ConstantTorque
 from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.mechanisms.quantities import known
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.given import number
 from fourbar_ros.scene.scene import Scene
@@ -88,21 +90,20 @@ class SimulatedScene(NamedTuple):
         force = 'N' if linkage.is_driven_by_slide else 'N m'
         motor = np.array([run.system.motor_torque(t, y)
                           for t, y in zip(run.time.tolist(), run.states.T.tolist())])
+        quantities = known(linkage, linkage.input)
         rows: list[tuple[str, str, Array]] = [
             ('speed of the input', per_second, run.rate),
             ('acceleration of the input', f'{per_second}^2', run.acceleration),
             ('torque on the input', force, run.torque), ('torque of the motor', force, motor),
-            *self._loads()]
-        return [_peak(name, unit, values, run.time) for name, unit, values in rows
-                if not np.isnan(values).all()]
-
-    def _loads(self) -> list[tuple[str, str, Array]]:
-        """Return (name, unit, values) of the loads over the run, with the forces of springs."""
-        from fourbar_ros.mechanisms.quantities import known
-        run, linkage = self.run, self.scene.linkage
-        quantities = known(linkage, linkage.input)
-        return [(name, quantities[name].unit, values)
-                for name, values in run.loads._asdict().items() if name in quantities]
+            *((name, quantities[name].unit, values)
+              for name, values in run.loads._asdict().items() if name in quantities)]
+        found = []
+        for name, unit, values in rows:
+            if not np.isnan(values).all():
+                low, high = int(np.nanargmin(values)), int(np.nanargmax(values))
+                found.append(Peak(name, unit, float(values[low]), float(run.time[low]),
+                                  float(values[high]), float(run.time[high])))
+        return found
 
     def ripple(self) -> Ripple | None:
         """Return the Ripple over the last turn of a crank, None if it made none or stopped."""
@@ -127,7 +128,6 @@ def simulate_scene(scene: Scene, until: float, tolerance: float = 1e-8, method: 
     InvalidParameter, MissingPackage.
     """
     from fourbar_ros.dynamics.simulation import simulate
-    from fourbar_ros.dynamics.sources import ConstantTorque
     if scene.dynamics is None:
         raise InvalidParameter('drive.source', scene.drive.source, 'the motion is given, there is '
                                f'nothing to simulate: must be {" or ".join(SOURCES)}')
@@ -151,10 +151,3 @@ def simulate_scene(scene: Scene, until: float, tolerance: float = 1e-8, method: 
     run = simulate(dynamics.system(scene.bare_linkage), until, tolerance, method, times.tolist(),
                    **limits)
     return SimulatedScene(scene, run, torque)
-
-
-def _peak(name: str, unit: str, values: Array, times: Array) -> Peak:
-    """Return the Peak of values, shape (n,), at times [s]; NaN is left out."""
-    low, high = int(np.nanargmin(values)), int(np.nanargmax(values))
-    return Peak(name, unit, float(values[low]), float(times[low]), float(values[high]),
-                float(times[high]))
