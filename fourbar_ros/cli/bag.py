@@ -21,6 +21,7 @@ from fourbar_ros.cli.common import (
     Verbs,
 )
 from fourbar_ros.optional import lab
+from fourbar_ros.terminal import make_console, make_table
 
 if TYPE_CHECKING:      # verbs import when they run
     from fourbar_ros.bag.comparison import TopicDiff
@@ -72,7 +73,6 @@ def _action(actions: Verbs, name: str, text: str, description: str) -> ArgumentP
 
 
 def _print(*tables: Table) -> None:
-    from fourbar_ros.terminal import make_console
     for table in tables:
         make_console().print(table)
 
@@ -111,7 +111,6 @@ def _info(arguments: Namespace) -> int:
 def _info_tables(found: Info) -> tuple[Table, Table]:
     """Return the tables of a bag's own properties and of its topics."""
     from fourbar_ros.bag.reader import software_of
-    from fourbar_ros.terminal import make_table
     about = make_table('', ('', ''))
     about.add_row('bag', str(found.path))
     about.add_row('state', 'finished' if found.is_finished else
@@ -209,7 +208,6 @@ def _recompute(arguments: Namespace) -> int:
 
 def _differences(found: Recomputed, tolerance: float) -> Table:
     """Return a table of the fields beyond the tolerance; of other topics, one row for all."""
-    from fourbar_ros.terminal import make_table
     table = make_table('', ('topic', 'field', 'messages>', 'largest difference>'))
     for topic in dict.fromkeys(difference.topic for difference in found.differences):
         of_topic = [difference for difference in found.differences if difference.topic == topic]
@@ -296,7 +294,6 @@ def _diff(arguments: Namespace) -> int:
 
 def _diff_table(topics: list[TopicDiff], tolerance: float) -> Table:
     """Return the table of all topics, with the fields that differ by more than the tolerance."""
-    from fourbar_ros.terminal import make_table
     table = make_table('', ('topic', 'in both>', 'only first>', 'only second>', 'field',
                             'largest difference>'))
     for topic in topics:

@@ -8,12 +8,13 @@ from timeit import repeat
 from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.cli.common import add_scene, Verbs, warn
-from fourbar_ros.scene.scene import Scene
+from fourbar_ros.scene.parameters import of_name
+from fourbar_ros.scene.scene import Group, load, Scene
 from fourbar_ros.scene.topics import BASES, INPUTS, OUTPUTS, PICTURES, TORQUE, wrench_topic
+from fourbar_ros.terminal import make_console, make_table
 
 if TYPE_CHECKING:
     from fourbar_ros.mechanisms.mechanism import Mechanism
-    from fourbar_ros.scene.scene import Group
     from rich.table import Table
 
 STEPS, ROUNDS = 2000, 5        # of the measured computing time: some 50 ms in all
@@ -51,8 +52,6 @@ def _print(arguments: Namespace) -> None:
 
 def _check(arguments: Namespace) -> None:
     """Load a scene as a node would, with its pictures, and print what the node will do."""
-    from fourbar_ros.scene.scene import load
-    from fourbar_ros.terminal import make_console
     scene, console = load(arguments.scene), make_console()
     linkage, drive = scene.linkage, scene.drive
     if scene.pictures:
@@ -116,7 +115,6 @@ def _drive_in_words(scene: Scene) -> str:
 
 def _outputs_table(scene: Scene) -> Table:
     """Return the table of the outputs of a scene."""
-    from fourbar_ros.terminal import make_table
     table = make_table('outputs', ('name', 'topic', 'type', ''))
     for topic in (*scene.topics.values(), *scene.pictures.values()):
         table.add_row(topic.name, topic.topic, topic.type, 'loads' if topic.needs_loads else '')
@@ -142,8 +140,6 @@ def _inputs_in_words(scene: Scene) -> list[str]:
 
 def _changed_table(scene: Scene) -> Table:
     """Return the table of parameters that are not at their default; NaN stands for not given."""
-    from fourbar_ros.scene.parameters import of_name
-    from fourbar_ros.terminal import make_table
     table = make_table('parameters that differ from their default',
                        ('parameter', 'value', 'unit'))
     for name, value in scene.values.items():

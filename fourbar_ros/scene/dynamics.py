@@ -5,18 +5,19 @@ from __future__ import annotations
 
 from dataclasses import MISSING
 from math import inf, isfinite, isnan
-from typing import Any, NamedTuple, TYPE_CHECKING
+from typing import Any, NamedTuple
 
+from fourbar_ros.dynamics import elements
+from fourbar_ros.dynamics.elements import Element, PositionForce
+from fourbar_ros.dynamics.node_step import modes_of
+from fourbar_ros.dynamics.sources import ConstantTorque, Drive, Law, Shaft
+from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import FourBarError, InvalidParameter, one_of
 from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.parts import GROUND
 from fourbar_ros.numerics.given import quantities_of
 from fourbar_ros.scene.parameters import names_in
 from fourbar_ros.scene.settings import GEAR, MOTORS, of_motor, ParameterValues, SOURCES
-
-if TYPE_CHECKING:      # other scenes do without
-    from fourbar_ros.dynamics.elements import Element, PositionForce
-    from fourbar_ros.dynamics.sources import Drive, Law, Shaft
-    from fourbar_ros.dynamics.system import System
 
 
 class Dynamics(NamedTuple):
@@ -29,12 +30,10 @@ class Dynamics(NamedTuple):
 
     def system(self, linkage: Mechanism) -> System:
         """Return the equation of motion of a linkage with this drive and these springs."""
-        from fourbar_ros.dynamics.system import System
         return System(linkage, self.position, self.rate, self.elements, self.drive)
 
     def modes_passed(self, linkage: Mechanism) -> tuple[int, ...]:
         """Return the assembly modes between which steps through toggles go; of others nothing."""
-        from fourbar_ros.dynamics.node_step import modes_of
         return modes_of(linkage)
 
 
@@ -56,7 +55,6 @@ def of_values(values: ParameterValues, linkage: Mechanism,
     if linkage.bodies is None:
         raise InvalidParameter('bodies.crank.mass', None, 'must be given (or bodies.rods): motion '
                                'that follows from torque needs masses')
-    from fourbar_ros.dynamics.sources import Drive
     gear = values[GEAR.name]
     rotor = gear * gear * values['motor.rotor_inertia']
     if not isfinite(rotor):
@@ -72,7 +70,6 @@ def of_values(values: ParameterValues, linkage: Mechanism,
 
 def _source(values: ParameterValues) -> Law:
     """Return the source of torque: a topic (0 N m before its first message) or a motor."""
-    from fourbar_ros.dynamics.sources import ConstantTorque
     if values[GEAR.name] == 0.0:
         raise InvalidParameter(GEAR.name, 0.0, 'must not be zero')
     if values['drive.source'] == 'torque':
@@ -105,14 +102,11 @@ def _shaft(values: ParameterValues) -> Shaft | None:
         raise InvalidParameter('motor.rotor_inertia', values['motor.rotor_inertia'],
                                'must be positive: an elastic shaft (shaft.stiffness) needs an '
                                'inertia on the side of the drive')
-    from fourbar_ros.dynamics.sources import Shaft
     return Shaft(values['shaft.stiffness'], values['shaft.damping'])
 
 
 def _spring(values: ParameterValues, name: str, linkage: Mechanism) -> Element:
     """Return the spring of the parameters ``name``.*, springs.NAME or torsion_springs.NAME."""
-    from fourbar_ros.dynamics import elements
-    from fourbar_ros.mechanisms.parts import GROUND
     links = (GROUND, *linkage.loads_of_links())
 
     def own(field: str) -> Any:

@@ -13,17 +13,17 @@ import csv
 from math import atan2, isfinite, pi
 from pathlib import Path
 import re
-from typing import NamedTuple, TYPE_CHECKING
+from typing import NamedTuple
 
+from fourbar_ros.dynamics.elements import Attachment, INPUT, LinkAngle, Place, PositionForce, Way
+from fourbar_ros.dynamics.force_table import ForceTable
+from fourbar_ros.dynamics.forces import make_loaded
 from fourbar_ros.errors import InvalidParameter, nearest, one_of
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import GROUND
 from fourbar_ros.scene.files import SceneError, table_files
 from fourbar_ros.scene.parameters import names_in
 from fourbar_ros.scene.settings import COUPLE, OF_PLACES, OF_VALUES, ParameterValues, PRESSURES
-
-if TYPE_CHECKING:      # other scenes do without
-    from fourbar_ros.dynamics.elements import Place, PositionForce
 
 FAMILY = 'forces'
 MOST_ROWS, LARGEST = 10_000, 4_000_000      # of a table: rows, bytes
@@ -133,9 +133,6 @@ def forces_of(values: ParameterValues, linkage: Mechanism) -> tuple[PositionForc
 
 def _force(values: ParameterValues, name: str, linkage: Mechanism) -> PositionForce:
     """Return the force of the parameters ``name``.*, checked by computing with it once."""
-    from fourbar_ros.dynamics.elements import Attachment, PositionForce
-    from fourbar_ros.dynamics.force_table import ForceTable
-    from fourbar_ros.dynamics.forces import make_loaded
     own = {field: values[f'{name}.{field}'] for field in
            ('link', 'along', 'across', 'acts', 'direction', 'over', 'factor', 'periodic')}
     links = tuple(linkage.loads_of_links())
@@ -166,7 +163,6 @@ def _numbers(values: ParameterValues, name: str, over: Place, linkage: Mechanism
 
     Places in [rad] or [m], and forces [N], couples [N m] or pressures [Pa].
     """
-    from fourbar_ros.dynamics.elements import INPUT, LinkAngle
     is_angle = (not linkage.is_driven_by_slide if over == INPUT else isinstance(over, LinkAngle))
     place_unit = values[f'{name}.place_unit'] or ('rad' if is_angle else 'm')
     is_couple = values[f'{name}.acts'] == COUPLE
@@ -196,7 +192,6 @@ def _over(values: ParameterValues, name: str, linkage: Mechanism) -> Place:
 
     It is the input, an angle or slide of the linkage, or a coordinate of a point, ``P.x``.
     """
-    from fourbar_ros.dynamics.elements import Attachment, INPUT, Way
     over, driven = values[f'{name}.over'], linkage.input_coordinate.position
     known: dict[str, Place] = {INPUT: INPUT, driven: INPUT}
     known.update(item for item in _coordinates(linkage).items() if item[0] != driven)
@@ -212,7 +207,6 @@ def _over(values: ParameterValues, name: str, linkage: Mechanism) -> Place:
 
 def _coordinates(linkage: Mechanism) -> dict[str, Place]:
     """Return {name: place} of the angles and slides of a mechanism: theta4, slide, theta_LINK."""
-    from fourbar_ros.dynamics.elements import Attachment, LinkAngle, Way
     names = [coordinate.position for coordinate in linkage.PARTS]
     places: dict[str, Place] = {}
     for name in names:
