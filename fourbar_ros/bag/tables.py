@@ -3,7 +3,7 @@
 """Write the numbers in a bag as tables: CSV, NumPy (.npz) or Parquet."""
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Collection
 import csv
 from pathlib import Path
 from typing import Any
@@ -55,7 +55,8 @@ def export(path: str | Path, out: str | Path, kind: str | None = None,
             np.savez(folder / 'all.npz', **arrays)
         else:
             for name, table in tables.items():
-                _WRITERS[kind](folder / f'{name}.{kind}', table)
+                write = _write_csv if kind == 'csv' else _write_parquet
+                write(folder / f'{name}.{kind}', table)
         (next(folder.iterdir()) if is_file else folder).rename(out)
     return {name: len(table['log_time']) for name, table in tables.items()}
 
@@ -117,7 +118,3 @@ def _write_parquet(path: Path, table: TopicTable) -> None:
     except ModuleNotFoundError as error:
         raise MissingPackage('parquet', error) from None
     parquet.write_table(pa.table(table), path)
-
-
-_WRITERS: dict[str, Callable[[Path, TopicTable], None]] = {'csv': _write_csv,
-                                                           'parquet': _write_parquet}

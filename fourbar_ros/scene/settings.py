@@ -133,19 +133,13 @@ def has_base(values: ParameterValues) -> bool:
 
 # --- the linkage ---------------------------------------------------------------------------------
 
-def _kinds_by_text(pairs: Iterable[tuple[str, str]]) -> dict[str, list[str]]:
-    """Return {text: kinds} of pairs (kind, text): kinds of one text share an entry."""
-    kinds: dict[str, list[str]] = {}
-    for kind, text in pairs:
-        kinds.setdefault(text, []).append(kind)
-    return kinds
-
-
 def _length(name: str) -> Parameter:
     """Return the parameter of a length; a text that is not of every kind names its kinds."""
     lengths = {kind: length for kind, its in FACTS.items() for length in its.lengths
                if length.name == name}
-    texts = _kinds_by_text((kind, length.text) for kind, length in lengths.items())
+    texts: dict[str, list[str]] = {}
+    for kind, length in lengths.items():
+        texts.setdefault(length.text, []).append(kind)
     is_in_all = len(lengths) == len(FACTS)
     text = next(iter(texts)) if is_in_all and len(texts) == 1 else '; '.join(
         f'{text} ({", ".join(kinds)})' for text, kinds in texts.items())
