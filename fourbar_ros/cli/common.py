@@ -108,10 +108,10 @@ def add_node(parser: argparse.ArgumentParser) -> None:
                         help='node, if a bag of ros2 bag record holds several')
 
 
-def add_tolerance(parser: argparse.ArgumentParser, when: str = '') -> None:
-    """Add ``--tolerance``; ``when``: with which option it counts."""
+def add_tolerance(parser: argparse.ArgumentParser) -> None:
+    """Add ``--tolerance``."""
     parser.add_argument('--tolerance', type=not_negative, default=0.0, metavar='X',
-                        help=f'{when}largest absolute difference that counts as equal (default 0)')
+                        help='largest absolute difference that counts as equal (default 0)')
 
 
 def add_topics(parser: argparse.ArgumentParser, text: str) -> None:
