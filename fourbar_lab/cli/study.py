@@ -20,7 +20,7 @@ Compute many designs of one scene: draw them, search all their extrema, keep tho
 constraints as Parquet files, show which are best. docs/studies.md describes the file STUDY.yaml:
 
   scene: paper
-  method: sobol                     # or latin_hypercube, random, grid
+  method: sobol                     # or random, grid
   rows: 65536
   vary:
     linkage.a1: {range: [0.2, 0.6]}

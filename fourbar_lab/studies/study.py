@@ -92,7 +92,7 @@ class Study:
     def drawn(self, start: int, stop: int) -> dict[str, Array]:
         """Return {parameter that varies: its values in rows start to stop - 1, shape (n,)}."""
         points = unit_points(self.method, (start, stop), self.seed,
-                             tuple(one.of_grid for one in self.vary), self.rows)
+                             tuple(one.of_grid for one in self.vary))
         return {one.name: one.at(p) for one, p in zip(self.vary, points.T)}
 
 

@@ -8,7 +8,6 @@ Row i is the same in any process and any order: a study is cut into chunks.
 ====================  ==========================================================================
 ``grid``              all combinations of the levels, the last parameter the fastest
 ``sobol``             Sobol's sequence, scrambled (Owen) with the seed: the best cover of a box
-``latin_hypercube``   each parameter's values spread evenly; drawn whole, so at most 2^20 rows
 ``random``            independent points: for tolerances, where percentiles are wanted
 ====================  ==========================================================================
 
@@ -29,7 +28,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache
 from math import isfinite
 from typing import Any
 import warnings
@@ -42,8 +40,7 @@ import numpy as np
 from scipy import stats
 
 BITS = 32               # of Sobol's numbers: scipy cannot begin at a row of a longer sequence
-# {method: rows at most}; a Latin hypercube is drawn whole
-MOST_ROWS = {'grid': 2**44, 'sobol': 2**BITS, 'latin_hypercube': 2**20, 'random': 2**44}
+MOST_ROWS = {'grid': 2**44, 'sobol': 2**BITS, 'random': 2**44}      # of each method
 METHODS = tuple(MOST_ROWS)
 # {kind: distribution of its two values}
 RANGES: dict[str, Callable[[float, float], Any]] = {
@@ -155,12 +152,11 @@ def _numbers(entry: str, kind: str, given: Yaml, scene_value: Yaml) -> tuple[flo
     return float(numbers[0]), float(numbers[1])
 
 
-def unit_points(method: str, rows: tuple[int, int], seed: int, levels: tuple[Array, ...],
-                count: int) -> Array:
+def unit_points(method: str, rows: tuple[int, int], seed: int, levels: tuple[Array, ...]) -> Array:
     """
     Return rows (first, after last) of a design as points in [0, 1], shape (rows, parameters).
 
-    ``levels``: of each parameter, its values of p on a grid; ``count``: rows of the whole design.
+    ``levels``: of each parameter, its values of p on a grid.
     """
     start, stop = rows
     if method == 'grid':
@@ -172,8 +168,6 @@ def unit_points(method: str, rows: tuple[int, int], seed: int, levels: tuple[Arr
         generator.advance(start * blocks)
         points = np.random.Generator(generator).random((stop - start, 4 * blocks))
         return points[:, :len(levels)]
-    if method == 'latin_hypercube':
-        return _latin_hypercube(len(levels), count, seed)[start:stop]
     from scipy.stats.qmc import Sobol
     sequence = Sobol(len(levels), scramble=True, bits=BITS, seed=np.random.default_rng(seed))
     if start:
@@ -194,10 +188,3 @@ def _grid(levels: tuple[Array, ...], rows: Array) -> Array:
         rows, place = np.divmod(rows, values.size)
         columns.append(values[place])
     return np.stack(columns[::-1], axis=1)
-
-
-@lru_cache(maxsize=1)
-def _latin_hypercube(parameters: int, count: int, seed: int) -> Array:
-    """Return the whole design: it cannot be drawn in parts; kept for the next chunk."""
-    from scipy.stats.qmc import LatinHypercube
-    return np.asarray(LatinHypercube(parameters, seed=np.random.default_rng(seed)).random(count))

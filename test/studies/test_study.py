@@ -78,7 +78,7 @@ def test_a_load_of_a_scene_without_masses_is_refused():
 
 
 def test_what_is_too_large_for_a_method_is_refused():
-    for method, rows in (('latin_hypercube', 2**20 + 1), ('sobol', 2**32 + 1)):
+    for method, rows in (('sobol', 2**32 + 1), ('random', 2**44 + 1)):
         with pytest.raises(InvalidParameter, match='from 1 to'):
             from_document(GOOD | {'method': method, 'rows': rows})
     with pytest.raises(InvalidParameter, match='takes ranges and lists only'):
@@ -99,7 +99,7 @@ def test_a_file_that_is_no_yaml_or_missing_is_one_line(tmp_path):
         read(tmp_path / 'text.yaml')
 
 
-@pytest.mark.parametrize('method', ['grid', 'sobol', 'latin_hypercube', 'random'])
+@pytest.mark.parametrize('method', ['grid', 'sobol', 'random'])
 def test_rows_are_the_same_however_they_are_cut(method):
     vary = {f'linkage.a{i}': {'range': [0.5, 0.6], **({'levels': 6} if method == 'grid' else {})}
             for i in (1, 2, 3, 4)}
@@ -114,7 +114,7 @@ def test_rows_are_the_same_however_they_are_cut(method):
 def test_designs_fill_the_box_as_their_names_say():
     vary = {'linkage.a1': {'range': [0.2, 0.6]}, 'linkage.a2': {'log_range': [0.5, 2.0]},
             'linkage.a3': {'normal': [0.8, 0.01]}, 'linkage.a4': {'uniform': 0.1}}
-    for method, evenness in (('sobol', 0.002), ('latin_hypercube', 0.002), ('random', 0.03)):
+    for method, evenness in (('sobol', 0.002), ('random', 0.03)):
         study = from_document({**GOOD, 'rows': 4096, 'method': method, 'vary': vary})
         drawn = study.drawn(0, 4096)
         expected = (scipy_stats.uniform(0.2, 0.4), scipy_stats.loguniform(0.5, 2.0),
