@@ -200,25 +200,6 @@ def known(value):
     return abs(value) if isfinite(value) else 0.0
 
 
-class Proofs:
-    """How many extrema of each quantity there are, and whether that is proved."""
-
-    def cases(self):
-        """Return a few scenes."""
-        return ['paper mode 1', 'paper mode 2', 'slides_7_6', 'slider_crank', 'scotch_yoke',
-                'cylinder']
-
-    def columns(self, key):
-        """Return {quantity: [number, proved or not]}."""
-        scene, linkage = scene_of(key)
-        found = {}
-        for one in find_extrema(linkage, rate=rate_of(scene), certify=True, seconds=30.0):
-            number, _ = found.get(one.quantity, (0, ''))
-            is_proved = bool(one.proof) and not one.proof.startswith('not proved')
-            found[one.quantity] = [number + 1, 'proved' if is_proved else 'not proved']
-        return found
-
-
 class CText:
     """The C text of each scene: a hash, and its operations by kind."""
 
@@ -337,6 +318,6 @@ class Balances:
                 for name, column in old.items()}
 
 
-PARTS = {'motion': Motion(), 'batch': Batch(), 'extrema': Extrema(), 'proofs': Proofs(),
+PARTS = {'motion': Motion(), 'batch': Batch(), 'extrema': Extrema(),
          'c_text': CText(), 'simulated': Simulated(), 'studies': Studies(),
          'balances': Balances()}

@@ -4,8 +4,8 @@
 Record the golden file again, or some of its parts: ``python test/golden/record.py [PART ...]``.
 
 Prints for each scene what changed: how many values, by how much at most, how many beyond the
-tolerance of the part. Parts: motion, batch, extrema, proofs, c_text, simulated, studies,
-balances; with ROS messages, node.
+tolerance of the part. Parts: motion, batch, extrema, c_text, simulated, studies, balances; with
+ROS messages, node.
 """
 import json
 from math import isfinite

@@ -24,7 +24,6 @@ from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.dynamics.node_step import Mover, NOT_FINITE
 from fourbar_ros.dynamics.simulation import REACHED, simulate
 from fourbar_ros.dynamics.system import System
-from fourbar_ros.mechanisms.points import point_motion
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -65,44 +64,6 @@ def test_a_base_at_rest_is_gravity(case):
         g_x, g_y = mechanism.gravity
         loads, on_base = mechanism.loads(*given), mechanism.loads(*given, base=Base(-g_x, -g_y))
         assert np.allclose(on_base, loads, rtol=1e-12, atol=1e-12 * max(map(abs, loads)))
-
-
-@contract.every_mechanism
-def test_power_of_drive_and_base_is_the_change_of_energy(case):
-    """The base gives minus the shaking loads at its own velocity; energies are differenced."""
-    for (mechanism, (position, rate, acceleration)), base in zip(
-            contract.ordinary(case, 606, 4), bases(607)):
-        nothing = mechanism.EXTERNAL(*[Applied()] * len(mechanism.EXTERNAL._fields))
-        mechanism = mechanism.with_external(nothing).with_base(base)
-        motion, loads = mechanism.step(position, rate, acceleration)
-        velocity = 0.7 - 0.4j                   # of O1, along the axes of the base
-
-        def momenta(motion, turn, mechanism=mechanism):
-            """Return the kinetic energy at a velocity of O1 and a rate of the base."""
-            energy = 0.0
-            for link, (body, _) in mechanism.loads_of_links().items():
-                at = point_motion(mechanism, motion, link, body.cg_along, body.cg_across)
-                own = mechanism.link_motion(motion, link)
-                v = (complex(at.velocity_x, at.velocity_y) + 1j * turn * complex(at.x, at.y)
-                     + velocity + moved)
-                energy += 0.5 * body.mass * abs(v)**2 + 0.5 * body.inertia * (own.omega + turn)**2
-            return energy
-        h = 1e-5 / max(1.0, abs(rate))
-        energies = []
-        for t in (-2 * h, -h, h, 2 * h):
-            # the specific force counts as the acceleration of O1: no gravity; turned axes
-            moved = t * (complex(base.force_x, base.force_y) - 1j * base.rate * velocity)
-            there = mechanism.motion(position + rate * t + 0.5 * acceleration * t * t,
-                                     rate + acceleration * t)
-            energies.append(momenta(there, base.rate + base.acceleration * t))
-        change = (energies[0] - 8 * energies[1] + 8 * energies[2] - energies[3]) / (12 * h)
-        drive = sum(getattr(loads, name, 0.0) for name in ('driving_torque', 'driving_force'))
-        push = complex(loads.shaking_force_x, loads.shaking_force_y)
-        power = (drive * rate - (push.conjugate() * velocity).real
-                 - loads.shaking_moment * base.rate)
-        size = (abs(drive * rate) + abs(push * velocity) + abs(loads.shaking_moment * base.rate)
-                + max(energies))
-        assert abs(change - power) <= 1e-5 * size
 
 
 def test_arrays_are_what_single_samples_are():
