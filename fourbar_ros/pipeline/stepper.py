@@ -11,19 +11,20 @@ from collections.abc import Callable, Collection, Iterable, Mapping
 from contextlib import suppress
 from functools import cache, partial
 from math import isfinite, isinf, isnan, nan, nextafter
-from typing import cast, NamedTuple, Union
+from typing import cast, NamedTuple, TYPE_CHECKING, Union
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, OutOfRange, Toggle
-from fourbar_ros.mechanisms.inertia import held_rigid, input_equation, rest_of
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.mechanisms.points import link_fields, LinkFields, make_point, PointMotion
 from fourbar_ros.numerics.number_types import REAL
-from fourbar_ros.pipeline.joints import SceneJoints
-from fourbar_ros.pipeline.wrenches import ActingInput, drive_wrench, in_silence, loaded
 from fourbar_ros.scene.message_fields import EQUATION, joint_values, mode_number, RIGID
 from fourbar_ros.scene.scene import Scene
 import numpy as np
+
+if TYPE_CHECKING:      # scenes with wrenches need it
+    from fourbar_ros.mechanisms.inertia import Rigid
+    from fourbar_ros.pipeline.wrenches import ActingInput
 
 # The same numbers as the STATUS_ constants of fourbar_msgs/LinkageState (a test compares them).
 OK, OUT_OF_RANGE, INVALID_INPUT, TOGGLE, RATES_UNKNOWN, INPUT_TIMEOUT, LOADS_UNKNOWN = range(7)
@@ -128,6 +129,7 @@ class Stepper:
         self._limits: list[float] | None = None
         self._joints = self._drive_wrench = None
         if not scene.shows_plain_joints:
+            from fourbar_ros.pipeline.joints import SceneJoints
             self._joints = SceneJoints(scene.layout, scene.joint_states)
         # outputs of the linkage with what acts on it: (name, function of it, its motion and loads,
         # values where nothing is known)
@@ -145,12 +147,14 @@ class Stepper:
         # the values of a sample where nothing is known, without those of its joints
         self._nothing = (nan,) * (len(scene.layout.place) - len(own_joints))
         if 'drive_wrench' in scene.outputs:
+            from fourbar_ros.pipeline.wrenches import drive_wrench
             self._drive_wrench = drive_wrench(scene.linkage, scene.layout.place)
         # (position, rate) -> linkage with the forces of springs and dampers there, if any
         self._with_element_forces = scene.make_loaded(self.linkage)
         self.acting: dict[str, ActingInput] = {}
         self._loads_unknown = False
         for name in scene.acting:
+            from fourbar_ros.pipeline.wrenches import in_silence
             self.act(name, (acting or {}).get(name) or in_silence(scene, name, None))
 
     def act(self, name: str, what: ActingInput) -> None:
@@ -159,6 +163,7 @@ class Stepper:
 
         If anything that acts is not known, no load is.
         """
+        from fourbar_ros.pipeline.wrenches import loaded  # other scenes do without
         self.acting[name] = what
         linkage = loaded(self.linkage, self._scene, self.acting)
         self._loads_unknown = linkage is None and self._scene.needs_loads
@@ -184,7 +189,7 @@ class Stepper:
         if self._loads_unknown and status == OK:
             status = LOADS_UNKNOWN
         elif self._carried and with_loads and status == OK:
-            loads = rest_of(loads, self._carried, linkage)
+            loads = _rest_of(loads, self._carried, linkage)
             if not isfinite(loads.shaking_force + loads.shaking_moment):
                 status, loads = INVALID_INPUT, _none_of(linkage.LOADS)
                 motion = linkage.unknown(position, rate, acceleration)
@@ -247,6 +252,7 @@ class Stepper:
 def _equation(weightless: Mechanism, carried: float, linkage: Mechanism, motion: NamedFields,
               loads: NamedFields) -> list[float]:
     """Return the values of the output equation."""
+    from fourbar_ros.mechanisms.inertia import input_equation  # other scenes do without
     position, rate, acceleration = (getattr(motion, name) for name in linkage.input_coordinate)
     return [*input_equation(linkage, position, rate, weightless),
             getattr(loads, linkage.drive_load) - carried * acceleration]
@@ -254,7 +260,14 @@ def _equation(weightless: Mechanism, carried: float, linkage: Mechanism, motion:
 
 def _rigid(linkage: Mechanism, motion: NamedFields, loads: NamedFields) -> Iterable[float]:
     """Return the values of the output inertia."""
+    from fourbar_ros.mechanisms.inertia import held_rigid  # other scenes do without
     return held_rigid(linkage, motion)
+
+
+def _rest_of(loads: NamedFields, carried: Rigid, linkage: Mechanism) -> NamedFields:
+    """Return loads without what a simulator's own body gives."""
+    from fourbar_ros.mechanisms.inertia import rest_of  # other scenes do without
+    return rest_of(loads, carried, linkage)
 
 
 def _first_assembled(linkage: Mechanism, end: float, toward: float) -> float:

@@ -9,7 +9,6 @@ from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.errors import InvalidParameter, nearest
 from fourbar_ros.mechanics.bodies import Applied, Base, Body, flat_bar, Gravity, round_rod
-from fourbar_ros.mechanisms.inertia import middles
 from fourbar_ros.mechanisms.kinds import AT_MOVING_JOINTS, FACTS, kind_of
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Link, SLIDE
@@ -269,6 +268,7 @@ def _carried(scene: Scene) -> Iterator[str]:
     carried, linkage = scene.drive.carried_inertia, scene.bare_linkage
     if not carried or not scene.has_loads:
         return
+    from fourbar_ros.mechanisms.inertia import middles  # other scenes do without
     inertia = [value for low, high in linkage.input_ranges
                for value in linkage.inertia(middles(low, high)).tolist()]
     least, most = min(inertia), max(inertia)

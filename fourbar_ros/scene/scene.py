@@ -17,9 +17,7 @@ from types import SimpleNamespace
 from typing import cast, NamedTuple, NoReturn, TYPE_CHECKING
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, one_of, OutOfRange
-from fourbar_ros.mechanisms.inertia import mean_rigid, Rigid
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.scene.base import rotation_of
 from fourbar_ros.scene.linkage import linkage_of
 from fourbar_ros.scene.message_fields import FieldMap, layout
 from fourbar_ros.scene.parameters import check, names_in, of_name
@@ -45,6 +43,7 @@ import numpy as np
 if TYPE_CHECKING:      # other scenes do without
     from fourbar_ros.dynamics.elements import Element, PositionForce
     from fourbar_ros.dynamics.node_step import Mover
+    from fourbar_ros.mechanisms.inertia import Rigid
     from fourbar_ros.mechanisms.parts import NamedFields
     from fourbar_ros.mechanisms.quantities import Function
     from fourbar_ros.scene.dynamics import Dynamics
@@ -206,6 +205,7 @@ class Scene:
         given = [self.values[name] for name in names]
         if not (any(given) or self.values['base.carried.mean']):
             return None
+        from fourbar_ros.mechanisms.inertia import mean_rigid, Rigid  # other scenes do without
         if not self.values['base.carried.mean']:
             return Rigid(*given)
         mean = mean_rigid(self.bare_linkage)
@@ -465,6 +465,7 @@ def _check_together(scene: Scene) -> None:
     if 'base.carried.mean' in carried and len(carried) > 1:
         refuse('base.carried.mean', 'and numbers of base.carried exclude each other')
     if scene.base.rotation:
+        from fourbar_ros.scene.base import rotation_of  # other scenes do without
         rotation_of(scene.base.rotation)
     if scene.values['trajectories'] and (scene.elements or scene.base.topic):
         refuse('trajectories', f'{scene.why_no_loads}: their effort would be wrong')
