@@ -239,7 +239,7 @@ def _of_machine(mechanism: Machine, motion: NamedFields) -> Diagram:
                    for place, i in slides.items()]
     if mechanism.input == 'slide':
         blocks.append(Block(joints[BASE], np.array((1.0, 0.0)), True))
-    bars += _bars_of_parents(mechanism, motion, joints) + _third_sides(mechanism, motion, joints)
+    bars += _bars_of_parents(mechanism, motion) + _third_sides(mechanism, motion, joints)
     return Diagram(joints, tuple(ground), tuple(bars), tuple(blocks),
                    {name: name for name in joints}, _angles(mechanism, joints))
 
@@ -259,7 +259,7 @@ def _bars_of(stage: Stage, joints: JointPlaces, names: Mapping[str, str]) -> lis
             if stage.links[one == 'second'] != GROUND]
 
 
-def _bars_of_parents(mechanism: Machine, motion: NamedFields, joints: JointPlaces) -> list[Bar]:
+def _bars_of_parents(mechanism: Machine, motion: NamedFields) -> list[Bar]:
     """Return bars from the first joint of a link to the points on it at which dyads hang."""
     found = []
     for dyad in mechanism.stages:
