@@ -64,7 +64,6 @@ class MotionCoordinate:
 
     def __init__(self, coordinates: Coordinates, equation: Equation, mode: int, start: float
                  ) -> None:
-        """Name the coordinate by its mode; its functions are made when first needed."""
         self.all, self.equation, self.is_input = coordinates, equation, equation.is_input
         self._key = equation.coordinate.mode, mode, start
         self.mode, self.mode_beyond = mode, coordinates.partner(mode)
@@ -165,7 +164,6 @@ class Coordinates:
     """
 
     def __init__(self, system: System, mechanism: Mechanism, start: float) -> None:
-        """Make the coordinate of the start; middle: of the range of a crank between toggles."""
         self.system, self._mechanism, self._start = system, mechanism, start
         others = () if mechanism.turns_fully else mechanism.driven_otherwise()
         # mode of the links as this other coordinate drives them -> the links so driven

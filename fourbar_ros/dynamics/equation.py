@@ -307,6 +307,7 @@ class Equation:
                        if isinstance(value := e.make_value(mechanism), TableForce)]
         self.has_couples = bool(self.forces) or self._is_turned or any(
             applied.couple for _, _, applied in self._bodies)
+        self.has_dampers = any(spring.damping for spring in self._springs)
         self._flats = () if start is None else flat_positions(self.coordinate)
         self._first = _number_in(self._flats, self.coordinate.is_driven_by_slide, start)
         self._terms = self.in_both_modes(self.make_terms)

@@ -293,7 +293,7 @@ class Mover:
         ``command``: torque of the source during the step [N m], where it takes commands.
         """
         self._take(command)
-        self._evaluations, limited = 0, not self.system.has_no_limits
+        self._evaluations, limited = 0, not self.system.mechanism.turns_fully
         held = at._replace(state=(at.state[0], 0.0, 0.0, 0.0, 0.0))
         if not (0.0 < length < inf and all(map(isfinite, (*at.state, *self._outside)))):
             return Stepped(held, NOT_FINITE, 0)
@@ -393,7 +393,7 @@ class Mover:
             *state, scale = formulas.attempt(*at.state, h, self._torque, *place.linear,
                                              *self._outside)
         except REFUSALS:
-            if self.system.has_no_limits:               # a number was too large
+            if self.system.mechanism.turns_fully:               # a number was too large
                 raise
             return None, SMALLEST                        # a shorter step may be inside
         if not scale >= least:

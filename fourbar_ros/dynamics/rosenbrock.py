@@ -120,7 +120,6 @@ class StepFormulas:
     def __init__(self, coordinate: MotionCoordinate, drive: Drive, source: Law,
                  takes_commands: bool, passes: bool, tolerance: float,
                  acting: Sequence[str] = ()) -> None:
-        """Note which parts of the state there are, in the order in which they are eliminated."""
         self._coordinate, self._equation = coordinate, coordinate.equation
         self._source, self._takes_commands, self._passes = source, takes_commands, passes
         self._shaft, self._rotor = drive.shaft, drive.rotor
@@ -128,6 +127,7 @@ class StepFormulas:
         self.unit = self._equation.coordinate.input_unit
         self._tolerance = tolerance * self.unit
         has_own = bool(source.start) and not takes_commands
+        # the parts of the state that there are, as they are eliminated
         self._order = (0, *((2,) if drive.shaft else ()), *((4,) if has_own else ()), 1,
                        *((3,) if drive.shaft else ()))
 

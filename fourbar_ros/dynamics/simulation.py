@@ -566,10 +566,9 @@ def _restarts(system: System, until: float, is_finer: bool) -> Array:
 
 def _limits(system: System, coordinate: MotionCoordinate) -> list[Event]:
     """Return the events that end a run in a coordinate: limits of the input."""
-    passes_toggles = coordinate.can_end or system.has_no_limits
+    passes_toggles = coordinate.can_end or system.mechanism.turns_fully
 
     def limit(time: float, state: Any) -> float:
-        """Return the distance of the input to its limits, from a state in the coordinate."""
         position = float(coordinate.states_of_input(np.asarray(state))[0])
         return (system.distance_to_end(position) if passes_toggles
                 else system.distance_to_limit(position))

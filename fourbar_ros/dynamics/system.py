@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from math import inf
 
 from fourbar_ros.dynamics.coordinate import Coordinates, MotionCoordinate
-from fourbar_ros.dynamics.elements import Element, PositionForce
+from fourbar_ros.dynamics.elements import Element
 from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.dynamics.sources import Answer, Drive
 from fourbar_ros.errors import FourBarError, InvalidParameter
@@ -26,10 +26,6 @@ from fourbar_ros.numerics.number_types import Function
 
 State = Sequence[float]
 NEAR_TOGGLE = 1e-3        # sine of the angle of the dyad at which an input counts as at its limit
-
-
-def _any_damps(elements: Sequence[Element]) -> bool:
-    return any(not isinstance(e, PositionForce) and e.damping for e in elements)
 
 
 class System:
@@ -64,7 +60,7 @@ class System:
         self.coordinates = Coordinates(self, mechanism, motion[0])
         self.equation = self.coordinates.first.equation
         self.is_conservative = not (drive or self.equation.has_couples
-                                    or _any_damps(self.elements))
+                                    or self.equation.has_dampers)
         shaft, source = (drive.shaft, drive.source.start) if drive else (None, ())
         self.names = ('position', 'rate', *(('motor_position', 'motor_rate') if shaft else ()),
                       *(f'source_{i}' for i in range(len(source))),
@@ -84,11 +80,6 @@ class System:
         """Return the equation of motion in a mode and a coordinate, with all that acts."""
         inertia = self.drive.rigid_inertia if self.drive else 0.0
         return Equation(mechanism, self.elements, inertia, start, coordinate)
-
-    @property
-    def has_no_limits(self) -> bool:
-        """Return whether the input can go on for ever: a crank that turns fully."""
-        return bool(self.mechanism.turns_fully)
 
     @property
     def has_stroke(self) -> bool:
@@ -145,13 +136,11 @@ class System:
         terms_of, is_input = coordinate.equation.of_one, coordinate.is_input
 
         def conservative(time: float, state: State) -> tuple[float, ...]:
-            """Return (w, dw/dt): the state is q and w alone."""
             position, rate = state
             inertia, half_slope, force, _, _ = terms_of(position)
             return rate, (force - half_slope * rate * rate) / inertia
 
         def driven(time: float, state: State) -> tuple[float, ...]:
-            """Return the derivatives with a drive or dampers, of the work last."""
             position, rate, ratio = state[0], state[1], 1.0
             if not is_input:
                 value, ratio, _ = coordinate.input_of(position)

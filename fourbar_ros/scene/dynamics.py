@@ -139,7 +139,7 @@ def _check_start(dynamics: Dynamics, linkage: Mechanism) -> None:
     try:
         system = dynamics.system(linkage)
         rates = system.derivative(0.0, system.start)
-        good = system.has_no_limits or system.distance_to_limit(system.start[0]) > 0.0
+        good = system.mechanism.turns_fully or system.distance_to_limit(system.start[0]) > 0.0
     except InvalidParameter:
         raise
     except (FourBarError, ArithmeticError) as error:
