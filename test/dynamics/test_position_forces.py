@@ -260,6 +260,14 @@ def test_the_work_of_a_cycle_is_the_integral_of_p_dv():
     assert by_trapezia == pytest.approx(426.0, rel=1e-2)
 
 
+@pytest.mark.slow
+def test_the_shipped_engine_reaches_five_seconds():
+    """16 000 legs, one for each place of its table, within the evaluations allowed."""
+    scene = load('engine')
+    run = simulate(scene.dynamics.system(scene.bare_linkage), 5.0, 1e-8)
+    assert run.status == REACHED and run.error <= 1e-8 and run.drift <= 1e-8
+
+
 def test_the_steps_of_a_node_follow_the_engine():
     """Each of 70 steps of 2 ms, over two turns, is within its tolerance of 1e-6 rad."""
     system = load('engine').dynamics.system(load('engine').bare_linkage)
