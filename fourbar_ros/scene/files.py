@@ -25,10 +25,6 @@ class SceneError(FourBarError, ValueError):
     """A scene file cannot be read; the message names the file and the reason."""
 
 
-class NotForNode(SceneError):
-    """A parameter file contains nothing for the given node."""
-
-
 YamlTree = dict[str, Any]       # {name: value} of YAML, whose values may be trees
 
 
@@ -39,18 +35,17 @@ def folder() -> Path:
     return inside if inside.is_dir() else package.parent / 'config'
 
 
-def find(name: str | Path, among: Path | None = None) -> Path:
+def find(name: str | Path) -> Path:
     """
     Return the path of a scene: a file, or the name of a supplied one, e.g. ``paper``.
 
-    ``among``: the folder of the supplied ones, :func:`folder` by default. Raises SceneError with
-    the known names if neither exists.
+    Raises SceneError with the known names if neither exists.
     """
     path = Path(name)
     is_folder = path.is_dir()       # perhaps with code that was generated from the scene
     if path.exists() and not is_folder or path.parent != Path('.') or path.suffix:
         return path
-    files = shipped(among)
+    files = shipped()
     if str(name) in files:
         return files[str(name)]
     if is_folder:
@@ -59,22 +54,26 @@ def find(name: str | Path, among: Path | None = None) -> Path:
     raise SceneError(f'{name}: neither a file nor the name of a scene{nearest(str(name), known)}')
 
 
-def shipped(among: Path | None = None) -> dict[str, Path]:
-    """Return {name: file} of the supplied scenes, or of the scenes in the folder ``among``."""
-    places = [among] if among else [folder() / 'classics', folder()]
-    return {file.stem: file for place in places for file in sorted(place.glob('*.yaml'))}
+def shipped() -> dict[str, Path]:
+    """Return {name: file} of the supplied scenes."""
+    return {file.stem: file for place in (folder() / 'classics', folder())
+            for file in sorted(place.glob('*.yaml'))}
 
 
-def read_values(path: str | Path, node: str | None = None) -> YamlTree:
+def read_values(path: str | Path) -> YamlTree:
     """
     Return the flat dict of parameters in a ROS 2 parameter file as ROS reads them, unchecked.
 
-    Names of table files become paths. ``path`` is a file, ``FILE:NODE`` for one node of several in
-    a file, or a name for :func:`find`. ``node`` is the full name of the node that reads it, by
-    default any node called fourbar. Raises SceneError if the file cannot be read, is no parameter
-    file, or has nothing for the node.
+    Names of table files become paths. ``path`` is a file or a name for :func:`find`, for any node
+    called fourbar, or ``FILE:NODE`` for one by its full name. Raises SceneError if the file cannot
+    be read, is no parameter file, or has nothing for the node.
     """
-    path, node = _file_and_node(path, node)
+    file, colon, name = str(path).rpartition(':')
+    node = None
+    if colon and not Path(path).exists() and Path(file).is_file():
+        path, node = Path(file), '/' + name.strip('/')
+    else:
+        path = find(path)
     trees = sections(path)
     values: YamlTree = {}
     for key, tree in trees.items():
@@ -82,33 +81,21 @@ def read_values(path: str | Path, node: str | None = None) -> YamlTree:
             values |= flatten(tree, path)
     others = [key for key in trees if not is_for(key, node)]
     if len(others) == len(trees):
-        raise NotForNode(f'{path}: contains nothing for the node {node or NODE}, only '
+        raise SceneError(f'{path}: contains nothing for the node {node or NODE}, only '
                          f'{", ".join(trees)}; write "/**:" there'
                          + (f', or name one: {path}:{next(iter(trees)).lstrip("/*")}'
                             if node is None else ''))
     if node is None and others and not any(name.startswith('linkage.') for name in values):
-        raise NotForNode(f'{path}: has the nodes {", ".join(others)}; name one: '
+        raise SceneError(f'{path}: has the nodes {", ".join(others)}; name one: '
                          f'{path}:{others[0].lstrip("/*")}')
-    return beside(values, path)
+    files = {name: str(path.parent / values[name]) for name in table_files(values)}
+    return {**values, **files}
 
 
 def table_files(values: ParameterValues) -> list[str]:
     """Return the names of the parameters of a scene that name the file of a table."""
     return [name for name, value in values.items()
             if TABLE.fullmatch(name) and isinstance(value, str) and value]
-
-
-def beside(values: ParameterValues, scene: Path) -> YamlTree:
-    """Return values with the names of table files, relative to a scene's folder, as paths."""
-    return {**values, **{name: str(scene.parent / values[name]) for name in table_files(values)}}
-
-
-def _file_and_node(path: str | Path, node: str | None) -> tuple[Path, str | None]:
-    """Return (file, full name of the node) for FILE, FILE:NODE or the name of a supplied scene."""
-    file, colon, name = str(path).rpartition(':')
-    if colon and node is None and not Path(path).exists() and Path(file).is_file():
-        return Path(file), '/' + name.strip('/')
-    return find(path), node
 
 
 def document_of(path: str | Path) -> tuple[str, Any]:

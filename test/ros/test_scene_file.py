@@ -47,7 +47,7 @@ def test_sections(key, namespace, tmp_path):
     file.write_text(f'"{key}":\n  ros__parameters:\n    x: 1\nnobody:\n  ros__parameters:\n    x: '
                     '2\n')
     try:
-        ours = read_values(file, f'{namespace}/fourbar')
+        ours = read_values(f'{file}:{namespace}/fourbar')
     except SceneError:
         ours = {}
     assert ours == asked(file, namespace=namespace)
