@@ -237,7 +237,7 @@ class DriveCode:
         flags = {'PHASES': len(self._phases), 'TABLES': len(self._tables),
                  'PASSES': int(bool(self.modes)), 'BUDGET': mover.budget,
                  'HAS_SHAFT': int(self._drive.shaft is not None),
-                 'HAS_LIMITS': int(not self._system.has_no_limits),
+                 'HAS_LIMITS': int(not self._system.mechanism.turns_fully),
                  'TAKES_TORQUE': int(self.takes_torque), 'HALVINGS': node_step.BISECTIONS,
                  'OF_PLACE': node_step.PLACE, 'OF_ATTEMPT': node_step.ATTEMPT,
                  'OF_EULER': node_step.EULER}

@@ -62,7 +62,6 @@ def diff(first: str | Path, second: str | Path, topics: Sequence[str] | None = N
 
 
 def _of_topic(topic: str, first: Sequence[Columns], second: Sequence[Columns]) -> TopicDiff:
-    """Compare the messages of a topic."""
     largest: dict[str, float] = {}
     of_first, of_second = _keyed(first), _keyed(second)
     common = of_first.keys() & of_second.keys()

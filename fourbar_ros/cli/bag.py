@@ -90,7 +90,6 @@ def _add_info(actions: Verbs) -> None:
 
 
 def _info(arguments: Namespace) -> int:
-    """Print what a bag contains; return BAD if it is not sound."""
     from fourbar_ros.bag.overview import info
     with reading(arguments.bag, 'reading') as step:
         found = info(arguments.bag, arguments.check, step)
@@ -109,7 +108,6 @@ def _info(arguments: Namespace) -> int:
 
 
 def _info_tables(found: Info) -> tuple[Table, Table]:
-    """Return the tables of a bag's own properties and of its topics."""
     from fourbar_ros.bag.reader import software_of
     about = make_table('', ('', ''))
     about.add_row('bag', str(found.path))
@@ -150,7 +148,6 @@ def _add_recover(actions: Verbs) -> None:
 
 
 def _recover(arguments: Namespace) -> int:
-    """Copy the readable messages of a bag; print what is lost. Return BAD if anything is."""
     from fourbar_ros.bag.recovery import recover
     with reading(arguments.bag, 'recovering') as step:
         recovered = recover(arguments.bag, arguments.out, step)
@@ -179,7 +176,6 @@ def _add_recompute(actions: Verbs) -> None:
 
 
 def _recompute(arguments: Namespace) -> int:
-    """Recompute the outputs of a bag, and print or dump how far they are off."""
     from fourbar_ros.bag.recomputation import recompute
     with reading(arguments.bag, 'recomputing') as step:
         found = recompute(arguments.bag, arguments.node, step)
@@ -237,7 +233,6 @@ def _add_export(actions: Verbs) -> None:
 
 
 def _export(arguments: Namespace) -> None:
-    """Write the topics of a bag as tables; print the number of rows in each."""
     from fourbar_ros.bag.tables import export
     with reading(arguments.bag, 'exporting') as step:
         written = export(arguments.bag, arguments.out, arguments.format, arguments.topics, step)
@@ -259,7 +254,6 @@ def _add_plot(actions: Verbs) -> None:
 
 
 def _plot(arguments: Namespace) -> None:
-    """Plot fields of a bag into a picture; print its path."""
     with reading(arguments.bag, 'reading') as step:
         lab('plot')(arguments.bag, arguments.fields, arguments.out, step, arguments.x)
     print(arguments.out)
@@ -276,7 +270,6 @@ def _add_diff(actions: Verbs) -> None:
 
 
 def _diff(arguments: Namespace) -> int:
-    """Compare two bags topic by topic; return BAD if they differ by more than the tolerance."""
     from fourbar_ros.bag.comparison import diff
     first, second, tolerance = arguments.bag, arguments.second, arguments.tolerance
     with reading(first, 'comparing topic by topic') as step:
@@ -318,6 +311,5 @@ def _add_scene(actions: Verbs) -> None:
 
 
 def _scene(arguments: Namespace) -> None:
-    """Print the scene of a bag as a parameter file."""
     from fourbar_ros.bag.overview import parameter_file
     print(parameter_file(arguments.bag, arguments.drive, arguments.node), end='')

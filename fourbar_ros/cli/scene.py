@@ -45,7 +45,6 @@ def add(verbs: Verbs) -> None:
 
 
 def _print(arguments: Namespace) -> None:
-    """Print the file of a scene as it is."""
     from fourbar_ros.scene.files import find
     print(find(arguments.scene).read_text(encoding='utf-8'), end='')
 
@@ -114,7 +113,6 @@ def _drive_in_words(scene: Scene) -> str:
 
 
 def _outputs_table(scene: Scene) -> Table:
-    """Return the table of the outputs of a scene."""
     table = make_table('outputs', ('name', 'topic', 'type', ''))
     for topic in (*scene.topics.values(), *scene.pictures.values()):
         table.add_row(topic.name, topic.topic, topic.type, 'loads' if topic.needs_loads else '')

@@ -251,7 +251,6 @@ class Stepper:
 
 def _equation(weightless: Mechanism, carried: float, linkage: Mechanism, motion: NamedFields,
               loads: NamedFields) -> list[float]:
-    """Return the values of the output equation."""
     from fourbar_ros.mechanisms.inertia import input_equation  # other scenes do without
     position, rate, acceleration = (getattr(motion, name) for name in linkage.input_coordinate)
     return [*input_equation(linkage, position, rate, weightless),
@@ -259,7 +258,6 @@ def _equation(weightless: Mechanism, carried: float, linkage: Mechanism, motion:
 
 
 def _rigid(linkage: Mechanism, motion: NamedFields, loads: NamedFields) -> Iterable[float]:
-    """Return the values of the output inertia."""
     from fourbar_ros.mechanisms.inertia import held_rigid  # other scenes do without
     return held_rigid(linkage, motion)
 

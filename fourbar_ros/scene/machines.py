@@ -122,12 +122,10 @@ def _dyad(name: str, values: ParameterValues) -> Dyad:
 
 
 def _point(values: ParameterValues, name: str) -> Point:
-    """Return the point of the parameters NAME.link, NAME.along and NAME.across."""
     return Point(*(values[f'{name}.{field}'] for field in Point._fields))
 
 
 def _cylinder(values: ParameterValues) -> Cylinder | None:
-    """Return the cylinder of a machine that is driven by one."""
     if values['linkage.input'] != CYLINDER:
         return None
     return Cylinder(_point(values, 'cylinder.base'), _point(values, 'cylinder.pin'),
