@@ -49,10 +49,16 @@ class DriveStates:
 
     def change(self, scene: Scene) -> None:
         """Take another scene; the state stays."""
-        self._scene, self._mover = scene, scene.mover
+        self._scene = scene
+        self._mover = self._made(0)
         self._movers: dict[int, Mover] = {}              # by mode
+
+    def _made(self, mode: int) -> Mover:
+        """Return a mover in a mode, with all that acts."""
+        mover = self._scene.mover_in(mode)
         for name, what in self._acting.items():
-            self.act(name, what)
+            mover.act(name, what)
+        return mover
 
     def act(self, name: str, what: Sequence[float]) -> None:
         """Take a wrench on a link, or a motion of the base, that acts from here on."""
@@ -90,9 +96,7 @@ class DriveStates:
             self.unknown += 1
         else:
             if mode not in self._movers:
-                self._movers[mode] = self._scene.mover_in(mode)
-                for name, what in self._acting.items():
-                    self._movers[mode].act(name, what)
+                self._movers[mode] = self._made(mode)
             mover = self._movers[mode]
             self._note_values(values, mover.values(mover.at(mover.state(values)), values.step,
                                                    values.command, values.evaluations))
@@ -125,7 +129,6 @@ class DriveStates:
                    _distance(command, 0.0) if may_be_silent else inf)
 
     def _note(self, field: str, difference: float) -> None:
-        """Keep a difference of a field if it is the largest so far."""
         self.largest[field] = max(self.largest.get(field, 0.0), difference)
 
 
