@@ -8,7 +8,7 @@ of a point, or by ``link NAME.FIELD`` in the motion of a link.
 """
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from math import nan
 from typing import Any, NamedTuple
 
@@ -74,14 +74,6 @@ class FieldMap(NamedTuple):
         return {**{field: pick(source) for field, source in self.fields[output].items()},
                 **dict.fromkeys(self.absent.get(output, ()), nan)}
 
-    def showing(self, places: Iterable[int]) -> FieldMap:
-        """Return the map whose joint_states has only some joints, by their indices."""
-        shown: dict[str, Source] = {}
-        for what, names in self.fields['joint_states'].items():
-            assert isinstance(names, tuple)
-            shown[what] = tuple(names[place] for place in places)
-        return self._replace(fields={**self.fields, 'joint_states': shown})
-
     def in_use(self, output: str) -> set[int]:
         """Return the indices of all values that an output shows."""
         return {self.place[name] for source in self.fields[output].values()
@@ -89,16 +81,13 @@ class FieldMap(NamedTuple):
                 if name is not None}
 
 
-def layout(mechanism: Mechanism, points: Iterable[str] = (), with_links: bool = False,
-           with_effort: bool = True, own_joints: bool = False, with_drive: bool = False,
-           with_equation: bool = False, with_inertia: bool = False) -> FieldMap:
+def layout(mechanism: Mechanism, points: Iterable[str], outputs: Collection[str],
+           with_effort: bool, own_joints: bool, shown: Sequence[int]) -> FieldMap:
     """
-    Return the :class:`FieldMap` of a mechanism with named points.
+    Return the :class:`FieldMap` of a mechanism with named points, for some outputs.
 
-    ``with_links``: the motion of links is published; ``with_effort``: joint_states have it;
-    ``own_joints``: they show scaled values of :mod:`fourbar_ros.pipeline.joints`, not the motion
-    itself; ``with_drive``: with the drive wrench; ``with_equation``, ``with_inertia``: with what
-    these outputs show.
+    ``with_effort``: joint_states have it; ``own_joints``: they show scaled values of
+    :mod:`fourbar_ros.pipeline.joints`, not the motion itself; ``shown``: of which joints.
     """
     names = mechanism.MOTION._fields + mechanism.LOADS._fields
     driven, (output, ratio) = mechanism.input_coordinate, mechanism.outputs[0]
@@ -112,10 +101,10 @@ def layout(mechanism: Mechanism, points: Iterable[str] = (), with_links: bool = 
         f'points/{point}': {name: f'{point}.{name}' for name in PointMotion._fields}
         for point in points}
     own |= {f'links/{link.name}': {name: f'link {link.name}.{name}' for name in LinkFields._fields}
-            for link in mechanism.LINKS if with_links}
-    if with_equation:
+            for link in mechanism.LINKS if 'links' in outputs}
+    if 'equation' in outputs:
         own['equation'] = {name: f'equation {name}' for name in EQUATION}
-    if with_inertia:
+    if 'inertia' in outputs:
         own['inertia'] = dict(zip(('inertia.m', 'inertia.com.x', 'inertia.com.y', 'inertia.izz'),
                                   [f'rigid {name}' for name in RIGID]))
     fields: dict[str, Mapping[str, Source]] = {
@@ -126,7 +115,7 @@ def layout(mechanism: Mechanism, points: Iterable[str] = (), with_links: bool = 
         'loads': {name: name for name in LOADS if name in names},
         'shaking_wrench': dict(zip(wrench, ('shaking_force_x', 'shaking_force_y',
                                             'shaking_moment'))),
-        'joint_states': _joint_states(joints, driven, with_effort, own_joints),
+        'joint_states': _joint_states(joints, driven, with_effort, own_joints, shown),
         **own,
         **{f'reactions/{reaction.joint}': dict(zip(wrench, filter(None, (
             reaction.x, reaction.y, reaction.couple)))) for reaction in mechanism.REACTIONS},
@@ -135,9 +124,9 @@ def layout(mechanism: Mechanism, points: Iterable[str] = (), with_links: bool = 
               'loads': tuple(name for name in LOADS if name not in names)}
     for sources in own.values():
         names += tuple(map(str, sources.values()))
-    if with_equation:
+    if 'equation' in outputs:
         fields['equation'] = {**dict(zip(motion[:2], driven)), **own['equation']}
-    if with_drive:
+    if 'drive_wrench' in outputs:
         fields['drive_wrench'] = dict(zip(wrench, DRIVE_WRENCH))
         names += DRIVE_WRENCH
     if own_joints:
@@ -153,16 +142,17 @@ def _effort(joint: Coordinate, driven: Coordinate) -> str | None:
     return 'driving_torque' if driven.unit == 'rad' else 'driving_force'
 
 
-def _joint_states(joints: Sequence[Coordinate], driven: Coordinate, with_effort: bool, own: bool
-                  ) -> dict[str, Source]:
-    """Return {field of a JointState: names of the values of all joints}; ``own``: scaled ones."""
+def _joint_states(joints: Sequence[Coordinate], driven: Coordinate, with_effort: bool, own: bool,
+                  shown: Sequence[int]) -> dict[str, Source]:
+    """Return {field of a JointState: names of the values of joints}; ``own``: scaled ones."""
     sources: list[tuple[str | None, ...]] = [
         tuple(joint.position for joint in joints), tuple(joint.rate for joint in joints),
         tuple(_effort(joint, driven) for joint in joints)]
     if own:
         names, count = joint_values(len(joints)), len(joints)
         sources = [names[count * i:count * (i + 1)] for i in range(len(OF_JOINTS))]
-    fields: dict[str, Source] = dict(zip(OF_JOINTS, sources))
+    fields: dict[str, Source] = {field: tuple(names[place] for place in shown)
+                                 for field, names in zip(OF_JOINTS, sources)}
     if not with_effort:
         del fields['effort']                             # empty in the message: not known
     return fields

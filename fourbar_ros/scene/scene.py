@@ -307,11 +307,8 @@ class Scene:
     @cached_property
     def layout(self) -> FieldMap:
         """Return the map from the values of a sample to the fields of messages."""
-        fields = layout(self.linkage, self.points, 'links' in self.outputs, self.needs_loads,
-                        not self.shows_plain_joints, *[
-                            name in self.outputs
-                            for name in ('drive_wrench', 'equation', 'inertia')])
-        return fields.showing(self.joints_shown) if self.joint_states.only_passive else fields
+        return layout(self.linkage, self.points, self.outputs, self.needs_loads,
+                      not self.shows_plain_joints, self.joints_shown)
 
     @property
     def shows_plain_joints(self) -> bool:
