@@ -51,9 +51,6 @@ if TYPE_CHECKING:      # other scenes do without
     from numpy.typing import ArrayLike
 
 
-COUNTS_IN_WORDS = {1: 'one', 2: 'two', 3: 'three', 4: 'four', 5: 'five', 6: 'six', 7: 'seven',
-                   8: 'eight'}
-
 Group = SimpleNamespace     # the parameters of a group by name: drive.speed is scene.drive.speed
 
 
@@ -437,12 +434,11 @@ def _check_together(scene: Scene) -> None:
         if scene.values[name].startswith('/'):
             refuse(name, 'must not begin with a slash: tf2 takes no such frame')
     names, count = scene.joint_names, len(scene.linkage.JOINTS)
-    words = COUNTS_IN_WORDS.get(count, count)
     if len(names) != count or len(set(names)) != count or scene.joint_states.prefix in names:
-        refuse('joint_names', f'must be {words} different names, one for each joint')
+        refuse('joint_names', f'must be {count} different names, one for each joint')
     for name in ('ratios', 'offsets'):
         if len(getattr(scene.joint_states, name)) != count:
-            refuse(f'joint_states.{name}', f'must be {words} numbers, one for each joint')
+            refuse(f'joint_states.{name}', f'must be {count} numbers, one for each joint')
     if 0.0 in scene.joint_states.ratios:
         refuse('joint_states.ratios', 'must not be zero')
     if scene.drive.joint_ratio == 0.0:
