@@ -53,11 +53,12 @@ def test_loads(case):
         assert beyond(found, LOADS_BOUND) == {}, (family, lengths, given)
 
 
-@every_case
+@pytest.mark.parametrize('case', [case for case in CASES if case.name != 'scotch_yoke'],
+                         ids=contract.name_of)
 def test_next_to_exact_change_points(case, count=more(2, 20)):
     """The condition is that of data that keep the change point; what is constant has none."""
     rng = np.random.default_rng(203)
-    while count and case.name != 'scotch_yoke':     # of which there is none
+    while count:
         lengths = contract.at_change_point(rng, case)
         masses = contract.random_masses(rng, case, max(map(abs, lengths)), 1.0)
         mechanism = case.make(lengths, masses)
