@@ -21,7 +21,7 @@ from fourbar_ros.extrema.sampling import Sampler
 from fourbar_ros.extrema.search import Search
 from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
-from fourbar_ros.mechanisms.quantities import known, point_speed, positions, select
+from fourbar_ros.mechanisms.quantities import point_speed, positions, select
 import numpy as np
 import pytest
 from support.contract import with_rods
@@ -30,9 +30,6 @@ from support.samples import some
 
 PAPER = (0.4, 1.2, 0.8, 1.0)
 RATES = ('omega4', 'alpha4')
-QUANTITIES = known(FourBar)
-
-
 MASSES = Bodies(Body(1.0, 0.3, 0.1, 0.02), Body(2.0, 0.4, -0.1, 0.03), Body(1.5, 0.2, 0.15, 0.05))
 
 

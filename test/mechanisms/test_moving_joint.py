@@ -18,7 +18,7 @@ import pytest
 from support import bags
 from support.scans import check_against_scan
 
-RATE, ACCELERATION, GRAVITY = 1.7, -0.6, (0.4, -9.8)
+RATE = 1.7
 
 
 def bodies_of(rng):

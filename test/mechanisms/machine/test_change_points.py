@@ -20,7 +20,7 @@ DISTANCES = (1e-3, 1e-6, 1e-9, 1e-12)
 
 # --- placed elsewhere ----------------------------------------------------------------------------
 
-P34, Q512, Q34, P43 = (3.0, 4.0), (5.0, 12.0), (3.0, 4.0), (4.0, 3.0)
+P34, Q512, P43 = (3.0, 4.0), (5.0, 12.0), (4.0, 3.0)
 PLACED = {        # the dyad, and the same as a first dyad at O1 along x, turned by these angles
     'RRR, both turned': (
         Dyad('d', 'RRR', Point('crank', *P34), Point('ground', *Q512), ('a', 'b'), length_1=8.0,
