@@ -159,7 +159,7 @@ ROOMS = {
             'test/bag/test_recorder.py'),
         Bug('reader.py', 'is_behind |= isinstance(record, DataEnd)', 'pass',
             'test/bag/test_reader.py'),
-        Bug('reader.py', 'message.sequence >= repeated.get(message.topic, 0)', 'True',
+        Bug('reader.py', 'record.sequence >= repeated.get(topic, 0)', 'True',
             'test/bag/test_reader.py'),
         Bug('overview.py', 'gap if gap < 1 << 31 else 0', 'gap',
             'test/bag/test_reader.py test/bag/test_recorder.py'),
