@@ -63,6 +63,37 @@ def test_what_is_late_silent_or_of_another_frame_does_not_act(run_node, client, 
     assert answer.state.status == LinkageState.STATUS_LOADS_UNKNOWN and isnan(answer.loads.f41)
 
 
+def test_two_nodes_on_one_base_pass_their_loads_on(run_node, client, lockstep, tmp_path):
+    """The output of one drives the crank of the other, whose drive wrench acts on the first."""
+    both = {**LOADED, 'base.topic': 'motion_of_base', 'base.timeout': 60.0}
+    node = run_node({**both, 'outputs': ['state', 'loads', 'output'],
+                     'external.output.from_topic': True, **recording_in(tmp_path)},
+                    remaps=('~/external/output:=/two/drive_wrench',))
+    run_node({**both, 'outputs': ['loads', 'drive_wrench']}, name='two',
+             remaps=('~/input:=/fourbar/output',))
+    base, ask = Base(1.0, 9.0, 2.0, -3.0), lockstep('state', 'loads')
+    in_effect = client.hear(BaseMessage, '/two/base',
+                            QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL))
+    tell = client.node.create_publisher(BaseMessage, '/two/input_base', 100)
+    client.until(lambda: tell.get_subscription_count() and in_effect, 'the topics')
+    tell.publish(BaseMessage(**base._asdict(), header=Header(stamp=to_stamp(10**6))))
+    client.until(lambda: in_effect[-1].rate == base.rate, 'the base')
+    linkage, due, answers = from_values(both).bare_linkage, {}, client.hear(LinkageLoads,
+                                                                            '/two/loads')
+
+    def chained():
+        number = 1 + len(due)
+        state = ask(0.001 * number, 0.01 * number, 2.0, 3.0, base).state
+        due[number * 10**6] = linkage.loads(state.theta4, state.omega4, state.alpha4,
+                                            base=base).driving_torque
+        return len(answers) >= 20
+    client.until(chained, 'twenty answers of the second')
+    for its in answers:
+        assert its.driving_torque == due[its.header.stamp.sec * 10**9 + its.header.stamp.nanosec]
+    node.stop()
+    assert recomputed(tmp_path / 'run').compared > 40
+
+
 def test_a_motion_by_torque_feels_base_and_payload_and_recomputes(run_node, client, tmp_path):
     values = {**LOADED, 'drive.source': 'torque', 'drive.rate': 500.0, 'drive.when_silent': 'hold',
               'base.topic': 'motion_of_base', 'base.timeout': 60.0,
