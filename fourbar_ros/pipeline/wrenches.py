@@ -89,22 +89,17 @@ def drive_wrench(linkage: Mechanism, place: Mapping[str, int]) -> DriveWrench:
     slide. That is x unless the mechanism names values for its cosine and sine. All are NaN where
     the drive is not known. ``place``: {name: index in values}.
     """
-    is_slide, direction = linkage.is_driven_by_slide, linkage.SLIDE_DIRECTION
+    is_slide = linkage.is_driven_by_slide
     drive = place['driving_force' if is_slide else 'driving_torque']
+    direction = linkage.SLIDE_DIRECTION if is_slide else None
+    axes = [place[name] for name in direction or ()]        # none: along x
 
-    def torque_of(values: Sequence[float]) -> tuple[float, float, float]:
-        zero = 0.0 * abs(values[drive])                  # NaN where the drive is not known
-        return zero, zero, -values[drive]
-
-    def force_along_x(values: Sequence[float]) -> tuple[float, float, float]:
-        zero = 0.0 * abs(values[drive])
-        return -values[drive], zero, zero
-
-    if not is_slide or direction is None:
-        return force_along_x if is_slide else torque_of
-    cosine, sine = (place[name] for name in direction)
-
-    def force_along_slide(values: Sequence[float]) -> tuple[float, float, float]:
-        force = -values[drive]
-        return force * values[cosine], force * values[sine], 0.0 * abs(force)
-    return force_along_slide
+    def wrench(values: Sequence[float]) -> tuple[float, float, float]:
+        load = -values[drive]
+        zero = 0.0 * abs(load)                  # NaN where the drive is not known
+        if not is_slide:
+            return zero, zero, load
+        if not axes:
+            return load, zero, zero
+        return load * values[axes[0]], load * values[axes[1]], zero
+    return wrench
