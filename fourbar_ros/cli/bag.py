@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
+from collections.abc import Callable
 from datetime import datetime
 from typing import TYPE_CHECKING
 
@@ -65,10 +66,13 @@ def add(verbs: Verbs) -> None:
         add_action(actions)
 
 
-def _action(actions: Verbs, name: str, text: str, description: str) -> ArgumentParser:
-    """Add an action on one bag; return its parser."""
+def _action(actions: Verbs, name: str, run: Callable[[Namespace], int | None], text: str,
+            more: str = '.') -> ArgumentParser:
+    """Add an action on one bag; return its parser. It is described by its help and ``more``."""
+    description = text[0].upper() + text[1:] + more
     parser: ArgumentParser = actions.add_parser(name, help=text, description=description)
     parser.add_argument('bag', metavar='BAG', help=BAG_HELP)
+    parser.set_defaults(run=run)
     return parser
 
 
@@ -80,13 +84,11 @@ def _print(*tables: Table) -> None:
 # --- info ----------------------------------------------------------------------------------------
 
 def _add_info(actions: Verbs) -> None:
-    info = _action(actions, 'info', 'show what a bag contains and whether it is sound',
-                   'Show what a bag contains and whether it is sound.')
+    info = _action(actions, 'info', _info, 'show what a bag contains and whether it is sound')
     add_json(info)
     info.add_argument('--check', action='store_true',
                       help='read every message: verify checksums, and sequence numbers to find '
                            'missing messages')
-    info.set_defaults(run=_info)
 
 
 def _info(arguments: Namespace) -> int:
@@ -139,12 +141,11 @@ def _info_tables(found: Info) -> tuple[Table, Table]:
 # --- recover -------------------------------------------------------------------------------------
 
 def _add_recover(actions: Verbs) -> None:
-    recover = _action(actions, 'recover', 'make a whole bag of a cut or damaged one',
-                      'Make a whole bag of a cut or damaged one. Every readable message is '
-                      'copied, verified by its checksum; the old bag is only read.')
+    recover = _action(actions, 'recover', _recover, 'make a whole bag of a cut or damaged one',
+                      '. Every readable message is copied, verified by its checksum; the old bag '
+                      'is only read.')
     recover.add_argument('-o', '--out', metavar='DIR',
                          help='folder of the new bag; default NAME_recovered')
-    recover.set_defaults(run=_recover)
 
 
 def _recover(arguments: Namespace) -> int:
@@ -165,14 +166,13 @@ def _recover(arguments: Namespace) -> int:
 
 def _add_recompute(actions: Verbs) -> None:
     recompute = _action(
-        actions, 'recompute', 'recompute every recorded output and compare',
-        'Recompute every recorded output from the driven motion and the scene, both of which are '
-        'in the bag, and compare. Bags of this version of the software differ by exactly 0; those '
-        'of another version may differ by rounding: accept that with --tolerance.')
+        actions, 'recompute', _recompute, 'recompute every recorded output and compare',
+        '. Outputs follow from the driven motion and the scene, both of which are in the bag. '
+        'Bags of this version of the software differ by exactly 0; those of another version may '
+        'differ by rounding: accept that with --tolerance.')
     add_json(recompute)
     add_tolerance(recompute)
     add_node(recompute)
-    recompute.set_defaults(run=_recompute)
 
 
 def _recompute(arguments: Namespace) -> int:
@@ -220,8 +220,8 @@ def _differences(found: Recomputed, tolerance: float) -> Table:
 # --- export, plot, diff, scene -------------------------------------------------------------------
 
 def _add_export(actions: Verbs) -> None:
-    export = _action(actions, 'export', 'write the numbers in a bag as tables',
-                     'Write the numbers in a bag as tables: CSV, NumPy (.npz) or Parquet.')
+    export = _action(actions, 'export', _export, 'write the numbers in a bag as tables',
+                     ': CSV, NumPy (.npz) or Parquet.')
     export.add_argument('-o', '--out', metavar='PATH', required=True,
                         help='new folder for the tables, new .npz file, or new .csv or .parquet '
                              'file for one topic')
@@ -229,7 +229,6 @@ def _add_export(actions: Verbs) -> None:
                         help='default: by the ending of PATH, csv for a folder; parquet requires '
                              'pyarrow')
     add_topics(export, 'export only these topics')
-    export.set_defaults(run=_export)
 
 
 def _export(arguments: Namespace) -> None:
@@ -241,16 +240,14 @@ def _export(arguments: Namespace) -> None:
 
 
 def _add_plot(actions: Verbs) -> None:
-    plot = _action(actions, 'plot', 'plot fields over time or over another field',
-                   'Plot fields over time, or over the field --x; fields of the same unit share '
-                   'an axis. Requires matplotlib.')
+    plot = _action(actions, 'plot', _plot, 'plot fields over time or over another field',
+                   '; fields of the same unit share an axis. Requires matplotlib.')
     plot.add_argument('fields', metavar='TOPIC.FIELD', nargs='+',
                       help='e.g. state.theta4 or /joint_states.position[crank]')
     plot.add_argument('--x', metavar='TOPIC.FIELD',
                       help='field of the horizontal axis, e.g. state.theta1; values of the same '
                            'stamp belong together (default: time)')
     plot.add_argument('-o', '--out', metavar='FILE', required=True, help=PICTURE_HELP)
-    plot.set_defaults(run=_plot)
 
 
 def _plot(arguments: Namespace) -> None:
@@ -260,13 +257,12 @@ def _plot(arguments: Namespace) -> None:
 
 
 def _add_diff(actions: Verbs) -> None:
-    diff = _action(actions, 'diff', 'compare two bags message by message',
-                   'Compare two bags: messages with the same stamp, field by field.')
+    diff = _action(actions, 'diff', _diff, 'compare two bags message by message',
+                   ': those with the same stamp, field by field.')
     diff.add_argument('second', metavar='OTHER', help=BAG_HELP)
     add_tolerance(diff)
     add_topics(diff, 'compare only these topics')
     add_json(diff)
-    diff.set_defaults(run=_diff)
 
 
 def _diff(arguments: Namespace) -> int:
@@ -301,13 +297,12 @@ def _diff_table(topics: list[TopicDiff], tolerance: float) -> Table:
 
 def _add_scene(actions: Verbs) -> None:
     scene = _action(
-        actions, 'scene', 'print the scene of a bag as a parameter file',
-        'Print the scene of a bag as a parameter file, for a node that the bag is to drive '
-        '(drive.source: motion): see fourbar replay --inputs-only.')
+        actions, 'scene', _scene, 'print the scene of a bag as a parameter file',
+        ', for a node that the bag is to drive (drive.source: motion): see fourbar replay '
+        '--inputs-only.')
     scene.add_argument('--drive', choices=('motion', 'timer'), default='motion',
                        help='drive.source in the parameter file (default motion)')
     add_node(scene)
-    scene.set_defaults(run=_scene)
 
 
 def _scene(arguments: Namespace) -> None:
