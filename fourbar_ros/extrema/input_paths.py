@@ -30,7 +30,7 @@ NODES = 32                          # of each kernel, to solve t(phi) = t
 # Points added towards a toggle, each twice as close as the one before, and towards a flat
 # position, every second one twice as close. The last are 1e-6 in u from a toggle and 1e-12 in x
 # from either, where x itself has four digits left. How many others a path has at least.
-TOGGLE_POINTS, FLAT_POINTS, LEAST = 14, 64, 32
+TOGGLE_POINTS, FLAT_POINTS, LEAST = 14, 64, 12
 
 
 class End(NamedTuple):

@@ -27,13 +27,12 @@ def newton_roots(function: Function, row: Array, xa: Array, xb: Array, fa: Array
 
     Newton's method, with bisection wherever that leaves the bracket or does not halve its step.
     The last step is not looked at again: its error is about its square over the width of the
-    bracket.
+    bracket. A root that is found stays where it is until all are.
 
     Parameters
     ----------
     function : callable
-        (x, row) -> f, the step f/f' (NaN: not known, so halve) and any other arrays. As long as
-        no root is found, ``row`` is the same object.
+        (x, row) -> f, the step f/f' (NaN: not known, so halve) and any other arrays.
     row : ndarray
         The row of each bracket.
     xa, xb, fa, x : ndarray
@@ -47,9 +46,8 @@ def newton_roots(function: Function, row: Array, xa: Array, xb: Array, fa: Array
     """
     # A zero at an end may not be where the sign changes: it counts as positive.
     x = np.where((fa != 0.0) & (x > xa) & (x < xb), x, 0.5 * (xa + xb))
-    todo: Array = np.arange(x.size)
     positive: Array = fa >= 0.0
-    parts, width, last = [], xb - xa, xb - xa
+    width = last = xb - xa
     while True:
         f, step, *state = function(x, row)
         before = (f >= 0.0) == positive
@@ -61,17 +59,9 @@ def newton_roots(function: Function, row: Array, xa: Array, xb: Array, fa: Array
         done = np.where(is_newton, SAFETY * step * step <= tolerance * width,
                         xb - xa <= 2.0 * tolerance)
         done |= ~np.isfinite(f)              # overflow: no root to be found
-        taken = x - better
         if done.all():
-            parts.append([todo, better, taken, *state])
-            return _in_order(parts)
-        last, x = np.abs(taken), better
-        if done.any():
-            # indices: a mask would be counted again for each array
-            ready, going = np.nonzero(done)[0], np.nonzero(~done)[0]
-            parts.append([v[ready] for v in (todo, better, taken, *state)])
-            todo, row, xa, xb, x, last, width, positive = (
-                v[going] for v in (todo, row, xa, xb, x, last, width, positive))
+            return [better, x - better, *state]
+        last, x = np.where(done, last, np.abs(x - better)), np.where(done, x, better)
 
 
 def halve(is_before: Callable[[float], bool], low: float, high: float) -> tuple[float, float]:
@@ -88,11 +78,3 @@ def halve(is_before: Callable[[float], bool], low: float, high: float) -> tuple[
             low = middle
         else:
             high = middle
-
-
-def _in_order(parts: list[list[Array]]) -> list[Array]:
-    """Join arrays given in parts, each with the numbers of its brackets first, in their order."""
-    place, *arrays = [np.concatenate(columns) for columns in zip(*parts)]
-    order = np.empty_like(place)
-    order[place] = np.arange(place.size)
-    return [array[order] for array in arrays]
