@@ -45,8 +45,6 @@ class NumberType:
 
     Parameters
     ----------
-    name : str
-        For texts.
     sin, cos, sqrt, atan2, hypot, fabs : callable
         As in :mod:`math`.
     where : callable
@@ -61,7 +59,6 @@ class NumberType:
 
     """
 
-    name: str
     sin: Function
     cos: Function
     sqrt: Function
@@ -146,9 +143,9 @@ def hypot_of_complex(x: Any, y: Any) -> Any:
             else hypot_of_arrays(x, y))
 
 
-REAL = NumberType('floats', math.sin, math.cos, math.sqrt, math.atan2, math.hypot, math.fabs,
+REAL = NumberType(math.sin, math.cos, math.sqrt, math.atan2, math.hypot, math.fabs,
                   choose, math.fsum, power_of_two)
-ARRAY = NumberType('arrays', np.sin, np.cos, np.sqrt, angle_of_complex, hypot_of_complex,
+ARRAY = NumberType(np.sin, np.cos, np.sqrt, angle_of_complex, hypot_of_complex,
                    size_of_complex, _choose_in_arrays, math.fsum, power_of_two)
 
 

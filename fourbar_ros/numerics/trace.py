@@ -140,7 +140,7 @@ def _call(function: Function, x: Recordable) -> Any:
 RECORDING: dict[str, Function] = {**{name: _function(name) for name in OPERATIONS},
                                   'where': _choice}
 _exact_sum = RECORDING['exact_sum']
-RECORDED = NumberType('recorded', _function('sin'), _function('cos'), _function('sqrt'),
+RECORDED = NumberType(_function('sin'), _function('cos'), _function('sqrt'),
                       _function('atan2'), _function('hypot'), _function('fabs'), _choice,
                       lambda terms: _exact_sum(*terms), _function('power_of_two'), call=_call)
 
@@ -239,11 +239,6 @@ class Trace:
         return len(self.steps)
 
     # --- known facts about it -------------------------------------------------------------------
-
-    @property
-    def operations(self) -> int:
-        """Return the number of operations that depend on the inputs."""
-        return len(self.varies) - self.count
 
     def part(self, number: int) -> NestedPlaces:
         """Return the places of result ``number`` of a formula with several: motion, loads."""

@@ -61,7 +61,7 @@ def test_a_complex_step_gives_the_derivative(name):
             assert abs(ours - truth) <= 64 * EPS * max(1, abs(truth))
 
 
-@pytest.mark.parametrize('numbers', [REAL, ARRAY], ids=lambda numbers: numbers.name)
+@pytest.mark.parametrize('numbers', [REAL, ARRAY], ids=['floats', 'arrays'])
 def test_where_chooses_one_number_or_each_of_a_tuple(numbers):
     assert numbers.where(True, 1.0, 2.0) == 1.0
     assert numbers.where(False, (1.0, 3.0), (2.0, 4.0)) == (2.0, 4.0)
