@@ -50,13 +50,6 @@ LEFT_OUT_AT_LIMIT = 2.0**-30
 PLACE, WIDEST, VALUE, OF_LARGEST = 2.0**-32, 2.0**-20, 2.0**-32, 2.0**-40
 
 
-class Verdict(NamedTuple):
-    """Whether extrema contradict a proof, and a text about them."""
-
-    is_contradicted: bool
-    text: str
-
-
 class ProvenPiece(NamedTuple):
     """A piece of the input, in the mechanism's unit, with exactly one extremum of a quantity."""
 
@@ -80,25 +73,20 @@ class Proof(NamedTuple):
     ends: list[tuple[int, float, float]]     # (side, input, width left out), in its unit
     why_not: str = ''
 
-    @property
-    def ends_of_parts(self) -> list[float]:
-        """Return inputs between whose pairs there is one extremum each."""
-        return [end for part in self.parts for end in (part.low, part.high)]
-
-    def verdict(self, found: Sequence[PathExtremum]) -> Verdict:
+    def verdict(self, found: Sequence[PathExtremum]) -> str:
         """
-        Return whether these are the extrema: as many, of the same kinds, places and values.
+        Return a text on whether these are the extrema: as many, of the same kinds, places, values.
 
         Each one found is matched with a part; the text says how well places are confirmed, or
         which one is not.
         """
         if self.why_not:
-            return Verdict(False, f'{NOT_PROVED}: {self.why_not}')
+            return f'{NOT_PROVED}: {self.why_not}'
         interior = [one for one in found if one.side == 0 and one.sense]
         inside, left = [one for one in interior if not self._is_left_out(one)], list(self.parts)
         if len(inside) != len(left):
             exist = len(left) + len(interior) - len(inside)
-            return Verdict(True, f'{NOT_PROVED}: {len(interior)} found, {exist} exist')
+            return f'{NOT_PROVED}: {len(interior)} found, {exist} exist'
         coordinate, unit, width = self.linkage.input_coordinate, self.linkage.input_unit, PLACE
         turns = (0,) if self.linkage.is_driven_by_slide else (-1, 0, 1)     # paths may go beyond
         largest = max([abs(one.value) for one in inside], default=0.0)
@@ -109,8 +97,8 @@ class Proof(NamedTuple):
             around = self._width(one, largest) if part else inf
             if part is None or around == inf:
                 kind = 'minimum' if one.sense < 0 else 'maximum'
-                return Verdict(True, f'{NOT_PROVED}: no {kind} of {one.value:.12g} confirmed at '
-                                     f'{coordinate.position} = {unit * one.place:.12g}')
+                return (f'{NOT_PROVED}: no {kind} of {one.value:.12g} confirmed at '
+                        f'{coordinate.position} = {unit * one.place:.12g}')
             left.remove(part)
             width = max(width, around)
         text = INTERVALS
@@ -119,7 +107,7 @@ class Proof(NamedTuple):
         if self.ends:
             text += (f', except {max(width for *_, width in self.ends):.0e} {coordinate.unit} '
                      'at the ends')
-        return Verdict(False, text)
+        return text
 
     def _is_left_out(self, one: PathExtremum) -> bool:
         """Return whether an extremum is so near to an end that nothing is enclosed there."""

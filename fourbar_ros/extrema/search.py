@@ -9,17 +9,14 @@ functions of users by differences.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
 
 from fourbar_ros.extrema.difference_sampling import DifferenceSampler
 from fourbar_ros.extrema.input_paths import input_paths
 from fourbar_ros.extrema.path_search import PathExtremum, search_path
+from fourbar_ros.extrema.proof import NOT_PROVED, Proof, prove
 from fourbar_ros.extrema.sampling import Sampler
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.quantities import Asked, Function
-
-if TYPE_CHECKING:       # loaded when a proof is asked for
-    from fourbar_ros.extrema.proof import Proof
 
 SAMPLES = 256       # points of a full turn, at least
 
@@ -67,22 +64,21 @@ class Search:
         ``found``: results of the search for each quantity; others as for :meth:`prove`.
         """
         proofs = self.prove(found, check, seconds)
-
-        verdicts = [proof.verdict(part) for proof, part in zip(proofs, found)]
-        wrong = [row for row, verdict in enumerate(verdicts) if verdict.is_contradicted]
+        texts = [proof.verdict(part) for proof, part in zip(proofs, found)]
+        wrong = [row for row, proof in enumerate(proofs)
+                 if texts[row].startswith(NOT_PROVED) and not proof.why_not]
         if wrong:
-            ends = [proofs[row].ends_of_parts for row in wrong]
-            again = self.extrema(with_conditions, sum(ends, []))
+            ends = [end for row in wrong for part in proofs[row].parts
+                    for end in (part.low, part.high)]
+            again = self.extrema(with_conditions, ends)
             for row in wrong:
-                verdict = proofs[row].verdict(again[row])
-                if not verdict.is_contradicted:
-                    found[row], verdicts[row] = again[row], verdict
-        return found, [verdict.text for verdict in verdicts]
+                text = proofs[row].verdict(again[row])
+                if not text.startswith(NOT_PROVED):
+                    found[row], texts[row] = again[row], text
+        return found, texts
 
     def prove(self, found: list[list[PathExtremum]], check: Callable[[float], None],
               seconds: float) -> list[Proof]:
         """Return a proof of each quantity, see :func:`fourbar_ros.extrema.proof.prove`."""
-        from fourbar_ros.extrema.proof import prove
-
         return prove(self._linkage, self._quantities, self._rates, self.paths, found, check,
                      seconds)
