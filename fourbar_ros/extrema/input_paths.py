@@ -180,7 +180,8 @@ def _cuts(mechanism: Mechanism, within: tuple[float, float] | None) -> list[tupl
     low, high = within or (-inf, inf)
     if mechanism.is_driven_by_slide:
         begin, end = mechanism.stroke or (-inf, inf)
-        return [(max(low, begin), min(high, end))]
+        low, high = max(low, begin), min(high, end)
+        return [(low, high)] if low < high else []
     if not within:
         return [(low, high)]
     turns = round(low / (2.0 * pi))

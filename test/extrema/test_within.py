@@ -95,3 +95,6 @@ def test_a_part_in_which_nothing_closes_is_refused_with_the_ranges():
         find_extrema(FourBar(4.0, 2.0, 3.0, 5.5), within=(3.0, 3.2))
     with pytest.raises(InvalidParameter, match=r'^within = .*none of these .* m$'):
         find_extrema(SliderCrank(0.05, 0.2, input='slide'), within=(0.3, 0.4))
+    with pytest.raises(InvalidParameter, match=r'^within = .*none of these .* m$'):
+        find_extrema(SliderCrank(0.05, 0.2, input='slide', stroke=(0.16, 0.18)),
+                     within=(0.19, 0.2))
