@@ -81,19 +81,19 @@ def measured(study: Study, drawn: dict[str, Array]
 
 def compute(study: Study, chunk: int) -> Chunk:
     """Return the results of one of the chunks of a study, counted from 0: of the rows kept."""
-    start, stop = study.rows_of(chunk)
-    drawn = study.drawn(start, stop)
+    rows = study.rows_of(chunk)
+    drawn = study.drawn(rows.start, rows.stop)
     measures, reasons, failures = measured(study, drawn)
     kept = np.array([i for i, reason in enumerate(reasons) if reason == FEASIBLE
                      or study.keeps_all and reason not in (NOT_BUILT, FAILED)], int)
-    columns: dict[str, Array] = {'row': kept + start}
+    columns: dict[str, Array] = {'row': kept + rows.start}
     if study.keeps_all:
         columns[FEASIBLE] = np.array([reasons[i] == FEASIBLE for i in kept], bool)
     columns |= {name: column[kept] for name, column in drawn.items()}
     types = {CLASS: str, 'extrema': np.int32}
     columns |= {measure.name: measures[measure.name][kept].astype(types.get(measure.part, float))
                 for measure in study.measures}
-    return Chunk(columns, dict(Counter(reasons)), [(start + i, text) for i, text in failures])
+    return Chunk(columns, dict(Counter(reasons)), [(rows[i], text) for i, text in failures])
 
 
 def _together(study: Study, drawn: dict[str, Array], columns: dict[str, Array]) -> Array:

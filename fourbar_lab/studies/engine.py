@@ -93,7 +93,7 @@ def run(study: Study, folder: str | Path,
     folder = Path(folder)
     _begin(study, folder, resume)
     there = parts(folder).keys()
-    before, done = sum(study.size_of(number) for number in there), 0
+    before, done = sum(len(study.rows_of(number)) for number in there), 0
     report(before)
     try:
         with pool() as executor:
@@ -101,7 +101,7 @@ def run(study: Study, folder: str | Path,
                                         for number in range(study.chunks) if number not in there]):
                 number, content = future.result()
                 _write(folder / PART.format(number), content)
-                done += study.size_of(number)
+                done += len(study.rows_of(number))
                 report(before + done)
     except (BrokenExecutor, CancelledError):        # what was under way is lost
         raise StudyError(f'the workers are gone; {KEPT}') from None
@@ -116,8 +116,8 @@ def compute_part(study: Study, number: int, versions: dict[str, str]) -> tuple[i
     try:
         return number, encode(study, number)
     except Exception as error:     # noqa: B902
-        start, stop = study.rows_of(number)
-        raise StudyError(f'rows {start} to {stop - 1} could not be computed: '
+        rows = study.rows_of(number)
+        raise StudyError(f'rows {rows[0]} to {rows[-1]} could not be computed: '
                          f'{type(error).__name__}: {error}; {KEPT}') from None
 
 

@@ -80,14 +80,9 @@ class Study:
         """Return how many chunks there are."""
         return -(-self.rows // self.chunk)
 
-    def rows_of(self, chunk: int) -> tuple[int, int]:
-        """Return (first, after last) row of a chunk."""
-        return chunk * self.chunk, min((chunk + 1) * self.chunk, self.rows)
-
-    def size_of(self, chunk: int) -> int:
-        """Return how many rows a chunk has."""
-        start, stop = self.rows_of(chunk)
-        return stop - start
+    def rows_of(self, chunk: int) -> range:
+        """Return the rows of a chunk."""
+        return range(chunk * self.chunk, min((chunk + 1) * self.chunk, self.rows))
 
     def drawn(self, start: int, stop: int) -> dict[str, Array]:
         """Return {parameter that varies: its values in rows start to stop - 1, shape (n,)}."""
