@@ -13,7 +13,7 @@ verdicts:
 
 examples:
   fourbar reproduce
-  fourbar reproduce --html figures.html     one page with the figures; requires matplotlib
+  fourbar reproduce --html report.html      one page with the figures; requires matplotlib
 
 exit codes: 0 good; 1 an error; 2 bad arguments; 3 done, but a number differs without a
 known reason
@@ -30,7 +30,8 @@ def add(verbs: Verbs) -> None:
         'Recompute every number printed in the lecture slides (set 7) and in the paper of Hayes, '
         'Hninn and\nIrani: printed value, computed value, difference, verdict.',
         EPILOG.format(verdicts=verdicts))
-    verb.add_argument('--html', metavar='FILE', help='also write the figures, as one page')
+    verb.add_argument('--html', metavar='FILE', help='also write one self-contained page with the '
+                                                     'figures')
     verb.set_defaults(run=_reproduce)
 
 
@@ -41,8 +42,8 @@ def _reproduce(arguments: Namespace) -> int:
     sections = reproduce()
     # first: a file that cannot be written is reported before the tables
     if arguments.html:
-        from fourbar_lab.reproduction.figures import write_figures
-        write_figures(sections, arguments.html)
+        from fourbar_lab.reproduction.page import write_page
+        write_page(sections, arguments.html)
     print_tables(sections)
     if arguments.html:
         print(arguments.html)

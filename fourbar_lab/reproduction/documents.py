@@ -58,7 +58,7 @@ class Section(NamedTuple):
     """
     An example or a table of a document.
 
-    ``figure``: name of a drawing of :mod:`fourbar_lab.reproduction.figures`, or ''.
+    ``figure``: name of a drawing of :mod:`fourbar_lab.reproduction.page`, or ''.
     """
 
     title: str

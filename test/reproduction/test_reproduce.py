@@ -5,7 +5,7 @@ Both documents recomputed.
 
 Each verdict is earned, and Table 3 is what was said to have made it.
 """
-from html import escape
+from html.parser import HTMLParser
 from math import radians
 import re
 import subprocess
@@ -33,7 +33,7 @@ from fourbar_lab.reproduction.documents import (
     zero,
 )
 from fourbar_lab.reproduction.paper import reproduce
-from fourbar_ros import CROSSED, OPEN
+from fourbar_ros import __version__, CROSSED, OPEN
 from fourbar_ros.mechanisms.points import point_motion
 import numpy as np
 import pytest
@@ -270,25 +270,49 @@ def test_the_arm_of_f34_is_from_o1_to_o4():
 
 # --- what is written -----------------------------------------------------------------------------
 
-def test_the_command_writes_a_page_that_holds_all_figures_and_loads_nothing(sections, tmp_path):
+class Page(HTMLParser):
+    """Counts tags and keeps what would be loaded from elsewhere."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.open, self.count, self.loaded = [], {}, []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        self.count[tag] = self.count.get(tag, 0) + 1
+        self.loaded += [value for name, value in attributes
+                        if name in ('src', 'href', 'xlink:href') and not value.startswith('#')]
+
+
+def test_the_command_writes_a_page_that_holds_all_and_loads_nothing(sections, tmp_path):
     pytest.importorskip('matplotlib')
-    out = tmp_path / 'figures.html'
+    from fourbar_lab.reproduction.page import page
+    out = tmp_path / 'report.html'
     done = subprocess.run([sys.executable, '-m', 'fourbar_ros', 'reproduce', '--html', str(out)],
                           capture_output=True, text=True, cwd=ROOT, check=False)
     assert done.returncode == 0, done.stderr
     assert 'DIFFERS' not in done.stdout
     text = out.read_text()
-    assert text.count('<svg') == text.count('</svg>') == 7
-    assert not re.search(r'(src|href)="[^#]', text)
-    assert all(escape(section.title) in text for section in sections if section.figure)
+    assert text.startswith('<!doctype html>')
+    day = re.search(rf'fourbar_ros {re.escape(__version__)}, (\d{{4}}-\d\d-\d\d)', text)[1]
+    found = Page(text)
+    assert found.loaded == [] and found.count['table'] == len(sections)
+    assert found.count['tr'] == len(sections) + sum(len(section.rows) for section in sections)
+    assert found.count['figure'] == found.count['svg'] == 7
+    assert text == page(sections, day)               # the same bytes every time
+    assert found.count['dt'] == len(VERDICTS)
+    for section in sections:
+        for row in section.rows:
+            assert row.printed in text
 
 
 @some('name, word', [('example_7_2', '$V_{B}$ = 39.27'), ('example_7_3', '$A_{B}$ = 2961'),
                      ('example_7_5', '$A_{Cor}$')], 1)
 def test_figures_have_the_units_and_letters_of_their_tables(name, word):
     pytest.importorskip('matplotlib')
-    from fourbar_lab.reproduction.figures import figure_of
-    words = [text.get_text() for axes in figure_of(name).axes for text in axes.texts]
+    from fourbar_lab.reproduction.page import figure_of
+    figure, _ = figure_of(name)
+    words = [text.get_text() for axes in figure.axes for text in axes.texts]
     assert any(text.startswith(word) for text in words), words
     assert any(text.endswith((' ft/s', ' ft/s$^2$')) for text in words)
 
