@@ -42,8 +42,8 @@ def _reproduce(arguments: Namespace) -> int:
     sections = reproduce()
     # first: a file that cannot be written is reported before the tables
     if arguments.html:
-        from fourbar_lab.reproduction.page import write_page
-        write_page(sections, arguments.html)
+        from fourbar_lab.reproduction.page import write_report
+        write_report(sections, arguments.html)
     print_tables(sections)
     if arguments.html:
         print(arguments.html)

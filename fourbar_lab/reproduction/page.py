@@ -184,7 +184,7 @@ def _section(section: Section) -> str:
     return '\n'.join(text)
 
 
-def write_page(sections: Sequence[Section], path: str | Path) -> None:
+def write_report(sections: Sequence[Section], path: str | Path) -> None:
     """Write the page of today to a file."""
     need_matplotlib('reproduce --html')
     text = page(sections, date.today().isoformat())
