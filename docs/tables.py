@@ -20,7 +20,7 @@ import formulas  # noqa: E402
 from fourbar_lab.studies.measures import INPUT, OF_MECHANISM, PARTS, QUANTITY  # noqa: E402
 from fourbar_ros.cli import main  # noqa: E402, I100
 from fourbar_ros.mechanisms.kinds import KINDS, LOADS  # noqa: E402
-from fourbar_ros.mechanisms.quantities import known, POSITIONS, positions, QUANTITIES  # noqa: E402
+from fourbar_ros.mechanisms.quantities import known_quantities, POSITIONS, positions, QUANTITIES  # noqa: E402
 from fourbar_ros.scene.settings import (  # noqa: E402
     FAMILIES,
     PARAMETERS,
@@ -59,7 +59,7 @@ def having(quantity):
     """Return which mechanisms have a quantity, as text."""
     found = []
     for name, kind in KINDS.items():
-        inputs = [driven for driven in kind.INPUTS if quantity in known(kind, driven)
+        inputs = [driven for driven in kind.INPUTS if quantity in known_quantities(kind, driven)
                   | positions(kind, driven)]
         if inputs:
             found.append(name if len(inputs) == len(kind.INPUTS)

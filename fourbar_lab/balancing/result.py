@@ -13,7 +13,7 @@ from fourbar_lab.drawing.figure import make_panels, save
 from fourbar_lab.quadrature import nodes
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.scene.files import as_text
-from fourbar_ros.scene.parameters import find
+from fourbar_ros.scene.parameters import find_parameter
 from fourbar_ros.scene.scene import Scene
 import numpy as np
 
@@ -58,7 +58,7 @@ def scene_values(scene: Scene, numbers: Array) -> dict[str, float]:
         if scene.linkage.link(link).turns:
             values[f'bodies.{link}.inertia'] = body.inertia
     return {name: value for name, value in values.items() if value == value
-            and value != getattr(find(name), 'default', None)}
+            and value != getattr(find_parameter(name), 'default', None)}
 
 
 def scene_text(scene: Scene, balance: Balance, what: str) -> str:

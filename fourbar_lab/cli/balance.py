@@ -33,7 +33,7 @@ examples:
 
 
 def add(verbs: Verbs) -> None:
-    """Add the verb."""
+    """Add the verb; ``_run`` checks which options go together."""
     verb = add_verb(verbs, 'balance', 'find counterweights for a scene, with a proof of how good',
                     DESCRIPTION, EPILOG)
     add_scene(verb)
@@ -41,7 +41,7 @@ def add(verbs: Verbs) -> None:
                       help='force, moment, torque or a joint reaction, as f21; if several, each '
                            'counts relative to its value before balancing')
     verb.add_argument('--mass', type=not_negative, metavar='KG',
-                      help='with --minimize: largest mass to be added')
+                      help='with --minimize, which needs it: largest mass to be added')
     verb.add_argument('--peak', action='store_true',
                       help='with --minimize of one load: its largest magnitude instead of its '
                            'root mean square')
@@ -53,7 +53,8 @@ def add(verbs: Verbs) -> None:
     verb.add_argument('--plot', metavar='PICTURE',
                       help=f'force, moment and torque before and after: {PICTURE_HELP}')
     verb.add_argument('--front', metavar='PICTURE',
-                      help=f'what remains for each mass up to --mass: {PICTURE_HELP}')
+                      help=f'with --minimize: what remains for each mass up to --mass: '
+                           f'{PICTURE_HELP}')
     verb.add_argument('--points', type=positive_integer, default=100, metavar='N',
                       help='points of the front (default 100)')
     verb.set_defaults(run=_run)

@@ -17,7 +17,7 @@ from fourbar_lab.drawing.tables import mode_name, rates_in_words, what_it_is
 from fourbar_msgs.msg import Extremum
 from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.errors import FourBarError
-from fourbar_ros.mechanisms.quantities import known, positions
+from fourbar_ros.mechanisms.quantities import known_quantities, positions
 from fourbar_ros.pipeline.stepper import STATUS_NAMES
 from fourbar_ros.ros.messages import Message, to_stamp
 from fourbar_ros.scene.arguments import Parser, positive
@@ -95,7 +95,7 @@ def live_table(client: Driver, seconds: float) -> Table:
     if state:
         table.add_row('status', STATUS_NAMES[state.status], '')
     linkage = client.scene.linkage
-    quantities = {**positions(linkage, linkage.input), **known(linkage, linkage.input)}
+    quantities = {**positions(linkage, linkage.input), **known_quantities(linkage, linkage.input)}
     rows = [(linkage.input_coordinate.position, linkage.input_coordinate.unit, state),
             *((name, one.unit, loads if one.is_load else state)
               for name, one in quantities.items())]

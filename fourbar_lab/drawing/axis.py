@@ -8,7 +8,7 @@ or slowest. Only the functions that draw import matplotlib.
 """
 from __future__ import annotations
 
-from math import degrees, hypot
+from math import degrees, hypot, inf
 from typing import TYPE_CHECKING
 
 from fourbar_lab.drawing.collineation import collineation_axis
@@ -63,9 +63,11 @@ def _clipped(line: Array, low: Array, high: Array) -> Array | None:
         return None
     foot, direction = -line[2] / size**2 * line[:2], np.array([-line[1], line[0]]) / size
     with np.errstate(divide='ignore', invalid='ignore'):
+        # s at the edges, by x and y, the earlier one first; infinite for a line parallel to them
         between = np.sort(np.array([low - foot, high - foot]) / direction, axis=0)
-    # along an edge of the window itself nothing bounds s
-    first, last = np.nanmax(between[0]), np.nanmin(between[1])
+    on_edge = np.isnan(between).any(axis=0)          # 0/0: there these edges do not bound s
+    between[:, on_edge] = [[-inf], [inf]]
+    first, last = between[0].max(), between[1].min()
     return np.array([foot + first * direction, foot + last * direction]) if first < last else None
 
 

@@ -19,7 +19,7 @@ from fourbar_ros.errors import InvalidParameter, nearest
 from fourbar_ros.extrema.find import CONSTANT, find_extrema
 from fourbar_ros.mechanisms.inertia import middles
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.quantities import Asked, known, positions, UnknownQuantity
+from fourbar_ros.mechanisms.quantities import Asked, known_quantities, positions, UnknownQuantity
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.optional import MissingPackage
 import numpy as np
@@ -187,7 +187,7 @@ def marks_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: floa
 
 def _searched(linkage: Mechanism, scene: Scene) -> dict[str, Asked]:
     """Return {name: quantity} of all that can be searched for extrema."""
-    return {**positions(linkage, linkage.input), **known(linkage, linkage.input),
+    return {**positions(linkage, linkage.input), **known_quantities(linkage, linkage.input),
             **{quantity.name: quantity for quantity in scene.point_quantities}}
 
 

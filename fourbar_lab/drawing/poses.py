@@ -14,7 +14,7 @@ from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Coordinate, NamedFields, reaction
 from fourbar_ros.mechanisms.picture import Points
 from fourbar_ros.mechanisms.points import point_motion
-from fourbar_ros.mechanisms.quantities import known
+from fourbar_ros.mechanisms.quantities import known_quantities
 from fourbar_ros.pipeline.stepper import (
     evaluate,
     INVALID_INPUT,
@@ -153,7 +153,7 @@ def loads_table(linkage: Mechanism, loads: NamedFields) -> Table:
         if row.name in values:
             table.add_row(row.label.replace('T41', torque), '', '', number(values[row.name]),
                           row.unit)
-    quantities = known(linkage, linkage.input)
+    quantities = known_quantities(linkage, linkage.input)
     for name, value in values.items():               # loads that only one kind of mechanism has
         if name in quantities and name not in in_forces and not (
                 name in LOADS and LOADS[name].label):

@@ -68,7 +68,7 @@ def read(query: Mapping[str, str], title: str, values: ParameterValues) -> PageA
                               f'{InvalidParameter(name, text, "must be a finite number")}')
             numbers[name] = float(value)
         elif name != SCENE:
-            if parameters.find(name) is None:
+            if parameters.find_parameter(name) is None:
                 raise BadLink(f'the link has the unknown parameter {name}')
             changed[name] = value
     return PageAddress(scene, first, {**first, **changed}, numbers.get(AT),

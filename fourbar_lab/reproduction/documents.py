@@ -112,13 +112,15 @@ def zero(what: str, *terms: float, verdict: str = AGREES, why: str = '',
     """
     Return the Row of an equation whose terms, as printed, must add up to zero.
 
-    Relative to their magnitudes. A misprint must not, and its correction must.
+    The sum is taken relative to that of their magnitudes. If the verdict is a misprint, the terms
+    must not add up to zero, and those of ``correct`` must.
     """
     def relative_sum(numbers: Sequence[float]) -> float:
         return sum(numbers) / sum(map(abs, numbers)) if numbers else nan
 
-    row = equal(what, '', relative_sum(terms), 0.0, verdict, why, correct=relative_sum(correct))
-    return row._replace(printed='0') if row.verdict == AGREES else row
+    row = equal(what, '', printed=relative_sum(terms), ours=0.0, verdict=verdict, why=why,
+                correct=relative_sum(correct))
+    return row._replace(printed='0') if row.verdict == AGREES else row    # not its rounding error
 
 
 def equal(what: str, unit: str, printed: float, ours: float, verdict: str = AGREES, why: str = '',
@@ -126,8 +128,8 @@ def equal(what: str, unit: str, printed: float, ours: float, verdict: str = AGRE
     """
     Return the Row of a printed formula, by its value, which must be ours.
 
-    A misprint must not be, and its correction must. What is answered here is printed nowhere: both
-    sides are ours, and must agree ``within`` a tolerance.
+    A misprint must differ, and its correction must not. What is answered here is printed nowhere:
+    both sides are ours, and must agree ``within`` a tolerance.
     """
     printed, ours = float(printed), float(ours)         # of numpy
     scale = max(1.0, abs(ours))

@@ -35,7 +35,7 @@ from fourbar_ros.mechanisms.batches import step_of_arrays
 from fourbar_ros.mechanisms.parts import NoLoads, OPEN
 from fourbar_ros.mechanisms.quantities import is_position, is_published
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.scene.parameters import find
+from fourbar_ros.scene.parameters import find_parameter
 from fourbar_ros.scene.scene import from_values, Scene
 from fourbar_ros.scene.settings import ParameterValues
 import numpy as np
@@ -215,7 +215,7 @@ class Designs:
         """Return which designs have values that the table of parameters allows, shape (n,)."""
         is_allowed = np.ones(self.size, bool)
         for name, column in self.values.items():
-            parameter = find(name)
+            parameter = find_parameter(name)
             if isinstance(column, np.ndarray) and parameter is not None:
                 value = column[:, 0]
                 is_allowed &= (np.isfinite(value) & (value >= parameter.low)

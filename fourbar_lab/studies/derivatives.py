@@ -47,7 +47,7 @@ from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 from fourbar_ros.numerics.tables import ARRAYS, derivatives_of, Dual, duals_of, run, value_of
 from fourbar_ros.numerics.trace import flat, Trace
-from fourbar_ros.scene.parameters import find
+from fourbar_ros.scene.parameters import find_parameter
 from fourbar_ros.scene.scene import Scene
 import numpy as np
 
@@ -73,7 +73,7 @@ def usable(scene: Scene) -> tuple[str, ...]:
                   *[f'external.{link}.' for link in linkage.EXTERNAL._fields], 'points.',
                   'drive.speed')
     return tuple([name for name, value in scene.values.items() if name.startswith(beginnings)
-                  and getattr(find(name), 'type', '') == 'double' and value == value])
+                  and getattr(find_parameter(name), 'type', '') == 'double' and value == value])
 
 
 class Derivatives:

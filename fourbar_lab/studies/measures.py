@@ -14,7 +14,7 @@ from typing import NamedTuple, Union
 
 from fourbar_ros.errors import InvalidParameter, nearest
 from fourbar_ros.mechanisms.parts import Quantity
-from fourbar_ros.mechanisms.quantities import Function, known, positions
+from fourbar_ros.mechanisms.quantities import Function, known_quantities, positions
 from fourbar_ros.numerics.arrays import Values
 from fourbar_ros.scene.scene import Scene
 import numpy as np
@@ -109,7 +109,7 @@ class Measures:
         """Collect the quantities of a scene by name, and the units that measures get from it."""
         linkage = scene.linkage
         self.quantities: dict[str, Searched] = {
-            **known(linkage, linkage.input), **positions(linkage, linkage.input),
+            **known_quantities(linkage, linkage.input), **positions(linkage, linkage.input),
             **{quantity.name: quantity for quantity in scene.point_quantities}}
         self.output = str(linkage.outputs[0].coordinate.position)       # its name: theta4
         self._why_no_loads = scene.why_no_loads         # '' if there are loads

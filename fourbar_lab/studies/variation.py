@@ -34,7 +34,7 @@ import warnings
 
 from fourbar_ros.errors import InvalidParameter, nearest
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.scene.parameters import check_value, find
+from fourbar_ros.scene.parameters import check_value, find_parameter
 from fourbar_ros.scene.settings import PARAMETERS, ParameterValues
 import numpy as np
 from scipy import stats
@@ -104,7 +104,7 @@ def variation(name: str, given: Yaml, values: ParameterValues) -> Variation:
     ``values``: of the scene. InvalidParameter names the entry of the study, what was given and
     what is allowed.
     """
-    entry, parameter = f'vary.{name}', find(name)
+    entry, parameter = f'vary.{name}', find_parameter(name)
     if parameter is None:
         known = list(PARAMETERS)
         raise InvalidParameter(entry, None, f'no parameter of a scene{nearest(name, known, 0.75)}')

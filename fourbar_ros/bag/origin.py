@@ -41,7 +41,8 @@ def origin_of(path: str | Path | Bag, node: str | None = None) -> Origin:
     """
     Return the Origin of a bag: from its metadata, or, of a bag of ``ros2 bag``, from its topics.
 
-    ``node``: which one, if the bag has several. Raises BagError if it holds no scene, or several.
+    ``node``: which one, if the bag has several. Raises BagError if it holds no
+    readable scene, not this node, or several to choose from.
     """
     bag = path if isinstance(path, Bag) else Bag(path)
     about = bag.about
@@ -52,14 +53,16 @@ def origin_of(path: str | Path | Bag, node: str | None = None) -> Origin:
         is_ours = False
     if is_ours:
         scene = about['scene']
-        if 'repeats' in about:      # version 1 began a later file with the scene in force
+        # a later file of a split bag of version 1 begins with the scene in force, its metadata
+        # hold that of the start
+        if 'repeats' in about:
             scene = next((record.message.data for record in bag.records([topics.get('scene')])),
                          scene)
         name = about.get('node', '/fourbar')
         if node not in (None, name):
             raise BagError(f'{bag.path}: holds no run of {node}, but of {name}')
-        return Origin(scene_of(bag, scene), topics, name, True,
-                      number_of(bag.files[0]) > 0)
+        return Origin(scene_of(bag, scene), topics, name, in_order=True,
+                      is_later=number_of(bag.files[0]) > 0)
     return _from_topics(bag, node)
 
 

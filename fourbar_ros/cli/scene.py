@@ -167,7 +167,7 @@ def step_cost(scene: Scene) -> float:
 
 def _error_in_words(scene: Scene) -> str:
     """Return a sentence on the largest rounding errors at inputs all over the first range."""
-    from fourbar_ros.mechanisms.quantities import known
+    from fourbar_ros.mechanisms.quantities import known_quantities
     from fourbar_ros.mechanisms.rounding import rounding_errors
     linkage, drive = scene.bare_linkage, scene.drive
     low, high = linkage.input_ranges[0]
@@ -175,7 +175,7 @@ def _error_in_words(scene: Scene) -> str:
     errors = rounding_errors(linkage, positions, drive.speed, 0.0, scene.has_loads)
     worst = []
     for what, is_load in (('rates and accelerations', False), ('loads', True)):
-        names = [name for name, quantity in known(linkage, linkage.input).items()
+        names = [name for name, quantity in known_quantities(linkage, linkage.input).items()
                  if quantity.is_load == is_load and name in errors]
         if names:
             name = max(names, key=errors.__getitem__)

@@ -62,11 +62,15 @@ def make_loaded(linkage: Mechanism, elements: Sequence[Element]) -> Loaded:
     external = make_external(REAL, linkage, elements)
 
     def loaded(position: float, rate: float) -> Mechanism | None:
-        """Return the linkage with the forces at this input and rate; accelerations have no say."""
+        """
+        Return the linkage with the forces at this input and rate, None where one is not finite.
+
+        They do not depend on the acceleration.
+        """
         try:
             motion = linkage.motion(position, rate, 0.0)
         except FourBarError:
-            return linkage                               # it has no loads here either
+            return linkage                               # out of range: its own loads say so
         try:
             forces = external(motion, position, linkage.external)
         except (ArithmeticError, InvalidParameter):      # ends of a spring meet, no finite value

@@ -22,9 +22,7 @@ from fourbar_ros.mechanisms.quantities import (
     Function as Quantity,
 )
 from fourbar_ros.mechanisms.quantities import (
-    known as known_quantities,
-)
-from fourbar_ros.mechanisms.quantities import (
+    known_quantities,
     point_acceleration,
     point_speed,
     UnknownQuantity,

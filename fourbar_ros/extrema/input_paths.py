@@ -296,13 +296,14 @@ def _spread(kernels: Kernels, bounds: tuple[float, float],
     """
     Return phi at equal steps of t between two bounds, and how many points were added at each end.
 
-    t counts samples, phi [rad] stands for the input, see the top of this file.
+    t counts samples, phi [rad] stands for the input, see the top of this file. ``ends``: those of
+    both bounds; () for a full turn.
     """
     begin, end = kernels.samples(np.array(bounds))[0].tolist()
     count = max(int(np.ceil(end - begin)), LEAST)
     before, after = (closer_points(one, count) for one in ends or (None, None))
-    t = np.concatenate((before[::-1], (np.arange(count) + 0.5) / count, 1.0 - after))
-    return _inverse(kernels, bounds, begin + (end - begin) * t), before.size, after.size
+    part = np.concatenate((before[::-1], (np.arange(count) + 0.5) / count, 1.0 - after))
+    return _inverse(kernels, bounds, begin + (end - begin) * part), before.size, after.size
 
 
 def _inverse(kernels: Kernels, bounds: tuple[float, float], t: Array) -> Array:

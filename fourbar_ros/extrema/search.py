@@ -42,12 +42,13 @@ class Search:
     def extrema(self, with_conditions: bool = True,
                 more: Sequence[float] = ()) -> list[list[PathExtremum]]:
         """
-        Return the extrema of each quantity.
+        Return the extrema of each quantity, in the order of the quantities.
 
-        ``more``: inputs of further samples, in the unit of the input.
+        ``with_conditions``: compute their condition numbers too, else NaN. ``more``: inputs of
+        further samples, in the unit of the input.
         """
         found: list[list[PathExtremum]] = [[] for _ in self._quantities]
-        for sampler, rows in self._groups:
+        for sampler, rows in self._groups:       # rows: where its quantities stand in the order
             for path in self.paths:
                 for part in search_path(sampler, path, with_conditions, more):
                     found[rows[part.quantity]].append(part)

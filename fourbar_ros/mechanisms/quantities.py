@@ -93,11 +93,12 @@ POSITIONS = {quantity.name: quantity for quantity in (
 )}
 
 
-def known(mechanism: Mechanism, driven: str = CRANK) -> dict[str, Quantity]:
+def known_quantities(mechanism: Mechanism, driven: str = CRANK) -> dict[str, Quantity]:
     """
-    Return {name: Quantity} of the rates, accelerations and loads of a mechanism, or of a kind.
+    Return {name: Quantity} of the rates, accelerations and loads of a mechanism, or of its class.
 
-    Without the rates of the input ``driven``, which are given, and the drive that it has not.
+    Without the rates of the input ``driven``, which are given, and without the driving force of a
+    crank or the driving torque of a slide.
     """
     if driven not in mechanism.INPUTS:
         raise InvalidParameter('driven', driven, f'must be one of {", ".join(mechanism.INPUTS)}')
@@ -137,7 +138,7 @@ def select(names: Sequence[str], mechanism: Mechanism,
     Loads are left out where the mechanism has no masses. ``others``: more that may be named, as
     those of the points of a scene, and that are part of "all" too.
     """
-    available = known(mechanism, mechanism.input) | {quantity.name: quantity
+    available = known_quantities(mechanism, mechanism.input) | {quantity.name: quantity
                                                      for quantity in others}
     if not names:
         return [quantity for quantity in available.values()

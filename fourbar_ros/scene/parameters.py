@@ -41,7 +41,7 @@ def member_of(name: str) -> tuple[str, str, str] | None:
     return (match[1], match[2], match[3]) if match else None
 
 
-def find(name: str) -> Parameter | None:
+def find_parameter(name: str) -> Parameter | None:
     """Return the Parameter of this name, one of the table or of a member of a family, or None."""
     return PARAMETERS.get(name) or _of_member(name)
 
@@ -56,7 +56,7 @@ def _of_member(name: str) -> Parameter | None:
 
 def of_name(name: str) -> Parameter:
     """Return the Parameter of a name that a checked scene has."""
-    parameter = find(name)
+    parameter = find_parameter(name)
     assert parameter is not None, name
     return parameter
 
@@ -240,7 +240,7 @@ def _check_number(parameter: Parameter, value: float) -> None:
         raise InvalidParameter(parameter.name, value, 'must be a finite number')
     if parameter.positive and value <= 0:
         raise InvalidParameter(parameter.name, value, 'must be positive')
-    if not parameter.low <= value <= parameter.high or 0 < value < parameter.least:
+    if not parameter.low <= value <= parameter.high or 0 < value < parameter.least_but_zero:
         verb = 'lie in' if parameter.allowed.startswith(('[', '(')) else 'be'
         raise InvalidParameter(parameter.name, value, f'must {verb} {parameter.allowed}')
 

@@ -53,8 +53,8 @@ class Parameter(NamedTuple):
     One parameter, declared in the node, checked in scene files, printed in the manual.
 
     A ``default`` of NaN means "not given". ``low`` and ``high`` are inclusive; ``positive``
-    excludes zero; a value below ``least`` must be 0, which turns something off. ``is_relevant``
-    tells whether it has a meaning in a scene, by all its values.
+    excludes zero; a value below ``least_but_zero`` must be 0, which turns something off.
+    ``is_relevant`` tells whether it has a meaning in a scene, by all its values.
     """
 
     name: str
@@ -68,16 +68,16 @@ class Parameter(NamedTuple):
     choices: tuple[str, ...] = ()
     live: bool = True          # can be changed while the node runs
     words: Mapping[str, Any] = MappingProxyType({})       # names of some values
-    least: float = 0.0
+    least_but_zero: float = 0.0
     is_relevant: Relevant | None = None
 
     @property
     def allowed(self) -> str:
-        """Return the allowed values as text: 'a, b', '> 0', '[1, 2]'; empty for any."""
+        """Return the allowed values as text: 'a, b', '0 or >= 1', '> 0', '[1, 2]'; '' for any."""
         if self.choices:
             return ', '.join(self.choices)
-        if self.least:
-            return f'0 or >= {self.least:g}'
+        if self.least_but_zero:
+            return f'0 or >= {self.least_but_zero:g}'
         if self.positive:
             return '> 0' if self.high == inf else f'(0, {self.high:g}]'
         if self.low > -inf:
@@ -279,10 +279,10 @@ _RECORDING = _group('recording', (
               'name of the first bag; empty: a new name from the clock', live=False),
     Parameter('split_size', 'double', 0.0, 'MB',
               'continue a bag in a new file when the current one exceeds this size; 0: never',
-              low=0.0, live=False, least=0.01),
+              low=0.0, live=False, least_but_zero=0.01),
     Parameter('split_duration', 'double', 0.0, 's',
               'continue a bag in a new file when the current one exceeds this duration; 0: never',
-              low=0.0, live=False, least=0.1),
+              low=0.0, live=False, least_but_zero=0.1),
 ))
 
 _OF_TOPICS = _group('external', (

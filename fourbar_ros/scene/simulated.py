@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.dynamics.sources import ConstantTorque
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.mechanisms.quantities import known
+from fourbar_ros.mechanisms.quantities import known_quantities
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.given import number
 from fourbar_ros.scene.scene import Scene
@@ -90,7 +90,7 @@ class SimulatedScene(NamedTuple):
         force = 'N' if linkage.is_driven_by_slide else 'N m'
         motor = np.array([run.system.motor_torque(t, y)
                           for t, y in zip(run.time.tolist(), run.states.T.tolist())])
-        quantities = known(linkage, linkage.input)
+        quantities = known_quantities(linkage, linkage.input)
         rows: list[tuple[str, str, Array]] = [
             ('speed of the input', per_second, run.rate),
             ('acceleration of the input', f'{per_second}^2', run.acceleration),

@@ -3,7 +3,7 @@
 """The picture of the collineation axis: its lines go through joints and poles, and turn square."""
 from math import degrees, hypot
 
-from fourbar_lab.drawing.axis import axis_angle, axis_parts, extrema_inside
+from fourbar_lab.drawing.axis import _clipped, axis_angle, axis_parts, extrema_inside
 from fourbar_ros import find_extrema, FourBar, InvertedSlider, SliderCrank
 from fourbar_ros.cli.main import main
 from fourbar_ros.mechanisms.picture import diagram_of
@@ -45,6 +45,14 @@ def test_a_line_beside_the_window_is_not_shown():
     lines, poles = axis_parts(linkage, linkage.motion(1.0), np.array([5.0, 1.0]),
                               np.array([6.0, 1.5]))
     assert 'ground' not in lines and not poles
+
+
+@pytest.mark.parametrize('line', [(1.0, 0.0, -1.0), (1.0, 0.0, -5.0), (0.0, 1.0, -2.0),
+                                  (0.0, 1.0, -7.0), (1.0, -0.0, -1.0)])
+def test_a_line_along_an_edge_of_the_window_is_shown(line):
+    for sign in (1.0, -1.0):
+        ends = _clipped(sign * np.array(line), np.array([1.0, 2.0]), np.array([5.0, 7.0]))
+        assert ends is not None and np.abs(ends @ line[:2] + line[2]).max() == 0.0
 
 
 def test_the_angle_passes_90_degrees_at_the_extrema_alone():

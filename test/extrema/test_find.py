@@ -16,7 +16,7 @@ from fourbar_ros.extrema.batch import find_extrema_many
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.extrema.input_paths import TooNarrow
 from fourbar_ros.mechanisms.quantities import (
-    known,
+    known_quantities,
     Quantity,
     select,
     UnknownQuantity,
@@ -32,7 +32,7 @@ from support.samples import more
 EPS = 2.0**-52
 PAPER = (0.4, 1.2, 0.8, 1.0)
 RATES = ('omega4', 'alpha4')
-QUANTITIES = known(FourBar)
+QUANTITIES = known_quantities(FourBar)
 
 
 def angle_between(a, b):

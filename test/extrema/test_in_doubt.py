@@ -8,7 +8,7 @@ from fourbar_ros import Bodies, Body, find_extrema, FourBar
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.mechanisms.machine.describe.description import Cylinder, Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
-from fourbar_ros.mechanisms.quantities import known
+from fourbar_ros.mechanisms.quantities import known_quantities
 from hypothesis import given
 from hypothesis import strategies as st
 import numpy as np
@@ -138,7 +138,7 @@ def graded(low, high, points):
 
 def check_against_graded_scan(machine, points):
     """Return how many extrema a scan has; each must be found, alone of its kind between others."""
-    number, quantities = 0, list(known(machine, machine.input).values())
+    number, quantities = 0, list(known_quantities(machine, machine.input).values())
     found = find_extrema(machine, quantities, 1.3, -0.7, conditions=False)
     for low, high in machine.input_ranges:
         x = graded(low, high, points)

@@ -27,7 +27,7 @@ from fourbar_ros.extrema.batch import find_extrema_many
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.mechanisms.quantities import (
-    known,
+    known_quantities,
     point_acceleration,
     point_speed,
     UnknownQuantity,
@@ -166,7 +166,7 @@ def test_other_functions_refuse_what_is_no_number():
     with pytest.raises(InvalidParameter, match=r'^start = nan'):
         Transmission(linkage, nan)
     with pytest.raises(InvalidParameter, match=r"^driven = 'foo': must be one of crank"):
-        known(linkage, 'foo')
+        known_quantities(linkage, 'foo')
     for make in (lambda: round_rod(1.0, 1.0, 1e160), lambda: flat_bar(1.0, 1.0, 1e160, 1.0)):
         with pytest.raises(InvalidParameter, match=r'^length, density, .*1e\+160.* overflows'):
             make()

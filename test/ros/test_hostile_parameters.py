@@ -12,7 +12,7 @@ import time
 from fourbar_lab.clients.node_client import name_on
 from fourbar_ros.ros.messages import resolve
 from fourbar_ros.scene.files import folder
-from fourbar_ros.scene.parameters import find, of_name
+from fourbar_ros.scene.parameters import find_parameter, of_name
 from fourbar_ros.scene.scene import load
 from fourbar_ros.scene.topics import OUTPUTS
 import pytest
@@ -84,7 +84,8 @@ def attack(client, node, values, until, seed):
     Return how many were taken, of how many.
     """
     rng, count, taken = random.Random(seed), 0, 0
-    declared = [name for name in declared_by(client) if find(name) and find(name).live]
+    declared = [name for name in declared_by(client)
+                if (parameter := find_parameter(name)) and parameter.live]
     put = setter(client)
     while not until(count):
         name = rng.choice(declared)

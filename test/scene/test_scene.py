@@ -6,7 +6,7 @@ import math
 
 from fourbar_ros import FourBarError, InvalidParameter
 from fourbar_ros.scene import scene
-from fourbar_ros.scene.parameters import check_value, find
+from fourbar_ros.scene.parameters import check_value, find_parameter
 from fourbar_ros.scene.settings import MOTORS, of_motor, PARAMETERS, REQUIRED
 from hypothesis import given
 from hypothesis import strategies as st
@@ -117,7 +117,7 @@ def test_kinds_of_motors_share_no_parameter_that_differs():
 @given(st.data())
 def test_hostile_values_are_taken_or_refused(file, data):
     values = scene.load(file).values
-    live = [key for key in values if find(key) and find(key).live]
+    live = [key for key in values if find_parameter(key) and find_parameter(key).live]
     for changed in data.draw(st.lists(parameters(live), max_size=8)):
         try:
             values = scene.from_values({**values, changed[0]: changed[1]}).values

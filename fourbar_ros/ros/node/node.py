@@ -18,7 +18,7 @@ from fourbar_ros.ros.node.entities import OVERRIDES, Troubles, WAITING, Worker
 from fourbar_ros.ros.node.recording import Recording
 from fourbar_ros.ros.node.stream import RunningScene, Stream
 from fourbar_ros.scene.linkage import warnings_of
-from fourbar_ros.scene.parameters import find, meant, of_name
+from fourbar_ros.scene.parameters import find_parameter, meant, of_name
 from fourbar_ros.scene.scene import check_for_node, from_values, Scene
 from fourbar_ros.scene.settings import Parameter, SOURCES
 from fourbar_ros.scene.topics import SERVICES
@@ -314,32 +314,32 @@ def watch(node: Node, current: Callable[[], Scene], apply: Callable[[Scene], Non
     is ours. ``current()`` returns the scene in force.
     """
     def change(given: Sequence[RosParameter]) -> None:
-        """Apply the scene with these changes; raise FourBarError if it may not be."""
+        """Apply the scene with these changes of declared parameters; raise FourBarError if bad."""
         changes = {}
         for parameter in given:
             name, value = parameter.name, parameter.value
-            if find(name):
+            if find_parameter(name):
                 changes[name] = value
-            elif value != node.get_parameter(name).value:        # of rclpy itself
+            elif value != node.get_parameter(name).value:    # one of rclpy's, as use_sim_time
                 raise InvalidParameter(name, value, 'only at start')
         if changes:
             apply(from_values({**current().values, **changes}))
 
+    # The scene changes while rclpy asks whether it may: the callback after rclpy has set the
+    # parameters cannot refuse any more. No other callback can refuse these parameters.
     def answer(given: Sequence[RosParameter]) -> SetParametersResult:
         """Change the scene and return success, or the reason why it is as before."""
         before = current()
         try:
             change(given)
         except Exception as error:
-            if current() is not before:
+            if current() is not before:      # it failed after the scene was swapped
                 apply(before)
             if not isinstance(error, FourBarError):
-                raise                        # the service answers it
+                raise                        # a fault of ours: the service says so
             return SetParametersResult(successful=False, reason=str(error))
         return SetParametersResult(successful=True)
 
-    # The scene changes while rclpy asks whether it may: the callback after rclpy has set the
-    # parameters cannot refuse any more. No other callback can refuse these parameters.
     node.add_on_set_parameters_callback(answer)
 
 
@@ -364,7 +364,7 @@ def as_declared(parameter: RosParameter) -> RosParameter:
     A client sends 3 as an integer, and an empty list as one of bytes; rclpy refuses both for a
     parameter of doubles.
     """
-    declared, types = find(parameter.name), RosParameter.Type
+    declared, types = find_parameter(parameter.name), RosParameter.Type
     kind = declared.type if declared else ''
     is_empty = parameter.type_.name.endswith('_ARRAY') and not len(parameter.value)
     if kind == 'double' and parameter.type_ == types.INTEGER:

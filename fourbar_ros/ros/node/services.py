@@ -145,13 +145,13 @@ def units_of(mechanism: Mechanism) -> dict[str, str]:
                                   f'{coordinate.unit}/s^2'))
     units |= {'transmission_angle': 'rad', 'condition': ''}
     if mechanism.bodies is not None:
-        from fourbar_ros.mechanisms.quantities import known
+        from fourbar_ros.mechanisms.quantities import known_quantities
         for reaction in mechanism.REACTIONS:
             units |= dict.fromkeys((reaction.x, reaction.y, reaction.magnitude), 'N')
             if reaction.couple:
                 units[reaction.couple] = 'N m'
-        units |= {quantity.name: quantity.unit
-                  for quantity in known(mechanism, mechanism.input).values() if quantity.is_load}
+        quantities = known_quantities(mechanism, mechanism.input).values()
+        units |= {quantity.name: quantity.unit for quantity in quantities if quantity.is_load}
     fields = {*mechanism.MOTION._fields, *mechanism.LOADS._fields}
     return {name: unit for name, unit in units.items() if name in fields}
 

@@ -124,7 +124,11 @@ class TorqueInput(ClockInput):
         return (0.0 if is_silent and settings.when_silent == 'zero' else self._torque), is_silent
 
     def _take(self, message: Message) -> None:
-        """Take a torque between two steps."""
+        """
+        Take a torque, or the force of a slide, for the next steps; record it even if ignored.
+
+        The executor calls this between two steps.
+        """
         is_slide, wrench = self._stream.scene.linkage.is_driven_by_slide, message.wrench
         torque = wrench.force.x if is_slide else wrench.torque.z
         self._troubles.count('torques')

@@ -3,7 +3,7 @@
 """Single values, arrays, some fields of them, other units of length."""
 
 from fourbar_ros import Applied, InvalidParameter
-from fourbar_ros.mechanisms.quantities import known
+from fourbar_ros.mechanisms.quantities import known_quantities
 import numpy as np
 import pytest
 from support import contract
@@ -72,7 +72,7 @@ def test_scaling_by_a_power_of_two_changes_no_bit(case, power):
                 fits = {p for p in (-1, 0, 1) if value * scale**p == values}
                 exponents[name] = exponents.get(name, {-1, 0, 1}) & fits
     assert {name for name, fits in exponents.items() if not fits} == set()
-    quantities = known(case.kind, case.driven)
+    quantities = known_quantities(case.kind, case.driven)
     assert {
         name: (1 if q.unit in ('m', 'm/s', 'm/s^2', 'N m') else 0) in exponents[name]
         for name, q in quantities.items()

@@ -5,7 +5,7 @@
 import json
 
 from fourbar_ros.cli.main import main
-from fourbar_ros.mechanisms.quantities import known
+from fourbar_ros.mechanisms.quantities import known_quantities
 from fourbar_ros.scene import scene as scenes
 import numpy as np
 import pytest
@@ -105,7 +105,7 @@ def test_shown_and_drawn(case, tmp_path, capsys):
     at = str(np.degrees(given[0]) if case.turns else given[0])
     assert not main(['show', str(scene), '--at', at, '--speed', '3'])
     text = capsys.readouterr().out
-    for name in known(case.kind, case.driven):
+    for name in known_quantities(case.kind, case.driven):
         assert name in text
     picture = tmp_path / 'pose.svg'
     assert not main(['draw', str(scene), '--at', at, '--speed', '3', '-o', str(picture)])

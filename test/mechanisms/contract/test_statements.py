@@ -6,7 +6,7 @@ import pickle
 
 from fourbar_ros import OutOfRange
 from fourbar_ros.mechanisms.kinds import KINDS
-from fourbar_ros.mechanisms.quantities import known
+from fourbar_ros.mechanisms.quantities import known_quantities
 import numpy as np
 from support import contract
 from support.cartesian import EPS
@@ -26,7 +26,7 @@ def test_fields_are_named(case):
         assert set(coordinate) <= set(motion), coordinate
     assert {'transmission_angle', 'condition'} <= set(motion)
     assert {'shaking_force_x', 'shaking_force_y', 'shaking_force', 'shaking_moment'} <= set(loads)
-    assert set(known(mechanism, mechanism.input)) <= set(motion + loads)
+    assert set(known_quantities(mechanism, mechanism.input)) <= set(motion + loads)
     assert {link.name for link in mechanism.LINKS} == set(mechanism.BODIES._fields)
     assert {reaction.joint for reaction in mechanism.REACTIONS} == {
         joint.place for joint in mechanism.JOINTS}

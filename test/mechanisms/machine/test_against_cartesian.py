@@ -7,7 +7,7 @@ from flint import arb, ctx
 from fourbar_ros import Body
 from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
-from fourbar_ros.mechanisms.quantities import known
+from fourbar_ros.mechanisms.quantities import known_quantities
 import pytest
 from support.cartesian import (
     beside,
@@ -114,5 +114,6 @@ def test_the_dyads_of_random_machines_are_of_all_kinds_and_drives():
 @some('family', FAMILIES, ['at a change point'])
 def test_extrema_of_all_quantities_against_a_scan(family):
     machines = [drawn.machine for drawn in islice(FAMILIES[family](413), 3)]
-    assert sum(check_against_scan(machine, list(known(machine, machine.input).values()), 1.3, -0.7,
-                                  4000, exact_values) for machine in machines) > 10
+    assert sum(check_against_scan(
+        machine, list(known_quantities(machine, machine.input).values()), 1.3, -0.7, 4000,
+        exact_values) for machine in machines) > 10

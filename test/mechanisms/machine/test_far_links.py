@@ -10,7 +10,7 @@ from flint import ctx
 from fourbar_ros import Body, find_extrema
 from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
-from fourbar_ros.mechanisms.quantities import known
+from fourbar_ros.mechanisms.quantities import known_quantities
 import pytest
 from support.cartesian import BITS, errors, exact, exact_values
 from support.scans import check_against_scan
@@ -99,7 +99,7 @@ def test_no_extrema_of_rounding_noise():
     machine = Machine(dyads, bodies=dict.fromkeys(links, Body(1.5, 0.3, -0.1, 0.4)),
                       gravity=(-4.0, -3.0))
     limits = [end.x for bound in machine.limits for end in bound]
-    quantities = list(known(machine, machine.input).values())
+    quantities = list(known_quantities(machine, machine.input).values())
     assert check_against_scan(machine, quantities, 1.3, -0.7, 4000, exact_values) > 40
     found = find_extrema(machine, ('omega_bar_block', 'alpha_bar_block', 'bar_inner_couple'), 1.3,
                          -0.7)

@@ -6,7 +6,7 @@ from math import isinf, pi
 from fourbar_ros import find_extrema, InvalidParameter, SliderCrank
 from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
-from fourbar_ros.mechanisms.quantities import known, positions
+from fourbar_ros.mechanisms.quantities import known_quantities, positions
 import numpy as np
 import pytest
 from support.cartesian import exact_values
@@ -19,7 +19,7 @@ EPS = 2.0**-52
 
 def everything(machine):
     """Return all its quantities."""
-    return list(known(machine, machine.input).values())
+    return list(known_quantities(machine, machine.input).values())
 
 
 def check_ranges(machine, points):
