@@ -20,7 +20,12 @@ import formulas  # noqa: E402
 from fourbar_lab.studies.measures import INPUT, OF_MECHANISM, PARTS, QUANTITY  # noqa: E402
 from fourbar_ros.cli import main  # noqa: E402, I100
 from fourbar_ros.mechanisms.kinds import KINDS, LOADS  # noqa: E402
-from fourbar_ros.mechanisms.quantities import known_quantities, POSITIONS, positions, QUANTITIES  # noqa: E402
+from fourbar_ros.mechanisms.quantities import (  # noqa: E402
+    known_quantities,
+    POSITIONS,
+    positions,
+    QUANTITIES,
+)
 from fourbar_ros.scene.settings import (  # noqa: E402
     FAMILIES,
     PARAMETERS,

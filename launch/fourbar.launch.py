@@ -5,17 +5,12 @@ Start the node with a scene: ``ros2 launch fourbar_ros fourbar.launch.py scene:=
 
 ``--show-args`` lists what can be given.
 """
-from pathlib import Path
-
-from ament_index_python.packages import get_package_share_directory
-from fourbar_ros.scene import find
+from fourbar_ros.scene.files import find, shipped
 from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, OpaqueFunction
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
-
-SCENES = Path(get_package_share_directory('fourbar_ros')) / 'config'
 
 
 def node(context):
@@ -23,17 +18,17 @@ def node(context):
     return [Node(
         package='fourbar_ros', executable='fourbar_node', output='screen',
         name=LaunchConfiguration('name'), namespace=LaunchConfiguration('namespace'),
-        parameters=[str(find(LaunchConfiguration('scene').perform(context), SCENES)), {
+        parameters=[str(find(LaunchConfiguration('scene').perform(context))), {
             'use_sim_time': ParameterValue(LaunchConfiguration('use_sim_time'), value_type=bool)}],
         arguments=['--ros-args', '--log-level', LaunchConfiguration('log_level')])]
 
 
 def generate_launch_description():
     """Return what is launched."""
-    names = sorted(file.stem for file in SCENES.glob('*.yaml'))
+    names = ', '.join(sorted(shipped()))
     return LaunchDescription([
         DeclareLaunchArgument('scene', default_value='paper',
-                              description=f'scene: a parameter file, or {", ".join(names)}'),
+                              description=f'scene: a parameter file, or {names}'),
         DeclareLaunchArgument('name', default_value='fourbar', description='name of the node'),
         DeclareLaunchArgument('namespace', default_value='',
                               description='namespace of the node and its topics'),

@@ -138,8 +138,8 @@ def select(names: Sequence[str], mechanism: Mechanism,
     Loads are left out where the mechanism has no masses. ``others``: more that may be named, as
     those of the points of a scene, and that are part of "all" too.
     """
-    available = known_quantities(mechanism, mechanism.input) | {quantity.name: quantity
-                                                     for quantity in others}
+    own, further = known_quantities(mechanism, mechanism.input), {one.name: one for one in others}
+    available = own | further
     if not names:
         return [quantity for quantity in available.values()
                 if mechanism.bodies is not None or not quantity.is_load]
