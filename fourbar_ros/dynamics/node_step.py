@@ -21,10 +21,10 @@ from fourbar_ros.dynamics.sources import ConstantTorque, Drive, Law
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.parts import LARGEST_MODE, mode_number
 
 KEY = 'integrator'         # key in a bag: the integrator of its motion
 NAME = 'steps of the node, version 6'      # only the same version steps a bag again
-LARGEST_MODE = 255         # in a message
 # The same numbers as the STATUS_ constants of fourbar_msgs/DriveState (a test compares them).
 OK, SILENT, OUT_OF_BUDGET, AT_LIMIT, NOT_FINITE = range(5)
 STATUS_NAMES = ('ok', 'no torque comes', 'budget of the step used up', 'held at a limit',
@@ -97,11 +97,6 @@ def modes_of(mechanism: Mechanism) -> tuple[int, ...]:
     return modes if passes else ()
 
 
-def in_message(mode: int) -> int:
-    """Return a mode as the uint8 of a message; 0 if it does not fit."""
-    return int(mode) if mode <= LARGEST_MODE else 0
-
-
 class Mover:
     """
     Advances a drive and its linkage, from state to state or from message to message.
@@ -169,7 +164,7 @@ class Mover:
         # the last message and its state: mostly the next step begins there; what is known of it
         self._last: tuple[DriveValues, At] | None = None
         self._known: tuple[At, Place] | None = None
-        self.mode = in_message(system.mechanism.mode)
+        self.mode = mode_number(system.mechanism.mode)
         self._has_shaft = drive.shaft is not None
         self._own = source.own if source.start else ''
         own = source.start[0] if source.start else 0.0
@@ -234,7 +229,7 @@ class Mover:
 
     def _kept(self, at: At, step: float, command: float, evaluations: int) -> DriveValues:
         """Return the values of a state, and keep it: next to a toggle it tells more."""
-        self.mode = in_message(at.mode)
+        self.mode = mode_number(at.mode)
         values = self.values(at, step, command, evaluations)
         self._last = values, at
         return values

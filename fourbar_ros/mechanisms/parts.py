@@ -16,6 +16,12 @@ Ranges = tuple[tuple[float, float], ...]        # (low, high) of an input [rad o
 CROSSED, OPEN = 1, 2     # assembly modes: sin(theta4 - beta) < 0, > 0 of a 4R linkage
 CRANK, SLIDE = 'crank', 'slide'     # inputs
 JOINT_A, JOINT_B = 'A', 'B'         # ... between two moving links
+LARGEST_MODE = 255       # in a message
+
+
+def mode_number(mode: int) -> int:
+    """Return an assembly mode as messages have it, in a byte; 0 for larger ones of machines."""
+    return mode if mode <= LARGEST_MODE else 0
 
 
 def within_stroke(ranges: Ranges, stroke: tuple[float, float] | None) -> Ranges:

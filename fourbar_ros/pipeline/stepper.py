@@ -15,10 +15,10 @@ from typing import cast, NamedTuple, TYPE_CHECKING, Union
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, OutOfRange, Toggle
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import NamedFields
+from fourbar_ros.mechanisms.parts import mode_number, NamedFields
 from fourbar_ros.mechanisms.points import link_fields, LinkFields, make_point, PointMotion
 from fourbar_ros.numerics.number_types import REAL
-from fourbar_ros.scene.message_fields import EQUATION, joint_values, mode_number, RIGID
+from fourbar_ros.scene.message_fields import EQUATION, joint_values, RIGID
 from fourbar_ros.scene.scene import Scene
 import numpy as np
 

@@ -12,6 +12,7 @@ from fourbar_ros.bag.recorder import BagWriter
 from fourbar_ros.dynamics.node_step import KEY, SILENT
 from fourbar_ros.dynamics.node_step import OK as MOVES
 from fourbar_ros.errors import BagError
+from fourbar_ros.mechanisms.parts import mode_number
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.pipeline.stepper import InModes
 from fourbar_ros.pipeline.stepper import OK as KNOWN
@@ -20,7 +21,6 @@ from fourbar_ros.ros.node.recording import about_of
 from fourbar_ros.ros.node.stream import drive_layout, writer_of
 from fourbar_ros.ros.schemas import channel
 from fourbar_ros.scene.files import NODE
-from fourbar_ros.scene.message_fields import mode_number
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.simulated import SimulatedScene
 from fourbar_ros.scene.topics import DRIVE_STATE, DRIVEN, SCENE, Topic, TORQUE

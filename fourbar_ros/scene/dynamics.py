@@ -9,7 +9,6 @@ from typing import Any, NamedTuple
 
 from fourbar_ros.dynamics import elements
 from fourbar_ros.dynamics.elements import Element, PositionForce
-from fourbar_ros.dynamics.node_step import modes_of
 from fourbar_ros.dynamics.sources import ConstantTorque, Drive, Law, Shaft
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import FourBarError, InvalidParameter, one_of
@@ -31,10 +30,6 @@ class Dynamics(NamedTuple):
     def system(self, linkage: Mechanism) -> System:
         """Return the equation of motion of a linkage with this drive and these springs."""
         return System(linkage, self.position, self.rate, self.elements, self.drive)
-
-    def modes_passed(self, linkage: Mechanism) -> tuple[int, ...]:
-        """Return the assembly modes between which steps through toggles go; of others nothing."""
-        return modes_of(linkage)
 
 
 def of_values(values: ParameterValues, linkage: Mechanism,

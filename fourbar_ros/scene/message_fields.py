@@ -158,11 +158,6 @@ def _joint_states(joints: Sequence[Coordinate], driven: Coordinate, with_effort:
     return fields
 
 
-def mode_number(mode: int) -> int:
-    """Return an assembly mode as messages have it, in a byte; 0 for larger ones of machines."""
-    return mode if mode < 256 else 0
-
-
 def driven_of(message: Any, joint: str = '') -> Any:
     """
     Return (position, velocity, acceleration) from a Motion or of a joint of a JointState.

@@ -6,10 +6,10 @@ import json
 from fourbar_ros.bag.metadata import Channel
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recorder import BagWriter
+from fourbar_ros.mechanisms.parts import mode_number
 from fourbar_ros.pipeline.stepper import Stepper
 from fourbar_ros.pipeline.wrenches import Wrench
 from fourbar_ros.scene import scene as scenes
-from fourbar_ros.scene.message_fields import mode_number
 from fourbar_ros.scene.topics import applied_topic, DRIVEN, SCENE, wrench_topic
 import numpy as np
 from rosbags.typesys import get_types_from_msg, get_typestore, Stores

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, OutOfRange
 from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.parts import mode_number
 from fourbar_ros.numerics.given import rate_of_input
 from fourbar_ros.pipeline.stepper import (
     evaluate,
@@ -22,7 +23,6 @@ from fourbar_ros.pipeline.stepper import (
 from fourbar_ros.ros.messages import filler, Message, resolve, set_constants, Stamp
 from fourbar_ros.ros.node.entities import Worker
 from fourbar_ros.ros.node.stream import Stream
-from fourbar_ros.scene.message_fields import mode_number
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import SERVICES
 

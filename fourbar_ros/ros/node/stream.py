@@ -16,6 +16,7 @@ from typing import Any, NamedTuple, TYPE_CHECKING
 from builtin_interfaces.msg import Time
 from fourbar_ros.errors import FourBarError, InvalidParameter, OutOfRange
 from fourbar_ros.mechanics.bodies import Base
+from fourbar_ros.mechanisms.parts import mode_number
 from fourbar_ros.pipeline.stepper import InModes, INPUT_TIMEOUT, OK, OUT_OF_RANGE, STATUS_NAMES
 from fourbar_ros.ros.messages import (
     Message,
@@ -29,7 +30,7 @@ from fourbar_ros.ros.messages import (
 from fourbar_ros.ros.node import entities
 from fourbar_ros.ros.node.entities import Troubles
 from fourbar_ros.ros.node.recording import Recording
-from fourbar_ros.scene.message_fields import FieldMap, mode_number
+from fourbar_ros.scene.message_fields import FieldMap
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import applied_topic, DRIVE_STATE, DRIVEN, SCENE, Topic
 from rclpy.event_handler import PublisherEventCallbacks, UnsupportedEventTypeError
@@ -422,10 +423,9 @@ class RunningScene:
     def renew(self, acting: Mapping[str, ActingInput] | None = None) -> None:
         """Evaluate the scene from now on without values held from before."""
         self.stepper = InModes(self.scene, acting)
-        if self.scene.dynamics:
-            self.stepper.prepare(self.scene.dynamics.modes_passed(self.scene.linkage))
-        for name, what in self.stepper.acting.items():
-            if self.mover:
+        if self.mover:
+            self.stepper.prepare(self.mover.modes)
+            for name, what in self.stepper.acting.items():
                 self.mover.act(name, what)
 
     def act(self, name: str, what: ActingInput) -> None:
