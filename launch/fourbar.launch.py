@@ -5,7 +5,7 @@ Start the node with a scene: ``ros2 launch fourbar_ros fourbar.launch.py scene:=
 
 ``--show-args`` lists what can be given.
 """
-from fourbar_ros.scene.files import find, shipped
+from fourbar_ros.scene import find
 from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, OpaqueFunction
 from launch.substitutions import LaunchConfiguration
@@ -25,10 +25,9 @@ def node(context):
 
 def generate_launch_description():
     """Return what is launched."""
-    names = ', '.join(sorted(shipped()))
     return LaunchDescription([
         DeclareLaunchArgument('scene', default_value='paper',
-                              description=f'scene: a parameter file, or {names}'),
+                              description='a parameter file, or a name of fourbar list'),
         DeclareLaunchArgument('name', default_value='fourbar', description='name of the node'),
         DeclareLaunchArgument('namespace', default_value='',
                               description='namespace of the node and its topics'),

@@ -60,7 +60,8 @@ def test_the_drive_of_the_loads_is_that_of_the_equation(linkage, elements):
         without = Equation(linkage).torque(*motion)
         size = abs(wanted) + abs(without) + 1e3 * (1.0 + rate * rate + abs(acceleration))
         assert abs(drive - wanted) <= 1e-11 * size
-        assert abs(wanted - without) > 1e-6              # the springs matter
+        if elements is not TORSION or not isinstance(linkage, ScotchYoke):      # it does not turn
+            assert abs(wanted - without) > 1e-6              # the springs matter
 
 
 def samples(linkage, seed, count=20):

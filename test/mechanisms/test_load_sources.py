@@ -9,7 +9,7 @@ Of all forces the largest condition counts, and of all moments, as they add up t
 from dataclasses import replace
 
 from flint import acb, arb, ctx
-from fourbar_ros import Applied, Body
+from fourbar_ros import Applied, Body, MovingJointFourBar
 from fourbar_ros.bag import recompute
 from fourbar_ros.bag.origin import origin_of
 import numpy as np
@@ -22,6 +22,7 @@ SOURCES = ([(what, link) for what in ('body', 'point mass', 'inertia', 'weight')
             for link in ('crank', 'coupler', 'output')]
            + [(what, link) for what in ('force', 'couple') for link in ('coupler', 'output')])
 BOUND = 5.0               # eps cond
+FAR_BOUND = 5e3           # of drives between moving links with large ratios, see docs/accuracy.md
 
 
 def with_source(rng, mechanism, what, link):
@@ -82,6 +83,8 @@ def is_moment(name):
 def test_each_source_alone(case, family):
     """A third without acceleration, a fifth at rest."""
     rng, bad = np.random.default_rng(501), {}
+    is_lost = case.kind is MovingJointFourBar and family != 'random'
+    bound = FAR_BOUND if is_lost else BOUND
     for _ in range(more(1, 5)):
         lengths, (position, rate, acceleration) = contract.draw(rng, case, family)
         moves = rng.random()
@@ -89,7 +92,7 @@ def test_each_source_alone(case, family):
         for source in SOURCES:
             mechanism = with_source(rng, case.make(lengths), *source)
             for load, error in errors(mechanism, given).items():
-                if not error <= BOUND:
+                if not error <= bound:
                     bad[(*source, load)] = error
     assert bad == {}
 
