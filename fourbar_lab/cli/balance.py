@@ -33,7 +33,7 @@ examples:
 
 
 def add(verbs: Verbs) -> None:
-    """Add the verb; ``_run`` checks which options go together."""
+    """Add the verb; ``_best`` and ``_full`` check which options go together."""
     verb = add_verb(verbs, 'balance', 'find counterweights for a scene, with a proof of how good',
                     DESCRIPTION, EPILOG)
     add_scene(verb)

@@ -182,7 +182,7 @@ def files_of(path: Path) -> list[Path]:
     files = sorted(path.glob('*.mcap'), key=number_of)
     if not files:
         raise BagError(f'{path}: holds no .mcap files{_how_to_convert(path)}')
-    if len({file.stem.rpartition('_')[0] for file in files}) > 1:
+    if len({file.stem.rpartition('_')[0] or file.stem for file in files}) > 1:
         raise BagError(f'{path}: holds {len(files)} .mcap files of different bags, name one')
     return files
 

@@ -30,8 +30,9 @@ def make_external(n: NumberType, linkage: Mechanism, elements: Sequence[Element]
     """
     Return the function (motion, input, constant forces) -> forces on all links, with elements.
 
-    A link without elements keeps its constant force. Not checked to be finite; arguments and
-    result are of the number type ``n``.
+    Those of a link with elements act at the place of its constant force; what acts on the ground
+    is left out. A link without elements keeps its constant force. Not checked to be finite;
+    arguments and result are of the number type ``n``.
     """
     named = links_of(elements, linkage)
     springs = [element for element in elements if not isinstance(element, PositionForce)]

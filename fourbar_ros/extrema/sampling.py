@@ -262,6 +262,7 @@ class Sampler:
 
         It follows from the sizes of the terms in its sum. Example: the shaking force of a balanced
         linkage is zero, and its computed value the rounding of joint reactions that cancel.
+        ``state``: a real one, as :meth:`sample` returns it.
         """
         motion, loads = state
         sine = self.linkage.transmission_sine(motion).real

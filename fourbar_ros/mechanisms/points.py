@@ -164,7 +164,9 @@ def make_point(n: NumberType, mechanism: Mechanism, link: str, along: float,
         x, y, v_x, v_y, a_x, a_y = point_of(mechanism.link_motion(motion, link), along, across)
         speed = hypot(v_x, v_y)
         square = speed * speed
-        moves = square > 0.0     # below some 1e-162 m/s the square is zero
+        # no ``if``: the formula is recorded too. ``where`` computes both sides, so divisors are
+        # chosen, not quotients; below some 1e-162 m/s the square is zero
+        moves = square > 0.0
         per, per_square = where(moves, (speed, square), (nan, nan))
         tangential, normal = (a_x * v_x + a_y * v_y) / per, (a_y * v_x - a_x * v_y) / per
         return (x, y, v_x, v_y, a_x, a_y, speed, tangential, normal, normal / per_square)

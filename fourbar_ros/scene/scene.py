@@ -434,8 +434,9 @@ def _check_together(scene: Scene) -> None:
         if scene.values[name].startswith('/'):
             refuse(name, 'must not begin with a slash: tf2 takes no such frame')
     names, count = scene.joint_names, len(scene.linkage.JOINTS)
+    # a name that is the prefix alone was empty
     if len(names) != count or len(set(names)) != count or scene.joint_states.prefix in names:
-        refuse('joint_names', f'must be {count} different names, one for each joint')
+        refuse('joint_names', f'must be {count} different names, one for each joint, none empty')
     for name in ('ratios', 'offsets'):
         if len(getattr(scene.joint_states, name)) != count:
             refuse(f'joint_states.{name}', f'must be {count} numbers, one for each joint')

@@ -318,10 +318,13 @@ def test_bags_of_other_kinds_say_what_to_do_first(tmp_path, capsys):
         assert said in capsys.readouterr().err
     with pytest.raises(BagError, match='no such bag'):
         Bag(tmp_path / 'nothing')
-    for name in ('a_0.mcap', 'b_0.mcap'):
-        (tmp_path / name).write_bytes(b'')
-    with pytest.raises(BagError, match='different bags, name one'):
-        Bag(tmp_path)
+    for number, names in enumerate((('a_0', 'b_0'), ('run', 'walk'))):
+        folder = tmp_path / f'several_{number}'
+        folder.mkdir()
+        for name in names:
+            (folder / f'{name}.mcap').write_bytes(b'')
+        with pytest.raises(BagError, match='different bags, name one'):
+            Bag(folder)
 
 
 def test_definitions_that_cannot_be_read_and_messages_that_do_not_fit_are_one_line(

@@ -278,7 +278,8 @@ def scene_of(node: Node, files: Sequence[str] = ()) -> Scene:
 
     rclpy has declared them as they came. They are read and declared again with type and text from
     the table: so an unknown name is an error instead of being ignored, and ``3`` is good for a
-    double. ``files``: the parameter files, beside which the tables of forces stand.
+    double. Declared again are those given, and all that have a meaning in the scene. ``files``:
+    the parameter files, beside which the tables of forces stand.
 
     Raises
     ------

@@ -88,7 +88,8 @@ class TorqueInput(ClockInput):
         """
         Return (status, assembly mode, state) a period later; the first time, of the start.
 
-        When the scene has changed, its equation of motion goes on from the same state.
+        When the scene has changed, its equation of motion goes on from the same state. SILENT
+        stands only where the status would be OK; that of the start is not logged.
         """
         run = self._stream.run
         if self._scene is not run.scene:
