@@ -25,7 +25,7 @@ from fourbar_ros.errors import BagError
 from mcap.writer import Writer
 import zstandard  # noqa: F401    chunks need it, and mcap hides that it is missing
 
-FLUSH, SYNC = 0.1, 1.0                  # [s]
+FLUSH, SYNC, LOOK = 0.1, 1.0, 1.0       # [s]; LOOK: at free space and file, which may take long
 ROOM = 32 * 2**20                       # [bytes] of free disk below which a bag is finished
 NO_ROOM = f'less than {ROOM >> 20} MiB free'
 LEFT = 'what was flushed is in the file: fourbar bag recover'
@@ -203,9 +203,11 @@ class BagWriter:
 
     def _run(self) -> None:
         """Take messages from the queue to the file and flush it, until closed."""
+        looked = time.monotonic()
         while not self._is_closed.wait(FLUSH) and not self.error:
             self._guarded(self._flush)
-            if not self.error:
+            if time.monotonic() - looked >= LOOK and not self.error:
+                looked = time.monotonic()
                 self._guarded(self._look)
 
     def _keep_synced(self) -> None:
