@@ -311,6 +311,13 @@ def test_function_of_plain_numbers():
 def test_function_that_is_constant():
     extremum, = find_extrema(FourBar(*PAPER), lambda motion, loads: 3.0)
     assert (extremum.kind, extremum.value, extremum.is_global) == ('constant', 3.0, True)
+    # one in each range of the input: the least and the greatest
+    linkage = FourBar(1.2, 0.4, 0.8, 1.0)
+    assert len(linkage.input_ranges) == 2
+    for sign in (1.0, -1.0):
+        found = find_extrema(linkage, lambda motion, loads: sign * np.sign(motion.theta1))
+        assert [(e.kind, e.value, e.is_global) for e in found] == [
+            ('constant', sign, True), ('constant', -sign, True)]
 
 
 @pytest.mark.parametrize('asked, said', [
