@@ -25,7 +25,7 @@ from fourbar_ros.errors import BagError
 from mcap.writer import Writer
 import zstandard  # noqa: F401    chunks need it, and mcap hides that it is missing
 
-FLUSH, SYNC, LOOK = 0.1, 1.0, 1.0       # [s]; LOOK: at free space and file, which may take long
+FLUSH, SYNC, LOOK = 0.1, 1.0, 1.0       # [s]; LOOK: at the free space and at the file
 ROOM = 32 * 2**20                       # [bytes] of free disk below which a bag is finished
 NO_ROOM = f'less than {ROOM >> 20} MiB free'
 LEFT = 'what was flushed is in the file: fourbar bag recover'
