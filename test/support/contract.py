@@ -241,6 +241,12 @@ def families_of(case):
     return FAMILIES | OWN_FAMILIES.get(case.kind, {})
 
 
+def expect_lost_digits(request, case, family, drives):
+    """Expect the fault that docs/accuracy.md states, of these drives: (joint, mode)."""
+    if (case.driven, case.mode) in drives and family == 'link ratios 1e8':
+        request.node.add_marker(pytest.mark.xfail(strict=True, reason='loses up to three digits'))
+
+
 every_family = pytest.mark.parametrize(
     'case, family', [(case, family) for case in CASES for family in families_of(case)],
     ids=name_of)
