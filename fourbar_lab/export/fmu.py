@@ -130,15 +130,12 @@ def _source(code: Code, version: int) -> str:
     model, name = code.model, code.name
     header = code.header().replace('extern "C" {', '').replace('#ifdef __cplusplus\n}\n#endif\n',
                                                                '')
-    # before the source: it writes down which functions it calls
-    derivatives = (code.writer.function('derivatives_of', model.derivatives, refuses=False)
-                   if model.derivatives else '')
     drive = code.drive
     command = drive.command if drive else None
     is_torque_given = bool(drive and drive.takes_torque)
     settings = {
         'INPUTS': len(model.inputs), 'PARAMETERS': len(model.tunable), 'LOADS': len(model.loads),
-        'START': repr(model.sample()[0][0]), 'HAS_DERIVATIVES': int(bool(derivatives)),
+        'START': repr(model.sample()[0][0]),
         'HAS_DRIVE': int(bool(drive)), 'HAS_MODES': int(bool(drive and model.signs)),
         'DRIVE_NUMBERS': len(drive.numbers) if drive else 0, 'HAS_COMMAND': int(bool(command)),
         'COMMAND': f'state->{f"drive.{command.field}" if command and command.field else "torque"}',
@@ -151,7 +148,7 @@ def _source(code: Code, version: int) -> str:
     if version == 2:
         shared = shared.replace('FMUState', 'FMUstate')
     text = code.source().replace(f'#include "{name}.h"\n', header)
-    return text + derivatives + defined + flag + shared.replace('NAME', name)
+    return text + defined + flag + shared.replace('NAME', name)
 
 
 def build(source: Path, library: Path, command: str = '',
@@ -225,19 +222,6 @@ def _units(root: ElementTree.Element, variables: list[Variable]) -> None:
             _element(own, 'DisplayUnit', name='deg', factor=repr(180.0 / pi))
 
 
-def _interfaces(model: GeneratedModel, ending: str) -> list[tuple[str, dict[str, str]]]:
-    """
-    Return the interfaces of an FMU and their own attributes.
-
-    Model exchange is for motion by its inputs, which has no state: it is solved with the model
-    around it, without the delay of a step. Motion by torque has steps of its own. ``ending``: of
-    the attribute that offers derivatives, which FMI 3.0 writes in the plural.
-    """
-    slopes = {f'providesDirectionalDerivative{ending}': 'true'} if model.derivatives else {}
-    co_simulation = 'CoSimulation', {'canHandleVariableCommunicationStepSize': 'true', **slopes}
-    return [co_simulation] if model.moves_by_torque else [('ModelExchange', slopes), co_simulation]
-
-
 def _description(model: GeneratedModel, variables: list[Variable], guid: str,
                  version: int) -> ElementTree.Element:
     """
@@ -252,9 +236,12 @@ def _description(model: GeneratedModel, variables: list[Variable], guid: str,
                     variableNamingConvention='structured',
                     **{'guid' if is_2 else 'instantiationToken': guid})
     state = 'FMUstate' if is_2 else 'FMUState'
-    for tag, more in _interfaces(model, '' if is_2 else 's'):
-        kind = _element(root, tag, modelIdentifier=model.name, **{f'canGetAndSet{state}': 'true'},
-                        **more)
+    # model exchange is for motion by its inputs, which has no state: it is solved with the model
+    # around it, without the delay of a step; motion by torque has steps of its own
+    for tag in ('CoSimulation',) if model.moves_by_torque else ('ModelExchange', 'CoSimulation'):
+        kind = _element(root, tag, modelIdentifier=model.name, **{f'canGetAndSet{state}': 'true'})
+        if tag == 'CoSimulation':
+            kind.set('canHandleVariableCommunicationStepSize', 'true')
         if is_2:
             _element(_element(kind, 'SourceFiles'), 'File', name=f'{model.name}.c')
     _units(root, variables)

@@ -25,8 +25,7 @@ from fourbar_ros.numerics.number_types import (
     NumberType,
     REAL,
 )
-from fourbar_ros.numerics.tables import derivatives_of, Dual, duals_of, run
-from fourbar_ros.numerics.trace import flat, RECORDING, REFUSING, Trace
+from fourbar_ros.numerics.trace import flat, REFUSING, Trace
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import BASE
 
@@ -187,53 +186,6 @@ class GeneratedModel:
     def data(self) -> list[float]:
         """Return the numbers of the data, in the order of the trace."""
         return [float(value) for value in numbers_of((self.constants, self._places))]
-
-    @cached_property
-    def derivatives(self) -> Trace | None:
-        """
-        Return the trace of the exact derivatives of all wanted results along one direction.
-
-        Its inputs: those of the model and the tunable parameters, then the direction in both; its
-        results: of :attr:`motion`, then :attr:`loads`. A magnitude that is zero, as of most loads
-        at rest, has the derivative towards this side. None where the motion has steps, where
-        limits take the place of formulas, or where a function is no formula.
-        """
-        if (self.moves_by_torque or self.mechanism.is_flat_at_zero
-                or any(step.operation == 'call' for step in self.trace.steps)):
-            return None
-
-        base, names = self._recorded[0], self.mechanism.LOADS._fields
-        parts = _parts(base)
-        places = dict(zip((*self.names_of_motion, *names), parts[0] + parts[2] + parts[1]))
-        wanted = [places[one.name] for one in (*self.motion, *self.loads)]
-        steps = [i for i in base.needed(wanted) if not base.steps[i].is_given]
-        table = duals_of(RECORDING)
-        length = table['hypot']
-
-        def hypot(*parts: Any) -> Any:
-            """Return a magnitude; where it is zero, with the magnitude of the change."""
-            size = length(*parts)
-            if not isinstance(size, Dual):
-                return size
-            change = RECORDING['hypot'](*[derivatives_of(part).get('', 0.0) for part in parts])
-            return Dual(size.value, {'': RECORDING['where'](size.value > 0.0, size.by[''],
-                                                            change)})
-
-        def formula(*given: Any) -> Any:
-            """Return the derivatives, flat; a result that does not change has none."""
-            moved = [Dual(value, {'': along}) for value, along in zip(
-                given, given[len(given) // 2:])]
-            data: list[Any] = list(self.data)
-            for one, dual in zip(self.tunable, moved[3:]):
-                data[one.place] = dual
-            for place, (x, y) in self.derived.items():
-                if isinstance(data[x], Dual) or isinstance(data[y], Dual):
-                    data[place] = hypot(data[x], data[y])
-            known = [*moved[:3], *data, *[step.value for step in base.steps[3 + len(data):]]]
-            run(base, steps, {**table, 'hypot': hypot}, known)
-            return [derivatives_of(known[place]).get('', 0.0) for place in wanted]
-        trace = Trace(lambda _, __: formula, 2 * (len(self.inputs) + len(self.tunable)))
-        return trace.simplified(trace.literals())
 
     # --- names ----------------------------------------------------------------------------------
 

@@ -125,13 +125,12 @@ class Statements:
             kind, text = ('int', text) if is_flag else (kind, f'{text} ? 1.0 : 0.0')
         return [f'const {kind} {its_name} = {text};']
 
-    def function(self, its_name: str, trace: Trace, refuses: bool = True) -> str:
+    def function(self, its_name: str, trace: Trace) -> str:
         """
         Return the C function of a trace without data: inputs x to results, flat.
 
-        ``refuses``: it returns whether it refuses its inputs, as Python's floats do: a root of a
-        negative number, the sine of an infinite one, a division by zero. Else it returns nothing,
-        and such results are NaN or infinite.
+        It returns whether it refuses its inputs, as Python's floats do: a root of a negative
+        number, the sine of an infinite one, a division by zero.
         """
         values, steps = trace.constants([]), trace.steps
 
@@ -143,13 +142,11 @@ class Statements:
             return f'x[{place}]' if steps[place].is_given else f'v{place}'
 
         results = flat(trace.results)
-        refusing = [place for place in trace.varies
-                    if refuses and steps[place].operation in JUDGED]
+        refusing = [place for place in trace.varies if steps[place].operation in JUDGED]
         needed = trace.needed([*results, *(steps[i].arguments[-1] for i in refusing)])
-        lines = self.lines(trace, needed, refusing, name_of, ALL_JUDGED if refuses else {})
+        lines = self.lines(trace, needed, refusing, name_of, ALL_JUDGED)
         lines += [f'to[{i}] = {name_of(place)};' for i, place in enumerate(results)]
         is_used = any('x[' in line for line in lines)
-        return '\n'.join([f'static {"int" if refuses else "void"} {its_name}(const double *x, '
-                          'double *to)\n{', *['  int refused = 0;'] * refuses,
-                          *['  (void)x;'] * (not is_used), *(f'  {line}' for line in lines),
-                          *['  return refused;'] * refuses, '}', ''])
+        return '\n'.join([f'static int {its_name}(const double *x, double *to)\n{{',
+                          '  int refused = 0;', *['  (void)x;'] * (not is_used),
+                          *(f'  {line}' for line in lines), '  return refused;', '}', ''])

@@ -59,13 +59,6 @@ class Unit:
         self('GetReal', references, count, room)
         return list(room)
 
-    def derivative(self, names, direction):
-        """Return the derivatives of outputs along a direction {input or parameter: part}."""
-        (of, many, to), (by, count, along) = self.of(names), self.of(list(direction))
-        along[:] = list(direction.values())
-        self('GetDirectionalDerivative', of, many, by, count, along, to)
-        return list(to)
-
 
 @pytest.fixture(scope='module')
 def paper_file(tmp_path_factory):
@@ -117,91 +110,6 @@ def test_in_model_exchange_outputs_follow_inputs_at_once(paper):
         paper('CompletedIntegratorStep', 1, *map(byref, flags))
         assert [flag.value for flag in flags] == [0, 0]
     assert paper.library.fmi2GetDerivatives(c_void_p(paper.instance), byref(zero), c_size_t(1))
-
-
-@needs_compiler
-@some('name', ['paper', 'cylinder', 'bucket'], 1)
-def test_derivatives_are_those_of_a_complex_step_and_of_other_parameters(name, tmp_path):
-    linkage = load_scene(name).linkage
-    unit = Unit(generate(name, tmp_path, 'fmu2').files[0], tmp_path / name)
-    assert unit.root.find('ModelExchange').get('providesDirectionalDerivative') == 'true'
-    outputs = [one for one, cause in unit.causality.items() if cause == 'output'
-               and one in (*linkage.MOTION._fields, *linkage.LOADS._fields)]
-    low, high = linkage.input_ranges[0]
-    given, direction = (low + 0.4 * (high - low), 3.0, -2.0), (0.7, -1.1, 0.4)
-    inputs = list(linkage.input_coordinate)
-    unit.set(**dict(zip(inputs, given)))
-    # an imaginary step is exact; terms are up to 2^12 times larger than their sums
-    moved = step_of_arrays(linkage, True)(
-        *(np.array([x + 1e-30j * along]) for x, along in zip(given, direction)))
-    exact = {field: np.imag(np.asarray(value))[..., 0] / 1e-30 if np.ndim(value) else 0.0
-             for field, value in zip(linkage.MOTION._fields + linkage.LOADS._fields, moved)}
-    found = dict(zip(outputs, unit.derivative(outputs, dict(zip(inputs, direction)))))
-    size = max(map(abs, found.values()))
-    for one in outputs:
-        error = abs(found[one] - exact[one])
-        assert error <= 2.0**-40 * max(abs(exact[one]), 2.0**-10 * size), one
-    # by parameters: differences of the unit itself, wrong by a rounding of the sizes over the step
-    # and by its square
-    for parameter in [one for one, cause in unit.causality.items() if cause == 'parameter']:
-        at, = unit.get(parameter)
-        part, sides = 2.0**-17, []
-        size = max(abs(at), 0.1)
-        for sign in (1.0, -1.0):
-            unit.set(**{parameter: at + sign * part * size})
-            sides.append(np.array(unit.get(*outputs)))
-        unit.set(**{parameter: at})
-        slopes = size * np.array(unit.derivative(outputs, {parameter: 1.0}))
-        error = np.abs((sides[0] - sides[1]) / (2.0 * part) - slopes)
-        scale = np.abs(sides[0]).max() + np.abs(slopes).max()
-        assert error.max() <= 16.0 * (2.0**-52 / part + part * part) * scale, parameter
-
-
-@needs_compiler
-@some('name', ['paper', 'jansen', 'slider_crank'], 1)
-def test_at_rest_magnitudes_change_to_one_side(name, tmp_path):
-    unit = Unit(generate(name, tmp_path, 'fmu2').files[0], tmp_path / name)
-    inputs = load_scene(name).linkage.input_coordinate
-    at, along = dict(zip(inputs, (0.7, 0.0, 0.0))), dict(zip(inputs, (0.3, -2.0, 5.0)))
-    unit.set(**at)
-    outputs = [one for one, cause in unit.causality.items()     # a path at rest has no tangent
-               if cause == 'output' and math.isfinite(unit.get(one)[0])]
-    rest, slopes = np.array(unit.get(*outputs)), np.array(unit.derivative(outputs, along))
-    assert np.isfinite(slopes).all()
-    step = 2.0**-26        # wrong by the step, and by the rounding of what is not zero over it
-    unit.set(**{one: at[one] + step * along[one] for one in inputs})
-    error = np.abs((np.array(unit.get(*outputs)) - rest) / step - slopes)
-    assert (error <= 64.0 * (step + 2.0**-52 / step) * np.abs(slopes).max()).all()
-    assert ((rest == 0.0) & (slopes > 0.0)).any()
-
-
-@needs_compiler
-def test_forces_of_topics_have_derivatives(tmp_path):
-    scene = from_values({**load_scene('paper').values, 'external.output.from_topic': True})
-    unit = Unit(generate(scene, tmp_path, 'fmu2', name='loaded').files[0], tmp_path / 'loaded')
-    force = 'external.output.couple'
-    assert unit.causality[force] == 'input'
-    outputs = 'driving_torque', 'shaking_moment', 'f43_x', 'theta4'
-    before, slopes = unit.get(*outputs), unit.derivative(outputs, {force: 1.0})
-    unit.set(**{force: 1000.0})        # loads are linear in it
-    for a, b, slope in zip(before, unit.get(*outputs), slopes):
-        assert abs(b - a - 1000.0 * slope) <= 2.0**-46 * (1000.0 + abs(a))
-    assert slopes[3] == 0.0 and all(slopes[:3])
-
-
-@needs_compiler
-def test_derivatives_out_of_range_are_nan_and_of_unknown_numbers_refused(tmp_path, paper):
-    assert paper.derivative(['theta4', 'status'], {'omega1': 1.0}) == [0.0, 0.0]
-    paper.set(theta1=math.inf)
-    assert math.isnan(paper.derivative(['theta4'], {'theta1': 1.0})[0])
-    with pytest.raises(AssertionError):
-        paper.derivative(['theta4'], {'theta4': 1.0})
-    with pytest.raises(AssertionError):
-        paper.derivative(['theta1'], {'theta1': 1.0})
-    motor = Unit(generate('motor', tmp_path, 'fmu2').files[0], tmp_path / 'motor')
-    assert motor.root.find('CoSimulation').get('providesDirectionalDerivative') is None
-    with pytest.raises(AssertionError):
-        motor.derivative(['theta4'], {})
 
 
 @needs_compiler

@@ -125,32 +125,3 @@ def test_motion_by_torque(name, changes, as_, master, tmp_path):
         after = (i + 1) * step                    # steps of both are differences of times
         status, values = mover.next(values, after - time, torques[i] * is_commanded)
         time = after
-
-
-@pytest.mark.parametrize('name', ['paper', 'jansen', 'cylinder'])
-def test_derivatives_along_the_motion_are_rates(name, as_, tmp_path):
-    fmpy = pytest.importorskip('fmpy')
-    path, linkage = generate(name, tmp_path, as_).files[0], load_scene(name).linkage
-    about = fmpy.read_model_description(str(path))
-    place = {one.name: one.valueReference for one in about.modelVariables}
-    unit = fmpy.instantiate_fmu(fmpy.extract(str(path), str(tmp_path / 'unit')), about)
-    low, high = linkage.input_ranges[0]
-    at, rate, acceleration = low + 0.3 * (high - low), 25.0, -7.0
-    inputs = [place[one] for one in linkage.input_coordinate]
-    if as_ == 'fmu2':
-        unit.setupExperiment()
-    unit.enterInitializationMode()
-    unit.exitInitializationMode()
-    write, read = ((unit.setReal, unit.getReal) if as_ == 'fmu2' else
-                   (unit.setFloat64, unit.getFloat64))
-    write(inputs, [at, rate, acceleration])
-    pairs = [(one, one.replace(before, after)) for one in place if place[one] not in inputs
-             for before, after in (('theta', 'omega'), ('omega', 'alpha'))
-             if one.startswith(before) and one.replace(before, after) in place]
-    assert pairs
-    along = unit.getDirectionalDerivative([place[one] for one, _ in pairs], inputs,
-                                          [rate, acceleration, 0.0])
-    rates = read([place[after] for _, after in pairs])
-    assert np.abs(np.subtract(along, rates)).max() <= 2.0**-44 * np.abs(rates).max()
-    unit.terminate()
-    unit.freeInstance()

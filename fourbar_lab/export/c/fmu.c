@@ -126,33 +126,6 @@ static int set_numbers(State *state, const unsigned *references, size_t count,
   return 0;
 }
 
-static int derivatives(State *state, const unsigned *of, size_t many, const unsigned *by,
-                       size_t count, const double *along, double *to)
-{
-#if HAS_DERIVATIVES
-  const unsigned all = STATUS;
-  double x[2 * GIVEN], status, found[MOTIONS + LOADS];     /* x: what is given, the direction */
-  size_t i;
-  memset(x, 0, sizeof x);
-  memcpy(x, &state->input, INPUTS * sizeof *x);
-  memcpy(x + INPUTS, &state->parameters, PARAMETERS * sizeof *x);
-  for (i = 0; i < count; ++i) {
-    if (by[i] >= GIVEN) return 3;
-    x[GIVEN + by[i]] += along[i];
-  }
-  (void)get_numbers(state, &all, 1, &status);
-  derivatives_of(x, found);
-  for (i = 0; i < many; ++i) {
-    if (of[i] < GIVEN || of[i] > STATUS) return 3;
-    to[i] = of[i] == STATUS ? 0.0 : status > 0.0 ? NAN : found[of[i] - GIVEN];
-  }
-  return 0;
-#else
-  (void)state; (void)of; (void)many; (void)by; (void)count; (void)along; (void)to;
-  return 3;
-#endif
-}
-
 /* Model exchange: the inputs determine everything, so there are no states and no events. */
 #define STATES(name, type) \
   EXPORT Status name(Instance instance, type values, size_t count) \

@@ -88,10 +88,4 @@ REFUSED(fmi2GetStringStatus)
 REFUSED(fmi2CancelStep)
 REFUSED(fmi2SetRealInputDerivatives)
 REFUSED(fmi2GetRealOutputDerivatives)
-
-EXPORT Status fmi2GetDirectionalDerivative(Instance instance, const unsigned *of, size_t many,
-                                           const unsigned *by, size_t count,
-                                           const double *along, double *to)
-{
-  return derivatives(STATE, of, many, by, count, along, to);
-}
+REFUSED(fmi2GetDirectionalDerivative)

@@ -125,11 +125,4 @@ REFUSED(fmi3SetIntervalFraction)
 REFUSED(fmi3GetShiftFraction)
 REFUSED(fmi3SetShiftFraction)
 REFUSED(fmi3ActivateModelPartition)
-
-EXPORT Status fmi3GetDirectionalDerivative(Instance instance, const unsigned *of, size_t many,
-                                           const unsigned *by, size_t count, const double *along,
-                                           size_t directions, double *to, size_t length)
-{
-  if (directions != count || length != many) return ERROR;
-  return derivatives(STATE, of, many, by, count, along, to);
-}
+REFUSED(fmi3GetDirectionalDerivative)
