@@ -22,11 +22,9 @@ def figure(rows=1, columns=1, **arguments):
     return pyplot.subplots(rows, columns, layout='constrained', **arguments)
 
 
-def save(drawing, name, dpi=100):
-    """Write a picture of docs/bench as .svg and .png, with ``--write`` alone."""
+def save(drawing, name):
+    """Write a picture of docs/bench, with ``--write`` alone."""
     from matplotlib import pyplot
-    file = ROOT / 'docs' / 'bench' / name
     if is_written:
-        drawing.savefig(file.with_suffix('.svg'), metadata={'Date': None})
-        drawing.savefig(file.with_suffix('.png'), dpi=dpi)
+        drawing.savefig(ROOT / 'docs' / 'bench' / f'{name}.svg', metadata={'Date': None})
     pyplot.close(drawing)

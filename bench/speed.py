@@ -201,7 +201,7 @@ def draw(errors, times):
                      arrowprops={'arrowstyle': '->', 'color': '0.4'}, color='0.4')
     drawing.legend(*axes[0].get_legend_handles_labels(), loc='outside lower center', ncols=4,
                    frameon=False)
-    save(drawing, 'speed', dpi=110)
+    save(drawing, 'speed')
 
 
 def main():
