@@ -17,7 +17,6 @@ from fourbar_ros.scene.settings import (
     FAMILIES,
     MACHINE,
     NAME,
-    OF_GROUPS,
     OF_LINKS,
     Parameter,
     PARAMETERS,
@@ -70,20 +69,6 @@ def names_in(family: str, values: Iterable[str]) -> list[str]:
 def _parameters_of(family: str, member: str) -> list[Parameter]:
     """Return the table's parameters of one member of a family: points.P.link, points.P.along."""
     return [of_name(name.replace(f'.{NAME}.', f'.{member}.')) for name in FAMILIES[family]]
-
-
-def meant(values: ParameterValues, given: ParameterValues) -> list[str]:
-    """
-    Return the parameters to declare: those that have a meaning in a scene, and all given ones.
-
-    ``values``: all parameters of the scene, checked; ``given``: the parameters in its file.
-    drive.speed has no meaning where a topic drives.
-    """
-    def is_relevant(name: str) -> bool:
-        """Return whether a parameter has a meaning."""
-        asks = of_name(name).is_relevant or OF_GROUPS.get(name.partition('.')[0])
-        return asks is None or asks(values)
-    return [name for name in values if name in given or is_relevant(name)]
 
 
 # --- check ---------------------------------------------------------------------------------------

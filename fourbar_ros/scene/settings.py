@@ -9,7 +9,7 @@ have any number: in ``points.NAME.link`` NAME is free.
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from math import inf, isfinite, nan, pi
 from types import MappingProxyType
 from typing import Any, NamedTuple
@@ -35,7 +35,6 @@ from fourbar_ros.scene.topics import (
 )
 
 ParameterValues = Mapping[str, Any]       # {name: value}; their types stand in the table
-Relevant = Callable[[ParameterValues], bool]   # whether a parameter has a meaning in a scene
 
 MODES = MappingProxyType({'crossed': 1, 'open': 2})
 REQUIRED = object()        # as a default: the scene must give the value
@@ -54,7 +53,6 @@ class Parameter(NamedTuple):
 
     A ``default`` of NaN means "not given". ``low`` and ``high`` are inclusive; ``positive``
     excludes zero; a value below ``least_but_zero`` must be 0, which turns something off.
-    ``is_relevant`` tells whether it has a meaning in a scene, by all its values.
     """
 
     name: str
@@ -69,7 +67,6 @@ class Parameter(NamedTuple):
     live: bool = True          # can be changed while the node runs
     words: Mapping[str, Any] = MappingProxyType({})       # names of some values
     least_but_zero: float = 0.0
-    is_relevant: Relevant | None = None
 
     @property
     def allowed(self) -> str:
@@ -94,43 +91,6 @@ def _table(*parameters: Parameter) -> dict[str, Parameter]:
     return {parameter.name: parameter for parameter in parameters}
 
 
-def driven_by(*sources: str) -> Relevant:
-    """Return whether the source of the input is one of these."""
-    return lambda values: values['drive.source'] in sources
-
-
-def of_kinds(kinds: Iterable[str]) -> Relevant:
-    """Return whether the linkage is of one of these kinds."""
-    known = tuple(kinds)
-    return lambda values: values['linkage.kind'] in known
-
-
-def has_cylinder(values: ParameterValues) -> bool:
-    """Return whether a cylinder drives the crank."""
-    return bool(values['linkage.input'] == 'cylinder')
-
-
-def has_slide(values: ParameterValues) -> bool:
-    """Return whether the driven joint is a slide or a cylinder."""
-    return values['linkage.input'] in ('slide', 'cylinder')
-
-
-def has_masses(values: ParameterValues) -> bool:
-    """Return whether a mass, or the density of rods, is given."""
-    return any(value == value for name, value in values.items() if name.startswith('bodies.')
-               and name.endswith(('.mass', '.density')))
-
-
-def has_wrenches(values: ParameterValues) -> bool:
-    """Return whether a link has its external wrench from a topic."""
-    return any(value for name, value in values.items() if name.endswith('.from_topic'))
-
-
-def has_base(values: ParameterValues) -> bool:
-    """Return whether the motion of the base comes from a topic."""
-    return bool(values['base.topic'])
-
-
 # --- the linkage ---------------------------------------------------------------------------------
 
 def _length(name: str) -> Parameter:
@@ -144,11 +104,9 @@ def _length(name: str) -> Parameter:
     text = next(iter(texts)) if is_in_all and len(texts) == 1 else '; '.join(
         f'{text} ({", ".join(kinds)})' for text, kinds in texts.items())
     if any(length.signed for length in lengths.values()):
-        return Parameter(f'linkage.{name}', 'double', 0.0, 'm', text,
-                         is_relevant=of_kinds(lengths))
+        return Parameter(f'linkage.{name}', 'double', 0.0, 'm', text)
     return Parameter(f'linkage.{name}', 'double', nan, 'm',
-                     text + ' (all kinds but machine)' * is_in_all, positive=True,
-                     is_relevant=of_kinds(lengths))
+                     text + ' (all kinds but machine)' * is_in_all, positive=True)
 
 
 # of all kinds together: names of the lengths
@@ -186,69 +144,57 @@ GEAR = Parameter('motor.gear', 'double', 1.0, '',
 
 # --- groups --------------------------------------------------------------------------------------
 
-_ON_CLOCK, _BY_MESSAGES = driven_by(TIMER, *SOURCES), driven_by(*MESSAGES)
-_BY_JOINT, _BY_TORQUE = driven_by('joint_state'), driven_by(*SOURCES)
-_BY_TOPIC = driven_by(TORQUE.name)
-
 _DRIVE = _group('drive', (
     Parameter('source', 'string', TIMER, '',
               'source of the input: the clock (timer), Motion messages (motion), one joint of '
               'JointState messages (joint_state); or the motion follows from torque: of a topic '
               '(torque) or of a motor (motor)', choices=(TIMER, *MESSAGES, *SOURCES), live=False),
     Parameter('speed', 'double', 1.0, 'rad/s or m/s',
-              'with the timer: constant speed of the input',
-              low=-FASTEST, high=FASTEST, is_relevant=driven_by(TIMER)),
+              'with the timer: constant speed of the input', low=-FASTEST, high=FASTEST),
     Parameter('start', 'double', 0.0, 'rad or m',
-              'with the timer, torque or motor: input at the first sample',
-              live=False, is_relevant=_ON_CLOCK),
+              'with the timer, torque or motor: input at the first sample', live=False),
     Parameter('rate', 'double', 100.0, 'Hz',
-              'with the timer, torque or motor: samples per second',
-              low=0.001, high=5000.0, is_relevant=_ON_CLOCK),
+              'with the timer, torque or motor: samples per second', low=0.001, high=5000.0),
     Parameter('start_speed', 'double', 0.0, 'rad/s or m/s',
               'with torque or motor: speed of the input at the start',
-              low=-FASTEST, high=FASTEST, live=False, is_relevant=_BY_TORQUE),
+              low=-FASTEST, high=FASTEST, live=False),
     Parameter('tolerance', 'double', 1e-6, '',
               'with torque or motor: largest error of one step of the node, of angles [rad] and, '
-              'over one sample, of speeds [rad/s]', low=1e-12, high=0.1, is_relevant=_BY_TORQUE),
+              'over one sample, of speeds [rad/s]', low=1e-12, high=0.1),
     Parameter('budget', 'integer', 60, '',
               'with torque or motor: most evaluations of the equation of motion in one step; a '
               'step that needs more is finished less accurately, as its status shows',
-              low=12, high=10000, is_relevant=_BY_TORQUE),
+              low=12, high=10000),
     Parameter('when_silent', 'string', 'zero', '',
               'with torque: torque in effect before the first message, and after drive.timeout '
               'without one: none (zero), or the last one (hold; before the first, none)',
-              choices=('zero', 'hold'), is_relevant=_BY_TOPIC),
+              choices=('zero', 'hold')),
     Parameter('torque_limit', 'double', nan, 'N m or N',
               'with torque: a larger torque from the topic counts as this one; default: no limit',
-              positive=True, is_relevant=_BY_TOPIC),
+              positive=True),
     Parameter('joint', 'string', '', '',
-              'with joint_state: name of the driven joint', live=False, is_relevant=_BY_JOINT),
+              'with joint_state: name of the driven joint', live=False),
     Parameter('joint_ratio', 'double', 1.0, '',
               'with joint_state: ratio in joint = ratio * input + offset; negative if they turn '
-              'in opposite directions', live=False, is_relevant=_BY_JOINT),
+              'in opposite directions', live=False),
     Parameter('joint_offset', 'double', 0.0, 'rad or m',
-              'with joint_state: offset in joint = ratio * input + offset',
-              live=False, is_relevant=_BY_JOINT),
+              'with joint_state: offset in joint = ratio * input + offset', live=False),
     Parameter('window', 'integer', 5, '',
               'estimate of missing rates: number of latest samples that are fitted',
-              low=3, high=50, is_relevant=_BY_MESSAGES),
+              low=3, high=50),
     Parameter('jump', 'double', 1.0, 'rad or m',
               'estimate of missing rates: a step between two samples that is larger, or differs '
-              'by more from the one expected, restarts it',
-              positive=True, is_relevant=_BY_MESSAGES),
+              'by more from the one expected, restarts it', positive=True),
     Parameter('top_speed', 'double', nan, 'rad/s',
               'where positions wrap after a turn: largest speed of the input; a step so long that '
               'it could be a quarter turn at this speed restarts the estimate of missing rates; '
-              'default: positions count their turns',
-              positive=True,
-              is_relevant=lambda values: _BY_MESSAGES(values) and not has_slide(values)),
+              'default: positions count their turns', positive=True),
     Parameter('carried_inertia', 'double', 0.0, 'kg m^2 or kg',
               'inertia that a simulator has in its own rotor for the linkage: torque_of_rest of '
-              'the output equation is the driving torque without it', low=0.0,
-              is_relevant=has_masses),
+              'the output equation is the driving torque without it', low=0.0),
     Parameter('timeout', 'double', 1.0, 's',
               'with messages: after this time without input the status is STATUS_INPUT_TIMEOUT; '
-              '0: never', low=0.0, is_relevant=driven_by(*MESSAGES, TORQUE.name)),
+              '0: never', low=0.0),
     Parameter('out_of_range', 'string', 'none', '',
               'published where the linkage cannot be assembled: NaN (none), the last good values '
               '(hold) or the pose at the nearest limit (clamp)',
@@ -288,15 +234,15 @@ _RECORDING = _group('recording', (
 _OF_TOPICS = _group('external', (
     Parameter('timeout', 'double', 1.0, 's',
               'with from_topic: a link without a wrench for longer than this counts as silent; 0: '
-              'never', low=0.0, is_relevant=has_wrenches),
+              'never', low=0.0),
     Parameter('when_silent', 'string', 'unknown', '',
               'external wrench of a silent link, and before its first message: unknown (all loads '
               'are NaN), constant (force_x, force_y, couple) or hold (the last wrench; before the '
               'first, constant)',
-              choices=('unknown', 'constant', 'hold'), is_relevant=has_wrenches),
+              choices=('unknown', 'constant', 'hold')),
     Parameter('extrapolated', 'bool', False, '',
               'with from_topic: take from the last two wrenches the one that is due a step later, '
-              'for chains of nodes, whose reactions come one step late', is_relevant=has_wrenches),
+              'for chains of nodes, whose reactions come one step late'),
 ))
 
 _BASE = _group('base', (
@@ -306,21 +252,18 @@ _BASE = _group('base', (
               'rest', choices=('', *BASES), live=False),
     Parameter('rotation', 'doubles', [], '',
               'with imu: frame of the linkage in that of the messages: roll, pitch, yaw [rad], '
-              'as in URDF, or a quaternion x, y, z, w; empty: the same axes',
-              is_relevant=has_base),
+              'as in URDF, or a quaternion x, y, z, w; empty: the same axes'),
     Parameter('frame_id', 'string', '', '',
-              'frame_id of the messages, which others are not taken; empty: that of the linkage',
-              is_relevant=has_base),
+              'frame_id of the messages, which others are not taken; empty: that of the linkage'),
     Parameter('window', 'integer', 2, '',
               'with imu: number of latest rates whose slope is the angular acceleration',
-              low=2, high=50, live=False, is_relevant=has_base),
+              low=2, high=50, live=False),
     Parameter('timeout', 'double', 0.2, 's',
               'after this time without a message the motion of the base counts as unknown; 0: '
-              'never', low=0.0, is_relevant=has_base),
+              'never', low=0.0),
     Parameter('when_silent', 'string', 'unknown', '',
               'motion of the base in a silence: unknown (all loads are NaN) or the last one '
-              '(hold; before the first message, unknown)', choices=('unknown', 'hold'),
-              is_relevant=has_base),
+              '(hold; before the first message, unknown)', choices=('unknown', 'hold')),
     Parameter('carried.mass', 'double', 0.0, 'kg',
               'mass that a simulator has in its own body for the linkage: shaking force and '
               'moment are those of the rest', low=0.0),
@@ -361,17 +304,15 @@ PARAMETERS = _table(
     *map(_length, LENGTHS),
     Parameter('linkage.range', 'doubles', [], 'm',
               'stroke of a driven slide: [shortest, longest]; empty: every position where the '
-              'linkage can be assembled', live=False,
-              is_relevant=has_slide),
+              'linkage can be assembled', live=False),
     Parameter('linkage.mode', 'integer', 2, '',
               'assembly mode: 1 or crossed, 2 or open; for the sliders see docs/conventions.md',
-              1, 2, words=MODES, is_relevant=of_kinds(FACTS)),
+              1, 2, words=MODES),
     Parameter('linkage.dyads', 'strings', [], '',
               f'names of the dyads of a {MACHINE}, each after those on whose links it hangs',
-              live=False, is_relevant=of_kinds([MACHINE])),
+              live=False),
     Parameter('linkage.output', 'string', '', '',
-              f'link of a {MACHINE} whose motion is the output; empty: the last link',
-              live=False, is_relevant=of_kinds([MACHINE])),
+              f'link of a {MACHINE} whose motion is the output; empty: the last link', live=False),
     *_place('cylinder.base', 'with linkage.input cylinder: pivot of its tube', GROUND,
             'with linkage.input cylinder: link on which its tube is pinned, the ground or one '
             'to which the crank is pinned at O1; see docs/machines.md', live=False),
@@ -415,8 +356,7 @@ PARAMETERS = _table(
               'outputs to publish; those not listed are neither created nor computed',
               choices=(*OUTPUTS, *PICTURES)),
     Parameter('pictures.rate', 'double', 30.0, 'Hz',
-              'output markers: messages per second at most; 0: one for every input',
-              low=0.0),
+              'output markers: messages per second at most; 0: one for every input', low=0.0),
     Parameter('services', 'strings', list(SERVICES), '',
               'services to offer', choices=tuple(SERVICES),
               live=False),
@@ -565,8 +505,3 @@ _FORCE = _table(
 FAMILIES = {'points': _POINT, 'springs': _SPRING, 'torsion_springs': _TORSION, 'forces': _FORCE,
             'dyads': _DYAD, 'bodies': _BODY, 'external': _EXTERNAL}
 OF_LINKS = 'bodies', 'external'      # families of which every link of the mechanism is a member
-# when groups have a meaning, but for parameters that say so themselves
-OF_GROUPS: dict[str, Relevant] = {
-    'cylinder': has_cylinder, 'external': has_masses, 'base': has_masses,
-    'motor': driven_by('motor'),
-    'shaft': _BY_TORQUE, 'flywheel': _BY_TORQUE}

@@ -7,7 +7,7 @@ from fourbar_ros import FourBar
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.pipeline.stepper import LOADS_UNKNOWN, Stepper
 from fourbar_ros.pipeline.wrenches import Wrench
-from fourbar_ros.scene import parameters, scene
+from fourbar_ros.scene import scene
 from fourbar_ros.scene.files import read_values
 from fourbar_ros.scene.message_fields import DRIVE_WRENCH
 import numpy as np
@@ -159,26 +159,3 @@ def test_a_boom_is_a_cylinder_without_dyads_and_bears_a_load():
     turning = (300.0 * -(3.7 * s + 0.1 * c) - 5000.0 * (3.7 * c - 0.1 * s) - 700.0)
     assert at_rest.driving_force - without[1].driving_force == pytest.approx(
         -turning * motion.crank_ratio, rel=1e-12)
-
-
-@pytest.mark.parametrize('values, has, has_not', [
-    ({**PAPER, **RODS}, ('linkage.a1', 'drive.speed', 'external.crank.force_x', 'services'),
-     ('motor.kind', 'shaft.stiffness', 'cylinder.mode', 'drive.joint', 'linkage.dyads',
-      'drive.torque_limit', 'external.timeout', 'linkage.offset')),
-    ({**PAPER, 'drive.source': 'joint_state', 'drive.joint': 'm', 'motor.gear': 2.0},
-     ('drive.joint_ratio', 'drive.window', 'motor.gear'),
-     ('drive.speed', 'motor.kind', 'external.crank.force_x')),
-    ({**PAPER, **RODS, 'drive.source': 'torque', 'external.crank.couple': 1.0},
-     ('drive.when_silent', 'shaft.stiffness', 'drive.start_speed'), ('motor.kind',)),
-    (read_values('cylinder'), ('drive.window', 'drive.jump'), ('drive.top_speed',)),
-    (read_values('bucket'), ('drive.window', 'drive.jump'), ('drive.top_speed',)),
-    (WATT, ('bodies.rocker.mass', 'linkage.output', 'dyads.one.mode'),
-     ('cylinder.mode', 'linkage.a1', 'linkage.mode')),
-    (read_values('jansen'), ('bodies.foot.mass', 'dyads.leg.mode'), ('bodies.output.mass',))])
-def test_what_a_scene_does_not_need_is_not_declared(values, has, has_not):
-    every = scene.from_values(values).values
-    found = set(parameters.meant(every, values))
-    assert set(values) <= found and found >= set(has) and not found & set(has_not)
-    # what is left out has no say: another value makes the same scene
-    assert all(every[name] == parameters.of_name(name).default or every[name] != every[name]
-               for name in every.keys() - found)

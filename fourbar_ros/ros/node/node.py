@@ -18,7 +18,7 @@ from fourbar_ros.ros.node.entities import OVERRIDES, Troubles, WAITING, Worker
 from fourbar_ros.ros.node.recording import Recording
 from fourbar_ros.ros.node.stream import RunningScene, Stream
 from fourbar_ros.scene.linkage import warnings_of
-from fourbar_ros.scene.parameters import find_parameter, meant, of_name
+from fourbar_ros.scene.parameters import find_parameter, of_name
 from fourbar_ros.scene.scene import check_for_node, from_values, Scene
 from fourbar_ros.scene.settings import Parameter, SOURCES
 from fourbar_ros.scene.topics import SERVICES
@@ -278,8 +278,7 @@ def scene_of(node: Node, files: Sequence[str] = ()) -> Scene:
 
     rclpy has declared them as they came. They are read and declared again with type and text from
     the table: so an unknown name is an error instead of being ignored, and ``3`` is good for a
-    double. Declared again are those given, and all that have a meaning in the scene. ``files``:
-    the parameter files, beside which the tables of forces stand.
+    double. ``files``: the parameter files, beside which the tables of forces stand.
 
     Raises
     ------
@@ -301,9 +300,8 @@ def scene_of(node: Node, files: Sequence[str] = ()) -> Scene:
     scene = from_values(given | tables)
     for name in given:
         node.undeclare_parameter(name)
-    for name in meant(scene.values, given):
-        node.declare_parameter(name, scene.values[name], descriptor(of_name(name)),
-                               ignore_override=True)
+    for name, value in scene.values.items():
+        node.declare_parameter(name, value, descriptor(of_name(name)), ignore_override=True)
     return scene
 
 
