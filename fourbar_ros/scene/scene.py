@@ -14,13 +14,13 @@ import json
 from math import isfinite, isnan, lcm
 from pathlib import Path
 from types import SimpleNamespace
-from typing import cast, NamedTuple, NoReturn, TYPE_CHECKING
+from typing import Any, cast, NamedTuple, NoReturn, TYPE_CHECKING
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, one_of, OutOfRange
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.scene.linkage import linkage_of
 from fourbar_ros.scene.message_fields import FieldMap, layout
-from fourbar_ros.scene.parameters import check, names_in, of_name
+from fourbar_ros.scene.parameters import check, check_value, names_in, of_name
 from fourbar_ros.scene.settings import ParameterValues, SOURCES
 from fourbar_ros.scene.topics import (
     ANSWERS,
@@ -89,7 +89,7 @@ class Scene:
     dynamics: Dynamics | None
     values: ParameterValues
 
-    @property
+    @cached_property
     def as_json(self) -> str:
         """Return the given parameters as JSON (NaN stands for "not given", and is no JSON)."""
         return json.dumps({name: value for name, value in self.values.items() if value == value})
@@ -101,6 +101,16 @@ class Scene:
             raise InvalidParameter('mode', mode, 'must be '
                                    f'{" or ".join(map(str, known))}: {self.linkage.description}')
         return self.linkage.in_mode(mode or self.linkage.mode)
+
+    def with_values(self, changes: ParameterValues) -> Scene:
+        """
+        Return this scene with other values of parameters that may change while a node runs.
+
+        InvalidParameter as of :func:`from_values`. What does not change is not checked again: of a
+        live change that would take half the time.
+        """
+        checked = {name: check_value(of_name(name), value) for name, value in changes.items()}
+        return _of_checked({**self.values, **checked})
 
     def taken_in(self, mode: int) -> Scene:
         """Return this scene with its linkage in another assembly mode, as beyond a toggle."""
@@ -314,7 +324,7 @@ class Scene:
         return (set(shown.ratios) == {1.0} and set(shown.offsets) == {0.0}
                 and shown.when_unknown != 'hold')
 
-    @property
+    @cached_property
     def joints_shown(self) -> tuple[int, ...]:
         """Return the indices of the joints in joint_states: all, or all but the driven one."""
         driven = self.linkage.input_coordinate
@@ -356,48 +366,61 @@ def from_values(values: ParameterValues) -> Scene:
 
     InvalidParameter names the parameter, its value and the allowed values.
     """
-    has_forces = any(name.startswith('forces.') for name in values)
-    if has_forces:
-        from fourbar_ros.scene.forces import forces_of, with_tables  # other scenes do without
+    if any(name.startswith('forces.') for name in values):
+        from fourbar_ros.scene.forces import with_tables  # other scenes do without
         values = with_tables(values)
-    values = check(values)
-    points = {name: ScenePoint(*(values[f'points.{name}.{field}'] for field in ScenePoint._fields))
-              for name in names_in('points', values)}
+    return _of_checked(check(values))
+
+
+def _groups_in(values: ParameterValues) -> dict[str, Group]:
+    """Return the parameters that stand directly in a group, by its name."""
+    found: dict[str, dict[str, Any]] = {}
+    for name, value in values.items():
+        group, _, field = name.partition('.')
+        own = found.setdefault(group, {})
+        if field and '.' not in field:
+            own[field] = value
+    return {group: Group(**own) for group, own in found.items()}
+
+
+def _of_checked(values: ParameterValues) -> Scene:
+    """Return the Scene of all its parameters, each of which is good by itself."""
+    groups = _groups_in(values)
+    points = {}
+    if 'points' in groups:
+        points = {name: ScenePoint(*(values[f'points.{name}.{field}']
+                                     for field in ScenePoint._fields))
+                  for name in names_in('points', values)}
     linkage = linkage_of(values)
     links = [link.name for link in linkage.LINKS]
     for name, point in points.items():
         if point.link not in links:
             raise InvalidParameter(f'points.{name}.link', point.link, one_of(links, point.link))
-    shown = _group('joint_states', values)
+    shown = groups['joint_states']
     shown.ratios = shown.ratios or [1.0] * len(linkage.JOINTS)
     shown.offsets = shown.offsets or [0.0] * len(linkage.JOINTS)
     names = values['joint_names'] or [joint.name or joint.place for joint in linkage.JOINTS]
-    wrenches = _group('external', values)
+    wrenches = groups['external']
     wrenches.links = tuple(link for link in linkage.EXTERNAL._fields
                            if values[f'external.{link}.from_topic'])
-    forces = forces_of(values, linkage) if has_forces else ()
+    forces: tuple[PositionForce, ...] = ()
+    if 'forces' in groups:
+        from fourbar_ros.scene.forces import forces_of  # other scenes do without
+        forces = forces_of(values, linkage)
     dynamics = None
-    if values['drive.source'] in SOURCES or any(
-            names_in(family, values) for family in ('springs', 'torsion_springs')):
+    if values['drive.source'] in SOURCES or 'springs' in groups or 'torsion_springs' in groups:
         from fourbar_ros.scene.dynamics import of_values  # other scenes do without
         dynamics = of_values(values, linkage, forces)
     has_elements = dynamics.elements if dynamics else forces
-    base = _group('base', values)
+    base = groups['base']
     honest = replace(linkage, bodies=None) if has_elements or base.topic else linkage
-    scene = Scene(honest, linkage, points, wrenches, base, _group('drive', values),
+    scene = Scene(honest, linkage, points, wrenches, base, groups['drive'],
                   tuple(values['outputs']),
                   values['frame_id'], tuple(shown.prefix + name for name in names), shown,
-                  _group('recording', values),
+                  groups['recording'],
                   forces, dynamics, values)
     _check_together(scene)
     return scene
-
-
-def _group(name: str, values: ParameterValues) -> Group:
-    """Return the parameters ``name``.* as a record."""
-    found = {key.removeprefix(f'{name}.'): value for key, value in values.items()
-             if key.startswith(f'{name}.')}
-    return Group(**{key: value for key, value in found.items() if '.' not in key})
 
 
 def differ(one: Group, other: Group) -> bool:

@@ -3,6 +3,7 @@
 """Scene files and the parameter table."""
 import json
 import math
+import re
 
 from fourbar_ros import FourBarError, InvalidParameter
 from fourbar_ros.scene import scene
@@ -115,11 +116,15 @@ def test_kinds_of_motors_share_no_parameter_that_differs():
 
 @pytest.mark.parametrize('file', sorted(CONFIG.glob('*.yaml')), ids=lambda file: file.stem)
 @given(st.data())
-def test_hostile_values_are_taken_or_refused(file, data):
-    values = scene.load(file).values
-    live = [key for key in values if find_parameter(key) and find_parameter(key).live]
-    for changed in data.draw(st.lists(parameters(live), max_size=8)):
+def test_a_live_change_is_taken_or_refused_as_the_whole_scene_would_be(file, data):
+    now = scene.load(file)
+    live = [key for key in now.values if find_parameter(key) and find_parameter(key).live]
+    for name, value in data.draw(st.lists(parameters(live), max_size=8)):
         try:
-            values = scene.from_values({**values, changed[0]: changed[1]}).values
+            whole = scene.from_values({**now.values, name: value})
         except FourBarError as error:
-            assert str(error)
+            with pytest.raises(type(error), match=re.escape(str(error))):
+                now.with_values({name: value})
+        else:
+            now = now.with_values({name: value})
+            assert now.as_json == whole.as_json and repr(now.linkage) == repr(whole.linkage)

@@ -322,7 +322,7 @@ def watch(node: Node, current: Callable[[], Scene], apply: Callable[[Scene], Non
             elif value != node.get_parameter(name).value:    # one of rclpy's, as use_sim_time
                 raise InvalidParameter(name, value, 'only at start')
         if changes:
-            apply(from_values({**current().values, **changes}))
+            apply(current().with_values(changes))
 
     # The scene changes while rclpy asks whether it may: the callback after rclpy has set the
     # parameters cannot refuse any more. No other callback can refuse these parameters.

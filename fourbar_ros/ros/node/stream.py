@@ -389,6 +389,8 @@ class RunningScene:
     def __init__(self, scene: Scene, before: RunningScene | None = None,
                  acting: Mapping[str, ActingInput] | None = None) -> None:
         self.scene, self.layout = scene, scene.layout
+        if before and before.layout == scene.layout:
+            self.layout = before.layout      # writers compare it: as the same object at once
         self.mode = mode_number(scene.linkage.mode)
         self.unknown = (nan,) * len(self.layout.place)
         self.input_places = [self.layout.place[name] for name in scene.linkage.input_coordinate]
