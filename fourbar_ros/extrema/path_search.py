@@ -219,8 +219,8 @@ def _is_kink(sampler: Sampler, roots: Roots, which: Array) -> Array:
 
 def _beside(sampler: Sampler, x: Array, turn: Array, row: Array) -> tuple[Array, Array]:
     """Return the slopes of quantities ``row`` at x - turn and at x + turn."""
-    before, after = np.split(sampler.slope(np.concatenate((x - turn, x + turn)),
-                                           np.tile(row, 2)), 2)
+    before, after = sampler.slope(np.concatenate((x - turn, x + turn)),
+                                  np.concatenate((row, row))).reshape(2, -1)
     return before, after
 
 
@@ -381,9 +381,9 @@ def sampled_conditions(sampler: Sampler, x: Array, row: Array,
     of the extrema; ``row``: their quantities; ``spacing``: distance of samples there.
     """
     turn = max(TURN, 4.0 * sampler.TURN) * spacing    # differences reach half as far
-    around, rows = np.concatenate((x - turn, x, x + turn)), np.tile(row, 3)
-    (_, value, _), (before, _, after) = (np.split(part, 3) for part in sampler.at(around, rows))
-    by = np.split(sampler.by_lengths(around, rows), 3)
+    around, rows = np.concatenate((x - turn, x, x + turn)), np.concatenate((row, row, row))
+    (_, value, _), (before, _, after) = (part.reshape(3, -1) for part in sampler.at(around, rows))
+    by = sampler.by_lengths(around, rows).reshape(3, row.size, -1)
     with np.errstate(divide='ignore', invalid='ignore'):
         return (np.abs(by[2] - by[0]).sum(axis=1) / np.abs(after - before),
                 np.abs(by[1]).sum(axis=1) / np.abs(value))

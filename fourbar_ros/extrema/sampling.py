@@ -251,10 +251,11 @@ class Sampler:
         ``is_squared``: of half the square instead, which is smooth where a magnitude has a kink.
         """
         turn = self.TURN * spacing
-        value, slope = self.at(np.concatenate((x, x + turn)), np.tile(row, 2))
-        here, there = np.split(np.where(np.tile(is_squared, 2), value * slope, slope), 2)
+        both = self.at(np.concatenate((x, x + turn)), np.concatenate((row, row)))
+        value, slope = (part.reshape(2, -1) for part in both)
+        here, there = np.where(is_squared, value * slope, slope)
         with np.errstate(divide='ignore', invalid='ignore'):
-            return here, here * turn / (there - here), value[:x.size], here
+            return here, here * turn / (there - here), value[0], here
 
     def noise(self, state: State) -> Array:
         """

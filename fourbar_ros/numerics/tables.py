@@ -37,9 +37,10 @@ def run(trace: Trace, order: Sequence[int], table: Table, values: list[Any],
     ``values``: by place, those that are known already; the results are written into it. ``done``:
     by place, those that nobody needs after it: arrays are given back while they are in the cache.
     """
+    steps, known = trace.steps, values.__getitem__
     for place in order:
-        step = trace.steps[place]
-        values[place] = table[step.operation](*[values[i] for i in step.arguments])
+        step = steps[place]
+        values[place] = table[step.operation](*map(known, step.arguments))
         for i in done.get(place, ()):
             values[i] = None
     return values
