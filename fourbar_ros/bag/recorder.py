@@ -31,6 +31,7 @@ NO_ROOM = f'less than {ROOM >> 20} MiB free'
 LEFT = 'what was flushed is in the file: fourbar bag recover'
 MOST_MESSAGES, MOST_BYTES = 100_000, 128 * 2**20    # that may wait; then the newest are dropped
 CDR_HEADER = 4      # [bytes] the shortest message
+MOST_FILES = 100    # that may wait for the disk, open, after a split
 BITE = 50           # messages after which the thread lets others run
 SPLIT = 'split'     # why a file ended: another one follows
 
@@ -103,6 +104,8 @@ class BagWriter:
         self._lock, self._is_closed = threading.Lock(), threading.Event()
         self._is_taking = True
         self._before: list[metadata.Metadata] = []  # of the files before
+        self._ended: deque[BagFile] = deque()       # those among them that are not synced yet
+        self._syncing = threading.Lock()
         self._make_folder()
         self._threads = [threading.Thread(target=job, name=title, daemon=True)
                          for title, job in (('bag', self._run), ('bag sync', self._keep_synced))]
@@ -194,7 +197,8 @@ class BagWriter:
             thread.join()
         if is_first and not self.error:
             self._guarded(lambda: self._finish(why))
-        self._part.file.close()
+        for part in (*self._ended, self._part):
+            part.file.close()
         if self.error:
             raise BagError(f'{self.path}: {self.error}')
         return self.path
@@ -213,12 +217,20 @@ class BagWriter:
     def _keep_synced(self) -> None:
         """Bring new data to the disk every second, until closed."""
         while not self._is_closed.wait(SYNC) and not self.error:
-            part = self._part
             try:
-                os.fdatasync(part.file.fileno())
-            except (OSError, ValueError) as error:
-                if part is self._part:          # else it has just been closed by a split
-                    self._give_up(f'{error}; {LEFT}')
+                self._sync()
+            except OSError as error:
+                self._give_up(f'{error}; {LEFT}')
+
+    def _sync(self) -> None:
+        """Wait until the disk has all that was flushed; close the files that a split has ended."""
+        with self._syncing:
+            while self._ended:
+                part = self._ended[0]
+                os.fsync(part.file.fileno())
+                part.file.close()
+                self._ended.popleft()
+            os.fsync(self._part.file.fileno())
 
     def _flush(self) -> None:
         """Hand all waiting messages to the kernel, as whole chunks."""
@@ -248,20 +260,23 @@ class BagWriter:
             or self._split_duration and now - part.span[0] >= self._split_duration * 1e9)
 
     def _next_part(self) -> None:
-        """Finish the file and go on in a new one."""
+        """Finish the file and go on in a new one; the other thread waits for the disk."""
         old = self._part
         old.about['dropped'] = str(self.dropped)
         old.finish(SPLIT)
         self._before.append(old.metadata())
         self._part = BagFile(self.path, len(self._before), self._channels, self._about)
-        old.file.close()
+        self._ended.append(old)
         self._write_metadata()
+        if len(self._ended) > MOST_FILES:       # the disk is slower than the splits
+            self._sync()
 
     def _finish(self, why: str) -> None:
         """Write the waiting messages and the end of the bag."""
         self._flush()
         self._part.about['dropped'] = str(self.dropped)
         self._part.finish(why)
+        self._sync()
         self._write_metadata()
 
     def _write_metadata(self) -> None:
@@ -357,12 +372,11 @@ class BagFile:
         self._whole, self._pending = self.file.tell(), 0
 
     def finish(self, why: str) -> None:
-        """Write the end of the file, which says why it ended, and sync it."""
+        """Write the end of the file, which says why it ended."""
         self.about['ended'] = why
         self._describe()
         self._writer.finish()
         self._whole = self.file.tell()
-        os.fsync(self.file.fileno())
 
     def cut(self) -> None:
         """Take back what is not whole, and write no more."""
