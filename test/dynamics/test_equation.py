@@ -7,79 +7,53 @@ from fourbar_ros import Bodies, Body, FourBar, InvalidParameter, MissingBodies
 from fourbar_ros.dynamics.elements import Attachment, GROUND, Spring, TorsionSpring
 from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.mechanics.bodies import External, NOT_APPLIED
-from fourbar_ros.mechanisms.points import point_motion
-from fourbar_ros.mechanisms.sliders import ScotchYoke
 import mpmath as mp
 import numpy as np
 import pytest
-from support.machines import (
-    EPS,
-    exact_inertia,
-    exact_potential,
-    exact_stretch,
-    KINDS,
-    random_bodies,
-    random_elements,
-    random_machines,
-)
+from support import contract
+from support.cartesian import EPS
+from support.machines import exact_inertia, exact_potential, exact_stretch, random_elements
 from support.samples import more
 
 
 def sizes(mechanism, position, rate, acceleration):
     """Return the sum of the sizes of all terms of the torque, of each body and load alone."""
-    total, nothing = 0.0, Bodies(*[Body(0.0)] * 3)
+    total, nothing = 0.0, mechanism.BODIES(*[Body(0.0)] * len(mechanism.BODIES._fields))
+    no_load = mechanism.EXTERNAL(*[NOT_APPLIED] * len(mechanism.EXTERNAL._fields))
     for name, body in mechanism.bodies._asdict().items():
         for kept in (replace(body, inertia=0.0), Body(0.0, inertia=body.inertia)):
-            bodies = nothing._replace(**{name: kept})
-            alone = replace(mechanism, bodies=bodies, external=External())
+            alone = replace(mechanism, bodies=nothing._replace(**{name: kept}), external=no_load)
             terms = Equation(alone).terms(position)
             total += abs(terms.inertia * acceleration) + abs(terms.half_slope) * rate**2
             total += abs(terms.force)
             total += terms.inertia * rate**2        # of which the slope is a difference
     for name, applied in mechanism.external._asdict().items():
         for change in ({'couple': 0.0}, {'force_x': 0.0, 'force_y': 0.0}):
-            external = External(**{name: replace(applied, **change)})
+            external = no_load._replace(**{name: replace(applied, **change)})
             alone = replace(mechanism, bodies=nothing, external=external)
             total += abs(Equation(alone).terms(position).force)
     return total
 
 
-@pytest.mark.parametrize('name', KINDS)
-@pytest.mark.parametrize('seed, count', [more((200, 10), (201, 60))])
-def test_its_torque_is_the_driving_torque_of_the_loads(name, seed, count):
+@contract.every_mechanism
+def test_its_torque_is_the_driving_torque_of_the_loads(case, count=more(10, 60)):
     """Two formulations: virtual work of curves at unit rate, and Newton-Euler joint by joint."""
-    rng = np.random.default_rng(seed)
-    for mechanism, position in random_machines(name, seed, count):
-        rate, acceleration = rng.normal(size=2).tolist()
-        loads = mechanism.loads(position, rate, acceleration)
-        theirs = loads.driving_force if mechanism.is_driven_by_slide else loads.driving_torque
-        condition = 1.0 + mechanism.motion(position).condition / mechanism.input_unit
-        bound = 32.0 * EPS * condition**2 * sizes(mechanism, position, rate, acceleration)
-        assert abs(Equation(mechanism).torque(position, rate, acceleration) - theirs) <= bound
+    for mechanism, given in contract.ordinary(case, 200, count):
+        loads = mechanism.loads(*given)
+        theirs = sum(getattr(loads, name, 0.0) for name in ('driving_torque', 'driving_force'))
+        condition = 1.0 + mechanism.motion(given[0]).condition / mechanism.input_unit
+        bound = 32.0 * EPS * condition**2 * sizes(mechanism, *given)
+        equation = Equation(mechanism)
+        assert abs(equation.torque(*given) - theirs) <= bound
+        missing = equation.acceleration(*given[:2], theirs) - given[2]
+        assert abs(missing) * equation.terms(given[0]).inertia <= 2.0 * bound
 
 
-@pytest.mark.parametrize('driven', ['crank', 'slide'])
-def test_a_kind_made_later_has_an_equation_for_nothing(driven):
-    """The Scotch yoke, which no line of dynamics knows: the torque is that of its loads."""
-    rng = np.random.default_rng(205)
-    for _ in range(10):
-        mode = int(rng.integers(1, 3)) if driven == 'slide' else 2
-        yoke = ScotchYoke(0.5, 0.1, mode=mode, input=driven, bodies=random_bodies(rng),
-                          gravity=tuple(rng.normal(size=2).tolist()))
-        position = float(rng.uniform(-0.4, 0.4))
-        rate, acceleration = rng.normal(size=2).tolist()
-        loads = yoke.loads(position, rate, acceleration)
-        theirs = loads.driving_force if driven == 'slide' else loads.driving_torque
-        bound = 128.0 * EPS * sizes(yoke, position, rate, acceleration)
-        assert abs(Equation(yoke).torque(position, rate, acceleration) - theirs) <= bound
-
-
-@pytest.mark.parametrize('name', KINDS)
-@pytest.mark.parametrize('seed, count', [more((210, 2), (211, 30))])
-def test_terms_are_derivatives_of_energies(name, seed, count):
-    rng = np.random.default_rng(seed)
-    for mechanism, position in random_machines(name, seed, count):
-        elements = random_elements(rng)
+@contract.every_mechanism
+def test_terms_are_derivatives_of_energies(case, count=more(1, 10)):
+    rng = np.random.default_rng(210)
+    for mechanism, (position, *_) in contract.ordinary(case, 210, count):
+        elements = random_elements(rng, mechanism)
         terms = Equation(mechanism, elements, 0.3).terms(position)
         with mp.workdps(40):
             q = mp.mpf(position)
@@ -92,12 +66,16 @@ def test_terms_are_derivatives_of_energies(name, seed, count):
                 assert abs(ours - exact) <= 1e-12 * (1 + abs(exact) + inertia)
 
 
-@pytest.mark.parametrize('name', KINDS)
-def test_arrays_give_what_single_values_give(name):
+def stretch_rate(mechanism, element, q, **step):
+    return mp.diff(lambda x: exact_stretch(mechanism, element, x), q, **step)
+
+
+@contract.every_mechanism
+def test_arrays_give_what_single_values_give(case):
     rng = np.random.default_rng(220)
-    for mechanism, position in random_machines(name, 221, 3):
-        equation = Equation(mechanism, random_elements(rng), 0.1)
-        positions = position + np.linspace(-1e-2, 1e-2, 50).reshape(5, 10) * mechanism.input_unit
+    for mechanism, (position, *_) in contract.ordinary(case, 221, 2):
+        equation = Equation(mechanism, random_elements(rng, mechanism), 0.1)
+        positions = position + np.linspace(-1e-3, 1e-3, 50).reshape(5, 10) * mechanism.input_unit
         many = equation.terms(positions)
         for place in np.ndindex(positions.shape):
             one = equation.terms(float(positions[place]))
@@ -107,43 +85,6 @@ def test_arrays_give_what_single_values_give(name):
             values, one = function(positions), float(positions[2, 3])
             assert values.shape == positions.shape
             assert values[2, 3] == pytest.approx(function(one), rel=1e-12)
-
-
-@pytest.mark.parametrize('name', KINDS)
-def test_power_of_the_drive_is_what_the_bodies_gain_and_the_dampers_take(name):
-    """Sum over bodies of m v.a + I omega alpha - forces . v, from the motion at this rate."""
-    rng = np.random.default_rng(230)
-    for mechanism, position in random_machines(name, 231, 5):
-        equation = Equation(mechanism)
-        rate, drive = rng.normal(size=2).tolist()
-        acceleration = equation.acceleration(position, rate, drive)
-        motion = mechanism.motion(position, rate, acceleration)
-        power, size = 0.0, 0.0
-        for link, body in mechanism.bodies._asdict().items():
-            centre = point_motion(mechanism, motion, link, body.cg_along, body.cg_across)
-            omega, alpha = turning(mechanism, motion, link)
-            applied = getattr(mechanism.external, link, NOT_APPLIED)
-            at = point_motion(mechanism, motion, link, applied.along, applied.across).velocity
-            parts = (*(body.mass * centre.velocity * centre.acceleration),
-                     body.inertia * omega * alpha,
-                     *(-body.mass * centre.velocity * mechanism.gravity),
-                     *(-at * (applied.force_x, applied.force_y)), -applied.couple * omega)
-            power, size = power + sum(parts), size + sum(map(abs, parts))
-        assert abs(power - drive * rate) <= 1e-12 * (size + abs(drive * rate))
-
-
-def stretch_rate(mechanism, element, q, **step):
-    return mp.diff(lambda x: exact_stretch(mechanism, element, x), q, **step)
-
-
-def turning(mechanism, motion, link):
-    """Return angular velocity and acceleration of a link by the names of the fields."""
-    if link == 'crank':
-        return motion.omega1, motion.alpha1
-    if hasattr(motion, 'omega_beta'):
-        return ((motion.omega_beta, motion.alpha_beta) if link == 'coupler'
-                else (getattr(motion, 'omega4', 0.0), getattr(motion, 'alpha4', 0.0)))
-    return motion.omega4, motion.alpha4
 
 
 def test_a_pendulum_of_the_ground_and_a_flywheel():

@@ -3,11 +3,11 @@
 """What a kind states about its joints agrees with how its links move."""
 from cmath import exp
 
+from fourbar_ros import load_scene
 from fourbar_ros.mechanisms.parts import GROUND
 from fourbar_ros.mechanisms.points import LinkMotion, point_of
 import numpy as np
 from support import contract
-from support.machines import andrews, jansen
 from support.samples import more
 
 EPS = 2.0**-52
@@ -32,7 +32,8 @@ def errors(mechanism, given):
 
 @contract.every_mechanism
 def test_joints_connect_their_links(case, count=more(20, 200)):
-    published = [(andrews()[0], (-0.06, 1.0, 0.0)), (jansen(), (0.3, 1.0, 0.0))]
+    published = [(load_scene('andrews').linkage, (-0.06, 1.0, 0.0)),
+                 (load_scene('jansen').linkage, (0.3, 1.0, 0.0))]
     for mechanism, given in [*contract.ordinary(case, 5, count),
                              *(published if case == contract.MACHINES else [])]:
         stages = len(getattr(mechanism, 'stages', [1]))
