@@ -11,8 +11,6 @@ from fourbar_ros.dynamics.elements import (
 from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.dynamics.forces import make_loaded
 from fourbar_ros.mechanics.bodies import Applied, External
-from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
-from fourbar_ros.mechanisms.machine.machine import Machine
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.mechanisms.sliders import ScotchYoke
 from fourbar_ros.numerics.number_types import REAL
@@ -134,21 +132,6 @@ def test_the_crank_is_in_balance_with_the_springs_on_it(linkage):
         condition = 1.0 + motion.condition / linkage.input_unit
         assert np.abs(sum(np.array(force) for _, force in forces)).max() <= 1e-12 * size
         assert abs(sum(moments)) <= 1e-12 * condition * (size + sum(map(abs, moments)))
-
-
-def test_a_machine_of_a_dyad_has_the_same_loads_with_springs_on_its_crank():
-    linkage = LINKAGES[0]
-    machine = Machine([Dyad('d', 'RRR', Point('crank', 0.4), Point('ground', 1.0),
-                            ('coupler', 'output'), length_1=1.2, length_2=0.8)],
-                      bodies=linkage.bodies._asdict(), gravity=linkage.gravity,
-                      external=linkage.external._asdict())
-    for sample in samples(linkage, 9, 5):
-        one, other = (make_loaded(its, ON_CRANK)(*sample[:2]).step(*sample)[1]
-                      for its in (linkage, machine))
-        size = abs(one.driving_torque) + one.f41 + one.f21 + one.f32
-        for a, b in ((one.driving_torque, other.driving_torque), (one.f41, other.base),
-                     (one.shaking_force, other.shaking_force)):
-            assert abs(a - b) <= 1e-12 * size
 
 
 def test_a_spring_pulls_both_ends_alike():

@@ -24,7 +24,7 @@ from fourbar_ros.mechanisms.quantities import (
 import mpmath
 import numpy as np
 import pytest
-from support import contract, scans
+from support import contract
 from support.contract import with_rods
 from support.extrema_reference import count_extrema, exact_roots
 from support.samples import more
@@ -192,18 +192,6 @@ def test_unit_of_length_does_not_matter(one, unit):
         assert abs(one.distance(a.input, b.input / scale)) <= 256 * EPS
 
 
-# --- loads and other quantities: scans -----------------------------------------------------------
-
-
-def test_input_acceleration_moves_the_extrema():
-    linkage = with_rods(PAPER)
-    quantities = select(('alpha4', 'driving_torque'), linkage)
-    assert scans.check_against_scan(linkage, quantities, 25.0, -400.0, 20000) >= 6
-    still = {e.kind: e.theta1 for e in find_extrema(linkage, ('alpha4',), 25.0)}
-    moved = {e.kind: e.theta1 for e in find_extrema(linkage, ('alpha4',), 25.0, -400.0)}
-    assert all(angle_between(still[kind], moved[kind]) > 0.05 for kind in still)
-
-
 # --- ends of the input range, change points ------------------------------------------------------
 
 @pytest.mark.parametrize('mechanism', [
@@ -241,19 +229,6 @@ def test_ends_of_the_input_range_are_unbounded_with_their_sign(mechanism, mode, 
             if any(e.value == infinite for e in limits):
                 assert all(isinf(e.value) for e in found
                            if e.quantity == quantity.name and e.kind == kind and e.is_global)
-
-
-def test_rate_of_a_parallelogram_is_constant():
-    found = find_extrema(with_rods((1.0, 2.0, 1.0, 2.0)), RATES, 10.0)
-    rate, = (e for e in found if e.quantity == 'omega4' and e.kind == 'constant')
-    assert rate.value == pytest.approx(10.0, rel=8 * EPS)
-    # theta1 in (0, pi): there mode 2 is the parallelogram
-    assert (rate.theta1, rate.side) == (0.0, 1)
-    acceleration, = (e for e in found if e.quantity == 'alpha4' and e.kind == 'constant')
-    assert acceleration.value == 0.0
-    others = [e for e in found if e.quantity == 'omega4' and e.kind != 'constant']
-    # antiparallelogram
-    assert sorted(round(e.value, 9) for e in others) == [-30.0, round(-10.0 / 3.0, 9)]
 
 
 def test_nothing_moves_nothing_varies():
@@ -327,12 +302,6 @@ def test_function_that_is_constant():
 def test_what_there_is_not_is_refused(asked, said):
     with pytest.raises(said, match='nearest: |mass|omega9'):
         find_extrema(FourBar(*PAPER), asked)
-
-
-@pytest.mark.parametrize('rates', [(inf, 0.0), (1.0, float('nan')), (1e160, 0.0), (-1e300, 0.0)])
-def test_rates_that_are_no_numbers_or_overflow_are_refused(rates):
-    with pytest.raises(InvalidParameter, match='rate|acceleration'):
-        find_extrema(FourBar(*PAPER), RATES, *rates)
 
 
 # --- sorting, many at once ----------------------------------------------------------------------

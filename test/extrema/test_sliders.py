@@ -16,8 +16,6 @@ from fourbar_ros.mechanisms.quantities import (
 )
 import numpy as np
 import pytest
-from scipy.optimize import brentq
-from support import contract
 from support.scans import place
 
 EPS = 2.0**-52
@@ -123,31 +121,6 @@ def test_pairs_next_to_a_toggle_are_found(mechanism, rate, count):
     found = find_extrema(replace(mechanism, bodies=bodies), ('f41',), rate, 1.3 if count == 6
                          else 1.0)
     assert sum(e.place == 'interior' for e in found) == count
-
-
-@pytest.mark.parametrize('seed', range(3))
-def test_a_magnitude_is_least_where_its_force_changes_its_sign(seed):
-    """The guide force of a driven crank acts along one line: its magnitude has kinks at zero."""
-    zeros = 0
-    for mechanism, (_, rate, _) in contract.ordinary_of(('slider_crank',), seed, 15, 'crank'):
-
-        def guide_force(x, mechanism=mechanism, rate=rate):
-            return mechanism.loads(float(x), rate).guide_force
-
-        for low, high in mechanism.input_ranges:
-            x = low + (high - low) * np.linspace(1e-3, 1.0 - 1e-3, 2000)
-            force = mechanism.loads(x, rate).guide_force
-            found = [e.theta1 for e in find_extrema(mechanism, ('f43',), rate)
-                     if e.place == 'interior' and e.kind == 'minimum']
-            for i in np.nonzero(force[1:] * force[:-1] < 0.0)[0].tolist():
-                zeros += 1
-                root = brentq(guide_force, x[i], x[i + 1], xtol=1e-15, rtol=4 * EPS)
-                slope = (force[i + 1] - force[i]) / (x[i + 1] - x[i])
-                loads = mechanism.loads(root, rate)
-                rounding = 64 * EPS * max(loads.f41, loads.f21, loads.f32) / abs(slope)
-                assert min(abs(mechanism.distance(root, at)) for at in found) <= (
-                    rounding + 8 * EPS * max(1.0, abs(root)))
-    assert zeros > 20
 
 
 def test_the_condition_of_a_place_is_in_metres_where_a_slide_is_driven():

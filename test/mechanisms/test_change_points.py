@@ -364,11 +364,6 @@ def test_decimal_lengths_that_are_one_rounding_off_a_change_point(lengths, mode,
         assert all(abs(e.value) == inf for e in found if e.place == 'limit')
 
 
-def test_lengths_that_no_scaling_may_round():
-    found = find_extrema(FourBar(1.0, 2.0, 4.0, 5.0), 'omega4')
-    assert [e.place for e in found] == ['one-sided', 'one-sided', 'interior']
-
-
 @pytest.mark.parametrize('position, rate', [
     ([[0.0, 0.5], [1.0, 0.0]], 1.0), (0.0, [1.0, 2.0]), ([[0.0], [0.5]], [1.0, 2.0])])
 def test_limits_at_the_flat_position_in_arrays_of_any_shape(position, rate):

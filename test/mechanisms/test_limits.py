@@ -4,7 +4,7 @@
 from dataclasses import replace
 from math import inf, nan, nextafter, pi, remainder
 
-from fourbar_ros import FourBar, InvalidParameter, InvertedSlider, OutOfRange, SliderCrank, Toggle
+from fourbar_ros import FourBar, InvalidParameter, InvertedSlider, SliderCrank, Toggle
 import mpmath as mp
 import numpy as np
 import pytest
@@ -142,14 +142,6 @@ def test_four_bars_have_one_range_or_two():
         found = [] if linkage.turns_fully else [end for end in ranges[-1] if 0.0 < end < pi]
         assert len(found) == len([end for end in exact_ends(linkage) if end < pi])
     assert shapes == {(1, True, False), (1, False, False), (1, False, True), (2, False, False)}
-
-
-def test_full_turns_of_the_input_angle_change_nothing_but_rounding():
-    linkage = FourBar(4.0, 3.0, 2.0, 8.0)
-    assert linkage.motion(0.1 + 20.0 * pi).theta4 == pytest.approx(linkage.motion(0.1).theta4,
-                                                                   abs=1e-13)
-    with pytest.raises(OutOfRange):
-        linkage.motion(pi + 20.0 * pi)
 
 
 def test_toggle_raises_for_one_value_and_is_nan_in_arrays():

@@ -58,14 +58,6 @@ def test_loads_to_ten_eps_of_the_condition(case, count=more(3, 20)):
         assert beyond == []
 
 
-@contract.every_mechanism
-def test_a_base_at_rest_is_gravity(case):
-    for mechanism, given in contract.ordinary(case, 605, 5):
-        g_x, g_y = mechanism.gravity
-        loads, on_base = mechanism.loads(*given), mechanism.loads(*given, base=Base(-g_x, -g_y))
-        assert np.allclose(on_base, loads, rtol=1e-12, atol=1e-12 * max(map(abs, loads)))
-
-
 def test_arrays_are_what_single_samples_are():
     inputs = np.linspace(-3.0, 3.0, 7)
     columns = [row for row, _ in zip(bases(608), inputs)]

@@ -128,39 +128,6 @@ def test_toggles_modes_and_ranges():
     assert ScotchYoke(0.1, input='slide', stroke=(0.0, 0.05)).input_ranges == ((0.0, 0.05),)
 
 
-# --- a linkage seen as another one ---------------------------------------------------------------
-
-def test_the_cylinder_is_the_slider_crank_seen_from_its_bar():
-    for mechanism, given in contract.ordinary_of(('inverted_slider',), 110, 30, 'slide'):
-        m = mechanism.motion(*given)
-        seen = SliderCrank(mechanism.a4, mechanism.a1, mechanism.offset, 3 - mechanism.mode,
-                           'slide').motion(*given)
-        assert remainder(m.theta4 - (pi - seen.theta1),
-                         2.0 * pi) == pytest.approx(0.0, abs=4 * EPS)
-        assert (m.omega4, m.alpha4, m.omega1) == (-seen.omega1, -seen.alpha1, seen.omega2)
-
-
-def test_a_long_output_link_makes_a_slider_of_the_four_bar():
-    """
-    The modes are those of a 4R whose output link is very long, below the guide.
-
-    theta4 = pi/2.
-    """
-    a1, a2, e, far = 0.1, 0.3, 0.02, 1e6
-    for mode in (1, 2):
-        slider = SliderCrank(a1, a2, e, mode)
-        middle = slider.motion(0.8).slide
-        # O4 below the middle of the stroke; the 4R's x axis runs from O1 to it
-        ground = complex(middle, e - far)
-        turn = np.angle(ground)
-        four = FourBar(a1, a2, far, abs(ground), mode=mode)
-        m, s = four.motion(0.8 - turn, 3.0), slider.motion(0.8, 3.0)
-        assert remainder(m.beta + turn - s.beta, 2.0 * pi) == pytest.approx(0.0, abs=1e-6)
-        assert m.omega_beta == pytest.approx(s.omega_beta, rel=1e-5)
-        assert m.transmission_angle == pytest.approx(s.transmission_angle, abs=1e-6)
-        assert -far * m.omega4 == pytest.approx(s.slide_velocity, rel=1e-5)
-
-
 # --- loads by hand -------------------------------------------------------------------------------
 
 def test_gas_force_on_the_piston():

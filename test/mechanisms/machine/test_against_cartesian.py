@@ -12,6 +12,7 @@ import pytest
 from support.cartesian import (
     beside,
     BITS,
+    EPS,
     errors,
     exact,
     exact_values,
@@ -59,7 +60,7 @@ def exact_pose(machine, given, flat):
 
 
 @pytest.mark.parametrize('family', FAMILIES)
-def test_random_machines(family, count=more(3, 15)):
+def test_random_machines(family, count=more(5, 15)):
     bounds = STATED.get(family, MOTION_BOUND), STATED_LOADS.get(family, LOADS_BOUND)
     unknown = 0                             # out of the reference's reach
     for drawn in islice(FAMILIES[family](411), count):
@@ -67,6 +68,10 @@ def test_random_machines(family, count=more(3, 15)):
             check(drawn, *bounds)
         except NoWay:
             unknown += 1
+        if drawn.flat:
+            machine, flat = drawn.machine, float(drawn.flat())
+            assert machine.change_point_margin == 0.0 and machine.mode_beyond(flat) != machine.mode
+            assert min(abs(machine.distance(flat, at)) for at in machine.flat_inputs) < 16 * EPS
     assert unknown <= 0.01 * count
 
 
@@ -111,9 +116,10 @@ def test_the_dyads_of_random_machines_are_of_all_kinds_and_drives():
     assert {machine.input for machine in machines} == {'crank', 'slide', 'cylinder'}
 
 
-@some('family', FAMILIES, ['at a change point'])
-def test_extrema_of_all_quantities_against_a_scan(family):
-    machines = [drawn.machine for drawn in islice(FAMILIES[family](413), 3)]
+@some('family', FAMILIES, ['plain', 'at a change point'])
+@pytest.mark.parametrize('count, points', [more((3, 4000), (8, 20000))])
+def test_extrema_of_all_quantities_against_a_scan(family, count, points):
+    machines = [drawn.machine for drawn in islice(FAMILIES[family](413), count)]
     assert sum(check_against_scan(
-        machine, list(known_quantities(machine, machine.input).values()), 1.3, -0.7, 4000,
+        machine, list(known_quantities(machine, machine.input).values()), 1.3, -0.7, points,
         exact_values) for machine in machines) > 10

@@ -7,14 +7,11 @@ test_against_cartesian compares the family of random machines with coordinates o
 """
 from dataclasses import replace
 from itertools import islice
-from math import pi, remainder
 import pickle
 
 from flint import acb, arb, ctx
 from fourbar_ros import Body, InvalidParameter
 from fourbar_ros.machine import Cylinder, Dyad, Machine, Point
-from fourbar_ros.mechanics.bodies import Bodies
-from fourbar_ros.mechanisms.four_bars import MovingJointFourBar
 from fourbar_ros.scene import scene
 from fourbar_ros.scene.files import read_values
 import mpmath as mp
@@ -26,59 +23,6 @@ from support.samples import more
 
 EPS = 2.0**-52
 A1, A2, A3, A4 = 0.4, 1.2, 0.8, 1.0
-BODIES = {'crank': Body(2.0, 0.15, 0.02, 0.1), 'coupler': Body(3.0, 0.6, 0.1, 0.5),
-          'output': Body(2.5, 0.5, -0.05, 0.3)}
-GRAVITY = (1.0, -9.81)
-
-
-def turned(body, length):
-    """Return the body of a rod as seen from its other end."""
-    return replace(body, cg_along=length - body.cg_along, cg_across=-body.cg_across)
-
-
-# Seen from the crank the coupler is the driven link, seen from the coupler the output link. The
-# x axis points from the ground's first joint on: from O1 to O4, at B from O4 to O1.
-def at_a(mode):
-    """Return the four-bar with a cylinder from the crank to the coupler."""
-    dyad = Dyad('loop', 'RRR', Point('crank', A2), Point('leg', A1), ('output', 'ground'),
-                length_1=A3, length_2=A4, mode=mode)
-    return Machine([dyad], 'cylinder', cylinder=Cylinder(Point('leg', 0.3), Point('crank', 0.5)),
-                   bodies={'leg': turned(BODIES['crank'], A1), 'crank': BODIES['coupler'],
-                           'output': turned(BODIES['output'], A3)}, gravity=GRAVITY)
-
-
-def at_b(mode):
-    """Return the four-bar with a cylinder from the coupler to the output link."""
-    dyad = Dyad('loop', 'RRR', Point('crank', A3), Point('leg', A2), ('ground', 'swing'),
-                length_1=A4, length_2=A1, mode=mode)
-    return Machine([dyad], 'cylinder', cylinder=Cylinder(Point('leg', 0.5), Point('crank', 0.3)),
-                   bodies={'leg': turned(BODIES['coupler'], A2),
-                           'crank': turned(BODIES['output'], A3),
-                           'swing': turned(BODIES['crank'], A1)},
-                   gravity=(-GRAVITY[0], -GRAVITY[1]))
-
-
-@pytest.mark.parametrize('mode', [1, 2])
-@pytest.mark.parametrize('joint, make, first', [('A', at_a, 'leg'), ('B', at_b, 'swing')])
-def test_it_pushes_as_a_motor_at_the_joint_turns(joint, make, first, mode):
-    """The cylinder has no mass, so its power is the motor's, and all other loads are the same."""
-    machine = make(mode)
-    motor = MovingJointFourBar(A1, A2, A3, A4, mode, joint, Bodies(*BODIES.values()), GRAVITY)
-    for low, high in machine.input_ranges:
-        for s in np.linspace(low, high, 9)[1:-1].tolist():
-            motion, loads = machine.step(s, 0.3, -0.2)
-            its, turning = motor.step(remainder(motion.theta_base - pi, 2.0 * pi),
-                                      motion.omega_base, motion.alpha_base)
-            slack = 1e3 * EPS * (motion.condition + its.condition)
-            assert getattr(motion, f'omega_{first}') == approx(its.omega1, slack)
-            assert getattr(motion, f'alpha_{first}') == approx(its.alpha1, slack)
-            assert loads.driving_force * 0.3 == approx(
-                turning.driving_torque * motion.omega_base, slack)
-            assert loads.shaking_force == approx(turning.shaking_force, slack)
-
-
-def approx(value, slack):
-    return pytest.approx(value, rel=slack, abs=slack)
 
 
 def test_near_toggles_loads_are_good_relative_to_the_largest(count=more(3, 10)):

@@ -4,7 +4,7 @@
 from dataclasses import replace
 from math import pi
 
-from fourbar_ros import find_extrema, load_scene, point_motion, Toggle
+from fourbar_ros import find_extrema, load_scene, point_motion
 from fourbar_ros.scene.files import folder
 import numpy as np
 import pytest
@@ -79,31 +79,6 @@ def test_peaucellier_draws_a_line():
     limit = 2.0 * np.arccos(0.25 / 0.3)          # O P = L - l
     assert not np.any(machine.transmission_sine(machine.motion(theta)) == 0.0)
     assert max(end for _, end in machine.input_ranges) == pytest.approx(limit, abs=1e-12)
-
-
-def flat_peaucellier():
-    """Return one with r = 0.2: the rhombus lies flat where O P^2 = L^2 - l^2, inside the range."""
-    machine = machine_of('peaucellier')
-
-    def wider(dyad):
-        return replace(dyad, first=dyad.first._replace(along=0.2),
-                       second=dyad.second._replace(along=-0.2))
-    left, right, tip = machine.dyads
-    return (replace(machine, bodies=None, external={}, dyads=[wider(left), wider(right), tip]),
-            2.0 * np.arccos(np.sqrt(0.1375) / 0.4))
-
-
-def test_a_flat_rhombus_inside_the_range_is_a_limit_and_a_toggle():
-    machine, flat = flat_peaucellier()
-    ends = [x for ends in machine.input_ranges for x in ends]
-    for place in (flat, -flat):
-        assert min(abs(x - place) for x in ends) < 1e-12
-    with pytest.raises(Toggle, match='tip'):
-        machine.motion(min(ends, key=lambda x: abs(x - flat)))
-    beyond = machine.in_mode(machine.mode_beyond(flat))
-    for own, theta in ((machine, flat + np.linspace(0.01, 0.3, 50)),
-                       (beyond, np.linspace(-0.98, 0.98, 50) * flat)):
-        close(traced('peaucellier', theta, machine=own).x + 0.2, 0.1375 / 0.4, 1e3)
 
 
 def test_hart_draws_a_line():
