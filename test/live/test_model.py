@@ -29,7 +29,7 @@ from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.mechanisms.picture import diagram_of
 from fourbar_ros.mechanisms.points import point_motion
-from fourbar_ros.scene.files import find, folder, read_values
+from fourbar_ros.scene.files import find, folder
 from fourbar_ros.scene.scene import load
 import numpy as np
 import pytest
@@ -358,16 +358,6 @@ def test_impossible_values_say_why():
         shown(values | {'linkage.a2': 9.0})
     with pytest.raises(FourBarError):
         shown(values | {'linkage.a2': 'long'})
-
-
-def test_scene_files_of_pages_read_back(tmp_path):
-    for name in SCENES:
-        scene = load(find(name))
-        file = tmp_path / f'{name}.yaml'
-        file.write_text(scene.as_text)
-        again = load(file)
-        assert again.linkage == scene.linkage
-        assert read_values(file).items() <= scene.values.items()
 
 
 def test_inputs_are_shown_in_the_unit_of_the_page():

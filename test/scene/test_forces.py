@@ -60,12 +60,6 @@ def test_the_engine_holds_its_table_itself():
     assert again.forces == ENGINE.forces and again.values.keys() == values.keys()
 
 
-def test_a_scene_as_text_needs_no_file(tmp_path):
-    path = tmp_path / 'alone.yaml'
-    path.write_text(ENGINE.as_text)
-    assert scene.load(path).forces == ENGINE.forces
-
-
 def test_loads_of_a_given_motion_have_the_force():
     """Statics of the piston and virtual work of the crank: driving torque = -F ds/dtheta."""
     there = engine()
@@ -223,27 +217,6 @@ def test_a_table_given_twice_is_refused(tmp_path):
     path = write(tmp_path, 'slide [m], force [N]\n0, 1\n1, 2\n', places='[0.0, 1.0]', over='slide')
     with pytest.raises(InvalidParameter, match='is in the file already'):
         scene.load(path)
-
-
-def test_loads_are_searched_for_no_extrema_and_it_is_said_why():
-    from fourbar_lab.studies.measures import Measures
-    from fourbar_ros.extrema.find import find_extrema
-    there = scene.from_values(PUSHED)
-    assert there.linkage.bodies is None and 'forces.push' in there.why_no_loads
-    assert {e.quantity for e in find_extrema(there.linkage)} >= {'omega4', 'alpha4'}
-    with pytest.raises(InvalidParameter, match=r'is a load, and forces over a position'):
-        Measures(there).one('measures', 'driving_torque.max')
-    assert Measures(there).one('measures', 'omega4.max')
-    assert scene.from_values({**PAPER, **RODS}).why_no_loads == ''
-
-
-def test_one_pose_has_its_loads():
-    there = scene.from_values(PUSHED)
-    linkage = there.linkage_at(0.5, 0.0)
-    _, found = Stepper(there).step(0.5, 0.0, 0.0, True, False)
-    torque = found[there.layout.place['driving_torque']]
-    assert linkage.loads(0.5).driving_torque == there.loads(0.5).driving_torque == torque
-    assert torque != there.bare_linkage.loads(0.5).driving_torque
 
 
 @given(parameters([*PUSH]))

@@ -14,8 +14,6 @@ import numpy as np
 import pytest
 from support.scenes import PAPER, RODS
 
-MACHINES = ('watt', 'stephenson', 'bucket', 'quick_return', 'v_engine', 'jansen', 'andrews',
-            'lift_table')
 WATT = read_values('watt')
 BUCKET = read_values('bucket')
 
@@ -45,14 +43,6 @@ def test_the_four_bar_as_a_machine_has_its_motion_and_loads():
                               ('d_inner', 'f32', 1.0), ('d_second', 'f43', 1.0)):
         assert [getattr(loads, f'{field}_{axis}') for axis in 'xy'] == pytest.approx(
             [sign * getattr(forces, f'{name}_{axis}') for axis in 'xy'], rel=1e-12), field
-
-
-@pytest.mark.parametrize('name', MACHINES)
-def test_a_dump_of_a_machine_is_the_same_scene(name):
-    first = scene.load(name)
-    again = scene.from_values(first.values)
-    assert again.linkage.dyads == first.linkage.dyads and again.outputs == first.outputs
-    assert again.linkage.bodies == first.linkage.bodies
 
 
 def test_jansens_foot_has_the_published_distances():
@@ -120,42 +110,24 @@ def test_the_quick_return_has_the_ratio_of_times_of_its_geometry():
     assert ratio == pytest.approx((pi + arc) / (pi - arc), rel=1e-3)
 
 
-BOOM = {'linkage.a1': 1.2, 'linkage.a4': 1.6, 'linkage.kind': 'inverted_slider',
-        'linkage.input': 'slide', 'linkage.range': [1.0, 1.8], 'gravity.y': -9.81,
-        'bodies.crank.mass': 800.0, 'bodies.crank.inertia': 900.0, 'bodies.crank.cg_along': 2.0,
-        'bodies.coupler.mass': 40.0, 'bodies.coupler.inertia': 4.0, 'bodies.output.mass': 60.0,
-        'bodies.output.inertia': 8.0, 'bodies.output.cg_along': 0.5,
-        'external.crank.force_x': 300.0, 'external.crank.force_y': -5000.0,
-        'external.crank.along': 3.7, 'external.crank.across': 0.1, 'external.crank.couple': -700.0}
-
-
-def test_a_boom_is_a_cylinder_without_dyads_and_bears_a_load():
-    """As the inverted slider-crank, whose formulas are others; and the power balances."""
-    names = {'bodies.coupler': 'bodies.rod', 'bodies.output': 'bodies.tube'}
-    machine = {'linkage.kind': 'machine', 'linkage.input': 'cylinder', 'linkage.dyads': [],
-               'linkage.range': [1.0, 1.8], 'cylinder.base.along': 1.6, 'cylinder.pin.along': 1.2}
-    for name, value in BOOM.items():
-        if not name.startswith('linkage.'):
-            group = '.'.join(name.split('.')[:2])
-            machine[name.replace(group, names.get(group, group))] = value
-    one, other = scene.from_values(BOOM).linkage, scene.from_values(machine).linkage
+def test_a_scene_of_a_cylinder_without_dyads_is_the_inverted_slider():
+    body = {'mass': 800.0, 'inertia': 900.0, 'cg_along': 2.0}
+    load = {'force_x': 300.0, 'force_y': -5000.0, 'along': 3.7, 'across': 0.1, 'couple': -700.0}
+    boom = {'linkage.input': 'slide', 'linkage.range': [1.0, 1.8], 'gravity.y': -9.81,
+            **{f'bodies.crank.{name}': value for name, value in body.items()},
+            **{f'external.crank.{name}': value for name, value in load.items()}}
+    one = scene.from_values({**boom, 'linkage.kind': 'inverted_slider', 'linkage.a1': 1.2,
+                             'linkage.a4': 1.6, 'bodies.coupler.mass': 40.0,
+                             'bodies.coupler.inertia': 4.0, 'bodies.output.mass': 60.0,
+                             'bodies.output.inertia': 8.0, 'bodies.output.cg_along': 0.5}).linkage
+    other = scene.from_values({**boom, 'linkage.kind': 'machine', 'linkage.input': 'cylinder',
+                               'linkage.dyads': [], 'cylinder.base.along': 1.6,
+                               'cylinder.pin.along': 1.2, 'bodies.rod.mass': 40.0,
+                               'bodies.rod.inertia': 4.0, 'bodies.tube.mass': 60.0,
+                               'bodies.tube.inertia': 8.0, 'bodies.tube.cg_along': 0.5}).linkage
     assert other.outputs[0].coordinate.position == 'theta_crank'
-    for slide in np.linspace(1.01, 1.79, 9):
-        for rate, acceleration in ((0.0, 0.0), (0.3, 0.5), (-2.0, 7.0)):
-            motion, loads = one.step(slide, rate, acceleration)
-            own, by_dyads = other.step(slide, rate, acceleration)
-            bound = 64.0 * 2.2e-16 * max(motion.condition, 1.0)
-            assert own.theta_crank == pytest.approx(motion.theta1, rel=bound)
-            size = max(abs(loads.f21), abs(loads.f41), abs(loads.f32))
-            for field in ('driving_force', 'shaking_force_x', 'shaking_force_y',
-                          'shaking_moment'):
-                assert abs(getattr(loads, field) - getattr(by_dyads, field)) <= bound * size * 4.0
-    at_rest, without = one.step(1.4, 0.0, 0.0)[1], scene.from_values(
-        {name: value for name, value in BOOM.items() if not name.startswith('external.')}
-    ).linkage.step(1.4, 0.0, 0.0)
-    # virtual work of the load alone: its point is 3.7 along and 0.1 across the crank
-    motion = without[0]
-    c, s = np.cos(motion.theta1), np.sin(motion.theta1)
-    turning = (300.0 * -(3.7 * s + 0.1 * c) - 5000.0 * (3.7 * c - 0.1 * s) - 700.0)
-    assert at_rest.driving_force - without[1].driving_force == pytest.approx(
-        -turning * motion.crank_ratio, rel=1e-12)
+    motion, loads = one.step(1.4, -2.0, 7.0)
+    own, by_dyads = other.step(1.4, -2.0, 7.0)
+    assert own.theta_crank == pytest.approx(motion.theta1, rel=1e-14)
+    for field in ('driving_force', 'shaking_force_x', 'shaking_force_y', 'shaking_moment'):
+        assert getattr(by_dyads, field) == pytest.approx(getattr(loads, field), rel=1e-13), field

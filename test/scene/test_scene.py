@@ -7,6 +7,7 @@ import re
 
 from fourbar_ros import FourBarError, InvalidParameter
 from fourbar_ros.scene import scene
+from fourbar_ros.scene.files import read_values, shipped
 from fourbar_ros.scene.parameters import check_value, find_parameter
 from fourbar_ros.scene.settings import MOTORS, of_motor, PARAMETERS, REQUIRED
 from hypothesis import given
@@ -19,9 +20,14 @@ from support.strategies import parameters
 CONFIG = ROOT / 'config'
 
 
-@pytest.mark.parametrize('file', sorted(CONFIG.glob('*.yaml')), ids=lambda file: file.stem)
-def test_every_scene_that_is_shipped_is_good(file):
-    assert scene.load(file).linkage.classification
+@pytest.mark.parametrize('name', shipped())
+def test_the_values_and_the_text_of_a_shipped_scene_are_the_same_scene(name, tmp_path):
+    file, first = tmp_path / 'scene.yaml', scene.load(name)
+    file.write_text(first.as_text)
+    assert read_values(file).items() <= first.values.items()
+    for again in (scene.from_values(first.values), scene.load(file)):
+        assert (again.linkage, again.outputs, again.forces) == (
+            first.linkage, first.outputs, first.forces)
 
 
 def test_defaults_are_themselves_allowed():
@@ -29,12 +35,6 @@ def test_defaults_are_themselves_allowed():
         if parameter.default is not REQUIRED:
             value = check_value(parameter, parameter.default)
             assert value == parameter.default or math.isnan(value)
-
-
-def test_a_dump_of_all_values_is_the_same_scene():
-    first = scene.from_values({**PAPER, **RODS, 'outputs': ['loads']})
-    again = scene.from_values(first.values)
-    assert again.linkage == first.linkage and again.outputs == first.outputs
 
 
 def test_json_of_a_scene_is_strict_and_gives_the_same_scene():
@@ -62,7 +62,7 @@ def test_external_loads_and_gravity_reach_the_linkage():
     assert (linkage.external.coupler.along, linkage.gravity) == (0.6, (0.0, -9.81))
 
 
-def test_scene_check_explains_and_refuses(tmp_path, capsys):
+def test_scene_check_explains(capsys):
     from fourbar_ros.cli.main import main
     assert main(['scene', 'check', str(CONFIG / 'paper.yaml')]) == 0
     said = capsys.readouterr().out
@@ -70,10 +70,6 @@ def test_scene_check_explains_and_refuses(tmp_path, capsys):
     assert main(['scene', 'check', str(CONFIG / 'slides_7_6.yaml')]) == 0
     said = capsys.readouterr().out
     assert 'motion only' in said and 'not created: loads' in said
-    bad = tmp_path / 'bad.yaml'
-    bad.write_text('/**: {ros__parameters: {linkage: {a1: 0.4, a2: x, a3: 1.0, a4: 1.0}}}')
-    assert main(['scene', 'check', str(bad)]) == 1
-    assert capsys.readouterr().err == "fourbar: linkage.a2 = 'x': must be a number in m\n"
 
 
 def test_scene_check_lists_what_was_given_in_units_of_what_is_driven(tmp_path, capsys):
