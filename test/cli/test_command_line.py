@@ -63,17 +63,6 @@ def test_scenes_are_found_by_name_anywhere(tmp_path, monkeypatch, capsys):
 # --- words and numbers ---------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize('verb', [('show',), ('draw', '-o', 'x.png')])
-@pytest.mark.parametrize('scene_name, at, text', [
-    ('slides_7_6', '200', 'theta1 = 200 deg is outside the input range -130.3202 to 130.3202 deg'),
-    ('cylinder', '9', 'slide = 9 m is outside')])
-def test_asked_in_degrees_answered_in_degrees(verb, scene_name, at, text, capsys):
-    pytest.importorskip('matplotlib')
-    code, out, err = said(capsys, *verb, scene_name, '--at', at)
-    assert (code, out) == (1, '')
-    assert text in err and ' rad' not in err and len(err.splitlines()) == 1
-
-
 def test_show_tells_the_whole_of_example_7_6(capsys):
     """The slides' numbers for 60 deg, 10 rad/s, 100 rad/s^2."""
     _, out, _ = said(capsys, 'show', 'slides_7_6', '--at', '60', '--acceleration', '100')

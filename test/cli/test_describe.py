@@ -20,9 +20,3 @@ def test_the_file_name_chooses_the_format(name, root, tmp_path, capsys):
     assert main(['describe', 'cylinder', '-o', str(tmp_path / name)]) == 0
     assert ElementTree.parse(tmp_path / name).getroot().tag == root
     assert capsys.readouterr().out.strip() == str(tmp_path / name)
-
-
-def test_a_folder_that_is_not_there_is_one_line(tmp_path, capsys):
-    assert main(['describe', 'paper', '-o', str(tmp_path / 'no' / 'a.urdf')]) == 1
-    said = capsys.readouterr().err
-    assert said.count('\n') == 1 and 'No such file' in said

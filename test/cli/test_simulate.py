@@ -140,9 +140,3 @@ def test_a_controller_that_slides_on_its_limit_ends(capsys, tmp_path):
 def test_a_torque_without_measure_ends(capsys):
     assert main(['simulate', 'released', '--until', '0.1', '--torque', '1e308']) == 3
     assert 'gave up: no step' in capsys.readouterr().out
-
-
-def test_a_motor_whose_torque_grows_with_its_speed_is_refused():
-    with pytest.raises(InvalidParameter, match='motor.free_speed = -26.0: must have the sign of'):
-        scene.from_values({**FREE, 'drive.source': 'motor', 'motor.stall_torque': 400.0,
-                           'motor.free_speed': -26.0})

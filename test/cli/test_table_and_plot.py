@@ -10,10 +10,8 @@ from fourbar_lab.live.downloads import cycle_csv
 from fourbar_lab.live.model import shown
 from fourbar_ros import load_scene
 from fourbar_ros.cli.main import main
-from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
-from fourbar_ros.scene import from_values
 import numpy as np
 import pytest
 
@@ -119,9 +117,3 @@ def test_a_margin_of_a_machine_is_no_share_of_its_perimeter():
     assert rows['paper'].endswith(' of the perimeter')
     assert ' rad; the nearer to 0' in rows['watt'] and 'perimeter' not in rows['watt']
     assert ' m; the nearer to 0' in rows['bucket'] or ' rad; ' in rows['bucket']
-
-
-def test_sums_in_messages_have_no_rounding():
-    with pytest.raises(InvalidParameter, match=r'\(0\.41\)'):
-        from_values({'linkage.a1': 0.06, 'linkage.a2': 0.2, 'linkage.a3': 0.15,
-                     'linkage.a4': 180.0})

@@ -4,7 +4,6 @@
 from fourbar_lab.drawing.animation import animate
 from fourbar_lab.drawing.cycles import make_cycle_figure, usual_points
 from fourbar_lab.drawing.figure import CannotDraw
-from fourbar_ros.cli.main import main
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.scene.files import find
 from fourbar_ros.scene.scene import load
@@ -52,18 +51,6 @@ def test_an_animation_has_its_frames_and_they_differ(tmp_path):
         first = np.asarray(film.convert('L'), int)
         film.seek(film.n_frames // 2)
         assert abs(np.asarray(film.convert('L'), int) - first).max() > 100
-
-
-@pytest.mark.parametrize(('arguments', 'why'), [
-    (['paper', '-o', 'x.png'], '--at'), (['paper', '--animate', '-o', 'x.png'], '.gif or an .mp4'),
-    (['slides_7_6', '--over', 'forces', '-o', 'x.png'], 'masses'),
-    (['paper', '--animate', '-o', 'none/x.gif'], 'none/x.gif')])
-def test_wrong_requests_are_one_line(arguments, why, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    assert main(['draw', *arguments]) == 1
-    said = capsys.readouterr().err
-    assert why in said and said.count('\n') == 1
-    assert list(tmp_path.iterdir()) == []
 
 
 def test_an_unknown_suffix_is_refused(tmp_path):

@@ -322,12 +322,6 @@ def test_words_of_c_are_changed_and_said(tmp_path, capsys):
     assert library_of(tmp_path / 'code', 'double_').double__self_check() == 0
 
 
-def test_the_command_refuses_in_one_line(tmp_path, capsys):
-    assert main(['generate', 'paper', '-o', str(tmp_path), '--outputs', 'f14']) == 1
-    said = capsys.readouterr().err
-    assert said.count('\n') == 1 and 'did you mean' in said or 'f41' in said
-
-
 def test_the_same_scene_gives_the_same_text_in_every_process(tmp_path):
     texts = []
     for seed in '13':              # of the order of sets of names

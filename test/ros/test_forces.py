@@ -7,9 +7,7 @@ from fourbar_msgs.msg import DriveState
 from fourbar_ros.scene import scene
 from fourbar_ros.scene.files import folder
 import numpy as np
-from ros.test_start import start
 from support.harness import in_bag, nanoseconds, recomputed, recording_in, set_parameters
-from support.scenes import file_of
 
 TURN = 2.0 * pi
 GIVEN = {'linkage.kind': 'slider_crank', 'linkage.a1': 0.043, 'linkage.a2': 0.143,
@@ -17,7 +15,6 @@ GIVEN = {'linkage.kind': 'slider_crank', 'linkage.a1': 0.043, 'linkage.a2': 0.14
          'bodies.coupler.inertia': 0.0017, 'bodies.output.mass': 0.4,
          'forces.gas.link': 'output', 'forces.gas.acts': 'along', 'forces.gas.table': 'gas.csv',
          'forces.gas.periodic': True, 'forces.gas.factor': -0.0058, 'outputs': ['state', 'loads']}
-TIMER = {**GIVEN, 'drive.source': 'timer', 'drive.speed': 40.0, 'drive.rate': 200.0}
 ENGINE = {**GIVEN, 'drive.source': 'motor', 'motor.stall_torque': 60.0, 'motor.free_speed': 200.0,
           'flywheel.inertia': 0.2, 'drive.start_speed': 60.0, 'drive.rate': 500.0}
 
@@ -53,10 +50,3 @@ def test_an_engine_turns_by_its_gas_and_is_stepped_again(run_node, client, tmp_p
         wanted = system.equation.acceleration(message.position, message.velocity, message.torque)
         assert abs(message.acceleration - wanted) <= 1e-9 * (1.0 + abs(wanted))
     assert gas.value.is_periodic
-
-
-def test_a_wrong_table_is_one_line_of_the_node(tmp_path):
-    (tmp_path / 'gas.csv').write_text('theta1 [deg], pressure [bar]\n0, 1\n360, nan\n')
-    file = file_of(TIMER, tmp_path)
-    code, line = start(tmp_path, '--ros-args', '--params-file', str(file))
-    assert code == 2 and 'row 3' in line and "'nan' must be a finite number" in line

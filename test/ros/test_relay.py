@@ -12,9 +12,8 @@ from fourbar_ros.scene.scene import load
 from fourbar_ros.scene.topics import DRIVEN
 import numpy as np
 import pytest
-from ros.test_start import start
 from sensor_msgs.msg import JointState
-from support import contract, ROOT
+from support import contract
 from support.power import power
 from support.samples import some
 from support.scenes import PAPER, RODS, values_of
@@ -124,20 +123,6 @@ def test_a_bag_of_a_relay_computes_again(run_node, client, tmp_path):
     assert 'without' not in node.said
 
 
-FILE = ROOT / 'examples/nodes/arm.yaml'
-
-
-def test_names_that_cannot_be_are_one_line(tmp_path):
-    code, line = start(tmp_path, 'boom', 'arm', '--ros-args', '--params-file', str(FILE), '-r',
-                       SAME_TOPIC[0])
-    assert code == 2 and 'linkage.a1: must be given' in line
-
-
-def test_a_file_of_several_nodes_is_read_by_name(capsys):
-    from fourbar_ros.cli.main import main
-    assert main(['scene', 'check', f'{FILE}:stick']) == 0
-    assert main(['scene', 'check', str(FILE)]) == 1
-    assert f'or name one: {FILE}:boom' in capsys.readouterr().err
 
 
 # --- what comes back -----------------------------------------------------------------------------

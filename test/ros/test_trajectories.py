@@ -8,10 +8,8 @@ from fourbar_ros.scene.topics import ANSWERS, TRAJECTORIES
 from fourbar_ros.transmission import trajectory, Transmission
 import numpy as np
 import pytest
-from ros.test_start import start
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
-from support import ROOT
 from support.harness import Client, NodeProcess, set_parameters
 from support.scenes import PAPER, RODS
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
@@ -230,15 +228,3 @@ def test_while_a_long_trajectory_is_answered_the_inputs_are(run_node, client, tm
     (tmp_path / 'go').touch()
     client.until(lambda: asker.heard['drive_trajectory'], 'the answer')
     assert len(asker.heard['drive_trajectory'][0].points) == 2_000
-
-
-def test_a_scene_whose_output_has_no_joint_is_refused_by_check_and_node(tmp_path, capsys):
-    from fourbar_ros.cli.main import main
-    file = tmp_path / 'leg.yaml'
-    file.write_text((ROOT / 'config/jansen.yaml').read_text().replace(
-        'ros__parameters:', 'ros__parameters:\n    trajectories: true', 1))
-    assert main(['scene', 'check', str(file)]) == 1
-    said = capsys.readouterr().err.strip()
-    assert said.count('\n') == 0 and 'the output theta_foot is of no joint' in said
-    code, line = start(tmp_path, '--ros-args', '--params-file', str(file))
-    assert code == 2 and line.split(': ', 1)[1] in said

@@ -182,6 +182,8 @@ TABLE = [
         ('external.crnak.couple', 1.0, 'did you mean crank?', 'external.crnak'),
         ('points.tip.link', 'coupelr', 'must be one of crank, coupler'),
         ('joint_names', ['a'], '7 different names'),
+        ({'trajectories': True, 'linkage.output': 'coupler'},
+         'the output theta_coupler is of no joint', 'trajectories'),
     ]),
     (read_values('bucket'), [
         ('cylinder.pin.along', 0.0, 'away from O1', 'cylinder.pin'),
@@ -199,6 +201,7 @@ TABLE = [
     ]),
     (MOTOR, [
         ('motor.free_speed', 0.0, 'must not be zero'),
+        ('motor.free_speed', -26.0, 'must have the sign of'),
         ('motor.gear', 0.0, 'must not be zero'),
         ('motor.gear', -1e200, 'must be finite'),
         ('motor.kind', 'stepper', 'must be one of line, dc, '),
