@@ -19,7 +19,7 @@ import numpy as np
 import pytest
 from support import bags
 from support.samples import more
-from support.scenes import OUTPUTS, PAPER, ROCKER, RODS, TIP
+from support.scenes import OUTPUTS, PAPER, RODS, TIP
 
 FULL = {**PAPER, **RODS, **TIP, 'outputs': OUTPUTS, 'drive.source': 'motion'}
 STEPS = 40
@@ -261,13 +261,6 @@ def test_a_remapped_topic_of_joint_states_is_found_and_two_nodes_are_kept_apart(
     assert 'a1: 0.4' in capsys.readouterr().out
     with pytest.raises(BagError, match='no run of /nobody'):
         recompute(path, node='/nobody')
-
-
-def test_values_held_out_of_range_are_computed_again(tmp_path):
-    cranks = [(0.01 * k, 1.0, 0.0) for k in range(200)]
-    path = bags.run(tmp_path, 'run', {**ROCKER, **RODS, 'outputs': ['state', 'loads'],
-                                      'drive.out_of_range': 'hold'}, cranks)
-    assert not recompute(path).problems() and recompute(path).skipped == {}
 
 
 # --- wrenches ------------------------------------------------------------------------------------

@@ -7,7 +7,7 @@ from fourbar_ros.pipeline.rate_estimator import estimator_of, MEMORY, RateEstima
 from fourbar_ros.scene import scene
 import numpy as np
 import pytest
-from support.scenes import PAPER, RODS
+from support.scenes import PAPER
 
 EPS = np.finfo(float).eps
 
@@ -49,24 +49,6 @@ def test_constant_acceleration_is_exact_on_any_spacing_and_through_the_wrap(wind
     error = 4.0 * EPS * 60.0
     assert np.abs(found[:, 0] - (20.0 - 14.0 * t)[window:]).max() < 2.5 * error / 0.002
     assert np.abs(found[:, 1] + 14.0).max() < 4.0 * error / 0.002**2
-
-
-@pytest.mark.parametrize('epoch', EPOCHS)
-@pytest.mark.parametrize('rate', [500, 1000, 5000])
-@pytest.mark.parametrize('window', [3, 5])
-def test_the_torque_at_constant_speed_is_that_of_no_acceleration(window, rate, epoch):
-    """25 rad/s: floats of seconds made 3.4 rad/s2 of it at 1 kHz, and 3.9 N m."""
-    linkage = scene.from_values({**PAPER, **RODS}).linkage
-    k = np.arange(200)
-    times, angles = epoch + k * (NS // rate), 25.0 * k / rate
-    velocity, acceleration = feed(RateEstimator(window), times, angles)[window:].T
-    step, error = 1.0 / rate, EPS * 25.0 * k[-1] / rate
-    assert np.abs(velocity - 25.0).max() < 3.0 * error / step
-    assert np.abs(acceleration).max() < 4.0 * error / step**2
-    torque = linkage.step(angles[window:], velocity, acceleration)[1].driving_torque
-    exact = linkage.step(angles[window:], 25.0, 0.0)[1].driving_torque
-    inertia = np.abs(linkage.step(angles, 0.0, 1.0)[1].driving_torque).max()
-    assert np.abs(torque - exact).max() < inertia * 8.0 * error / step**2 + 1e-9
 
 
 def test_the_first_samples_say_what_is_not_known_yet():
@@ -269,29 +251,6 @@ def test_noise_is_never_less_than_stamps_and_floats_can_say():
     assert at_rest.noise > 0.0 and not at_rest.is_noise
     estimator.reset()
     assert np.isnan(estimator.noise) and np.isnan(estimator.lag)
-
-
-def test_a_crank_driven_by_a_torque_is_distinguished_from_noise():
-    """
-    500 Hz, window 3, a torque that changes.
-
-    The error of the torque is that of the jerk, not of the clock.
-
-    With an encoder of 2000 counts it is noise, and reported as noise.
-    """
-    linkage = scene.from_values({**PAPER, **RODS}).linkage
-    times = EPOCHS[1] + np.arange(2000) * 2_000_000
-    t = np.arange(2000) * 0.002
-    angles, rates = 4.0 * t + 0.1 * np.sin(10.0 * t), 4.0 + np.cos(10.0 * t)
-    exact = linkage.step(angles, rates, -10.0 * np.sin(10.0 * t))[1].driving_torque
-    wrong = {}
-    for name, given in (('clean', angles), ('counted', encoder(angles, None))):
-        estimator = RateEstimator(3)
-        v, a = feed(estimator, times, given).T
-        error = linkage.step(angles, v, a)[1].driving_torque - exact
-        wrong[name] = math.sqrt(np.mean(error[MEMORY:]**2) / np.mean(exact**2))
-        assert estimator.is_noise is (name == 'counted')
-    assert wrong['clean'] < 0.02 and wrong['counted'] > 1.0
 
 
 @pytest.mark.parametrize('window, velocity_noise, acceleration_noise, jerk_share',

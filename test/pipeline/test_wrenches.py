@@ -13,6 +13,7 @@ from fourbar_ros.scene import scene as scenes
 from hypothesis import given
 from hypothesis import strategies as st
 import pytest
+from support.power import power
 from support.scenes import PAPER, ROCKER, RODS
 from support.strategies import inputs, wrenches
 
@@ -48,52 +49,19 @@ def test_a_wrench_from_a_topic_is_that_of_the_scene_to_the_last_bit(link, wrench
 
 
 def test_a_chain_of_linkages_is_driven_by_the_power_that_goes_into_all_links():
-    """
-    The drive of the first gives the power of both.
-
-    Kinetic energies by differences, independent of the loads.
-    """
     first = scenes.from_values({**LOADED, 'external.output.from_topic': True})
     second = scenes.from_values({**LOADED, 'linkage.a1': 0.3, 'linkage.a2': 1.4})
-    one, two = Stepper(first), Stepper(second)
-    theta, omega, alpha = 0.7, 6.0, -3.0
-
-    def chained(angle, rate, acceleration):
-        motion = first.linkage.motion(angle, rate, acceleration)
-        return motion, second.linkage.motion(motion.theta4, motion.omega4, motion.alpha4)
-
-    def energy(t):
-        angle, rate = theta + omega * t + 0.5 * alpha * t * t, omega + alpha * t
-        return sum(energy_of(scene.linkage, motion)
-                   for scene, motion in zip((first, second), chained(angle, rate, alpha)))
-    power = (energy(1e-5) - energy(-1e-5)) / 2e-5
-
-    motion, _ = chained(theta, omega, alpha)
-    _, values = two.step(motion.theta4, motion.omega4, motion.alpha4, True, False)
+    one, two, given = Stepper(first), Stepper(second), (0.7, 6.0, -3.0)
+    motion = first.linkage.motion(*given)
+    passed_on = motion.theta4, motion.omega4, motion.alpha4
+    _, values = two.step(*passed_on, True, False)
     reaction = of(second, values, 'drive_wrench')
     one.act('output', Wrench(reaction['wrench.force.x'], reaction['wrench.force.y'],
                              reaction['wrench.torque.z']))
-    _, values = one.step(theta, omega, alpha, True, False)
-    assert of(first, values, 'loads')['driving_torque'] * omega == pytest.approx(power, rel=1e-7)
-
-
-def energy_of(linkage, motion):
-    """Return kinetic plus potential energy of a four-bar, from its motion alone."""
-    a1, a4 = linkage.a1, linkage.a4
-    joints = ((0.0, 0.0, 0.0, 0.0, motion.theta1, motion.omega1),
-              (a1 * math.cos(motion.theta1), a1 * math.sin(motion.theta1),
-               -a1 * motion.omega1 * math.sin(motion.theta1),
-               a1 * motion.omega1 * math.cos(motion.theta1), motion.beta, motion.omega_beta),
-              (a4, 0.0, 0.0, 0.0, motion.theta4, motion.omega4))
-    total = 0.0
-    for body, (x, y, vx, vy, angle, rate) in zip(linkage.bodies, joints):
-        to_x = body.cg_along * math.cos(angle) - body.cg_across * math.sin(angle)
-        to_y = body.cg_along * math.sin(angle) + body.cg_across * math.cos(angle)
-        speed2 = (vx - rate * to_y)**2 + (vy + rate * to_x)**2
-        total += (0.5 * body.mass * speed2 + 0.5 * body.inertia * rate**2
-                  - body.mass * (linkage.gravity[0] * (x + to_x)
-                                 + linkage.gravity[1] * (y + to_y)))
-    return total
+    _, values = one.step(*given, True, False)
+    taken = power(first.linkage, *given)[0] + power(second.linkage, *passed_on)[0]
+    assert of(first, values, 'loads')['driving_torque'] * given[1] == pytest.approx(taken,
+                                                                                    rel=1e-12)
 
 
 @pytest.mark.parametrize('given, at', [({**SLIDER, 'linkage.input': 'slide'}, 0.3),
