@@ -1,58 +1,80 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Machines of dyads through the real node: topics, services, bag, live changes, 500 Hz."""
-from fourbar_msgs.msg import LinkageState
+"""Machines of dyads through the real node: topics, services, bag, live changes."""
+import random
+
+from builtin_interfaces.msg import Time
+from fourbar_msgs.msg import LinkageState, Motion
+from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.mechanisms.quantities import select
+from fourbar_ros.pipeline.stepper import Stepper
 from fourbar_ros.scene import scene
 from fourbar_ros.scene.files import read_values
+from fourbar_ros.scene.topics import OUTPUTS
 import pytest
-from support.exchange import BY_MESSAGES, check_bag, check_extrema, check_topics
-from support.harness import set_parameters
+from support.harness import fields_of, recomputed, recording_in, set_parameters
 from support.samples import some
-
-ALL = ['state', 'output', 'joint_states', 'loads', 'shaking_wrench', 'drive_wrench', 'links',
-       'reactions', 'points']
 
 
 @some('name', ['lift_table', 'jansen'], 1)
 def test_topics_services_and_bag_are_those_of_the_core(name, run_node, client, tmp_path):
-    parameters = {**read_values(name), **BY_MESSAGES, 'outputs': ALL}
+    parameters = {**read_values(name), 'drive.source': 'motion', 'outputs': [*OUTPUTS],
+                  **recording_in(tmp_path)}
     its = scene.from_values(parameters)
-    run_node(parameters)
-    inputs = check_topics(client, its)
-    check_meaning(client.received, its, inputs[-1])
+    node, stepper, rng = run_node(parameters), Stepper(its), random.Random(5)
+    (low, high), = its.linkage.input_ranges
+    client.listen(its.topics)
+    send = client.driving(position=0.5 * (low + high))
+    for number in range(1, 41):
+        sent = Motion(position=rng.uniform(0.98 * low + 0.02 * high, 0.02 * low + 0.98 * high),
+                      velocity=rng.uniform(-5.0, 5.0), acceleration=rng.uniform(-90.0, 90.0))
+        sent.header.stamp = Time(sec=number)
+        send(sent)
+        client.until(lambda number=number: all(heard and heard[-1].header.stamp.sec == number
+                                               for heard in client.received.values()),
+                     f'answer {number} on every topic')
+        answers = {topic: heard[-1] for topic, heard in client.received.items()}
+        status, expected = stepper.step(sent.position, sent.velocity, sent.acceleration, True,
+                                        True)
+        assert status == LinkageState.STATUS_OK
+        for topic, message in answers.items():          # NaN is NaN here
+            assert repr(fields_of(its.layout, topic, message)) == repr(
+                its.layout.expected(topic, expected))
+    check_meaning(answers, its.linkage, sent)
     check_services(client, its)
-    assert client.call('stop_recording').success
-    check_bag(tmp_path / 'bags/run', its, len(inputs))
+    assert node.stop() == 0
+    found = recomputed(tmp_path / 'run')
+    assert found.inputs > 40 and len({d.topic for d in found.differences}) == 1 + len(its.topics)
 
 
-def check_meaning(received, its, sent):
-    """Compare the last messages with the core by the names that a user reads."""
-    motion, loads = its.linkage.step(sent.position, sent.velocity, sent.acceleration)
-    for link in its.linkage.LINKS:
-        message = received[f'links/{link.name}'][-1]
-        expected = its.linkage.link_motion(motion, link.name)
+def check_meaning(answers, linkage, sent):
+    """Compare messages with the core by the names that a user reads."""
+    motion, loads = linkage.step(sent.position, sent.velocity, sent.acceleration)
+    for link in linkage.LINKS:
+        message, expected = answers[f'links/{link.name}'], linkage.link_motion(motion, link.name)
         assert (message.x, message.velocity_y, message.angular_velocity,
                 message.angular_acceleration) == (expected.x, expected.v_y, expected.omega,
                                                   expected.alpha)
-    for reaction in its.linkage.REACTIONS:
-        wrench = received[f'reactions/{reaction.joint}'][-1].wrench
+    for reaction in linkage.REACTIONS:
+        wrench = answers[f'reactions/{reaction.joint}'].wrench
         assert (wrench.force.x, wrench.force.y) == (getattr(loads, f'{reaction.joint}_x'),
                                                     getattr(loads, f'{reaction.joint}_y'))
         assert wrench.torque.z == (getattr(loads, reaction.couple) if reaction.couple else 0.0)
-    joints = received['joint_states'][-1]
-    assert list(joints.name) == [joint.place for joint in its.linkage.JOINTS]
-    state, driven = received['state'][-1], sent.position
-    assert (state.slide if its.linkage.is_driven_by_slide else state.theta1) == driven
-    assert state.mode == its.linkage.mode
+    assert list(answers['joint_states'].name) == [joint.place for joint in linkage.JOINTS]
+    state = answers['state']
+    assert state.mode == linkage.mode and sent.position == (
+        state.slide if linkage.is_driven_by_slide else state.theta1)
 
 
 def check_services(client, its):
     """Compare the answers of the services with the core."""
-    linkage = its.linkage
-    names = [linkage.REACTIONS[2].joint, linkage.outputs[0].coordinate.rate, 'shaking_force',
-             *(f'{point}.speed' for point in its.points)]
-    check_extrema(client, linkage, select(names, linkage, its.point_quantities), quantities=names)
+    linkage, fields = its.linkage, ('quantity', 'mode', 'theta1', 'slide', 'value', 'is_global')
+    reaction, rate = linkage.REACTIONS[2].joint, linkage.outputs[0].coordinate.rate
+    names = [reaction, rate, 'shaking_force', *(f'{point}.speed' for point in its.points)]
+    answer = client.call('find_extrema', velocity=2.0, acceleration=3.0, quantities=names)
+    expected = find_extrema(linkage, select(names, linkage, its.point_quantities), 2.0, 3.0)
+    assert expected and ({repr([getattr(one, name) for name in fields]) for one in answer.extrema}
+                         == {repr([getattr(one, name) for name in fields]) for one in expected})
     low, high = linkage.input_ranges[0]
     middle = low + 0.55 * (high - low)
     answer = client.call('evaluate', position=middle, velocity=2.0, acceleration=-3.0)
@@ -60,9 +82,8 @@ def check_services(client, its):
     motion, loads = linkage.step(middle, 2.0, -3.0)
     for value in answer.values:
         assert value.value == getattr(loads if value.name in loads._fields else motion, value.name)
-    named = {value.name: value.unit for value in answer.values}
-    assert named[linkage.REACTIONS[2].joint] == 'N'
-    assert named[linkage.outputs[0].coordinate.rate] == 'rad/s'
+    units = {value.name: value.unit for value in answer.values}
+    assert (units[reaction], units[rate]) == ('N', 'rad/s')
     answer = client.call('evaluate', position=middle, mode=2 if linkage.mode == 1 else 1)
     assert answer.result == answer.RESULT_INVALID_REQUEST and 'mode = ' in answer.message
 
