@@ -8,6 +8,7 @@ from fourbar_ros.pipeline.stepper import Stepper
 from fourbar_ros.scene import scene as scenes
 from hypothesis import given
 import pytest
+from support.power import power
 from support.scenes import PAPER, ROCKER, RODS
 from support.strategies import inputs
 
@@ -35,6 +36,17 @@ def test_positions_and_rates_go_through_ratio_and_offset_and_power_stays(given):
     assert theirs['velocity'] == tuple(r * v for r, v in zip(ratios, ours['velocity']))
     for a, b, c, d in zip(ours['effort'], ours['velocity'], theirs['effort'], theirs['velocity']):
         assert a * b == pytest.approx(c * d, rel=4e-16, abs=0.0)
+
+
+def test_the_effort_of_a_driven_slide_is_what_power_asks_for():
+    scene = scenes.from_values({**scenes.load('cylinder').values, 'outputs': LOADS['outputs'],
+                                'joint_states.ratios': [2.0] * 4})
+    linkage, given = scene.linkage, (1.4, 0.8, 3.0)
+    driven = [joint.coordinate for joint in linkage.JOINTS].index(linkage.input_coordinate)
+    (_, found), = joint_states(scene, given)
+    wanted, size = power(linkage, *given)
+    taken = [effort * rate for effort, rate in zip(found['effort'], found['velocity'])]
+    assert abs(taken.pop(driven) - wanted) <= 1e-12 * size and taken == [0.0] * 3
 
 
 def test_what_goes_out_of_one_joint_comes_in_through_the_same_numbers():

@@ -10,10 +10,6 @@ from types import SimpleNamespace
 from ament_index_python.packages import get_package_share_directory
 from diagnostic_msgs.msg import DiagnosticStatus
 from fourbar_ros.bag.overview import info
-from fourbar_ros.bag.reader import records
-from fourbar_ros.bag.recomputation import recompute
-from fourbar_ros.pipeline import stepper
-from fourbar_ros.pipeline.stepper import evaluate
 from fourbar_ros.ros.schemas import definition, type_hash
 from mcap.reader import make_reader
 import pytest
@@ -137,30 +133,6 @@ def test_definitions_of_installed_messages_hash_as_an_independent_parser_compute
         store = get_typestore(Stores.EMPTY)
         store.register(get_types_from_msg(definition(name), name))
         assert store.hash_rihs01(name) == type_hash(name), name
-
-
-def test_recompute_finds_no_difference_and_does_find_a_false_input(bag, monkeypatch):
-    path, _ = bag
-    found = recompute(path).differences
-    assert {d.topic for d in found} == {'/joint_states', '/fourbar/state', '/fourbar/output',
-                                        '/fourbar/loads', '/fourbar/driven',
-                                        '/fourbar/shaking_wrench', '/fourbar/drive_wrench',
-                                        '/fourbar/equation', '/fourbar/inertia'}
-    assert len(found) > 40 and all(d.messages >= 100 for d in found)
-    assert max(d.largest for d in found) == 0.0
-    monkeypatch.setattr(stepper, 'evaluate', lambda linkage, position, *rest: evaluate(
-        linkage, position + 1e-3, *rest))
-    assert recompute(path).largest > 1e-3
-
-
-def test_records_keep_the_order_input_then_its_outputs(bag):
-    path, _ = bag
-    stamp = None
-    for record in records(path):
-        if record.topic == '/fourbar/driven':
-            stamp = record.message.header.stamp
-        if record.topic != '/fourbar/scene':
-            assert record.message.header.stamp.nanosec == stamp.nanosec
 
 
 def test_recording_refuses_with_a_reason_and_the_stream_goes_on(run_node, client, tmp_path):

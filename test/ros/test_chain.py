@@ -106,22 +106,6 @@ def test_a_force_of_another_frame_does_not_act(loaded, client):
     assert node.node.said.count("'tool'") == 1
 
 
-@some('policy', ['unknown', 'constant'], 1)
-def test_a_silence(loaded, client, policy):
-    node = loaded(external__timeout=0.4, external__when_silent=policy,
-                  external__output__couple=2.5)
-    node.load(5.0, 1.0, -1.0)
-    client.until(lambda: 'no wrench for' in node.node.said, 'the silence')
-    # ours had no stamp
-    client.until(lambda: node.applied[-1].header.stamp.sec > 0, 'what acts now')
-    state, loads = node.answer(0.3)
-    if policy == 'unknown':
-        assert state.status == LinkageState.STATUS_LOADS_UNKNOWN and math.isnan(loads.f41)
-    else:
-        acts = (5.0, 1.0, -1.0) if policy == 'hold' else (0.0, 0.0, 2.5)
-        assert loads.driving_torque == node.under(0.3, *acts)
-
-
 @pytest.mark.slow
 def test_a_silence_runs_on_simulated_time(loaded, client):
     clock = SimulatedClock(client, 10 * 10**9, 50_000_000, repeats=True)

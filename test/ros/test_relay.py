@@ -3,18 +3,14 @@
 """
 The relay: on one topic with the robot's own joint states, it adds the passive joints.
 
-Judged by the core, by power balance, and by the bag.
+Judged by the core and by the bag.
 """
 from builtin_interfaces.msg import Time
-from fourbar_ros.bag.recomputation import recompute
-from fourbar_ros.scene.files import read_values
-from fourbar_ros.scene.scene import load
-from fourbar_ros.scene.topics import DRIVEN
 import numpy as np
 import pytest
 from sensor_msgs.msg import JointState
 from support import contract
-from support.power import power
+from support.harness import recomputed, recording_in
 from support.samples import some
 from support.scenes import PAPER, RODS, values_of
 
@@ -57,12 +53,13 @@ class Robot:
 
 
 @some('case', contract.CASES[::6], 1, ids=contract.name_of)
-def test_the_answers_are_the_passive_joints_of_the_core(run_node, client, case):
+def test_the_answers_are_the_passive_joints_of_the_core(run_node, client, tmp_path, case):
     mechanism, _ = next(contract.ordinary(case, 11, 1))
     coordinates = {f'joint_{i}': joint.coordinate for i, joint in enumerate(mechanism.JOINTS)}
     driven = next(name for name, its in coordinates.items() if its == mechanism.input_coordinate)
-    run_node(values_of(mechanism, case.name, **RELAY)
-             | {'joint_names': list(coordinates), 'drive.joint': driven}, remaps=SAME_TOPIC)
+    node = run_node(values_of(mechanism, case.name, **RELAY)
+                    | {'joint_names': list(coordinates), 'drive.joint': driven,
+                       **recording_in(tmp_path)}, remaps=SAME_TOPIC)
     del coordinates[driven]
     robot, (low, high) = Robot(client), mechanism.input_ranges[0]
     for share in np.linspace(0.05, 0.95, 19):
@@ -76,53 +73,9 @@ def test_the_answers_are_the_passive_joints_of_the_core(run_node, client, case):
         assert list(answer.velocity) == [getattr(motion, its.rate) for its in passive]
         # frictionless, whether the acceleration is known or not
         assert list(answer.effort) == [0.0] * len(passive)
-
-
-@some('name, start', [('paper', 0.2), ('cylinder', 1.4)], 1)
-def test_the_drive_effort_is_what_power_asks_for(run_node, client, name, start):
-    """With all joints shown, effort times velocity of the driven joint is the power needed."""
-    values, mechanism = read_values(name), load(name).linkage
-    driven = [joint.coordinate for joint in mechanism.JOINTS].index(mechanism.input_coordinate)
-    names = [f'j{place}' for place in range(len(mechanism.JOINTS))]
-    run_node(values | {'drive.source': 'joint_state', 'drive.joint': names[driven],
-                       'joint_states.ratios': [2.0] * len(names), 'drive.joint_ratio': 2.0,
-                       'joint_names': names, 'drive.jump': 100.0,
-                       'outputs': ['joint_states', 'state', 'loads', 'links']})
-    client.listen(['state', 'joint_states'])
-    client.listen({'driven': DRIVEN})
-    send = client.driving('joint_state', name=[names[driven]], position=[2.0 * start],
-                          velocity=[0.0])
-    for k in range(6):                       # 10 ms apart, at constant acceleration
-        t = 0.01 * k
-        message = joint_state({names[driven]: 2.0 * start + 0.8 * t + 1.5 * t * t},
-                              (0.8 + 3.0 * t,), 50)
-        message.header.stamp.nanosec = 10**7 * k
-        send(message)
-    client.until(lambda: all(len(inbox) >= 6 for inbox in client.received.values()), 'the joints')
-    given, joints = client.received['driven'][-1], client.received['joint_states'][-1]
-    want, size = power(mechanism, given.position, given.velocity, given.acceleration)
-    assert size > 0.0 and abs(joints.effort[driven] * joints.velocity[driven] - want
-                              ) <= 1e-12 * size * max(1.0, mechanism.motion(start).condition)
-    assert all(effort == 0.0 for place, effort in enumerate(joints.effort) if place != driven)
-
-
-def test_a_bag_of_a_relay_computes_again(run_node, client, tmp_path):
-    node = run_node({**PAPER, **RODS, **RELAY, 'joint_names': ['motor', 'a', 'b', 'c'],
-                     'recording.directory': str(tmp_path / 'bags')}, remaps=SAME_TOPIC)
-    robot = Robot(client)
-    robot.move('motor', 0.1, 1.0)
-    path = client.call('start_recording', name='relay').path
-    for k in range(10):
-        robot.move('motor', 0.1 + 0.1 * k, 1.0)
-    client.call('stop_recording')
-    assert node.stop() == 0
-    found = recompute(path)
-    assert found.inputs >= 10 and not found.unmatched
+    assert node.stop() == 0 and 'without' not in node.said
+    found = recomputed(tmp_path / 'run')
     assert {d.topic for d in found.differences} >= {'/joint_states', '/fourbar/loads'}
-    assert found.largest == 0.0
-    assert 'without' not in node.said
-
-
 
 
 # --- what comes back -----------------------------------------------------------------------------

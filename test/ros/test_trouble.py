@@ -5,7 +5,6 @@ Trouble around the node.
 
 Lost and bad inputs, clocks that are set, a log and diagnostics that stay readable.
 """
-from itertools import count
 import math
 import shutil
 import signal
@@ -27,10 +26,7 @@ from support.faults import Faults
 from support.harness import (
     nanoseconds,
     PATIENCE,
-    recomputed,
-    recording_in,
     set_parameters,
-    SimulatedClock,
 )
 from support.scenes import PAPER
 
@@ -138,49 +134,6 @@ def test_a_node_on_a_timer_stops_whatever_the_clock(run_node, client, diagnosed,
     faults.set(clock=-3600.0)
     node.process.send_signal(signal.SIGTERM)
     assert node.process.wait(PATIENCE) == 0
-
-
-@pytest.mark.slow
-def test_a_simulation_that_is_reset_by_less_than_the_timeout_has_rates_at_once(
-        run_node, client, tmp_path):
-    """Before, samples counted as late, and rates were unknown, until the old time was passed."""
-    node = run_node({**DRIVEN, 'drive.timeout': 10.0, 'use_sim_time': True, 'drive.window': 5,
-                     **recording_in(tmp_path)})
-    clock = SimulatedClock(client, 100 * SECOND, repeats=True)
-    client.listen(['state'])
-    publisher = client.publisher()
-    knocks = count(100 * SECOND)
-
-    def knock():        # each with a stamp of its own: outputs are compared by stamp
-        publisher.publish(stamped(Motion(position=0.1), next(knocks)))
-
-    client.handshake(knock)
-
-    def answer(now, position):
-        heard = len(client.received['state'])
-        publisher.publish(stamped(Motion(position=position, velocity=math.nan,
-                                         acceleration=math.nan), now))
-
-        def answered():
-            return [s for s in client.received['state'][heard:] if nanoseconds(s) == now]
-        client.until(answered, 'the answer')
-        return answered()[0]
-
-    def run(begin, samples=15, step=10_000_000, rate=2.0):
-        return [answer(begin + k * step, 0.3 + rate * k * step / SECOND)
-                for k in range(samples)]
-    begin = clock.now = clock.now + 4 * SECOND  # no timeout in between: it would answer too
-    before = run(begin)
-    assert before[-1].status == LinkageState.STATUS_OK
-    back = clock.now = begin - 3 * SECOND       # 3 s of 10
-    after = run(back)
-    good = [s.status == LinkageState.STATUS_OK for s in after]
-    assert good[5:] == [True] * 10, good        # a window later
-    for state in after[5:]:
-        assert state.omega1 == pytest.approx(2.0, rel=1e-6)
-        assert state.alpha1 == pytest.approx(0.0, abs=1e-4)
-    assert node.stop() == 0
-    assert recomputed(tmp_path / 'run').inputs >= 30
 
 
 # --- stamps and estimates ------------------------------------------------------------------------
