@@ -14,10 +14,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 import numpy as np
 import pytest
-from rclpy.qos import DurabilityPolicy, QoSProfile
 from scipy.spatial.transform import Rotation
 from std_msgs.msg import Header
-from support.harness import recomputed, recording_in
+from support.harness import LATCHED, recomputed, recording_in
 from support.scenes import PAPER, RODS
 
 LOADED = {**PAPER, **RODS, 'outputs': ['state', 'loads', 'shaking_wrench'],
@@ -42,8 +41,7 @@ def test_what_is_late_silent_or_of_another_frame_does_not_act(run_node, client, 
                      'base.frame_id': 'chassis'})
     ask = lockstep('state', 'loads')
     assert isnan(ask(0.001, 0.3, 2.0, 3.0).loads.f41)
-    in_effect = client.hear(BaseMessage, '/fourbar/base',
-                            QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL))
+    in_effect = client.hear(BaseMessage, '/fourbar/base', LATCHED)
     publisher = client.node.create_publisher(BaseMessage, '/fourbar/input_base', 100)
     client.until(lambda: in_effect and publisher.get_subscription_count(), 'the topics')
 
@@ -72,8 +70,7 @@ def test_two_nodes_on_one_base_pass_their_loads_on(run_node, client, lockstep, t
     run_node({**both, 'outputs': ['loads', 'drive_wrench']}, name='two',
              remaps=('~/input:=/fourbar/output',))
     base, ask = Base(1.0, 9.0, 2.0, -3.0), lockstep('state', 'loads')
-    in_effect = client.hear(BaseMessage, '/two/base',
-                            QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL))
+    in_effect = client.hear(BaseMessage, '/two/base', LATCHED)
     tell = client.node.create_publisher(BaseMessage, '/two/input_base', 100)
     client.until(lambda: tell.get_subscription_count() and in_effect, 'the topics')
     tell.publish(BaseMessage(**base._asdict(), header=Header(stamp=to_stamp(10**6))))

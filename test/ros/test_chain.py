@@ -12,9 +12,8 @@ from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.scene import scene
 from geometry_msgs.msg import WrenchStamped
 import pytest
-from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.serialization import serialize_message
-from support.harness import in_bag, recording_in, set_parameters, SimulatedClock
+from support.harness import in_bag, LATCHED, recording_in, set_parameters, SimulatedClock
 from support.samples import some
 from support.scenes import PAPER, RODS
 
@@ -40,8 +39,7 @@ class Loaded:
         self.node = run_node(given)
         given.pop('use_sim_time', None)
         self.linkage = scene.from_values(given).linkage
-        self.applied = client.hear(WrenchStamped, f'/fourbar/applied/{link}', QoSProfile(
-            depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL))
+        self.applied = client.hear(WrenchStamped, f'/fourbar/applied/{link}', LATCHED)
         self.wrenches = client.node.create_publisher(WrenchStamped, f'/fourbar/external/{link}',
                                                      10)
         self.answer(0.1)

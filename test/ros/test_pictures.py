@@ -4,21 +4,18 @@
 from math import atan2, hypot
 
 from builtin_interfaces.msg import Time
-from fourbar_lab.clients.node_client import name_on
 from fourbar_msgs.msg import Motion
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.description.formats import describe
 from fourbar_ros.mechanisms.picture import diagram_of
 from fourbar_ros.mechanisms.points import point_motion
-from fourbar_ros.ros.messages import resolve
 from fourbar_ros.ros.node import traces
 from fourbar_ros.ros.schemas import type_hash
 from fourbar_ros.scene.scene import from_values, load
 from fourbar_ros.scene.topics import PICTURES
 import numpy as np
 import pytest
-from rclpy.qos import DurabilityPolicy, QoSProfile
 from support import ROOT
 from support.samples import some
 from support.scenes import file_of, PAPER, RODS, TIP
@@ -41,16 +38,6 @@ def motion(position, stamp):
     message = Motion(position=position, velocity=1.0)
     message.header.stamp = Time(sec=stamp)
     return message
-
-
-def listen(client, names=PICTURES):
-    """Collect pictures, the latched ones as late subscribers do."""
-    for name in names:
-        topic = PICTURES[name]
-        qos = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-        client.node.create_subscription(
-            resolve(topic.type), name_on('fourbar', topic),
-            client.received.setdefault(name, []).append, qos if topic.latched else 1000)
 
 
 def inputs(scene, count=9):
@@ -79,8 +66,7 @@ def test_the_type_hash_of_tf_messages_is_the_official_one():
 def test_frames_are_where_the_links_are(run_node, client, name):
     run_node(given(SCENES[name]))
     scene = from_values(SCENES[name])
-    client.listen(['state'])
-    listen(client, ['tf', 'markers'])
+    client.listen(['state', 'tf', 'markers'])
     send = client.driving(position=inputs(scene)[0])
     for number, position in enumerate(inputs(scene)):
         send(motion(position, number + 2))
@@ -146,7 +132,7 @@ def test_the_bag_alone_shows_the_machine(run_node, client, tmp_path):
 def test_late_subscribers_see_the_description_and_the_traces(run_node, client):
     values = {**PAPER, **RODS, **TIP, 'drive.source': 'motion', 'outputs': ['state', *PICTURES]}
     run_node(values)
-    listen(client, ['robot_description', 'traces'])
+    client.listen(['robot_description', 'traces'])
     client.until(lambda: client.received['robot_description'] and client.received['traces'],
                  'what is latched')
     scene = from_values(values)
@@ -180,8 +166,7 @@ def test_labels_of_extrema_stand_apart_beside_the_mechanism(name):
 
 def test_frames_follow_each_input_and_markers_come_as_often_as_eyes_need(run_node, client):
     run_node({**PAPER, 'drive.source': 'motion', 'outputs': ['state', 'tf', 'markers']})
-    client.listen(['state'])
-    listen(client, ['tf', 'markers'])
+    client.listen(['state', 'tf', 'markers'])
     send = client.driving()
     for k in range(101):                     # 100 Hz for one second of stamps
         message = motion(0.1 + 0.01 * k, 100 + k // 100)

@@ -12,11 +12,10 @@ from fourbar_ros.bag.reader import Bag, records
 from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.bag.recorder import BagWriter
 import pytest
-from rclpy.qos import DurabilityPolicy, QoSProfile
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 from support import bags
-from support.harness import ALL_OUTPUTS, nanoseconds, PATIENCE, recording_in
+from support.harness import ALL_OUTPUTS, LATCHED, nanoseconds, PATIENCE, recording_in
 from support.scenes import PAPER, RODS
 
 FULL = {**PAPER, **RODS, 'outputs': ALL_OUTPUTS, 'drive.source': 'motion'}
@@ -51,8 +50,7 @@ def stamps(messages):
 
 def test_replay_sends_every_message_again_as_it_was(client, bag):
     client.listen([*ALL_OUTPUTS, 'driven'], depth=20_000)     # a busy machine reads late
-    late = client.hear(String, '/fourbar/scene',
-                       QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL))
+    late = client.hear(String, '/fourbar/scene', LATCHED)
     process = fourbar('replay', bag, '--loop', '--rate', '2')
     client.until(lambda: all(len(m) > 2 * STEPS for m in client.received.values()), 'two rounds')
     process.send_signal(signal.SIGINT)

@@ -11,12 +11,13 @@ import sys
 import threading
 import time
 
-from fourbar_lab.clients.node_client import NoAnswer, NodeClient
+from fourbar_lab.clients.node_client import name_on, NoAnswer, NodeClient
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recomputation import recompute
-from fourbar_ros.ros.messages import to_stamp
-from fourbar_ros.scene.topics import DRIVEN, FAMILIES, OUTPUTS
+from fourbar_ros.ros.messages import resolve, to_stamp
+from fourbar_ros.scene.topics import DRIVEN, FAMILIES, OUTPUTS, PICTURES
 import rclpy
+from rclpy.qos import DurabilityPolicy, QoSProfile
 from rosgraph_msgs.msg import Clock
 from support.scenes import file_of
 
@@ -25,6 +26,7 @@ HARMLESS = {'find_extrema': {'quantities': ['?']}, 'evaluate': {},
             'start_recording': {'name': '..'}}
 # [s] discovery takes 0.3 s mostly, 4 s sometimes; 30 s are too few beside 20 busy processes
 PATIENCE = 120.0
+LATCHED = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 # the others have a topic for each of their members
 ALL_OUTPUTS = [name for name in OUTPUTS if name not in FAMILIES]
 
@@ -122,14 +124,13 @@ class Client(NodeClient):
         self.received = {}
 
     def listen(self, names=ALL_OUTPUTS, node='fourbar', depth=1000):
-        """
-        Collect all messages of these topics in ``received``.
-
-        names, or the topics of a scene by name.
-        """
-        topics = names if isinstance(names, dict) else {**OUTPUTS, 'driven': DRIVEN}
+        """Collect all messages in ``received``: of topics by name, or {name: topic}."""
+        topics = names if isinstance(names, dict) else {**OUTPUTS, **PICTURES, 'driven': DRIVEN}
         for name in names:
-            self.subscribe(topics[name], self.received.setdefault(name, []).append, node, depth)
+            self.node.create_subscription(
+                resolve(topics[name].type), name_on(node, topics[name]),
+                self.received.setdefault(name, []).append,
+                LATCHED if topics[name].latched else depth)
 
     def hear(self, kind, topic, depth=1000):
         """Return the growing list of the messages on a topic."""
