@@ -16,44 +16,22 @@ from fourbar_ros.pipeline.stepper import STATUS_NAMES, Stepper
 from fourbar_ros.ros import messages
 from fourbar_ros.ros.messages import filler, packer, resolve, set_constants
 from fourbar_ros.scene import scene
+from fourbar_ros.scene.files import read_values
 from fourbar_ros.scene.topics import DRIVEN, OUTPUTS
 import pytest
 from rclpy.serialization import deserialize_message, serialize_message
 from support.bags import STORE
 from support.samples import more
-from support.scenes import PAPER, RODS, TIP
+from support.scenes import TIP
 
-BODIES = {**RODS, 'bodies.output.mass': 1.5, 'bodies.output.inertia': 0.02, 'gravity.y': -9.81}
-SLIDER_CRANK = {'linkage.kind': 'slider_crank', 'linkage.a1': 0.1, 'linkage.a2': 0.35,
-                'linkage.offset': 0.03, **BODIES,
-                'external.output.force_x': -200.0}
-INVERTED = {'linkage.kind': 'inverted_slider', 'linkage.a1': 0.2, 'linkage.a4': 0.5,
-            'linkage.offset': 0.04, **BODIES,
-            'bodies.coupler.mass': 0.8, 'bodies.coupler.inertia': 0.001}
-SCOTCH_YOKE = {'linkage.kind': 'scotch_yoke', 'linkage.a1': 0.1, 'linkage.offset': 0.03, **BODIES,
-               'bodies.coupler.mass': 0.2, 'external.output.force_x': -200.0}
-MECHANISMS = {
-    'four-bar': ({**PAPER, **RODS}, ['crank', 'coupler', 'coupler_output', 'output']),
-    'four-bar at A': ({**PAPER, **RODS, 'linkage.input': 'A'},
-                      ['crank', 'coupler', 'coupler_output', 'output']),
-    'slider-crank': (SLIDER_CRANK, ['crank', 'rod', 'pin', 'slider']),
-    'slider-crank, slide': ({**SLIDER_CRANK, 'linkage.input': 'slide'},
-                            ['crank', 'rod', 'pin', 'slider']),
-    'inverted': (INVERTED, ['crank', 'block', 'slide', 'bar']),
-    'scotch yoke': (SCOTCH_YOKE, ['crank', 'block', 'slot', 'yoke']),
-    'scotch yoke, slide': ({**SCOTCH_YOKE, 'linkage.input': 'slide', 'linkage.mode': 1},
-                           ['crank', 'block', 'slot', 'yoke']),
-    'cylinder': ({**INVERTED, 'linkage.input': 'slide', 'linkage.mode': 1},
-                 ['crank', 'block', 'slide', 'bar']),
-}
+NAMES = 'paper', 'cylinder', 'jansen', 'slider_crank', 'scotch_yoke', 'bucket', 'wiper'
 STAMPS = (0, 0), (1, 999_999_999), (2**31 - 1, 0), (-1, 5)
 FRAMES = 'a', 'abcdefg', 'x' * 61, 'Größe', '\x00'.join('ab'), ''
 
 
-def scene_of(name, **changes):
-    values, joints = MECHANISMS[name]
-    return scene.from_values({**values, **TIP, 'joint_names': joints, 'drive.source': 'motion',
-                              'outputs': list(OUTPUTS), **changes})
+def scene_of(name):
+    values = {**read_values(name), **TIP} if name == 'paper' else read_values(name)
+    return scene.from_values({**values, 'drive.source': 'motion', 'outputs': list(OUTPUTS)})
 
 
 def packed(pack, monkeypatch, *contents):
@@ -85,7 +63,7 @@ def steps_of(its):
         yield status, tuple(hard if k % 2 else -k * math.pi for k in range(count))
 
 
-@pytest.mark.parametrize('name', more([*MECHANISMS][:3], MECHANISMS))
+@pytest.mark.parametrize('name', more(NAMES[:3], NAMES))
 def test_packed_bytes_are_what_ros_serialises(name, monkeypatch):
     its = scene_of(name)
     for topic in topics_of(its):
@@ -116,7 +94,7 @@ def same_but_for_padding(type_name, data, expected):
 @pytest.mark.parametrize('frame', FRAMES)
 def test_any_frame_and_joint_names(frame, monkeypatch):
     """Texts move the numbers; no text is taken for one."""
-    its = replace(scene_of('four-bar'), frame_id=frame,
+    its = replace(scene_of('paper'), frame_id=frame,
                   joint_names=tuple(frame + str(k) for k in range(4)))
     for topic in topics_of(its):
         message = message_of(topic, its)
@@ -163,7 +141,7 @@ def test_where_bytes_do_not_read_back_ros_serialises_every_message(middleware, m
     write, read = middleware()
     monkeypatch.setattr(messages, 'serialize_message', write)
     monkeypatch.setattr(messages, 'deserialize_message', read)
-    its = scene_of('four-bar')
+    its = scene_of('paper')
     message = message_of(OUTPUTS['state'], its)
     put = packer('state', message, its.layout)
     status, values = Stepper(its).step(0.7, 25.0, 1.0, True, True)

@@ -12,6 +12,7 @@ from fourbar_ros.mechanisms.picture import diagram_of
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.ros.node import traces
 from fourbar_ros.ros.schemas import type_hash
+from fourbar_ros.scene.files import read_values
 from fourbar_ros.scene.scene import from_values, load
 from fourbar_ros.scene.topics import PICTURES
 import numpy as np
@@ -22,16 +23,11 @@ from support.scenes import file_of, PAPER, RODS, TIP
 from visualization_msgs.msg import Marker
 
 EPS = 2.0**-52
-SCENES = {name: {**load(ROOT / f'config/{name}.yaml').values, 'drive.source': 'motion',
-                 'drive.timeout': 0.0, 'outputs': ['state', *PICTURES], 'pictures.rate': 0.0}
+SCENES = {name: {**read_values(name), 'drive.source': 'motion', 'pictures.rate': 0.0,
+                 'outputs': ['state', *PICTURES]}
           for name in ('paper', 'cylinder', 'jansen')}
 # of geometry2's tf2_msgs, as `ros2 topic info -v /tf` shows it from Iron to Lyrical
 OFFICIAL = 'RIHS01_e369d0f05a23ae52508854b66f6aa0437f3449d652e8cbf22d5abe85d020f087'
-
-
-def given(values):
-    """Return the parameters that are given (NaN stands for those that are not)."""
-    return {name: value for name, value in values.items() if value == value and value != []}
 
 
 def motion(position, stamp):
@@ -64,7 +60,7 @@ def test_the_type_hash_of_tf_messages_is_the_official_one():
 
 @some('name', ['paper', 'cylinder', 'jansen'], 1)
 def test_frames_are_where_the_links_are(run_node, client, name):
-    run_node(given(SCENES[name]))
+    run_node(SCENES[name])
     scene = from_values(SCENES[name])
     client.listen(['state', 'tf', 'markers'])
     send = client.driving(position=inputs(scene)[0])
