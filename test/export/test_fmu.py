@@ -11,13 +11,11 @@ import zipfile
 from fourbar_lab.export import fmu, generate
 from fourbar_ros import load_scene
 from fourbar_ros.dynamics.node_step import NOT_FINITE, OK
-from fourbar_ros.mechanisms.batches import step_of_arrays
 from fourbar_ros.pipeline.stepper import evaluate, InModes
 from fourbar_ros.scene.scene import from_values
 import numpy as np
 import pytest
 from support.exported import COMPILERS
-from support.samples import some
 from support.scenes import PAPER, RODS
 
 needs_compiler = pytest.mark.skipif(not COMPILERS or sys.platform != 'linux',
