@@ -280,6 +280,7 @@ def _third_sides(mechanism: Machine, motion: NamedFields, joints: JointPlaces) -
     """
     layout = mechanism.layout
     on_link: dict[str, list[Array]] = {link: [] for link in layout.links}
+    on_link[layout.links[1]].append(joints[BASE])
     for stage, dyad in zip(layout.stages, mechanism.stages):
         names, slides = dict(stage.joints()), SLIDES[stage.kind]
         for i, place in enumerate(('first', 'second')):

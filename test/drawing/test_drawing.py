@@ -1,6 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Polygons close and are to scale; pictures say what is in them."""
+from itertools import combinations
 from math import hypot
 import sys
 
@@ -9,6 +10,9 @@ from fourbar_lab.drawing.mechanism_panel import renamed
 from fourbar_lab.drawing.polygons import acceleration_polygon, velocity_polygon
 from fourbar_lab.drawing.sheet import nice
 from fourbar_ros import Bodies, Body, FourBar
+from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
+from fourbar_ros.mechanisms.machine.machine import Machine
+from fourbar_ros.mechanisms.machine.structure import BASE
 from fourbar_ros.mechanisms.picture import diagram_of
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.mechanisms.sliders import InvertedSlider, SliderCrank
@@ -59,6 +63,18 @@ def test_joints_keep_the_lengths():
         assert hypot(*(places['A'] - places['O_1'])) == pytest.approx(mechanism.a1, rel=1e-14)
         if hasattr(mechanism, 'a2'):
             assert hypot(*(places['B'] - places['A'])) == pytest.approx(mechanism.a2, rel=1e-12)
+
+
+def test_a_crank_with_two_joints_beside_its_pivot_is_a_triangle():
+    dyads = [Dyad(name, 'RRR', on_crank, Point('ground', along), (f'{name}_rod', f'{name}_rocker'),
+                  length_1=1.0, length_2=0.8) for name, on_crank, along in (
+                      ('one', Point('crank', 0.3), 1.0), ('two', Point('crank', 0.1, 0.3), -1.0))]
+    machine = Machine(dyads)
+    diagram = diagram_of(machine, machine.motion(0.5))
+    corners = [diagram.joints[name] for name in (BASE, 'one_first', 'two_first')]
+    for ends in combinations(corners, 2):
+        assert any(np.allclose(sorted(map(tuple, bar[:2])), sorted(map(tuple, ends)))
+                   for bar in diagram.bars)
 
 
 @pytest.mark.parametrize('value, expected', [(1.0, 1.0), (1.99, 1.0), (2.0, 2.0), (4.9, 2.0),
