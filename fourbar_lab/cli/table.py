@@ -9,7 +9,7 @@ import sys
 from typing import TYPE_CHECKING
 
 from fourbar_lab.cli import asked
-from fourbar_ros.cli.common import add_rates, add_scene, add_verb, Verbs
+from fourbar_ros.cli.common import add_rates, add_scene, add_verb, PICTURE_HELP, Verbs
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.scene.arguments import positive_integer
 from fourbar_ros.scene.units import of, require
@@ -27,7 +27,7 @@ examples:
 PLOT = """\
 examples:
   fourbar plot paper f41 shaking_force -o paper.png
-  fourbar plot my.yaml omega4 alpha4 --speed 300rpm -o page.html
+  fourbar plot my.yaml omega4 alpha4 --speed 300rpm -o rates.svg
 """
 
 
@@ -42,11 +42,10 @@ def add(verbs: Verbs) -> None:
                        help='instead, what the drive must give at 25 speeds of the input: root '
                             'mean square and peak of its torque, peak of its power')
     table.set_defaults(run=_table)
-    plot = add_verb(verbs, 'plot', 'quantities over the input as a picture or a page',
+    plot = add_verb(verbs, 'plot', 'quantities over the input as a picture',
                     'Draw quantities over all of the input, one pair of axes for each unit.\n'
                     'Requires matplotlib.', PLOT)
-    _add_arguments(plot, 'picture to write: .png, .svg or .pdf; or a page: .html',
-                   'default: rates, accelerations and loads')
+    _add_arguments(plot, PICTURE_HELP, 'default: rates, accelerations and loads')
     plot.set_defaults(run=_plot)
 
 
@@ -82,14 +81,15 @@ def _table(arguments: Namespace) -> None:
 
 def _plot(arguments: Namespace) -> None:
     """Draw the quantities asked for, or all but components, which would crowd a picture."""
-    from fourbar_lab.drawing.curves import curves_of, marks_of, write_picture
+    from fourbar_lab.drawing.curves import curves_of, make_figure, marks_of
+    from fourbar_lab.drawing.figure import save
     from fourbar_ros.mechanisms.quantities import select
     scene, linkage, speed = asked(arguments)
     names = arguments.names or [quantity.name for quantity in select(
         (), scene.bare_linkage if scene.tells_loads else linkage, scene.point_quantities)]
     given = scene, linkage, names, speed, arguments.acceleration
     curves = curves_of(*given, arguments.samples)
-    print(write_picture(curves, arguments.out, marks_of(*given)))
+    print(save(make_figure(curves, marks_of(*given)), arguments.out))
     _tell_weight(scene, curves.names)
 
 

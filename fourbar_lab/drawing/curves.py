@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import NamedTuple, TYPE_CHECKING
 
 from fourbar_lab.drawing.cycles import cycles
-from fourbar_lab.drawing.figure import CannotDraw, make_panels, save, write_page, writing
+from fourbar_lab.drawing.figure import CannotDraw, make_panels, writing
 from fourbar_lab.drawing.labels import symbols_of
 from fourbar_lab.drawing.record import counted
 from fourbar_lab.drawing.tables import rates_in_words
@@ -34,7 +34,7 @@ AXES = {'deg': 'angle', 'rad/s': 'angular velocity', 'rad/s^2': 'angular acceler
         'N m': 'torque, moment', 'kg m^2': 'inertia', 'kg': 'inertia'}
 SPEEDS = 25         # in a table over the speed
 OF_DRIVE = 'inertia', 'bias'        # by name alone
-TABLES, PICTURES = ('.csv', '.xlsx', '.parquet'), ('.png', '.svg', '.pdf', '.html')
+TABLES = '.csv', '.xlsx', '.parquet'
 
 
 class Curves(NamedTuple):
@@ -219,7 +219,10 @@ def write_table(curves: Curves, path: str | Path) -> Path:
         openpyxl or pyarrow is not installed.
 
     """
-    path = _checked(path, TABLES)
+    path = Path(path)
+    if path.suffix not in TABLES:
+        raise CannotDraw(f'{path}: must end in {", ".join(TABLES[:-1])} or {TABLES[-1]}'
+                         + nearest(path.suffix, TABLES))
     heads, rows = _heads_and_rows(curves)
     try:
         with writing(path):
@@ -261,15 +264,6 @@ def _write_sheet(path: Path, heads: list[str], rows: Array) -> None:
     book.save(path)
 
 
-def _checked(path: str | Path, suffixes: Sequence[str]) -> Path:
-    """Return a path; raise CannotDraw unless its suffix is one of these."""
-    path = Path(path)
-    if path.suffix not in suffixes:
-        raise CannotDraw(f'{path}: must end in {", ".join(suffixes[:-1])} or {suffixes[-1]}'
-                         + nearest(path.suffix, suffixes))
-    return path
-
-
 def make_figure(curves: Curves, extrema: Sequence[tuple[str, float, float]] = ()) -> Figure:
     """
     Return a figure with one pair of axes for each unit, over the same input.
@@ -296,13 +290,3 @@ def make_figure(curves: Curves, extrema: Sequence[tuple[str, float, float]] = ()
         from matplotlib.ticker import MultipleLocator
         figure.axes[-1].xaxis.set_major_locator(MultipleLocator(90.0))
     return figure
-
-
-def write_picture(curves: Curves, path: str | Path,
-                  extrema: Sequence[tuple[str, float, float]] = ()) -> Path:
-    """Write the figure as .png, .svg or .pdf, or as a page, .html; return its path."""
-    path = _checked(path, PICTURES)
-    figure = make_figure(curves, extrema)
-    if path.suffix != '.html':
-        return save(figure, path)
-    return write_page(path, curves.title, {'': figure})

@@ -9,8 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from html import escape
-from io import StringIO
 from math import hypot
 from pathlib import Path
 from typing import Any, NamedTuple, TYPE_CHECKING
@@ -32,16 +30,6 @@ if TYPE_CHECKING:      # drawings alone need it
 STYLE = {'font.family': 'STIXGeneral', 'mathtext.fontset': 'stix', 'font.size': 11,
          'svg.hashsalt': 'fourbar_ros', 'svg.fonttype': 'path'}
 LEAST = 0.004          # arrows shorter than this share of the longest are left out
-PAGE = """\
-<!DOCTYPE html>
-<html lang="en">
-<head><meta charset="utf-8"><title>{title}</title>
-<style>body {{ font-family: sans-serif; margin: 2em auto; max-width: 60em }} svg {{ width: 100% }}
-</style></head>
-<body><h1>{title}</h1>
-{body}
-</body></html>
-"""
 PART, SUM = '#a02c2c', '#1f4e8c'      # dark enough for print in grey
 
 
@@ -174,17 +162,4 @@ def save(figure: Figure, path: str | Path) -> Path:
     options = {'metadata': {'Date': None}} if path.suffix == '.svg' else {}
     with matplotlib.rc_context(STYLE), writing(path):
         figure.savefig(path, dpi=200, **options)
-    return path
-
-
-def write_page(path: Path, title: str, figures: Mapping[str, Figure]) -> Path:
-    """Write figures, {heading: figure}, as SVG in a page; return its path or raise CannotDraw."""
-    parts = []
-    for heading, figure in figures.items():
-        text = StringIO()
-        figure.savefig(text, format='svg')
-        svg = text.getvalue().partition('<!DOCTYPE')[2].partition('>')[2]
-        parts += [f'<h2>{escape(heading)}</h2>' if heading else '', svg]
-    with writing(path):
-        path.write_text(PAGE.format(title=escape(title), body='\n'.join(parts)), encoding='utf-8')
     return path

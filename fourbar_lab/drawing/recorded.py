@@ -8,7 +8,7 @@ from pathlib import Path
 import re
 from typing import TYPE_CHECKING
 
-from fourbar_lab.drawing.figure import make_panels, writing
+from fourbar_lab.drawing.figure import make_panels, save
 from fourbar_ros.bag.reader import Bag, Progress
 from fourbar_ros.bag.tables import table_of
 from fourbar_ros.errors import BagError, nearest
@@ -46,9 +46,7 @@ def make_figure(path: str | Path, names: Sequence[str], progress: Progress | Non
 def plot(path: str | Path, names: Sequence[str], out: str | Path, progress: Progress | None = None,
          x: str | None = None) -> None:
     """Draw fields into a file (.png, .svg, .pdf), as :func:`make_figure`."""
-    figure = make_figure(path, names, progress, x)
-    with writing(Path(out)):
-        figure.savefig(out)
+    save(make_figure(path, names, progress, x), out)
 
 
 RecordedCurve = tuple[Array, Array, str]        # stamps [ns], values, unit

@@ -104,14 +104,12 @@ def test_tables_for_spreadsheets_and_data_frames_are_the_same():
     assert np.array_equal(np.array([frame[head] for head in heads]).T, rows)
 
 
-@pytest.mark.parametrize(('suffix', 'begins'), [('png', b'\x89PNG'), ('html', b'<!DOCTYPE html>'),
-                                                ('pdf', b'%PDF'), ('svg', b'<?xml')])
+@pytest.mark.parametrize(('suffix', 'begins'), [('png', b'\x89PNG'), ('pdf', b'%PDF'),
+                                                ('svg', b'<?xml')])
 def test_a_plot_is_what_its_suffix_says(suffix, begins, tmp_path):
     pytest.importorskip('matplotlib')
     assert main(['plot', 'paper', 'f41', 'omega4', '-o', f'x.{suffix}']) == 0
-    data = (tmp_path / f'x.{suffix}').read_bytes()
-    assert data.startswith(begins)
-    assert suffix != 'html' or b'<svg' in data
+    assert (tmp_path / f'x.{suffix}').read_bytes().startswith(begins)
 
 
 @pytest.mark.parametrize(('given', 'same'), [
