@@ -6,7 +6,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
-from fourbar_lab.drawing.moving_frames import acceleration_terms, turned
 from fourbar_ros.machine import Machine
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import GROUND
@@ -26,6 +25,34 @@ class Arrow(NamedTuple):
     vector: Array
     label: str             # mathtext without dollars
     is_sum: bool
+
+
+class AccelerationTerms(NamedTuple):
+    """The five terms of Eq. (9) of the slides [m/s^2]; their sum is the acceleration of B."""
+
+    of_origin: Array      # A_A
+    relative: Array       # A_rel, seen in the moving frame
+    tangential: Array     # alpha x r
+    normal: Array         # omega x (omega x r)
+    coriolis: Array       # 2 omega x V_rel
+
+
+def acceleration_terms(a_a: Array, omega: float, alpha: float, r: Array, v_rel: Array = ORIGIN,
+                       a_rel: Array = ORIGIN) -> AccelerationTerms:
+    """
+    Return the terms of the acceleration of B, seen from a frame that moves and turns.
+
+    ``a_a`` is the acceleration of the origin A of the frame [m/s^2], omega [rad/s] and alpha
+    [rad/s^2] turn it, r [m] leads from A to B, and ``v_rel`` [m/s] and ``a_rel`` [m/s^2] are
+    velocity and acceleration of B as seen in it. Vectors along the axes of the ground.
+    """
+    return AccelerationTerms(a_a, a_rel, turned(alpha, r), -omega**2 * r,
+                             turned(2.0 * omega, v_rel))
+
+
+def turned(rate: float, r: Array) -> Array:
+    """Return rate x r of a rate about z, counter-clockwise positive."""
+    return rate * np.array([-r[1], r[0]])
 
 
 def velocity_polygon(mechanism: Mechanism, motion: Any) -> list[Arrow]:

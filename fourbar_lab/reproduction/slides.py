@@ -11,7 +11,7 @@ from cmath import phase
 from collections.abc import Sequence
 from math import atan, degrees, hypot, nan, pi, sqrt
 
-from fourbar_lab.drawing.moving_frames import acceleration_terms, turned
+from fourbar_lab.drawing.polygons import acceleration_terms, turned
 from fourbar_lab.reproduction.documents import (
     ANSWERED,
     ASSUMED,
@@ -54,6 +54,7 @@ from fourbar_lab.reproduction.published import (
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.mechanisms.four_bars import FourBar
 from fourbar_ros.mechanisms.parts import CROSSED, OPEN
+from fourbar_ros.mechanisms.picture import ORIGIN
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
@@ -136,7 +137,7 @@ def example_7_3() -> Section:
 def example_7_4() -> Section:
     # the rod at 45 deg, at 50 rad/s ccw, the slider 0.5 m out and moving outwards at 30 m/s
     out = np.array([np.cos(pi / 4.0), np.sin(pi / 4.0)])
-    terms = acceleration_terms((0.0, 0.0), 50.0, 0.0, 0.5 * out, 30.0 * out)
+    terms = acceleration_terms(ORIGIN, 50.0, 0.0, 0.5 * out, 30.0 * out)
     x, y = np.sum(terms, axis=0)
     return Section('Slides, Example 7.4 - slider on a turning rod', [
         number('normal acceleration', 'm/s^2', '1250', hypot(*terms.normal)),
@@ -256,8 +257,8 @@ def contact() -> Section:
     title = ('Slides, Eq. (12), at the pose of Example 7.6; Eqs. (13)-(15), of a '
              'disc of our own, 0.3 m, 4 rad/s, 2 rad/s^2, on flat ground')
     m, radius, w, al = EXAMPLE_7_6.motion(*GIVEN_7_6), 0.3, 4.0, 2.0
-    c_x, c_y = centre = (-al * radius, 0.0)
-    p2_x, p2_y = np.sum(acceleration_terms(centre, w, al, (0.0, -radius)), axis=0)
+    c_x, c_y = centre = np.array((-al * radius, 0.0))
+    p2_x, p2_y = np.sum(acceleration_terms(centre, w, al, np.array((0.0, -radius))), axis=0)
     # of the cycloid r (phi - sin phi, 1 - cos phi), phi clockwise, at phi = 0
     cycloid_x, cycloid_y = 0.0, radius * w**2
     return Section(title, [

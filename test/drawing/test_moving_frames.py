@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Moving frames against the derivatives of explicit motions, taken with fifty digits."""
-from fourbar_lab.drawing.moving_frames import acceleration_terms, coriolis_acceleration, turned
+from fourbar_lab.drawing.polygons import acceleration_terms, turned
 import mpmath as mp
 import numpy as np
 from support.cartesian import EPS
@@ -52,7 +52,6 @@ def test_the_sum_of_the_terms_is_the_second_derivative_of_the_place():
         np.testing.assert_allclose(sum(terms), vector(a), rtol=0.0, atol=8 * EPS * size)
 
 
-def test_coriolis_is_turned_in_the_sense_of_omega():
-    np.testing.assert_array_equal(coriolis_acceleration(3.0, (2.0, 0.0)), (0.0, 12.0))
-    np.testing.assert_array_equal(coriolis_acceleration(-3.0, (2.0, 0.0)), (0.0, -12.0))
-    np.testing.assert_array_equal(turned(2.0, (0.0, 1.0)), (-2.0, 0.0))
+def test_a_vector_is_turned_in_the_sense_of_the_rate():
+    np.testing.assert_array_equal(turned(2.0, np.array([0.0, 1.0])), (-2.0, 0.0))
+    np.testing.assert_array_equal(turned(-3.0, np.array([2.0, 0.0])), (0.0, -6.0))
