@@ -4,11 +4,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import isfinite
 from typing import Any, NamedTuple
 from urllib.parse import urlencode
 
 from fourbar_ros.errors import FourBarError, InvalidParameter
+from fourbar_ros.numerics.given import number
 from fourbar_ros.scene import files, parameters
 from fourbar_ros.scene.settings import ParameterValues
 
@@ -62,11 +62,10 @@ def read(query: Mapping[str, str], title: str, values: ParameterValues) -> PageA
     for name, text in query.items():
         value = files.parse(text)
         if name in (AT, ACCELERATION):
-            if (isinstance(value, bool) or not isinstance(value, (int, float))
-                    or not isfinite(value)):
-                raise BadLink('the link has '
-                              f'{InvalidParameter(name, text, "must be a finite number")}')
-            numbers[name] = float(value)
+            try:
+                numbers[name] = number(name, value)
+            except InvalidParameter as error:
+                raise BadLink(f'the link has {error}') from None
         elif name != SCENE:
             if parameters.find_parameter(name) is None:
                 raise BadLink(f'the link has the unknown parameter {name}')

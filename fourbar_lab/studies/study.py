@@ -25,6 +25,7 @@ from fourbar_lab.studies.variation import (
 )
 from fourbar_ros.errors import FourBarError, InvalidParameter, nearest
 from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.numerics.given import number
 from fourbar_ros.scene.files import document_of, find, read_values
 from fourbar_ros.scene.scene import from_values, Scene
 from fourbar_ros.scene.settings import ParameterValues
@@ -136,7 +137,7 @@ def from_document(document: Yaml, folder: Path = Path()) -> Study:
         values=dict(scene.values), vary=vary, method=method,
         rows=_rows(document.get('rows'), method, vary),
         seed=integer_of('seed', document.get('seed', 0), 0, 2**63 - 1),
-        acceleration=number_of('acceleration', document.get('acceleration', 0.0)),
+        acceleration=number('acceleration', document.get('acceleration', 0.0)),
         measures=columns, bounds=bounds, objectives=objectives,
         keeps_all=choice_of('keep', document.get('keep', KEEP[0]), KEEP) == 'all',
         chunk=integer_of('chunk', document.get('chunk', CHUNK), 1, LARGEST_CHUNK))
@@ -193,7 +194,7 @@ def _bound(measure: Measure, value: Yaml) -> Bound:
                                                  '[crank-rocker]')
         return Bound(measure, -inf, inf, tuple(map(str, texts)))
     limits = mapping_of(entry, value, ('least', 'most'))
-    least, most = (number_of(f'{entry}.{side}', limits[side]) if side in limits else unbounded
+    least, most = (number(f'{entry}.{side}', limits[side]) if side in limits else unbounded
                    for side, unbounded in (('least', -inf), ('most', inf)))
     if least > most or not limits:
         raise InvalidParameter(entry, value, 'must be {least: VALUE, most: VALUE} or one of them, '
@@ -226,10 +227,3 @@ def integer_of(entry: str, value: Yaml, low: int, high: int) -> int:
     if isinstance(value, bool) or not isinstance(value, int) or not low <= value <= high:
         raise InvalidParameter(entry, value, f'must be an integer from {low} to {high}')
     return value
-
-
-def number_of(entry: str, value: Yaml) -> float:
-    """Return a finite number."""
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not isfinite(value):
-        raise InvalidParameter(entry, value, 'must be a finite number')
-    return float(value)
