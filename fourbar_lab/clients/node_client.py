@@ -19,7 +19,6 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
 from rclpy.subscription import Subscription
-from rclpy.task import Future
 
 PATIENCE = 10.0             # [s] to find a node or get an answer; discovery may take 4 s
 POLL = 0.02                 # [s] between two looks at a condition
@@ -78,8 +77,9 @@ class NodeClient:
     def call(self, service_name: str, /, node: str = NODE, **request: Any) -> Message:
         """Call a service of a node with the fields of its request; return the response."""
         service = self.service(service_name, node)
-        return self.result_of(service.call_async(service.srv_type.Request(**request)),
-                              service.service_name)
+        answer = service.call_async(service.srv_type.Request(**request))
+        self.until(answer.done, f'{service.service_name}: no answer')
+        return answer.result()
 
     def service(self, service_name: str, node: str = NODE) -> rclpy.client.Client:
         """Return the rclpy client of a service, once its server is found."""
@@ -87,17 +87,8 @@ class NodeClient:
         if name not in self._services:
             service = self.node.create_client(resolve(SERVICES[service_name].type), name)
             self.until(service.service_is_ready, f'{name}: not found; is the node running?')
-            self.introduce(service, service_name)
             self._services[name] = service
         return self._services[name]
-
-    def introduce(self, service: rclpy.client.Client, service_name: str) -> None:
-        """Prepare the first request to a service: for subclasses, nothing here."""
-
-    def result_of(self, future: Future, name: str, patience: float | None = None) -> Any:
-        """Return the result of a future, once it is there."""
-        self.until(future.done, f'{name}: no answer', patience)
-        return future.result()
 
     def close(self) -> None:
         """Stop handling messages."""

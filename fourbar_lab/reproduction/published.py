@@ -151,7 +151,7 @@ def wrong_curves() -> tuple[Array, Array, Array, Array]:
     return theta1, np.hypot(*(f41 + f43).T), np.abs(-torque - 0.01 * f43[:, 1]), np.abs(literal)
 
 
-def least_moment(linkage: FourBar, speed: float, samples: int = 1440
+def least_moment(linkage: FourBar, speed: float
                  ) -> tuple[tuple[float, float], float, float]:
     """
     Return the point [m] about which the largest shaking moment over a turn is least.
@@ -161,6 +161,7 @@ def least_moment(linkage: FourBar, speed: float, samples: int = 1440
     its dual, which weighs the poses, is the bound.
     """
     from scipy.optimize import linprog
+    samples = 1440
     theta1 = np.linspace(0.0, tau, samples, endpoint=False)
     x, y, moment = linkage.step(theta1, speed, 0.0, fields=(
         'shaking_force_x', 'shaking_force_y', 'shaking_moment'))

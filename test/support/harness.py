@@ -175,14 +175,20 @@ class Client(NodeClient):
             messages.clear()
         return found
 
-    def introduce(self, service, service_name):
+    def service(self, service_name, node='fourbar'):
+        """Return the client of a service, one that its server knows."""
+        known = len(self._services)
+        service = super().service(service_name, node)
+        if len(self._services) > known and service_name in HARMLESS:
+            self._introduce(service, service_name)
+        return service
+
+    def _introduce(self, service, service_name):
         """
         Ask until the first answer.
 
         A server that has not seen its client yet drops what it answers.
         """
-        if service_name not in HARMLESS:
-            return
         request = service.srv_type.Request(**HARMLESS[service_name])
         end = time.monotonic() + PATIENCE
         while True:
