@@ -18,7 +18,7 @@ from fourbar_ros.mechanisms import quantities
 from fourbar_ros.mechanisms.evaluation import limits_at_zero
 from fourbar_ros.mechanisms.kinds import LOADS
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.points import make_point, PointMotion
+from fourbar_ros.mechanisms.points import make_point, PointMotion, with_any_lengths
 from fourbar_ros.numerics.number_types import (
     Function,
     numbers_of,
@@ -152,7 +152,8 @@ class GeneratedModel:
             """Return the formula (three inputs) -> (motion, loads, points), of some numbers."""
             constants, places = data
             external = make_external(n, mechanism, elements) if elements else None
-            points = [make_point(n, mechanism, point.link, *place)
+            parametric = with_any_lengths(mechanism, constants.lengths)
+            points = [make_point(n, parametric, point.link, *place)
                       for point, place in zip(self.scene.points.values(), places)]
             motion_of = mechanism.motion_formula(n, constants)
 

@@ -25,7 +25,6 @@ from fourbar_lab.studies.parametric import (
     constants_of,
     margin_signs,
     point_quantities_of,
-    with_lengths,
 )
 from fourbar_lab.studies.study import Study
 from fourbar_ros.errors import InvalidParameter
@@ -33,6 +32,7 @@ from fourbar_ros.extrema.full_turns import search_turns, Turns
 from fourbar_ros.extrema.sampling import State
 from fourbar_ros.mechanisms.batches import step_of_arrays
 from fourbar_ros.mechanisms.parts import NoLoads, OPEN
+from fourbar_ros.mechanisms.points import with_any_lengths
 from fourbar_ros.mechanisms.quantities import is_position, is_published
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.scene.parameters import find_parameter
@@ -209,7 +209,7 @@ class Designs:
         self._constants = constants._replace(
             lengths=lengths, sign=np.where(np.equal(self.values['linkage.mode'], OPEN), 1.0, -1.0))
         self.lengths = self._constants.lengths
-        self.many = with_lengths(scene.linkage, lengths)
+        self.many = with_any_lengths(scene.linkage, lengths)
 
     def are_allowed(self) -> Array:
         """Return which designs have values that the table of parameters allows, shape (n,)."""

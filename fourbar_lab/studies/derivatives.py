@@ -37,12 +37,12 @@ from fourbar_lab.studies.parametric import (
     is_machine,
     margin_signs,
     point_quantities_of,
-    with_lengths,
 )
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.extrema.find import Extremum
 from fourbar_ros.extrema.sampling import State
 from fourbar_ros.mechanisms.parts import NoLoads
+from fourbar_ros.mechanisms.points import with_any_lengths
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 from fourbar_ros.numerics.tables import ARRAYS, derivatives_of, Dual, duals_of, run, value_of
@@ -104,7 +104,7 @@ class Derivatives:
             move = linkage.motion_formula(numbers, constants)
             load = linkage.loads_formula(numbers, constants) if linkage.bodies else None
         self.quantities |= point_quantities_of(self.scene, values,
-                                               with_lengths(linkage, constants.lengths))
+                                               with_any_lengths(linkage, constants.lengths))
 
         def results(x: Scalar) -> tuple[Any, ...]:
             """Return all results; without masses there are no loads."""

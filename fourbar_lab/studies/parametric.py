@@ -7,8 +7,6 @@ The formulas of motion and loads are those of every other computation, made for 
 """
 from __future__ import annotations
 
-from collections.abc import Sequence
-from copy import copy
 from functools import partial
 from typing import Any
 
@@ -89,26 +87,12 @@ def margin_signs(linkage: Mechanism) -> Array | None:
     return signs
 
 
-def with_lengths(linkage: Mechanism, lengths: Sequence[Scalar | Array]) -> Mechanism:
-    """
-    Return a copy of a linkage whose lengths are any numbers, as columns of many designs.
-
-    Motions of points take lengths from its attributes (a1, a2, ...). A machine has none: there
-    they follow from its motion.
-    """
-    parametric = copy(linkage)
-    for name, length in zip(linkage.length_names, lengths):
-        if hasattr(linkage, name):
-            object.__setattr__(parametric, name, length)        # not checked, as floats would be
-    return parametric
-
-
 def point_quantities_of(scene: Scene, values: ParameterValues, parametric: Mechanism
                         ) -> dict[str, Searched]:
     """
     Return {name: speed or acceleration of a point}, its place and the lengths being any numbers.
 
-    ``parametric``: of :func:`with_lengths`. Names and units are those of the scene's own points.
+    ``parametric``: of :func:`.with_any_lengths`. Names and units are those of the scene's own points.
     """
     quantities: dict[str, Searched] = {}
     for name, point in scene.points.items():

@@ -9,8 +9,9 @@ left. All follows from the fields of a motion, so a point costs nothing until it
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from copy import copy
 from math import atan2, nan
-from typing import NamedTuple, TYPE_CHECKING
+from typing import Any, NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.given import number
@@ -171,6 +172,20 @@ def make_point(n: NumberType, mechanism: Mechanism, link: str, along: float,
         tangential, normal = (a_x * v_x + a_y * v_y) / per, (a_y * v_x - a_x * v_y) / per
         return (x, y, v_x, v_y, a_x, a_y, speed, tangential, normal, normal / per_square)
     return point
+
+
+def with_any_lengths(mechanism: Mechanism, lengths: Sequence[Any]) -> Mechanism:
+    """
+    Return a copy whose lengths are numbers of any type, not checked, for motions of its points.
+
+    These take lengths from its attributes (a1, a2, ...). A machine has none: there they follow
+    from its motion.
+    """
+    other = copy(mechanism)
+    for name, length in zip(mechanism.length_names, lengths):
+        if hasattr(mechanism, name):
+            object.__setattr__(other, name, length)
+    return other
 
 
 def point_motion(mechanism: Mechanism, motion: NamedFields, link: str, along: float,

@@ -234,6 +234,19 @@ def test_lengths_of_dyads_can_be_changed(tmp_path):
     assert not (run(inputs, broken)[0] == 0).any()
 
 
+@pytest.mark.parametrize('name, lengths', [('slider_crank', {'a1': 0.05, 'offset': 0.02}),
+                                           ('cylinder', {'a1': 1.3, 'a4': 1.5})])
+def test_points_follow_the_lengths(name, lengths, tmp_path):
+    scene = load_scene(name)
+    code, other = Code(scene, tmp_path, name), replace(scene.linkage, **lengths)
+    inputs = random_inputs(other, 2, 300)
+    values = [lengths.get(one.name, one.value) for one in code.model.tunable]
+    assert any('.x' in one.name for one in code.model.motion)
+    said = differences(code.compiled(*C)(inputs, values),
+                       of_python(other, scene.points, inputs), len(code.model.motion))
+    assert not said, said
+
+
 def test_numbers_folded_in_have_the_same_bits_and_less_is_written(tmp_path):
     scene = load_scene('paper')
     whole, folded = (Code(scene, tmp_path / name, 'paper', **options) for name, options in (
