@@ -33,7 +33,7 @@ from fourbar_ros.mechanisms.machine.describe.description import (
 from fourbar_ros.mechanisms.machine.describe.layout import layout_of
 from fourbar_ros.mechanisms.machine.describe.names import lengths_of, names_of
 from fourbar_ros.mechanisms.machine.joined import shaped, with_pairs
-from fourbar_ros.mechanisms.machine.margins import make_assembly_margins
+from fourbar_ros.mechanisms.machine.margins import make_along
 from fourbar_ros.mechanisms.machine.ranges import (
     DOUBLE,
     DyadRanges,
@@ -416,9 +416,9 @@ class Machine(Mechanism):
     def _dyad_at(self, position: float) -> str:
         """Return the name of the first dyad that cannot be solved at an input; one cannot."""
         for number, dyad in enumerate(self.stages[:-1]):
-            try:       # the margins of k dyads solve all but the last of these
-                make_assembly_margins(REAL, self.layout, self.numbers, self.signs,
-                                      number + 2)(position)
+            try:       # solves all before the next one
+                make_along(REAL, self.layout, self.numbers, self.signs, number + 1,
+                           lambda *_: None)(position)
             except (ValueError, ZeroDivisionError):
                 return dyad.name
         return self.stages[-1].name         # all others can be solved

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
+from typing import Any
 
 from fourbar_ros.mechanisms.machine.joined import PairRange
 from fourbar_ros.mechanisms.machine.solve.dyads import turned
@@ -60,68 +61,59 @@ def assembly_margin(n: NumberType, kind: str, own: Numbers, apart: Sequence[Scal
     return (q - sizes[0] * sizes[0]) / (q + size * size)
 
 
-def make_assembly_margins(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
-                          signs: Sequence[Scalar], count: int,
-                          given: Sequence[Numbers] | None = None) -> Function:
+def make_assembly_margin(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
+                         signs: Sequence[Scalar], number: int,
+                         given: Sequence[Numbers] | None = None) -> Function:
     """
-    Return input -> assembly margins of the first ``count`` dyads; 1.0 of those without toggles.
+    Return input -> assembly margin of dyad ``number``.
 
     ``given``: the ``numbers`` as the number type has them, if it is not one of floats.
     """
-    given = numbers if given is None else given
-    return _make_along(n, layout, given, signs, count, [
-        (partial(PairRange(stage, own).assembly_margin, n) if stage.pair
-         else partial(assembly_margin, n, stage.kind, other)) if has_toggles(stage, own) else None
-        for stage, own, other in zip(layout.stages, numbers, given)])
+    stage, given = layout.stages[number], numbers if given is None else given
+    margin = (partial(PairRange(stage, numbers[number]).assembly_margin, n) if stage.pair
+              else partial(assembly_margin, n, stage.kind, given[number]))
+    return make_along(n, layout, given, signs, number, margin)
 
 
-def make_squares(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
-                 signs: Sequence[Scalar]) -> Function:
-    """Return input -> {number of a dyad: |D|^2, scaled}; where one is zero, links have a pole."""
-    square_of = [None if stage.kind not in (RRR, RPR) or stage.name == CYLINDER
-                 else partial(PairRange(stage, own).square, n) if stage.pair
-                 else partial(_square, own) for stage, own in zip(layout.stages, numbers)]
-    along = _make_along(n, layout, numbers, signs, len(layout.stages), square_of)
-    return lambda x: {number: square for number, (square, function) in enumerate(
-        zip(along(x), square_of)) if function}
-
-
-def _square(own: Numbers, apart: Sequence[Scalar], *_: LinkMotion) -> Scalar:
-    """Return |D|^2, scaled, of D."""
+def make_square(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
+                signs: Sequence[Scalar], number: int) -> Function:
+    """Return input -> |D|^2, scaled, of RRR or RPR; where it is zero, links have a pole."""
+    stage, own = layout.stages[number], numbers[number]
     size = sum(map(abs, (*own.p, *own.q, *own.sizes)), start=0.0)
-    return (apart[0] * apart[0] + apart[1] * apart[1]) / (size * size)
+
+    def square(apart: Sequence[Scalar], *_: LinkMotion) -> Scalar:
+        return (apart[0] * apart[0] + apart[1] * apart[1]) / (size * size)
+    return make_along(n, layout, numbers, signs, number, partial(
+        PairRange(stage, own).square, n) if stage.pair else square)
 
 
-def make_places(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
-                signs: Sequence[Scalar], count: int,
-                given: Sequence[Numbers] | None = None) -> Function:
+def make_place(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
+               signs: Sequence[Scalar], number: int,
+               given: Sequence[Numbers] | None = None) -> Function:
     """
-    Return input -> (distance from a flat position, side) of the last of ``count`` dyads.
+    Return input -> (distance from a flat position, side) of pair ``number``.
 
-    ``given``: as for :func:`make_assembly_margins`.
+    ``given``: as for :func:`make_assembly_margin`.
     """
-    place = PairRange(layout.stages[count - 1], numbers[count - 1]).place
-    along = _make_along(n, layout, numbers if given is None else given, signs, count,
-                        [None] * (count - 1) + [lambda relative, _first, _second: place(relative)])
-    return lambda x: along(x)[-1]
+    place = PairRange(layout.stages[number], numbers[number]).place
+    return make_along(n, layout, numbers if given is None else given, signs, number,
+                      lambda relative, _first, _second: place(relative))
 
 
-def _make_along(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
-                signs: Sequence[Scalar], count: int,
-                measures: Sequence[Function | None]) -> Function:
-    """Return input -> the measure of each of the first ``count`` dyads, 1.0 if it has none."""
-    hanging = hangings(layout, numbers)
-    work = list(zip(make_moves(n, layout, numbers, signs), measures))[:count]
+def make_along(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
+               signs: Sequence[Scalar], number: int, measure: Function) -> Function:
+    """
+    Return input -> the measure of dyad ``number``, which may be unable to close.
 
-    def along(x: Scalar) -> list[Scalar]:
-        """Go from dyad to dyad; the last need not be solved, so it may be unable to close."""
-        poses, found = Poses(hanging, driven_link(n, layout, numbers, signs, x)), []
-        for number, (moves, measure) in enumerate(work):
-            ends = poses.hang(number)
-            found.append(measure(*ends[2:]) if measure else 1.0)
-            if len(found) < count:
-                poses.add(number, moves(*ends))
-        return found
+    ``measure``: takes D (of a pair its angle or slide) and the curves of the links it hangs on.
+    """
+    hanging, moves = hangings(layout, numbers), make_moves(n, layout, numbers, signs)
+
+    def along(x: Scalar) -> Any:
+        poses = Poses(hanging, driven_link(n, layout, numbers, signs, x))
+        for before in range(number):
+            poses.add(before, moves[before](*poses.hang(before)))
+        return measure(*poses.hang(number)[2:])
     return along
 
 

@@ -31,12 +31,12 @@ from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanisms.machine.joined import PairRange
 from fourbar_ros.mechanisms.machine.margins import (
     has_toggles,
-    make_assembly_margins,
-    make_places,
-    make_squares,
+    make_assembly_margin,
+    make_place,
+    make_square,
 )
 from fourbar_ros.mechanisms.machine.solve.pairs import other_of
-from fourbar_ros.mechanisms.machine.structure import CYLINDER, Layout, Numbers, PRP
+from fourbar_ros.mechanisms.machine.structure import CYLINDER, Layout, Numbers, PRP, RPR, RRR
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.digits import in_decimals, MANY_DIGITS
 from fourbar_ros.numerics.newton import halve
@@ -112,28 +112,19 @@ def find_ranges(layout: Layout, numbers: Sequence[Numbers], signs: Sequence[floa
         name = CYLINDER if layout.driver == CYLINDER else ''
         limits = [(Limit(low, name), Limit(high, name))]
     near: list[Near] = []
-    every = make_assembly_margins(ARRAY, layout, numbers, signs, len(layout.stages))
-    screens: dict[RangeEnds, dict[int, Near]] = {}     # of each range, as it stood when screened
     flats: dict[float, frozenset[int]] = {}
-    for count, (stage, own) in enumerate(zip(layout.stages, numbers)):
+    for number, (stage, own) in enumerate(zip(layout.stages, numbers)):
         pair_range = PairRange(stage, own) if stage.pair else None
         if pair_range and pair_range.is_impossible:
             return DyadRanges((), (), stage.name)
         if has_toggles(stage, own):
-            found: list[RangeEnds] = []
-            for bound in limits:
-                if bound not in screens:
-                    screens[bound] = _screen(bound, layout, numbers, every)
-                parts, minima = [bound], screens[bound].get(count)
-                if minima is None:
-                    parts, minima = search.split(bound, count)
-                found += parts
-                near.append(minima)
-            limits = found
+            found = [search.split(bound, number) for bound in limits]
+            limits = [part for parts, _ in found for part in parts]
+            near += [toggles for _, toggles in found]
             if not limits:
                 return DyadRanges((), (), stage.name)
         if pair_range and pair_range.flats:
-            flats = search.with_flats(flats, pair_range, limits, count)
+            flats = search.with_flats(flats, pair_range, limits, number)
     return DyadRanges(tuple(limits), tuple(near), flats=dict(sorted(flats.items())),
                       poles=tuple([partial(search.poles, bound) for bound in limits]))
 
@@ -176,12 +167,12 @@ def flat_place(layout: Layout, numbers: Sequence[Numbers], signs: Sequence[float
     """
     Return the input near x at which dyad ``number`` lies flat, in many digits by Newton's method.
 
-    A root of :func:`.make_places` of a pair; of other dyads the minimum of their margin, a double
+    A root of :func:`.make_place` of a pair; of other dyads the minimum of their margin, a double
     root, of which floats know half the digits only.
     """
     is_pair = layout.stages[number].pair is not None
     with localcontext(MANY_DIGITS):
-        terms = _terms(make_places if is_pair else make_assembly_margins, layout, numbers, signs,
+        terms = _terms(make_place if is_pair else make_assembly_margin, layout, numbers, signs,
                        number)
         at = Decimal(x)
         for _ in range(NEWTON_STEPS):
@@ -198,13 +189,12 @@ def _terms(make: Function, layout: Layout, numbers: Sequence[Numbers], signs: Se
     """
     Return input -> c0, c1, c2 there, as in (R4), of a margin or place in many digits.
 
-    ``make``: :func:`.make_assembly_margins` or :func:`.make_places`, for dyad ``number``. To be
-    made and called within the context of many digits.
+    ``make``: :func:`.make_assembly_margin` or :func:`.make_place`, for dyad ``number``. To be made
+    and called within the context of many digits.
     """
     data, h = tuple(numbers), STEP_OF_DECIMALS
-    trace = Trace(lambda n, given: make(n, layout, numbers, signs, number + 1, given), 1, data)
-    place = flat(trace.results)[0 if make is make_places else -1]
-    value = in_decimals(trace, numbers_of(data), [place])
+    trace = Trace(lambda n, given: make(n, layout, numbers, signs, number, given), 1, data)
+    value = in_decimals(trace, numbers_of(data), flat(trace.results)[:1])
 
     def terms(at: Decimal) -> tuple[Decimal, Decimal, Decimal]:
         """Return the terms by central differences, whose error is h^2."""
@@ -213,44 +203,13 @@ def _terms(make: Function, layout: Layout, numbers: Sequence[Numbers], signs: Se
     return terms
 
 
-def _screen(bound: RangeEnds, layout: Layout, numbers: Sequence[Numbers],
-            every: Function) -> dict[int, Near]:
-    """
-    Return {number of a dyad: search for complex toggles} of dyads that close in all of a range.
-
-    One evaluation of all dyads on a grid and between shows it where cubics hold and stay away from
-    zero. From the first other dyad on none is given, as those hang on it.
-    """
-    path = _Path.of(bound)
-    phi = path.start()
-    middle = 0.5 * (phi[1:] + phi[:-1])
-    with np.errstate(all='ignore'):
-        margins = every(path.to_input(np.concatenate((phi, middle)) + 1j * STEP))
-    clean: dict[int, Near] = {}
-    for number, (stage, own, margin) in enumerate(zip(layout.stages, numbers, margins)):
-        if not has_toggles(stage, own):
-            continue
-        both = margin + np.zeros(phi.size + middle.size, complex)
-        value, slope = both.real, both.imag / STEP
-        if stage.kind == PRP and value[0] < 0.0:
-            value, slope = -value, -slope
-        ends, inner = (value[:phi.size], slope[:phi.size]), (value[phi.size:], slope[phi.size:])
-        doubtful = _doubtful(ends, inner, np.arange(middle.size), phi[1:] - phi[:-1])
-        if not (value > 0.0).all() or doubtful.any() or (
-                stage.pair is None and stage.kind != PRP and _minima(phi, *ends)):
-            break            # links that hang on it are not known either
-        clean[number] = partial(_near, every, number, path, phi, *ends)
-    return clean
-
-
-def _near(margins: Function, number: int, path: _Path, phi: Array, value: Array,
+def _near(margin: Function, path: _Path, phi: Array, value: Array,
           slope: Array) -> list[complex]:
-    """Return the complex toggles of dyad ``number`` next to the minima between samples at phi."""
+    """Return the complex roots of a margin next to its minima between samples at phi."""
     is_open = value > 0.0
     return [z for i in np.flatnonzero((slope[:-1] <= 0.0) & (slope[1:] > 0.0)
                                       & is_open[:-1] & is_open[1:])
-            for z in _complex_toggle(lambda x: margins(x)[number], path, phi[i:i + 2],
-                                     value[i:i + 2], slope[i:i + 2])]
+            for z in _complex_toggle(margin, path, phi[i:i + 2], value[i:i + 2], slope[i:i + 2])]
 
 
 def _minima(phi: Array, value: Array, slope: Array) -> list[tuple[float, Array]]:
@@ -276,12 +235,11 @@ class _Search:
     def split(self, bound: RangeEnds, number: int) -> tuple[list[RangeEnds], Near]:
         """Return the parts of a range in which dyad ``number`` closes, and a search near them."""
         stage = self._machine[0].stages[number]
-        in_complex, in_floats = [make_assembly_margins(n, *self._machine, number + 1)
+        in_complex, in_floats = [make_assembly_margin(n, *self._machine, number)
                                  for n in (ARRAY, REAL)]
         path, is_signed = _Path.of(bound), stage.kind == PRP
 
-        phi, value, slope = _resolved(path.start(), _sampled(
-            lambda x: in_complex(x)[-1], path), stage.name)
+        phi, value, slope = _resolved(path.start(), _sampled(in_complex, path), stage.name)
         flats = [] if is_signed or stage.pair else self._minima(number, path, phi, value, slope)
         is_open = value > 0.0
         if stage.pair and not PairRange(stage, self._machine[1][number]).has_limits:
@@ -292,13 +250,12 @@ class _Search:
         ends = []
         for i in changes:
             low, high = path.to_input(phi[i:i + 2]).tolist()
-            ends.append(Limit(_root(lambda x: in_floats(x)[-1], low, high, bool(is_open[i])),
-                              stage.name))
+            ends.append(Limit(_root(in_floats, low, high, bool(is_open[i])), stage.name))
         if is_signed:
             value, slope = np.abs(value), np.where(is_open, slope, -slope)
         for inner, limits in flats:
             value[inner] = -1.0 if limits else value[inner]      # limits are known already
-        near = partial(_near, in_complex, -1, path, phi, value, slope)
+        near = partial(_near, in_complex, path, phi, value, slope)
         if is_signed:
             return _parts_between(bound, ends), near
         ends += [Limit(x, stage.name, len(set(pair)) == 1) for _, pair in flats for x in pair]
@@ -331,7 +288,7 @@ class _Search:
         the side on which the dyad closes.
         """
         with localcontext(MANY_DIGITS):
-            terms = _terms(make_assembly_margins, *self._machine, number)
+            terms = _terms(make_assembly_margin, *self._machine, number)
             at = flat_place(*self._machine, number, x)
             c0, c1, c2 = terms(at)
             least = c0 - c1 * c1 / (4 * c2)
@@ -355,27 +312,17 @@ class _Search:
 
     def poles(self, bound: RangeEnds) -> list[complex]:
         """Return the complex inputs near a range at which the ends of a dyad meet."""
-        path, squares = _Path.of(bound), make_squares(ARRAY, *self._machine)
-        phi = path.start()
-        middle = 0.5 * (phi[1:] + phi[:-1])
-        both = np.concatenate((phi, middle))
-        with np.errstate(all='ignore'):
-            rows = squares(path.to_input(both + 1j * STEP))
-        found: list[complex] = []
-        for number, row in rows.items():
-            row = row + np.zeros(both.size)
-            value, slope = row.real, row.imag / STEP
-            samples = phi, value[:phi.size], slope[:phi.size]
-            inner = value[phi.size:], slope[phi.size:]
-            if _doubtful(samples[1:], inner, np.arange(middle.size), phi[1:] - phi[:-1]).any():
-                function = _sampled(lambda x, k=number: squares(x)[k], path)
-                samples = _resolved(phi, function, self._machine[0].stages[number].name)
+        path, found = _Path.of(bound), list[complex]()
+        for number, stage in enumerate(self._machine[0].stages):
+            if stage.kind not in (RRR, RPR) or stage.name == CYLINDER:
+                continue
+            square = make_square(ARRAY, *self._machine, number)
+            samples = _resolved(path.start(), _sampled(square, path), stage.name)
             # of a chain of equal loops one is enough
             with np.errstate(all='ignore'):
-                known = any(np.abs(squares(np.array([z]))[number]).min() < DOUBLE**2
-                            for z in found)
-            if not known:
-                found += _near(squares, number, path, *samples)
+                is_known = any(np.abs(square(np.array([z]))).min() < DOUBLE**2 for z in found)
+            if not is_known:
+                found += _near(square, path, *samples)
         return found
 
     def with_flats(self, flats: dict[float, frozenset[int]], pair_range: PairRange,
@@ -419,7 +366,7 @@ class _Search:
         ``signs``: of :attr:`.PairRange.flats`; ``known``: flat inputs of pairs before, at which
         the motion has a kink, so that samples are taken between them.
         """
-        in_complex, in_floats = [make_places(n, *self._machine, number + 1)
+        in_complex, in_floats = [make_place(n, *self._machine, number)
                                  for n in (ARRAY, REAL)]
         low, high = (-pi, pi) if bound is None else (bound[0].x, bound[1].x)
         turns = (0.0, 2.0 * pi) if self._machine[0].driver == 'crank' else (0.0,)
