@@ -10,13 +10,13 @@ import re
 
 from fourbar_ros.cli.common import add_verb, assembly_mode, Verbs, warn
 from fourbar_ros.errors import FourBarError, InvalidParameter, nearest
-from fourbar_ros.mechanisms.kinds import KINDS
+from fourbar_ros.mechanisms.kinds import FACTS
 from fourbar_ros.scene.units import measured, of
 
 MATERIALS = {'steel': 7850.0, 'stainless': 8000.0, 'aluminium': 2700.0, 'brass': 8500.0,
              'titanium': 4500.0, 'pla': 1240.0, 'wood': 700.0}      # [kg/m^3]
 BAR = re.compile(r'([\d.]+) *([a-z]*) *x *([\d.]+) *([a-z]*)')
-NAMES = tuple(dict.fromkeys(length.name for kind in KINDS.values() for length in kind.LENGTHS))
+NAMES = tuple(dict.fromkeys(length.name for kind in FACTS.values() for length in kind.lengths))
 DESCRIPTION = """\
 Write a scene from a few numbers: lengths, speed, and bars or rods of one section. The scene is
 in SI, with comments; change it as you like. No file is overwritten.
@@ -36,10 +36,10 @@ def add(verbs: Verbs) -> None:
     """Add ``fourbar new``, with an option for each length of any kind of mechanism."""
     new = add_verb(verbs, 'new', 'write a scene from a few numbers', DESCRIPTION, EPILOG)
     new.add_argument('file', metavar='FILE', help='scene to write, e.g. my.yaml')
-    new.add_argument('--kind', choices=KINDS, default='four_bar', metavar='KIND',
-                     help=f'{", ".join(KINDS)} (default four_bar)')
+    new.add_argument('--kind', choices=FACTS, default='four_bar', metavar='KIND',
+                     help=f'{", ".join(FACTS)} (default four_bar)')
     for name in NAMES:
-        texts = dict.fromkeys(length.text for kind in KINDS.values() for length in kind.LENGTHS
+        texts = dict.fromkeys(length.text for kind in FACTS.values() for length in kind.lengths
                               if length.name == name)
         new.add_argument(f'--{name}', type=of('length'), metavar='LENGTH',
                          help=f'{"; ".join(texts)} [m], or with a unit: 50mm')
@@ -131,7 +131,7 @@ def _lengths(arguments: Namespace) -> dict[str, float]:
     Signed lengths, as the offset of a guide, are 0 unless given.
     """
     given = {name: value for name in NAMES if (value := getattr(arguments, name)) is not None}
-    lengths = {length.name: length for length in KINDS[arguments.kind].LENGTHS}
+    lengths = {length.name: length for length in FACTS[arguments.kind].lengths}
     for name, value in given.items():
         if name not in lengths:
             raise InvalidParameter(f'--{name}', value, f'is no length of a {arguments.kind}')
@@ -155,7 +155,7 @@ def scene_text(kind: str, lengths: dict[str, float], mode: int, speed: float,
     lines = [f'# A {kind.replace("_", "-")}. Lengths in m, angles in rad, masses in kg.', '/**:',
              '  ros__parameters:', '    linkage:', f'      kind: {kind}']
     lines += [_line(f'{length.name}: {_text(lengths[length.name])}', f'{length.text} [m]')
-              for length in KINDS[kind].LENGTHS]
+              for length in FACTS[kind].lengths]
     lines += [_line(f'mode: {mode}', '1 crossed, 2 open')]
     if section:
         lines += ['    bodies:', *_bodies(kind, section, density),
@@ -181,7 +181,7 @@ def _bodies(kind: str, section: tuple[str, str], density: float) -> list[str]:
     text, size = section
     lines = [f'      # {text}, {density:g} kg/m^3',
              f'      rods: {{density: {_text(density)}, {size}}}']
-    for link in KINDS[kind].LINKS:
+    for link in FACTS[kind].links:
         if not link.length:
             zeros = 'mass: 0.0, inertia: 0.0' if link.turns else 'mass: 0.0'
             lines.append(f'      {link.name}: {{{zeros}}}     # {link.text}: give its own')

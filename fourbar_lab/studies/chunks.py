@@ -15,7 +15,7 @@ from fourbar_lab.studies.design import Design
 from fourbar_lab.studies.measures import CHANGE_POINT, CHEAP, CLASS, INPUT_RANGE
 from fourbar_lab.studies.study import Bound, first_scene, Study
 from fourbar_ros.errors import FourBarError, InvalidParameter
-from fourbar_ros.mechanisms.kinds import KINDS
+from fourbar_ros.mechanisms.kinds import FACTS
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.scene.scene import from_values
 import numpy as np
@@ -109,7 +109,7 @@ def _together(study: Study, drawn: dict[str, Array], columns: dict[str, Array]) 
     except InvalidParameter:
         return none
     if (not scene.drive.speed or scene.linkage.is_driven_by_slide
-            or scene.values['linkage.kind'] not in KINDS):
+            or scene.values['linkage.kind'] not in FACTS):
         return none
     block = DesignBlock(study, scene, drawn, columns)
     block.compute_cheap()

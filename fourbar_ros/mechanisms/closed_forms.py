@@ -16,8 +16,9 @@ def singular_angles(a1: float, a2: float, a3: float, a4: float) -> list[complex]
     """
     Return the complex angles x between a1 and a4 at which a2 and a3 are in line, or A meets O4.
 
-    With s1, s2 of (M3) in :mod:`fourbar_ros.mechanisms.loop`, the first from cos^2(x/2) = -s1 /
-    (4 a1 a4), the next from sin^2(x/2) = -s2 / (4 a1 a4), the last from q = 0.
+    Real ones are the ends of the ranges, to the last bit. With s1, s2 of (M3) in
+    :mod:`fourbar_ros.mechanisms.loop`, the first from cos^2(x/2) = -s1 / (4 a1 a4), the next from
+    sin^2(x/2) = -s2 / (4 a1 a4), the last from q = 0.
     """
     a1, a2, a3, a4 = scaled((a1, a2, a3, a4))
     root = 2.0 * sqrt(a1 * a4)
@@ -31,7 +32,12 @@ def singular_angles(a1: float, a2: float, a3: float, a4: float) -> list[complex]
 
 
 def four_bar_ranges(a1: float, a2: float, a3: float, a4: float) -> Ranges:
-    """Return the ranges [rad] of the angle between a1 and a4; see FourBar.closing_ranges."""
+    """
+    Return the ranges (low, high) of the angle between a1 and a4 [rad].
+
+    One range (-pi, pi) when a1 turns fully, one through 0 or one through pi (high > pi), or two.
+    At an end that is no full turn, a2 and a3 are in line (toggle).
+    """
     a1, a2, a3, a4 = scaled((a1, a2, a3, a4))
     s1 = difference_of_squares(a2, a3, a1, a4)
     s2 = difference_of_squares(a1, -a4, a2, -a3)
@@ -50,13 +56,22 @@ def turned_ranges(ranges: Iterable[tuple[float, float]]) -> Ranges:
     return ((-pi, pi),) if turned == [(0.0, 2.0 * pi)] else tuple(sorted(turned))
 
 
+def turned_angles(angles: Iterable[complex]) -> list[complex]:
+    """Return complex angles moved by half a turn, their real parts in (-pi, pi]."""
+    return [complex(x.real + (pi if x.real <= 0.0 else -pi), x.imag) for x in angles]
+
+
 def reach(p: float, r: float, e: float) -> tuple[float, float]:
     """Return (p - r)^2 - e^2 and (p + r)^2 - e^2 [m^2]: s^2 of rods p, r folded, stretched."""
     return difference_of_squares(p, -r, e, 0.0), difference_of_squares(p, r, e, 0.0)
 
 
 def slide_ranges(p: float, r: float, e: float) -> Ranges:
-    """Return the ranges of s [m] in which p e^{ix} + r e^{ib} = s + i e, from low to high."""
+    """
+    Return the ranges of s [m] in which p e^{ix} + r e^{ib} = s + i e, from low to high.
+
+    At their ends the rods p and r are in line: toggles.
+    """
     unit = power_of_two(p, r, e)
     inner, outer = reach(p / unit, r / unit, e / unit)
     far = unit * sqrt(outer)
@@ -76,7 +91,11 @@ def singular_slides(p: float, r: float, e: float) -> list[complex]:
 
 
 def rod_ranges(a1: float, a2: float, e: float) -> Ranges:
-    """Return the ranges [rad] of a crank a1 whose rod a2 reaches a line in the distance e."""
+    """
+    Return the ranges [rad] of a crank a1 whose rod a2 reaches a line in the distance e.
+
+    (-pi, pi) of one that turns fully. At other ends the rod is square to the line: toggles.
+    """
     a1, a2, e = scaled((a1, a2, e))
     below, above = fsum((a2, -e, -a1)), fsum((a2, e, -a1))      # of a2 -+ n at x = -+ pi/2
     low = atan2(e - a2, sqrt(-below * fsum((a2, -e, a1)))) if below < 0.0 else None
@@ -106,7 +125,11 @@ def singular_angles_of_rod(a1: float, a2: float, e: float) -> list[complex]:
 
 
 def bar_ranges(a1: float, a4: float, h: float) -> Ranges:
-    """Return the ranges [rad] of a crank a1 whose pin reaches a bar, h from its pivot a4 away."""
+    """
+    Return the ranges [rad] of a crank a1 whose pin reaches a bar, h from its pivot a4 away.
+
+    (-pi, pi) of one that turns fully, else one through pi, at whose ends the pin is at the foot.
+    """
     near, far = reach(*scaled((a1, a4, h)))
     if near >= 0.0:
         return ((-pi, pi),)

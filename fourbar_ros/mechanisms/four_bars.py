@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-The four-bar, driven at its crank, at A or at B: names, classes, ranges and dead points.
+The four-bar: names, classes, ranges and dead points. Driven at A or B: :mod:`.moving_joint`.
 
 How it moves and what its joints bear follows from the machine that it is, see :mod:`.kind`. The
 condition of theta4 (theta1 or theta2 of a drive at A or B), relative errors of the lengths -> its
@@ -9,32 +9,18 @@ error [rad], is exact, with p and q the driven link and the frame, r1 and r2 the
 
     (C1)  condition = (p |cos c| + r1 + r2 |cos m| + q |cos b|) / (r2 |sin m|),   c from driven
           link to r1, m from r1 to r2, b from frame to r1
-
->>> linkage = MovingJointFourBar(0.4, 1.2, 0.8, 1.0, input='A')
->>> motion = linkage.motion(-0.5, 2.0)
->>> print(f'{motion.theta1:.6f} {motion.theta4:.6f} rad, {motion.omega1:.6f} rad/s')
-0.835757 1.045407 rad, -1.807550 rad/s
 """
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import atan2, fsum, pi, sqrt
-from typing import Any, NamedTuple, TYPE_CHECKING
+from typing import NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Bodies, External, Gravity
-from fourbar_ros.mechanisms.closed_forms import (
-    four_bar_ranges,
-    singular_angles,
-    turned_ranges,
-)
-from fourbar_ros.mechanisms.kind import (
-    DrivenMachine,
-    FORWARD,
-    Kind,
-    results,
-)
+from fourbar_ros.mechanisms.closed_forms import four_bar_ranges, singular_angles, turned_ranges
+from fourbar_ros.mechanisms.kind import DrivenMachine, FORWARD, Kind, results
 from fourbar_ros.mechanisms.kinds import FACTS
 from fourbar_ros.mechanisms.machine.structure import Numbers
 from fourbar_ros.mechanisms.mechanism import cached_by_lengths
@@ -44,8 +30,6 @@ from fourbar_ros.mechanisms.parts import (
     CRANK,
     CROSSED,
     GROUND,
-    JOINT_A,
-    JOINT_B,
     OPEN,
     Output,
     Ranges,
@@ -56,24 +40,10 @@ from fourbar_ros.mechanisms.parts import (
     THETA4,
 )
 from fourbar_ros.numerics.exact_sums import difference_of_squares
-from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
+from fourbar_ros.numerics.number_types import Function, Scalar
 
 if TYPE_CHECKING:
     from fourbar_ros.mechanisms.machine.seen_from_link import SeenFromLink
-
-# Signs of (a4 - a1 + a3 - a2, a4 - a1 - a3 + a2, a2 + a3 - a4 - a1) for the eight basic planar 4R
-# linkages: McCarthy and Soh, Geometric Design of Linkages, with the first two exchanged. The name
-# of a non-Grashof linkage says whether theta1 and theta4 swing through 0 or pi.
-_CLASSES: dict[tuple[int, ...], str] = {
-    (1, 1, 1): 'Grashof crank-rocker',
-    (-1, -1, 1): 'Grashof double-crank',
-    (-1, 1, -1): 'Grashof rocker-crank',
-    (1, -1, -1): 'Grashof double-rocker',
-    (-1, -1, -1): 'non-Grashof 0-0 double-rocker',
-    (-1, 1, 1): 'non-Grashof pi-0 double-rocker',
-    (1, -1, 1): 'non-Grashof pi-pi double-rocker',
-    (1, 1, -1): 'non-Grashof 0-pi double-rocker',
-}
 
 
 def two_rods(p: Scalar, q: Scalar, first: Scalar, second: Scalar) -> Numbers:
@@ -113,6 +83,18 @@ class FourBarLinks(Kind):
     TEXT, LENGTHS, LINKS, JOINTS = FACTS['four_bar'][:4]
     MODES = {CROSSED: '1 (crossed)', OPEN: '2 (open)'}
     MARGIN_SIGNS = ((-1, -1, 1, 1), (-1, 1, -1, 1), (-1, 1, 1, -1))
+    # McCarthy and Soh, Geometric Design of Linkages, with the first two margins exchanged. The
+    # name of a non-Grashof linkage says whether theta1 and theta4 swing through 0 or pi.
+    CLASSES = {
+        (1, 1, 1): 'Grashof crank-rocker',
+        (-1, -1, 1): 'Grashof double-crank',
+        (-1, 1, -1): 'Grashof rocker-crank',
+        (1, -1, -1): 'Grashof double-rocker',
+        (-1, -1, -1): 'non-Grashof 0-0 double-rocker',
+        (-1, 1, 1): 'non-Grashof pi-0 double-rocker',
+        (1, -1, 1): 'non-Grashof pi-pi double-rocker',
+        (1, 1, -1): 'non-Grashof 0-pi double-rocker',
+    }
     REACTIONS = (reaction('O1', 'ground on crank', 'f41'),
                  reaction('A', 'coupler on crank', 'f21'),
                  reaction('B', 'output link on coupler', 'f32'),
@@ -126,26 +108,10 @@ class FourBarLinks(Kind):
     DRIVES = {
         CRANK: DrivenMachine(
             (GROUND, 'crank', 'coupler', 'output'), 'RRR',
-            lambda lengths: two_rods(lengths[0], lengths[3], lengths[1], lengths[2]), FORWARD,
+            lambda lengths: two_rods(lengths[0], lengths[3], lengths[1], lengths[2]),
+            four_bar_ranges, singular_angles, FORWARD,
             ('sin_mu', 1.0), lambda f, a, d, _: condition_of_rods(
-                f, (a[0], a[3], a[1], a[2]), d[THETA2][0], d[THETA3], d[BETA][0])),
-        JOINT_A: DrivenMachine(
-            ('crank', 'coupler', 'output', GROUND), 'RRR',
-            lambda lengths: two_rods(lengths[1], lengths[0], lengths[2], lengths[3]),
-            {'f41': ('second', -1.0), 'f21': ('base', -1.0), 'f32': ('first', -1.0),
-             'f43': ('inner', 1.0)},
-            ('sin_y', 1.0), lambda f, a, d, _: condition_of_rods(
-                f, (a[1], a[0], a[2], a[3]), d[THETA3][0], d[THETA4],
-                d[THETA1][0] * d[THETA4][0] + d[THETA1][1] * d[THETA4][1]),
-            reversed=('crank', 'output'), turn=-1.0),
-        JOINT_B: DrivenMachine(
-            ('coupler', 'output', GROUND, 'crank'), 'RRR',
-            lambda lengths: two_rods(lengths[2], lengths[1], lengths[3], lengths[0]),
-            {'f41': ('inner', -1.0), 'f21': ('second', 1.0), 'f32': ('base', -1.0),
-             'f43': ('first', -1.0)},
-            ('sin_x', 1.0), lambda f, a, d, _: condition_of_rods(
-                f, (a[2], a[1], a[3], a[0]), d[THETA4][0], d[THETA1], d[BETA][0]),
-            reversed=('coupler', 'output', GROUND, 'crank'), turn=-1.0)}
+                f, (a[0], a[3], a[1], a[2]), d[THETA2][0], d[THETA3], d[BETA][0]))}
 
     def __post_init__(self) -> None:
         """Check the parameters, and that no link is as long as the other three together."""
@@ -156,23 +122,6 @@ class FourBarLinks(Kind):
             raise InvalidParameter(f'a{lengths.index(longest) + 1}', longest,
                                    'the links cannot close: it must be shorter than the other '
                                    f'three together ({fsum(lengths + (-longest,)):.12g})')
-
-    @cached_by_lengths
-    def margins(self) -> tuple[float, ...]:
-        """
-        Return the signed distances [m] from the three change points of Grashof's classification.
-
-        a4 - a1 + a3 - a2, a4 - a1 - a3 + a2 and a2 + a3 - a4 - a1; a1 is the crank, a4 the ground.
-        """
-        a1, a2, a3, a4 = self.lengths
-        return (fsum((a4, -a1, a3, -a2)), fsum((a4, -a1, -a3, a2)), fsum((a2, a3, -a4, -a1)))
-
-    @cached_by_lengths
-    def classification(self) -> str:
-        """Return the Grashof type by name; 'change point' if two sums of two links are equal."""
-        if 0.0 in self.margins:
-            return 'change point'
-        return _CLASSES[tuple(1 if margin > 0.0 else -1 for margin in self.margins)]
 
     @property
     def connections(self) -> tuple[Connection, ...]:
@@ -233,25 +182,6 @@ class FourBar(FourBarLinks):
         return self.classification
 
     @cached_by_lengths
-    def closing_ranges(self) -> Ranges:
-        """
-        Return the ranges (low, high) of theta1 in which the linkage can be assembled [rad].
-
-        One range (-pi, pi) when the crank turns fully, one through 0 or one through pi (high >
-        pi), or two. At an end that is no full turn, coupler and output link are in line (toggle).
-        """
-        return four_bar_ranges(*self.lengths)
-
-    @property
-    def singular_inputs(self) -> list[complex]:
-        """
-        Return the complex theta1 at which coupler and output link are in line, or A meets O4.
-
-        Real ones are the ends of the ranges, to the last bit.
-        """
-        return singular_angles(*self.lengths)
-
-    @cached_by_lengths
     def output_ranges(self) -> Ranges:
         """Return the ranges of theta4 [rad] over both modes; they end at dead points."""
         # seen from O4, of pi - theta4
@@ -301,101 +231,4 @@ class FourBar(FourBarLinks):
                                    mode) for mode in self.MODES])
 
 
-def seen_lengths(lengths: tuple[Scalar, ...],
-                 joint: str) -> tuple[Scalar, Scalar, Scalar, Scalar]:
-    """Return the lengths as seen from the link before a driven joint: that one is the ground."""
-    a1, a2, a3, a4 = lengths
-    return (a2, a3, a4, a1) if joint == JOINT_A else (a3, a4, a1, a2)
-
-
-@dataclass(frozen=True)
-class MovingJointFourBar(FourBarLinks):
-    """
-    Planar four-bar linkage O1-A-B-O4 that is driven at A or at B, between two moving links.
-
-    Parameters
-    ----------
-    a1, a2, a3, a4 : float
-        As of :class:`~FourBar`.
-    mode : int
-        Assembly mode: 2 has sin(theta4) > 0 of a drive at A, sin(theta1) > 0 of one at B; 1 < 0.
-    input : str
-        'A': theta2, coupler to crank, is given; 'B': theta3, output link to coupler.
-    bodies : Bodies, optional
-        Masses; without them there are no loads.
-    gravity : tuple of 2 floats, or Base
-        Field of gravity (x, y) [m/s^2], or the motion of the base.
-    external : External
-        Forces and couples on the links.
-
-    Its ``driving_torque`` acts on the coupler from the crank (A), or on the output link from the
-    coupler (B).
-
-    Raises
-    ------
-    InvalidParameter
-        Naming the parameter, its value and the allowed values.
-
-    """
-
-    a1: float
-    a2: float
-    a3: float
-    a4: float
-    mode: int = OPEN
-    input: str = JOINT_A
-    bodies: Bodies | None = None
-    gravity: Gravity = (0.0, 0.0)
-    external: External = External()
-
-    MODES = {1: '1', OPEN: '2'}
-    INPUTS = {JOINT_A: THETA2, JOINT_B: THETA3}
-    OUTPUTS = {joint: (Output(THETA4, 'velocity_ratio'), Output(THETA1, 'crank_ratio'))
-               for joint in INPUTS}
-    RATIOS = {'velocity_ratio': THETA4, 'coupler_ratio': BETA, 'crank_ratio': THETA1}
-
-    @property
-    def description(self) -> str:
-        """Return a short text: type, input."""
-        return f'{self.classification}, driven at its joint {self.input}'
-
-    @property
-    def TORQUE(self) -> str:        # type: ignore[override]  # of each input  # noqa: N802
-        """Return the symbol of the torque: of crank on coupler, of coupler on output link."""
-        return 'T_{12}' if self.input == JOINT_A else 'T_{23}'
-
-    @cached_by_lengths
-    def closing_ranges(self) -> Ranges:
-        """Return the ranges of theta2 or theta3 in which the linkage can be assembled [rad]."""
-        return turned_ranges(four_bar_ranges(*seen_lengths(self.lengths, self.input)))
-
-    @property
-    def singular_inputs(self) -> list[complex]:
-        """Return the complex inputs at which output and ground (A), or crank and ground, align."""
-        return [complex(x.real + (pi if x.real <= 0.0 else -pi), x.imag)
-                for x in singular_angles(*seen_lengths(self.lengths, self.input))]
-
-    @property
-    def turns_fully(self) -> bool:
-        """Return whether the driven joint makes full turns."""
-        return self.input_ranges == ((-pi, pi),)
-
-    def driven_otherwise(self) -> tuple[FourBar, ...]:
-        """Return the same links driven at the crank, which goes on at toggles of this drive."""
-        a1, a2, a3, a4 = self.lengths
-        return tuple(FourBar(a1, a2, a3, a4, mode, self.bodies, self.gravity, self.external)
-                     for mode in FourBar.MODES)
-
-    def read_coordinate(self, numbers: NumberType, curves: Any) -> tuple[Any, Any, Any]:
-        """Return theta2 or theta3 and two derivatives by the input; ``curves`` of the links."""
-        # angle of the second link to the first; theta3 counts from B A, half a turn on
-        first, side = (0, 1.0) if self.input == JOINT_A else (1, -1.0)
-        one, two = curves[first:first + 2]
-        sine, cosine = (two.sine * one.cosine - two.cosine * one.sine,
-                        two.cosine * one.cosine + two.sine * one.sine)
-        return (numbers.atan2(side * sine, side * cosine),
-                two.omega - one.omega, two.alpha - one.alpha)
-
-
 Motion, Loads = results(FourBar, 'Motion', 'Loads')
-results(MovingJointFourBar, 'MovingJointMotion', 'Loads')

@@ -35,13 +35,14 @@ from fourbar_ros.mechanisms.machine.structure import (
     SLIDES,
     Stage,
 )
-from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.mechanism import cached_by_lengths, Mechanism
 from fourbar_ros.mechanisms.parts import (
     BETA,
     Coordinate,
     CRANK,
     GROUND,
     NamedFields,
+    Ranges,
     record_type,
     SLIDE,
     THETA1,
@@ -80,8 +81,8 @@ class DrivenMachine(NamedTuple):
         The frame, the driven link, and both links of the dyad.
     dyad : str
         'RRR', 'RRP', 'RPR' or 'RPP'.
-    numbers : callable
-        lengths -> the :class:`.Numbers` of the dyad.
+    numbers, ranges, singular : callable
+        lengths -> the :class:`.Numbers` of the dyad, ``closing_ranges``, ``singular_inputs``.
     reactions : dict
         {'f41': (joint of the machine, sign of the force there), 'guide_force': ...}.
     sine : tuple of str and float
@@ -108,6 +109,8 @@ class DrivenMachine(NamedTuple):
     links: tuple[str, str, str, str]
     dyad: str
     numbers: Callable[[Lengths], Numbers]
+    ranges: Callable[..., Ranges]
+    singular: Callable[..., list[complex]]
     reactions: Mapping[str, tuple[str, float]]
     sine: tuple[str, float]
     condition: Callable[..., Scalar]
@@ -208,6 +211,7 @@ class Kind(Mechanism):
     """
 
     DRIVES: ClassVar[Mapping[str, DrivenMachine]]
+    CLASSES: ClassVar[Mapping[tuple[int, ...], str]]    # {signs of the margins: classification}
     RATIOS: ClassVar[Mapping[str, Coordinate]]      # {field: coordinate, per unit of the input}
     # {'x': coordinate}: cos_x and sin_x are fields, the direction of a link
     DIRECTIONS: ClassVar[Mapping[str, Coordinate]]
@@ -221,6 +225,23 @@ class Kind(Mechanism):
     def drive(self) -> DrivenMachine:
         """Return the machine that it is for its input."""
         return self.DRIVES[self.input]
+
+    @cached_by_lengths
+    def closing_ranges(self) -> Ranges:
+        """Return the ranges (low, high) of the input in which the links close [rad or m]."""
+        return self.drive.ranges(*self.lengths)
+
+    @property
+    def singular_inputs(self) -> list[complex]:
+        """Return the complex inputs where the dyad is in line, or quantities have a pole."""
+        return self.drive.singular(*self.lengths)
+
+    @cached_by_lengths
+    def classification(self) -> str:
+        """Return the type by name: which links turn fully; 'change point' if a margin is zero."""
+        if 0.0 in self.margins:
+            return 'change point'
+        return self.CLASSES[tuple([1 if margin > 0.0 else -1 for margin in self.margins])]
 
     @classmethod
     def motion_fields(cls) -> tuple[str, ...]:

@@ -8,7 +8,7 @@ extrema, pictures, page, FMU and C code read the rows of the loads.
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable
 from functools import wraps
 from importlib import import_module
 from types import SimpleNamespace
@@ -96,32 +96,13 @@ DIMENSIONS = {
 }
 
 
-class Kinds(Mapping[str, 'type[Mechanism]']):
-    """{name: class} of all kinds."""
-
-    def __getitem__(self, name: str) -> type[Mechanism]:
-        return _class_of(*FACTS[name].home)
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(FACTS)
-
-    def __len__(self) -> int:
-        return len(FACTS)
-
-
-def _class_of(module: str, name: str) -> type[Mechanism]:
-    return cast('type[Mechanism]',
-                getattr(import_module(f'fourbar_ros.mechanisms.{module}'), name))
-
-
-KINDS = Kinds()
-
-
 def kind_of(name: str, driven: str) -> type[Mechanism]:
     """Return the class of a kind ('four_bar', ...) for an input; A and B have their own."""
+    home = FACTS[name].home
     if driven in AT_MOVING_JOINTS.get(name, ()):
-        return _class_of('four_bars', 'MovingJointFourBar')
-    return KINDS[name]
+        home = 'moving_joint', 'MovingJointFourBar'
+    module = import_module(f'fourbar_ros.mechanisms.{home[0]}')
+    return cast('type[Mechanism]', getattr(module, home[1]))
 
 
 # --- loads ---------------------------------------------------------------------------------------

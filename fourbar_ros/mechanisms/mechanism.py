@@ -39,7 +39,6 @@ from fourbar_ros.mechanisms.evaluation import (
 from fourbar_ros.mechanisms.parts import (
     Connection,
     Coordinate,
-    CRANK,
     CROSSED,
     find_link,
     Joint,
@@ -163,11 +162,6 @@ class Mechanism(ABC):
 
     @property
     @abstractmethod
-    def margins(self) -> tuple[float, ...]:
-        """Return the differences of sums of lengths [m] that are zero at change points."""
-
-    @property
-    @abstractmethod
     def classification(self) -> str:
         """Return the type by name: which links turn fully."""
 
@@ -187,8 +181,6 @@ class Mechanism(ABC):
 
         Errors of rates and loads grow as one over it: the search for extrema bounds noise by it.
         """
-
-    # --- its pictures ----------------------------------------------------------------------------
 
     # --- some kinds give these ------------------------------------------------------------------
 
@@ -233,6 +225,12 @@ class Mechanism(ABC):
         anything else. Generated code can change those lengths at run time.
         """
         return self.length_names
+
+    @cached_by_lengths
+    def margins(self) -> tuple[float, ...]:
+        """Return the differences of sums of lengths [m] that are zero at change points."""
+        return tuple([fsum([sign * abs(length) for sign, length in zip(signs, self.lengths)])
+                      for signs in self.MARGIN_SIGNS])
 
     @property
     def change_point_margin(self) -> float:
@@ -314,8 +312,8 @@ class Mechanism(ABC):
 
     @property
     def turns_fully(self) -> bool:
-        """Return whether the input is a crank that makes full turns."""
-        return self.input == CRANK and self.input_ranges == ((-pi, pi),)
+        """Return whether the input is an angle that makes full turns."""
+        return not self.is_driven_by_slide and self.input_ranges == ((-pi, pi),)
 
     def is_in_stroke(self, position: float) -> bool:
         """Return whether an input is in the stroke, if there is one."""

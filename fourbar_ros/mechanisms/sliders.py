@@ -31,15 +31,9 @@ from fourbar_ros.mechanisms.closed_forms import (
     singular_slides,
     slide_ranges,
 )
-from fourbar_ros.mechanisms.kind import (
-    DrivenMachine,
-    FORWARD,
-    Kind,
-    results,
-)
+from fourbar_ros.mechanisms.kind import DrivenMachine, FORWARD, Kind, results
 from fourbar_ros.mechanisms.kinds import FACTS
 from fourbar_ros.mechanisms.machine.structure import Numbers
-from fourbar_ros.mechanisms.mechanism import cached_by_lengths
 from fourbar_ros.mechanisms.parts import (
     BETA,
     Connection,
@@ -48,7 +42,6 @@ from fourbar_ros.mechanisms.parts import (
     NamedFields,
     OPEN,
     Output,
-    Ranges,
     reaction,
     SLIDE,
     SLOT,
@@ -95,13 +88,6 @@ class OffsetSlide(Kind):
             raise InvalidParameter('offset', e, 'the links cannot close: it must be shorter than '
                                    f'{p_name} + {r_name} ({p + r:.12g})')
         self._check_stroke()
-
-    @cached_by_lengths
-    def margins(self) -> tuple[float, ...]:
-        """Return r - p - |e| and p - r - |e| [m], which are zero at change points."""
-        p, r, e = self.lengths
-        return fsum((r, -p, -abs(e))), fsum((p, -r, -abs(e)))
-
 
 class SliderDeadPoint(NamedTuple):
     """Crank and coupler in line, stretched or folded: the slider turns back."""
@@ -166,6 +152,8 @@ class SliderCrank(OffsetSlide):
                  reaction('guide', 'guide on slider', 'f43', 'guide_couple'))
     PARTS = {THETA1: 'crank', THETA2: 'coupler to crank', THETA3: 'slider to coupler',
              TRAVEL: 'slider', BETA: 'coupler'}
+    CLASSES = {(1, -1): 'Grashof crank-slider', (-1, 1): 'Grashof rocker-slider',
+               (-1, -1): 'non-Grashof rocker-slider'}
     DRAWN = (THETA1, BETA, TRAVEL)
     RATIOS = {'crank_ratio': THETA1, 'coupler_ratio': BETA, 'slide_ratio': TRAVEL}
     DIRECTIONS = {'x': THETA1, 'b': BETA, '2': THETA2}
@@ -173,7 +161,7 @@ class SliderCrank(OffsetSlide):
     DRIVES = {
         CRANK: DrivenMachine(
             (GROUND, 'crank', 'coupler', 'output'), 'RRP',
-            lambda lengths: rod_on_line(*lengths),
+            lambda lengths: rod_on_line(*lengths), rod_ranges, singular_angles_of_rod,
             {**FORWARD, 'guide_force': ('second_normal', 1.0),
              'guide_couple': ('second_couple', 1.0)},
             ('cos_b', 1.0), lambda f, a, d, _: (                                        # (C2)
@@ -182,6 +170,7 @@ class SliderCrank(OffsetSlide):
         SLIDE: DrivenMachine(
             (GROUND, 'output', 'coupler', 'crank'), 'RRR',
             lambda lengths: rods_of_slide(lengths[2], lengths[1], lengths[0]),
+            slide_ranges, singular_slides,
             {'f41': ('second', 1.0), 'f21': ('inner', -1.0), 'f32': ('first', 1.0),
              'f43': ('base', 1.0), 'guide_force': ('base_normal', 1.0),
              'guide_couple': ('base_couple', 1.0)},
@@ -189,30 +178,6 @@ class SliderCrank(OffsetSlide):
                 a[0] * f(d[THETA2][0]) + a[1] + f(a[2] * d[BETA][1])) / (a[0] * f(d[THETA2][1])),
             lambda f, a, d: (f(d[THETA2][1]), d[THETA2][0]),
             reversed=('coupler',), start=lambda lengths: (0.0, lengths[2]))}
-
-    @property
-    def classification(self) -> str:
-        """Return the type: whose full turns there are, the crank's, the coupler's or nobody's."""
-        if 0.0 in self.margins:
-            return 'change point'
-        crank, coupler = self.margins
-        return ('Grashof crank-slider' if crank > 0.0 else
-                'Grashof rocker-slider' if coupler > 0.0 else 'non-Grashof rocker-slider')
-
-    @cached_by_lengths
-    def closing_ranges(self) -> Ranges:
-        """
-        Return the ranges of theta1 [rad] or slide [m] in which the links close, from low to high.
-
-        For a crank that turns fully (-pi, pi). At an end that is no full turn the coupler is
-        square to the guide (crank input), or in line with the crank (slider input): a toggle.
-        """
-        return (slide_ranges if self.input == SLIDE else rod_ranges)(*self.lengths)
-
-    @property
-    def singular_inputs(self) -> list[complex]:
-        """Return the complex inputs where coupler and guide are square, or crank and coupler."""
-        return (singular_slides if self.input == SLIDE else singular_angles_of_rod)(*self.lengths)
 
     @property
     def dead_points(self) -> tuple[SliderDeadPoint, ...]:
@@ -302,6 +267,8 @@ class InvertedSlider(OffsetSlide):
                  reaction('O4', 'ground on bar', 'f43'))
     PARTS = {THETA1: 'crank', THETA2: 'block to crank', THETA4: 'bar', TRAVEL: 'block on the bar'}
     SLIDE_DIRECTION = ('cos_y', 'sin_y')
+    CLASSES = {(1, -1): 'Grashof crank-rocker', (-1, 1): 'Grashof double-crank',
+               (-1, -1): 'non-Grashof double-rocker'}
     DRAWN = (THETA1, THETA4, TRAVEL)
     RATIOS = {'crank_ratio': THETA1, 'output_ratio': THETA4, 'slide_ratio': TRAVEL}
     DIRECTIONS = {'x': THETA1, 'y': THETA4, '2': THETA2}
@@ -309,7 +276,7 @@ class InvertedSlider(OffsetSlide):
     DRIVES = {
         CRANK: DrivenMachine(
             (GROUND, 'crank', 'coupler', 'output'), 'RPR',
-            lambda lengths: bar_through_block(*lengths),
+            lambda lengths: bar_through_block(*lengths), bar_ranges, singular_angles_of_bar,
             {**FORWARD, 'guide_force': ('inner_normal', 1.0),
              'guide_couple': ('inner_couple', 1.0)},
             ('', 1.0), lambda f, a, d, s: (                                             # (C3)
@@ -318,6 +285,7 @@ class InvertedSlider(OffsetSlide):
         SLIDE: DrivenMachine(
             ('output', 'coupler', 'crank', GROUND), 'RRR',
             lambda lengths: rods_of_slide(lengths[2], lengths[0], lengths[1]),
+            slide_ranges, singular_slides,
             {'f41': ('inner', 1.0), 'f21': ('first', 1.0), 'f32': ('base', 1.0),
              'f43': ('second', -1.0), 'guide_force': ('base_normal', 1.0),
              'guide_couple': ('base_couple', 1.0)},
@@ -326,31 +294,6 @@ class InvertedSlider(OffsetSlide):
                 + a[2] * a[2]) / (a[0] * a[1] * f(d[THETA1][1])),
             lambda f, a, d: (a[1] * f(d[THETA1][1]), a[0] - a[1] * d[THETA1][0]),
             reversed=('crank', GROUND), start=lambda lengths: (0.0, lengths[2]), sign=-1.0)}
-
-    @property
-    def classification(self) -> str:
-        """Return the type: crank and bar turn fully, or only the crank, or neither."""
-        if 0.0 in self.margins:
-            return 'change point'
-        rocks, turns = self.margins
-        return ('Grashof crank-rocker' if rocks > 0.0 else
-                'Grashof double-crank' if turns > 0.0 else 'non-Grashof double-rocker')
-
-    @cached_by_lengths
-    def closing_ranges(self) -> Ranges:
-        """
-        Return the ranges of theta1 [rad] or slide [m] in which the links close, from low to high.
-
-        For a crank that turns fully (-pi, pi), else one range through pi. At an end that is no
-        full turn A is at the foot of O4 (crank input), or crank and ground in line (slide input):
-        a toggle.
-        """
-        return (slide_ranges if self.input == SLIDE else bar_ranges)(*self.lengths)
-
-    @property
-    def singular_inputs(self) -> list[complex]:
-        """Return the complex inputs where the dyad is in line or A meets O4."""
-        return (singular_slides if self.input == SLIDE else singular_angles_of_bar)(*self.lengths)
 
     @property
     def dead_points(self) -> tuple[InvertedDeadPoint, ...]:
@@ -464,6 +407,7 @@ class ScotchYoke(Kind):
         CRANK: DrivenMachine(
             (GROUND, 'crank', 'coupler', 'output'), 'RPP',
             lambda lengths: Numbers((lengths[0], 0.0), (0.0, lengths[1]), (1.0, 0.0, 0.0, 1.0)),
+            lambda *_: ((-pi, pi),), lambda *_: [],
             {**FORWARD, 'guide_force': ('second_normal', 1.0),
              'guide_couple': ('second_couple', 1.0), 'slot_couple': ('inner_couple', 1.0)},
             ('', 1.0), lambda f, a, d, _: a[0] * f(d[THETA1][0]),                      # (C4)
@@ -471,13 +415,14 @@ class ScotchYoke(Kind):
         SLIDE: DrivenMachine(
             (GROUND, 'output', 'crank', 'coupler'), 'RRP',
             lambda lengths: Numbers(AT_O, AT_O, (lengths[0], 0.0, 1.0)),
+            lambda a1, _: ((-a1, a1),), lambda a1, _: [complex(-a1), complex(a1)],
             {'f41': ('first', 1.0), 'f21': ('inner', 1.0), 'f32': ('second', 1.0),
              'f43': ('base', 1.0), 'guide_force': ('base_normal', 1.0),
              'guide_couple': ('base_couple', 1.0), 'slot_couple': ('second_couple', 1.0)},
             ('sin_x', 1.0), lambda f, a, d, _: f(d[THETA1][0] / d[THETA1][1]),           # (C4)
             lambda f, a, d: (f(d[THETA1][1]), d[THETA1][0]), slides=(SLOT,), first=0,
             start=lambda lengths: (0.0, lengths[1]))}
-    MARGIN_SIGNS = ((1, 0),)
+    MARGIN_SIGNS, CLASSES = ((1, 0),), {(1,): 'harmonic motion'}
 
     def __post_init__(self) -> None:
         self._check()
@@ -487,26 +432,6 @@ class ScotchYoke(Kind):
     def modes(self) -> dict[int, str]:
         """Return the assembly modes: two for a driven slide, one for a driven crank."""
         return {1: '1', 2: '2'} if self.input == SLIDE else {2: '2, the only one'}
-
-    @property
-    def margins(self) -> tuple[float, ...]:
-        """Return a1: no lengths make a change point."""
-        return (self.a1,)
-
-    @property
-    def classification(self) -> str:
-        """Return the type: the crank of every one can turn fully."""
-        return 'harmonic motion'
-
-    @property
-    def closing_ranges(self) -> tuple[tuple[float, float], ...]:
-        """Return the range of the input: a full turn, or -a1 to a1 [m], the crank along x."""
-        return ((-pi, pi),) if self.input == CRANK else ((-self.a1, self.a1),)
-
-    @property
-    def singular_inputs(self) -> list[complex]:
-        """Return the toggles of a driven slide; of a driven crank there are no singular inputs."""
-        return [] if self.input == CRANK else [complex(-self.a1), complex(self.a1)]
 
     @property
     def dead_points(self) -> tuple[YokeDeadPoint, ...]:

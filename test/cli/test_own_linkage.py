@@ -7,7 +7,7 @@ from pathlib import Path
 
 from fourbar_ros import Bodies, flat_bar, FourBar, load_scene
 from fourbar_ros.cli.main import main
-from fourbar_ros.mechanisms.kinds import KINDS
+from fourbar_ros.mechanisms.kinds import FACTS
 import numpy as np
 import pytest
 
@@ -37,9 +37,9 @@ def test_a_new_scene_of_flat_bars_is_the_linkage_made_by_hand(capsys):
     assert ours == pytest.approx(theirs, rel=1e-8)
 
 
-@pytest.mark.parametrize('kind', KINDS)
+@pytest.mark.parametrize('kind', FACTS)
 def test_every_kind_has_a_scene_that_has_loads_and_a_table(kind):
-    given = [word for length in KINDS[kind].LENGTHS if not length.signed
+    given = [word for length in FACTS[kind].lengths if not length.signed
              for word in (f'--{length.name}', {'a2': '90mm', 'a3': '80mm', 'a4': '70mm'}.get(
                  length.name, '30mm'))]
     assert main(['new', 'my', '--kind', kind, *given, '--bar', '20mmx5', '--speed=-300rpm']) == 0

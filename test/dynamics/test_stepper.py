@@ -15,7 +15,7 @@ from fourbar_ros.dynamics.sources import (
     SpeedController,
 )
 from fourbar_ros.dynamics.system import System
-from fourbar_ros.mechanisms.kinds import KINDS
+from fourbar_ros.mechanisms.kinds import FACTS
 from fourbar_ros.scene.scene import from_values
 from fourbar_ros.scene.settings import PARAMETERS
 import numpy as np
@@ -203,9 +203,9 @@ OTHERS = {'slider_crank': {'a1': 0.1, 'a2': 0.3, 'offset': 0.02},
 def test_other_kinds_in_a_scene_against_scipy(kind):
     lengths = {f'linkage.{name}': value for name, value in OTHERS[kind].items()
                if f'linkage.{name}' in PARAMETERS}
-    bodies = {f'bodies.{link.name}.{field}': value for link in KINDS[kind].LINKS
+    bodies = {f'bodies.{link.name}.{field}': value for link in FACTS[kind].links
               for field, value in (('mass', 0.8), *((('inertia', 0.01),) * bool(link.turns)))}
-    along = {f'bodies.{link.name}.cg_along': 0.05 for link in KINDS[kind].LINKS}
+    along = {f'bodies.{link.name}.cg_along': 0.05 for link in FACTS[kind].links}
     there = from_values({'linkage.kind': kind, **lengths, **bodies, **along, 'gravity.y': -9.81,
                          'drive.source': 'motor', 'motor.stall_torque': 6.0,
                          'motor.free_speed': 20.0, 'motor.rotor_inertia': 0.02,

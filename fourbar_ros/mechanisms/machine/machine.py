@@ -128,7 +128,7 @@ class Machine(Mechanism):
 
     layout: ClassVar[Layout]      # set when it is made; no field
     TITLE = 'machine of dyads'
-    MARGIN_SIGNS = ()
+    MARGIN_SIGNS = ()             # change points are not differences of lengths
     LEAVES_OUT_ZEROS = True       # most of their links have no mass or no offset
     TEXT = 'a driven link and dyads, any planar linkage of Assur groups of class II'
 
@@ -323,11 +323,6 @@ class Machine(Mechanism):
     def limits(self) -> tuple[RangeEnds, ...]:
         """Return (low, high) of each range, with the dyads at toggles; None: full turns."""
         return self._ranges.limits
-
-    @property
-    def margins(self) -> tuple[float, ...]:
-        """Return nothing: change points of a machine are not differences of lengths."""
-        return ()
 
     @property
     def change_point_margin(self) -> float:
