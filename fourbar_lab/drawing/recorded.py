@@ -30,8 +30,8 @@ def make_figure(path: str | Path, names: Sequence[str], progress: Progress | Non
     ``/joint_states.position[crank]``. A value belongs to the x of the same stamp; an angle x of
     more than a turn is taken modulo 2 pi. ``progress`` is called with the number of bytes read.
     """
-    bag = Bag(path)
-    curves = _read(bag, dict.fromkeys([*names, *([x] if x else [])]), progress)
+    bag = Bag(path, progress)
+    curves = _read(bag, dict.fromkeys([*names, *([x] if x else [])]))
     start = min(stamps[0] for stamps, _, _ in curves.values())
     label = 'time since the first message [s]' if x is None else f'{x} [{curves[x][2]}]'
     panels: dict[str, list[tuple[str, Array, Array]]] = {}
@@ -52,13 +52,12 @@ def plot(path: str | Path, names: Sequence[str], out: str | Path, progress: Prog
 RecordedCurve = tuple[Array, Array, str]        # stamps [ns], values, unit
 
 
-def _read(bag: Bag, names: Sequence[str] | dict[str, None], progress: Progress | None
-          ) -> dict[str, RecordedCurve]:
+def _read(bag: Bag, names: Sequence[str] | dict[str, None]) -> dict[str, RecordedCurve]:
     """Return the Curve of each TOPIC.FIELD; raises BagError for one that is not there."""
     topics = {name: _topic(name.partition('.')[0], bag) for name in names}
     parts: dict[str, list[tuple[Array, Array]]] = {name: [] for name in names}
     fields: set[str] = set()
-    for columns in bag.columns(sorted(set(topics.values())), progress):
+    for columns in bag.columns(sorted(set(topics.values()))):
         table, stamps = table_of(columns), columns.stamps
         short = columns.topic.rsplit('/', 1)[-1]
         fields |= {f'{short}.{field}' for field, values in table.items()

@@ -46,14 +46,14 @@ def diff(first: str | Path, second: str | Path, topics: Sequence[str] | None = N
     Messages without a stamp, or with stamp 0, are matched by their place in the topic.
     ``progress`` is called with the bytes read of the first bag, once more for every topic.
     """
-    bags = Bag(first), Bag(second)
+    bags = Bag(first, progress), Bag(second)
     names = sorted({topic for bag in bags for topic in bag.types})
     for topic in topics or ():
         if topic not in names:
             raise BagError(f'{topic}: in neither bag; they have {", ".join(names)}')
     found = []
     for topic in topics or names:
-        parts = [list(bag.columns([topic], progress if bag is bags[0] else None)) for bag in bags]
+        parts = [list(bag.columns([topic])) for bag in bags]
         for bag in bags:
             if bag.damage:
                 raise BagError(f'{bag.path}: {bag.damage[0]}')

@@ -82,9 +82,9 @@ def info(path: str | Path, check: bool = False, progress: Progress | None = None
     A finished bag is only asked for the numbers at its end; with ``check``, or if it has none,
     every message is read. ``progress`` is called with the number of bytes read.
     """
-    bag = Bag(path)
+    bag = Bag(path, progress)
     if check or not bag.is_finished:
-        topics, times = _by_reading(bag, progress)
+        topics, times = _by_reading(bag)
         if check:
             bag.check()
     else:
@@ -111,13 +111,13 @@ def _by_summaries(bag: Bag) -> tuple[list[TopicInfo], list[int]]:
             for topic, type_name in bag.types.items()], times
 
 
-def _by_reading(bag: Bag, progress: Progress | None) -> tuple[list[TopicInfo], list[int]]:
+def _by_reading(bag: Bag) -> tuple[list[TopicInfo], list[int]]:
     """Return topics and log times by reading every message; count gaps in the numbers."""
     counts: Counter[str] = Counter()
     missing: Counter[str] = Counter()
     last: dict[str, int] = {}
     start = end = None
-    for raw in bag.raw(progress=progress):
+    for raw in bag.raw():
         gap = (raw.sequence - last.get(raw.topic, raw.sequence - 1) - 1) & 0xFFFFFFFF
         missing[raw.topic] += gap if gap < 1 << 31 else 0       # numbers of 32 bits go round
         counts[raw.topic] += 1

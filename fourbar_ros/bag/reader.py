@@ -13,10 +13,9 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import replace
-from functools import cached_property, lru_cache, partial
+from functools import cached_property, lru_cache
 from io import BytesIO
 import json
-from operator import itemgetter
 from os import SEEK_END
 from pathlib import Path
 import re
@@ -31,7 +30,7 @@ from fourbar_ros.numerics.arrays import Array
 from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
 from mcap.reader import make_reader
-from mcap.records import Channel, Chunk, DataEnd, McapRecord, Message, Metadata, Schema
+from mcap.records import Channel, Chunk, McapRecord, Message, Metadata, Schema
 from mcap.stream_reader import get_chunk_data_stream, StreamReader
 from mcap.summary import Summary
 from mcap.writer import MCAP0_MAGIC
@@ -45,6 +44,9 @@ BLOCK = 20_000              # messages that are decoded together
 LARGEST = 2**28             # [bytes] of a chunk, packed and unpacked
 HEAD = Struct('<BQ')        # of a record: opcode, length
 MESSAGE = Struct('<HIQQ')   # channel, sequence number, log time, publish time
+# the records that are read; others are indexes and statistics
+KINDS: dict[int, Any] = {Opcode.SCHEMA: Schema, Opcode.CHANNEL: Channel, Opcode.MESSAGE: Message,
+                         Opcode.CHUNK: Chunk, Opcode.METADATA: Metadata}
 Progress = Callable[[int], object]      # called with the number of bytes read
 
 
@@ -99,6 +101,8 @@ class Bag:
     ----------
     path : str or Path
         Folder of a bag, split or not, or an .mcap file.
+    progress : callable, optional
+        Called with the number of bytes read so far.
 
     Attributes
     ----------
@@ -111,8 +115,8 @@ class Bag:
 
     """
 
-    def __init__(self, path: str | Path) -> None:
-        self.path = Path(path)
+    def __init__(self, path: str | Path, progress: Progress | None = None) -> None:
+        self.path, self._progress = Path(path), progress or (lambda size: None)
         self.files = metadata.files_of(self.path)
         if not any(map(_may_be_mcap, self.files)):
             raise BagError(f'{self.files[0]}: is no MCAP file')
@@ -149,20 +153,16 @@ class Bag:
 
     def about_of(self, place: int) -> dict[str, str]:
         """Return the custom_data in a file's last metadata, in its first ones if it was cut."""
-        found: dict[str, str] = {}
         summary = self.summaries[place]
-        with open(self.files[place], 'rb') as stream, suppress(Exception):
-            records = StreamReader(stream, emit_chunks=True).records
-            if summary:
-                records = (_read_at(stream, (index.offset, Metadata))
-                           for index in summary.metadata_indexes)
-            for record in records:
-                if isinstance(record, Metadata) and record.name == metadata.RECORD:
-                    custom = metadata.loaded(record.metadata[metadata.KEY]).get('custom_data')
-                    found = {str(key): str(value) for key, value in (custom or {}).items()}
-                    if not summary:
-                        break
-        return found
+        with open(self.files[place], 'rb') as stream:
+            places = [each for each in _places(stream, summary) if each[1] == Opcode.METADATA]
+            for each in reversed(places) if summary else places:
+                with suppress(Exception):       # of any kind, for wrong bytes
+                    record: Any = _record_at(stream, *each)
+                    if record.name == metadata.RECORD:
+                        custom = metadata.loaded(record.metadata[metadata.KEY]).get('custom_data')
+                        return {str(key): str(text) for key, text in (custom or {}).items()}
+        return {}
 
     @cached_property
     def types(self) -> dict[str, str]:
@@ -180,20 +180,18 @@ class Bag:
 
     # --- messages -------------------------------------------------------------------------------
 
-    def raw(self, topics: Collection[str] | None = None, start: int = 0,
-            progress: Progress | None = None) -> Iterator[Raw]:
+    def raw(self, topics: Collection[str] | None = None, start: int = 0) -> Iterator[Raw]:
         """
         Yield every message in the order of writing.
 
-        ``topics``: only these; ``start``: only from this log time [ns] on; ``progress`` is called
-        with the number of bytes read so far.
+        ``topics``: only these; ``start``: only from this log time [ns] on.
         """
         self.damage = []
         for place, file in enumerate(self.files):
             repeated = _repeated(self.about_of(place)) if place else {}
             schemas: dict[int, Schema] = {}
             channels: dict[int, tuple[Channel, Schema]] = {}
-            for record in self.contents(place, progress):
+            for record in self.contents(place):
                 if isinstance(record, Message):         # most are
                     if record.channel_id not in channels:
                         self.note_unknown(place, record.channel_id)
@@ -219,15 +217,14 @@ class Bag:
         for raw in self.raw(topics, start):
             yield Record(raw.topic, raw.time, self.decode(raw))
 
-    def columns(self, topics: Collection[str] | None = None, progress: Progress | None = None
-                ) -> Iterator[Columns]:
+    def columns(self, topics: Collection[str] | None = None) -> Iterator[Columns]:
         """
         Yield :class:`Columns`: the messages of each topic, many at once.
 
         Messages with texts or sequences of other lengths come in Columns of their own.
         """
         waiting: dict[str, list[Raw]] = {}
-        for raw in self.raw(topics, progress=progress):
+        for raw in self.raw(topics):
             of_topic = waiting.setdefault(raw.topic, [])
             of_topic.append(raw)
             if len(of_topic) >= BLOCK:
@@ -316,44 +313,25 @@ class Bag:
         if text not in self.damage:
             self.damage.append(text)
 
-    def contents(self, place: int, progress: Progress | None = None) -> Iterator[McapRecord]:
+    def contents(self, place: int) -> Iterator[McapRecord]:
         """Yield the records of a file, those of a chunk in its place; note damage and go on."""
         file, summary = self.files[place], self.summaries[place]
         before = sum(other.stat().st_size for other in self.files[:place])
         with open(file, 'rb') as stream:
-            if summary:             # says where each chunk is, whatever happened to another
+            if summary:
                 yield from (*summary.schemas.values(), *summary.channels.values())
-                places: list[tuple[int, Any]] = [
-                    *((index.chunk_start_offset, Chunk) for index in summary.chunk_indexes),
-                    *((index.offset, Metadata) for index in summary.metadata_indexes)]
-                # not a generator: that ends at its first error
-                records = map(partial(_read_at, stream), sorted(places, key=itemgetter(0)))
-            else:
-                records = StreamReader(stream, emit_chunks=True,
-                                       record_size_limit=LARGEST).records
-            end, is_behind = file.stat().st_size, False
-            while True:
-                record = None
+            for begin, opcode, size in _places(stream, summary):
                 try:
-                    record = next(records, None)
+                    record = _record_at(stream, begin, opcode, size)
                     content = _unpacked(record) if isinstance(record, Chunk) else [record]
                     if self._is_packed:
                         content = [replace(each, data=zstandard.decompress(each.data))
                                    if isinstance(each, Message) else each for each in content]
                 except Exception as error:      # whatever a library makes of wrong bytes
-                    if record is None and not summary and stream.tell() >= end:
-                        return                  # the last record was cut
-                    self.damage.append(f'{file.name}, before byte {stream.tell()}: {error!r}')
-                    if record is None and not summary:
-                        return                  # behind a damaged head nothing can be found
+                    self.damage.append(f'{file.name}, at byte {begin}: {error!r}')
                     continue
-                if record is None:
-                    return
-                if progress:
-                    progress(before + stream.tell())
-                is_behind |= isinstance(record, DataEnd)    # the summary repeats what was read
-                if not is_behind or isinstance(record, Chunk):
-                    yield from content
+                self._progress(before + stream.tell())
+                yield from content
 
 
 def records(path: str | Path, topics: Collection[str] | None = None, start: int = 0
@@ -370,31 +348,61 @@ def _types(name: str, definition: bytes) -> Typestore:
     return store
 
 
+def _places(stream: BinaryIO, summary: Summary | None) -> Iterator[tuple[int, int, int]]:
+    """
+    Yield (first byte, kind, size [bytes]) of the records of a file that are read.
+
+    The summary of a finished file knows where they are, whatever happened to others. Without it,
+    each head tells where the next record begins; behind a senseless one nothing can be found.
+    """
+    if summary:
+        yield from sorted([(index.chunk_start_offset, Opcode.CHUNK, index.chunk_length)
+                           for index in summary.chunk_indexes]
+                          + [(index.offset, Opcode.METADATA, index.length)
+                             for index in summary.metadata_indexes])
+        return
+    kinds: Collection[int] = KINDS
+    begin, end = len(MCAP0_MAGIC), stream.seek(0, SEEK_END)
+    while begin + HEAD.size <= end:
+        stream.seek(begin)
+        opcode, length = HEAD.unpack(stream.read(HEAD.size))
+        if opcode == Opcode.DATA_END:       # a damaged summary follows, unless this is the damage
+            kinds = [Opcode.CHUNK]
+        size = HEAD.size + length
+        if length > LARGEST or opcode in kinds and begin + size <= end:     # else it was cut
+            yield begin, opcode, size
+        begin += size
+
+
+def _record_at(stream: BinaryIO, begin: int, opcode: int, size: int) -> McapRecord:
+    """Return the record of a kind that begins at a byte of a file."""
+    if size > LARGEST:
+        raise ValueError(f'a record of {size} bytes')
+    stream.seek(begin + HEAD.size)
+    return _parsed(opcode, stream.read(size - HEAD.size), 0, size)
+
+
 def _unpacked(chunk: Chunk) -> list[McapRecord]:
-    """Return the records in a chunk, checked by its CRC; messages are most of them."""
+    """Return the records in a chunk, checked by its CRC."""
     if chunk.uncompressed_size > LARGEST:
         raise ValueError(f'a chunk of {chunk.uncompressed_size} bytes')
     stream, size = get_chunk_data_stream(chunk, validate_crc=True)
-    content, found, at = stream.read(size), [], 0
-    while at < size:
-        opcode, length = HEAD.unpack_from(content, at)
-        at += HEAD.size
-        if opcode == Opcode.MESSAGE:
-            channel, sequence, time, published = MESSAGE.unpack_from(content, at)
-            data = content[at + MESSAGE.size:at + length]
-            found.append(Message(channel, time, data, published, sequence))
-        elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
-            kind = Schema if opcode == Opcode.SCHEMA else Channel
-            found.append(kind.read(ReadDataStream(BytesIO(content[at:at + length]))))
-        at += length
+    content, found, begin = stream.read(size), [], 0
+    while begin < size:
+        opcode, length = HEAD.unpack_from(content, begin)
+        begin, end = begin + HEAD.size, begin + HEAD.size + length
+        if opcode in KINDS:
+            found.append(_parsed(opcode, content, begin, end))
+        begin = end
     return found
 
 
-def _read_at(stream: BinaryIO, place: tuple[int, Any]) -> McapRecord:
-    """Read the record at an offset, of a kind."""
-    offset, kind = place
-    stream.seek(offset + HEAD.size)
-    record: McapRecord = kind.read(ReadDataStream(stream))
+def _parsed(opcode: int, content: bytes, begin: int, end: int) -> McapRecord:
+    """Return the record of a kind that stands between two bytes, behind its head."""
+    if opcode == Opcode.MESSAGE:        # most are
+        channel, sequence, time, published = MESSAGE.unpack_from(content, begin)
+        return Message(channel, time, content[begin + MESSAGE.size:end], published, sequence)
+    record: McapRecord = KINDS[opcode].read(ReadDataStream(BytesIO(content[begin:end])))
     return record
 
 

@@ -117,10 +117,10 @@ def recompute(path: str | Path, node: str | None = None, progress: Progress | No
     Differences are absolute; NaN against NaN is none, NaN against a number infinite. Memory hardly
     grows with the bag. ``node``: its name, if a bag of ``ros2 bag`` has several. Raises BagError.
     """
-    bag = Bag(path)
+    bag = Bag(path, progress)
     origin = origin_of(bag, node)
     recomputation = Recomputation(bag, origin)
-    for raw in bag.raw(set(origin.topics.values()), progress=progress):
+    for raw in bag.raw(set(origin.topics.values())):
         recomputation.take(raw)
     if bag.damage:
         raise BagError(f'{bag.path}: {bag.damage[0]}; fourbar bag recover keeps the rest')

@@ -36,13 +36,13 @@ def recover(path: str | Path, out: str | Path | None = None, progress: Progress 
     only read. ``progress`` is called with the number of bytes read. Raises BagError if nothing can
     be read, or the new bag exists.
     """
-    bag = Bag(path)
+    bag = Bag(path, progress)
     out = Path(out) if out else beside(bag.path)
     if out.exists():
         raise BagError(f'{out}: exists already')
     with metadata.folder_beside(out) as folder:
-        files = [_copied(bag, place, folder / f'{out.name}_{metadata.number_of(file)}.mcap',
-                         progress) for place, file in enumerate(bag.files)]
+        files = [_copied(bag, place, folder / f'{out.name}_{metadata.number_of(file)}.mcap')
+                 for place, file in enumerate(bag.files)]
         bag.check()
         if not any(file['topics_with_message_count'] for file in files):
             raise BagError(f'{path}: nothing to recover: it holds no topic that can be read')
@@ -60,7 +60,7 @@ def beside(path: Path) -> Path:
                           + '_recovered')
 
 
-def _copied(bag: Bag, place: int, path: Path, progress: Progress | None) -> metadata.Metadata:
+def _copied(bag: Bag, place: int, path: Path) -> metadata.Metadata:
     """Copy the readable records of a file to a new one; return its metadata."""
     about = bag.about_of(place)
     counts: Counter[int] = Counter()
@@ -70,7 +70,7 @@ def _copied(bag: Bag, place: int, path: Path, progress: Progress | None) -> meta
     with open(path, 'xb') as stream:
         writer = Writer(stream, enable_data_crcs=True)
         writer.start('ros2', 'fourbar_ros recover')
-        for record in bag.contents(place, progress):
+        for record in bag.contents(place):
             if isinstance(record, Schema) and record.id not in schemas:
                 schemas[record.id] = record, writer.register_schema(
                     record.name, record.encoding, record.data)

@@ -31,7 +31,7 @@ def export(path: str | Path, out: str | Path, kind: str | None = None,
     arrays of bytes. ``out`` stands there only when it is complete. Raises BagError;
     MissingPackage without pyarrow.
     """
-    bag, out = Bag(path), Path(out)
+    bag, out = Bag(path, progress), Path(out)
     ending = out.suffix.removeprefix('.')
     kind = kind or (ending if ending in FORMATS else 'csv')
     names = list(topics or bag.types)
@@ -45,7 +45,7 @@ def export(path: str | Path, out: str | Path, kind: str | None = None,
         raise BagError(f'{out}: a .{kind} file holds one topic; name it, or give a folder')
     if out.exists():
         raise BagError(f'{out}: exists already')
-    tables = _tables(bag, names, progress)
+    tables = _tables(bag, names)
     if bag.damage:
         raise BagError(f'{bag.path}: {bag.damage[0]}; fourbar bag recover keeps the rest')
     with folder_beside(out) as folder:
@@ -61,10 +61,10 @@ def export(path: str | Path, out: str | Path, kind: str | None = None,
     return {name: len(table['log_time']) for name, table in tables.items()}
 
 
-def _tables(bag: Bag, topics: Collection[str], progress: Progress | None) -> dict[str, TopicTable]:
+def _tables(bag: Bag, topics: Collection[str]) -> dict[str, TopicTable]:
     """Return {table: its columns}; ``fourbar.state`` is the topic /fourbar/state."""
     parts: dict[str, list[TopicTable]] = {}
-    for columns in bag.columns(topics, progress):
+    for columns in bag.columns(topics):
         parts.setdefault(columns.topic, []).append(table_of(columns))
     return {topic.strip('/').replace('/', '.'): _joined(tables) for topic, tables in parts.items()}
 

@@ -184,7 +184,7 @@ def test_a_chunk_hit_in_a_cut_file_is_named_and_the_others_are_kept(whole, tmp_p
         assert info(file).damage and not info(file).is_sound
         assert main(['bag', 'recover', str(file), '-o', str(tmp_path / f'out{which}')]) == 3
         said = capsys.readouterr().out
-        assert said.count('damaged: cut_0.mcap, before byte') == 1 and 'nothing lost' not in said
+        assert said.count('damaged: cut_0.mcap, at byte') == 1 and 'nothing lost' not in said
         assert raws(tmp_path / f'out{which}') == expected
     # the first one describes the topics: without it, and without an end, messages have none
     spoiled = bytearray(data[:chunks[29][2]])
