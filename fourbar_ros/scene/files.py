@@ -14,10 +14,6 @@ import yaml
 
 NODE = '/fourbar'
 TABLE = re.compile(r'forces\.\w+\.table')
-# PyYAML's problems as a user sees them
-IN_WORDS = {'<block end>': 'it is indented unlike the lines above it',
-            "'<stream end>'": 'a bracket is open', 'end of stream': 'a quote is open',
-            'mapping values are not allowed': 'a second colon, or indented unlike the line above'}
 NO_BLANK = re.compile(r'(?:^|[\s{,])([A-Za-z][\w.]*):([^\s:/,}]+)')
 
 
@@ -129,24 +125,17 @@ def sections(path: str | Path) -> dict[str, YamlTree]:
 
 
 def _why_no_yaml(text: str, error: Exception) -> str:
-    """Return ``, line N: not YAML that ROS reads: REASON``, the reason in words for a user."""
-    mark = getattr(error, 'problem_mark', None)
-    problem = getattr(error, 'problem', None)
-    if mark is None:
-        why = problem or getattr(error, 'reason', 'nested too deeply')
-        return f': not YAML that ROS reads: {" ".join(str(why).split())}'
-    lines, at = text.splitlines(), mark.line
-    why = ' '.join(str(problem or error).split())
-    for line in (at, at - 1):          # YAML often sees it a line later
-        match = NO_BLANK.search(lines[line]) if 0 <= line < len(lines) else None
+    """Return ``, line N: not YAML that ROS reads: REASON``."""
+    mark, lines = getattr(error, 'problem_mark', None), text.splitlines()
+    problem = getattr(error, 'problem', None) or getattr(error, 'reason', 'nested too deeply')
+    place, why = mark and mark.line, ' '.join(str(problem).split())
+    for at in (place, place - 1) if mark else ():       # YAML often sees it a line later
+        match = NO_BLANK.search(lines[at]) if 0 <= at < len(lines) else None
         if match:
-            at, why = line, f'a blank is missing behind the colon: {match[1]}: {match[2]}'
+            place, why = at, f'a blank is missing behind the colon: {match[1]}: {match[2]}'
             break
-    else:
-        if at < len(lines) and '\t' in lines[at]:
-            why = 'a tab: YAML takes blanks only'
-        why = next((words for part, words in IN_WORDS.items() if part in why), why)
-    return f', line {at + 1}: not YAML that ROS reads: {why}'
+    where = f', line {place + 1}' if mark else ''
+    return f'{where}: not YAML that ROS reads: {why}'
 
 
 def parse(text: str) -> Any:

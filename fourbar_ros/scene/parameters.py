@@ -195,26 +195,15 @@ def check_value(parameter: Parameter, value: Any) -> Any:
 
 
 def _wanted(parameter: Parameter, value: Any) -> str:
-    """Return the type of a parameter in words, with a guess at the intended value."""
+    """Return the type of a parameter in words, with its unit."""
     if parameter.words:
         return 'one of ' + ', '.join(f'{number} or {word}' for word, number
                                      in parameter.words.items())
     if parameter.type == 'double':
-        return f'a number{f" in {parameter.unit}" * bool(parameter.unit)}' + _meant(parameter,
-                                                                                    value)
+        return f'a number in {parameter.unit}' if parameter.unit else 'a number'
     if parameter.type == 'integer' and isinstance(value, float) and value.is_integer():
         return f'a whole number: {value:.0f}'
     return IN_WORDS[parameter.type]
-
-
-def _meant(parameter: Parameter, value: Any) -> str:
-    """Return ': 0.05' for a text such as 50mm or 0,05 that means a number; else an empty text."""
-    if not isinstance(value, str):
-        return ''
-    from fourbar_ros.scene.units import in_unit  # good scenes do without
-    with_point = value.replace(',', '.') if value.count(',') == 1 else value
-    number = in_unit(with_point, parameter.unit)
-    return f': {number:.9g}' if number is not None and isfinite(number) else ''
 
 
 def _check_number(parameter: Parameter, value: float) -> None:

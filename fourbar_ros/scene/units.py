@@ -68,21 +68,6 @@ def measured(text: str, *dimensions: str) -> Measured:
     return value
 
 
-def in_unit(text: str, unit: str) -> float | None:
-    """
-    Return the number of a text with a unit, in a unit of a scene; None if it does not fit.
-
-    >>> in_unit('50mm', 'm'), in_unit('90deg', 'rad'), in_unit('3 N', 'm')
-    (0.05, 1.5707963267948966, None)
-    """
-    dimensions = [name for name, units in UNITS.items() if set(unit.split(' or ')) & set(units)]
-    try:
-        value = measured(text, *dimensions)
-    except ArgumentTypeError:
-        return None
-    return value * DEGREE if value.dimension == 'angle' else float(value)
-
-
 def of(*dimensions: str) -> Callable[[str], Measured]:
     """Return the ``type=`` of an argument with one of these dimensions."""
     return lambda text: measured(text, *dimensions)

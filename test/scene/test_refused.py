@@ -28,8 +28,8 @@ LONGEST = 200           # characters of an answer
 # and which parameter it names, if another. None leaves a parameter out.
 TABLE = [
     (PAPER, [
-        ('linkage.a1', '50mm', 'must be a number in m: 0.05'),
-        ('linkage.a1', '0,05', 'must be a number in m: 0.05'),
+        ('linkage.a1', '50mm', 'must be a number in m'),
+        ('linkage.a1', '0,05', 'must be a number in m'),
         ('linkage.a1', -0.4, 'must be positive'),
         ('linkage.a1', 0, 'must be positive'),
         ('linkage.a1', inf, 'must be a finite number'),
@@ -47,9 +47,9 @@ TABLE = [
         ('linkages.a1', 0.4, 'did you mean linkage.a1'),
         ('geometry.crank', 0.4, 'unknown parameter'),
         ('drive.speed_rpm', 300, 'did you mean speed?'),
-        ('drive.speed', '300rpm', 'must be a number in rad/s or m/s: 31.4159265'),
+        ('drive.speed', '300rpm', 'must be a number in rad/s or m/s'),
         ('drive.sped', 3.0, 'of drive; did you mean speed?'),
-        ('drive.start', '90deg', 'must be a number in rad or m: 1.57079633'),
+        ('drive.start', '90deg', 'must be a number in rad or m'),
         ('drive.start_deg', 90, 'did you mean start?'),
         ('drive.rate', 1e9, 'must lie in [0.001, 5000]'),
         ('drive.source', 'clock', 'must be one of timer, motion, joint_state, torque, motor'),
@@ -106,7 +106,6 @@ TABLE = [
     ]),
     ({**PAPER, **RODS}, [
         ('bodies.rods.density', 'steel', 'must be a number in kg/m^3'),
-        ('bodies.rods.density', '7.85g/cm^3', 'in kg/m^3: 7850'),
         ({'bodies.rods.density': 7850, 'bodies.rods.width': 0.02},
          'either the radius of round rods or width and thickness', 'bodies.rods.radius'),
         ({'drive.source': 'torque', 'drive.start_speed': -1e300}, 'must lie in [-1e+100, 1e+100]',
