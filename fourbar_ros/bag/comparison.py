@@ -98,29 +98,22 @@ def _differences(one: Array, two: Array) -> dict[str, float]:
         if field not in fields or field not in others:
             largest[field] = inf
             continue
-        largest[field] = largest_difference(one[field], two[field])
-        if largest[field] and one[field].dtype.kind == 'S':
-            parameters = _parameter_differences(one[field], two[field])
-            if parameters is not None:
-                del largest[field]
-                largest.update(parameters)
+        apart = largest_difference(one[field], two[field])
+        largest |= (_parameters_apart(one[field], two[field]) if apart else {}) or {field: apart}
     return largest
 
 
-def _parameter_differences(one: Array, two: Array) -> dict[str, float] | None:
-    """Return {parameter: largest difference} of scenes, which are JSON; None of other texts."""
+def _parameters_apart(one: Array, two: Array) -> dict[str, float]:
+    """Return {parameter: largest difference} of scenes, which are JSON; {} of other texts."""
     largest: dict[str, float] = {}
-    for pair in zip(one.tolist(), two.tolist()):
-        try:
-            a, b = map(json.loads, pair)
+    try:
+        for first, second in zip(one.tolist(), two.tolist()):
+            a, b = json.loads(first), json.loads(second)
             for name in sorted(a.keys() | b.keys()):
-                values = [np.array(texts.get(name)) for texts in (a, b)]
-                if values[0].dtype.kind not in 'biuf' or values[1].dtype.kind not in 'biuf':
-                    apart = 0.0 if a.get(name) == b.get(name) else inf
-                else:
-                    apart = largest_difference(*values)
-                if apart:
-                    largest[name] = max(largest.get(name, 0.0), apart)
-        except (ValueError, AttributeError):
-            return None
+                x, y = a.get(name), b.get(name)
+                if x != y and not (x != x and y != y):      # NaN: not given
+                    are_numbers = isinstance(x, (int, float)) and isinstance(y, (int, float))
+                    largest[name] = max(largest.get(name, 0.0), abs(x - y) if are_numbers else inf)
+    except (ValueError, TypeError, AttributeError):
+        return {}
     return largest

@@ -38,7 +38,6 @@ import numpy as np
 
 BLOCK = 5000                # motions that are compared together
 UNSETTLED = 200_000_000     # [ns] around a change, in which a bag of rosbag2 has no sure order
-DUST = 1e-90, 1e-60     # of this size are what version 1.0.0 recorded for 0, omega3 = 2.6e-74
 # fields of standard messages that a planar linkage leaves 0
 PLANAR = ('wrench.force.z', 'wrench.torque.x', 'wrench.torque.y')
 STOPPED, NEAR_A_CHANGE, BEFORE_THE_FILE, UNTOLD = (
@@ -302,12 +301,8 @@ class Recomputation:
                         **self._constant}
         for field, value in expectations.items():
             if field in fields:
-                expected, recorded = _rows(value, len(its)), records[field]
-                if recorded.dtype.kind == 'f':
-                    size = abs(recorded)
-                    is_dust = (expected == 0.0) & (DUST[0] < size) & (size < DUST[1])
-                    recorded = np.where(is_dust, 0.0, recorded)
-                self._note(name, field, largest_difference(expected, recorded))
+                self._note(name, field, largest_difference(_rows(value, len(its)),
+                                                           records[field]))
 
     def _without_motion(self, name: str, record: Array, time: int) -> None:
         """Count an output whose motion is not in the bag, by the likely reason."""
