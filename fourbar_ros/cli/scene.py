@@ -4,13 +4,14 @@
 from __future__ import annotations
 
 from argparse import Namespace
+from collections.abc import Iterable
 from timeit import repeat
 from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.cli.common import add_scene, Verbs, warn
 from fourbar_ros.scene.parameters import of_name
 from fourbar_ros.scene.scene import Group, load, Scene
-from fourbar_ros.scene.topics import BASES, INPUTS, OUTPUTS, PICTURES, TORQUE, wrench_topic
+from fourbar_ros.scene.topics import OUTPUTS, PICTURES, Topic
 from fourbar_ros.terminal import make_console, make_table
 
 if TYPE_CHECKING:
@@ -57,14 +58,15 @@ def _check(arguments: Namespace) -> None:
         from fourbar_ros.description.formats import check_pictures
         check_pictures(scene)
     console.print(f'{arguments.scene}: valid. {linkage.description}, mode {linkage.mode}.')
-    for line in (_drive_in_words(scene), *_inputs_in_words(scene), *_without_mass(scene)):
+    for line in _without_mass(scene):
         console.print(line)
     if drive.source == 'timer' and not linkage.turns_fully:
         console.print(_leaves_the_range(linkage, drive))
     others = [name for name in (*OUTPUTS, *PICTURES) if name not in scene.outputs]
     not_created = [f'not created: {", ".join(others)}'] if others else []
-    for part in (_outputs_table(scene), *not_created, _changed_table(scene),
-                 _cost_in_words(scene)):
+    received = [_topics_table('inputs', scene.received)] if scene.received else []
+    outputs = _topics_table('outputs', [*scene.topics.values(), *scene.pictures.values()])
+    for part in (*received, outputs, *not_created, _changed_table(scene), _cost_in_words(scene)):
         console.print()
         console.print(part)
     if arguments.error:
@@ -92,48 +94,10 @@ def _leaves_the_range(linkage: Mechanism, drive: Group) -> str:
     return f'note: the input cannot turn fully: the timer will drive it out of {allowed} {policy}'
 
 
-def _drive_in_words(scene: Scene) -> str:
-    """Return a sentence on what moves the input: the timer, a topic, or a torque."""
-    drive, unit = scene.drive, scene.linkage.input_coordinate.unit
-    if drive.source == 'timer':
-        return (f'The timer drives the input at {drive.speed:g} {unit}/s from {drive.start:g} '
-                f'{unit}, with {drive.rate:g} samples per second.')
-    if scene.dynamics:
-        source = (f'{TORQUE.type} on {TORQUE.topic}' if drive.source == 'torque'
-                  else f'a motor ({scene.values["motor.kind"]})')
-        shaft = scene.dynamics.drive.shaft
-        coupled = f'through a shaft of {shaft.stiffness:g} N m/rad' if shaft else 'rigidly'
-        return (f'The motion follows from torque: {source}, coupled {coupled}, starts at '
-                f'{drive.start:g} {unit} with {drive.start_speed:g} {unit}/s; {drive.rate:g} '
-                'samples per second.')
-    topic = INPUTS[drive.source]
-    joint = f', joint {drive.joint}' if drive.joint else ''
-    return (f'Each {topic.type} on {topic.topic}{joint} makes one step; missing rates are '
-            f'estimated from {drive.window} samples.')
-
-
-def _outputs_table(scene: Scene) -> Table:
-    table = make_table('outputs', ('name', 'topic', 'type', ''))
-    for topic in (*scene.topics.values(), *scene.pictures.values()):
-        table.add_row(topic.name, topic.topic, topic.type, 'loads' if topic.needs_loads else '')
-    return table
-
-
-def _inputs_in_words(scene: Scene) -> list[str]:
-    """Return a line for each wrench, and the base, that the node takes from a topic."""
-    wrenches, lines = scene.wrenches, []
-    for link in wrenches.links:
-        topic, frame = wrench_topic(link), scene.frame_id
-        lines.append(f'{topic.type} on {topic.topic} acts on the {link}, in frame {frame} or "".')
-    if lines:
-        lines.append(f'A link without one for {wrenches.timeout:g} s: loads are '
-                     + {'unknown': 'NaN', 'constant': 'those of the constants of the scene',
-                        'hold': 'those of the last wrench'}[wrenches.when_silent] + '.')
-    if scene.base.topic:
-        topic = BASES[scene.base.topic]
-        lines.append(f'{topic.type} on {topic.topic} tells how the base moves, in frame '
-                     f'{scene.base.frame_id or scene.frame_id} or "".')
-    return lines
+def _topics_table(title: str, topics: Iterable[Topic]) -> Table:
+    return make_table(title, ('name', 'topic', 'type', ''), [
+        (topic.name, topic.topic, topic.type, 'loads' if topic.needs_loads else '')
+        for topic in topics])
 
 
 def _changed_table(scene: Scene) -> Table:
