@@ -22,7 +22,7 @@ from fourbar_ros.dynamics.sources import (
     SpeedController,
 )
 from fourbar_ros.mechanisms.kinds import AT_MOVING_JOINTS, DIMENSIONS, FACTS
-from fourbar_ros.mechanisms.parts import GROUND
+from fourbar_ros.mechanisms.parts import GROUND, Length
 from fourbar_ros.numerics.given import FASTEST, quantities_of
 from fourbar_ros.scene.topics import (
     BASES,
@@ -94,19 +94,16 @@ def _table(*parameters: Parameter) -> dict[str, Parameter]:
 # --- the linkage ---------------------------------------------------------------------------------
 
 def _length(name: str) -> Parameter:
-    """Return the parameter of a length; a text that is not of every kind names its kinds."""
-    lengths = {kind: length for kind, its in FACTS.items() for length in its.lengths
-               if length.name == name}
-    texts: dict[str, list[str]] = {}
-    for kind, length in lengths.items():
-        texts.setdefault(length.text, []).append(kind)
-    is_in_all = len(lengths) == len(FACTS)
-    text = next(iter(texts)) if is_in_all and len(texts) == 1 else '; '.join(
-        f'{text} ({", ".join(kinds)})' for text, kinds in texts.items())
-    if any(length.signed for length in lengths.values()):
-        return Parameter(f'linkage.{name}', 'double', 0.0, 'm', text)
-    return Parameter(f'linkage.{name}', 'double', nan, 'm',
-                     text + ' (all kinds but machine)' * is_in_all, positive=True)
+    """Return the parameter of a length, whose text names the kinds that have it."""
+    kinds: dict[Length, list[str]] = {}
+    for kind, facts in FACTS.items():
+        for length in facts.lengths:
+            if length.name == name:
+                kinds.setdefault(length, []).append(kind)
+    text = '; '.join(f'{length.text} ({", ".join(names)})' for length, names in kinds.items())
+    is_signed = any(length.signed for length in kinds)
+    return Parameter(f'linkage.{name}', 'double', 0.0 if is_signed else nan, 'm', text,
+                     positive=not is_signed)
 
 
 # of all kinds together: names of the lengths
