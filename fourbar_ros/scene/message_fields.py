@@ -22,6 +22,8 @@ from fourbar_ros.numerics.arrays import Array
 # does not have are NaN; further links and joints have links/NAME, reactions/NAME.
 STATE_FIELDS = (*THETA1, *THETA2, *THETA3, *THETA4, *BETA, 'transmission_angle', 'velocity_ratio',
                 'condition', *TRAVEL)
+MOTION = ('position', 'velocity', 'acceleration')
+WRENCH = ('wrench.force.x', 'wrench.force.y', 'wrench.torque.z')
 OF_JOINTS = ('position', 'velocity', 'effort')          # of a JointState
 DRIVE_WRENCH = ('drive wrench force_x', 'drive wrench force_y', 'drive wrench torque')
 EQUATION = ('inertia', 'inertia_slope', 'bias', 'static_torque', 'torque_of_rest')
@@ -89,50 +91,57 @@ def layout(mechanism: Mechanism, points: Iterable[str], outputs: Collection[str]
     ``with_effort``: joint_states have it; ``own_joints``: they show scaled values of
     :mod:`fourbar_ros.pipeline.joints`, not the motion itself; ``shown``: of which joints.
     """
-    names = mechanism.MOTION._fields + mechanism.LOADS._fields
+    known = mechanism.MOTION._fields + mechanism.LOADS._fields
     driven, (output, ratio) = mechanism.input_coordinate, mechanism.outputs[0]
-    joints = [joint.coordinate for joint in mechanism.JOINTS]
-    motion = ('position', 'velocity', 'acceleration')
-    wrench = ('wrench.force.x', 'wrench.force.y', 'wrench.torque.z')
+    joints = tuple((joint.coordinate, _effort(joint.coordinate, driven))
+                   for joint in mechanism.JOINTS)
     # a machine may call its input otherwise than LinkageState does
     state = THETA1 if driven.unit == 'rad' else TRAVEL
-    renamed = {} if state.position in names else dict(zip(state, driven))
-    own: dict[str, Mapping[str, Source]] = {
-        f'points/{point}': {name: f'{point}.{name}' for name in PointMotion._fields}
-        for point in points}
-    own |= {f'links/{link.name}': {name: f'link {link.name}.{name}' for name in LinkFields._fields}
-            for link in mechanism.LINKS if 'links' in outputs}
-    if 'equation' in outputs:
-        own['equation'] = {name: f'equation {name}' for name in EQUATION}
-    if 'inertia' in outputs:
-        own['inertia'] = dict(zip(('inertia.m', 'inertia.com.x', 'inertia.com.y', 'inertia.izz'),
-                                  [f'rigid {name}' for name in RIGID]))
+    renamed = {} if state.position in known else dict(zip(state, driven))
     fields: dict[str, Mapping[str, Source]] = {
-        'driven': dict(zip(motion, driven)),
-        'output': dict(zip(motion, output)),
+        'driven': dict(zip(MOTION, driven)),
+        'output': dict(zip(MOTION, output)),
         'state': {'velocity_ratio': ratio, **renamed,
-                  **{name: name for name in STATE_FIELDS if name in names}},
-        'loads': {name: name for name in LOADS if name in names},
-        'shaking_wrench': dict(zip(wrench, ('shaking_force_x', 'shaking_force_y',
+                  **{name: name for name in STATE_FIELDS if name in known}},
+        'loads': {name: name for name in LOADS if name in known},
+        'shaking_wrench': dict(zip(WRENCH, ('shaking_force_x', 'shaking_force_y',
                                             'shaking_moment'))),
-        'joint_states': _joint_states(joints, driven, with_effort, own_joints, shown),
-        **own,
-        **{f'reactions/{reaction.joint}': dict(zip(wrench, filter(None, (
-            reaction.x, reaction.y, reaction.couple)))) for reaction in mechanism.REACTIONS},
-    }
+        **{f'reactions/{reaction.joint}': dict(zip(WRENCH, filter(None, (
+            reaction.x, reaction.y, reaction.couple)))) for reaction in mechanism.REACTIONS}}
     absent = {'state': tuple(name for name in STATE_FIELDS if name not in fields['state']),
-              'loads': tuple(name for name in LOADS if name not in names)}
-    for sources in own.values():
-        names += tuple(map(str, sources.values()))
+              'loads': tuple(name for name in LOADS if name not in known)}
+    names = list(known)         # of the values of a sample, in their order
+
+    def add(name: str, sources: dict[str, str]) -> None:
+        """Let an output show values of its own, which follow those so far."""
+        fields[name] = sources
+        names.extend(sources.values())
+
+    for point in points:
+        add(f'points/{point}', {name: f'{point}.{name}' for name in PointMotion._fields})
+    for link in mechanism.LINKS if 'links' in outputs else ():
+        add(f'links/{link.name}',
+            {name: f'link {link.name}.{name}' for name in LinkFields._fields})
     if 'equation' in outputs:
-        fields['equation'] = {**dict(zip(motion[:2], driven)), **own['equation']}
+        add('equation', {name: f'equation {name}' for name in EQUATION})
+        fields['equation'] = {**dict(zip(MOTION[:2], driven)), **fields['equation']}
+    if 'inertia' in outputs:
+        add('inertia', dict(zip(('inertia.m', 'inertia.com.x', 'inertia.com.y', 'inertia.izz'),
+                                [f'rigid {name}' for name in RIGID])))
     if 'drive_wrench' in outputs:
-        fields['drive_wrench'] = dict(zip(wrench, DRIVE_WRENCH))
-        names += DRIVE_WRENCH
+        add('drive_wrench', dict(zip(WRENCH, DRIVE_WRENCH)))
+    sources: list[tuple[str | None, ...]] = [
+        tuple(joint.position for joint, _ in joints), tuple(joint.rate for joint, _ in joints),
+        tuple(effort for _, effort in joints)]
     if own_joints:
-        names += joint_values(len(joints))
-    return FieldMap(fields, absent, {name: i for i, name in enumerate(names)},
-                    tuple((joint, _effort(joint, driven)) for joint in joints))
+        scaled, count = joint_values(len(joints)), len(joints)
+        names += scaled
+        sources = [scaled[i:i + count] for i in (0, count, 2 * count)]
+    fields['joint_states'] = {
+        field: tuple(of_joints[place] for place in shown)
+        for field, of_joints in zip(OF_JOINTS, sources)
+        if field != 'effort' or with_effort}         # else empty in the message: not known
+    return FieldMap(fields, absent, {name: i for i, name in enumerate(names)}, joints)
 
 
 def _effort(joint: Coordinate, driven: Coordinate) -> str | None:
@@ -140,22 +149,6 @@ def _effort(joint: Coordinate, driven: Coordinate) -> str | None:
     if joint != driven:
         return None
     return 'driving_torque' if driven.unit == 'rad' else 'driving_force'
-
-
-def _joint_states(joints: Sequence[Coordinate], driven: Coordinate, with_effort: bool, own: bool,
-                  shown: Sequence[int]) -> dict[str, Source]:
-    """Return {field of a JointState: names of the values of joints}; ``own``: scaled ones."""
-    sources: list[tuple[str | None, ...]] = [
-        tuple(joint.position for joint in joints), tuple(joint.rate for joint in joints),
-        tuple(_effort(joint, driven) for joint in joints)]
-    if own:
-        names, count = joint_values(len(joints)), len(joints)
-        sources = [names[count * i:count * (i + 1)] for i in range(len(OF_JOINTS))]
-    fields: dict[str, Source] = {field: tuple(names[place] for place in shown)
-                                 for field, names in zip(OF_JOINTS, sources)}
-    if not with_effort:
-        del fields['effort']                             # empty in the message: not known
-    return fields
 
 
 def driven_of(message: Any, joint: str = '') -> Any:
