@@ -151,8 +151,10 @@ class GeneratedModel:
         def make_formula(n: NumberType, data: Any) -> Function:
             """Return the formula (three inputs) -> (motion, loads, points), of some numbers."""
             constants, places = data
-            external = make_external(n, mechanism, elements) if elements else None
             parametric = with_any_lengths(mechanism, constants.lengths)
+            # the lengths of motion by torque are fixed
+            lengths = None if self.moves_by_torque else constants.lengths
+            external = make_external(n, mechanism, elements, lengths) if elements else None
             points = [make_point(n, parametric, point.link, *place)
                       for point, place in zip(self.scene.points.values(), places)]
             motion_of = mechanism.motion_formula(n, constants)

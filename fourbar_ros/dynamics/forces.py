@@ -17,7 +17,7 @@ from fourbar_ros.errors import FourBarError, InvalidParameter, MissingBodies
 from fourbar_ros.mechanics.bodies import Applied, applied_to, unchecked
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import GROUND, NamedFields
-from fourbar_ros.mechanisms.points import FIXED, LinkMotion, point_of
+from fourbar_ros.mechanisms.points import FIXED, LinkMotion, point_of, with_any_lengths
 from fourbar_ros.numerics.number_types import ARRAY, NumberType, REAL
 import numpy as np
 from numpy.typing import ArrayLike
@@ -25,15 +25,17 @@ from numpy.typing import ArrayLike
 Loaded = Callable[[float, float], Union[Mechanism, None]]
 
 
-def make_external(n: NumberType, linkage: Mechanism, elements: Sequence[Element]
-                  ) -> Callable[[NamedFields, Any, Any], Any]:
+def make_external(n: NumberType, linkage: Mechanism, elements: Sequence[Element],
+                  lengths: Sequence[Any] | None = None) -> Callable[[NamedFields, Any, Any], Any]:
     """
     Return the function (motion, input, constant forces) -> forces on all links, with elements.
 
     Those of a link with elements act at the place of its constant force; what acts on the ground
     is left out. A link without elements keeps its constant force. Not checked to be finite;
-    arguments and result are of the number type ``n``.
+    arguments and result are of the number type ``n``, and so are ``lengths``, if other ones are
+    given than those of the linkage.
     """
+    moving = linkage if lengths is None else with_any_lengths(linkage, lengths)
     named = links_of(elements, linkage)
     springs = [element for element in elements if not isinstance(element, PositionForce)]
     pushes = [(element, element.make_value(linkage)) for element in elements
@@ -41,7 +43,7 @@ def make_external(n: NumberType, linkage: Mechanism, elements: Sequence[Element]
 
     def external(motion: NamedFields, position: Any, constant: Any) -> Any:
         """Return a record {link: :class:`Applied`}."""
-        motions = {link: linkage.link_motion(motion, link) for link in named}
+        motions = {link: moving.link_motion(motion, link) for link in named}
         motions[GROUND] = FIXED
         acting = [force for spring in springs for force in spring.forces(n, motions)]
         acting += [force for element, value in pushes for force in

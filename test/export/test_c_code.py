@@ -247,6 +247,21 @@ def test_points_follow_the_lengths(name, lengths, tmp_path):
     assert not said, said
 
 
+def test_forces_over_the_place_of_a_point_follow_the_lengths(tmp_path):
+    scene = from_values({
+        **load_scene('paper').values, 'points.p.link': 'coupler', 'points.p.along': 0.5,
+        'forces.push.link': 'coupler', 'forces.push.along': 0.7, 'forces.push.across': 0.2,
+        'forces.push.acts': 'y', 'forces.push.over': 'p.x',
+        'forces.push.places': [-1.0, 0.2, 0.6, 2.0],
+        'forces.push.values': [10.0, 200.0, -30.0, 100.0]})
+    code, other = Code(scene, tmp_path, 'pushed'), replace(scene.bare_linkage, a1=0.35)
+    inputs = random_inputs(other, 2, 300)
+    values = [0.35 if one.name == 'a1' else one.value for one in code.model.tunable]
+    said = differences(code.compiled(*C)(inputs, values), of_python(
+        other, scene.points, inputs, scene.make_loaded(other)), len(code.model.motion))
+    assert not said, said
+
+
 def test_numbers_folded_in_have_the_same_bits_and_less_is_written(tmp_path):
     scene = load_scene('paper')
     whole, folded = (Code(scene, tmp_path / name, 'paper', **options) for name, options in (
