@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What is given: every public function converts it to doubles or refuses it by name."""
 import copy
-from dataclasses import replace
+from dataclasses import astuple, replace
 from datetime import datetime
 from decimal import Decimal
 from fractions import Fraction
@@ -71,8 +71,10 @@ def test_other_numbers_are_computed_with_as_doubles(case, made):
     rng = np.random.default_rng(600)
     lengths, given = contract.draw(rng, case)
     masses = contract.random_masses(rng, case, 1.0, 1.0)
-    one = case.make(map(made, lengths), [*map(made, masses)])
-    other = case.make([float(made(v)) for v in lengths], [float(made(v)) for v in masses])
+    one, other = (case.make(map(to, lengths), {
+        'bodies': [Body(*map(to, astuple(body))) for body in masses['bodies']],
+        'external': [Applied(*map(to, astuple(push))) for push in masses['external']],
+        'gravity': [*map(to, masses['gravity'])]}) for to in (made, lambda v: float(made(v))))
     assert one == other and all(type(v) is float
                                 for v in (*one.lengths, *one.gravity, one.bodies.crank.mass))
     given = [made(v) for v in given]

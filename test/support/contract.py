@@ -16,7 +16,6 @@ from fourbar_ros import (
     Applied,
     Bodies,
     Body,
-    External,
     FourBar,
     InvalidParameter,
     InvertedSlider,
@@ -45,37 +44,11 @@ class Case(NamedTuple):
         """Return whether the input is an angle."""
         return self.kind.INPUTS[self.driven].position.startswith('theta')
 
-    @property
-    def bodies(self):
-        """Return the type of its bodies: a field for each moving link."""
-        return getattr(self.kind, 'BODIES', Bodies)
-
-    @property
-    def external(self):
-        """Return the type of its external loads: a field for each link that can be loaded."""
-        return getattr(self.kind, 'EXTERNAL', External)
-
     def make(self, lengths, masses=None, **others):
         """Return the mechanism; ``masses``: what :func:`random_masses` returns."""
         if len(self.kind.INPUTS) > 1:
             others['input'] = self.driven
-        if masses is not None:
-            bodies, applied, gravity = self.pieces(masses)
-            others.update(
-                bodies=self.bodies(*(Body(*b) for b in bodies)),
-                gravity=tuple(gravity),
-                external=self.external(*(Applied(*a) for a in applied)),
-            )
-        return self.kind(*lengths, mode=self.mode, **others)
-
-    def pieces(self, values):
-        """Split a flat list into bodies (four numbers), applied loads (five) and gravity."""
-        count, first = len(self.bodies._fields), 4 * len(self.bodies._fields)
-        return (
-            [values[4 * i: 4 * i + 4] for i in range(count)],
-            [values[first + 5 * i: first + 5 * i + 5] for i in range(len(self.external._fields))],
-            values[-2:],
-        )
+        return self.kind(*lengths, mode=self.mode, **(masses or {}), **others)
 
 
 def modes_of(kind, driven):
@@ -111,7 +84,7 @@ every_mechanism = pytest.mark.parametrize('case', [*CASES, MACHINES], ids=name_o
 
 def are_signed(kind):
     """Return for each length whether it may be negative."""
-    return [getattr(length, 'signed', length == 'offset') for length in kind.LENGTHS]
+    return [length.signed for length in kind.LENGTHS]
 
 
 def small(rng, low, high):
@@ -321,21 +294,19 @@ def flat_positions(mechanism):
 
 
 def random_masses(rng, case, reach, speed):
-    """Return numbers for :meth:`Case.pieces`, all of a size that matters."""
-    force, values = reach * speed**2, []
-    for _ in case.bodies._fields:
-        values += [
-            rng.uniform(0.1, 10.0),
-            *(rng.uniform(-1.0, 1.0, 2) * reach),
-            rng.uniform(0.0, 1.0) * reach**2,
-        ]
-    for _ in case.external._fields:
-        values += [
-            *(rng.uniform(-5.0, 5.0, 2) * force),
-            *(rng.uniform(-1.0, 1.0, 2) * reach),
-            rng.uniform(-5.0, 5.0) * force * reach,
-        ]
-    return [float(v) for v in (*values, *(rng.uniform(-1.0, 1.0, 2) * force))]
+    """Return bodies, external loads and gravity, all of a size that matters."""
+    force = reach * speed**2
+
+    def numbers(*values):
+        return [float(value) for value in values]
+    bodies = [Body(*numbers(rng.uniform(0.1, 10.0), *(rng.uniform(-1.0, 1.0, 2) * reach),
+                            rng.uniform(0.0, 1.0) * reach**2)) for _ in case.kind.BODIES._fields]
+    external = [Applied(*numbers(*(rng.uniform(-5.0, 5.0, 2) * force),
+                                 *(rng.uniform(-1.0, 1.0, 2) * reach),
+                                 rng.uniform(-5.0, 5.0) * force * reach))
+                for _ in case.kind.EXTERNAL._fields]
+    return {'bodies': case.kind.BODIES(*bodies), 'external': case.kind.EXTERNAL(*external),
+            'gravity': tuple(numbers(*(rng.uniform(-1.0, 1.0, 2) * force)))}
 
 
 def ordinary(case, seed, count):

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Single values, arrays, some fields of them, other units of length."""
 
-from fourbar_ros import Applied, InvalidParameter
+from fourbar_ros import Applied, Body, InvalidParameter
 from fourbar_ros.mechanisms.quantities import known_quantities
 import numpy as np
 import pytest
@@ -52,20 +52,12 @@ def test_scaling_by_a_power_of_two_changes_no_bit(case, power):
     """
     scale, exponents = 2.0**power, {}
     for mechanism, given in contract.ordinary(case, 213, 5):
-        bodies = [
-            type(b)(b.mass / scale, b.cg_along * scale, b.cg_across * scale, b.inertia * scale)
-            for b in mechanism.bodies
-        ]
-        external = [
-            Applied(a.force_x, a.force_y, a.along * scale, a.across * scale, a.couple * scale)
-            for a in mechanism.external
-        ]
-        scaled = case.make(
-            [v * scale for v in mechanism.lengths],
-            bodies=case.bodies(*bodies),
-            external=case.external(*external),
-            gravity=tuple(v * scale for v in mechanism.gravity),
-        )
+        bodies = [Body(b.mass / scale, b.cg_along * scale, b.cg_across * scale, b.inertia * scale)
+                  for b in mechanism.bodies]
+        external = [Applied(a.force_x, a.force_y, a.along * scale, a.across * scale,
+                            a.couple * scale) for a in mechanism.external]
+        scaled = case.make([v * scale for v in mechanism.lengths], bodies=bodies,
+                           external=external, gravity=[v * scale for v in mechanism.gravity])
         moved = given if case.turns else [v * scale for v in given]
         for one, other in zip(mechanism.step(*given), scaled.step(*moved)):
             for name, value, values in zip(one._fields, one, other):

@@ -12,40 +12,17 @@ import pytest
 from support import bags, contract
 from support.contract import CASES, every_case, name_of
 from support.samples import some
+from support.scenes import values_of
 
 OUTER = ('state', 'loads')
 NOT_SENT = {'slot_couple'}  # loads of one kind alone, without a field in LinkageLoads
-
-
-def parameters_of(mechanism, name):
-    """Return the parameters of a scene of this mechanism."""
-    kind = type(mechanism)
-    values = {
-        'linkage.kind': name,
-        'linkage.mode': mechanism.mode,
-        'linkage.input': mechanism.input,
-        'gravity.x': mechanism.gravity[0],
-        'gravity.y': mechanism.gravity[1],
-    }
-    names = [getattr(length, 'name', length) for length in kind.LENGTHS]
-    values.update((f'linkage.{length}', value) for length, value in zip(names, mechanism.lengths))
-    for link, body in mechanism.bodies._asdict().items():
-        values.update(
-            (f'bodies.{link}.{field}', getattr(body, field)) for field in body.__dataclass_fields__
-        )
-    for link, push in mechanism.external._asdict().items():
-        values.update(
-            (f'external.{link}.{field}', getattr(push, field))
-            for field in push.__dataclass_fields__
-        )
-    return values
 
 
 @every_case
 def test_a_scene_keeps_every_digit(case):
     """Parameters -> mechanism -> parameters as JSON -> mechanism."""
     for mechanism, given in contract.ordinary(case, 221, 5):
-        scene = scenes.from_values(parameters_of(mechanism, case.name))
+        scene = scenes.from_values(values_of(mechanism, case.name))
         assert scene.linkage == mechanism
         again = scenes.from_values(json.loads(scene.as_json))
         assert again.linkage == mechanism and again.linkage.step(*given) == mechanism.step(*given)
@@ -59,26 +36,15 @@ def test_messages_are_complete(case):
     Every joint and load of the mechanism is in one.
     """
     for mechanism, given in contract.ordinary(case, 222, 2):
-        scene = scenes.from_values(
-            {
-                **parameters_of(mechanism, case.name),
-                'outputs': ['state', 'output', 'joint_states', 'loads', 'shaking_wrench'],
-            }
-        )
+        scene = scenes.from_values(values_of(mechanism, case.name, outputs=[
+            'state', 'output', 'joint_states', 'loads', 'shaking_wrench']))
         motion, loads = scene.linkage.step(*given)
-        sent = {
-            output: scene.layout.expected(output, motion + loads)
-            for output in ('driven', *scene.outputs)
-        }
+        sent = {output: scene.layout.expected(output, motion + loads)
+                for output in ('driven', *scene.outputs)}
         for output in OUTER:
             fields = {name for name, _ in bags.STORE.fielddefs[scene.topics[output].type][1]}
-            assert fields - set(sent[output]) <= {
-                'header',
-                'status',
-                'mode',
-                'change_point_margin',
-            }
-
+            assert fields - set(sent[output]) <= {'header', 'status', 'mode',
+                                                  'change_point_margin'}
         for output, values in (('state', motion), ('loads', loads)):
             for name in set(sent[output]) & set(values._fields):
                 assert sent[output][name] == getattr(values, name), name
@@ -101,7 +67,7 @@ def test_shown_and_drawn(case, tmp_path, capsys):
     pytest.importorskip('matplotlib')
     mechanism, given = next(contract.ordinary(case, 223, 1))
     scene = tmp_path / 'scene.yaml'
-    scene.write_text(json.dumps({'/**': {'ros__parameters': parameters_of(mechanism, case.name)}}))
+    scene.write_text(json.dumps({'/**': {'ros__parameters': values_of(mechanism, case.name)}}))
     at = str(np.degrees(given[0]) if case.turns else given[0])
     assert not main(['show', str(scene), '--at', at, '--speed', '3'])
     text = capsys.readouterr().out
