@@ -127,21 +127,3 @@ def test_what_adds_zero_may_be_left_out(mechanism, acting):
             assert are_equal(name, one, other), name
         for name, other in zip(names_of(mechanism), by_formula(mechanism, *given)):
             assert are_equal(name, mechanism.step(*given, fields=(name,))[0], other), name
-
-
-@pytest.mark.parametrize('size', [8, 400])
-@pytest.mark.parametrize('kind', [SliderCrank, InvertedSlider])
-def test_outside_of_the_stroke_nothing_but_the_input_is_known(kind, size):
-    mechanism = kind(0.9, 0.4, -0.1, input='slide', stroke=(0.7, 0.9), bodies=MASSES,
-                     gravity=(1.0, -9.81), external=External(Applied(3.0, -4.0, 0.1, 0.2, 0.5)))
-    x = np.linspace(0.5, 1.1, size)
-    inside, names = (x >= 0.7) & (x <= 0.9), names_of(mechanism)
-    found = mechanism.step(x, 0.3, 0.1, fields=names)
-    for name, values, whole in zip(names, found, sum(mechanism.step(x, 0.3, 0.1), ())):
-        assert np.array_equal(values, whole, equal_nan=True), name
-        if name in mechanism.input_coordinate:
-            assert np.isfinite(values).all(), name
-        # one, zero, of a slider by its acceleration
-        elif name not in ('slide_ratio', 'driving_torque', 'guide_couple'):
-            assert np.array_equal(np.isfinite(values), inside), name
-    assert np.array_equal(found[names.index('slide')], x)

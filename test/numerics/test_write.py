@@ -14,8 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 import numpy as np
 import pytest
-from support import contract
-from support.contract import every_case
+from support.contract import every_case, every_mechanism
 from support.strategies import mechanisms
 
 
@@ -51,30 +50,22 @@ def bits(values):
     return [(float(value) + 0.0).hex() for value in values]
 
 
-@every_case
+@every_mechanism
 @given(st.data())
 def test_steps_have_the_bits_of_the_formulas(case, data):
-    """With all masses, without gravity, and with bodies of no mass."""
+    """With all masses, without gravity, with bodies of no mass, with other loads or with none."""
     mechanism, its = data.draw(mechanisms(case))
     nothing = type(mechanism.bodies)._make([Body(0.0)] * len(mechanism.bodies))
+    loads = [type(mechanism.external)._make([acting] * len(mechanism.external))
+             for acting in (Applied(), Applied(force_y=2.0), Applied(1.0, -2.0, 0.3, 0.1, 5.0))]
     for one in (mechanism, replace(mechanism, gravity=(0.0, -0.0)),
-                replace(mechanism, bodies=nothing, external=type(mechanism.external)())):
+                replace(mechanism, bodies=nothing, external=loads[0]),
+                *map(mechanism.with_external, loads)):
         motion = one.motion_formula(REAL, one.constants)(*its)
         loads = one.loads_formula(REAL, one.constants)(motion)
         found = one.step(*its)
         assert bits(one.motion(*its)) == bits(motion) == bits(found[0])
         assert bits(found[1]) == bits(loads)
-
-
-@given(mechanisms(contract.MACHINES, dyads=(1, 4), least_sine=0.2))
-def test_steps_of_machines_with_other_loads_are_those_of_the_formulas(drawn):
-    """Also where a load that was zero no longer is, or is no longer there: lines are shared."""
-    mechanism, its = drawn
-    count = len(mechanism.external)
-    for acting in (Applied(), Applied(force_y=2.0), Applied(1.0, -2.0, 0.3, 0.1, 5.0)):
-        one = mechanism.with_external(type(mechanism.external)._make([acting] * count))
-        motion = one.motion_formula(REAL, one.constants)(*its)
-        assert one.step(*its) == (motion, one.loads_formula(REAL, one.constants)(motion))
 
 
 def test_a_line_is_written_once_for_a_structure():
