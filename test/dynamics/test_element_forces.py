@@ -18,6 +18,7 @@ from fourbar_ros.pipeline.stepper import OK, Stepper
 from fourbar_ros.scene import scene
 import numpy as np
 import pytest
+from support.dynamics_problems import samples
 from support.samples import some
 from support.scenes import PAPER, RODS
 
@@ -48,26 +49,15 @@ TORSION = [TorsionSpring('coupler', 'output', 60.0, 0.3, 2.0),
 @pytest.mark.parametrize('linkage', MORE, ids=lambda linkage: linkage.description)
 def test_the_drive_of_the_loads_is_that_of_the_equation(linkage, elements):
     equation, loaded = Equation(linkage, elements), make_loaded(linkage, elements)
-    (low, high), *_ = linkage.input_ranges
-    rng = np.random.default_rng(5)
-    for share, rate, acceleration in rng.uniform((0.05, -9.0, -50.0), (0.95, 9.0, 50.0), (40, 3)):
-        motion = float(low + share * (high - low)), float(rate), float(acceleration)
+    for motion in samples(linkage, 5, 40):
         loads = loaded(*motion[:2]).step(*motion)[1]
         drive = loads.driving_force if linkage.is_driven_by_slide else loads.driving_torque
         wanted = equation.torque(*motion)
         without = Equation(linkage).torque(*motion)
-        size = abs(wanted) + abs(without) + 1e3 * (1.0 + rate * rate + abs(acceleration))
+        size = abs(wanted) + abs(without) + 1e3 * (1.0 + motion[1]**2 + abs(motion[2]))
         assert abs(drive - wanted) <= 1e-11 * size
         if elements is not TORSION or not isinstance(linkage, ScotchYoke):      # it does not turn
             assert abs(wanted - without) > 1e-6              # the springs matter
-
-
-def samples(linkage, seed, count=20):
-    (low, high), *_ = linkage.input_ranges
-    rng = np.random.default_rng(seed)
-    for share, rate, acceleration in rng.uniform((0.05, -9.0, -50.0), (0.95, 9.0, 50.0),
-                                                 (count, 3)).tolist():
-        yield low + share * (high - low), rate, acceleration
 
 
 def stretched(linkage, motion, spring):

@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Forces over a position against virtual work, power, springs of the same law and quadrature."""
+"""Forces over a position against virtual work, springs of the same law and quadrature."""
 from math import cos, pi, sin
 import pickle
 
@@ -30,7 +30,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 from scipy.interpolate import PchipInterpolator
-from support.power import power
+from support.dynamics_problems import samples
 
 BODIES = Bodies(*(round_rod(length, 7750.0, 0.01) for length in (0.4, 1.2, 0.8)))
 CRANKS = [FourBar(0.4, 1.2, 0.8, 1.0, bodies=BODIES, gravity=(1.0, -9.81)),
@@ -61,14 +61,6 @@ def forces_on(linkage):
                                                              Attachment('ground', 0.2, -0.1), 1.1),
                           2.0, first, factor=-1.5),
             PositionForce(Attachment(last), CYCLE, LinkAngle(middle, first), None)]
-
-
-def samples(linkage, seed, count=12):
-    (low, high), *_ = linkage.input_ranges
-    rng = np.random.default_rng(seed)
-    for share, rate, acceleration in rng.uniform((0.05, -9.0, -50.0), (0.95, 9.0, 50.0),
-                                                 (count, 3)).tolist():
-        yield low + share * (high - low), rate, acceleration
 
 
 def pose(linkage, q):
@@ -112,7 +104,7 @@ def test_the_generalised_force_is_virtual_work(linkage):
     """Q = F . dP/dq, the derivative of the place by differences of order 4."""
     for force in forces_on(linkage):
         equation, without = Equation(linkage, [force]), Equation(linkage)
-        for q, _, _ in samples(linkage, 3):
+        for q, _, _ in samples(linkage, 3, 12):
             value, unit = acting(linkage, force, q)
             h = 2e-4
 
@@ -129,41 +121,23 @@ def test_the_generalised_force_is_virtual_work(linkage):
 
 
 @pytest.mark.parametrize('linkage', ALL, ids=lambda linkage: linkage.description)
-def test_power_balances_and_the_drive_is_that_of_the_equation(linkage):
-    """Drive, weight and forces give what the bodies gain: 1e-12, and (E1) asks for the same."""
-    forces = forces_on(linkage)
-    loaded, equation = make_loaded(linkage, forces), Equation(linkage, forces)
-    for sample in samples(linkage, 7):
-        loads, motion = loaded(*sample[:2]).step(*sample)[1], linkage.motion(*sample)
-        drive = loads.driving_force if linkage.is_driven_by_slide else loads.driving_torque
-        given = []
-        for force in forces:
-            value, unit = acting(linkage, force, sample[0])
-            link = linkage.link_motion(motion, force.point.link)
-            velocity = point_motion(linkage, motion, force.point.link, force.point.along,
-                                    force.point.across).velocity
-            given.append(value * (link.omega if unit is None else float(velocity @ unit)))
-        of_bodies, size = power(linkage, *sample)
-        size += sum(map(abs, given)) + abs(drive * sample[1])
-        condition = 1.0 + motion.condition / linkage.input_unit
-        assert abs(drive * sample[1] - of_bodies + sum(given)) <= 1e-12 * condition * size
-        assert abs(drive - equation.torque(*sample)) * abs(sample[1]) <= 1e-11 * condition * size
-
-
-@pytest.mark.parametrize('linkage', ALL, ids=lambda linkage: linkage.description)
-def test_loads_of_arrays_are_those_of_single_samples(linkage):
+def test_the_drive_of_the_loads_is_that_of_the_equation_also_in_arrays(linkage):
+    """With a spring, a damper and a torsion spring beside the forces."""
     elements = [*forces_on(linkage),
                 Spring(Attachment('ground', 1.4, 0.3), Attachment(linkage.LINKS[-1].name, 0.3),
                        900.0, 0.4, 15.0),
                 TorsionSpring(linkage.LINKS[0].name, linkage.LINKS[1].name, 20.0, 0.1, 0.5)]
+    loaded, equation = make_loaded(linkage, elements), Equation(linkage, elements)
     motions = list(samples(linkage, 11, 30))
     found = loads_with(linkage, elements, *np.array(motions).T.reshape(3, 5, 6))
-    loaded = make_loaded(linkage, elements)
     for i, sample in enumerate(motions):
         alone = loaded(*sample[:2]).step(*sample)[1]
         size = max(map(abs, alone))
         for one, many in zip(alone, found):
             assert abs(one - many.ravel()[i]) <= 1e-11 * size
+        drive = alone.driving_force if linkage.is_driven_by_slide else alone.driving_torque
+        condition = 1.0 + linkage.motion(*sample).condition / linkage.input_unit
+        assert abs(drive - equation.torque(*sample)) <= 1e-11 * condition * size
     single = loads_with(linkage, elements, *motions[0])
     assert isinstance(single[0], float) and single[0] == pytest.approx(found[0][0, 0], rel=1e-9)
 
@@ -172,7 +146,7 @@ def test_loads_of_arrays_are_those_of_single_samples(linkage):
 def test_stiffness_is_the_slope_of_the_force(linkage):
     forces = forces_on(linkage)
     equation = Equation(linkage, forces)
-    for q, _, _ in samples(linkage, 5):
+    for q, _, _ in samples(linkage, 5, 12):
         h = 1e-5
         slope = (equation.terms(q + h).force - equation.terms(q - h).force) / (2.0 * h)
         assert equation.stiffness(q) == pytest.approx(-slope, rel=2e-4, abs=2e-2)
@@ -412,26 +386,6 @@ def test_a_force_of_a_user_that_fails_ends_the_run_with_a_status():
     broken = PositionForce(Attachment('output', 0.2), lambda q: 1.0 if q < 1.0 else float('inf'))
     run = simulate(System(linkage, 0.0, 5.0, [broken]), 1.0, 1e-6)
     assert run.status == STOPPED and run.position[-1] == pytest.approx(1.0, abs=1e-6)
-
-
-@pytest.mark.slow
-def test_random_tables_keep_the_energy_and_two_integrators_agree():
-    rng = np.random.default_rng(8)
-    for i in range(20):
-        linkage = [*CRANKS, *SLIDES][i % 6]
-        places = np.sort(rng.uniform(-2.0, 2.0, int(rng.integers(2, 30))))
-        element = PositionForce(
-            Attachment(rng.choice(['coupler', 'output']), *rng.uniform(-0.3, 0.3, 2)),
-            ForceTable(places, rng.normal(size=places.size) * 30.0, False, bool(i % 2)),
-            Way(Attachment('coupler', *rng.uniform(-0.3, 0.3, 2))), float(rng.uniform(0.0, TURN)),
-            rng.choice(['ground', 'coupler']))
-        low, high = linkage.input_ranges[0]
-        start = low + 0.4 * (high - low)
-        runs = [simulate(System(linkage, start, 0.3, [element], Drive(ConstantTorque(3.0))), 1.0,
-                         1e-7, method, [0.5, 1.0]) for method in ('DOP853', 'RK45')]
-        assert [run.status for run in runs] == [REACHED] * 2, i
-        unit = linkage.input_unit
-        assert np.max(np.abs(runs[0].position - runs[1].position)) <= 4e-7 * unit, i
 
 
 def test_a_direction_that_turns_with_a_link_does():

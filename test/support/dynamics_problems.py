@@ -20,6 +20,7 @@ from fourbar_ros.dynamics.system import System
 from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 import mpmath as mp
+import numpy as np
 
 # P2, q(10) and its rate: one equation, and three coordinates with multipliers.
 P2_POSITION, P2_RATE = '1.27567584865023941071419054572', '-0.23991499719600068392576030065'
@@ -193,3 +194,12 @@ def exact_speeds_inertia(mechanism, q):
         arm = mp.mpc(body.cg_along, body.cg_across) * mp.expj(angle)
         total += body.mass * abs(joint + mp.mpc(0, 1) * arm * turn)**2 + body.inertia * turn**2
     return total
+
+
+def samples(linkage, seed, count=20):
+    """Yield (input, rate, acceleration) in the first range of the input."""
+    (low, high), *_ = linkage.input_ranges
+    rng = np.random.default_rng(seed)
+    for share, rate, acceleration in rng.uniform((0.05, -9.0, -50.0), (0.95, 9.0, 50.0),
+                                                 (count, 3)).tolist():
+        yield low + share * (high - low), rate, acceleration
