@@ -4,7 +4,6 @@
 from concurrent.futures import ThreadPoolExecutor
 from math import pi
 
-from fourbar_ros import Bodies, Body, FourBar
 from fourbar_ros.dynamics.elements import Attachment, GROUND, Spring, TorsionSpring
 from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.dynamics.node_step import Mover, NOT_FINITE, OK
@@ -26,21 +25,14 @@ from fourbar_ros.dynamics.sources import (
 from fourbar_ros.dynamics.statics import equilibria
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.scene.scene import load
-import mpmath as mp
 import numpy as np
 import pytest
-from support.dynamics_problems import paper_linkage
+from support.dynamics_problems import paper_linkage, steps, wheel
 from support.samples import some
 
 scipy = pytest.importorskip('scipy')
 STATUSES = {REACHED, LIMIT, NOT_CONVERGED, STOPPED}
 HEAVY = paper_linkage(gravity=(0.0, -9.81))
-
-
-def wheel(inertia=2.0):
-    """Return a linkage of which only the crank has mass: J is constant."""
-    return FourBar(0.4, 1.2, 0.8, 1.0,
-                   bodies=Bodies(Body(0.0, inertia=inertia), Body(0.0), Body(0.0)))
 
 
 def test_a_controller_at_its_limit_takes_its_integral_back():
@@ -85,14 +77,9 @@ def test_the_node_follows_the_limit_within_its_steps():
     scene = load('controlled')
     system, until = scene.dynamics.system(scene.bare_linkage), 2.0
     run = simulate(system, until, 1e-9, times=1e-3 * np.arange(1, 2001))
-    mover = Mover(system, scene.drive.tolerance, scene.drive.budget)
-    place, positions = mover.first, []
-    for _ in range(2000):
-        done = mover.advance(place, 1e-3)
-        assert done.status == OK
-        place = done.at
-        positions.append(place.state[0])
-    assert np.abs(run.position - positions).max() <= 1e-6
+    went = steps(Mover(system, scene.drive.tolerance, scene.drive.budget), 2000)
+    assert {done.status for done in went} == {OK}
+    assert np.abs(run.position - [done.at.state[0] for done in went]).max() <= 1e-6
 
 
 def test_a_crank_that_turns_fully_is_never_at_a_limit():
@@ -235,25 +222,6 @@ def test_a_smooth_table_of_many_points_costs_about_what_its_interpolation_does()
     assert run.status == other.status == REACHED
     assert run.evaluations <= 3 * other.evaluations
     assert abs(run.position[-1] - other.position[-1]) <= 2e-7
-
-
-# --- free motion --------------------------------------------------------------------------------
-
-
-@some('amplitude', [1e-3, 0.5, 3.0], (0.5,))
-def test_free_swings_are_elliptic_functions(amplitude):
-    pendulum = FourBar(0.4, 1.2, 0.8, 1.0, gravity=(0.0, -9.81),
-                       bodies=Bodies(Body(1.0, 0.25, 0.0, 0.1), Body(0.0), Body(0.0)))
-    times = np.linspace(0.0, 30.0, 31)
-    run = simulate(System(pendulum, -pi / 2 + amplitude), 30.0, 1e-7, times=times)
-    assert run.status == REACHED and run.rate[0] == 0.0
-    with mp.workdps(30):
-        speed = mp.sqrt(mp.mpf(9.81) * mp.mpf(0.25) / (mp.mpf(0.1) + mp.mpf(0.25)**2))
-        m = mp.sin(mp.mpf(amplitude) / 2)**2
-        for time, position in zip(times, run.position):
-            u = mp.ellipk(m) - speed * mp.mpf(float(time))
-            exact = 2 * mp.asin(mp.sqrt(m) * mp.ellipfun('sn', u, m=m)) - mp.pi / 2
-            assert abs(mp.mpf(float(position)) - exact) <= 1e-7
 
 
 @pytest.mark.parametrize('method', ['auto', 'LSODA'])

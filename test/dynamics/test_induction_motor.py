@@ -3,7 +3,7 @@
 """An induction motor by Kloss' formula: law, steady slip, run-up, steps of the node."""
 from math import tau
 
-from fourbar_ros import Bodies, Body, FourBar, InvalidParameter
+from fourbar_ros import InvalidParameter
 from fourbar_ros.dynamics.elements import GROUND, TorsionSpring
 from fourbar_ros.dynamics.node_step import Mover, OK
 from fourbar_ros.dynamics.simulation import REACHED, simulate
@@ -13,18 +13,13 @@ from fourbar_ros.scene.scene import from_values
 import mpmath as mp
 import numpy as np
 import pytest
+from support.dynamics_problems import steps, wheel
 from support.samples import some
 from support.scenes import PAPER, RODS
 
 scipy = pytest.importorskip('scipy')
 MOTOR = InductionMotor(60.0, 0.2, 50.0, 2, 5.0)
 INERTIA = 3.0
-
-
-def wheel():
-    """Return a linkage of which only the crank has mass: a flywheel, J constant."""
-    return FourBar(0.4, 1.2, 0.8, 1.0, bodies=Bodies(Body(0.0, inertia=INERTIA), Body(0.0),
-                                                     Body(0.0)))
 
 
 def kloss(motor, speed):
@@ -58,7 +53,7 @@ def test_the_law_is_that_of_the_book(gear):
 def test_it_runs_up_as_the_integral_over_the_slip_says():
     """J W ds/dt = -2 T_b / (s/s_b + s_b/s): (s^2 - 1)/(2 s_b) + s_b ln s = -2 T_b t / (J W)."""
     w_s, top = MOTOR.synchronous_speed, 60.0 * MOTOR.gear
-    run = simulate(System(wheel(), 0.0, drive=Drive(MOTOR)), 1.0, 1e-9,
+    run = simulate(System(wheel(INERTIA), 0.0, drive=Drive(MOTOR)), 1.0, 1e-9,
                    times=np.linspace(0.05, 1.0, 20))
     assert run.status == REACHED
     for time, rate in zip(run.time, run.rate):
@@ -76,7 +71,7 @@ def test_under_load_it_settles_at_the_slip_of_the_quadratic(damping):
         roots = mp.polyroots([1, -1, s_b**2 + a, -s_b**2])
         slip = min(float(mp.re(root)) for root in roots if abs(mp.im(root)) < 1e-20)
     load = TorsionSpring(GROUND, 'crank', 0.0, 0.0, damping)
-    run = simulate(System(wheel(), 0.0, elements=[load], drive=Drive(MOTOR)), 12.0, 1e-8)
+    run = simulate(System(wheel(INERTIA), 0.0, elements=[load], drive=Drive(MOTOR)), 12.0, 1e-8)
     assert run.status == REACHED and slip < s_b
     assert run.rate[-1] == pytest.approx(w_s * (1.0 - slip), rel=1e-7)
 
@@ -89,11 +84,9 @@ def test_steps_of_the_node_are_of_order_four_and_as_simulate(shaft):
     run, errors = simulate(system, 0.4, 1e-9, times=[0.4]), []
     for tick in (4e-3, 2e-3, 1e-3):
         mover = Mover(system, 1e9 if shaft is None else 1e-8, 10_000)
-        place = mover.first
-        for _ in range(round(0.4 / tick)):
-            place, status, _ = mover.advance(place, tick)
-            assert status == OK
-        errors.append(abs(place.state[0] - run.position[-1]))
+        went = steps(mover, round(0.4 / tick), tick)
+        assert {done.status for done in went} == {OK}
+        errors.append(abs(went[-1].at.state[0] - run.position[-1]))
     assert errors[-1] < 1e-6, errors
     if shaft is None:
         assert np.log2(errors[0] / errors[2]) > 2 * 3.5, errors

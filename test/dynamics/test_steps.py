@@ -27,6 +27,7 @@ from fourbar_ros.numerics.number_types import REAL
 from fourbar_ros.scene.scene import from_values
 import numpy as np
 import pytest
+from support.dynamics_problems import steps
 from support.samples import some
 from support.scenes import PAPER, RODS
 from support.swings import Alone, BODIES, CASES
@@ -44,15 +45,11 @@ DRIVES = {
 def swing(system, until, tick=TICK, tolerance=1e-6, budget=10_000):
     """Return (states of the input, modes, energies, how each step went) after every tick."""
     mover = Mover(system, tolerance, budget)
-    place, rows, modes, energies, went = mover.first, [], [], [], []
-    for _ in range(round(until / tick)):
-        done = mover.advance(place, tick)
-        place = done.at
-        rows.append(mover.state_of_input(place))
-        modes.append(place.mode)
-        energies.append(place.coordinate.equation.energy(*place.state[:2]))
-        went.append(done)
-    return np.array(rows).T, modes, np.array(energies), went
+    went = steps(mover, round(until / tick), tick)
+    places = [done.at for done in went]
+    energies = [place.coordinate.equation.energy(*place.state[:2]) for place in places]
+    return (np.array(list(map(mover.state_of_input, places))).T,
+            [place.mode for place in places], np.array(energies), went)
 
 
 @some('name', SWINGS, 2)

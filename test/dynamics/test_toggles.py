@@ -3,17 +3,15 @@
 """Through toggles and change points: against free bodies with joints, quadrature, energy."""
 from math import pi
 
-from fourbar_ros import Applied, Bodies, Body, External, FourBar
+from fourbar_ros import Applied, Bodies, Body, External
 from fourbar_ros.dynamics.elements import TorsionSpring
 from fourbar_ros.dynamics.simulation import LIMIT, REACHED, simulate
 from fourbar_ros.dynamics.sources import ConstantTorque, Drive, MotorLine, Shaft
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.mechanisms.sliders import ScotchYoke
 from fourbar_ros.numerics.number_types import REAL
-import mpmath as mp
 import numpy as np
 import pytest
-from support.machines import exact_inertia, exact_potential
 from support.multibody import Multibody
 from support.samples import some
 from support.swings import Alone, BODIES, CASES
@@ -48,35 +46,6 @@ def test_a_released_linkage_swings_through_its_limits_as_three_bodies_with_joint
     assert np.max(off[far]) <= 1e-7 and np.count_nonzero(far) > 60
     assert run.drift <= 1e-9
     assert set(run.modes.tolist()) == {1, 2}
-
-
-def test_the_period_of_a_swing_through_both_modes_is_the_quadrature():
-    """At u = +-pi/2, q = c + h sin u goes through the toggles: t = integral of dt/du, in full."""
-    mechanism, position, rate = FourBar(1.0, 0.8, 0.9, 2.0, bodies=BODIES,
-                                        gravity=(0.0, -3.0)), 0.5, 6.0
-    (low, high), = mechanism.input_ranges
-    with mp.workdps(30):
-        a1, a2, a3, a4 = map(mp.mpf, mechanism.lengths)
-        limit = mp.acos((a1**2 + a4**2 - (a2 + a3)**2) / (2 * a1 * a4))
-        assert abs(limit - high) < 1e-15 and low == -high
-        modes = {mode: mechanism.in_mode(mode) for mode in (1, 2)}
-        start = mp.mpf(position)
-        energy = (exact_inertia(mechanism, start) * mp.mpf(rate)**2 / 2
-                  + exact_potential(mechanism, (), start))
-
-        def slope(u):
-            here = modes[2 if mp.cos(u) > 0 else 1]
-            q = limit * mp.sin(u)
-            spare = energy - exact_potential(here, (), q)
-            return mp.sqrt((limit * mp.cos(u))**2 * exact_inertia(here, q) / (2 * spare))
-        count = 160
-        period = sum(slope((i + mp.mpf(1) / 2) * 2 * mp.pi / count) for i in range(count))
-        period = float(period * 2 * mp.pi / count)
-    run = simulate(System(mechanism, position, rate), 3.0 * period, 1e-8,
-                   times=[period, 2.0 * period, 3.0 * period])
-    assert run.status == REACHED
-    assert run.position == pytest.approx([position] * 3, abs=1e-8)
-    assert run.rate == pytest.approx([rate] * 3, abs=1e-6) and run.modes.tolist() == [2, 2, 2]
 
 
 def test_a_yoke_pushed_at_its_slide_turns_its_crank_over_and_over():

@@ -102,6 +102,13 @@ def paper_linkage(**options):
     return FourBar(0.4, 1.2, 0.8, 1.0, bodies=rods, **options)
 
 
+def wheel(inertia=2.0, **options):
+    """Return a linkage of which only the crank has mass: a flywheel, J constant."""
+    nothing = Body(0.0)
+    return FourBar(0.4, 1.2, 0.8, 1.0, bodies=Bodies(Body(0.0, inertia=inertia), nothing, nothing),
+                   **options)
+
+
 # --- extremes: J changes by many powers of ten within a small angle -----------------------------
 
 
@@ -203,3 +210,12 @@ def samples(linkage, seed, count=20):
     for share, rate, acceleration in rng.uniform((0.05, -9.0, -50.0), (0.95, 9.0, 50.0),
                                                  (count, 3)).tolist():
         yield low + share * (high - low), rate, acceleration
+
+
+def steps(mover, count, tick=1e-3, command=0.0):
+    """Return how each of so many steps of the node went, from its start."""
+    place, went = mover.first, []
+    for _ in range(count):
+        went.append(mover.advance(place, tick, command))
+        place = went[-1].at
+    return went
