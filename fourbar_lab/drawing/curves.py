@@ -199,8 +199,8 @@ def _units(linkage: Mechanism, scene: Scene) -> dict[str, str]:
                          ('kg m^2', 'N m')))
     for part in linkage.PARTS:
         if part != linkage.input_coordinate:
-            units |= {name: part.unit + tail for name, tail in
-                      zip(part, ('', '/s', '/s^2')) if name in linkage.MOTION._fields}
+            units |= {name: unit for name, unit in zip(part, part.units)
+                      if name in linkage.MOTION._fields}
     for name in linkage.LOADS._fields:
         if name not in units and name.endswith(('_x', '_y')):
             units[name] = 'N'

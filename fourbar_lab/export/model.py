@@ -14,11 +14,10 @@ from fourbar_lab.export.statements import JUDGED
 from fourbar_ros.dynamics.forces import make_external
 from fourbar_ros.errors import FourBarError, InvalidParameter, one_of
 from fourbar_ros.mechanics.bodies import Base
-from fourbar_ros.mechanisms import quantities
 from fourbar_ros.mechanisms.evaluation import limits_at_zero
-from fourbar_ros.mechanisms.kinds import LOADS
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.points import make_point, PointMotion, with_any_lengths
+from fourbar_ros.mechanisms.quantities import fields_of
 from fourbar_ros.numerics.number_types import (
     Function,
     numbers_of,
@@ -198,7 +197,7 @@ class GeneratedModel:
         coordinate = self.mechanism.input_coordinate
         texts = 'position of the input', 'its rate', 'its acceleration'
         return self._with_fields([Named(name, '', unit, text, 0.0, i) for i, (name, unit, text)
-                                  in enumerate(zip(coordinate, units_of(coordinate.unit), texts))])
+                                  in enumerate(zip(coordinate, coordinate.units, texts))])
 
     @cached_property
     def _asked(self) -> frozenset[int]:
@@ -313,36 +312,13 @@ class GeneratedModel:
 
     @cached_property
     def units_and_texts(self) -> Mapping[str, tuple[str, str]]:
-        """
-        Return {field of motion or loads, or POINT.x: (unit, text)} as far as they are known.
-
-        Later entries are more exact: of a load its unit alone, then of a reaction its joint, then
-        what a quantity says of itself.
-        """
-        mechanism = self.mechanism
-        found = {f'{point}.{what}': (unit, f'{what.replace("_", " along ", 1)} of point {point}'
-                                     if what[-2:] in ('_x', '_y') else
-                                     f'{what.replace("_", " ")} of point {point}')
-                 for point in self.scene.points for what, unit in UNITS_OF_POINTS.items()}
-        for name in mechanism.LOADS._fields:
-            found[name] = LOADS[name].unit if name in LOADS else 'N', ''
-        for reaction in mechanism.REACTIONS:
-            for name, which in zip(reaction[2:5], ('magnitude of', 'x of', 'y of')):
-                found[name] = 'N', f'{which} the force of {reaction.text}, at {reaction.joint}'
-        for axis in 'xy':
-            found[f'shaking_force_{axis}'] = 'N', f'{axis} of the force on the ground'
-        for coordinate in (*(joint.coordinate for joint in mechanism.JOINTS), *mechanism.PARTS,
-                           mechanism.input_coordinate):
-            for name, unit, what in zip(coordinate, units_of(coordinate.unit),
-                                        ('position', 'rate', 'acceleration')):
-                found[name] = unit, f'{what} of {coordinate.position}'
-        known = quantities.QUANTITIES | quantities.POSITIONS | {
-            quantity.name: quantity for quantity in mechanism.QUANTITIES}
-        given = set(mechanism.input_coordinate)
-        for name, quantity in known.items():
-            if name not in given and (name in found or name in mechanism.MOTION._fields):
-                found[name] = quantity.unit, quantity.text
-        return found
+        """Return {field of motion or loads, or POINT.x: (unit, text)} as far as they are known."""
+        words = {what: what.replace('_', ' along ' if what[-2:] in ('_x', '_y') else ' ')
+                 for what in UNITS_OF_POINTS}
+        of_points = {f'{point}.{what}': (unit, f'{words[what]} of point {point}')
+                     for point in self.scene.points for what, unit in UNITS_OF_POINTS.items()}
+        return of_points | {name: (quantity.unit, quantity.text)
+                            for name, quantity in fields_of(self.mechanism).items()}
 
     def _with_fields(self, named: Iterable[Named]) -> tuple[Named, ...]:
         """Return them with fields that are words of C and differ."""
@@ -457,11 +433,6 @@ def word(name: str) -> str:
     if found[:1].isdigit() or found[:1] == '_' or not found:
         found = 'n' + found
     return found + '_' if found in RESERVED else found
-
-
-def units_of(unit: str) -> tuple[str, str, str]:
-    """Return the units of a position, its rate and its acceleration."""
-    return unit, f'{unit}/s', f'{unit}/s^2'
 
 
 def _of_links(group: str, record: Any) -> list[tuple[str, str]]:

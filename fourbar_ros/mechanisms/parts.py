@@ -44,6 +44,11 @@ class Coordinate(NamedTuple):
         """Return the unit of the position: m if the rate is called ..._velocity, else rad."""
         return 'm' if self.rate.endswith('_velocity') else 'rad'
 
+    @property
+    def units(self) -> tuple[str, str, str]:
+        """Return the units of position, rate and acceleration."""
+        return self.unit, f'{self.unit}/s', f'{self.unit}/s^2'
+
 
 class NamedFields(Protocol):
     """

@@ -120,6 +120,37 @@ def positions(mechanism: Mechanism, driven: str = CRANK) -> dict[str, Quantity]:
             and name != mechanism.INPUTS[driven].position}
 
 
+def fields_of(mechanism: Mechanism) -> dict[str, Quantity]:
+    """
+    Return {field of motion or loads: what it is}, in their order; numbers in between are left out.
+
+    Later entries are more exact: of a load its unit alone, then of a reaction its joint, then what
+    a quantity says of itself.
+    """
+    found: dict[str, Quantity] = {'condition': Quantity('condition', '', '', False)}
+    driven = mechanism.input_coordinate
+    for coordinate in (*(joint.coordinate for joint in mechanism.JOINTS), *mechanism.PARTS,
+                       driven):
+        for name, unit, what in zip(coordinate, coordinate.units,
+                                    ('position', 'rate', 'acceleration')):
+            found[name] = Quantity(name, unit, f'{what} of {coordinate.position}', False)
+    for name in mechanism.LOADS._fields:
+        found[name] = Quantity(name, LOADS[name].unit if name in LOADS else 'N', '', True)
+    for reaction in mechanism.REACTIONS:
+        for name, which in ((reaction.magnitude, 'magnitude'), (reaction.x, 'x'),
+                            (reaction.y, 'y')):
+            found[name] = Quantity(
+                name, 'N', f'{which} of the force of {reaction.text}, at {reaction.joint}', True)
+    for axis in 'xy':
+        name = f'shaking_force_{axis}'
+        found[name] = Quantity(name, 'N', f'{axis} of the force on the ground', True)
+    found |= {quantity.name: quantity for quantity in (
+        *QUANTITIES.values(), *POSITIONS.values(), *mechanism.QUANTITIES)
+        if quantity.name not in driven}
+    return {name: found[name] for name in (*mechanism.MOTION._fields, *mechanism.LOADS._fields)
+            if name in found}
+
+
 def is_published(quantity: Asked) -> bool:
     """Return whether this is a field of motion or loads, which messages and bags have too."""
     return isinstance(quantity, Quantity)

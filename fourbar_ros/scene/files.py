@@ -127,15 +127,15 @@ def sections(path: str | Path) -> dict[str, YamlTree]:
 def _why_no_yaml(text: str, error: Exception) -> str:
     """Return ``, line N: not YAML that ROS reads: REASON``."""
     mark, lines = getattr(error, 'problem_mark', None), text.splitlines()
-    problem = getattr(error, 'problem', None) or getattr(error, 'reason', 'nested too deeply')
-    place, why = mark and mark.line, ' '.join(str(problem).split())
-    for at in (place, place - 1) if mark else ():       # YAML often sees it a line later
+    why = getattr(error, 'problem', None) or getattr(error, 'reason', 'nested too deeply')
+    where = f', line {mark.line + 1}' if mark else ''
+    for at in (mark.line, mark.line - 1) if mark else ():       # YAML often sees it a line later
         match = NO_BLANK.search(lines[at]) if 0 <= at < len(lines) else None
         if match:
-            place, why = at, f'a blank is missing behind the colon: {match[1]}: {match[2]}'
+            where = f', line {at + 1}'
+            why = f'a blank is missing behind the colon: {match[1]}: {match[2]}'
             break
-    where = f', line {place + 1}' if mark else ''
-    return f'{where}: not YAML that ROS reads: {why}'
+    return f'{where}: not YAML that ROS reads: {" ".join(str(why).split())}'
 
 
 def parse(text: str) -> Any:

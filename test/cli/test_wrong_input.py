@@ -19,7 +19,8 @@ WRONG_FILES = [
     ('/**:\n  ros__parameters:\n    linkage: {a1:0.4, a2: 1.2}\n', 'unknown parameter'),
     ('/**:\n  ros__parameters:\n    linkage:\n      a1:0.4\n', 'a blank is missing'),
     ('/**:\n  ros__parameters:\n\tlinkage:\n', 'line 3: not YAML that ROS reads: found character'),
-    ('/**:\n  ros__parameters:\n    linkage: {a1: 0.4\n', "line 4: not YAML that ROS reads: expected ',' or '}'"),
+    ('/**:\n  ros__parameters:\n    linkage: {a1: 0.4\n',
+     "line 4: not YAML that ROS reads: expected ',' or '}'"),
     ('/**:\n  ros__parameters:\n    linkage:\n      a1: 0.4\n     a2: 1.2\n',
      'line 5: not YAML that ROS reads: expected <block end>'),
     (GOOD + '    linkage.a1: 0.5\n', 'line 7: not YAML that ROS reads: linkage.a1 is '

@@ -24,7 +24,7 @@ from fourbar_lab.export import fmu
 from fourbar_lab.export.model import GeneratedModel
 from fourbar_lab.live.model import shown
 from fourbar_ros import Bodies, find_extrema, FourBar, load_scene, round_rod
-from fourbar_ros.ros.node.services import units_of
+from fourbar_ros.mechanisms.quantities import fields_of
 import fourbar_ros
 from rich.console import Console
 
@@ -37,7 +37,7 @@ for name in ('paper', 'cylinder', 'jansen'):
     slides = linkage.is_driven_by_slide
     found[name] = {'power': loads.drive_power,
                    'expected': 2.0 * (loads.driving_force if slides else loads.driving_torque),
-                   'unit': units_of(linkage).get('drive_power'),
+                   'unit': fields_of(linkage)['drive_power'].unit,
                    'field': replace(scene, outputs=('loads',)).layout.fields['loads'].get(
                        'drive_power'),
                    'extrema': len(find_extrema(linkage, ('drive_power',), 2.0))}
@@ -60,7 +60,6 @@ print(json.dumps(found))
 
 
 def test_a_row_makes_a_load_of_table_message_manual_page_and_fmu(tmp_path):
-    pytest.importorskip('rclpy')        # the node's units are asked too
     for name in TREES:
         shutil.copytree(ROOT / name, tmp_path / name,
                         ignore=shutil.ignore_patterns('__pycache__', '*.png', '*.svg', '*.gif'))

@@ -103,9 +103,11 @@ def _with_values(scene: Scene, stamp: Stamp, response: Message, mode: int, statu
         set_constants(output, message, scene)
         filler(output, message, scene.layout)(stamp, status, mode, values)
     if hasattr(response, 'values'):
+        from fourbar_ros.mechanisms.quantities import fields_of
         named_value, place = resolve('fourbar_msgs/msg/NamedValue'), scene.layout.place
-        response.values = [named_value(name=name, unit=unit, value=values[place[name]])
-                           for name, unit in units_of(scene.bare_linkage).items()]
+        response.values = [named_value(name=name, unit=quantity.unit, value=values[place[name]])
+                           for name, quantity in fields_of(scene.bare_linkage).items()
+                           if scene.has_loads or not quantity.is_load]
     return response
 
 
@@ -128,32 +130,6 @@ def stop_recording(stream: Stream, _: object, response: Message) -> Message:
     except FourBarError as error:
         response.message = str(error)
     return response
-
-
-def units_of(mechanism: Mechanism) -> dict[str, str]:
-    """
-    Return {field of motion or loads: its unit, '' for a pure number} to answer Evaluate with.
-
-    These are joints and moving parts with their rates and accelerations, the transmission angle,
-    the condition, and with masses all loads; no fixed message has room for those of a machine.
-    """
-    coordinates = dict.fromkeys((*(joint.coordinate for joint in mechanism.JOINTS),
-                                 *mechanism.PARTS))
-    units: dict[str, str] = {}
-    for coordinate in coordinates:
-        units |= zip(coordinate, (coordinate.unit, f'{coordinate.unit}/s',
-                                  f'{coordinate.unit}/s^2'))
-    units |= {'transmission_angle': 'rad', 'condition': ''}
-    if mechanism.bodies is not None:
-        from fourbar_ros.mechanisms.quantities import known_quantities
-        for reaction in mechanism.REACTIONS:
-            units |= dict.fromkeys((reaction.x, reaction.y, reaction.magnitude), 'N')
-            if reaction.couple:
-                units[reaction.couple] = 'N m'
-        quantities = known_quantities(mechanism, mechanism.input).values()
-        units |= {quantity.name: quantity.unit for quantity in quantities if quantity.is_load}
-    fields = {*mechanism.MOTION._fields, *mechanism.LOADS._fields}
-    return {name: unit for name, unit in units.items() if name in fields}
 
 
 # --- extrema -------------------------------------------------------------------------------------
