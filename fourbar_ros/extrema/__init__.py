@@ -18,9 +18,7 @@ from __future__ import annotations
 
 from fourbar_ros.extrema.batch import Extrema, find_extrema_many
 from fourbar_ros.extrema.find import Extremum, find_extrema
-from fourbar_ros.mechanisms.quantities import (
-    Function as Quantity,
-)
+from fourbar_ros.mechanisms.quantities import Function as Quantity
 from fourbar_ros.mechanisms.quantities import (
     known_quantities,
     point_acceleration,

@@ -16,12 +16,7 @@ from math import copysign, inf, isfinite
 from typing import Any, NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.mechanics.bodies import Gravity
-from fourbar_ros.numerics.number_types import (
-    Function,
-    numbers_of,
-    NumberType,
-    Scalar,
-)
+from fourbar_ros.numerics.number_types import Function, numbers_of, NumberType, Scalar
 from fourbar_ros.numerics.trace import flat, Trace
 from fourbar_ros.numerics.write import lines_of
 

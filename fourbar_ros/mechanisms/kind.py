@@ -24,17 +24,7 @@ from fourbar_ros.mechanisms.kinds import DERIVED, derives
 from fourbar_ros.mechanisms.machine.solve.dyads import Direction, Driven, DyadMotion, ORIGIN
 from fourbar_ros.mechanisms.machine.solve.frames import hangings, Poses
 from fourbar_ros.mechanisms.machine.solve.pairs import make_moves
-from fourbar_ros.mechanisms.machine.structure import (
-    Layout,
-    Numbers,
-    Pair,
-    PLACES,
-    RPR,
-    RRP,
-    RRR,
-    SLIDES,
-    Stage,
-)
+from fourbar_ros.mechanisms.machine.structure import Layout, Numbers, Pair, PLACES, SLIDES, Stage
 from fourbar_ros.mechanisms.mechanism import cached_by_lengths, Mechanism
 from fourbar_ros.mechanisms.parts import (
     BETA,
@@ -126,7 +116,7 @@ class DrivenMachine(NamedTuple):
     def layout(self) -> Layout:
         """Return the structure of the machine."""
         is_slide = self.start is not None
-        is_pair = self.dyad == RRR or self.dyad in (RRP, RPR) and not is_slide
+        is_pair = self.dyad == 'RRR' or self.dyad in ('RRP', 'RPR') and not is_slide
         stage = Stage('dyad', self.dyad, self.first, 1 - self.first, self.links[2:], 2,
                       Pair(0, is_slide) if is_pair else None)
         return Layout(SLIDE if is_slide else CRANK, self.links, (stage,), self.links[3])

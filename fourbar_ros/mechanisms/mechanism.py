@@ -30,12 +30,7 @@ from fourbar_ros.mechanics.bodies import (
     NOT_APPLIED,
 )
 from fourbar_ros.mechanisms.checks import checked, checked_gravity, checked_stroke
-from fourbar_ros.mechanisms.evaluation import (
-    Constants,
-    line_of,
-    Recorded,
-    recorded,
-)
+from fourbar_ros.mechanisms.evaluation import Constants, line_of, Recorded, recorded
 from fourbar_ros.mechanisms.parts import (
     Connection,
     Coordinate,

@@ -13,16 +13,7 @@ from math import atan2, fsum, hypot, pi, remainder
 from typing import Any, NamedTuple
 
 from fourbar_ros.mechanisms.machine.solve.pairs import half_angle, KnownJoints, other_of, turned_by
-from fourbar_ros.mechanisms.machine.structure import (
-    CYLINDER,
-    Layout,
-    Numbers,
-    Pair,
-    RPR,
-    RRP,
-    RRR,
-    Stage,
-)
+from fourbar_ros.mechanisms.machine.structure import CYLINDER, Layout, Numbers, Pair, Stage
 from fourbar_ros.mechanisms.points import LinkMotion
 from fourbar_ros.numerics.exact_sums import difference_of_squares
 from fourbar_ros.numerics.number_types import Function, NumberType, power_of_two, Scalar
@@ -43,7 +34,7 @@ def _shape(stage: Stage, own: Numbers, joints: KnownJoints, length: Function
         return (p_x + (x - q_x) * c + (y - q_y) * s, p_y + (y - q_y) * c - (x - q_x) * s, c, s)
     (o_x, o_y), (x, y) = joints.pin(other, frame)
     a_x, a_y, g_x, g_y = p_x - o_x, p_y - o_y, q_x - x, q_y - y
-    if stage.kind == RRP:
+    if stage.kind == 'RRP':
         t_x, t_y = own.sizes[1:]
         a1 = length(a_x, a_y)
         return (a1, g_y * t_x - g_x * t_y, (a_x * t_x + a_y * t_y) / a1,
@@ -131,13 +122,13 @@ class PairRange:
         the slide is zero, e, ...): see :func:`shaped`.
         """
         assert stage.pair is not None
-        self.slides, self.is_sine = stage.pair.slides, stage.kind == RRP
+        self.slides, self.is_sine = stage.pair.slides, stage.kind == 'RRP'
         # sigma where the slide is zero, or the direction of the other link where the angle is
         self._start: Any = own.shape[0] if self.slides else own.shape[2:4]
         self._factors = _factors(stage, own)
         self._arms: tuple[Scalar, ...] = own.shape[:2]
         # the lengths of its rods [m] and, with a pin, of the arms a and g (RRP has no g)
-        rods = [*own.sizes[:{RRR: 2, RRP: 1, RPR: 0}[stage.kind]],
+        rods = [*own.sizes[:{'RRR': 2, 'RRP': 1, 'RPR': 0}[stage.kind]],
                 *(() if self.slides else own.shape[:1 if self.is_sine else 2])]
         self._rods = min(rods, default=1.0), max(rods, default=1.0)
         self.is_impossible = any(factor.is_impossible for factor in self._factors)
@@ -227,22 +218,22 @@ def _factors(stage: Stage, own: Numbers) -> list[Factor]:
     change point.
     """
     assert stage.pair is not None
-    unit = power_of_two(*own.sizes[:1 + (stage.kind == RRR)],
+    unit = power_of_two(*own.sizes[:1 + (stage.kind == 'RRR')],
                         *own.shape[stage.pair.slides:2])
     sizes = [size / unit for size in own.sizes]
     # |a| and |g| (of RRP e); with a slide: sigma where it is zero, not read, and e
     first, second = [length / unit for length in own.shape[:2]]
     if stage.pair.slides:
-        if stage.kind == RPR:
+        if stage.kind == 'RPR':
             return [Factor(unit**-2, difference_of_squares(second, 0.0, sizes[0], 0.0))]
         return [Factor(-unit**-2, difference_of_squares(sizes[0], sizes[1], second, 0.0)),
                 Factor(unit**-2, -difference_of_squares(sizes[0], -sizes[1], second, 0.0))]
-    if stage.kind == RRP:
+    if stage.kind == 'RRP':
         r = sizes[0]
         return [Factor(fsum((r, -second, first)), fsum((r, -second, -first))),
                 Factor(fsum((r, second, -first)), fsum((r, second, first)))]
     near, far = (first, -second), (first, second)
-    if stage.kind == RPR:
+    if stage.kind == 'RPR':
         return [Factor(*[difference_of_squares(*apart, sizes[0], 0.0) for apart in (near, far)])]
     return [Factor(*[difference_of_squares(sizes[0], sizes[1], *apart) for apart in (near, far)]),
             Factor(*[difference_of_squares(*apart, sizes[0], -sizes[1])

@@ -46,14 +46,7 @@ from fourbar_ros.mechanisms.machine.ranges import (
 )
 from fourbar_ros.mechanisms.machine.solve.loads import loads_of
 from fourbar_ros.mechanisms.machine.solve.motion import motion_of
-from fourbar_ros.mechanisms.machine.structure import (
-    CYLINDER,
-    Layout,
-    Numbers,
-    OF_ONE_MODE,
-    RPR,
-    RRR,
-)
+from fourbar_ros.mechanisms.machine.structure import CYLINDER, Layout, Numbers, OF_ONE_MODE
 from fourbar_ros.mechanisms.mechanism import cached_by_lengths, Mechanism
 from fourbar_ros.mechanisms.parts import (
     Connection,
@@ -175,7 +168,7 @@ class Machine(Mechanism):
         if self.cylinder is None:
             return self.dyads
         base, pin, links, mode = self.cylinder
-        return (Dyad(CYLINDER, RPR, pin, base, links, mode=mode), *self.dyads)
+        return (Dyad(CYLINDER, 'RPR', pin, base, links, mode=mode), *self.dyads)
 
     @cached_by_lengths
     def numbers(self) -> tuple[Numbers, ...]:
@@ -369,7 +362,7 @@ class Machine(Mechanism):
         dyad = self.stages[number]
         ends = {dyad.first.link: dyad.first, dyad.second.link: dyad.second}
         # RRR between crank and ground, away from O1: it can turn the crank
-        if (dyad.kind != RRR or set(ends) != {self.layout.driven, GROUND}
+        if (dyad.kind != 'RRR' or set(ends) != {self.layout.driven, GROUND}
                 or not all(any(end[1:]) for end in ends.values())):
             return ()
         from fourbar_ros.mechanisms.machine.seen_from_link import SeenFromLink  # torque alone

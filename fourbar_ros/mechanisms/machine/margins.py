@@ -21,20 +21,11 @@ from fourbar_ros.mechanisms.machine.solve.dyads import turned
 from fourbar_ros.mechanisms.machine.solve.frames import hangings, Poses
 from fourbar_ros.mechanisms.machine.solve.motion import driven_link
 from fourbar_ros.mechanisms.machine.solve.pairs import make_moves
-from fourbar_ros.mechanisms.machine.structure import (
-    CYLINDER,
-    Layout,
-    Numbers,
-    PRP,
-    RPR,
-    RRP,
-    RRR,
-    Stage,
-)
+from fourbar_ros.mechanisms.machine.structure import CYLINDER, Layout, Numbers, Stage
 from fourbar_ros.mechanisms.points import LinkMotion
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 
-CLOSING = (RRR, RRP, RPR, PRP)     # kinds that do not close at any input
+CLOSING = ('RRR', 'RRP', 'RPR', 'PRP')     # kinds that do not close at any input
 
 
 def assembly_margin(n: NumberType, kind: str, own: Numbers, apart: Sequence[Scalar],
@@ -45,16 +36,16 @@ def assembly_margin(n: NumberType, kind: str, own: Numbers, apart: Sequence[Scal
     ``apart``: D; ``first``, ``second``: curves of the links it hangs on.
     """
     sizes, size = own.sizes, sum(map(n.fabs, (*own.p, *own.q, *own.sizes)), start=0.0)
-    if kind == PRP:
+    if kind == 'PRP':
         (x1, y1), (x2, y2) = turned(first, *sizes[:2])[:2], turned(second, *sizes[2:])[:2]
         return x1 * y2 - y1 * x2
     x, y = apart[:2]
     q = x * x + y * y
-    if kind == RRR:
+    if kind == 'RRR':
         r1, r2 = sizes
         outer, inner = (r1 + r2) * (r1 + r2), (r1 - r2) * (r1 - r2)
         return (outer - q) / outer * ((q - inner) / outer)
-    if kind == RRP:
+    if kind == 'RRP':
         t_x, t_y = turned(second, *sizes[1:])[:2]
         h = (y * t_x - x * t_y) / sizes[0]
         return (1.0 - h) * (1.0 + h)

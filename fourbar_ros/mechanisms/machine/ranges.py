@@ -36,7 +36,7 @@ from fourbar_ros.mechanisms.machine.margins import (
     make_square,
 )
 from fourbar_ros.mechanisms.machine.solve.pairs import other_of
-from fourbar_ros.mechanisms.machine.structure import CYLINDER, Layout, Numbers, PRP, RPR, RRR
+from fourbar_ros.mechanisms.machine.structure import CYLINDER, Layout, Numbers
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.digits import in_decimals, MANY_DIGITS
 from fourbar_ros.numerics.newton import halve
@@ -237,7 +237,7 @@ class _Search:
         stage = self._machine[0].stages[number]
         in_complex, in_floats = [make_assembly_margin(n, *self._machine, number)
                                  for n in (ARRAY, REAL)]
-        path, is_signed = _Path.of(bound), stage.kind == PRP
+        path, is_signed = _Path.of(bound), stage.kind == 'PRP'
 
         phi, value, slope = _resolved(path.start(), _sampled(in_complex, path), stage.name)
         flats = [] if is_signed or stage.pair else self._minima(number, path, phi, value, slope)
@@ -314,7 +314,7 @@ class _Search:
         """Return the complex inputs near a range at which the ends of a dyad meet."""
         path, found = _Path.of(bound), list[complex]()
         for number, stage in enumerate(self._machine[0].stages):
-            if stage.kind not in (RRR, RPR) or stage.name == CYLINDER:
+            if stage.kind not in ('RRR', 'RPR') or stage.name == CYLINDER:
                 continue
             square = make_square(ARRAY, *self._machine, number)
             samples = _resolved(path.start(), _sampled(square, path), stage.name)

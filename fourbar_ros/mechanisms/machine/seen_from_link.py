@@ -18,13 +18,7 @@ from math import hypot, pi, remainder
 from typing import NoReturn
 
 from fourbar_ros.errors import FourBarError
-from fourbar_ros.mechanisms.machine.solve.dyads import (
-    between,
-    Driven,
-    DyadMotion,
-    ORIGIN,
-    rrr,
-)
+from fourbar_ros.mechanisms.machine.solve.dyads import between, Driven, DyadMotion, ORIGIN, rrr
 from fourbar_ros.mechanisms.machine.solve.frames import hangings, Poses
 from fourbar_ros.mechanisms.machine.solve.motion import EXACT
 from fourbar_ros.mechanisms.machine.solve.pairs import make_moves

@@ -16,9 +16,8 @@ from fourbar_ros.mechanisms.parts import Coordinate, GROUND
 from fourbar_ros.numerics.number_types import Scalar
 
 CRANK_LINK, SLIDER_LINK, CYLINDER = 'crank', 'slider', 'cylinder'
-RRR, RRP, RPR, RPP, PRP = 'RRR', 'RRP', 'RPR', 'RPP', 'PRP'
 # Kinds that have one assembly mode.
-OF_ONE_MODE = (RPP, PRP)
+OF_ONE_MODE = ('RPP', 'PRP')
 
 
 class Numbers(NamedTuple):
@@ -33,8 +32,8 @@ class Numbers(NamedTuple):
 
 PLACES = ('first', 'inner', 'second')
 # {kind: {joint that slides: which link of the dyad slides there, 0 the first, 1 the second}}
-SLIDES = {RRR: {}, RRP: {'second': 1}, RPR: {'inner': 0}, RPP: {'inner': 0, 'second': 1},
-          PRP: {'first': 0, 'second': 1}}
+SLIDES = {'RRR': {}, 'RRP': {'second': 1}, 'RPR': {'inner': 0}, 'RPP': {'inner': 0, 'second': 1},
+          'PRP': {'first': 0, 'second': 1}}
 BASE = 'base'
 
 
@@ -114,8 +113,8 @@ class Layout(NamedTuple):
         turns = [0, int(self.driven == CRANK_LINK)]     # equal numbers: they turn together
         for stage in self.stages:
             one, other, own = turns[stage.first], turns[stage.second], stage.number
-            turns += {RRR: (own, own + 1), RRP: (own, other), RPR: (own, own),
-                      RPP: (other, other), PRP: (one, other)}[stage.kind]
+            turns += {'RRR': (own, own + 1), 'RRP': (own, other), 'RPR': (own, own),
+                      'RPP': (other, other), 'PRP': (one, other)}[stage.kind]
         return {name for name, turn in zip(self.links, turns) if turn != turns[self.ground]}
 
     def slides(self) -> list[str]:

@@ -24,11 +24,6 @@ from fourbar_ros.mechanisms.machine.structure import (
     CYLINDER,
     Numbers,
     OF_ONE_MODE,
-    PRP,
-    RPP,
-    RPR,
-    RRP,
-    RRR,
     SLIDER_LINK,
 )
 from fourbar_ros.mechanisms.parts import Connection, CROSSED, GROUND, OPEN
@@ -157,7 +152,7 @@ class Dyad:
         if self.slot is not None and abs(sin(self.slot)) < PARALLEL:
             raise InvalidParameter(f'{where}.slot', self.slot, 'must not be parallel to the '
                                    'direction in which the yoke slides: not a multiple of pi')
-        if self.kind == PRP and self.first.link == self.second.link:
+        if self.kind == 'PRP' and self.first.link == self.second.link:
             # a PRP has both: checked
             turn = self.direction_2 - self.direction_1      # type: ignore[operator]
             if abs(sin(turn)) < PARALLEL:
@@ -348,22 +343,22 @@ def connections_of(frame: str, driven: str, stages: Sequence[Dyad]) -> tuple[Con
 def _of_dyad(dyad: Any) -> Iterator[Connection]:     # its kind has these dimensions: checked
     """Yield the connections of the first, the inner and the second joint of a dyad."""
     one, other = dyad.links
-    yield (_slide(dyad.first, one, dyad.direction_1) if dyad.kind == PRP
+    yield (_slide(dyad.first, one, dyad.direction_1) if dyad.kind == 'PRP'
            else Connection(dyad.first.link, one, tuple(dyad.first[1:])))
     yield _inner(dyad, one, other)
-    yield (_slide(dyad.second, other, dyad.direction_2) if dyad.kind in (RRP, RPP, PRP)
+    yield (_slide(dyad.second, other, dyad.direction_2) if dyad.kind in ('RRP', 'RPP', 'PRP')
            else Connection(dyad.second.link, other, tuple(dyad.second[1:])))
 
 
 def _inner(dyad: Any, one: str, other: str) -> Connection:
     """Return the connection of both links of a dyad; of a slide its carrier is the parent."""
-    if dyad.kind == RRR:
+    if dyad.kind == 'RRR':
         return Connection(one, other, (dyad.length_1, 0.0), (dyad.length_2, 0.0))
-    if dyad.kind == RRP:
+    if dyad.kind == 'RRP':
         return Connection(one, other, (dyad.length_1, 0.0))
-    if dyad.kind == RPR:                         # the block on its bar
+    if dyad.kind == 'RPR':                         # the block on its bar
         return Connection(other, one, (0.0, dyad.offset), axis=X)
-    if dyad.kind == RPP:                         # the block in the slot of its yoke
+    if dyad.kind == 'RPP':                         # the block in the slot of its yoke
         return Connection(other, one, axis=direction(dyad.slot), turn=dyad.slot)
     return Connection(one, other)
 

@@ -22,8 +22,6 @@ from fourbar_ros.mechanisms.machine.structure import (
     Layout,
     load_fields,
     motion_fields,
-    RRP,
-    RRR,
     SLIDER_LINK,
     SLIDES,
     travel,
@@ -78,7 +76,8 @@ def _links(layout: Layout) -> list[Link]:
         first = {'RRR': ('first', 'second'), 'RRP': ('first', 'inner'),
                  'RPR': ('first', 'second'), 'RPP': ('first', 'second'),
                  'PRP': ('inner', 'inner')}[stage.kind]
-        lengths = {RRR: ('length_1', 'length_2'), RRP: ('length_1', '')}.get(stage.kind, ('', ''))
+        lengths = {'RRR': ('length_1', 'length_2'),
+                   'RRP': ('length_1', '')}.get(stage.kind, ('', ''))
         found += [Link(link, role, joints[place], length and f'{stage.name}.{length}',
                        turns=link in turning)
                   if link != GROUND else Link(layout.links[0], 'frame', BASE)

@@ -64,11 +64,6 @@ from fourbar_ros.mechanisms.machine.structure import (
     motion_fields,
     Numbers,
     PLACES,
-    PRP,
-    RPP,
-    RPR,
-    RRP,
-    RRR,
     SLIDES,
     Stage,
     travel,
@@ -271,4 +266,4 @@ def prp_forces(_sizes: Sequence[Scalar], t1: Vector, t2: Vector, _slides: Sequen
 
 
 SOLVERS: dict[str, SolvesDyad] = {
-    RRR: rrr_forces, RRP: rrp_forces, RPR: rpr_forces, RPP: rpp_forces, PRP: prp_forces}
+    'RRR': rrr_forces, 'RRP': rrp_forces, 'RPR': rpr_forces, 'RPP': rpp_forces, 'PRP': prp_forces}

@@ -32,16 +32,7 @@ from collections.abc import Sequence
 from fourbar_ros.mechanisms.machine.solve.dyads import Driven, DyadMotion, ORIGIN
 from fourbar_ros.mechanisms.machine.solve.frames import hangings, Poses, seen_from
 from fourbar_ros.mechanisms.machine.solve.pairs import make_moves, turned_by
-from fourbar_ros.mechanisms.machine.structure import (
-    CYLINDER,
-    Layout,
-    Numbers,
-    PRP,
-    RPR,
-    RRP,
-    RRR,
-    Stage,
-)
+from fourbar_ros.mechanisms.machine.structure import CYLINDER, Layout, Numbers, Stage
 from fourbar_ros.mechanisms.points import FIXED, LinkMotion
 from fourbar_ros.mechanisms.slides import triangle
 from fourbar_ros.numerics.number_types import NumberType, Scalar
@@ -97,22 +88,22 @@ def errors_of(n: NumberType, stage: Stage, own: Numbers, first: Errors, second: 
     at_p = first[0] + reach_p * (1.0 + first[1])
     at_q = second[0] + reach_q * (1.0 + second[1])
     both, per = at_p + at_q, 1.0 / fabs(moved.sine)
-    if stage.kind == RRR:                                                               # (C3)
+    if stage.kind == 'RRR':                                                               # (C3)
         (r1, r2), cosine = sizes, fabs(moved.cosine)
         return ((at_p, (both + r1 * cosine + r2) * per / r1),
                 (at_q, (both + r2 * cosine + r1) * per / r2))
     slide, r1 = moved.slides[0], sizes[0]
-    if stage.kind == RRP:                                                               # (C4)
+    if stage.kind == 'RRP':                                                               # (C4)
         shift = (both + r1 + fabs(slide) * second[1]) * per
         return (at_p, shift / r1), (at_p + r1 + shift, second[1])
-    if stage.kind == RPR:                                                               # (C5)
+    if stage.kind == 'RPR':                                                               # (C5)
         offset = sizes[0]
         turn = (both + fabs(offset)) / fabs(slide)
         return (at_p, turn), (at_q, turn)
     other_slide = moved.slides[3]        # of the yoke (RPP), of the second block (PRP)
-    turn_1 = first[1] if stage.kind == PRP else second[1]                               # (C6)
+    turn_1 = first[1] if stage.kind == 'PRP' else second[1]                               # (C6)
     shift = (both + fabs(slide) * turn_1 + fabs(other_slide) * second[1]) * per
-    return ((shift, turn_1) if stage.kind == PRP else (at_p, turn_1)), (shift, second[1])
+    return ((shift, turn_1) if stage.kind == 'PRP' else (at_p, turn_1)), (shift, second[1])
 
 
 def motion_of(n: NumberType, layout: Layout, numbers: Sequence[Numbers], signs: Sequence[Scalar],

@@ -43,18 +43,7 @@ from fourbar_ros.mechanisms.machine.solve.dyads import (
     MovesDyad,
     Node,
 )
-from fourbar_ros.mechanisms.machine.structure import (
-    CYLINDER,
-    Layout,
-    Numbers,
-    Pair,
-    PRP,
-    RPP,
-    RPR,
-    RRP,
-    RRR,
-    Stage,
-)
+from fourbar_ros.mechanisms.machine.structure import CYLINDER, Layout, Numbers, Pair, Stage
 from fourbar_ros.mechanisms.points import LinkMotion
 from fourbar_ros.numerics.number_types import nudge, NumberType, Scalar
 
@@ -67,14 +56,14 @@ FIRST_JOINT = (0.0, 0.0)             # as a place
 def slides_of(stage: Stage, own: Numbers) -> list[tuple[int, Slide]]:
     """Return [(number of a link that slides, its :data:`Slide`)] in the order of the joints."""
     one, two, sizes = stage.number, stage.number + 1, own.sizes
-    if stage.kind == RRP:
+    if stage.kind == 'RRP':
         return [(two, (stage.second, own.q, (sizes[1], sizes[2])))]
-    if stage.kind == RPR:
+    if stage.kind == 'RPR':
         return [(one, (two, (0.0, sizes[0]), (1.0, 0.0)))]
-    if stage.kind == RPP:
+    if stage.kind == 'RPP':
         return [(one, (two, FIRST_JOINT, (sizes[2], sizes[3]))),
                 (two, (stage.second, own.q, (sizes[0], sizes[1])))]
-    if stage.kind == PRP:
+    if stage.kind == 'PRP':
         return [(one, (stage.first, own.p, (sizes[0], sizes[1]))),
                 (two, (stage.second, own.q, (sizes[2], sizes[3])))]
     return []
@@ -83,10 +72,10 @@ def slides_of(stage: Stage, own: Numbers) -> list[tuple[int, Slide]]:
 def anchors_of(stage: Stage, own: Numbers) -> dict[int, tuple[int, Place]]:
     """Return {link of a dyad: (link to which its first joint is pinned, where)}."""
     one, two = stage.number, stage.number + 1
-    if stage.kind == PRP:
+    if stage.kind == 'PRP':
         return {two: (one, FIRST_JOINT)}
-    second = {RRR: (stage.second, own.q), RPR: (stage.second, own.q),
-              RRP: (one, (own.sizes[0], 0.0))}.get(stage.kind)
+    second = {'RRR': (stage.second, own.q), 'RPR': (stage.second, own.q),
+              'RRP': (one, (own.sizes[0], 0.0))}.get(stage.kind)
     return {one: (stage.first, own.p), **({two: second} if second else {})}
 
 
@@ -111,7 +100,7 @@ class KnownJoints:
         """
         for link, (carrier, place) in anchors_of(stage, own).items():
             self.pins[link, carrier] = FIRST_JOINT, place
-        if stage.kind == RRR:
+        if stage.kind == 'RRR':
             r1, r2 = own.sizes
             self.pins[stage.number + 1, stage.number] = (r2, 0.0), (r1, 0.0)
         for link, (carrier, start, direction) in slides_of(stage, own):
@@ -125,9 +114,9 @@ class KnownJoints:
     def pair_of(self, stage: Stage) -> Pair | None:
         """Return the :class:`Pair` of a dyad, None where its links are not joined."""
         for link, carrier in ((stage.first, stage.second), (stage.second, stage.first)):
-            if (link, carrier) in self.pins and stage.kind in (RRR, RRP, RPR):
-                return Pair(stage.second if stage.kind == RRP else carrier, False)
-            if (link, carrier) in self.slides and stage.kind in (RRR, RPR):
+            if (link, carrier) in self.pins and stage.kind in ('RRR', 'RRP', 'RPR'):
+                return Pair(stage.second if stage.kind == 'RRP' else carrier, False)
+            if (link, carrier) in self.slides and stage.kind in ('RRR', 'RPR'):
                 return Pair(carrier, True)
         return None
 
@@ -303,8 +292,8 @@ def rpr_slide(n: NumberType, sign: Scalar, stage: Stage, own: Numbers, at_p: Nod
 
 
 # {(kind, whether a slide, not a pin, joins the links it hangs on): how it moves}
-PAIRS = {(RRR, False): rrr_pair, (RRP, False): rrp_pair, (RPR, False): rpr_pair,
-         (RRR, True): rrr_slide, (RPR, True): rpr_slide}
+PAIRS = {('RRR', False): rrr_pair, ('RRP', False): rrp_pair, ('RPR', False): rpr_pair,
+         ('RRR', True): rrr_slide, ('RPR', True): rpr_slide}
 
 
 def rod_of_cylinder(at_p: Node, at_q: Node, driven: Any, _first: LinkMotion,
