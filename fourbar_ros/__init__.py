@@ -32,15 +32,8 @@ if TYPE_CHECKING:
     )
     from fourbar_ros.extrema.batch import find_extrema_many
     from fourbar_ros.extrema.find import find_extrema
-    from fourbar_ros.mechanics.bodies import (
-        Applied,
-        Base,
-        Bodies,
-        Body,
-        External,
-        flat_bar,
-        round_rod,
-    )
+    from fourbar_ros.mechanics.bodies import Applied, Base, Bodies, Body, External
+    from fourbar_ros.mechanics.rods import flat_bar, round_rod
     from fourbar_ros.mechanisms.four_bars import FourBar, Loads, Motion
     from fourbar_ros.mechanisms.mechanism import Mechanism
     from fourbar_ros.mechanisms.moving_joint import MovingJointFourBar
@@ -62,8 +55,8 @@ __getattr__, __dir__ = lazily(__name__, {
     'fourbar_ros.errors': 'FourBarError, InvalidParameter, MissingBodies, OutOfRange, Toggle',
     'fourbar_ros.extrema.batch': 'find_extrema_many',
     'fourbar_ros.extrema.find': 'find_extrema',
-    'fourbar_ros.mechanics.bodies':
-        'Applied, Base, Bodies, Body, External, flat_bar, round_rod',
+    'fourbar_ros.mechanics.bodies': 'Applied, Base, Bodies, Body, External',
+    'fourbar_ros.mechanics.rods': 'flat_bar, round_rod',
     'fourbar_ros.mechanisms.four_bars': 'FourBar, Loads, Motion',
     'fourbar_ros.mechanisms.mechanism': 'Mechanism',
     'fourbar_ros.mechanisms.moving_joint': 'MovingJointFourBar',

@@ -38,7 +38,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from fourbar_ros.mechanics.bodies import Body, round_rod
+from fourbar_ros.mechanics.bodies import Body
+from fourbar_ros.mechanics.rods import round_rod
 from fourbar_ros.mechanisms.machine.describe.description import Cylinder, Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 

@@ -21,7 +21,7 @@ from fourbar_ros.dynamics.elements import LinkAngle, PositionForce, TableForce
 from fourbar_ros.dynamics.equation import REACH
 from fourbar_ros.dynamics.rosenbrock import StepFormulas
 from fourbar_ros.dynamics.sources import Law
-from fourbar_ros.numerics.given import quantities_of
+from fourbar_ros.numerics.number_fields import quantities_of
 from fourbar_ros.numerics.number_types import Function
 from fourbar_ros.numerics.trace import Trace
 from fourbar_ros.scene.topics import TORQUE

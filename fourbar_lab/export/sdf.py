@@ -12,10 +12,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import atan2, pi
 
+from fourbar_ros.description.connections import Connection
 from fourbar_ros.description.model import inertia_of, ModelLink, RobotModel
 from fourbar_ros.description.shapes import Shape
 from fourbar_ros.description.xml import add, as_text, colour, comment, Element, numbers
-from fourbar_ros.mechanisms.parts import Connection
 
 VERSION = '1.8'        # Fortress to Ionic read it
 WORLD = 'world'

@@ -19,6 +19,7 @@ from fourbar_lab.drawing.sheet import nice
 from fourbar_lab.live import svg
 from fourbar_lab.live.model import PagePose, Shown
 from fourbar_lab.live.svg import HEIGHT, MARGIN, STYLE, View, view_of, WIDTH
+from fourbar_ros.mechanisms.curves import LinkMotion
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.mechanisms.picture import (
@@ -30,7 +31,6 @@ from fourbar_ros.mechanisms.picture import (
     ORIGIN,
     picture,
 )
-from fourbar_ros.mechanisms.points import LinkMotion
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
 

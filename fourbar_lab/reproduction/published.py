@@ -13,7 +13,8 @@ from math import degrees, pi, radians, tau
 from fourbar_lab.reproduction.documents import equal, Row
 from fourbar_lab.reproduction.equations import output_by_steps
 from fourbar_ros.extrema.find import Extremum, find_extrema
-from fourbar_ros.mechanics.bodies import Bodies, Body, round_rod
+from fourbar_ros.mechanics.bodies import Bodies, Body
+from fourbar_ros.mechanics.rods import round_rod
 from fourbar_ros.mechanisms.four_bars import FourBar
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import CROSSED, NamedFields, OPEN

@@ -20,13 +20,13 @@ from fourbar_ros.optional import lazily
 if TYPE_CHECKING:
     from fourbar_lab.studies.chunks import Chunk, compute
     from fourbar_lab.studies.derivatives import Derivatives, sensitivities, Sensitivity
+    from fourbar_lab.studies.duals import derivatives_of
     from fourbar_lab.studies.engine import cluster, processes, run
     from fourbar_lab.studies.results import Results, Summary
     from fourbar_lab.studies.study import from_document as study_of
     from fourbar_lab.studies.study import read as read_study
     from fourbar_lab.studies.study import Study, StudyError
     from fourbar_lab.studies.tolerance_analysis import Toleranced, tolerances
-    from fourbar_ros.numerics.tables import derivatives_of
 
 __all__ = [
     'Chunk', 'Derivatives', 'Results', 'Sensitivity', 'Study', 'StudyError', 'Summary',
@@ -37,10 +37,10 @@ __all__ = [
 __getattr__, __dir__ = lazily(__name__, {
     'fourbar_lab.studies.chunks': 'Chunk, compute',
     'fourbar_lab.studies.derivatives': 'Derivatives, sensitivities, Sensitivity',
+    'fourbar_lab.studies.duals': 'derivatives_of',
     'fourbar_lab.studies.engine': 'cluster, processes, run',
     'fourbar_lab.studies.results': 'Results, Summary',
     'fourbar_lab.studies.study':
         'from_document as study_of, read as read_study, Study, StudyError',
     'fourbar_lab.studies.tolerance_analysis': 'Toleranced, tolerances',
-    'fourbar_ros.numerics.tables': 'derivatives_of',
 })

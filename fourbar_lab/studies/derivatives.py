@@ -22,6 +22,7 @@ from typing import Any, NamedTuple
 
 from fourbar_lab.quadrature import nodes
 from fourbar_lab.studies.design import Design
+from fourbar_lab.studies.duals import derivatives_of, Dual, duals_of, value_of
 from fourbar_lab.studies.measures import (
     CHANGE_POINT,
     INPUT_RANGE,
@@ -45,7 +46,7 @@ from fourbar_ros.mechanisms.parts import NoLoads
 from fourbar_ros.mechanisms.points import with_any_lengths
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
-from fourbar_ros.numerics.tables import ARRAYS, derivatives_of, Dual, duals_of, run, value_of
+from fourbar_ros.numerics.tables import ARRAYS, run
 from fourbar_ros.numerics.trace import flat, Trace
 from fourbar_ros.scene.parameters import find_parameter
 from fourbar_ros.scene.scene import Scene

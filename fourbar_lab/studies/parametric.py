@@ -11,7 +11,8 @@ from functools import partial
 from typing import Any
 
 from fourbar_lab.studies.measures import Searched
-from fourbar_ros.mechanics.bodies import Applied, bar_numbers, Body, rod_numbers, unchecked
+from fourbar_ros.mechanics.bodies import Applied, Body, unchecked
+from fourbar_ros.mechanics.rods import bar_numbers, rod_numbers
 from fourbar_ros.mechanisms.evaluation import Constants
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.quantities import point_acceleration, point_speed

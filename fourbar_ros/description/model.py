@@ -14,12 +14,13 @@ from collections.abc import Sequence
 from math import isnan, nan
 from typing import NamedTuple
 
+from fourbar_ros.description.connections import Connection, connections_of
 from fourbar_ros.description.shapes import Shape, shapes_of
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanics.bodies import Body, field_of
+from fourbar_ros.mechanisms.curves import LinkMotion
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import Connection, Coordinate, GROUND, NamedFields
-from fourbar_ros.mechanisms.points import LinkMotion
+from fourbar_ros.mechanisms.parts import Coordinate, GROUND, NamedFields
 from fourbar_ros.numerics.number_types import direction
 from fourbar_ros.scene.scene import Scene
 import numpy as np
@@ -194,7 +195,8 @@ def _joint(scene: Scene, place: int, motion: NamedFields) -> ModelJoint:
     """Return joint number ``place`` of JOINTS; ``motion``: of the start."""
     mechanism, shown = scene.linkage, scene.joint_states
     coordinate, name = mechanism.JOINTS[place].coordinate, scene.joint_names[place]
-    connection, is_driven = mechanism.connections[place], coordinate == mechanism.input_coordinate
+    connection = connections_of(mechanism)[place]
+    is_driven = coordinate == mechanism.input_coordinate
     ratio, offset = shown.ratios[place], shown.offsets[place]
     limits = _limits(mechanism, coordinate, connection, is_driven)
     if limits:
@@ -269,9 +271,7 @@ def tree_of(mechanism: Mechanism) -> tuple[dict[str, int], list[int]]:
         Its joints do not reach every link from the ground.
 
     """
-    connections, driven = mechanism.connections, mechanism.input_coordinate
-    if not connections:
-        raise NoDescription(f'a {mechanism.TITLE} does not state which links its joints connect')
+    connections, driven = connections_of(mechanism), mechanism.input_coordinate
 
     def preference(joint: int) -> tuple[bool, bool, int]:
         is_driven = mechanism.JOINTS[joint].coordinate == driven

@@ -13,8 +13,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from math import atan2, hypot, pi
 from typing import NamedTuple, Union
 
+from fourbar_ros.description.connections import Connection
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import Connection, GROUND
+from fourbar_ros.mechanisms.parts import GROUND
 import numpy as np
 
 Place = tuple[float, float]

@@ -21,11 +21,12 @@ from typing import Any, NamedTuple, Union
 
 from fourbar_ros.dynamics.force_table import ForceTable
 from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.mechanisms.curves import LinkMotion, MovingPoint, point_of
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import GROUND
-from fourbar_ros.mechanisms.points import LinkMotion, MovingPoint, point_of
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.numerics.given import check_quantities, number, quantity
+from fourbar_ros.numerics.given import number
+from fourbar_ros.numerics.number_fields import check_quantities, quantity
 from fourbar_ros.numerics.number_types import direction, NumberType, Scalar
 import numpy as np
 

@@ -63,9 +63,9 @@ from fourbar_ros.mechanics.bodies import (
     NOT_APPLIED,
     unchecked,
 )
+from fourbar_ros.mechanisms.curves import FIXED, LinkMotion, point_of
 from fourbar_ros.mechanisms.mechanism import DrivenLinks, Mechanism
 from fourbar_ros.mechanisms.parts import GROUND
-from fourbar_ros.mechanisms.points import FIXED, LinkMotion, point_of
 from fourbar_ros.numerics.arrays import Array, Value
 from fourbar_ros.numerics.given import number
 from fourbar_ros.numerics.number_types import (

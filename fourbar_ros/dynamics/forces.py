@@ -15,9 +15,10 @@ from typing import Any, Union
 from fourbar_ros.dynamics.elements import Element, ForceOnLink, links_of, PositionForce
 from fourbar_ros.errors import FourBarError, InvalidParameter, MissingBodies
 from fourbar_ros.mechanics.bodies import Applied, applied_to, unchecked
+from fourbar_ros.mechanisms.curves import FIXED, LinkMotion, point_of
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import GROUND, NamedFields
-from fourbar_ros.mechanisms.points import FIXED, LinkMotion, point_of, with_any_lengths
+from fourbar_ros.mechanisms.points import with_any_lengths
 from fourbar_ros.numerics.number_types import ARRAY, NumberType, REAL
 import numpy as np
 from numpy.typing import ArrayLike

@@ -25,7 +25,7 @@ from fourbar_ros.numerics.given import array, FASTEST
 from fourbar_ros.numerics.number_types import NumberType
 from fourbar_ros.numerics.tables import ARRAYS, run
 from fourbar_ros.numerics.trace import flat, Trace
-from fourbar_ros.numerics.write import keep_memory
+from fourbar_ros.numerics.write_arrays import keep_memory
 import numpy as np
 from numpy.typing import ArrayLike
 

@@ -27,8 +27,9 @@ from fourbar_ros.mechanisms.evaluation import formula_of
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NoLoads
 from fourbar_ros.mechanisms.quantities import Asked, is_position, is_published
+from fourbar_ros.numerics.balls import arb_settings, taylor_pairs
 from fourbar_ros.numerics.number_types import Function, numbers_of, NumberType
-from fourbar_ros.numerics.tables import arb_settings, run, taylor_pairs
+from fourbar_ros.numerics.tables import run
 from fourbar_ros.numerics.trace import flat, Number, Trace
 
 if TYPE_CHECKING:      # an optional package

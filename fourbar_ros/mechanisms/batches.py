@@ -17,7 +17,7 @@ from fourbar_ros.numerics.given import array
 from fourbar_ros.numerics.number_types import Function, numbers_of
 from fourbar_ros.numerics.tables import ARRAYS, run
 from fourbar_ros.numerics.trace import flat, Trace
-from fourbar_ros.numerics.write import program
+from fourbar_ros.numerics.write_arrays import program
 import numpy as np
 from numpy.typing import ArrayLike
 

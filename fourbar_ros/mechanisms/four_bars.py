@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import atan2, fsum, pi, sqrt
+from math import atan2, fsum, sqrt
 from typing import NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.errors import InvalidParameter
@@ -26,7 +26,6 @@ from fourbar_ros.mechanisms.machine.structure import Numbers
 from fourbar_ros.mechanisms.mechanism import cached_by_lengths
 from fourbar_ros.mechanisms.parts import (
     BETA,
-    Connection,
     CRANK,
     CROSSED,
     GROUND,
@@ -122,13 +121,6 @@ class FourBarLinks(Kind):
             raise InvalidParameter(f'a{lengths.index(longest) + 1}', longest,
                                    'the links cannot close: it must be shorter than the other '
                                    f'three together ({fsum(lengths + (-longest,)):.12g})')
-
-    @property
-    def connections(self) -> tuple[Connection, ...]:
-        """Return which links the four joints connect."""
-        return (Connection(GROUND, 'crank'), Connection('crank', 'coupler', (self.a1, 0.0)),
-                Connection('coupler', 'output', (self.a2, 0.0), (self.a3, 0.0), turn=pi),
-                Connection(GROUND, 'output', (self.a4, 0.0)))
 
 
 @dataclass(frozen=True)

@@ -13,9 +13,9 @@ from typing import Any, NamedTuple
 
 from fourbar_ros.mechanics.bodies import Base, Body, field_of, NOT_APPLIED
 from fourbar_ros.mechanics.newton_euler import needs_of
+from fourbar_ros.mechanisms.curves import FIXED, point_of
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields
-from fourbar_ros.mechanisms.points import FIXED, point_of
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.number_types import Scalar
 import numpy as np

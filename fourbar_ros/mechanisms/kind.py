@@ -19,6 +19,7 @@ from functools import partial
 from typing import Any, ClassVar, NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.mechanics.bodies import applied_to, Bodies, External
+from fourbar_ros.mechanisms.curves import FIXED, LinkMotion, point_of
 from fourbar_ros.mechanisms.evaluation import Constants
 from fourbar_ros.mechanisms.kinds import DERIVED, derives
 from fourbar_ros.mechanisms.machine.solve.dyads import Direction, Driven, DyadMotion, ORIGIN
@@ -41,7 +42,6 @@ from fourbar_ros.mechanisms.parts import (
     THETA4,
     TRAVEL,
 )
-from fourbar_ros.mechanisms.points import FIXED, LinkMotion, point_of
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 
 if TYPE_CHECKING:

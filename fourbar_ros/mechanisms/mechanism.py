@@ -30,9 +30,9 @@ from fourbar_ros.mechanics.bodies import (
     NOT_APPLIED,
 )
 from fourbar_ros.mechanisms.checks import checked, checked_gravity, checked_stroke
+from fourbar_ros.mechanisms.curves import Coefficients, LinkMotion
 from fourbar_ros.mechanisms.evaluation import Constants, line_of, Recorded, recorded
 from fourbar_ros.mechanisms.parts import (
-    Connection,
     Coordinate,
     CROSSED,
     find_link,
@@ -48,7 +48,6 @@ from fourbar_ros.mechanisms.parts import (
     SLIDE,
     within_stroke,
 )
-from fourbar_ros.mechanisms.points import Coefficients, LinkMotion
 from fourbar_ros.numerics.arrays import EPS
 from fourbar_ros.numerics.given import number
 from fourbar_ros.numerics.number_types import Function, NumberType, power_of_two, Scalar
@@ -193,11 +192,6 @@ class Mechanism(ABC):
     def modes(self) -> Mapping[int, str]:
         """Return {assembly mode: its name}; one input may have fewer than another."""
         return self.MODES
-
-    @property
-    def connections(self) -> tuple[Connection, ...]:
-        """Return which links each of ``JOINTS`` connects; URDF, SDF and MJCF are made of it."""
-        return ()
 
     # --- all that follows -----------------------------------------------------------------------
 

@@ -6,7 +6,6 @@ from __future__ import annotations
 from collections import namedtuple
 from collections.abc import Iterable, Iterator
 from functools import cache
-from math import cos, sin
 from typing import Any, ClassVar, NamedTuple, NoReturn, Protocol
 
 from fourbar_ros.errors import InvalidParameter, MissingBodies, one_of
@@ -173,42 +172,6 @@ class Joint(NamedTuple):
 
 
 GROUND = 'ground'      # as a link: it does not move
-
-
-class Connection(NamedTuple):
-    """
-    Which two links a joint connects, and where.
-
-    With the coordinate q of the joint, the angle of the child is that of the parent plus ``turn``,
-    plus q of a joint that turns. The joint's place on the child is its place on the parent, moved
-    by q along ``axis`` of a joint that slides.
-
-    Parameters
-    ----------
-    parent, child : str
-        Names of links, or :data:`GROUND`.
-    on_parent, on_child : tuple of 2 floats
-        The joint, along each link from its first joint and across to its left [m].
-    axis : tuple of 2 floats, optional
-        Unit vector of a joint that slides, in the frame of the parent; None: it turns.
-    turn : float
-        Angle from the parent to the child, of a joint that turns at q = 0 [rad].
-
-    """
-
-    parent: str
-    child: str
-    on_parent: tuple[float, float] = (0.0, 0.0)
-    on_child: tuple[float, float] = (0.0, 0.0)
-    axis: tuple[float, float] | None = None
-    turn: float = 0.0
-
-    def reversed(self) -> Connection:
-        """Return the same joint with parent and child exchanged; a pin has -q then."""
-        c, s = cos(self.turn), sin(self.turn)
-        axis = self.axis and (-c * self.axis[0] - s * self.axis[1],
-                              s * self.axis[0] - c * self.axis[1])
-        return Connection(self.child, self.parent, self.on_child, self.on_parent, axis, -self.turn)
 
 
 class Reaction(NamedTuple):

@@ -12,11 +12,12 @@ from collections.abc import Iterable, Mapping
 from math import hypot
 from typing import Any, cast, NamedTuple, TYPE_CHECKING, TypeVar
 
+from fourbar_ros.mechanisms.curves import point_of, vector
 from fourbar_ros.mechanisms.four_bars import FourBarLinks
 from fourbar_ros.mechanisms.machine.structure import BASE, SLIDES, Stage
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import GROUND, NamedFields
-from fourbar_ros.mechanisms.points import point_motion, point_of, vector
+from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.mechanisms.sliders import InvertedSlider, ScotchYoke, SliderCrank
 from fourbar_ros.numerics.arrays import Array
 import numpy as np

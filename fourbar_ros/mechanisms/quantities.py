@@ -8,10 +8,10 @@ from functools import partial
 from typing import Any, NamedTuple, Union
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, nearest
+from fourbar_ros.mechanisms.curves import point_of
 from fourbar_ros.mechanisms.kinds import LOADS
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import CRANK, NamedFields, Quantity
-from fourbar_ros.mechanisms.points import point_of
 from fourbar_ros.numerics.number_types import Scalar
 import numpy as np
 

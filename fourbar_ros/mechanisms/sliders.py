@@ -31,12 +31,12 @@ from fourbar_ros.mechanisms.closed_forms import (
     singular_slides,
     slide_ranges,
 )
+from fourbar_ros.mechanisms.curves import LinkMotion
 from fourbar_ros.mechanisms.kind import DrivenMachine, FORWARD, Kind, results
 from fourbar_ros.mechanisms.kinds import FACTS
 from fourbar_ros.mechanisms.machine.structure import Numbers
 from fourbar_ros.mechanisms.parts import (
     BETA,
-    Connection,
     CRANK,
     GROUND,
     NamedFields,
@@ -51,7 +51,6 @@ from fourbar_ros.mechanisms.parts import (
     THETA4,
     TRAVEL,
 )
-from fourbar_ros.mechanisms.points import LinkMotion
 from fourbar_ros.numerics.exact_sums import difference_of_squares, scaled
 from fourbar_ros.numerics.number_types import NumberType, power_of_two, Scalar
 
@@ -192,13 +191,6 @@ class SliderCrank(OffsetSlide):
                 points.append(SliderDeadPoint(atan2(side * e, x), unit * side * x, is_stretched))
         return tuple(sorted(points))
 
-    @property
-    def connections(self) -> tuple[Connection, ...]:
-        """Return which links the four joints connect."""
-        return (Connection(GROUND, 'crank'), Connection('crank', 'coupler', (self.a1, 0.0)),
-                Connection('coupler', 'output', (self.a2, 0.0)),
-                Connection(GROUND, 'output', (0.0, self.offset), axis=(1.0, 0.0)))
-
 
 class InvertedDeadPoint(NamedTuple):
     """Crank square to the bar: the bar turns back."""
@@ -307,13 +299,6 @@ class InvertedSlider(OffsetSlide):
                 points.append(InvertedDeadPoint(atan2(side * cosine, -side * sine),
                                                 atan2(sine, cosine)))
         return tuple(sorted(points))
-
-    @property
-    def connections(self) -> tuple[Connection, ...]:
-        """Return which links the four joints connect."""
-        return (Connection(GROUND, 'crank'), Connection('crank', 'coupler', (self.a1, 0.0)),
-                Connection('output', 'coupler', (0.0, self.offset), axis=(1.0, 0.0)),
-                Connection(GROUND, 'output', (self.a4, 0.0)))
 
     def read_coordinate(self, numbers: NumberType,
                         curves: Sequence[LinkMotion]) -> tuple[Scalar, Scalar, Scalar]:
@@ -438,13 +423,6 @@ class ScotchYoke(Kind):
         """Return where the yoke of a driven crank turns back."""
         return ((YokeDeadPoint(0.0, self.a1), YokeDeadPoint(pi, -self.a1)) if self.input == CRANK
                 else ())
-
-    @property
-    def connections(self) -> tuple[Connection, ...]:
-        """Return which links the four joints connect; the block points along the slot, y."""
-        return (Connection(GROUND, 'crank'), Connection('crank', 'coupler', (self.a1, 0.0)),
-                Connection('output', 'coupler', axis=(0.0, 1.0), turn=0.5 * pi),
-                Connection(GROUND, 'output', (0.0, self.offset), axis=(1.0, 0.0)))
 
 
 results(SliderCrank, 'SliderCrankMotion', 'SliderLoads')

@@ -14,7 +14,7 @@ from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import FourBarError, InvalidParameter, one_of
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import GROUND
-from fourbar_ros.numerics.given import quantities_of
+from fourbar_ros.numerics.number_fields import quantities_of
 from fourbar_ros.scene.parameters import names_in
 from fourbar_ros.scene.settings import GEAR, MOTORS, of_motor, ParameterValues, SOURCES
 

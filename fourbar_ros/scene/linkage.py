@@ -8,7 +8,8 @@ from math import isnan, radians, tau
 from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.errors import InvalidParameter, nearest
-from fourbar_ros.mechanics.bodies import Applied, Base, Body, flat_bar, Gravity, round_rod
+from fourbar_ros.mechanics.bodies import Applied, Base, Body, Gravity
+from fourbar_ros.mechanics.rods import flat_bar, round_rod
 from fourbar_ros.mechanisms.kinds import AT_MOVING_JOINTS, FACTS, kind_of
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Link, SLIDE

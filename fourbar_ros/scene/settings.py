@@ -23,7 +23,8 @@ from fourbar_ros.dynamics.sources import (
 )
 from fourbar_ros.mechanisms.kinds import AT_MOVING_JOINTS, DIMENSIONS, FACTS
 from fourbar_ros.mechanisms.parts import GROUND, Length
-from fourbar_ros.numerics.given import FASTEST, quantities_of
+from fourbar_ros.numerics.given import FASTEST
+from fourbar_ros.numerics.number_fields import quantities_of
 from fourbar_ros.scene.topics import (
     BASES,
     INPUTS,

@@ -9,6 +9,7 @@ import subprocess
 from xml.etree import ElementTree
 
 from fourbar_ros import InvalidParameter
+from fourbar_ros.description.connections import connections_of
 from fourbar_ros.description.formats import describe
 from fourbar_ros.description.model import model_of, NoDescription, tree_of
 from fourbar_ros.mechanisms.kinds import FACTS
@@ -112,7 +113,7 @@ def test_sdf_is_closed_at_all_its_joints(case):
         return complex(x0, y0) + complex(x, y) * np.exp(1j * angle)
 
     motion = scene.linkage.motion(scene.drive.start)
-    for its, name, joint in zip(scene.linkage.connections, scene.joint_names,
+    for its, name, joint in zip(connections_of(scene.linkage), scene.joint_names,
                                 scene.linkage.JOINTS):
         element = joints[name]
         x, y, *_ = map(float, element.findtext('pose').split())

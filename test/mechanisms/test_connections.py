@@ -4,8 +4,9 @@
 from cmath import exp
 
 from fourbar_ros import load_scene
+from fourbar_ros.description.connections import connections_of
+from fourbar_ros.mechanisms.curves import LinkMotion, point_of
 from fourbar_ros.mechanisms.parts import GROUND
-from fourbar_ros.mechanisms.points import LinkMotion, point_of
 import numpy as np
 from support import contract
 from support.samples import more
@@ -19,7 +20,7 @@ def errors(mechanism, given):
     motion = mechanism.motion(*given)
     links = {GROUND: STILL, **{link.name: mechanism.link_motion(motion, link.name)
                                for link in mechanism.LINKS}}
-    for joint, its in zip(mechanism.JOINTS, mechanism.connections):
+    for joint, its in zip(mechanism.JOINTS, connections_of(mechanism)):
         parent, child, q = links[its.parent], links[its.child], getattr(
             motion, joint.coordinate.position)
         turn = its.turn + (q if its.axis is None else 0.0)
@@ -37,7 +38,7 @@ def test_joints_connect_their_links(case, count=more(20, 200)):
     for mechanism, given in [*contract.ordinary(case, 5, count),
                              *(published if case == contract.MACHINES else [])]:
         stages = len(getattr(mechanism, 'stages', [1]))
-        assert len(mechanism.connections) == len(mechanism.JOINTS)
+        assert len(connections_of(mechanism)) == len(mechanism.JOINTS)
         bound = 8.0 * EPS * max(1.0, mechanism.motion(*given).condition * max(
             1.0, *map(abs, mechanism.lengths))) * stages
         assert max(errors(mechanism, given)) <= bound, mechanism

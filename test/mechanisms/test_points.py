@@ -4,7 +4,8 @@
 from math import nan, pi
 
 from fourbar_ros import FourBar, InvalidParameter
-from fourbar_ros.mechanisms.points import point_motion, vector
+from fourbar_ros.mechanisms.curves import vector
+from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.mechanisms.sliders import SliderCrank
 import numpy as np
 import pytest

@@ -8,7 +8,7 @@ from fourbar_ros import Applied, point_motion
 from fourbar_ros.dynamics import loads_with
 from fourbar_ros.dynamics.elements import LinkAngle, PositionForce, Way
 from fourbar_ros.errors import FourBarError, InvalidParameter
-from fourbar_ros.mechanisms.points import FIXED
+from fourbar_ros.mechanisms.curves import FIXED
 from fourbar_ros.numerics.number_types import REAL
 from fourbar_ros.pipeline.stepper import Stepper
 from fourbar_ros.pipeline.wrenches import Wrench

@@ -8,10 +8,11 @@ from types import SimpleNamespace
 from flint import ctx
 from fourbar_lab.studies.derivatives import Derivatives, sensitivities
 from fourbar_lab.studies.design import Design
+from fourbar_lab.studies.duals import derivatives_of, Dual, duals_of, value_of
 from fourbar_lab.studies.study import from_document
 from fourbar_ros import load_scene
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.numerics.tables import ARRAYS, derivatives_of, Dual, duals_of, run, value_of
+from fourbar_ros.numerics.tables import ARRAYS, run
 from fourbar_ros.numerics.trace import Trace
 from fourbar_ros.scene.scene import from_values
 import mpmath as mp

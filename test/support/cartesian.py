@@ -18,7 +18,7 @@ from flint import acb, arb, arb_mat, ctx
 from fourbar_ros import Applied, Base
 from fourbar_ros.machine import Machine
 from fourbar_ros.mechanisms.kinds import FACTS, kind_of
-from fourbar_ros.mechanisms.machine.describe.description import direction
+from fourbar_ros.numerics.number_types import direction
 import mpmath as mp
 import numpy as np
 from scipy.linalg import qr

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a mechanism takes, from the motion of its bodies alone: no reaction is involved."""
 from fourbar_ros import Applied
-from fourbar_ros.mechanisms.points import point_of
+from fourbar_ros.mechanisms.curves import point_of
 import numpy as np
 
 

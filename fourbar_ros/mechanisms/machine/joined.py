@@ -12,9 +12,9 @@ from collections.abc import Sequence
 from math import atan2, fsum, hypot, pi, remainder
 from typing import Any, NamedTuple
 
+from fourbar_ros.mechanisms.curves import LinkMotion
 from fourbar_ros.mechanisms.machine.solve.pairs import half_angle, KnownJoints, other_of, turned_by
 from fourbar_ros.mechanisms.machine.structure import CYLINDER, Layout, Numbers, Pair, Stage
-from fourbar_ros.mechanisms.points import LinkMotion
 from fourbar_ros.numerics.exact_sums import difference_of_squares
 from fourbar_ros.numerics.number_types import Function, NumberType, power_of_two, Scalar
 

@@ -18,6 +18,7 @@ from typing import Any, ClassVar, TYPE_CHECKING
 from fourbar_ros.errors import FourBarError, InvalidParameter, Toggle
 from fourbar_ros.mechanics.bodies import Applied, Body, Gravity, NOT_APPLIED
 from fourbar_ros.mechanisms.checks import checked_gravity, STROKE, two_numbers
+from fourbar_ros.mechanisms.curves import LinkMotion
 from fourbar_ros.mechanisms.evaluation import Constants
 from fourbar_ros.mechanisms.kinds import derives, DIMENSIONS
 from fourbar_ros.mechanisms.machine.describe.description import (
@@ -25,7 +26,6 @@ from fourbar_ros.mechanisms.machine.describe.description import (
     by_link,
     checked_cylinder,
     checked_dyads,
-    connections_of,
     Cylinder,
     Dyad,
     with_lengths,
@@ -48,16 +48,7 @@ from fourbar_ros.mechanisms.machine.solve.loads import loads_of
 from fourbar_ros.mechanisms.machine.solve.motion import motion_of
 from fourbar_ros.mechanisms.machine.structure import CYLINDER, Layout, Numbers, OF_ONE_MODE
 from fourbar_ros.mechanisms.mechanism import cached_by_lengths, Mechanism
-from fourbar_ros.mechanisms.parts import (
-    Connection,
-    CRANK,
-    CROSSED,
-    GROUND,
-    NamedFields,
-    OPEN,
-    SLIDE,
-)
-from fourbar_ros.mechanisms.points import LinkMotion
+from fourbar_ros.mechanisms.parts import CRANK, CROSSED, GROUND, NamedFields, OPEN, SLIDE
 from fourbar_ros.numerics.number_types import Function, NumberType, REAL, Scalar
 
 if TYPE_CHECKING:
@@ -454,11 +445,6 @@ class Machine(Mechanism):
     def classification(self) -> str:
         """Return the kinds of its dyads."""
         return ' + '.join(dyad.kind for dyad in self.dyads) or 'cylinder on a crank'
-
-    @property
-    def connections(self) -> tuple[Connection, ...]:
-        """Return which links the joints connect."""
-        return connections_of(self.layout.links[0], self.layout.driven, self.stages)
 
     def link_motion(self, motion: NamedFields, link: str) -> LinkMotion:
         """Return the motion of a link by name, from its coefficients and the input's rates."""

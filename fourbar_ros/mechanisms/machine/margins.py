@@ -16,13 +16,13 @@ from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
+from fourbar_ros.mechanisms.curves import LinkMotion
 from fourbar_ros.mechanisms.machine.joined import PairRange
 from fourbar_ros.mechanisms.machine.solve.dyads import turned
 from fourbar_ros.mechanisms.machine.solve.frames import hangings, Poses
 from fourbar_ros.mechanisms.machine.solve.motion import driven_link
 from fourbar_ros.mechanisms.machine.solve.pairs import make_moves
 from fourbar_ros.mechanisms.machine.structure import CYLINDER, Layout, Numbers, Stage
-from fourbar_ros.mechanisms.points import LinkMotion
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 
 CLOSING = ('RRR', 'RRP', 'RPR', 'PRP')     # kinds that do not close at any input

@@ -18,13 +18,13 @@ from math import hypot, pi, remainder
 from typing import NoReturn
 
 from fourbar_ros.errors import FourBarError
+from fourbar_ros.mechanisms.curves import Coefficients, FIXED, LinkMotion, point_of
 from fourbar_ros.mechanisms.machine.solve.dyads import between, Driven, DyadMotion, ORIGIN, rrr
 from fourbar_ros.mechanisms.machine.solve.frames import hangings, Poses
 from fourbar_ros.mechanisms.machine.solve.motion import EXACT
 from fourbar_ros.mechanisms.machine.solve.pairs import make_moves
 from fourbar_ros.mechanisms.machine.structure import Layout, Numbers
 from fourbar_ros.mechanisms.parts import Ranges
-from fourbar_ros.mechanisms.points import Coefficients, FIXED, LinkMotion, point_of
 from fourbar_ros.numerics.number_types import NumberType, Scalar
 
 

@@ -11,8 +11,8 @@ from collections.abc import Sequence
 from math import cos, isnan, sin
 from typing import TYPE_CHECKING
 
+from fourbar_ros.description.connections import Connection
 from fourbar_ros.description.model import model_of
-from fourbar_ros.mechanisms.parts import Connection
 from fourbar_ros.ros.messages import Stamp
 from fourbar_ros.scene.scene import Scene
 from geometry_msgs.msg import Transform, TransformStamped

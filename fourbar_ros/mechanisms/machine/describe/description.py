@@ -9,7 +9,7 @@ link of ``second``.
 """
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping
 from copy import copy
 from dataclasses import dataclass, fields
 from keyword import iskeyword
@@ -24,9 +24,8 @@ from fourbar_ros.mechanisms.machine.structure import (
     CYLINDER,
     Numbers,
     OF_ONE_MODE,
-    SLIDER_LINK,
 )
-from fourbar_ros.mechanisms.parts import Connection, CROSSED, GROUND, OPEN
+from fourbar_ros.mechanisms.parts import CROSSED, OPEN
 from fourbar_ros.numerics.given import number
 from fourbar_ros.numerics.number_types import direction
 
@@ -328,41 +327,3 @@ def by_link(name: str, given: Any, kind: type, of_links: Any, default: Any) -> A
         if not isinstance(record, kind):
             raise InvalidParameter(f'{name}.{link}', record, f'must be of type {kind.__name__}')
     return of_links(**{link: given.get(link, default) for link in of_links._fields})
-
-
-X = (1.0, 0.0)                   # a slide along its carrier
-
-
-def connections_of(frame: str, driven: str, stages: Sequence[Dyad]) -> tuple[Connection, ...]:
-    """Return the connections in the order of a machine's joints; the ground is never a child."""
-    base = Connection(frame, driven, axis=X if driven == SLIDER_LINK else None)
-    return (base, *(its.reversed() if its.child == GROUND else its
-                    for stage in stages for its in _of_dyad(stage)))
-
-
-def _of_dyad(dyad: Any) -> Iterator[Connection]:     # its kind has these dimensions: checked
-    """Yield the connections of the first, the inner and the second joint of a dyad."""
-    one, other = dyad.links
-    yield (_slide(dyad.first, one, dyad.direction_1) if dyad.kind == 'PRP'
-           else Connection(dyad.first.link, one, tuple(dyad.first[1:])))
-    yield _inner(dyad, one, other)
-    yield (_slide(dyad.second, other, dyad.direction_2) if dyad.kind in ('RRP', 'RPP', 'PRP')
-           else Connection(dyad.second.link, other, tuple(dyad.second[1:])))
-
-
-def _inner(dyad: Any, one: str, other: str) -> Connection:
-    """Return the connection of both links of a dyad; of a slide its carrier is the parent."""
-    if dyad.kind == 'RRR':
-        return Connection(one, other, (dyad.length_1, 0.0), (dyad.length_2, 0.0))
-    if dyad.kind == 'RRP':
-        return Connection(one, other, (dyad.length_1, 0.0))
-    if dyad.kind == 'RPR':                         # the block on its bar
-        return Connection(other, one, (0.0, dyad.offset), axis=X)
-    if dyad.kind == 'RPP':                         # the block in the slot of its yoke
-        return Connection(other, one, axis=direction(dyad.slot), turn=dyad.slot)
-    return Connection(one, other)
-
-
-def _slide(point: Any, link: str, angle: float) -> Connection:
-    """Return the slide of a link through a point, along a line at an angle to the carrier."""
-    return Connection(point.link, link, tuple(point[1:]), axis=direction(angle), turn=angle)

@@ -57,7 +57,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
-from fourbar_ros.mechanisms.points import LinkMotion
+from fourbar_ros.mechanisms.curves import LinkMotion
 from fourbar_ros.numerics.number_types import NumberType, Scalar
 
 Node = tuple[Scalar, Scalar, Scalar, Scalar, Scalar, Scalar]

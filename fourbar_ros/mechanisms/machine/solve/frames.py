@@ -19,6 +19,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
+from fourbar_ros.mechanisms.curves import FIXED, LinkMotion, point_of
 from fourbar_ros.mechanisms.machine.solve.dyads import (
     between,
     Direction,
@@ -36,7 +37,6 @@ from fourbar_ros.mechanisms.machine.solve.pairs import (
     slides_of,
 )
 from fourbar_ros.mechanisms.machine.structure import CYLINDER, Layout, Numbers, Stage
-from fourbar_ros.mechanisms.points import FIXED, LinkMotion, point_of
 from fourbar_ros.numerics.number_types import Scalar
 
 

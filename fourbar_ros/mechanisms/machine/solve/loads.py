@@ -56,6 +56,7 @@ from typing import NamedTuple
 
 from fourbar_ros.mechanics.bodies import applied_to, Body, Gravity
 from fourbar_ros.mechanics.newton_euler import Needs, needs_of
+from fourbar_ros.mechanisms.curves import FIXED, LinkMotion
 from fourbar_ros.mechanisms.machine.solve.pairs import slides_of
 from fourbar_ros.mechanisms.machine.structure import (
     COEFFICIENTS,
@@ -68,7 +69,6 @@ from fourbar_ros.mechanisms.machine.structure import (
     Stage,
     travel,
 )
-from fourbar_ros.mechanisms.points import FIXED, LinkMotion
 from fourbar_ros.numerics.number_types import NumberType, Scalar
 from fourbar_ros.numerics.vectors import Vector
 

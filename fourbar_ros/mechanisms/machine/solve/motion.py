@@ -29,11 +29,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from fourbar_ros.mechanisms.curves import FIXED, LinkMotion
 from fourbar_ros.mechanisms.machine.solve.dyads import Driven, DyadMotion, ORIGIN
 from fourbar_ros.mechanisms.machine.solve.frames import hangings, Poses, seen_from
 from fourbar_ros.mechanisms.machine.solve.pairs import make_moves, turned_by
 from fourbar_ros.mechanisms.machine.structure import CYLINDER, Layout, Numbers, Stage
-from fourbar_ros.mechanisms.points import FIXED, LinkMotion
 from fourbar_ros.mechanisms.slides import triangle
 from fourbar_ros.numerics.number_types import NumberType, Scalar
 

@@ -35,6 +35,7 @@ from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
+from fourbar_ros.mechanisms.curves import LinkMotion
 from fourbar_ros.mechanisms.loop import loop
 from fourbar_ros.mechanisms.machine.solve.dyads import (
     Direction,
@@ -44,7 +45,6 @@ from fourbar_ros.mechanisms.machine.solve.dyads import (
     Node,
 )
 from fourbar_ros.mechanisms.machine.structure import CYLINDER, Layout, Numbers, Pair, Stage
-from fourbar_ros.mechanisms.points import LinkMotion
 from fourbar_ros.numerics.number_types import nudge, NumberType, Scalar
 
 Place = tuple[Scalar, Scalar]        # along and across, on a link

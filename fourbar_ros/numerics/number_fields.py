@@ -1,0 +1,71 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Numbers in frozen dataclasses: their meaning and allowed values, checked as they are made."""
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import field, fields, MISSING
+from math import inf
+from numbers import Real
+from typing import Any, NamedTuple
+
+from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.numerics.given import number
+
+
+class NumberField(NamedTuple):
+    """
+    A number in a frozen dataclass: its meaning and allowed values.
+
+    ``least`` and ``above``: it must be at least, and more than that. ``instead``: a value that
+    counts as no number, as None. ``parameter``: its name in scenes, if another one.
+    """
+
+    unit: str = ''
+    text: str = ''
+    least: float = -inf
+    above: float = -inf
+    is_not_zero: bool = False
+    is_whole: bool = False
+    instead: Any = MISSING
+    parameter: str = ''
+
+    def check(self, name: str, value: Any) -> Any:
+        """Return a value as a float, a whole number as an int; raises InvalidParameter."""
+        if self.instead is not MISSING and (value is None or isinstance(value, Real)) and (
+                value == self.instead):
+            return value
+        found = number(name, value, self._allowed, self.least, self.above)
+        if self.is_not_zero and found == 0.0:
+            raise InvalidParameter(name, found, 'must not be zero')
+        if self.is_whole and found != int(found):
+            raise InvalidParameter(name, value, 'must be a whole number')
+        return int(found) if self.is_whole else found
+
+    @property
+    def _allowed(self) -> str:
+        """Return the allowed values, in words, for the message of an error."""
+        if self.above == 0.0:
+            return 'must be a positive number'
+        if self.least > -inf:
+            least = 'zero' if self.least == 0.0 else f'{self.least:g}'
+            return f'must be a finite number, {least} or more'
+        return 'must be a finite number'
+
+
+def quantity(default: Any = MISSING, **what: Any) -> Any:
+    """Return a field of a dataclass that is a :class:`NumberField` of these fields."""
+    return field(default=default, metadata={NumberField: NumberField(**what)})
+
+
+def quantities_of(record: Any) -> Iterator[tuple[str, Any, NumberField]]:
+    """Yield (name, default, Quantity) of each quantity of a dataclass or one of its records."""
+    for item in fields(record):
+        if NumberField in item.metadata:
+            yield item.name, item.default, item.metadata[NumberField]
+
+
+def check_quantities(record: Any) -> None:
+    """Convert the quantities of a frozen record to floats; raises InvalidParameter."""
+    for name, _, what in quantities_of(record):
+        object.__setattr__(record, name, what.check(name, getattr(record, name)))
