@@ -179,7 +179,7 @@ ROOMS = {
             'test/bag/test_recorded_before.py'),
     ]),
     'node': ('test/ros/test_node.py test/ros/test_inputs.py test/ros/test_torque.py '
-             'test/ros/test_forces.py test/ros/test_chain.py',
+             'test/ros/test_chain.py',
              'fourbar_ros/ros/node', [
         Bug('sequence.py', 'self.lost += number - max(before)', 'self.lost += 1',
             'test/ros/test_trouble.py'),

@@ -1,12 +1,13 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """A real node that is driven by torque, of a topic or of a motor; its bags are stepped again."""
-from math import inf, isnan, nan
+from math import inf, isnan, nan, tau
 
 from fourbar_lab.clients.node_client import NoAnswer
 from fourbar_msgs.msg import DriveState, LinkageState
 from fourbar_ros.bag.overview import info
 from fourbar_ros.dynamics import node_step
+from fourbar_ros.scene.files import read_values
 from geometry_msgs.msg import WrenchStamped
 import numpy as np
 import pytest
@@ -238,3 +239,21 @@ def test_silence_runs_on_simulated_time_that_may_pause_and_go_back(run_node, cli
     assert heard[count].step == 0.0 and node.stop() == 0
     assert {(m.status, m.torque) for m in heard[count:]} == {(silent, 0.0)}
     recomputed(tmp_path / 'run')
+
+
+def test_an_engine_turns_by_its_gas_and_is_stepped_again(run_node, client, tmp_path):
+    values = {**read_values('engine'), **recording_in(tmp_path)}
+    node, heard = run_node(values), states(client)
+    client.until(lambda: heard and heard[-1].position > 3.0 * tau, 'three turns')
+    assert set_parameters(client, {'forces.gas.factor': -0.003})[0].successful
+    for name, wrong in (('forces.gas.values', [1.0, 2.0]), ('forces.gas.acts', 'up')):
+        refused, = set_parameters(client, {name: wrong})
+        assert not refused.successful and name in refused.reason
+    mark = len(heard)
+    client.until(lambda: len(heard) > mark + 50, 'states after the change')
+    assert node.stop() == 0
+    found = recomputed(tmp_path / 'run')
+    stamps = [nanoseconds(state) for state in in_bag(tmp_path / 'run', '/fourbar/drive_state')]
+    # a node that the machine keeps more than a second late leaves samples out
+    gaps = int((np.diff(stamps) > 1.5e9 / values['drive.rate']).sum())
+    assert found.stepped == found.inputs - 1 - gaps > 10 * gaps
