@@ -8,14 +8,20 @@ from fourbar_ros.dynamics.node_step import KEY, NAME
 from fourbar_ros.scene.scene import from_values
 import numpy as np
 import pytest
-from support.drive_states import STEP, take_all
 from support.samples import more, some
 from support.scenes import PAPER, RODS
 
+STEP = 5_000_000           # [ns]
 ROCKER = {**PAPER, **RODS, 'linkage.a1': 1.2, 'linkage.a2': 0.4, 'drive.source': 'motor',
           'motor.stall_torque': 20.0, 'motor.free_speed': 30.0, 'shaft.stiffness': 400.0,
           'shaft.damping': 2.0, 'motor.rotor_inertia': 0.1,
           'drive.start': -0.5, 'drive.rate': 200.0, 'outputs': ['state']}
+
+
+def take_all(states, rows, first=0):
+    """Give rows (status, mode, values) to DriveStates; ``first``: number of the first."""
+    for k, (status, mode, values) in enumerate(rows, first + 1):
+        states.take(k * STEP, SimpleNamespace(status=status, mode=mode, **values._asdict()))
 
 
 def rows_of(values, count, torques=()):

@@ -1,9 +1,10 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""One's own linkage on the command line: new, list, table, plot, units; no ROS, no bag."""
+"""One's own linkage on the command line: new, list, table, plot, describe, units; no ROS."""
 import csv
 from math import degrees, pi
 from pathlib import Path
+from xml.etree import ElementTree
 
 from fourbar_ros import Bodies, flat_bar, FourBar, load_scene
 from fourbar_ros.cli.main import main
@@ -131,3 +132,18 @@ def test_the_list_has_every_scene_that_a_verb_takes(capsys):
     names = {path.stem for below in ('.', 'classics')
              for path in (folder() / below).glob('*.yaml')}
     assert names <= listed
+
+
+@pytest.mark.parametrize('words, root', [
+    ([], 'robot'), (['--as', 'sdf'], 'sdf'), (['--as', 'mjcf'], 'mujoco')])
+def test_it_prints_the_format_that_is_asked_for(words, root, capsys):
+    assert main(['describe', 'paper', *words]) == 0
+    assert ElementTree.fromstring(capsys.readouterr().out).tag == root
+
+
+@pytest.mark.parametrize('name, root', [
+    ('a.urdf', 'robot'), ('a.sdf', 'sdf'), ('a.mjcf', 'mujoco'), ('a.xml', 'mujoco')])
+def test_the_file_name_chooses_the_format(name, root, tmp_path, capsys):
+    assert main(['describe', 'cylinder', '-o', str(tmp_path / name)]) == 0
+    assert ElementTree.parse(tmp_path / name).getroot().tag == root
+    assert capsys.readouterr().out.strip() == str(tmp_path / name)

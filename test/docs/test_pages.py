@@ -1,6 +1,10 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""The pages: their Python and commands run and print what they show, links lead somewhere."""
+"""
+The pages: their Python and commands run and print what they show, links lead somewhere.
+
+Workflows call targets of the Makefile; the paper takes its figures from the pages it names.
+"""
 import contextlib
 import io
 import re
@@ -10,12 +14,14 @@ from fourbar_ros.cli.main import main
 import pytest
 from support import bags, ROOT
 from support.scenes import PAPER, RODS
+import yaml
 
 PAGES = [ROOT / 'README.md', *sorted((ROOT / 'docs').glob('*.md'))]
 EVERY_PAGE = [*PAGES, *sorted(ROOT.glob('[A-Z]*.md')),
               *sorted((ROOT / '.github').glob('[A-Z]*.md')),
               *sorted((ROOT / 'docs').glob('*/*.md'))]
 FENCE = re.compile(r'^```(\w*)\n(.*?)^```$\n?', re.S | re.M)
+NUMBER = re.compile(r'(?<![\w.])\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w])')
 SHELL = ('', 'bash', 'sh', 'shell', 'console')
 SLOW = {'studies', 'gallery'}      # several seconds of processor time each
 ALONE = {'extrema'}         # a reader may copy any example of these pages alone
@@ -143,4 +149,25 @@ def test_a_bench_writes_no_picture_unless_asked(monkeypatch, tmp_path):
         monkeypatch.setattr(pages, 'is_written', is_written)
         drawing, _ = pages.figure()
         pages.save(drawing, 'one')
-        assert len(list((tmp_path / 'docs/bench').iterdir())) == 2 * is_written
+        assert len(list((tmp_path / 'docs/bench').iterdir())) == is_written
+
+
+def test_workflows_call_targets_that_there_are():
+    targets = set(re.findall(r'^([\w-]+):', (ROOT / 'Makefile').read_text(), re.M))
+    called = set()
+    for file in (ROOT / '.github/workflows').glob('*.yml'):
+        for job in yaml.safe_load(file.read_text())['jobs'].values():
+            called |= {step['run'] for step in job['steps'] if 'run' in step}
+    assert {command.split()[1] for command in called} <= targets
+
+
+def test_figures_of_the_paper_stand_on_the_pages_that_it_names():
+    text = (ROOT / 'docs/paper/paper.md').read_text(encoding='utf-8').split('---', 2)[2]
+    with_pages = [part for part in text.split('\n\n') if 'docs/bench/' in part]
+    assert len(with_pages) >= 3
+    for part in with_pages:
+        pages = [(ROOT / page).read_text(encoding='utf-8')
+                 for page in re.findall(r'docs/bench/\w+\.md', part)]
+        there = {float(number) for page in pages for number in NUMBER.findall(page)}
+        given = {float(number) for number in NUMBER.findall(re.sub('`[^`]*`', '', part))}
+        assert given <= there, given - there

@@ -12,7 +12,7 @@ from fourbar_ros.mechanisms.picture import diagram_of
 from fourbar_ros.scene.files import find
 from fourbar_ros.scene.scene import load
 import pytest
-from support.browser import live, needs_browser, Tab
+from support.browser import needs_browser, Tab
 
 pytestmark = [needs_browser, pytest.mark.slow]
 KINDS = ['paper', 'jansen', 'cylinder']
@@ -21,18 +21,12 @@ CLOSED = '.q-expansion-item--collapsed .q-item'
 CURVES = 'curves over the input, extrema marked'
 
 
-@pytest.fixture(scope='module')
-def server():
-    with live('paper') as address:
-        yield address
-
-
 @pytest.fixture
-def opened(driver, server):
+def opened(driver, address):
     """Return a function: name of a scene -> its page."""
     def opened(name, **state):
         query = '&'.join(f'{key}={value}' for key, value in {'scene': name, **state}.items())
-        return Tab(driver, f'{server}/?{query}')
+        return Tab(driver, f'{address}/?{query}')
     return opened
 
 

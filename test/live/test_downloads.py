@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 from fourbar_ros.scene.scene import load
 import numpy as np
 import pytest
-from support.browser import browser, live, needs_browser, PATIENCE, Tab
+from support.browser import needs_browser, PATIENCE, Tab
 
 pytestmark = [needs_browser, pytest.mark.slow]
 SVG = '{http://www.w3.org/2000/svg}'
@@ -20,11 +20,10 @@ def folder(tmp_path_factory):
 
 
 @pytest.fixture(scope='module')
-def tab(tmp_path_factory, folder):
-    with browser(tmp_path_factory.mktemp('profile')) as driver, live('paper') as address:
-        driver.execute_cdp_cmd('Browser.setDownloadBehavior', {
-            'behavior': 'allow', 'downloadPath': str(folder)})
-        yield Tab(driver, f'{address}/?linkage.a2=1.1&at=60')
+def tab(driver, address, folder):
+    driver.execute_cdp_cmd('Browser.setDownloadBehavior', {
+        'behavior': 'allow', 'downloadPath': str(folder)})
+    return Tab(driver, f'{address}/?linkage.a2=1.1&at=60')
 
 
 @pytest.fixture

@@ -17,27 +17,10 @@ from fourbar_ros.cli.main import main
 from fourbar_ros.scene.files import find, folder
 from fourbar_ros.scene.scene import load
 import pytest
-from support.browser import needs_browser, start, stop, Tab
+from support.browser import needs_browser, Tab
 
 pytestmark = needs_browser
 SCENES = sorted(file.stem for file in folder().glob('*.yaml'))
-
-
-@pytest.fixture(scope='module')
-def server():
-    process, address = start('paper')
-    yield process, address
-    stop(process)
-
-
-@pytest.fixture
-def address(server):
-    return server[1]
-
-
-@pytest.fixture
-def tab(driver, address):
-    return Tab(driver, address)
 
 
 def errors(driver):

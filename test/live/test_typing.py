@@ -6,7 +6,7 @@ import os
 import signal
 
 import pytest
-from support.browser import needs_browser, start, stop, Tab
+from support.browser import needs_browser
 
 pytestmark = [needs_browser, pytest.mark.slow]
 # Notes every text that a field shows, once each frame.
@@ -19,18 +19,6 @@ const look = () => {
 };
 look();
 """
-
-
-@pytest.fixture(scope='module')
-def server():
-    process, address = start('paper')
-    yield process, address
-    stop(process)
-
-
-@pytest.fixture
-def tab(driver, server):
-    return Tab(driver, server[1])
 
 
 def apart(one, other):

@@ -5,10 +5,12 @@ import math
 import random
 
 from fourbar_msgs.msg import LinkageState
+from fourbar_msgs.srv import FindExtrema
 from fourbar_ros import load_scene
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.mechanisms.inertia import held_rigid, input_equation
 from fourbar_ros.pipeline import stepper as codes
+from fourbar_ros.ros.node.entities import WAITING
 from fourbar_ros.scene import scene
 from fourbar_ros.scene.files import find, read_values
 import pytest
@@ -143,3 +145,36 @@ def test_evaluate_answers_the_values_of_the_core(run_node, client):
     assert bad.result == bad.RESULT_INVALID_REQUEST and 'finite' in bad.message
     bad = client.call('evaluate', position=0.1, mode=9)
     assert bad.result == bad.RESULT_INVALID_REQUEST and 'mode = 9' in bad.message
+
+
+PROOF = FindExtrema.Request(mode=0, velocity=10.0, certify=True)     # of every quantity
+JANSEN = {**read_values('config/jansen.yaml'), 'outputs': ['state']}
+
+
+def test_only_proofs_wait_for_a_proof_and_eight_of_them(run_node, client):
+    """
+    In order of events, not by the clock: a proof takes as long as hundreds of evaluations.
+
+    An evaluation after each request gives the node time to take it: a service keeps ten only.
+    """
+    node, asked = run_node(JANSEN), 14
+    wanted = {'quantities': ['driving_torque'], 'velocity': 10.0}
+    service, alone = client.service('find_extrema'), client.call('find_extrema', **wanted)
+    proofs = []
+
+    def answered():
+        client.spin(0.01)
+        return [number for number, proof in enumerate(proofs) if proof.done()]
+    for _ in range(asked):
+        proofs.append(service.call_async(PROOF))
+        client.call('evaluate', position=0.5)
+    client.until(lambda: proofs[-1].done(), 'the answer to the last')
+    busy = list(range(1 + WAITING, asked))               # before them one at work, eight that wait
+    assert answered() == busy
+    for number in busy:
+        answer = proofs[number].result()
+        assert answer.result == answer.RESULT_BUSY and not answer.extrema
+        assert answer.message == '8 requests wait for an answer already: ask again later'
+    assert repr(client.call('find_extrema', **wanted)) == repr(alone) and alone.extrema
+    assert answered() == busy
+    assert node.stop() == 0                              # in the middle of it
