@@ -59,8 +59,8 @@ def turned(rate: float, r: Array) -> Array:
 def velocity_polygon(mechanism: Mechanism, motion: Any) -> list[Arrow]:
     """Return the arrows of the velocities [m/s]; the pole is the origin."""
     if isinstance(mechanism, Machine):
-        return [total(point.velocity, f'V_{{{name}}}')
-                for name, _, point in _moving_joints(mechanism, motion)]
+        return [total(joint.velocity, f'V_{{{name}}}')
+                for name, _, joint in _moving_joints(mechanism, motion)]
     v_a = point_motion(mechanism, motion, 'crank', mechanism.lengths[0]).velocity
     if isinstance(mechanism, InvertedSlider):       # Q of the bar at A
         output = mechanism.link_motion(motion, 'output')
@@ -84,11 +84,12 @@ def acceleration_polygon(mechanism: Mechanism, motion: Any) -> list[Arrow]:
     are in parts.
     """
     if isinstance(mechanism, Machine):
-        found = []
-        for name, crank, point in _moving_joints(mechanism, motion):
-            found.append(total(point.acceleration, f'A_{{{name}}}'))
-            if crank is not None:
-                found += around(ORIGIN, crank, point.place, name)
+        found, layout = [], mechanism.layout
+        has_crank = layout.ground == 0 and mechanism.input != 'slide'
+        for name, link, joint in _moving_joints(mechanism, motion):
+            found.append(total(joint.acceleration, f'A_{{{name}}}'))
+            if has_crank and link == layout.driven:
+                found += around(ORIGIN, mechanism.link_motion(motion, link), joint.place, name)
         return found
     crank, a1 = mechanism.link_motion(motion, 'crank'), mechanism.lengths[0]
     a_a = point_motion(mechanism, motion, 'crank', a1).acceleration
@@ -155,20 +156,17 @@ def around(start: Array, link: LinkMotion, arm: Array, name: str) -> list[Arrow]
     return chain(start, (terms.normal, f'A_{{{name}}}^n'), (terms.tangential, f'A_{{{name}}}^t'))
 
 
-def _moving_joints(machine: Machine, motion: Any
-                   ) -> Iterator[tuple[str, LinkMotion | None, PointMotion]]:
-    """Yield (name, motion of the crank if it is on that, else None, its own) of moving joints."""
-    held = machine.layout.ground
+def _moving_joints(machine: Machine, motion: Any) -> Iterator[tuple[str, str, PointMotion]]:
+    """Yield (name, a link that has it, its motion) of the joints of a machine that move."""
     for stage, dyad in zip(machine.layout.stages, machine.stages):
-        pins = {name for name, _, _ in stage.pins()}
-        for place, parent in (('first', stage.first), ('second', stage.second)):
-            point, name = getattr(dyad, place), f'{stage.name}_{place}'
-            if point.link != GROUND and name in pins:
-                is_on_crank = parent == 1 and not held and machine.input != 'slide'
-                yield (name, machine.link_motion(motion, point.link) if is_on_crank else None,
-                       point_motion(machine, motion, *point))
-        inner = stage.links[1] if stage.kind != 'RRR' else stage.links[0]
-        along = (stage.kind == 'RRR' and dyad.length_1) or 0.0
-        if inner == GROUND or stage.kind == 'RRR' and GROUND in stage.links:
-            continue
-        yield f'{stage.name}_inner', None, point_motion(machine, motion, inner, along)
+        pins = {name for name, *_ in stage.pins()}
+        for name, point in ((f'{stage.name}_first', dyad.first),
+                            (f'{stage.name}_second', dyad.second)):
+            if name in pins and point.link != GROUND:
+                yield name, point.link, point_motion(machine, motion, *point)
+        name, (one, other) = f'{stage.name}_inner', stage.links
+        if stage.kind == 'RRR':             # at the end of its first link; none if one is held
+            if GROUND not in (one, other):
+                yield name, one, point_motion(machine, motion, one, dyad.length_1)
+        elif other != GROUND:
+            yield name, other, point_motion(machine, motion, other, 0.0)
