@@ -19,6 +19,7 @@ from fourbar_ros.errors import InvalidParameter, nearest
 from fourbar_ros.extrema.find import CONSTANT, find_extrema
 from fourbar_ros.mechanisms.inertia import middles
 from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.mechanisms.quantities import Asked, known_quantities, positions, UnknownQuantity
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.optional import MissingPackage
@@ -76,48 +77,48 @@ def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: flo
         Speed or acceleration are so large that a quantity overflows.
 
     """
-    units, coordinate, parts = _units(linkage, scene), linkage.input_coordinate, []
+    units, coordinate = _units(linkage, scene), linkage.input_coordinate
+    of_loads, of_points = linkage.LOADS._fields, {one.name: one for one in scene.point_quantities}
     wanted = [name for name in dict.fromkeys(names) if name != coordinate.position]
     for name in wanted:
         if name not in units:
             raise UnknownQuantity(name, units)
-    wanted = wanted or [name for name in units if name not in OF_DRIVE and (
-        name not in linkage.LOADS._fields or scene.tells_loads)]
-    of_points = {quantity.name: quantity for quantity in scene.point_quantities}
-    needs_loads = any(name in linkage.LOADS._fields for name in wanted)
+    wanted = wanted or [name for name in units if name not in OF_DRIVE
+                        and (name not in of_loads or scene.tells_loads)]
+    needs_loads = any(name in of_loads for name in wanted)
+
+    def values_of(name: str, inputs: Array, motion: NamedFields, loads: NamedFields | None
+                  ) -> Array:
+        """Return a quantity at inputs, whose motion and loads are known."""
+        if name in of_points:
+            return np.asarray(of_points[name].of(motion, loads))
+        if name == 'inertia':
+            return np.asarray(scene.bare_linkage.in_mode(linkage.mode).inertia(inputs))
+        if name == 'bias':                  # what the drive takes at no acceleration
+            loads, name = scene.loads(inputs, speed, 0.0, linkage.mode), linkage.drive_load
+        return np.asarray(getattr(loads if name in of_loads else motion, name))
+
+    parts: list[Array] = []
     for inputs in cycles(linkage, samples, True, scene.turns if needs_loads else 1):
         motion = linkage.motion(inputs, speed, acceleration)
-        loads = (scene.loads(inputs, speed, acceleration, linkage.mode) if needs_loads
-                 else None)
-        rows = [inputs] + [
-            of_points[name].of(motion, loads) if name in of_points
-            else _of_drive(scene, linkage, name, inputs, speed) if name in OF_DRIVE
-            else getattr(loads if name in linkage.LOADS._fields else motion, name)
-            for name in wanted]
-        parts += [np.full((len(rows), 1), np.nan), np.array([
-            np.broadcast_to(row, inputs.shape) for row in rows])]
-    values = np.concatenate(parts[1:], axis=1)
+        loads = scene.loads(inputs, speed, acceleration, linkage.mode) if needs_loads else None
+        rows = [inputs, *(values_of(name, inputs, motion, loads) for name in wanted)]
+        gap = [np.full((len(rows), 1), np.nan)] if parts else []
+        parts += [*gap, np.array([np.broadcast_to(row, inputs.shape) for row in rows])]
+    values = np.concatenate(parts, axis=1)
     columns = coordinate.position, *wanted
     for name, column in zip(columns, values):
         if not np.isfinite(column).any():
             raise InvalidParameter('speed', speed, f'too large: {name} overflows')
-    its_units = coordinate.unit, *(units[name] for name in wanted)
-    is_angle = np.array([unit == 'rad' for unit in its_units])
-    values[is_angle] = np.degrees(values[is_angle])
+    its_units = [coordinate.unit, *(units[name] for name in wanted)]
+    for i, unit in enumerate(its_units):
+        if unit == 'rad':
+            its_units[i], values[i] = 'deg', np.degrees(values[i])
     if linkage.turns_fully:
         values[0] = values[0].round(10)         # whole degrees, for who looks up 60
     rates = rates_in_words(linkage, speed, acceleration, ', ')
-    return Curves(f'{linkage.description} at {rates}', columns,
-                  tuple('deg' if unit == 'rad' else unit for unit in its_units), values,
+    return Curves(f'{linkage.description} at {rates}', columns, tuple(its_units), values,
                   symbols_of(linkage, columns))
-
-
-def _of_drive(scene: Scene, linkage: Mechanism, name: str, inputs: Array, speed: float) -> Array:
-    """Return J or b of T = J alpha + b at inputs."""
-    found: Array = (
-        scene.bare_linkage.in_mode(linkage.mode).inertia(inputs) if name == 'inertia'
-        else getattr(scene.loads(inputs, speed, 0.0, linkage.mode), linkage.drive_load))
-    return found
 
 
 class Effort(NamedTuple):
