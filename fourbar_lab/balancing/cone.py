@@ -244,7 +244,7 @@ def least_peak(places: Places, name: str, mass: float) -> Balance:
     loads, mass = places.loads, number('mass', mass, 'must be zero or more', least=0.0)
     x, _ = nodes(loads.mechanism, INPUTS)
     for _ in range(ROUNDS):
-        blocks = np.stack([*loads.matrices(x, loads.group(name)).values()], axis=1)
+        blocks = np.stack(loads.matrices(x, name), axis=1)          # one of each input
         weights, bound = _least(places, blocks, mass)
         numbers = places.numbers(weights)
         value, inputs_of_maxima = peak(loads, name, numbers)

@@ -107,34 +107,31 @@ class Loads:
             raise InvalidParameter('minimize', name, f'unknown{nearest(name, self.groups)}')
         return self.groups[name]
 
-    def matrices(self, x: Array, fields: Iterable[str]) -> dict[str, Array]:
+    def matrices(self, x: Array, name: str) -> Array:
         """
-        Return {field of the loads: A of (B1), shape (inputs, 4 links)} at inputs x, shape (n,).
+        Return A of (B1) for a load by name at inputs x: shape (components, inputs, 4 links).
 
         A column is the load of a mechanism without masses but for one link, which is a probe:
         1 kg at its first joint, 1 kg at a distance u along or across, 1 kg m^2. The second of
         them has the numbers (1, u, 0, u^2), so A_x = (load - A_m - u^2 A_J) / u.
         """
-        fields = tuple(fields)
+        fields, columns = self.group(name), list[Array]()
         unit = power_of_two(*self.mechanism.lengths)        # u
         probes = (Body(1.0), Body(1.0, unit), Body(1.0, 0.0, unit), Body(0.0, 0.0, 0.0, 1.0))
-        columns: dict[str, list[Array]] = {name: [] for name in fields}
-        for number in range(len(self.links)):
-            loads = [self._of_bodies(x, number, probe, fields) for probe in probes]
-            for name in fields:
-                mass, along, across, inertia = (one[name] for one in loads)
-                rest = mass / unit + unit * inertia         # (A_m + u^2 A_J) / u
-                columns[name] += [mass, along / unit - rest, across / unit - rest, inertia]
-        return {name: np.stack(values, axis=1) for name, values in columns.items()}
+        for link in range(len(self.links)):
+            mass, along, across, inertia = (self._of_probe(x, link, probe, fields)
+                                            for probe in probes)
+            rest = mass / unit + unit * inertia         # (A_m + u^2 A_J) / u
+            columns += [mass, along / unit - rest, across / unit - rest, inertia]
+        return np.stack(columns, axis=-1)
 
-    def _of_bodies(self, x: Array, number: int, probe: Body,
-                   fields: tuple[str, ...]) -> dict[str, Array]:
-        """Return {field: loads, shape of x}; link ``number`` is a probe, others massless."""
+    def _of_probe(self, x: Array, link: int, probe: Body, fields: tuple[str, ...]) -> Array:
+        """Return loads, shape (fields, inputs); the link by number is a probe, others massless."""
         bodies = [Body(0.0)] * len(self.links)
-        bodies[number] = probe
+        bodies[link] = probe
         mechanism = replace(self._weightless, bodies=self.mechanism.BODIES(*bodies))
-        values = mechanism.step(x, self.rate, fields=fields)
-        return {name: np.broadcast_to(value, x.shape) for name, value in zip(fields, values)}
+        return np.array([np.broadcast_to(value, x.shape)
+                         for value in mechanism.step(x, self.rate, fields=fields)])
 
     def root(self, names: Iterable[str]) -> Array:
         """
@@ -150,25 +147,17 @@ class Loads:
                                    f'{nearest("", self.groups)}')
         while True:
             x, weights = nodes(self.mechanism, points)
-            blocks = [self._block(name, x, weights, len(names) > 1) for name in names]
+            blocks = []             # B with |B p| the root mean square of a load
+            for name in names:
+                block = np.concatenate(np.sqrt(weights)[:, None] * self.matrices(x, name))
+                size = float(np.linalg.norm(block @ self.given))
+                blocks.append(block / size if len(names) > 1 and size else block)
             # B = Q R with |Q v| = |v|: R has the norms of B in few rows
             root = np.asarray(np.linalg.qr(np.concatenate(blocks), mode='r'))
             size = float(np.linalg.norm(root))
             if abs(size - before) <= AGREE * size or points >= MOST_POINTS:
                 return root
             points, before = 2 * points, size
-
-    def _block(self, name: str, x: Array, weights: Array, is_relative: bool) -> Array:
-        """
-        Return B, shape (components * inputs, 4 links), such that |B p| is the RMS of a load.
-
-        ``weights`` are those of the mean over inputs x; if ``is_relative``, the RMS is over the
-        unbalanced one.
-        """
-        matrices = self.matrices(x, self.group(name)).values()
-        block: Array = np.concatenate([np.sqrt(weights)[:, None] * matrix for matrix in matrices])
-        size = float(np.linalg.norm(block @ self.given))
-        return np.asarray(block / size) if is_relative and size else block
 
     def rms(self, name: str, numbers: Array) -> float:
         """Return the root mean square [N or N m] of a load with these numbers of all links."""

@@ -80,9 +80,8 @@ def draw_changes(loads: Loads, numbers: Array, path: str | Path) -> None:
     x = np.sort(nodes(loads.mechanism, SAMPLES)[0])
     panels = {}
     for name in DRAWN:
-        components = loads.group(name)
-        matrices = np.stack(list(loads.matrices(x, components).values()))
-        title = components[0].removesuffix('_x').replace('_', ' ')
+        matrices = loads.matrices(x, name)
+        title = loads.group(name)[0].removesuffix('_x').replace('_', ' ')
         panels[f'{title} [{unit_of(loads, name)}]'] = [
             (label, np.degrees(x) if is_angle else x,
              load[0] if len(load) == 1 else np.linalg.norm(load, axis=0))

@@ -53,8 +53,8 @@ def places_of(loads, links=None, radius=None):
 def test_loads_are_linear_in_masses_moments_and_inertias(name):
     loads, rng = loads_of(name), np.random.default_rng(1)
     x, _ = nodes(loads.mechanism, 64)
-    fields = [field for group in loads.groups.values() for field in group]
-    matrices = loads.matrices(x, fields)
+    matrices = {field: matrix for name, fields in loads.groups.items()
+                for field, matrix in zip(fields, loads.matrices(x, name))}
     unit = max(loads.mechanism.lengths)
     for _ in range(3):
         # the mechanism's own formulas, with other bodies: J >= m r^2 holds by construction
