@@ -41,6 +41,8 @@ RANK, APART = 1e-10, 1e-3
 PLENTY = 1e4
 # Inputs of the first programme of a peak; programmes at most.
 INPUTS, ROUNDS = 128, 6
+# (A, b, cone): A @ unknowns + b lies in the cone, 'zero', 'positive' or 'second order'
+Constraint = tuple[Array, Array, str]
 
 
 class Counterweight(NamedTuple):
@@ -135,47 +137,40 @@ class Places:
                                     float(radius * (y + way * v))) for way in ways]
         return tuple(found)
 
-    def solved(self, cost: Sequence[float], rows: Sequence[tuple[Array, Array, str]], mass: float
+    def solved(self, cost: Sequence[float], rows: Sequence[Constraint], mass: float
                ) -> tuple[Array, list[Array]] | None:
         """
         Return the cheapest (what is added in :attr:`units`, t), and the prices of rows.
 
-        Of each ``rows`` = (A, b, cone) A x + b lies in a 'zero' or 'second order' cone; ``cost``
-        is that of a kilogram and of t; None if nothing fulfils them.
+        ``cost`` is that of a kilogram and of t; None if nothing fulfils the rows.
         """
         import clarabel
         from scipy.sparse import csc_matrix
+        cones = {'zero': clarabel.ZeroConeT, 'positive': clarabel.NonnegativeConeT,
+                 'second order': clarabel.SecondOrderConeT}
         links = len(self.radii)
-        size = NUMBERS * links + 1
-        within = np.zeros((links, 1 + NUMBERS, size))
-        for i in range(links):
-            m, x, y, inertia = range(NUMBERS * i, NUMBERS * (i + 1))
-            within[i, 0, [m, inertia]] = 1.0, -1.0                  # J <= R^2 m, (B2)
-            within[i, 1, [m, inertia]] = 1.0, 1.0                  # |2 m x, 2 m y, m - J| <= m + J
-            within[i, 2, x] = within[i, 3, y] = 2.0
-            within[i, 4, [m, inertia]] = 1.0, -1.0
-        budget = np.zeros((1, size))
-        budget[0, :-1:NUMBERS] = -1.0
-        blocks = [*((A, b) for A, b, _ in rows), (budget, np.array([mass])),
-                  (within[:, 0], np.zeros(links)), *((one[1:], np.zeros(4)) for one in within)]
-        cones = [*((clarabel.ZeroConeT if cone == 'zero' else clarabel.SecondOrderConeT)(len(b))
-                   for _, b, cone in rows), clarabel.NonnegativeConeT(1 + links),
-                 *[clarabel.SecondOrderConeT(4)] * links]
+        unknown = np.eye(NUMBERS * links + 1)
+        m, x, y, inertia = (unknown[i:-1:NUMBERS] for i in range(NUMBERS))      # of all links
+        every = [*rows,
+                 # at most the mass, and J <= R^2 m of (B2)
+                 (np.vstack((-m.sum(axis=0), m - inertia)), np.append(mass, np.zeros(links)),
+                  'positive'),
+                 # the other half of (B2): |2 m x, 2 m y, m - J| <= m + J
+                 *((np.stack(one), np.zeros(4), 'second order')
+                   for one in zip(m + inertia, 2.0 * x, 2.0 * y, m - inertia))]
         settings = clarabel.DefaultSettings()
         settings.verbose = False
         settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = TOLERANCE
         by_mass, by_t = cost
         solution = clarabel.DefaultSolver(
-            csc_matrix((size, size)), np.append(-by_mass * budget[0, :-1], by_t),
-            csc_matrix(-np.concatenate([A for A, _ in blocks])),
-            np.concatenate([b for _, b in blocks]), cones, settings).solve()
+            csc_matrix(np.zeros_like(unknown)), by_mass * m.sum(axis=0) + by_t * unknown[-1],
+            csc_matrix(-np.concatenate([A for A, _, _ in every])),
+            np.concatenate([b for _, b, _ in every]),
+            [cones[cone](len(b)) for _, b, cone in every], settings).solve()
         if 'Infeasible' in str(solution.status):
             return None
-        prices, first = [], 0
-        for _, b, _ in rows:
-            prices.append(np.array(solution.z[first:first + len(b)]))
-            first += len(b)
-        return np.array(solution.x)[:-1], prices
+        ends = np.cumsum([len(b) for _, b, _ in rows])
+        return np.array(solution.x)[:-1], np.split(np.array(solution.z), ends)[:-1]
 
 
 def _least(places: Places, blocks: Array, mass: float) -> tuple[tuple[Counterweight, ...], float]:
@@ -188,7 +183,7 @@ def _least(places: Places, blocks: Array, mass: float) -> tuple[tuple[Counterwei
     scale = float(np.linalg.norm(given, axis=1).max()) or 1.0
     share = mass or 1.0                         # unknowns are parts of it
     matrices = blocks[:, :, places.columns] * (places.units * (share / scale))
-    rows: list[tuple[Array, Array, str]] = []
+    rows = list[Constraint]()
     for matrix, constant in zip(matrices, given / scale):
         A = np.zeros((1 + len(matrix), matrix.shape[1] + 1))
         A[0, -1], A[1:, :-1] = 1.0, matrix
@@ -202,14 +197,25 @@ def _least(places: Places, blocks: Array, mass: float) -> tuple[tuple[Counterwei
     with np.errstate(divide='ignore', invalid='ignore'):
         added.reshape(-1, NUMBERS)[:, 1:3] *= np.fmin(1.0, m / np.hypot(x, y))[:, None]
     added[NUMBERS - 1::NUMBERS] = np.minimum(inertia, m)
-    ways = -np.array([one[1:] for one in prices])
+    ways = -np.array([price[1:] for price in prices])
+    return places.counterweights(added, share), _bound(places, blocks, ways, mass)
+
+
+def _bound(places: Places, blocks: Array, ways: Array, mass: float) -> float:
+    """
+    Return the bound (B3) of the largest |B_k p|, whatever is added within radii and mass.
+
+    ``ways``, shape (k, components): the directions u_k, whose sizes have a sum of about one.
+    """
+    given = blocks @ places.loads.given
     # of sum one but for the solver's tolerance; less where nothing remains
-    ways /= max(float(np.linalg.norm(ways, axis=1).sum()), 1.0 - ENOUGH)
+    ways = ways / max(float(np.linalg.norm(ways, axis=1).sum()), 1.0 - ENOUGH)
     slope = np.einsum('kc,kcp->p', ways, blocks)
+    scale = float(np.linalg.norm(given, axis=1).max()) or 1.0
     rounding = 4.0 * slope.size * EPS * (scale + mass * float(
         np.abs(blocks[:, :, places.columns] * places.units).max()))
     bound = float(np.sum(ways * given)) + min(0.0, mass * places.lowest(slope)) - rounding
-    return places.counterweights(added, share), max(bound, 0.0)
+    return max(bound, 0.0)
 
 
 def least_rms(places: Places, names: Iterable[str], mass: float) -> Balance:
