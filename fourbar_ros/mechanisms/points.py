@@ -24,6 +24,19 @@ if TYPE_CHECKING:
     from fourbar_ros.mechanisms.parts import NamedFields
 
 
+class Point(NamedTuple):
+    """
+    A point fixed to a link or the 'ground'.
+
+    ``along``, ``across`` [m]: from the first joint of the link, along it and to its left; of the
+    ground x and y.
+    """
+
+    link: str
+    along: float = 0.0
+    across: float = 0.0
+
+
 class LinkFields(NamedTuple):
     """A :class:`LinkMotion` by its direction as an angle, as messages have it."""
 

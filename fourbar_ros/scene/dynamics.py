@@ -5,17 +5,22 @@ from __future__ import annotations
 
 from dataclasses import MISSING
 from math import inf, isfinite, isnan
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from fourbar_ros.dynamics import elements
-from fourbar_ros.dynamics.elements import Element, PositionForce
+from fourbar_ros.dynamics.elements import (
+    Attachment,
+    Element,
+    PositionForce,
+    Spring,
+    TorsionSpring,
+)
 from fourbar_ros.dynamics.sources import ConstantTorque, Drive, Law, Shaft
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import FourBarError, InvalidParameter, one_of
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import GROUND
 from fourbar_ros.numerics.number_fields import quantities_of
-from fourbar_ros.scene.parameters import names_in
+from fourbar_ros.scene.parameters import names_in, point_in
 from fourbar_ros.scene.settings import GEAR, MOTORS, of_motor, ParameterValues, SOURCES
 
 
@@ -102,28 +107,23 @@ def _shaft(values: ParameterValues) -> Shaft | None:
 
 def _spring(values: ParameterValues, name: str, linkage: Mechanism) -> Element:
     """Return the spring of the parameters ``name``.*, springs.NAME or torsion_springs.NAME."""
-    links = (GROUND, *linkage.loads_of_links())
-
-    def own(field: str) -> Any:
-        """Return a parameter of the spring; refuse a text that is no link."""
-        value = values[f'{name}.{field}']
-        if isinstance(value, str) and value not in links:
-            raise InvalidParameter(f'{name}.{field}', value, one_of(links, value))
-        return value
-
+    links, turns = (GROUND, *linkage.loads_of_links()), name.startswith('torsion')
+    of_links = [f'{name}.{end}' if turns else f'{name}.{end}.link' for end in ('first', 'second')]
+    for parameter in of_links:
+        if values[parameter] not in links:
+            raise InvalidParameter(parameter, values[parameter], one_of(links, values[parameter]))
+    stiffness, damping = values[f'{name}.stiffness'], values[f'{name}.damping']
     try:
-        if name.startswith('torsion'):
-            return elements.TorsionSpring(*map(own, ('first', 'second', 'stiffness', 'free_angle',
-                                                     'damping')))
-        first, second = (elements.Attachment(*(own(f'{end}.{field}')
-                                               for field in ('link', 'along', 'across')))
+        if turns:
+            return TorsionSpring(values[of_links[0]], values[of_links[1]], stiffness,
+                                 values[f'{name}.free_angle'], damping)
+        first, second = (Attachment(*point_in(f'{name}.{end}', values))
                          for end in ('first', 'second'))
-        return elements.Spring(first, second, *map(own, ('stiffness', 'free_length', 'damping')))
+        return Spring(first, second, stiffness, values[f'{name}.free_length'], damping)
     except InvalidParameter as error:
         if error.name != 'second':
             raise
-        field = 'second' if name.startswith('torsion') else 'second.link'
-        raise InvalidParameter(f'{name}.{field}', error.value, error.allowed) from None
+        raise InvalidParameter(of_links[1], error.value, error.allowed) from None
 
 
 def _check_start(dynamics: Dynamics, linkage: Mechanism) -> None:

@@ -22,7 +22,7 @@ from fourbar_ros.errors import InvalidParameter, nearest, one_of
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import GROUND
 from fourbar_ros.scene.files import SceneError, table_files
-from fourbar_ros.scene.parameters import names_in
+from fourbar_ros.scene.parameters import names_in, point_in
 from fourbar_ros.scene.settings import COUPLE, OF_PLACES, OF_VALUES, ParameterValues, PRESSURES
 
 FAMILY = 'forces'
@@ -134,7 +134,7 @@ def forces_of(values: ParameterValues, linkage: Mechanism) -> tuple[PositionForc
 def _force(values: ParameterValues, name: str, linkage: Mechanism) -> PositionForce:
     """Return the force of the parameters ``name``.*, checked by computing with it once."""
     own = {field: values[f'{name}.{field}'] for field in
-           ('link', 'along', 'across', 'acts', 'direction', 'over', 'factor', 'periodic')}
+           ('link', 'acts', 'direction', 'factor', 'periodic')}
     links = tuple(linkage.loads_of_links())
     if own['link'] not in links:
         raise InvalidParameter(f'{name}.link', own['link'], one_of(links, own['link']))
@@ -146,7 +146,7 @@ def _force(values: ParameterValues, name: str, linkage: Mechanism) -> PositionFo
         table = ForceTable(places, forces, own['periodic'],
                            values[f'{name}.interpolation'] == 'linear')
         force = PositionForce(
-            Attachment(own['link'], own['along'], own['across']), table, over,
+            Attachment(*point_in(name, values)), table, over,
             None if is_couple else direction + own['direction'],
             own['link'] if turns else GROUND, own['factor'])
         make_loaded(linkage, (force,))
@@ -196,8 +196,7 @@ def _over(values: ParameterValues, name: str, linkage: Mechanism) -> Place:
     known: dict[str, Place] = {INPUT: INPUT, driven: INPUT}
     known.update(item for item in _coordinates(linkage).items() if item[0] != driven)
     for point in names_in('points', values):
-        place = Attachment(*(values[f'points.{point}.{field}']
-                             for field in ('link', 'along', 'across')))
+        place = Attachment(*point_in(f'points.{point}', values))
         known |= {f'{point}.x': Way(place), f'{point}.y': Way(place, direction=0.5 * pi)}
     if over not in known:
         raise InvalidParameter(f'{name}.over', over, f'there is no such coordinate'

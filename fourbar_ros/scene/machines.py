@@ -15,15 +15,15 @@ from fourbar_ros.mechanisms.machine.describe.description import (
     by_link,
     Cylinder,
     Dyad,
-    Point,
 )
 from fourbar_ros.mechanisms.machine.joined import shaped
 from fourbar_ros.mechanisms.machine.machine import Machine, NO_BODY
 from fourbar_ros.mechanisms.machine.solve.pairs import slides_of
 from fourbar_ros.mechanisms.machine.structure import CYLINDER, Numbers
 from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.points import Point
 from fourbar_ros.numerics.number_types import direction, NumberType, Scalar
-from fourbar_ros.scene.parameters import names_in
+from fourbar_ros.scene.parameters import names_in, point_in
 from fourbar_ros.scene.settings import ParameterValues
 import numpy as np
 
@@ -116,17 +116,13 @@ def _dyad(name: str, values: ParameterValues) -> Dyad:
     """Return the dyad of the parameters dyads.NAME.*; dimensions that are not given are None."""
     own = {field: values[f'dyads.{name}.{field}'] for field in
            (*DIMENSIONS, 'kind', 'links', 'mode')}
-    return Dyad(name, own['kind'], _point(values, f'dyads.{name}.first'),
-                _point(values, f'dyads.{name}.second'), tuple(own['links']), mode=own['mode'],
+    return Dyad(name, own['kind'], point_in(f'dyads.{name}.first', values),
+                point_in(f'dyads.{name}.second', values), tuple(own['links']), mode=own['mode'],
                 **{field: None if isnan(own[field]) else own[field] for field in DIMENSIONS})
-
-
-def _point(values: ParameterValues, name: str) -> Point:
-    return Point(*(values[f'{name}.{field}'] for field in Point._fields))
 
 
 def _cylinder(values: ParameterValues) -> Cylinder | None:
     if values['linkage.input'] != CYLINDER:
         return None
-    return Cylinder(_point(values, 'cylinder.base'), _point(values, 'cylinder.pin'),
+    return Cylinder(point_in('cylinder.base', values), point_in('cylinder.pin', values),
                     tuple(values['cylinder.links']), values['cylinder.mode'])

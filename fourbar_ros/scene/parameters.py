@@ -13,6 +13,7 @@ from typing import Any
 from fourbar_ros.errors import InvalidParameter, nearest, one_of
 from fourbar_ros.mechanisms.kinds import FACTS
 from fourbar_ros.mechanisms.parts import GROUND
+from fourbar_ros.mechanisms.points import Point
 from fourbar_ros.scene.settings import (
     FAMILIES,
     MACHINE,
@@ -64,6 +65,11 @@ def names_in(family: str, values: Iterable[str]) -> list[str]:
     """Return the members of a family in a scene: P and Q of points.P.link, points.Q.along."""
     members = filter(None, map(member_of, values))
     return list(dict.fromkeys(member for its, member, _ in members if its == family))
+
+
+def point_in(name: str, values: ParameterValues) -> Point:
+    """Return the point of the parameters NAME.link, NAME.along, NAME.across."""
+    return Point(*(values[f'{name}.{field}'] for field in Point._fields))
 
 
 def _parameters_of(family: str, member: str) -> list[Parameter]:

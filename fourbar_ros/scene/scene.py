@@ -14,13 +14,14 @@ import json
 from math import isfinite, isnan, lcm
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any, cast, NamedTuple, NoReturn, TYPE_CHECKING
+from typing import Any, cast, NoReturn, TYPE_CHECKING
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, one_of, OutOfRange
 from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.points import Point
 from fourbar_ros.scene.linkage import linkage_of
 from fourbar_ros.scene.message_fields import FieldMap, layout
-from fourbar_ros.scene.parameters import check, check_value, names_in, of_name
+from fourbar_ros.scene.parameters import check, check_value, names_in, of_name, point_in
 from fourbar_ros.scene.settings import ParameterValues, SOURCES
 from fourbar_ros.scene.topics import (
     ANSWERS,
@@ -54,14 +55,6 @@ if TYPE_CHECKING:      # other scenes do without
 Group = SimpleNamespace     # the parameters of a group by name: drive.speed is scene.drive.speed
 
 
-class ScenePoint(NamedTuple):
-    """A point fixed to a link, see :mod:`fourbar_ros.mechanisms.points`."""
-
-    link: str
-    along: float
-    across: float
-
-
 @dataclass(frozen=True, eq=False)
 class Scene:
     """
@@ -76,7 +69,7 @@ class Scene:
 
     linkage: Mechanism
     bare_linkage: Mechanism
-    points: dict[str, ScenePoint]
+    points: dict[str, Point]
     wrenches: Group                   # external.* of all links, and the links with a topic
     base: Group
     drive: Group
@@ -388,9 +381,7 @@ def _of_checked(values: ParameterValues) -> Scene:
     groups = _groups_in(values)
     points = {}
     if 'points' in groups:
-        points = {name: ScenePoint(*(values[f'points.{name}.{field}']
-                                     for field in ScenePoint._fields))
-                  for name in names_in('points', values)}
+        points = {name: point_in(f'points.{name}', values) for name in names_in('points', values)}
     linkage = linkage_of(values)
     links = [link.name for link in linkage.LINKS]
     for name, point in points.items():

@@ -26,6 +26,7 @@ from fourbar_ros.mechanisms.machine.structure import (
     OF_ONE_MODE,
 )
 from fourbar_ros.mechanisms.parts import CROSSED, OPEN
+from fourbar_ros.mechanisms.points import Point
 from fourbar_ros.numerics.given import number
 from fourbar_ros.numerics.number_types import direction
 
@@ -35,19 +36,6 @@ LONGEST, SHORTEST = 2.0**250, 2.0**-250     # [m]
 ANGLES = ('direction_1', 'direction_2', 'slot')
 # Directions nearer to each other than this [rad] are parallel.
 PARALLEL = 1e-9
-
-
-class Point(NamedTuple):
-    """
-    A point fixed to a link or the 'ground'.
-
-    ``along``, ``across`` [m]: from the first joint of the link, along it and to its left; of the
-    ground x and y.
-    """
-
-    link: str
-    along: float = 0.0
-    across: float = 0.0
 
 
 @dataclass(frozen=True)
