@@ -16,17 +16,29 @@ maximum 14.069959 m/s at 5.798952 rad
 """
 from __future__ import annotations
 
-from fourbar_ros.extrema.batch import Extrema, find_extrema_many
-from fourbar_ros.extrema.find import Extremum, find_extrema
-from fourbar_ros.mechanisms.quantities import Function as Quantity
-from fourbar_ros.mechanisms.quantities import (
-    known_quantities,
-    point_acceleration,
-    point_speed,
-    UnknownQuantity,
-)
+from typing import TYPE_CHECKING
+
+from fourbar_ros.optional import lazily
+
+if TYPE_CHECKING:
+    from fourbar_ros.extrema.batch import Extrema, find_extrema_many
+    from fourbar_ros.extrema.find import Extremum, find_extrema
+    from fourbar_ros.mechanisms.quantities import Function as Quantity
+    from fourbar_ros.mechanisms.quantities import (
+        known_quantities,
+        point_acceleration,
+        point_speed,
+        UnknownQuantity,
+    )
 
 __all__ = [
     'Extrema', 'Extremum', 'Quantity', 'UnknownQuantity',
     'find_extrema', 'find_extrema_many', 'known_quantities', 'point_acceleration', 'point_speed',
 ]
+
+__getattr__, __dir__ = lazily(__name__, {
+    'fourbar_ros.extrema.batch': 'Extrema, find_extrema_many',
+    'fourbar_ros.extrema.find': 'Extremum, find_extrema',
+    'fourbar_ros.mechanisms.quantities':
+        'Function as Quantity, known_quantities, point_acceleration, point_speed, UnknownQuantity',
+})

@@ -135,5 +135,4 @@ class External(NamedTuple):
 
 def applied_to(external: NamedTuple, link: str) -> Applied:
     """Return the load on a link, none if ``external`` has no field for it."""
-    acting: Applied = getattr(external, link, NOT_APPLIED)
-    return acting
+    return getattr(external, link, NOT_APPLIED)

@@ -185,8 +185,7 @@ def loads_on_bases(mechanism: Mechanism, given: tuple[ArrayLike, ...], base: Bas
                 limits = [nan] * len(rows)
             for row, limit in zip(rows, limits):
                 row[place] = limit
-    found: NamedFields = mechanism.LOADS._make(rows)
-    return found
+    return mechanism.LOADS._make(rows)
 
 
 def _complex_rows(mechanism: Mechanism, inputs: list[Array], shape: tuple[int, ...],

@@ -21,7 +21,7 @@ from typing import Any, ClassVar, NamedTuple, TYPE_CHECKING
 from fourbar_ros.mechanics.bodies import applied_to, Bodies, External
 from fourbar_ros.mechanisms.curves import FIXED, LinkMotion, point_of
 from fourbar_ros.mechanisms.evaluation import Constants
-from fourbar_ros.mechanisms.kinds import DERIVED, derives
+from fourbar_ros.mechanisms.kinds import all_loads, DERIVED
 from fourbar_ros.mechanisms.machine.solve.dyads import Direction, Driven, DyadMotion, ORIGIN
 from fourbar_ros.mechanisms.machine.solve.frames import hangings, Poses
 from fourbar_ros.mechanisms.machine.solve.pairs import make_moves
@@ -284,8 +284,7 @@ class Kind(Mechanism):
                    of_output * drive.condition(n.fabs, lengths, directions, slides))
         for coordinate in self.DIRECTIONS.values():
             fields += directions[coordinate][:2]
-        found: NamedFields = self.MOTION._make(fields)
-        return found
+        return self.MOTION._make(fields)
 
     def link_motion(self, motion: NamedFields, link: str) -> LinkMotion:
         """Return the motion of a link by name, its first joint O1, A, and O4 or B."""
@@ -325,17 +324,15 @@ class Kind(Mechanism):
     def transmission_sine(self, motion: Any) -> Scalar:
         """Return the sine of the dyad's transmission angle, but for its sign: zero at toggles."""
         field, _ = self.drive.sine
-        sine: Scalar = getattr(motion, field) if field else 1.0 + (motion.cos_x - motion.cos_x)
-        return sine
+        return getattr(motion, field) if field else 1.0 + (motion.cos_x - motion.cos_x)
 
     # --- loads ----------------------------------------------------------------------------------
 
-    @derives
     def loads_formula(self, numbers: NumberType, constants: Constants) -> Function:
         """Return (fields of MOTION) -> fields of LOADS for constants of a number type."""
-        return partial(self._loads, numbers, constants)
+        return partial(all_loads, self, constants, partial(self._loads, numbers, constants))
 
-    def _loads(self, n: NumberType, constants: Constants, m: Any) -> Any:
+    def _loads(self, n: NumberType, constants: Constants, m: Any) -> tuple[Scalar, ...]:
         """Return needs of the links, then the drive by virtual power, then all reactions."""
         # of linkages with masses alone
         from fourbar_ros.mechanics.newton_euler import Needs, needs_of
@@ -359,10 +356,9 @@ class Kind(Mechanism):
             sign * getattr(m, sine) if sine else 1.0,
             [getattr(m, each.position) * per_unit for each in drive.slides], push)
         drives = (0.0, push) if is_slide else (push, 0.0)
-        own = (*[unit * value if name.endswith('couple') else value
-                 for name, value in found.items()],
-               *drives[:1 + (SLIDE in self.INPUTS)], shake_x, shake_y, shake, unit * moment)
-        return own if DERIVED else self.LOADS(*own)
+        return (*[unit * value if name.endswith('couple') else value
+                  for name, value in found.items()],
+                *drives[:1 + (SLIDE in self.INPUTS)], shake_x, shake_y, shake, unit * moment)
 
 
 # --- shared by kinds -----------------------------------------------------------------------------

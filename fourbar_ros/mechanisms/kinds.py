@@ -9,7 +9,6 @@ extrema, pictures, page, FMU and C code read the rows of the loads.
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import wraps
 from importlib import import_module
 from types import SimpleNamespace
 from typing import Any, cast, NamedTuple, TYPE_CHECKING
@@ -141,20 +140,11 @@ LOADS = {row.name: row for row in (
 DERIVED = tuple(row for row in LOADS.values() if row.of)
 
 
-def derives(formula_of: Callable[..., Any]) -> Callable[..., Any]:
-    """Let a method ``loads_formula`` return the loads that follow from its own, too."""
-    @wraps(formula_of)
-    def with_all(mechanism: Any, numbers: Any, constants: Any) -> Any:
-        own = formula_of(mechanism, numbers, constants)
-        names = mechanism.LOADS._fields
-
-        def loads(fields: Any) -> Any:
-            """Return fields of LOADS for fields of MOTION."""
-            motion, found = mechanism.MOTION(*fields), SimpleNamespace(**dict(zip(names,
-                                                                                  own(fields))))
-            for row in DERIVED:
-                assert row.of
-                setattr(found, row.name, row.of(mechanism, constants, motion, found))
-            return mechanism.LOADS(**vars(found))
-        return loads if DERIVED else own
-    return with_all
+def all_loads(mechanism: Any, constants: Any, own_loads: Callable[..., Any], fields: Any) -> Any:
+    """Return LOADS for fields of a motion: its own, and those that follow from others."""
+    motion = mechanism.MOTION(*fields)
+    loads = SimpleNamespace(**dict(zip(mechanism.LOADS._fields, own_loads(motion))))
+    for row in DERIVED:
+        assert row.of
+        setattr(loads, row.name, row.of(mechanism, constants, motion, loads))
+    return mechanism.LOADS(**vars(loads))

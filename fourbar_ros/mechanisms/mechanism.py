@@ -17,7 +17,7 @@ from decimal import Decimal
 from functools import cache, cached_property
 from math import fsum, inf, isfinite, nan, pi, remainder
 from numbers import Real
-from typing import Any, ClassVar, NoReturn, overload, TYPE_CHECKING, TypeVar, Union
+from typing import Any, ClassVar, NoReturn, TYPE_CHECKING, TypeVar, Union
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, MissingBodies, OutOfRange, Toggle
 from fourbar_ros.mechanics.bodies import (
@@ -341,8 +341,7 @@ class Mechanism(ABC):
 
     def crank_angle(self, motion: NamedFields) -> Scalar:
         """Return the angle of the crank in a motion [rad]."""
-        found: Scalar = motion.theta1
-        return found
+        return motion.theta1
 
     @property
     def modes_passed(self) -> tuple[int, ...]:
@@ -373,8 +372,7 @@ class Mechanism(ABC):
         """Return a motion with the input alone and NaN else: a sample that cannot be computed."""
         fields = dict.fromkeys(self.MOTION._fields, nan)
         fields.update(zip(self.input_coordinate, (position, rate, acceleration)))
-        found: NamedFields = self.MOTION(**fields)
-        return found
+        return self.MOTION(**fields)
 
     # --- made and copied ------------------------------------------------------------------------
 
@@ -495,8 +493,7 @@ class Mechanism(ABC):
 
     @cached_by_lengths
     def _as_motion(self) -> Callable[[Iterable[Any]], NamedFields]:
-        make: Callable[[Iterable[Any]], NamedFields] = self.MOTION._make
-        return make
+        return self.MOTION._make
 
     def prepare(self) -> Function:
         """
@@ -522,16 +519,8 @@ class Mechanism(ABC):
 
     # --- evaluated ------------------------------------------------------------------------------
 
-    @overload
     def motion(self, position: ArrayLike, rate: ArrayLike = 0.0, acceleration: ArrayLike = 0.0,
-               fields: None = None) -> NamedFields: ...
-
-    @overload
-    def motion(self, position: ArrayLike, rate: ArrayLike = 0.0, acceleration: ArrayLike = 0.0,
-               *, fields: Iterable[str]) -> tuple[Any, ...]: ...
-
-    def motion(self, position: ArrayLike, rate: ArrayLike = 0.0, acceleration: ArrayLike = 0.0,
-               fields: Iterable[str] | None = None) -> NamedFields | tuple[Any, ...]:
+               fields: Iterable[str] | None = None) -> Any:
         """
         Return the motion for given input, its rate and acceleration.
 
@@ -617,17 +606,8 @@ class Mechanism(ABC):
         """Return b of T = J alpha + b [N m], [N]: the drive without acceleration."""
         return getattr(self.loads(position, rate, 0.0), self.drive_load)
 
-    @overload
     def step(self, position: ArrayLike, rate: ArrayLike = 0.0, acceleration: ArrayLike = 0.0,
-             fields: None = None) -> tuple[NamedFields, NamedFields]: ...
-
-    @overload
-    def step(self, position: ArrayLike, rate: ArrayLike = 0.0, acceleration: ArrayLike = 0.0,
-             *, fields: Iterable[str]) -> tuple[Any, ...]: ...
-
-    def step(self, position: ArrayLike, rate: ArrayLike = 0.0, acceleration: ArrayLike = 0.0,
-             fields: Iterable[str] | None = None
-             ) -> tuple[NamedFields, NamedFields] | tuple[Any, ...]:
+             fields: Iterable[str] | None = None) -> Any:
         """
         Return (motion, loads) together, at the cost of the loads alone.
 

@@ -128,8 +128,7 @@ class Quantity(NamedTuple):
 
     def of(self, motion: NamedFields, loads: NamedFields | NoLoads | None) -> Scalar:
         """Return its value from what :meth:`.Mechanism.step` returns."""
-        value: Scalar = getattr(loads if self.is_load else motion, self.name)
-        return value
+        return getattr(loads if self.is_load else motion, self.name)
 
 
 class Length(NamedTuple):

@@ -24,8 +24,7 @@ class UnknownQuantity(FourBarError, KeyError):
         super().__init__(f'unknown quantity {name!r}{nearest(name, known)}')
 
     def __str__(self) -> str:
-        found: str = self.args[0]
-        return found
+        return self.args[0]
 
 
 class Function(NamedTuple):
@@ -61,8 +60,7 @@ def _size(mechanism: Mechanism, link: str, along: float, across: float, fields: 
           motion: NamedFields, loads: NamedFields) -> Scalar:
     """Return the length of two ``fields`` (x, y) of the :class:`.MovingPoint` of a point."""
     x, y = tuple(point_of(mechanism.link_motion(motion, link), along, across))[fields]
-    size: Scalar = np.sqrt(x * x + y * y)
-    return size
+    return np.sqrt(x * x + y * y)
 
 
 Asked = Union[Quantity, Function]      # what may be asked for

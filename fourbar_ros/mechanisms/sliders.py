@@ -320,8 +320,7 @@ class InvertedSlider(OffsetSlide):
         size = max(map(abs, self.lengths))
         slide, aside = motion.slide / size, self.offset / size
         opposite = slide if self.input == CRANK else self.a4 / size * motion.sin_x
-        found: Scalar = opposite / (slide * slide + aside * aside)**0.5
-        return found
+        return opposite / (slide * slide + aside * aside)**0.5
 
 
 class YokeDeadPoint(NamedTuple):

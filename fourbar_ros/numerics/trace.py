@@ -100,7 +100,7 @@ def _method(name: str, is_reflected: bool) -> Function:
     def method(self: Number, *others: Recordable) -> Recordable:
         """Record the operation and return its result."""
         if not all(isinstance(other, (Number, float, int)) for other in others):
-            return NotImplemented       # type: ignore[no-any-return]  # a sign for Python
+            return NotImplemented
         return self.trace.add(name, *(others + (self,) if is_reflected else (self, *others)))
     return method
 

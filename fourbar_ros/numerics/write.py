@@ -160,4 +160,4 @@ def compiled(text: str, name: str) -> Function:
     _files.append(file)
     linecache.cache[file] = len(text), None, text.splitlines(True), file     # for tracebacks
     make: Any = names['make']
-    return make  # type: ignore[no-any-return]  # of text
+    return make

@@ -11,7 +11,7 @@ from fourbar_ros import (
     round_rod,
     SliderCrank,
 )
-from fourbar_ros.numerics import write
+from fourbar_ros.numerics import write_arrays
 from fourbar_ros.numerics.number_types import ARRAY
 import numpy as np
 import pytest
@@ -65,7 +65,7 @@ def test_chunks_give_the_bits_of_one_piece(case, monkeypatch):
     mechanism = loaded(case)
     x = np.linspace(-3.0, 3.0, 1003)
     whole = mechanism.step(x, 3.0, x)
-    monkeypatch.setattr(write, 'CHUNK', 128)
+    monkeypatch.setattr(write_arrays, 'CHUNK', 128)
     for one, other in zip(sum(mechanism.step(x, 3.0, x), ()), sum(whole, ())):
         assert np.array_equal(one, other, equal_nan=True)
 

@@ -20,7 +20,7 @@ from fourbar_ros.mechanics.bodies import Applied, Body, Gravity, NOT_APPLIED
 from fourbar_ros.mechanisms.checks import checked_gravity, STROKE, two_numbers
 from fourbar_ros.mechanisms.curves import LinkMotion
 from fourbar_ros.mechanisms.evaluation import Constants
-from fourbar_ros.mechanisms.kinds import derives, DIMENSIONS
+from fourbar_ros.mechanisms.kinds import all_loads, DIMENSIONS
 from fourbar_ros.mechanisms.machine.describe.description import (
     ANGLES,
     by_link,
@@ -234,8 +234,7 @@ class Machine(Mechanism):
 
     def crank_angle(self, motion: NamedFields) -> Scalar:
         """Return the angle of the crank in a motion [rad]; NaN of a machine without one."""
-        found: Scalar = motion.theta_crank if self.input != SLIDE else nan * motion.rate
-        return found
+        return motion.theta_crank if self.input != SLIDE else nan * motion.rate
 
     # --- where it closes -------------------------------------------------------------------------
 
@@ -435,11 +434,11 @@ class Machine(Mechanism):
         """Return (position, rate, acceleration) -> fields of MOTION for a number type."""
         return partial(motion_of, numbers, self.layout, constants.lengths, constants.sign)
 
-    @derives
     def loads_formula(self, numbers: NumberType, constants: Constants) -> Function:
         """Return (fields of MOTION) -> fields of LOADS for constants of a number type."""
-        return partial(loads_of, numbers, self.layout, constants.lengths, constants.bodies,
-                       constants.gravity, constants.external)
+        return partial(all_loads, self, constants, partial(
+            loads_of, numbers, self.layout, constants.lengths, constants.bodies,
+            constants.gravity, constants.external))
 
     @property
     def classification(self) -> str:
@@ -457,8 +456,7 @@ class Machine(Mechanism):
         product = 1.0 + (fields[-1] - fields[-1])
         for sine in fields[len(fields) - len(self.stages):]:
             product = product * sine
-        found: Scalar = product
-        return found
+        return product
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Return how to unpickle it: made again from its fields, as its types are made with it."""
