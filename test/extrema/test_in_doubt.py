@@ -16,6 +16,7 @@ import pytest
 from support import contract, strategies
 from support.cartesian import exact_values
 from support.samples import more
+from support.scans import tops
 
 EPS = 2.0**-52
 PAPER = (0.4, 1.2, 0.8, 1.0)
@@ -143,18 +144,15 @@ def check_against_graded_scan(machine, points):
     for low, high in machine.input_ranges:
         x = graded(low, high, points)
         state = machine.step(x, 1.3, -0.7)
-        is_far = np.minimum(x - low, high - x)[1:-1] > 1e-6 * (high - low)
         for quantity in quantities:
             values = quantity.of(*state)
-            for sign, kind in ((1.0, 'maximum'), (-1.0, 'minimum')):
-                # next to a toggle the rounding of x is 1e-10 of the distance
-                rise, noise = sign * np.diff(values), 1e-7 * np.abs(values[1:-1])
-                tops = np.flatnonzero((rise[:-1] > noise) & (rise[1:] < -noise) & is_far) + 1
-                number += tops.size
-                places = [e.theta1 for e in found if (e.quantity, e.kind, e.place) == (
-                    quantity.name, kind, 'interior')]
-                for i in tops.tolist():
-                    away = min([abs(machine.distance(p, x[i])) for p in places], default=inf)
+            # next to a toggle the rounding of x is 1e-10 of the distance
+            for kind, i in tops(values, 1e-7 * np.abs(values[1:-1])):
+                if min(x[i] - low, high - x[i]) > 1e-6 * (high - low):
+                    number += 1
+                    away = min([abs(machine.distance(e.theta1, x[i])) for e in found
+                                if (e.quantity, e.kind, e.place) == (quantity.name, kind,
+                                                                     'interior')], default=inf)
                     assert away <= 2.0 * (x[i + 1] - x[i - 1]), (machine, quantity.name, x[i])
     for quantity in quantities:
         own = [e for e in found if e.quantity == quantity.name]

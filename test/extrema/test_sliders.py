@@ -16,16 +16,12 @@ from fourbar_ros.mechanisms.quantities import (
 )
 import numpy as np
 import pytest
-from support.scans import place
+from support import contract
+from support.scans import tops
 
 EPS = 2.0**-52
 KINDS = [(SliderCrank, 'crank'), (SliderCrank, 'slide'), (InvertedSlider, 'crank'),
          (InvertedSlider, 'slide')]
-
-
-def random_bodies(rng):
-    return Bodies(*(Body(*rng.uniform((0.1, 0.0, -0.2, 0.01), (2.0, 1.0, 0.2, 0.2)).tolist())
-                    for _ in range(3)))
 
 
 @pytest.mark.parametrize('kind, driven', KINDS)
@@ -35,11 +31,11 @@ def test_near_change_points_against_a_scan_that_looks_there(kind, driven, gap):
     rng = np.random.default_rng(9)
     for sign in (1.0, -1.0):
         mechanism = kind(0.3, 0.3 + 0.1 + sign * gap, 0.1, mode=2, input=driven,
-                         bodies=random_bodies(rng))
+                         bodies=contract.random_bodies(rng))
         quantities = [q for q in select((), mechanism) if not q.is_load]
         found = find_extrema(mechanism, quantities, 3.0)
         near = np.array([z.real for z in mechanism.singular_inputs])
-        distances = np.concatenate([10.0**np.linspace(-9.0, 0.0, 6000)])
+        distances = 10.0**np.linspace(-9.0, 0.0, 6000)
         x = np.unique(np.concatenate([near[:, None] + s * distances for s in (-1.0, 1.0)],
                                      axis=None))
         for low, high in mechanism.input_ranges:
@@ -47,17 +43,11 @@ def test_near_change_points_against_a_scan_that_looks_there(kind, driven, gap):
             state = mechanism.motion(inside, 3.0), None
             for quantity in quantities:
                 values = quantity.of(*state)
-                noise = 1e-7 * np.abs(values[1:-1])
-                for side, kind_of in ((1, 'maximum'), (-1, 'minimum')):
-                    rise = side * np.diff(values)
-                    tops = np.nonzero((rise[:-1] > noise) & (rise[1:] < -noise))[0] + 1
-                    places = np.array([place(mechanism, e) for e in found if (e.quantity, e.kind)
-                                       == (quantity.name, kind_of)])
-                    for i in tops:
-                        width = inside[i + 1] - inside[i - 1]
-                        assert places.size and min(abs(mechanism.distance(inside[i], p))
-                                                   for p in places) <= width, \
-                            (mechanism, quantity.name, inside[i])
+                for kind_of, i in tops(values, 1e-7 * np.abs(values[1:-1])):
+                    away = [abs(mechanism.distance(inside[i], e.input)) for e in found
+                            if (e.quantity, e.kind) == (quantity.name, kind_of)]
+                    assert away and min(away) <= inside[i + 1] - inside[i - 1], (
+                        mechanism, quantity.name, inside[i])
 
 
 def test_piston_of_a_centric_slider_crank():

@@ -120,13 +120,8 @@ def whole_change_points(most):
 
 
 def random_loads(rng):
-    """
-    Return what makes the loads, and rates.
-
-    Sometimes gravity and external loads, sometimes an acceleration.
-    """
-    bodies = Bodies(*(Body(*rng.uniform((0.1, 0.0, -0.2, 0.01), (2.0, 1.0, 0.2, 0.2)).tolist())
-                      for _ in range(3)))
+    """Return bodies, sometimes gravity and loads; and rates, sometimes an acceleration."""
+    bodies = contract.random_bodies(rng)
     applied = (External(*(Applied(*rng.normal(size=5).tolist()) for _ in range(2))) if rng.random()
                < 0.3 else External())
     gravity = tuple(rng.normal(0.0, 5.0, 2).tolist()) if rng.random() < 0.5 else (0.0, 0.0)

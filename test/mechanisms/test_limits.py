@@ -133,17 +133,6 @@ def test_limits_are_exact_to_the_last_bits(case):
                     4 * EPS * abs(end))
 
 
-def test_four_bars_have_one_range_or_two():
-    shapes = set()
-    for lengths in random_lengths(np.random.default_rng(42), 400).tolist():
-        linkage = FourBar(*lengths)
-        ranges = linkage.input_ranges
-        shapes.add((len(ranges), linkage.turns_fully, ranges[-1][1] > pi))
-        found = [] if linkage.turns_fully else [end for end in ranges[-1] if 0.0 < end < pi]
-        assert len(found) == len([end for end in exact_ends(linkage) if end < pi])
-    assert shapes == {(1, True, False), (1, False, False), (1, False, True), (2, False, False)}
-
-
 def test_toggle_raises_for_one_value_and_is_nan_in_arrays():
     """
     At a limit the angle is rounded.

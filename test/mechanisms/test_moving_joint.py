@@ -3,26 +3,13 @@
 """Four-bars driven at A or B: bags, change points, free motion, pictures."""
 
 from fourbar_lab.drawing.figure import make_figure
-from fourbar_ros import (
-    Bodies,
-    Body,
-    FourBar,
-    MovingJointFourBar,
-)
+from fourbar_ros import FourBar, MovingJointFourBar
 from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.dynamics import simulate, System
 from fourbar_ros.scene.parameters import check
 import numpy as np
 import pytest
-from support import bags
-
-RATE = 1.7
-
-
-def bodies_of(rng):
-    return Bodies(*(Body(*map(float, (rng.uniform(0.5, 2.0), rng.uniform(0.0, 1.0),
-                                      rng.uniform(-0.3, 0.3), rng.uniform(0.1, 1.0))))
-                    for _ in range(3)))
+from support import bags, contract
 
 
 @pytest.mark.parametrize('joint', ['A', 'B'])
@@ -39,8 +26,6 @@ def test_a_bag_of_it_recomputes_without_a_difference(joint, tmp_path):
     assert not any(difference.largest for difference in found.differences)
 
 
-# --- exact change points -------------------------------------------------------------------------
-
 CHANGE_POINTS = [(2.0, 4.0, 3.0, 5.0), (2.0, 3.0, 2.0, 3.0)]
 
 
@@ -49,7 +34,7 @@ CHANGE_POINTS = [(2.0, 4.0, 3.0, 5.0), (2.0, 3.0, 2.0, 3.0)]
 def test_a_free_linkage_moves_alike_whichever_joint_counts(joint, index, lengths):
     """The same masses, as a function of theta1, theta2 or theta3; also on through flat poses."""
     has_flat = lengths in CHANGE_POINTS
-    acting = {'bodies': bodies_of(np.random.default_rng(6)),
+    acting = {'bodies': contract.random_bodies(np.random.default_rng(6)),
               'gravity': (0.0, 0.0 if has_flat else -9.81)}
     given, times = ((0.7, 3.0) if has_flat else (1.3, 9.0)), [0.1, 0.3, 0.5, 1.0, 1.5, 3.0]
     crank = FourBar(*lengths, **acting)
@@ -70,9 +55,9 @@ def test_a_free_linkage_moves_alike_whichever_joint_counts(joint, index, lengths
 
 def test_pictures_name_the_torque_by_its_links():
     pytest.importorskip('matplotlib')
+    bodies = contract.random_bodies(np.random.default_rng(7))
     for joint, symbol in (('A', 'T_{12}'), ('B', 'T_{23}')):
-        linkage = MovingJointFourBar(0.4, 1.2, 0.8, 1.0, input=joint, bodies=bodies_of(
-            np.random.default_rng(7)))
+        linkage = MovingJointFourBar(0.4, 1.2, 0.8, 1.0, input=joint, bodies=bodies)
         words = [text.get_text() for text in make_figure(
             linkage, *linkage.step(2.0, 3.0)).axes[0].texts]
         assert f'${symbol}$' in words and any(f'drive ${symbol}$' in word for word in words)

@@ -8,7 +8,6 @@ from fourbar_ros import (
     Bodies,
     Body,
     External,
-    find_extrema,
     FourBar,
     InvalidParameter,
     InvertedSlider,
@@ -92,25 +91,6 @@ def test_harmonic_motion_of_a_textbook():
                 and loads.f32_y == 0.0)
         assert loads.driving_torque == pytest.approx(0.5 * 4.0 * r**2 * w**2 * sin(2.0 * w * t),
                                                      abs=1e-11)
-
-
-def test_extrema_of_harmonic_motion():
-    """
-    Two of the velocity and two of the acceleration, at quarters of a turn.
-
-    Torque at odd eighths.
-    """
-    yoke = ScotchYoke(0.1, 0.02, bodies=MASSES)
-    found = find_extrema(yoke, ('slide_velocity', 'slide_acceleration', 'driving_torque'), 30.0)
-    places = {name: sorted(e.theta1 for e in found if e.quantity == name)
-              for name in {e.quantity for e in found}}
-    assert places['slide_velocity'] == pytest.approx([0.5 * pi, 1.5 * pi], abs=1e-12)
-    assert places['slide_acceleration'] == pytest.approx([0.0, pi], abs=1e-12)
-    assert places['driving_torque'] == pytest.approx([(k + 0.5) * 0.5 * pi for k in range(4)],
-                                                     abs=1e-12)
-    largest = {'slide_velocity': 3.0, 'slide_acceleration': 90.0, 'driving_torque': 18.0}
-    for extremum in found:
-        assert abs(extremum.value) == pytest.approx(largest[extremum.quantity], rel=1e-14)
 
 
 def test_toggles_modes_and_ranges():

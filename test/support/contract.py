@@ -145,6 +145,12 @@ def with_rods(lengths, **others):
                                              for length in lengths[:3])), **others)
 
 
+def random_bodies(rng):
+    """Return three bodies of some tenths of a metre and a kilogramme."""
+    return Bodies(*(Body(*rng.uniform((0.1, 0.0, -0.2, 0.01), (2.0, 1.0, 0.2, 0.2)).tolist())
+                    for _ in range(3)))
+
+
 def random_lengths(rng, count):
     """Return an array (count, 4) of lengths in [0.1, 1] that close a four-bar, of all classes."""
     lengths = np.empty((0, 4))

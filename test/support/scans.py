@@ -16,6 +16,14 @@ def place(mechanism, extremum):
     return extremum.slide if mechanism.is_driven_by_slide else extremum.theta1
 
 
+def tops(values, noise):
+    """Yield (kind, index) of samples beyond those on both sides by more than noise."""
+    for sign, kind in ((1, 'maximum'), (-1, 'minimum')):
+        rise = sign * np.diff(values)
+        for i in np.flatnonzero((rise[:-1] > noise) & (rise[1:] < -noise)).tolist():
+            yield kind, i + 1
+
+
 def tops_of_a_scan(mechanism, quantities, rate, acceleration, points):
     """Yield (quantity, kind, input, step) of the extrema of a dense scan above rounding."""
     for low, high in mechanism.input_ranges:
@@ -27,10 +35,8 @@ def tops_of_a_scan(mechanism, quantities, rate, acceleration, points):
         for quantity in quantities:
             values = quantity.of(*state)
             noise = 64 * EPS * np.abs(values[1:-1]) + EPS * np.median(np.abs(values))
-            for sign, kind in ((1, 'maximum'), (-1, 'minimum')):
-                rise = sign * np.diff(values)
-                for top in x[1:-1][(rise[:-1] > noise) & (rise[1:] < -noise)].tolist():
-                    yield quantity.name, kind, top, step
+            for kind, i in tops(values, noise):
+                yield quantity.name, kind, float(x[i]), step
 
 
 def check_against_scan(mechanism, quantities, rate, acceleration, points, exact=None):

@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a mechanism states about itself, and what it refuses."""
 
-import pickle
 
 from fourbar_ros import OutOfRange
 from fourbar_ros.mechanisms.kinds import FACTS
@@ -50,15 +49,6 @@ def test_what_is_given_comes_back(case):
         unknown = mechanism.unknown(*given)._asdict()
         assert tuple(unknown.pop(name) for name in mechanism.input_coordinate) == given
         assert all(np.isnan(value) for value in unknown.values())
-
-
-@every_mechanism
-def test_pickled_and_compared(case):
-    for mechanism, given in contract.ordinary(case, 215, 5):
-        again = pickle.loads(pickle.dumps(mechanism))
-        assert again == mechanism and again.step(*given) == mechanism.step(*given)
-        assert pickle.loads(pickle.dumps(again.step(*given))) == mechanism.step(*given)
-        assert again != mechanism.with_lengths([2.0 * v for v in mechanism.lengths])
 
 
 @every_case
