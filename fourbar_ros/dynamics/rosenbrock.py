@@ -28,15 +28,14 @@ from collections.abc import Callable, Sequence
 from functools import cached_property, partial, reduce
 from itertools import islice
 from math import nan
-from typing import Any, cast, NamedTuple
+from typing import Any, NamedTuple
 
 from fourbar_ros.dynamics.coordinate import FARTHEST, LONGEST, MotionCoordinate
 from fourbar_ros.dynamics.equation import Outside
 from fourbar_ros.dynamics.sources import Drive, Law, Piece
 from fourbar_ros.dynamics.system import NEAR_TOGGLE
 from fourbar_ros.mechanics.bodies import Base
-from fourbar_ros.mechanisms.mechanism import DrivenLinks
-from fourbar_ros.numerics.number_types import Function, NumberType, REAL, Scalar
+from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 from fourbar_ros.numerics.write import straight_line
 
 State = tuple[float, ...]        # five numbers
@@ -136,43 +135,33 @@ class StepFormulas:
     @cached_property
     def place(self) -> Function:
         """Return (p, u, s, v, z, command, *acting) -> numbers of a Place, flat."""
-        return self._function(self.make_place, self.make_terms, GIVEN + self._more)
+        return straight_line(self.make_place, GIVEN + self._more)
 
     @cached_property
     def attempt(self) -> Function:
         """Return (p, u, s, v, z, h, command, linear, *acting) -> state after h, next length/h."""
-        return self._function(self.make_attempt, self._equation.make_with_ratio,
-                              GIVEN_STEP + self._more)
+        return straight_line(self.make_attempt, GIVEN_STEP + self._more)
 
     @cached_property
     def euler(self) -> Function:
         """Return the same arguments -> state after h by implicit Euler."""
-        return self._function(self.make_euler, self._equation.make_with_ratio,
-                              GIVEN_STEP + self._more)
-
-    def _function(self, make: Function, make_terms: Function, count: int) -> Function:
-        if self._equation.changes_mode:      # there is no one formula in both modes
-            terms = self._equation.in_both_modes(make_terms).of_one
-            return cast(Function, make(REAL, terms))
-        return straight_line(make, count)
+        return straight_line(self.make_euler, GIVEN_STEP + self._more)
 
     # --- formulas -------------------------------------------------------------------------------
 
-    def _with_outside(self, make_terms: Function, n: NumberType, terms_at: Function | None,
-                      acting: Sequence[Scalar]) -> Function:
-        """Return terms with what acts from outside; without, ``terms_at`` if it is given."""
-        links = self._equation.coordinate
+    def _outside(self, acting: Sequence[Scalar]) -> Outside | None:
+        """Return what acts from outside, by its numbers; None if nothing does."""
         if not acting:
-            return terms_at or cast(Function, make_terms(links, n))
+            return None
         numbers = iter(acting)
         each = {name: list(islice(numbers, count_of(name))) for name in self._acting}
         base = Base(*each.pop(BASE)) if BASE in each else None
-        return cast(Function, make_terms(links, n, Outside(base, each)))
+        return Outside(base, each)
 
-    def make_terms(self, links: DrivenLinks, n: NumberType, outside: Outside | None = None
-                   ) -> Function:
+    def _make_terms(self, n: NumberType, acting: Sequence[Scalar]) -> Function:
         """Return the formula p -> :class:`StepTerms`."""
-        terms: Function = self._equation.make_with_ratio(links, n, outside)
+        links = self._equation.coordinate
+        terms: Function = self._equation.make_with_ratio(links, n, self._outside(acting))
         if self._passes:
             other, coordinate = self._coordinate.make_other(links, n), self._coordinate
             middle, half = coordinate.all.middle, coordinate.all.half
@@ -191,14 +180,18 @@ class StepFormulas:
         return lambda p: (*terms(p), 0.0, 1.0, n.fabs(mechanism.transmission_sine(
             mechanism.MOTION._make(motion_of(p, 0.0, 0.0)))) - NEAR_TOGGLE)
 
+    def _make_step_terms(self, n: NumberType, acting: Sequence[Scalar]) -> Function:
+        """Return the formula p -> terms within a step, which do not ask what takes over."""
+        return self._equation.make_with_ratio(self._equation.coordinate, n, self._outside(acting))
+
     def make_tables(self, n: NumberType) -> Function:
         """Return the formula p -> the places of all forces with a table."""
         return self._equation.make_places(self._equation.coordinate, n)
 
-    def make_place(self, n: NumberType, terms_at: Function | None = None) -> Function:
+    def make_place(self, n: NumberType) -> Function:
         """Return the formula of :attr:`place`."""
         def place(p: Any, u: Any, s: Any, v: Any, z: Any, command: Any, *acting: Any) -> Any:
-            terms = StepTerms(*self._with_outside(self.make_terms, n, terms_at, acting)(p))
+            terms = StepTerms(*self._make_terms(n, acting)(p))
             change, on_input, of_motor, piece = self._rates(
                 terms, (p, u, s, v, z), self._law(n, command))
             acceleration = (change[1] if self._equation.is_input else
@@ -212,13 +205,12 @@ class StepFormulas:
                     piece.change_by_state)
         return place
 
-    def make_attempt(self, n: NumberType, terms_at: Function | None = None) -> Function:
+    def make_attempt(self, n: NumberType) -> Function:
         """Return the formula of :attr:`attempt`: a step of RODAS."""
         def attempt(p: Any, u: Any, s: Any, v: Any, z: Any, h: Any, command: Any,
                     *given: Any) -> Any:
             x, law = (p, u, s, v, z), self._law(n, command)
-            terms_there = self._with_outside(self._equation.make_with_ratio, n, terms_at,
-                                             given[LINEAR:])
+            terms_there = self._make_step_terms(n, given[LINEAR:])
             solve = self._solver(n, x, law, given, 1.0 / (GAMMA * h), terms_there)
             stages = [solve(given[:5])]
 
@@ -236,13 +228,12 @@ class StepFormulas:
             return (*_plus(at, 1.0, stages[-1]), self._scale(n, errors))
         return attempt
 
-    def make_euler(self, n: NumberType, terms_at: Function | None = None) -> Function:
+    def make_euler(self, n: NumberType) -> Function:
         """Return the formula of :attr:`euler`: less accurate, and stable whatever the error."""
         def euler(p: Any, u: Any, s: Any, v: Any, z: Any, h: Any, command: Any,
                   *given: Any) -> Any:
             x = p, u, s, v, z
-            terms_there = self._with_outside(self._equation.make_with_ratio, n, terms_at,
-                                             given[LINEAR:])
+            terms_there = self._make_step_terms(n, given[LINEAR:])
             solve = self._solver(n, x, self._law(n, command), given, 1.0 / h, terms_there)
             # a rate that grows so fast would leave nothing of the Jacobian but rounding
             whole = n.where(n.fabs(given[1]) < HUGE, 1.0, nan)

@@ -300,9 +300,7 @@ class Scene:
 
     def mover_in(self, mode: int) -> Mover:
         """Return the Mover in a mode beyond a toggle; for an unknown mode, the scene's."""
-        # at a change point one equation of motion holds in both modes
-        is_other = mode in self.linkage.modes_passed and self.linkage.change_point_margin != 0.0
-        return self.taken_in(mode).mover if is_other else self.mover
+        return self.taken_in(mode).mover if mode in self.linkage.modes_passed else self.mover
 
     @cached_property
     def layout(self) -> FieldMap:
