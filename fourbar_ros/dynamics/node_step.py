@@ -153,9 +153,8 @@ class Mover:
         self.taking_over = (system.coordinates.prepare() if self.passes
                             else {system.coordinates.first: ()})
         # the formulas of each coordinate
-        self.formulas = {coordinate: StepFormulas(coordinate, drive, source, takes_commands,
-                                                  self.passes, tolerance, acting)
-                         for coordinate in self.taking_over}
+        self.formulas = {coordinate: StepFormulas(coordinate, drive, self.passes, tolerance,
+                                                  acting) for coordinate in self.taking_over}
         self._acting: dict[str, Sequence[float]] = {name: (nan,) * count_of(name)
                                                     for name in acting}
         self._outside = tuple(chain(*self._acting.values()))        # their numbers, in this order

@@ -32,7 +32,7 @@ from typing import Any, NamedTuple
 
 from fourbar_ros.dynamics.coordinate import FARTHEST, LONGEST, MotionCoordinate
 from fourbar_ros.dynamics.equation import Outside
-from fourbar_ros.dynamics.sources import Drive, Law, Piece
+from fourbar_ros.dynamics.sources import Drive, Piece
 from fourbar_ros.dynamics.system import NEAR_TOGGLE
 from fourbar_ros.mechanics.bodies import Base
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
@@ -104,8 +104,6 @@ class StepFormulas:
     ----------
     coordinate : MotionCoordinate
     drive : Drive
-    takes_commands : bool
-        The torque of the source is a number given at each step, in place of its own law.
     passes : bool
         Through toggles, where another coordinate takes over; else they are limits.
     tolerance : float
@@ -116,18 +114,16 @@ class StepFormulas:
 
     """
 
-    def __init__(self, coordinate: MotionCoordinate, drive: Drive, source: Law,
-                 takes_commands: bool, passes: bool, tolerance: float,
+    def __init__(self, coordinate: MotionCoordinate, drive: Drive, passes: bool, tolerance: float,
                  acting: Sequence[str] = ()) -> None:
         self._coordinate, self._equation = coordinate, coordinate.equation
-        self._source, self._takes_commands, self._passes = source, takes_commands, passes
+        self._source, self._passes = drive.source, passes
         self._shaft, self._rotor = drive.shaft, drive.rotor
         self._acting, self._more = acting, sum(map(count_of, acting))
         self.unit = self._equation.coordinate.input_unit
         self._tolerance = tolerance * self.unit
-        has_own = bool(source.start) and not takes_commands
         # the parts of the state that there are, as they are eliminated
-        self._order = (0, *((2,) if drive.shaft else ()), *((4,) if has_own else ()), 1,
+        self._order = (0, *((2,) if drive.shaft else ()), *((4,) if drive.source.start else ()), 1,
                        *((3,) if drive.shaft else ()))
 
     # --- as functions of floats -----------------------------------------------------------------
@@ -242,10 +238,7 @@ class StepFormulas:
 
     def _law(self, n: NumberType, command: Scalar) -> PieceAt:
         """Return the law of the source during a step."""
-        if self._takes_commands:
-            return lambda speed, own: Piece(command)
-        given = command if self._source.command else None
-        return lambda speed, own: self._source.piece(speed, own, n, given)
+        return lambda speed, own: self._source.piece(speed, own, n, command)
 
     def _to_bend(self, n: NumberType, command: Scalar, at: Sequence[Scalar],
                  slopes: Sequence[Scalar]) -> Scalar:
@@ -255,8 +248,7 @@ class StepFormulas:
         By a tangent: of speed and own state of the source, ``at`` a place, with their ``slopes``
         over time.
         """
-        bounded = None if self._takes_commands else self._source.bounded(
-            command if self._source.command else None)
+        bounded = self._source.bounded(command)
         if bounded is None:
             return 1e300
         inner, bound = bounded

@@ -86,7 +86,7 @@ class Law(ABC):
     own : str
         The field of a DriveState message that holds the state, one number at most.
     command : str
-        The field that generated code takes anew at each step, as a voltage; '': none.
+        The field of which each step may take another value, as a torque or a voltage; '': none.
 
     """
 
@@ -126,12 +126,12 @@ class Law(ABC):
 class ConstantTorque(Law):
     """A constant torque [N m] (of a slide a force [N]), (D2)."""
 
+    command: ClassVar[str] = 'value'
     value: float = quantity(0.0)
 
     def piece(self, speed: Scalar, own: Scalar, n: NumberType = REAL,
               command: Scalar | None = None) -> Piece:
-        """Return the law of all speeds (D2)."""
-        return Piece(self.value)
+        return Piece(self.value if command is None else command)                            # (D2)
 
 
 @dataclass(frozen=True)
@@ -156,9 +156,8 @@ class MotorLine(Law):
 
     def piece(self, speed: Scalar, own: Scalar, n: NumberType = REAL,
               command: Scalar | None = None) -> Piece:
-        """Return the law (D3) at the output shaft."""
         stall, free = self.gear * self.stall_torque, self.free_speed / self.gear
-        return Piece(stall, -stall / free)
+        return Piece(stall, -stall / free)                                                  # (D3)
 
 
 @dataclass(frozen=True)
@@ -177,14 +176,12 @@ class DCMotor(Law):
 
     @property
     def start(self) -> tuple[float, ...]:
-        """Return the current at the beginning, where there is an inductance."""
         return (0.0,) if self.inductance else ()
 
     def piece(self, speed: Scalar, own: Scalar, n: NumberType = REAL,
               command: Scalar | None = None) -> Piece:
-        """Return the law (D4) at a voltage; the current, its state, follows at once if L = 0."""
         constant, voltage = self.gear * self.constant, self.voltage if command is None else command
-        if self.inductance:
+        if self.inductance:                                                                 # (D4)
             return Piece(0.0, by_state=constant, change=voltage / self.inductance,
                          change_by_speed=-constant / self.inductance,
                          change_by_state=-self.resistance / self.inductance)
@@ -212,22 +209,16 @@ class SpeedController(Law):
 
     @property
     def start(self) -> tuple[float, ...]:
-        """Return the integral of the error at the beginning, where there is an integral part."""
         return (0.0,) if self.integral else ()
 
     def piece(self, speed: Scalar, own: Scalar, n: NumberType = REAL,
               command: Scalar | None = None) -> Piece:
-        """
-        Return the law (D5): between the limits of the torque, and beyond each.
-
-        Without a proportional part, ki times one second takes the place of kp in dz/dt.
-        """
-        wanted = self.speed if command is None else command
-        kp, ki, limit = self.proportional, self.integral, self.limit
-        inner = self._inner(wanted)
+        inner, limit = self._inner(command), self.limit
         if limit == inf:
             return inner
-        by = kp or ki
+        kp, ki = self.proportional, self.integral
+        wanted = self.speed if command is None else command
+        by = kp or ki          # without a proportional part, ki times one second takes its place
 
         def beyond(torque: float) -> tuple[Scalar, ...]:
             """Return the law at a limit of the torque."""
@@ -239,15 +230,14 @@ class SpeedController(Law):
         return Piece(*n.where(torque.real > limit, beyond(limit), n.where(
             torque.real < -limit, beyond(-limit), tuple(inner))))
 
-    def _inner(self, wanted: Scalar) -> Piece:
-        """Return the law between the limits of the torque."""
+    def _inner(self, command: Scalar | None) -> Piece:
+        """Return the law between the limits of the torque, (D5)."""
+        wanted = self.speed if command is None else command
         kp, ki = self.proportional, self.integral
         return Piece(kp * wanted, -kp, ki, *((wanted, -1.0) if ki else ()))
 
     def bounded(self, command: Scalar | None = None) -> tuple[Piece, float] | None:
-        """Return the law between the limits of the torque, and the limit."""
-        wanted = self.speed if command is None else command
-        return None if self.limit == inf else (self._inner(wanted), self.limit)
+        return None if self.limit == inf else (self._inner(command), self.limit)
 
 
 @dataclass(frozen=True)
@@ -272,14 +262,13 @@ class InductionMotor(Law):
 
     def piece(self, speed: Scalar, own: Scalar, n: NumberType = REAL,
               command: Scalar | None = None) -> Piece:
-        """Return the tangent T + dT/dw (w - speed) of the law (K1), as T_0 + T_w w of (M1)."""
         synchronous, s_b = self.synchronous_speed, self.breakdown_slip
         factor = 2.0 * self.gear * self.breakdown_torque * s_b
         slip = 1.0 - speed / synchronous
         whole = slip * slip + s_b * s_b
         torque = factor * slip / whole                                                      # (K1)
         by_speed = factor * (slip * slip - s_b * s_b) / (synchronous * whole * whole)       # (K2)
-        return Piece(torque - by_speed * speed, by_speed)
+        return Piece(torque - by_speed * speed, by_speed)      # the tangent at this speed
 
 
 @dataclass(frozen=True)

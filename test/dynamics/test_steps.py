@@ -98,7 +98,7 @@ def test_the_linear_system_is_that_of_the_derivatives(shaft):
     piece = Piece(*rng.normal(size=6))
     drive = Drive(DCMotor(48.0, 0.5, 0.3, 1e-3, 10.0), 0.4, shaft=shaft)
     system = System(*CASES['driven slider'], drive=drive)
-    formulas = StepFormulas(system.coordinates.first, drive, drive.source, False, True, 1e-6)
+    formulas = StepFormulas(system.coordinates.first, drive, True, 1e-6)
 
     def terms_at(p):
         return (2.0 + p * p, p, 3.0 - p + 0.4 * p * p, 0.5 + 0.1 * p, 0.0,
