@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Every control of the page on every kind of mechanism, by real keys, clicks and drags."""
 from math import hypot, radians
-import time
 
 from fourbar_lab.live import link as links
 from fourbar_lab.live.model import shown
@@ -16,7 +15,6 @@ from support.browser import needs_browser, Tab
 
 pytestmark = [needs_browser, pytest.mark.slow]
 KINDS = ['paper', 'jansen', 'cylinder']
-SETTLE = 1.0            # [s]
 CLOSED = '.q-expansion-item--collapsed .q-item'
 CURVES = 'curves over the input, extrema marked'
 
@@ -83,29 +81,6 @@ def test_every_slider_changes_what_it_says(opened, name):
                   f'the field of {parameter} with {changed}')
         tab.keys(Keys.ARROW_RIGHT if values[parameter] > 0.0 else Keys.ARROW_LEFT)
     tab.until(lambda: not tab.alarm(), 'no complaint')
-
-
-def test_ten_quick_moves_end_with_the_last(opened):
-    from selenium.webdriver.common.keys import Keys
-    tab = opened('paper', at=40)
-    for name in ('linkage.a2', 'linkage.a3'):
-        tab.focus_slider(f'{name} slider')
-        tab.keys(*[Keys.ARROW_RIGHT] * 10)
-
-        def is_settled(name=name):
-            stands = float(tab.by(f'{name} slider').get_attribute('aria-valuenow'))
-            return (stands == pytest.approx(float(tab.query().get(name, 0)), rel=1e-9)
-                    and float(tab.text(name)) == pytest.approx(stands, rel=1e-11)
-                    and agrees(tab, 'paper'))
-        tab.until(is_settled, 'what the slider says')
-        time.sleep(SETTLE)
-        tab.until(is_settled, 'the same: nothing older comes late')
-    for text in ('9', '1.1', '9', '1.15', '9', '1.25'):
-        tab.write('linkage.a2', text)
-    tab.until(lambda: tab.query().get('linkage.a2') == '1.25' and not tab.alarm()
-              and agrees(tab, 'paper'), 'the last of six')
-    tab.until(lambda: tab.count_series(CURVES) == len(expected(tab, 'paper')[0].usual_quantities),
-              'its curves')
 
 
 def is_empty(tab):

@@ -128,14 +128,6 @@ def test_what_is_no_number_gives_way_to_what_it_was(tab, typed):
     tab.until(lambda: tab.query().get('linkage.a2') == '1.15', 'the next')
 
 
-def test_an_input_of_two_turns_is_where_it_is_on_the_first(tab):
-    for typed, angle in (('720', 0.0), ('-1000', 80.0), ('3600060', 60.0)):
-        tab.write('input value', typed)
-        tab.until(lambda angle=angle: float(tab.text('input value')) == pytest.approx(
-            angle, abs=1e-4) and float(tab.query().get('at', 'nan')) == pytest.approx(
-                angle, abs=1e-4), f'{angle} of {typed}')
-
-
 def test_home_and_end_move_a_slider_to_its_ends(tab):
     from selenium.webdriver.common.keys import Keys
     for key, end in ((Keys.END, 360.0), (Keys.HOME, 0.0)):
