@@ -214,7 +214,8 @@ def _bound(places: Places, blocks: Array, ways: Array, mass: float) -> float:
     scale = float(np.linalg.norm(given, axis=1).max()) or 1.0
     rounding = 4.0 * slope.size * EPS * (scale + mass * float(
         np.abs(blocks[:, :, places.columns] * places.units).max()))
-    bound = float(np.sum(ways * given)) + min(0.0, mass * places.lowest(slope)) - rounding
+    bound: float = (float(np.sum(ways * given)) + min(0.0, mass * places.lowest(slope))
+                    - rounding)
     return max(bound, 0.0)
 
 
@@ -250,7 +251,7 @@ def least_peak(places: Places, name: str, mass: float) -> Balance:
     loads, mass = places.loads, number('mass', mass, 'must be zero or more', least=0.0)
     x, _ = nodes(loads.mechanism, INPUTS)
     for _ in range(ROUNDS):
-        blocks = np.stack(loads.matrices(x, name), axis=1)          # one of each input
+        blocks = np.stack([*loads.matrices(x, name)], axis=1)       # one of each input
         weights, bound = _least(places, blocks, mass)
         numbers = places.numbers(weights)
         value, inputs_of_maxima = peak(loads, name, numbers)

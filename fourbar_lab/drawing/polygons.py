@@ -165,8 +165,9 @@ def _moving_joints(machine: Machine, motion: Any) -> Iterator[tuple[str, str, Po
             if name in pins and point.link != GROUND:
                 yield name, point.link, point_motion(machine, motion, *point)
         name, (one, other) = f'{stage.name}_inner', stage.links
-        if stage.kind == 'RRR':             # at the end of its first link; none if one is held
+        if stage.kind == 'RRR':             # at the end of its first link
             if GROUND not in (one, other):
+                assert dyad.length_1 is not None
                 yield name, one, point_motion(machine, motion, one, dyad.length_1)
         elif other != GROUND:
             yield name, other, point_motion(machine, motion, other, 0.0)

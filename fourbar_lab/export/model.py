@@ -244,12 +244,15 @@ class GeneratedModel:
         trace, first = self.trace, self.trace.count
         used = {i - first for i in trace.needed(self.needed(True))}
         used |= {i for datum in used & self.derived.keys() for i in self.derived[datum]}
-        return self._with_fields([
-            Named(name, '', unit, '', self.data[i], i)
-            for i, (name, unit) in enumerate(self.names)
-            if name and (i in self._asked or self.parameters is None and not self.is_fixed
-                         and not self.moves_by_torque
-                         and i in used and trace.steps[first + i].operation == 'datum')])
+        chooses_all = self.parameters is None and not self.is_fixed and not self.moves_by_torque
+
+        def is_tunable(place: int, name: str) -> bool:
+            """Return whether it was asked for, or all are wanted and results depend on it."""
+            return bool(name) and (place in self._asked or chooses_all and place in used
+                                   and trace.steps[first + place].operation == 'datum')
+        return self._with_fields([Named(name, '', unit, '', self.data[i], i)
+                                  for i, (name, unit) in enumerate(self.names)
+                                  if is_tunable(i, name)])
 
     def bound_of(self, name: str) -> str:
         """Return how a parameter must compare with 0: '>', '>=', or '' if it may be any number."""

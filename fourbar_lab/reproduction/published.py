@@ -115,23 +115,26 @@ def solve_eq_9(linkage: FourBar, motion: NamedFields, with_velocities: bool = Fa
     each of three links. ``with_velocities``: the force rows hold m v in place of m a.
     """
     assert linkage.bodies is not None
+    f41, f21, f32, f43, torque = 0, 2, 4, 6, 8              # columns of the unknowns
+    # forces on each link: column, sign (a reaction is minus the action), joint where it acts
+    acting = {'crank': ((f41, 1.0, 'first'), (f21, 1.0, 'end')),
+              'coupler': ((f21, -1.0, 'first'), (f32, 1.0, 'end')),
+              'output': ((f32, -1.0, 'end'), (f43, 1.0, 'first'))}
+    turning = {'crank': motion.alpha1, 'coupler': motion.alpha_beta, 'output': motion.alpha4}
     size = np.size(motion.theta1)
     matrix, right = np.zeros((size, 9, 9)), np.zeros((size, 9))
-    for i, (link, body, length) in enumerate(zip(('crank', 'coupler', 'output'), linkage.bodies,
-                                                 linkage.lengths)):
+    for row, link, body, length in zip((0, 3, 6), acting, linkage.bodies, linkage.lengths):
         first, centre, end = (point_motion(linkage, motion, link, along)
                               for along in (0.0, body.cg_along, length))
-        # forces i and i + 1 act on this link, the former one as a reaction, but for the ground's
-        arms = [joint.place - centre.place
-                for joint in ((end, first) if i == 2 else (first, end))]
-        for column, sign, arm in zip((2 * i, 2 * i + 2), (1.0 if i == 0 else -1.0, 1.0), arms):
-            matrix[:, 3 * i, column] = matrix[:, 3 * i + 1, column + 1] = sign
-            matrix[:, 3 * i + 2, column] = -sign * arm[:, 1]
-            matrix[:, 3 * i + 2, column + 1] = sign * arm[:, 0]
-        right[:, 3 * i:3 * i + 2] = body.mass * (centre.velocity if with_velocities
-                                                 else centre.acceleration)
-        right[:, 3 * i + 2] = body.inertia * (motion.alpha1, motion.alpha_beta, motion.alpha4)[i]
-    matrix[:, 2, 8] = 1.0
+        for column, sign, joint in acting[link]:
+            arm = (first if joint == 'first' else end).place - centre.place
+            matrix[:, row, column] = matrix[:, row + 1, column + 1] = sign
+            matrix[:, row + 2, column] = -sign * arm[:, 1]
+            matrix[:, row + 2, column + 1] = sign * arm[:, 0]
+        right[:, row:row + 2] = body.mass * (centre.velocity if with_velocities
+                                             else centre.acceleration)
+        right[:, row + 2] = body.inertia * turning[link]
+    matrix[:, 2, torque] = 1.0
     return np.linalg.solve(matrix, right[..., None])[..., 0]
 
 

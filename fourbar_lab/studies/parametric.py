@@ -93,7 +93,7 @@ def point_quantities_of(scene: Scene, values: ParameterValues, parametric: Mecha
     """
     Return {name: speed or acceleration of a point}, its place and the lengths being any numbers.
 
-    ``parametric``: of :func:`.with_any_lengths`. Names and units are those of the scene's own points.
+    ``parametric``: of :func:`.with_any_lengths`. Names and units are those of the scene's points.
     """
     quantities: dict[str, Searched] = {}
     for name, point in scene.points.items():
