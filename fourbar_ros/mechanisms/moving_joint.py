@@ -60,11 +60,6 @@ class MovingJointFourBar(FourBarLinks):
     Its ``driving_torque`` acts on the coupler from the crank (A), or on the output link from the
     coupler (B).
 
-    Raises
-    ------
-    InvalidParameter
-        Naming the parameter, its value and the allowed values.
-
     """
 
     a1: float

@@ -4,9 +4,9 @@
 from __future__ import annotations
 
 from collections import namedtuple
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from functools import cache
-from typing import Any, ClassVar, NamedTuple, NoReturn, Protocol
+from typing import Any, NamedTuple, NoReturn
 
 from fourbar_ros.errors import InvalidParameter, MissingBodies, one_of
 from fourbar_ros.numerics.number_types import Scalar
@@ -49,24 +49,9 @@ class Coordinate(NamedTuple):
         return self.unit, f'{self.unit}/s', f'{self.unit}/s^2'
 
 
-class NamedFields(Protocol):
-    """
-    A motion, or loads: one of the types that mechanisms state as ``MOTION`` and ``LOADS``.
-
-    Its fields are floats, arrays, or numbers of any other type that it was computed with.
-    """
-
-    _fields: ClassVar[tuple[str, ...]]
-
-    def __getattr__(self, name: str) -> Any: ...
-
-    def __getitem__(self, number: int | slice) -> Any: ...
-
-    def __iter__(self) -> Iterator[Any]: ...
-
-    def __len__(self) -> int: ...
-
-    def _asdict(self) -> dict[str, Any]: ...
+# A motion, or loads: a NamedTuple of one of the types that mechanisms state as MOTION and LOADS.
+# Its fields are floats, arrays, or numbers of any other type that it was computed with.
+NamedFields = Any
 
 
 @cache

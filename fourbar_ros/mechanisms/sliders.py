@@ -125,11 +125,6 @@ class SliderCrank(OffsetSlide):
     Guide force: of the ground on the slider, + along y; guide couple: of the ground on the slider
     about B.
 
-    Raises
-    ------
-    InvalidParameter
-        Naming the parameter, its value and the allowed values.
-
     """
 
     a1: float
@@ -233,11 +228,6 @@ class InvertedSlider(OffsetSlide):
     Guide force: of the bar on the block, + to the left of the bar; guide couple: of the bar on the
     block about A. The driving force pushes the block along the bar as ``slide`` grows, and the bar
     back.
-
-    Raises
-    ------
-    InvalidParameter
-        Naming the parameter, its value and the allowed values.
 
     """
 
@@ -357,11 +347,6 @@ class ScotchYoke(Kind):
         Forces and couples on block (``coupler``) and yoke (``output``).
     stroke : tuple of 2 floats, optional
         Shortest and longest slide [m] of a driven slide; not given: [-a1, a1].
-
-    Raises
-    ------
-    InvalidParameter
-        Naming the parameter, its value and the allowed values.
 
     """
 

@@ -197,21 +197,26 @@ class Trace:
         Minus signs move outwards, so that equal terms meet: x + (-y) becomes x - y, (-x) y becomes
         -(x y). No bit changes.
         """
-        minus = [self.steps[place].arguments if self.steps[place].operation == 'neg' else ()
-                 for place in places]         # of -x the place of x
-        if operation == 'neg' and minus[0]:
-            return minus[0][0]
-        if operation == 'add' and minus[1]:
-            return self._add('sub', (places[0], *minus[1]))
-        if operation == 'add' and minus[0]:
-            return self._add('sub', (places[1], *minus[0]))
-        if operation == 'sub' and minus[1]:
-            return self._add('add', (places[0], *minus[1]))
-        for i, inner in enumerate(minus):
-            if operation in ('mul', 'truediv') and inner and places[i] in self.varies:
-                return self._add('neg', (self._add(operation, (*places[:i], *inner,
-                                                               *places[i + 1:])),))
+        without = [self._without_minus(place) for place in places]
+        if operation == 'neg' and without[0] is not None:
+            return without[0]
+        if operation == 'add' and without[1] is not None:
+            return self._add('sub', (places[0], without[1]))
+        if operation == 'add' and without[0] is not None:
+            return self._add('sub', (places[1], without[0]))
+        if operation == 'sub' and without[1] is not None:
+            return self._add('add', (places[0], without[1]))
+        if operation in ('mul', 'truediv'):
+            for i, place in enumerate(without):
+                if place is not None and places[i] in self.varies:
+                    positive = self._add(operation, (*places[:i], place, *places[i + 1:]))
+                    return self._add('neg', (positive,))
         return self._append(Step(operation, places, value))
+
+    def _without_minus(self, place: int) -> int | None:
+        """Return the place of x if -x is at a place, else None."""
+        step = self.steps[place]
+        return step.arguments[0] if step.operation == 'neg' else None
 
     def _place(self, value: Recordable) -> int:
         return (value.place if isinstance(value, Number)

@@ -236,30 +236,33 @@ class _Search:
         stage = self._machine[0].stages[number]
         in_complex, in_floats = [make_assembly_margin(n, *self._machine, number)
                                  for n in (ARRAY, REAL)]
-        path, is_signed = _Path.of(bound), stage.kind == 'PRP'
-
+        path = _Path.of(bound)
         phi, value, slope = _resolved(path.start(), _sampled(in_complex, path), stage.name)
-        flats = [] if is_signed or stage.pair else self._minima(number, path, phi, value, slope)
         is_open = value > 0.0
+
+        def limits() -> list[Limit]:
+            """Return the inputs between samples where the dyad begins or ceases to close."""
+            found = []
+            for i in np.flatnonzero(is_open[1:] != is_open[:-1]):
+                low, high = path.to_input(phi[i:i + 2]).tolist()
+                found.append(Limit(_root(in_floats, low, high, bool(is_open[i])), stage.name))
+            return found
+
+        if stage.kind == 'PRP':     # it closes with a margin of either sign
+            return _parts_between(bound, limits()), partial(
+                _near, in_complex, path, phi, np.abs(value), np.where(is_open, slope, -slope))
+        flats = [] if stage.pair else self._minima(number, path, phi, value, slope)
         if stage.pair and not PairRange(stage, self._machine[1][number]).has_limits:
             is_open[:] = True
-        for inner, _ in flats:
-            is_open[inner] = True            # their signs are noise; what is known is added below
-        changes = np.flatnonzero(is_open[1:] != is_open[:-1])
-        ends = []
-        for i in changes:
-            low, high = path.to_input(phi[i:i + 2]).tolist()
-            ends.append(Limit(_root(in_floats, low, high, bool(is_open[i])), stage.name))
-        if is_signed:
-            value, slope = np.abs(value), np.where(is_open, slope, -slope)
-        for inner, limits in flats:
-            value[inner] = -1.0 if limits else value[inner]      # limits are known already
-        near = partial(_near, in_complex, path, phi, value, slope)
-        if is_signed:
-            return _parts_between(bound, ends), near
-        ends += [Limit(x, stage.name, len(set(pair)) == 1) for _, pair in flats for x in pair]
+        for inner, roots in flats:
+            is_open[inner] = True           # their signs are noise; the roots are known
+            if roots:
+                value[inner] = -1.0
+        ends = limits() + [Limit(x, stage.name, len(set(roots)) == 1)
+                           for _, roots in flats for x in roots]
         ends.sort(key=lambda end: end.x)
-        return _open_parts(bound, ends, bool(is_open[0]), bool(is_open[-1])), near
+        return (_open_parts(bound, ends, bool(is_open[0]), bool(is_open[-1])),
+                partial(_near, in_complex, path, phi, value, slope))
 
     def _minima(self, number: int, path: _Path, phi: Array, value: Array,
                 slope: Array) -> list[tuple[Array, tuple[float, ...]]]:

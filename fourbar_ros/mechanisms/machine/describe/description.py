@@ -79,11 +79,6 @@ class Dyad:
         the left, right. RRP: the rod points along, against the direction of the slide. RPR: the
         block is ahead of the bar's pivot, behind. RPP and PRP have one mode, 2.
 
-    Raises
-    ------
-    InvalidParameter
-        Naming the dyad, the parameter, its value and the allowed values.
-
     """
 
     name: str

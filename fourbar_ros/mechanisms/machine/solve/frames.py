@@ -146,19 +146,20 @@ class Poses:
         """Return the curve of the other link of a dyad in its frame, and its angle or slide."""
         stage, frame = hanging.stage, hanging.frame
         other = stage.first if stage.second == frame else stage.second
-        if hanging.is_joined_by_slide:
-            slide, ((x, y), (c, s)) = self._slides[other, frame], hanging.joint
-            place, rate, change = slide
-            return self._curves[other] if not frame else LinkMotion(
-                x + place * c, y + place * s, rate * c, rate * s, change * c, change * s, c, s,
-                0.0, 0.0), slide
-        angle, (on_other, on_frame) = self.relation(other, frame), hanging.joint
+        relative = (self._slides[other, frame] if hanging.is_joined_by_slide
+                    else self.relation(other, frame))
         if not frame:
-            return self._curves[other], angle
-        about_pin = LinkMotion(*on_frame, 0.0, 0.0, 0.0, 0.0, *angle)
-        if on_other is FIRST_JOINT:
-            return about_pin, angle
-        return LinkMotion(*point_of(about_pin, -on_other[0], -on_other[1]), *angle), angle
+            return self._curves[other], relative
+        if hanging.is_joined_by_slide:
+            (x, y), (c, s) = hanging.joint
+            place, rate, change = relative
+            return LinkMotion(x + place * c, y + place * s, rate * c, rate * s, change * c,
+                              change * s, c, s, 0.0, 0.0), relative
+        (along, across), on_frame = hanging.joint
+        about_pin = LinkMotion(*on_frame, 0.0, 0.0, 0.0, 0.0, *relative)
+        if hanging.joint[0] is FIRST_JOINT:
+            return about_pin, relative
+        return LinkMotion(*point_of(about_pin, -along, -across), *relative), relative
 
     def relation(self, link: int, other: int) -> Direction:
         """Return the direction of a link, and its derivatives, seen from one it is pinned to."""
