@@ -10,7 +10,7 @@ in a bag of ``ros2 bag record`` it may also come first, so messages wait until b
 from __future__ import annotations
 
 from collections import Counter, defaultdict, deque
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 from math import inf
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -222,7 +222,6 @@ class Recomputation:
         scene, steppers, rows = self._scene, self._steppers, []
         own, known = steppers.own_mode, scene.linkage.modes_passed
         needs_loads = scene.needs_loads     # it looks through all outputs each time
-        holds = 'hold' in (scene.drive.out_of_range, scene.joint_states.when_unknown)
         for number, (time, message) in enumerate(motions, first):
             while self._acts and self._acts[0][0] <= number:
                 _, name, what = self._acts.popleft()
@@ -233,14 +232,19 @@ class Recomputation:
             mode = mode if mode in known else own
             status, values = steppers.step(mode, message.position, message.velocity,
                                            message.acceleration, needs_loads, True)
-            self._holds_unknown &= status != OK
-            why = self._near_a_change(time)
-            if self._untold:
-                why = BEFORE_THE_FILE if self._origin.is_later else UNTOLD
-            elif self._holds_unknown and holds:
-                why = BEFORE_THE_FILE
-            rows.append((stamp, mode, status, why, values))
-        return Motions(*map(np.array, zip(*rows))) if rows else NO_MOTIONS
+            if status == OK:
+                self._holds_unknown = False
+            rows.append((stamp, mode, status, self._why_unsure(time), values))
+        return Motions(first, *map(np.array, zip(*rows) if rows else [()] * 5))
+
+    def _why_unsure(self, time: int) -> str:
+        """Return why the outputs of a motion at a log time cannot be computed; '' if they can."""
+        if self._untold:
+            return BEFORE_THE_FILE if self._origin.is_later else UNTOLD
+        policies = self._scene.drive.out_of_range, self._scene.joint_states.when_unknown
+        if self._holds_unknown and 'hold' in policies:
+            return BEFORE_THE_FILE
+        return self._near_a_change(time)
 
     # --- outputs --------------------------------------------------------------------------------
 
@@ -250,7 +254,7 @@ class Recomputation:
         part, self._motions = self._motions[:count], self._motions[count:]
         motions = self._evaluated(first, part)
         for name in self._topics:
-            self._compare_output(name, first, motions)
+            self._compare_output(name, motions)
         if part:
             newest = part[-1][0]
             self._changes = [time for time in self._changes if time > newest - UNSETTLED]
@@ -261,28 +265,25 @@ class Recomputation:
                                                     for change in self._changes)
         return NEAR_A_CHANGE if is_near else ''
 
-    def _compare_output(self, name: str, first: int, motions: Motions) -> None:
-        """Compare the messages of an output; ``first``: how many motions are in the bag before."""
-        topic, outputs = self._origin.topics.get(name, ''), self._outputs.pop(name, [])
+    def _compare_output(self, name: str, motions: Motions) -> None:
+        """Compare the messages of an output with their motions; keep those of later motions."""
+        topic, waiting = self._origin.topics.get(name, ''), self._outputs.pop(name, [])
         later = set() if self._origin.in_order else {
             _stamp_of(message) for _, message in self._motions}
-        counts = np.zeros(len(motions.stamps), np.int32)
-        for rows, records in self._bag.arrays(topic, [data for *_, data in outputs]
-                                              ) if outputs else ():
-            stamps = stamps_of(records)
+        counts = np.zeros(len(motions.stamps), np.int32)        # messages of each motion
+        parts = self._bag.arrays(topic, [data for *_, data in waiting]) if waiting else ()
+        for rows, records in parts:
+            outputs, stamps = [waiting[row] for row in rows], stamps_of(records)
             if stamps is None:
                 raise BagError(f'{self._bag.path}: {topic} has no header')
-            before = np.array([outputs[row][0] for row in rows]) - first - 1
-            its = motions.of_outputs(before, stamps)
-            for row in np.flatnonzero(its < 0).tolist():
-                if before[row] >= len(counts) or int(stamps[row]) in later:
-                    self._outputs[name].append(outputs[rows[row]])
-                else:
-                    self._without_motion(name, records[row:row + 1], outputs[rows[row]][1])
-            records, its = records[its >= 0], its[its >= 0]
-            if len(its):
-                np.add.at(counts, its, 1)
-                self._compare_records(name, records, motions, its)
+            its = motions.of_outputs(np.array([before for before, *_ in outputs]), stamps, later)
+            self._outputs[name] += [outputs[row] for row in np.flatnonzero(its == LATER)]
+            for row in np.flatnonzero(its == NOWHERE):
+                self._without_motion(name, records[row:row + 1], outputs[row][1])
+            is_known = its >= 0
+            if is_known.any():
+                np.add.at(counts, its[is_known], 1)
+                self._compare_records(name, records[is_known], motions, its[is_known])
         if len(counts) and (self._origin.in_order or topic):
             needed = motions.values[:, self._scene.needed_for(name)]
             # joint_states may be left out where a position is unknown
@@ -330,55 +331,66 @@ class Recomputation:
             self._counts[DRIVE_STATE.name] = self._drive_states.compared
             for field, value in self._drive_states.largest.items():
                 self._note(DRIVE_STATE.name, field, value)
-        missing = doubled = 0
-        for parts in self._found.values():
-            counts, due = map(np.concatenate, zip(*parts))
-            doubled += int(np.maximum(counts - 1, 0).sum())
-            # others may record a part of a run, and the end of a cut bag need not be whole
-            found = np.flatnonzero(counts) if counts.any() else [0]
-            begin = 0 if self._origin.in_order else found[0]
-            end = (len(counts) if self._origin.in_order and self._bag.is_finished
-                   else found[-1])
-            missing += int(np.count_nonzero((due & (counts == 0))[begin:end]))
         topics = self._origin.topics
         return Recomputed(
             [Difference(topics[name], field, self._counts[name], value)
              for (name, field), value in self._largest.items()],
-            self._inputs, compared, self._unmatched, missing, doubled, dict(self._skipped),
+            self._inputs, compared, self._unmatched, *self._missing_and_doubled(),
+            dict(self._skipped),
             self._drive_states.stepped if self._drive_states else 0, not self._bag.is_finished,
             software_of(self._bag.about).get('fourbar_ros', ''))
+
+    def _missing_and_doubled(self) -> tuple[int, int]:
+        """Return how many outputs their motions lack, and how many they have once more."""
+        missing = doubled = 0
+        for parts in self._found.values():
+            counts, is_due = map(np.concatenate, zip(*parts))
+            doubled += int(np.maximum(counts - 1, 0).sum())
+            begin, end = 0, len(counts)
+            found = np.flatnonzero(counts)
+            if not self._origin.in_order and len(found):     # others may record a part of a run
+                begin = found[0]
+            if not (self._origin.in_order and self._bag.is_finished):
+                end = found[-1] if len(found) else 0        # the end of a cut bag may lack some
+            missing += int(np.count_nonzero((is_due & (counts == 0))[begin:end]))
+        return missing, doubled
+
+
+NOWHERE, LATER = -1, -2     # in place of the index of a motion: not in the bag, in a later block
 
 
 class Motions(NamedTuple):
     """
     Driven motions that were evaluated; all arrays have shape (n,).
 
-    Stamps [ns], assembly modes, statuses, why their outputs cannot be compared (empty: they can);
-    ``values`` of shape (n, values) are those of the scene's FieldMap.
+    How many motions are before them in the bag; stamps [ns], assembly modes, statuses, why their
+    outputs cannot be compared (empty: they can); ``values`` of shape (n, values) are those of the
+    scene's FieldMap.
     """
 
+    first: int
     stamps: Array
     modes: Array
     status: Array
     why: Array
     values: Array
 
-    def of_outputs(self, before: Array, stamps: Array) -> Array:
+    def of_outputs(self, before: Array, stamps: Array, later: Container[int]) -> Array:
         """
-        Return the index of each output's motion, -1 for none.
+        Return the index of each output's motion, or LATER, or NOWHERE.
 
-        That is the last motion ``before`` the output. If it has another stamp, as in a bag of
-        ``ros2 bag``, which mixes topics, it is the last motion of the output's stamp.
+        It is the last of the motions ``before`` the output, so many in the whole bag. If that has
+        another stamp, as in a bag of ``ros2 bag``, which mixes topics, it is the last motion of
+        the output's stamp; ``later``: stamps of motions that follow these.
         """
-        good = (before >= 0) & (before < len(self.stamps))
-        good[good] = self.stamps[before[good]] == stamps[good]
-        of_stamp = {} if good.all() else {stamp: i for i, stamp in enumerate(self.stamps.tolist())}
-        found = before.copy()
-        found[~good] = [of_stamp.get(stamp, -1) for stamp in stamps[~good].tolist()]
+        found, count = before - 1 - self.first, len(self.stamps)
+        is_found = (found >= 0) & (found < count)
+        is_found[is_found] = self.stamps[found[is_found]] == stamps[is_found]
+        of_stamp = {} if is_found.all() else dict(zip(self.stamps.tolist(), range(count)))
+        for row in np.flatnonzero(~is_found):
+            stamp, is_behind = int(stamps[row]), found[row] >= count or int(stamps[row]) in later
+            found[row] = of_stamp.get(stamp, LATER if is_behind else NOWHERE)
         return found
-
-
-NO_MOTIONS = Motions(*[np.zeros(0, np.int64)] * 5)
 
 
 def largest_difference(a: Array, b: Array) -> float:
