@@ -50,20 +50,20 @@ class DriveStates:
     def change(self, scene: Scene) -> None:
         """Take another scene; the state stays."""
         self._scene = scene
-        self._mover = self._made(0)
-        self._movers: dict[int, Mover] = {}              # by mode
+        self._movers: dict[int, Mover] = {}         # by mode; 0: of the scene
 
-    def _made(self, mode: int) -> Mover:
-        """Return a mover in a mode, with all that acts."""
-        mover = self._scene.mover_in(mode)
-        for name, what in self._acting.items():
-            mover.act(name, what)
-        return mover
+    def _mover(self, mode: int = 0) -> Mover:
+        """Return the mover in a mode, with all that acts."""
+        if mode not in self._movers:
+            self._movers[mode] = self._scene.mover_in(mode)
+            for name, what in self._acting.items():
+                self._movers[mode].act(name, what)
+        return self._movers[mode]
 
     def act(self, name: str, what: Sequence[float]) -> None:
         """Take a wrench on a link, or a motion of the base, that acts from here on."""
         self._acting[name] = what
-        for mover in (self._mover, *self._movers.values()):
+        for mover in self._movers.values():
             mover.act(name, what)
 
     def command(self, message: Any) -> None:
@@ -77,30 +77,27 @@ class DriveStates:
     def take(self, stamp: int, message: Any) -> None:
         """Compare a state, with its stamp [ns], with a step from the one before or by itself."""
         values = DriveValues(*(getattr(message, name) for name in DriveValues._fields))
-        status, mode = message.status, message.mode
+        status, mode, mover = message.status, message.mode, self._mover()
         self._note('command', self._command_difference(status, values.command))
         # the stamps are a step apart: no message between them is missing
         follows = 0.5 < (stamp - self._stamp) * 1e-9 / (values.step or inf) < 1.5
         known: DriveValues | None = values
         if self._before is not None and follows and self._has_our_integrator:
-            expected_status, expected = self._mover.next(
+            expected_status, expected = mover.next(
                 self._before, values.step, values.command, status == SILENT, self._mode)
             self._note('status', 0.0 if expected_status == status else inf)
-            self._note('mode', 0.0 if self._mover.mode == mode else inf)
+            self._note('mode', 0.0 if mover.mode == mode else inf)
             self.stepped += 1
             if self._note_values(values, expected) == 0.0:
                 known = expected     # the mover also keeps what a message next to a toggle lacks
-        elif values.step and not self._mover.tells_all(
-                self._mover.at(self._mover.state(values), mode)):
-            known = None
+        elif values.step and not mover.tells_all(mover.at(mover.state(values), mode)):
             self.unknown += 1
+            known = None
         else:
-            if mode not in self._movers:
-                self._movers[mode] = self._made(mode)
-            mover = self._movers[mode]
+            self.alone += 1
+            mover = self._mover(mode)
             self._note_values(values, mover.values(mover.at(mover.state(values)), values.step,
                                                    values.command, values.evaluations))
-            self.alone += 1
         self._before, self._mode, self._stamp = known, mode, stamp
 
     def _note_values(self, values: DriveValues, expected: DriveValues) -> float:
