@@ -74,52 +74,51 @@ def loaded(text: str) -> Any:
     return yaml.load(text, getattr(yaml, 'CSafeLoader', yaml.SafeLoader))       # C's if any
 
 
-def of_file(name: str, topics: Sequence[TopicCount], span: tuple[int, int] | None,
-            about: Mapping[str, str]) -> Metadata:
+class FileContent(NamedTuple):
     """
-    Return the metadata of a file as rosbag2 writes it.
+    A file of a bag: its name, topics and custom_data.
 
-    ``span``: log times of its first and last message [ns], None without messages; ``about``: its
-    custom_data.
+    ``span``: log times of its first and last message [ns], None without messages.
     """
-    start, end = span or (NOT_STARTED, NOT_STARTED)
-    begin, duration = {'nanoseconds_since_epoch': start}, {'nanoseconds': end - start}
-    count = sum(topic.messages for topic in topics)
+
+    name: str
+    topics: Sequence[TopicCount]
+    span: tuple[int, int] | None
+    about: Mapping[str, str]
+
+
+def of_files(files: Sequence[FileContent]) -> Metadata:
+    """Return the metadata of one file, or of all files of a split bag in order, as rosbag2's."""
+    topics: dict[str, TopicCount] = {}
+    for topic in (topic for file in files for topic in file.topics):
+        before = topics[topic.topic].messages if topic.topic in topics else 0
+        topics[topic.topic] = topic._replace(messages=before + topic.messages)
+    spans = [file.span for file in files if file.span]
+    whole = (min(start for start, _ in spans), max(end for _, end in spans)) if spans else None
+    about = {**files[-1].about}
+    if 'scene' in files[0].about:
+        about['scene'] = files[0].about['scene']
+    count = sum(topic.messages for topic in topics.values())
     return {
-        'version': 9, 'storage_identifier': 'mcap', 'duration': duration, 'starting_time': begin,
-        'message_count': count,
+        'version': 9, 'storage_identifier': 'mcap', **_times(whole), 'message_count': count,
         'topics_with_message_count': [
             {'topic_metadata': {
                 'name': topic.topic, 'type': topic.type, 'serialization_format': topic.encoding,
                 'offered_qos_profiles': loaded(topic.metadata.get(QOS) or '[]'),
                 'type_description_hash': topic.metadata.get(HASH, '')},
-             'message_count': topic.messages} for topic in topics],
-        'compression_format': '', 'compression_mode': '', 'relative_file_paths': [name],
-        'files': [{'path': name, 'starting_time': begin, 'duration': duration,
-                   'message_count': count}],
-        'custom_data': dict(about), 'ros_distro': os.environ.get('ROS_DISTRO', 'jazzy')}
+             'message_count': topic.messages} for topic in topics.values()],
+        'compression_format': '', 'compression_mode': '',
+        'relative_file_paths': [file.name for file in files],
+        'files': [{'path': file.name, **_times(file.span),
+                   'message_count': sum(topic.messages for topic in file.topics)}
+                  for file in files],
+        'custom_data': about, 'ros_distro': os.environ.get('ROS_DISTRO', 'jazzy')}
 
 
-def of_bag(files: Sequence[Metadata]) -> Metadata:
-    """Return the metadata of a split bag from those of its files, in order."""
-    if len(files) == 1:
-        return files[0]
-    parts = [part for file in files for part in file['files']]
-    begun = [part for part in parts if part['message_count']] or parts[:1]
-    starts = [part['starting_time']['nanoseconds_since_epoch'] for part in begun]
-    end = max(start + part['duration']['nanoseconds'] for start, part in zip(starts, begun))
-    topics: dict[str, Metadata] = {}
-    for topic in (topic for file in files for topic in file['topics_with_message_count']):
-        name = topic['topic_metadata']['name']
-        before = topics[name]['message_count'] if name in topics else 0
-        topics[name] = {**topic, 'message_count': before + topic['message_count']}
-    return {**files[-1], 'starting_time': {'nanoseconds_since_epoch': min(starts)},
-            'duration': {'nanoseconds': end - min(starts)},
-            'message_count': sum(file['message_count'] for file in files),
-            'topics_with_message_count': list(topics.values()), 'files': parts,
-            'relative_file_paths': [part['path'] for part in parts],
-            'custom_data': {**files[-1]['custom_data'], 'scene': files[0]['custom_data']['scene']}
-            if 'scene' in files[0]['custom_data'] else files[-1]['custom_data']}
+def _times(span: tuple[int, int] | None) -> Metadata:
+    start, end = span or (NOT_STARTED, NOT_STARTED)
+    return {'duration': {'nanoseconds': end - start},
+            'starting_time': {'nanoseconds_since_epoch': start}}
 
 
 def write(folder: Path, metadata: Metadata) -> None:

@@ -20,7 +20,7 @@ import time
 from typing import NamedTuple
 
 from fourbar_ros.bag import metadata
-from fourbar_ros.bag.metadata import Channel, TopicCount
+from fourbar_ros.bag.metadata import Channel, FileContent, TopicCount
 from fourbar_ros.errors import BagError
 from mcap.writer import Writer
 import zstandard  # noqa: F401    chunks need it, and mcap hides that it is missing
@@ -103,7 +103,7 @@ class BagWriter:
         self._bytes_in = self._bytes_out = 0        # each is changed by one thread alone
         self._lock, self._is_closed = threading.Lock(), threading.Event()
         self._is_taking = True
-        self._before: list[metadata.Metadata] = []  # of the files before
+        self._before: list[FileContent] = []        # of the files before
         self._ended: deque[BagFile] = deque()       # those among them that are not synced yet
         self._syncing = threading.Lock()
         self._make_folder()
@@ -126,7 +126,7 @@ class BagWriter:
             if shutil.disk_usage(self.path).free < ROOM:
                 raise BagError(NO_ROOM)
             self._part = BagFile(self.path, 0, self._channels, self._about)
-            metadata.write(self.path, self._part.metadata())
+            self._write_metadata()
         except (OSError, BagError) as error:
             shutil.rmtree(self.path)
             raise BagError(f'{self.path}: {getattr(error, "strerror", None) or error}') from None
@@ -264,7 +264,7 @@ class BagWriter:
         old = self._part
         old.about['dropped'] = str(self.dropped)
         old.finish(SPLIT)
-        self._before.append(old.metadata())
+        self._before.append(old.content())
         self._part = BagFile(self.path, len(self._before), self._channels, self._about)
         self._ended.append(old)
         self._write_metadata()
@@ -280,7 +280,7 @@ class BagWriter:
         self._write_metadata()
 
     def _write_metadata(self) -> None:
-        metadata.write(self.path, metadata.of_bag([*self._before, self._part.metadata()]))
+        metadata.write(self.path, metadata.of_files([*self._before, self._part.content()]))
 
     def _look(self) -> None:
         """Stop if the file was lost; end the bag while there is still room for its end."""
@@ -383,14 +383,14 @@ class BagFile:
         with contextlib.suppress(OSError):
             os.ftruncate(self.file.fileno(), self._whole)
 
-    def metadata(self) -> metadata.Metadata:
-        """Return the metadata of the file so far."""
-        return metadata.of_file(self.path.name, [
+    def content(self) -> FileContent:
+        """Return what is in the file so far."""
+        return FileContent(self.path.name, [
             TopicCount(channel.topic, channel.type, 'cdr', channel.metadata, count)
             for channel, count in zip(self._channels, self._counts)], self.span, self.about)
 
     def _describe(self) -> None:
         """Write the metadata so far into the file."""
-        text = metadata.dumped(self.metadata())
+        text = metadata.dumped(metadata.of_files([self.content()]))
         self._writer.add_metadata(metadata.RECORD, {metadata.KEY: text})
         self._whole = self.file.tell()

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from fourbar_ros.bag import metadata
-from fourbar_ros.bag.metadata import TopicCount
+from fourbar_ros.bag.metadata import FileContent, TopicCount
 from fourbar_ros.bag.reader import Bag, Progress
 from fourbar_ros.errors import BagError
 from mcap.records import Channel, Message, Metadata, Schema
@@ -44,9 +44,9 @@ def recover(path: str | Path, out: str | Path | None = None, progress: Progress 
         files = [_copied(bag, place, folder / f'{out.name}_{metadata.number_of(file)}.mcap')
                  for place, file in enumerate(bag.files)]
         bag.check()
-        if not any(file['topics_with_message_count'] for file in files):
+        if not any(file.topics for file in files):
             raise BagError(f'{path}: nothing to recover: it holds no topic that can be read')
-        whole = metadata.of_bag(files)
+        whole = metadata.of_files(files)
         metadata.write(folder, whole)
         folder.rename(out)
     return Recovered(out, whole['message_count'], bag.damage,
@@ -60,8 +60,8 @@ def beside(path: Path) -> Path:
                           + '_recovered')
 
 
-def _copied(bag: Bag, place: int, path: Path) -> metadata.Metadata:
-    """Copy the readable records of a file to a new one; return its metadata."""
+def _copied(bag: Bag, place: int, path: Path) -> FileContent:
+    """Copy the readable records of a file to a new one; return what is in it."""
     about = bag.about_of(place)
     counts: Counter[int] = Counter()
     schemas: dict[int, tuple[Schema, int]] = {}         # by number in the old file: new number
@@ -94,7 +94,8 @@ def _copied(bag: Bag, place: int, path: Path) -> metadata.Metadata:
                              if channel.schema_id in schemas else '', channel.message_encoding,
                              channel.metadata, counts[number])
                   for number, (channel, _) in channels.items()]
-        made = metadata.of_file(path.name, topics, span, about)
-        writer.add_metadata(metadata.RECORD, {metadata.KEY: metadata.dumped(made)})
+        made = FileContent(path.name, topics, span, about)
+        text = metadata.dumped(metadata.of_files([made]))
+        writer.add_metadata(metadata.RECORD, {metadata.KEY: text})
         writer.finish()
     return made
