@@ -166,7 +166,6 @@ def _together(lengths: Array, mode: Array, rate: Array,
 
     The search is at 1 rad/s; values are then scaled by the rate (omega4) or its square (alpha4).
     """
-    a1, a2, a3, a4 = lengths
     trace = _trace()
     once, each, done = order_of(trace, range_of(trace))
     # values by place in the trace; what needs no input is computed here, once
@@ -176,12 +175,6 @@ def _together(lengths: Array, mode: Array, rate: Array,
     with np.errstate(all='ignore'):
         run(trace, once, ARRAYS, known)
     per_linkage = [i for i in trace.used_constants if isinstance(known[i], np.ndarray)]
-    # tanh of half the imaginary parts of the inputs of both toggles, by the law of cosines
-    inner, outer, low, high = (a2 - a3)**2, (a2 + a3)**2, (a1 - a4)**2, (a1 + a4)**2
-    with np.errstate(all='ignore'):
-        phase = Phase.of_toggles(np.sqrt((low - inner) / (high - inner)),
-                                 np.sqrt((outer - high) / (outer - low)))
-
     def evaluate(x: Array, which: Array) -> Array:
         """Return both quantities at inputs of shape (m, any), real or complex, of some."""
         own = list(known)
@@ -198,20 +191,14 @@ def _together(lengths: Array, mode: Array, rate: Array,
             run(trace, each, ARRAYS, own, done)
         return np.stack([own[i] for i in flat(trace.results)])
 
-    turns = search_turns(evaluate, mode.size, count, np.zeros(2, bool), phase)
+    turns = search_turns(evaluate, mode.size, count, np.zeros(2, bool), _phase(lengths))
     is_doubtful, found = turns.is_doubtful, list[Extrema]()
     for order, (places, values) in enumerate(zip(turns.places, turns.values)):
         # a negative rate turns maxima of omega4 into minima, not those of alpha4
         with np.errstate(under='ignore'):
             values = values * (rate**(order + 1))[:, None]
-        # maxima and minima alternate: a maximum is not below the next one
-        after = (np.arange(values.shape[1]) + 1) % np.maximum(turns.counts[order], 1)[:, None]
-        is_maximum = values >= np.take_along_axis(values, after, axis=1)
-        best = np.where(is_maximum, np.fmax.reduce(values, axis=1)[:, None],
-                        np.fmin.reduce(values, axis=1)[:, None])
-        beyond, size = np.abs(best - values), np.abs(best)
-        is_global = beyond <= 64 * EPS * size
-        is_doubtful = is_doubtful | ((beyond <= NEARLY * size) & ~is_global).any(axis=1)
+        is_maximum, is_global, has_ties = _compared(values, turns.counts[order])
+        is_doubtful = is_doubtful | has_ties
         row, k = np.nonzero(np.isfinite(places))
         inside = np.zeros(row.size, int)         # as ``side``: a full turn has no ends
         found.append(Extrema(row, places[row, k], values[row, k], is_maximum[row, k],
@@ -219,3 +206,28 @@ def _together(lengths: Array, mode: Array, rate: Array,
     omega, alpha = (Extrema(*(column[~is_doubtful[each.index]] for column in each))
                     for each in found)
     return is_doubtful, omega, alpha
+
+
+def _phase(lengths: Array) -> Phase:
+    """Return the phase for the complex inputs of both toggles, by the law of cosines."""
+    a1, a2, a3, a4 = lengths
+    inner, outer, low, high = (a2 - a3)**2, (a2 + a3)**2, (a1 - a4)**2, (a1 + a4)**2
+    with np.errstate(all='ignore'):     # tanh of half the imaginary parts
+        return Phase.of_toggles(np.sqrt((low - inner) / (high - inner)),
+                                np.sqrt((outer - high) / (outer - low)))
+
+
+def _compared(values: Array, counts: Array) -> tuple[Array, Array, Array]:
+    """
+    Return which extrema, in rows, are maxima, which are global, and which rows have ties.
+
+    A tie is a value so near to the best one that conditions must tell whether it is global.
+    """
+    # maxima and minima alternate: a maximum is not below the next one
+    after = (np.arange(values.shape[1]) + 1) % np.maximum(counts, 1)[:, None]
+    is_maximum = values >= np.take_along_axis(values, after, axis=1)
+    best = np.where(is_maximum, np.fmax.reduce(values, axis=1)[:, None],
+                    np.fmin.reduce(values, axis=1)[:, None])
+    beyond, size = np.abs(best - values), np.abs(best)
+    is_global = beyond <= 64 * EPS * size
+    return is_maximum, is_global, ((beyond <= NEARLY * size) & ~is_global).any(axis=1)

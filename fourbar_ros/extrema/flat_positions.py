@@ -81,21 +81,26 @@ class FlatSide:
         self._trace = record.trace
         self._values: list[Any] = [None, *rates, *record.constants[3:]]
         self._results, (self._analytic, self._late) = flat(self._trace.results), _cut(self._trace)
+        count = len(self._analytic)
         with localcontext(MANY_DIGITS):
             numbers = in_decimals(self._trace, numbers_of(formula_of(mechanism, with_loads)[1]),
                                   [*self._analytic, *self._results])
             start, scale = mechanism.flat_place(unit * place), Decimal(unit * side * self._scale)
-            steps = [Decimal(REACH) / NODES * k for k in range(1, NODES + 1)]
-            far, near, *beside = np.array([numbers(start + scale * t, *map(Decimal, rates))
-                                           for t in (*NEAR, *steps)])
-            values, count = np.array(beside), len(self._analytic)
+
+            def numbers_at(distance: Decimal) -> list[Decimal]:
+                """Return the numbers at a distance from the place in units of the scale."""
+                return numbers(start + scale * distance, *map(Decimal, rates))
+
+            far, near = map(numbers_at, NEAR)
+            self._powers = np.array([round(log10(abs(a / b)) * 0.5) if a and b else 0
+                                     for a, b in zip(far[:count], near)])
+            distances = [Decimal(REACH) / NODES * k for k in range(1, NODES + 1)]
+            values = np.array([numbers_at(distance) for distance in distances])
             names += mechanism.LOADS._fields if with_loads else ()
             self.varies = {name: not is_nothing(max(v) - min(v), *v)
                            for name, v in zip(names, values[:, count:].T)}
-            self._powers = np.array([round(log10(abs(a / b)) * 0.5) if a and b else 0
-                                     for a, b in zip(far[:count], near)])
-            scaled = values[:, :count] / np.array(steps)[:, None]**self._powers
-            self._c = (_weights() @ scaled).astype(float)[..., None]
+            without_powers = values[:, :count] / np.array(distances)[:, None]**self._powers
+            self._c = (_weights() @ without_powers).astype(float)[..., None]
 
     def _turned(self, difference: Any) -> Any:
         """Return a difference of two inputs, of angles the short way round: in [-pi, pi]."""

@@ -245,13 +245,8 @@ def _refined(evaluate: ColumnFunction, roots: _Roots,
     start, bend = roots.x, roots.bend
     last_step = last_slope = np.full(x.shape, np.nan)
     for _ in range(STEPS):
-        # one row for each mechanism that has some, one column for each of its roots
         i, quantity = roots.mechanism[left], roots.quantity[left]
-        rows, row = np.unique(i, return_inverse=True)
-        k = rank_of(i)
-        grid = np.ones((rows.size, int(k.max(initial=0)) + 1))
-        grid[row, k] = x[left]
-        result = evaluate(grid + 1j * STEP, rows)[quantity, row, k]
+        result = _at_roots(evaluate, x[left], i, quantity)
         squared, value, slope = is_positive[quantity, i], result.real, result.imag / STEP
         with np.errstate(all='ignore'):
             slope = np.where(squared, value * slope, slope)
@@ -273,6 +268,16 @@ def _refined(evaluate: ColumnFunction, roots: _Roots,
             break
     strays[roots.mechanism[left]] = True
     return np.mod(x, 2.0 * pi), values, strays
+
+
+def _at_roots(evaluate: ColumnFunction, x: Array, mechanism: Array, quantity: Array) -> Array:
+    """Return quantities at inputs x, all of shape (roots,), with their complex steps."""
+    # one row for each mechanism that has some, one column for each of its roots
+    rows, row = np.unique(mechanism, return_inverse=True)
+    column = rank_of(mechanism)
+    grid = np.ones((rows.size, int(column.max(initial=0)) + 1))
+    grid[row, column] = x
+    return evaluate(grid + 1j * STEP, rows)[quantity, row, column]
 
 
 def _wrapped(f: Array, width: int) -> Array:

@@ -161,26 +161,26 @@ class DrivenMachine(NamedTuple):
         ``lengths``: of links; links and needs by name, those of the ground too, each about its own
         first joint.
         """
+        from fourbar_ros.mechanics.newton_euler import Needs
         from fourbar_ros.mechanisms.machine.solve.loads import force_at_base, forces_of_dyads
         from fourbar_ros.numerics.vectors import Vector
-        layout = self.layout
-        directions: list[Vector] = []
-        own: list[Needs] = []
+        layout, directions, own = self.layout, list[Vector](), list[Needs]()
         for name in self.links:
-            e, (force, moment) = Vector(links[name].cosine, links[name].sine), needs[name]
-            if name in self.reversed:
-                moment, e = moment - lengths[name] * e.cross(force), -e
-            directions.append(e)
-            own.append(needs[name]._replace(moment=moment))
-        (frame, *moving), own = directions, own[1:]
-        names = [f'{place}{what}' for place in PLACES for what in (
-            '_x', '_y', '', *('_normal', '_couple') * (place in SLIDES[self.dyad]))]
-        found = dict(zip(names, forces_of_dyads(
+            direction, (force, moment) = Vector(links[name].cosine, links[name].sine), needs[name]
+            if name in self.reversed:       # about its other joint, from where it points back
+                moment = moment - lengths[name] * direction.cross(force)
+                direction = -direction
+            directions.append(direction)
+            own.append(Needs(force, moment))
+        (frame, *moving), of_moving = directions, own[1:]
+        forces = forces_of_dyads(
             n, layout, [numbers], [LinkMotion(*ORIGIN, e.x, e.y, 0.0, 0.0) for e in moving],
-            [slides],
-            [sine], own, drive)))
-        found.update(zip(('base_x', 'base_y', 'base', 'base_normal', 'base_couple'),
-                         force_at_base(n, layout, own[0], drive, frame)))
+            [slides], [sine], of_moving, drive)
+        at_base = force_at_base(n, layout, of_moving[0], drive, frame)
+        fields = [f'{place}{what}' for place in PLACES for what in (
+            '_x', '_y', '', *(('_normal', '_couple') if place in SLIDES[self.dyad] else ()))]
+        found = dict(zip(fields, forces))
+        found.update(zip(('base_x', 'base_y', 'base', 'base_normal', 'base_couple'), at_base))
         return {name: -found[of] if sign < 0.0 else found[of]
                 for name, (of, sign) in self.fields_of_loads().items()}
 
@@ -297,29 +297,31 @@ class Kind(Mechanism):
 
         ``are_ratios``: per unit of the input, without accelerations.
         """
-        of = {coordinate: name for name, coordinate in self.RATIOS.items()}
+        ratio_of = {coordinate: name for name, coordinate in self.RATIOS.items()}
 
         def rates(coordinate: Coordinate) -> tuple[Scalar, Scalar]:
             """Return rate and acceleration of a coordinate."""
             if not are_ratios:
                 return getattr(motion, coordinate.rate), getattr(motion, coordinate.acceleration)
-            return getattr(motion, of[coordinate]) if coordinate in of else 1.0, 0.0
+            if coordinate not in ratio_of:      # the input
+                return 1.0, 0.0
+            return getattr(motion, ratio_of[coordinate]), 0.0
 
-        def turning(name: str, standing: Direction) -> tuple[Scalar, ...]:
-            """Return direction, rate and acceleration of a link, ``standing`` if it stands."""
-            return ((getattr(motion, f'cos_{name}'), getattr(motion, f'sin_{name}'),
-                     *rates(self.DIRECTIONS[name])) if name else standing)
-        crank = LinkMotion(*ORIGIN, *turning('x', ALONG))
-        coupler = LinkMotion(*point_of(crank, lengths[0]), *turning(self.COUPLER, UP))
+        def turning(name: str) -> Direction:
+            """Return direction, rate and acceleration of a link, by its name in DIRECTIONS."""
+            return (getattr(motion, f'cos_{name}'), getattr(motion, f'sin_{name}'),
+                    *rates(self.DIRECTIONS[name]))
+        crank = LinkMotion(*ORIGIN, *turning('x'))
+        coupler = LinkMotion(*point_of(crank, lengths[0]),
+                             *(turning(self.COUPLER) if self.COUPLER else UP))
         of_name = dict(zip(self.length_names, lengths))
-        # O4 or, of a guide, where the slide is zero
-        x, y = (of_name['a4'], 0.0) if 'a4' in of_name else (0.0, of_name['offset'])
-        at = x, y, 0.0, 0.0, 0.0, 0.0
         if not self.OUTPUT:
             velocity, acceleration = rates(TRAVEL)
-            at = (motion.slide * per_unit, y, velocity * per_unit, 0.0, acceleration * per_unit,
-                  0.0)
-        return dict(zip(LINKS, (crank, coupler, LinkMotion(*at, *turning(self.OUTPUT, ALONG)))))
+            output = LinkMotion(motion.slide * per_unit, of_name['offset'], velocity * per_unit,
+                                0.0, acceleration * per_unit, 0.0, *ALONG)
+        else:
+            output = LinkMotion(of_name['a4'], 0.0, 0.0, 0.0, 0.0, 0.0, *turning(self.OUTPUT))
+        return dict(zip(LINKS, (crank, coupler, output)))
 
     def transmission_sine(self, motion: Any) -> Scalar:
         """Return the sine of the dyad's transmission angle, but for its sign: zero at toggles."""

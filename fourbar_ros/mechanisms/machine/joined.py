@@ -127,10 +127,10 @@ class PairRange:
         self._start: Any = own.shape[0] if self.slides else own.shape[2:4]
         self._factors = _factors(stage, own)
         self._arms: tuple[Scalar, ...] = own.shape[:2]
-        # the lengths of its rods [m] and, with a pin, of the arms a and g (RRP has no g)
-        rods = [*own.sizes[:{'RRR': 2, 'RRP': 1, 'RPR': 0}[stage.kind]],
-                *(() if self.slides else own.shape[:1 if self.is_sine else 2])]
-        self._rods = min(rods, default=1.0), max(rods, default=1.0)
+        rods = own.sizes[:{'RRR': 2, 'RRP': 1, 'RPR': 0}[stage.kind]]
+        if not self.slides:         # with the arms of the pin, a and g; RRP has no g
+            rods += own.shape[:1 if self.is_sine else 2]
+        self._rods = min(rods, default=1.0), max(rods, default=1.0)     # [m]
         self.is_impossible = any(factor.is_impossible for factor in self._factors)
         self.has_limits = any(factor.is_limit for factor in self._factors)
         self.flats = [sign for factor in self._factors for sign in self._flats_of(factor)]

@@ -373,12 +373,14 @@ class _Search:
         low, high = (-pi, pi) if bound is None else (bound[0].x, bound[1].x)
         turns = (0.0, 2.0 * pi) if self._machine[0].driver == 'crank' else (0.0,)
         inner = sorted({x + turn for x in known for turn in turns if low < x + turn < high})
-        found = []
-        for x in inner:             # where the motion has a kink it may lie flat without a change
-            beside, ahead = in_floats(x)
-            if abs(beside) < SAME and any(sign * ahead >= 0.0 for sign in signs):
-                found.append(x)
         name = self._machine[0].stages[number].name
+
+        def is_on_side(x: float) -> bool:
+            """Return whether the pair lies flat in one of its directions, not the opposite one."""
+            return any(sign * in_floats(x)[1] >= 0.0 for sign in signs)
+
+        # where the motion has a kink it may lie flat without a change of sign
+        found = [x for x in inner if abs(in_floats(x)[0]) < SAME and is_on_side(x)]
         for begin, end in zip([low, *inner], [*inner, high]):
             path = _Path(begin, end, False)
             phi, value, _ = _resolved(path.start(), _sampled(
@@ -388,10 +390,9 @@ class _Search:
             for i in np.flatnonzero((value[1:] > 0.0) != (value[:-1] > 0.0)):
                 one, other = path.to_input(phi[i:i + 2]).tolist()
                 x = _root(lambda x: in_floats(x)[0], one, other, bool(value[i] > 0.0))
-                if any(sign * in_floats(x)[1] >= 0.0 for sign in signs):
+                if is_on_side(x):
                     found.append(x)
-        if bound is None and in_floats(pi)[0] * in_floats(-pi)[0] < 0.0 and any(
-                sign * in_floats(pi)[1] >= 0.0 for sign in signs):
+        if bound is None and in_floats(pi)[0] * in_floats(-pi)[0] < 0.0 and is_on_side(pi):
             found.append(pi)
         return found
 
