@@ -1,18 +1,14 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Problems of the field against references of 20 and more digits."""
-from math import pi
 
 from fourbar_ros.dynamics.simulation import REACHED, simulate
 from fourbar_ros.dynamics.sources import Drive, MotorLine, Shaft
 from fourbar_ros.dynamics.system import System
-import mpmath as mp
 import numpy as np
 import pytest
 from support.dynamics_problems import (
     near_lock_up,
-    one_window,
-    one_window_exact,
     P2_ENERGY,
     P2_POSITION,
     P2_RATE,
@@ -44,15 +40,6 @@ def test_the_integral_of_the_kinetic_energy_of_sundials():
              + kinetic[-1]) / 1200.0
     assert abs(total - float(P2_ENERGY)) <= 1e-9
     assert abs(float(P2_ENERGY) - 3.3366160662934146) < 1e-5
-
-
-@some('tolerance', [1e-5, 1e-9], (1e-9,))
-def test_a_parallelogram_goes_through_its_change_points(tolerance):
-    """21 half-turns in 20 s, each through a flat position, against elliptic functions."""
-    run = simulate(one_window(), 20.0, tolerance)
-    assert run.status == REACHED and run.position[0] - run.position[-1] > 20 * pi
-    with mp.workdps(30):
-        assert abs(run.position[-1] - one_window_exact(mp.mpf(20))) <= tolerance
 
 
 def test_near_lock_up_the_check_finds_what_one_run_misses():

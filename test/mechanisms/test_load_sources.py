@@ -8,14 +8,14 @@ Of all forces the largest condition counts, and of all moments, as they add up t
 """
 from dataclasses import replace
 
-from flint import acb, arb, ctx
+from flint import ctx
 from fourbar_ros import Applied, Body
 from fourbar_ros.bag import recompute
 from fourbar_ros.bag.origin import origin_of
 import numpy as np
 import pytest
 from support import contract, DATA
-from support.cartesian import BITS, conditions, EPS, exact
+from support.cartesian import BITS, conditions, EPS, exact, off
 from support.samples import more
 
 SOURCES = ([(what, link) for what in ('body', 'point mass', 'inertia', 'weight')
@@ -61,14 +61,12 @@ def errors(mechanism, given):
         ours, wrong = mechanism.loads(*given), {}
         most = max(condition for _, condition in loads.values())
         for name, (true, _) in loads.items():
-            value = (acb(getattr(ours, f'{name}_x'), getattr(ours, f'{name}_y'))
-                     if isinstance(true, acb) else arb(getattr(ours, name)))
             arm = max(map(abs, mechanism.lengths)) if is_moment(name) else 1.0
             largest = max(condition if is_moment(other) else arm * condition
                           for other, (_, condition) in loads.items()
                           if is_moment(name) or not is_moment(other))
             if largest > 1e-60 * most:
-                wrong[name] = float(abs(value - true)) / (EPS * largest)
+                wrong[name] = float(abs(off(name, ours, true))) / (EPS * largest)
     return wrong
 
 

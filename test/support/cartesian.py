@@ -682,15 +682,19 @@ def errors(mechanism, given, found, kept=None):
             yield name, max(_error(name, ours, truth, condition) for ours in both), bool(is_load)
 
 
-def _error(name, ours, truth, condition):
+def off(name, ours, truth):
+    """Return by how much a field of a result, the first of an array, is off: as the truth is."""
     def first(field):
         return float(np.ravel(getattr(ours, field))[0])
-    if isinstance(truth, acb):
-        x, y = ((f'x{name[5:]}', f'y{name[5:]}') if name.startswith('place') else
-                (f'{name}_x', f'{name}_y'))
-        error = acb(first(x), first(y)) - truth
-    else:
-        error = arb(first(name)) - truth
+    if not isinstance(truth, acb):
+        return arb(first(name)) - truth
+    x, y = ((f'x{name[5:]}', f'y{name[5:]}') if name.startswith('place') else
+            (f'{name}_x', f'{name}_y'))
+    return acb(first(x), first(y)) - truth
+
+
+def _error(name, ours, truth, condition):
+    error = off(name, ours, truth)
     if name.startswith(ANGLES):
         error, condition = (J * error).exp() - ONE, max(condition, 1.0)
     size = float(abs(error))

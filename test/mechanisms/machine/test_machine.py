@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Ranges, a published machine, errors, balances, units."""
+"""Ranges, a published machine, errors."""
 from math import pi
 import pickle
 
@@ -82,18 +82,3 @@ def test_modes_of_all_dyads_are_one_number():
     assert other.mode == 2
     assert machine.in_mode(4) is machine
     assert machine.modes == {4: 'lower 2, upper 2'}
-
-
-# --- units ---------------------------------------------------------------------------------------
-
-def test_a_longer_machine_in_small_and_large_units():
-    """Lengths times a power of two: angles are the same to the last bit."""
-    machine = six_bar()
-    x = sum(machine.input_ranges[0]) / 2.0
-    for scale in (2.0**-100, 2.0**100):
-        lengths = [scale * length for length in machine.lengths]
-        other = machine.with_lengths(lengths)
-        assert other.input_ranges == machine.input_ranges
-        for name in ('theta_arm', 'omega_arm', 'alpha_arm', 'condition'):
-            assert getattr(other.motion(x, 2.0, 3.0), name) == getattr(machine.motion(x, 2.0, 3.0),
-                                                                       name)
