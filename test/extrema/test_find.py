@@ -46,19 +46,6 @@ def of(extrema, quantity, place='interior'):
 
 # --- published values ----------------------------------------------------------------------------
 
-@pytest.mark.parametrize('mode, quantity, kind, degrees, value', [
-    (1, 'alpha4', 'maximum', 24.6475, 68.7731), (1, 'alpha4', 'minimum', 326.138, -87.9671),
-    (2, 'alpha4', 'maximum', 33.8618, 87.9671), (2, 'alpha4', 'minimum', 335.3525, -68.7731),
-    (2, 'omega4', 'minimum', 2.6810, -6.6959), (2, 'omega4', 'maximum', 138.9638, 3.2493)])
-def test_slides_example_7_7(mode, quantity, kind, degrees, value):
-    found = find_extrema(FourBar(2, 6, 7, 5, mode=mode), (quantity,), 10.0)
-    assert len(found) == 2
-    extremum, = (e for e in found if e.kind == kind)
-    assert extremum.is_global and extremum.place == 'interior'
-    assert np.degrees(extremum.theta1) == pytest.approx(degrees, abs=5e-4)
-    assert extremum.value == pytest.approx(value, abs=5e-5)
-
-
 @pytest.mark.parametrize('quantity, theta1, value', [
     ('shaking_force', 0.10962848, 2512.318373), ('shaking_moment', 0.21995444, 2048.609105),
     ('driving_torque', 6.21476980, 720.4715562), ('f41', 0.11551325, 3862.925021),

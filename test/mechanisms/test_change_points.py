@@ -278,26 +278,6 @@ def test_nearly_equal_links_have_as_few_extrema_as_others(order, gap):
             assert sum(e.quantity == quantity for e in found) <= 12, (linkage, quantity)
 
 
-@pytest.mark.parametrize('ratio', [1.2, 1.02, 1.001])
-@pytest.mark.parametrize('mode', [1, 2])
-def test_in_the_parallel_mode_all_forces_of_a_parallelogram_without_weight_are_constant(
-        ratio, mode):
-    """
-    Crank and output link alike, the coupler only carried.
-
-    Every joint force turns with the crank.
-    """
-    bodies = Bodies(Body(1.0, 0.5, 0.0, 0.1), Body(2.0, 0.5 * ratio, 0.0, 0.3),
-                    Body(1.0, 0.5, 0.0, 0.1))
-    found = find_extrema(FourBar(1.0, ratio, 1.0, ratio, mode=mode, bodies=bodies), (), 3.0,
-                         conditions=False)
-    for name, value in (('omega4', 3.0), ('alpha4', 0.0), ('omega_beta', 0.0),
-                        ('driving_torque', 0.0), ('f41', 13.5),
-                        ('f21', 9.0), ('f32', 9.0), ('f43', 13.5)):
-        constant, = (e for e in found if (e.quantity, e.kind) == (name, 'constant'))
-        assert constant.value == pytest.approx(value, rel=4 * EPS, abs=0.0)
-
-
 def test_functions_have_one_sided_values_too():
     """Functions of plain arithmetic, with abs, and plain numbers."""
     import math

@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Examples of textbooks, loads by hand, and a linkage seen as another one."""
-from math import cos, pi, radians, remainder, sin
+"""Harmonic motion and loads by hand; examples of a lecture are in ``fourbar reproduce``."""
+from math import cos, pi, remainder, sin
 
 from fourbar_ros import (
     Applied,
@@ -12,7 +12,6 @@ from fourbar_ros import (
     InvalidParameter,
     InvertedSlider,
     OutOfRange,
-    point_motion,
     ScotchYoke,
     SliderCrank,
     Toggle,
@@ -21,52 +20,6 @@ import numpy as np
 import pytest
 from support import contract
 from support.cartesian import EPS
-
-# --- examples ------------------------------------------------------------------------------------
-
-
-def test_example_7_2():
-    """
-    Crank 2.5 in at 30 deg and 1800 rpm cw, coupler 6 in.
-
-    w3 69.5 rad/s, a3 6538 rad/s^2, slider 8095 ft/s^2.
-    """
-    motion = SliderCrank(2.5, 6.0).motion(radians(30.0), -60.0 * pi)
-    assert (motion.omega_beta, motion.alpha_beta,
-            motion.slide_acceleration / 12.0) == pytest.approx(
-        (69.54, 6538.1, -8094.5), rel=1e-4)
-
-
-def test_example_7_3():
-    """
-    Points E and F of Uicker's 4R.
-
-    2614 and 1937 ft/s^2 (read off the drawing: 2580 and 1960).
-    """
-    inch, linkage = 0.0254, FourBar(4 * 0.0254, 18 * 0.0254, 11 * 0.0254, 10 * 0.0254)
-    motion = linkage.motion(radians(120.0), 30.0 * pi)
-    e = point_motion(linkage, motion, 'coupler', 10 * inch, -4 * inch)
-    f = point_motion(linkage, motion, 'output', 7 * inch, -3 * inch)
-    assert (motion.omega_beta, motion.omega4,
-            motion.alpha4) == pytest.approx((25.38, 49.50, -1819.0), rel=1e-3)
-    assert [np.hypot(*p.acceleration) / 0.3048 for p in (e, f)] == pytest.approx([2614.0, 1937.0],
-                                                                                 rel=1e-3)
-
-
-def test_example_7_5():
-    """
-    Crank 3 in at 30 deg to the ground of 14 in, 36 rad/s cw. Of the offset the text says nothing.
-
-    Read off the drawing: w4 7.55 rad/s, V_rel 5.52 ft/s, a4 283 rad/s^2. Without offset we have
-    7.45, 5.48 and 291 (1.3, 0.8, 2.9 % off); with the 2 in of AB to either side w4 is 12 to 15 %
-    off.
-    """
-    given, drawn = (radians(30.0), -36.0, 0.0), np.array([7.55, 5.52 * 12.0, 283.0])
-    for h, share in ((0.0, (0.0, 0.03)), (2.0, (0.1, 0.2)), (-2.0, (0.1, 0.2))):
-        m = InvertedSlider(3.0, 14.0, h).motion(*given)
-        values = (m.omega4, -m.slide_velocity, m.alpha4)
-        assert share[0] < np.abs(values / drawn - 1.0).max() < share[1]
-
 
 MASSES = Bodies(Body(2.0, 0.0, 0.0, 0.1), Body(0.3), Body(4.0))
 
