@@ -25,12 +25,7 @@ def animate(mechanism: Mechanism, rate: float, points: Points, path: str | Path)
     Write a cycle of a mechanism as .gif or .mp4 and return the path.
 
     The input turns once in the sense of ``rate``, or goes back and forth over its first range.
-
-    Raises
-    ------
-    CannotDraw
-        Another suffix, no ffmpeg for .mp4, or the file cannot be written.
-
+    CannotDraw of another suffix, without ffmpeg for .mp4, or if the file cannot be written.
     """
     need_matplotlib('draw --animate')
     from matplotlib.animation import FuncAnimation

@@ -125,13 +125,8 @@ def make_axis_figure(linkage: Mechanism, rate: float, position: float | None = N
     Return a matplotlib Figure: the axis in a pose; the output's rate and the angle over the input.
 
     ``rate`` is the crank's [rad/s], ``position`` its angle in the pose [rad], by default where the
-    output is fastest.
-
-    Raises
-    ------
-    InvalidParameter
-        The mechanism is no four-bar or slider-crank, or it is driven by its slide.
-
+    output is fastest. InvalidParameter unless it is a four-bar or a slider-crank that its crank
+    drives.
     """
     coordinate = linkage.outputs[0].coordinate
     collineation_axis(linkage, linkage.motion(cycles(linkage)[0][1], rate))     # refuses others

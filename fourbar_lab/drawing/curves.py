@@ -53,29 +53,11 @@ def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: flo
     """
     Return quantities of a scene over all ranges of its input, at one speed and acceleration.
 
-    Parameters
-    ----------
-    scene : Scene
-        Its points have the quantities ``NAME.speed`` and ``NAME.acceleration``.
-    linkage : Mechanism
-        The scene's, in the assembly mode wanted; its loads are those of the scene.
-    names : sequence of str
-        Fields of motion or loads, quantities of points, or J and b of the drive's T = J alpha + b
-        as ``inertia`` and ``bias``; empty: all but these, loads only with masses.
-    speed, acceleration : float
-        Of the input [rad/s, rad/s^2] or [m/s, m/s^2].
-    samples : int
-        Inputs in each range.
-
-    Raises
-    ------
-    UnknownQuantity
-        The mechanism has none of this name; the message has the nearest.
-    MissingBodies
-        A load was asked for without masses.
-    InvalidParameter
-        Speed or acceleration are so large that a quantity overflows.
-
+    ``names``: fields of motion or loads, NAME.speed and NAME.acceleration of the scene's points,
+    or J and b of the drive's T = J alpha + b as ``inertia`` and ``bias``; empty: all but these,
+    loads only with masses. ``linkage`` is the scene's in the assembly mode wanted; ``samples`` are
+    the inputs in each range. UnknownQuantity, with the nearest name; MissingBodies for a load
+    without masses; InvalidParameter if a quantity overflows.
     """
     units, coordinate = _units(linkage, scene), linkage.input_coordinate
     of_loads, of_points = linkage.LOADS._fields, {one.name: one for one in scene.point_quantities}
@@ -134,11 +116,7 @@ def effort_of(scene: Scene, linkage: Mechanism, speed: float, acceleration: floa
     """
     Return the effort of the drive over a cycle of the forces, or ``within`` a range of the input.
 
-    Raises
-    ------
-    InvalidParameter
-        Speed or acceleration are so large that it overflows.
-
+    InvalidParameter if speed or acceleration are so large that it overflows.
     """
     turns = scene.turns if linkage.turns_fully else 1
     ranges = [within] if within else [(low, low + turns * (high - low))
@@ -212,13 +190,8 @@ def write_table(curves: Curves, path: str | Path) -> Path:
     """
     Write a table in the format of the suffix: .csv, .xlsx or .parquet; return its path.
 
-    Raises
-    ------
-    CannotDraw
-        The suffix is another one, or the file cannot be written.
-    MissingPackage
-        openpyxl or pyarrow is not installed.
-
+    CannotDraw of another suffix or if it cannot be written; MissingPackage without openpyxl or
+    pyarrow.
     """
     path = Path(path)
     if path.suffix not in TABLES:

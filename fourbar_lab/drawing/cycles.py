@@ -75,13 +75,7 @@ def make_cycle_figure(what: str, mechanism: Mechanism, rate: float, acceleration
     ``what``: 'paths' of the points [m], their 'hodographs', the curves of their velocity vectors
     [m/s], or 'forces' on the ground [N]. ``rate``, ``acceleration`` of the input [rad or m, per s
     and s^2]; ``points``: {name: (link, along, across)}; ``loads`` of a scene, by default those of
-    the mechanism alone, which repeat after so many ``turns``.
-
-    Raises
-    ------
-    CannotDraw
-        There is nothing to draw: no point, or no masses.
-
+    the mechanism alone, which repeat after so many ``turns``. CannotDraw without point or masses.
     """
     rates = rate, acceleration
     curves, unit = (_of_forces(mechanism, rates, loads, turns) if what == 'forces' else

@@ -63,13 +63,7 @@ def evaluate_at(linkage: Mechanism, at: float, speed: float, acceleration: float
     """
     Return the pose at an input [degrees or m], its speed and acceleration [rad or m, /s, /s^2].
 
-    Raises
-    ------
-    NoPose
-        The input is out of range.
-    InvalidParameter
-        It is no finite number.
-
+    NoPose if the input is out of range; InvalidParameter if it is no finite number.
     """
     given = position_of(linkage, at), speed, acceleration
     status, motion, loads = evaluate(linkage, *given, linkage.bodies is not None)

@@ -63,14 +63,7 @@ class Command(NamedTuple):
 
 
 class DriveCode:
-    """
-    The C text of the step of a scene that is driven by torque.
-
-    Raises
-    ------
-    NotGenerated
-
-    """
+    """The C text of the step of a scene that is driven by torque; NotGenerated of some."""
 
     def __init__(self, model: GeneratedModel, writer: Statements) -> None:
         """Write the formulas that a step calls, as C functions, into ``writer``."""

@@ -18,22 +18,11 @@ FORMATS = ('c', 'fmu2', 'fmu3')
 
 
 class Generated(NamedTuple):
-    """
-    The written files, with notes.
-
-    Parameters
-    ----------
-    files : tuple of Path
-    operations : int
-        Operations of the longest function, per sample.
-    notes : tuple of str
-        Notes for the user: changed names and omissions; a line each.
-
-    """
+    """The written files, with notes."""
 
     files: tuple[Path, ...]
-    operations: int
-    notes: tuple[str, ...]
+    operations: int             # of the longest function, per sample
+    notes: tuple[str, ...]      # for the user: changed names and omissions; a line each
 
 
 def generate(scene: str | Path | Scene, directory: str | Path, as_: str = 'c',

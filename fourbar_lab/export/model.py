@@ -48,55 +48,24 @@ class NotGenerated(FourBarError):
 
 
 class Named(NamedTuple):
-    """
-    A number of the generated code.
+    """A number of the generated code."""
 
-    Parameters
-    ----------
-    name : str
-        As in Python: ``bodies.crank.mass``, ``theta4``, ``foot.x``.
-    field : str
-        Its field of a struct.
-    unit, text : str
-        Empty: none is known.
-    value : float
-        Of a parameter: its value in the scene.
-    place : int
-        Of a parameter among the data of the trace, of a result among its steps.
-
-    """
-
-    name: str
-    field: str
-    unit: str
+    name: str       # as in Python: ``bodies.crank.mass``, ``theta4``, ``foot.x``
+    field: str      # of a struct of C
+    unit: str       # empty, as the text: none is known
     text: str
-    value: float
-    place: int
+    value: float    # of a parameter: its value in the scene
+    place: int      # of a parameter among the data of the trace, of a result among its steps
 
 
 @dataclass(frozen=True)
 class GeneratedModel:
-    """
-    A scene prepared for generation.
-
-    Parameters
-    ----------
-    scene : Scene
-    name : str
-        A word in C: prefix of all names.
-    outputs, parameters : sequence of str, optional
-        What is wanted, and what can be changed at run time; None: all.
-
-    Raises
-    ------
-    NotGenerated, InvalidParameter
-
-    """
+    """A scene prepared for generation; NotGenerated or InvalidParameter where it cannot be."""
 
     scene: Scene
-    name: str
-    outputs: Sequence[str] | None = None
-    parameters: Sequence[str] | None = None
+    name: str                                   # a word in C: prefix of all names
+    outputs: Sequence[str] | None = None        # what is wanted; None: all
+    parameters: Sequence[str] | None = None     # what can be changed at run time; None: all
 
     @cached_property
     def mechanism(self) -> Mechanism:

@@ -45,42 +45,21 @@ def literal(value: float) -> str:
 
 
 class Statements:
-    """
-    Writes statements, and keeps the functions that they call.
-
-    Attributes
-    ----------
-    used : set of str
-        Names of the C texts of this package that they need.
-    most_terms : int
-        Of a sum.
-    called : list of callable
-        Functions that are no formulas: a statement calls the i-th by the name ``called_i``.
-
-    """
+    """Writes statements, and keeps what they need: texts, sizes, functions."""
 
     def __init__(self) -> None:
-        self.used = set[str]()
-        self.most_terms = 0
-        self.called: list[Function] = []
+        self.used = set[str]()              # names of C texts of this package
+        self.most_terms = 0                 # of a sum
+        self.called: list[Function] = []    # no formulas: the i-th is called ``called_i``
 
     def lines(self, trace: Trace, needed: Iterable[int], refusing: Iterable[int],
               name_of: Callable[[int], str], refused: Mapping[str, str] = JUDGED) -> list[str]:
         """
         Return the statements of all that varies with the inputs, in order.
 
-        Parameters
-        ----------
-        trace : Trace
-        needed : iterable of int
-            Places whose results are wanted.
-        refusing : iterable of int
-            Places that refuse some inputs, wanted or not.
-        name_of : callable
-            Place -> the name of its result in C.
-        refused : mapping
-            {operation: test of its last argument that refuses the inputs}.
-
+        ``needed``: places whose results are wanted; ``refusing``: places that refuse some inputs,
+        wanted or not; ``name_of`` gives the name in C of the result of a place; ``refused`` is
+        {operation: test of its last argument that refuses the inputs}.
         """
         found, needed = list[str](), set(needed)
         for place in sorted(trace.varies & {*needed, *refusing}):
