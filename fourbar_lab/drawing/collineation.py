@@ -46,24 +46,16 @@ class CollineationAxis(NamedTuple):
     """
     The collineation axis in one pose, or in n.
 
-    Parameters
-    ----------
-    p13, p24 : ndarray, shape (3,) or (3, n)
-        The poles, homogeneous: the place over the longest link is (x/w, y/w), at infinity for
-        w = 0.
-    along, across : float or ndarray
-        The axis along the coupler line and square to it, in a common unit.
-    lines : dict
-        {name: line (a, b, c), of the points a x + b y + c w = 0 over the longest link}, shaped as
-        the poles: ``ground``, ``coupler``, ``crank``, ``output`` and the ``axis``.
-
+    The poles are homogeneous, shape (3,) or (3, n): the place over the longest link is
+    (x/w, y/w), at infinity for w = 0. Lines (a, b, c), of the points a x + b y + c w = 0 over the
+    longest link, have the same shape.
     """
 
     p13: Array
     p24: Array
-    along: Array
+    along: Array                # the axis along the coupler line and square to it, in one unit
     across: Array
-    lines: dict[str, Array]
+    lines: dict[str, Array]     # 'ground', 'coupler', 'crank', 'output' and the 'axis'
 
     @property
     def angle(self) -> Array:
@@ -81,17 +73,8 @@ def collineation_axis(linkage: Mechanism, motion: NamedFields) -> CollineationAx
     """
     Return the collineation axis of a four-bar or a slider-crank that its crank drives.
 
-    Parameters
-    ----------
-    linkage : FourBar, SliderCrank or InvertedSlider
-    motion : NamedTuple
-        Its motion, floats or arrays.
-
-    Raises
-    ------
-    InvalidParameter
-        Another mechanism, or one that its slide drives.
-
+    ``motion`` is its motion, of floats or arrays. InvalidParameter of another mechanism, or of one
+    that its slide drives.
     """
     if not has_axis(linkage):
         raise InvalidParameter('linkage', type(linkage).__name__, 'must be a four-bar or a '

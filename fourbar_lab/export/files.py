@@ -31,31 +31,17 @@ def generate(scene: str | Path | Scene, directory: str | Path, as_: str = 'c',
     """
     Write a scene as C code or an FMU that has the bits of ``step``; return what was written.
 
-    Parameters
-    ----------
-    scene : str, Path or Scene
-        A scene, its file, or the name of a shipped one.
-    directory : str or Path
-        Made if it is not there.
-    as_ : str
-        'c': NAME.h and NAME.c, C99, and a wrapper NAME.hpp; 'fmu2', 'fmu3': NAME.fmu of FMI 2.0
-        or 3.0, co-simulation.
-    outputs : sequence of str, optional
-        Fields of motion and loads, and POINT.FIELD of points; not given: all, of an FMU all with
-        a unit.
-    parameters : sequence of str, optional
-        What can be changed at run time, as ``a1``, ``bodies.crank.mass``; not given: all numbers
-        that are not left out; empty: none.
-    name : str, optional
-        Prefix of all names; not given: the name of the scene's file.
+    ``scene`` may be its file or the name of a shipped one; ``directory`` is made if it is not
+    there. ``as_`` is 'c' (NAME.h and NAME.c, C99, and a wrapper NAME.hpp), 'fmu2' or 'fmu3'
+    (NAME.fmu of FMI 2.0 or 3.0). ``name`` is the prefix of all names, by default that of the
+    scene's file.
 
-    Raises
-    ------
-    NotGenerated
-        The scene, or what is asked of it, cannot be generated.
-    InvalidParameter
-        An output, a parameter or the format is not known.
+    ``outputs``: fields of motion and loads, and POINT.FIELD of points; by default all, of an FMU
+    all with a unit. ``parameters``: what can be changed at run time, as ``a1`` and
+    ``bodies.crank.mass``; by default all numbers that are not left out.
 
+    NotGenerated of a scene, or what is asked of it, that cannot be generated; InvalidParameter of
+    an output, a parameter or a format that is not known.
     """
     if as_ not in FORMATS:
         raise InvalidParameter('as', as_, one_of(FORMATS))
