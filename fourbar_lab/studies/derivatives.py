@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 
 from fourbar_lab.quadrature import nodes
 from fourbar_lab.studies.design import Design
-from fourbar_lab.studies.duals import derivatives_of, Dual, duals_of, value_of
+from fourbar_lab.studies.duals import derivatives_of, Dual, DUALS, value_of
 from fourbar_lab.studies.measures import (
     CHANGE_POINT,
     INPUT_RANGE,
@@ -46,7 +46,7 @@ from fourbar_ros.mechanisms.parts import NoLoads
 from fourbar_ros.mechanisms.points import with_any_lengths
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
-from fourbar_ros.numerics.tables import ARRAYS, run
+from fourbar_ros.numerics.tables import run
 from fourbar_ros.numerics.trace import flat, Trace
 from fourbar_ros.scene.parameters import find_parameter
 from fourbar_ros.scene.scene import Scene
@@ -59,8 +59,6 @@ STEP = 2.0**-200        # of a complex step: its square is nothing beside any nu
 SHARP = 1e-5
 # Inputs of a mean square: of a full turn, of a range.
 POINTS, NODES = 4096, 512
-
-_DUALS = duals_of(ARRAYS)
 
 
 def usable(scene: Scene) -> tuple[str, ...]:
@@ -125,7 +123,7 @@ class Derivatives:
             known[1 + i] = Dual(self.scene.values[name], {name: 1.0})
         steps = [i for i in trace.needed(places) if not trace.steps[i].is_given]
         with np.errstate(all='ignore'):
-            run(trace, steps, _DUALS, known)
+            run(trace, steps, DUALS, known)
         return [known[i] for i in places]
 
     def state(self, x: Array, with_loads: bool = True) -> State:

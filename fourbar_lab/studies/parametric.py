@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-A scene whose parameters are numbers of any type: columns of many designs, duals, balls.
+A scene whose parameters are numbers of any type: columns of many designs, recorded ones.
 
 The formulas of motion and loads are those of every other computation, made for such numbers.
 """
@@ -27,7 +27,7 @@ NEARLY = 1e-12      # sums of lengths that agree to this, relative to their sum,
 
 
 class _BodiesOfAnyNumbers(Bodies):
-    """The ``bodies.*`` of a scene whose values may be columns, duals or balls: not checked."""
+    """The ``bodies.*`` of a scene whose values may be columns or recorded: not checked."""
 
     body = staticmethod(partial(unchecked, Body))
 

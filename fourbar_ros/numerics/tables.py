@@ -52,7 +52,4 @@ ARRAYS: Table = {
     'exact_sum': lambda *terms: exact_sum_of_four(terms), 'power_of_two': power_of_two_of_arrays}
 
 
-# --- duals of another table ----------------------------------------------------------------------
-
-
 # --- balls, by python-flint (Arb) ----------------------------------------------------------------

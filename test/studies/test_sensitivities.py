@@ -8,7 +8,7 @@ from types import SimpleNamespace
 from flint import ctx
 from fourbar_lab.studies.derivatives import Derivatives, sensitivities
 from fourbar_lab.studies.design import Design
-from fourbar_lab.studies.duals import derivatives_of, Dual, duals_of, value_of
+from fourbar_lab.studies.duals import derivatives_of, Dual, DUALS, value_of
 from fourbar_lab.studies.study import from_document
 from fourbar_ros import load_scene
 from fourbar_ros.errors import InvalidParameter
@@ -214,7 +214,7 @@ def test_duals_obey_the_chain_rule_whatever_stands_left_and_right():
         return run(trace, steps, table, values)[trace.results]
 
     trace, u, v = Trace(make, 2), np.array([0.7, 1.3]), np.array([0.4, 2.1])
-    dual = found(duals_of(ARRAYS), Dual(u, {'u': 1.0}), Dual(v, {'v': 1.0}))
+    dual = found(DUALS, Dual(u, {'u': 1.0}), Dual(v, {'v': 1.0}))
     np.testing.assert_array_equal(value_of(dual), found(ARRAYS, u, v))
     step = 1j * 2.0**-200
     for name, moved in {'u': (u + step, v), 'v': (u, v + step)}.items():
