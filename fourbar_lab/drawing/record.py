@@ -10,6 +10,7 @@ from typing import Any
 
 from fourbar_lab.drawing.poses import DrawnPose
 from fourbar_ros.extrema.find import Extremum, find_extrema
+from fourbar_ros.mechanisms.four_bars import FourBar
 from fourbar_ros.mechanisms.inertia import mean_rigid, middles
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Coordinate
@@ -99,9 +100,10 @@ def _outputs(linkage: Mechanism) -> list[LinkageRecord]:
     if linkage.change_point_margin > 0.0:
         return [_with_ranges(coordinate, output_ranges(linkage, coordinate))
                 | {'of_both_modes': False} for coordinate, _ in linkage.outputs]
-    both = linkage.ranges_of_both_modes
-    return [_with_ranges(coordinate, both[coordinate.position]) | {'of_both_modes': True}
-            for coordinate, _ in linkage.outputs if coordinate.position in both]
+    if not isinstance(linkage, FourBar):
+        return []
+    return [_with_ranges(linkage.outputs[0].coordinate, linkage.output_ranges)
+            | {'of_both_modes': True}]
 
 
 def _with_ranges(coordinate: Coordinate, ranges: Intervals) -> LinkageRecord:

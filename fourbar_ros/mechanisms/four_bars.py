@@ -179,11 +179,6 @@ class FourBar(FourBarLinks):
         a1, a2, a3, a4 = self.lengths
         return turned_ranges([(-high, -low) for low, high in four_bar_ranges(a3, a2, a1, a4)])
 
-    @property
-    def ranges_of_both_modes(self) -> dict[str, Ranges]:
-        """Return the ranges of theta4 over both modes by its name."""
-        return {'theta4': self.output_ranges}
-
     @cached_by_lengths
     def dead_points(self) -> tuple[DeadPoint, ...]:
         """

@@ -179,11 +179,6 @@ class Mechanism(ABC):
         return ()
 
     @property
-    def ranges_of_both_modes(self) -> Mapping[str, Ranges]:
-        """Return {position of an output: its ranges over both modes}, if known in closed form."""
-        return {}
-
-    @property
     def modes(self) -> Mapping[int, str]:
         """Return {assembly mode: its name}; one input may have fewer than another."""
         return self.MODES

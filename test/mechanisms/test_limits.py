@@ -191,8 +191,7 @@ def test_the_output_stalls_at_dead_points(case):
         if mechanism.change_point_margin < 1e-3 or abs(np.subtract(*mechanism.lengths[:2])) < 0.05:
             continue
         output = mechanism.outputs[0].coordinate
-        ends = np.ravel(mechanism.ranges_of_both_modes[output.position]
-                        if output.position in mechanism.ranges_of_both_modes else
+        ends = np.ravel(mechanism.output_ranges if case.name == 'four_bar' else
                         replace(mechanism, input='slide').input_ranges
                         if case.name == 'slider_crank' else [])
         points = mechanism.dead_points

@@ -39,9 +39,13 @@ from fourbar_ros.mechanisms.parts import (
     record_type,
 )
 
-# Names of the links of each kind in texts.
-ROLES = {'RRR': ('rod', 'rod'), 'RRP': ('rod', 'block'), 'RPR': ('block', 'bar'),
-         'RPP': ('block', 'yoke'), 'PRP': ('block', 'block')}
+# {kind of dyad: of both links the name in texts, the first joint, and which length it has}
+LINKS_OF_DYADS = {
+    'RRR': (('rod', 'first', 'length_1'), ('rod', 'second', 'length_2')),
+    'RRP': (('rod', 'first', 'length_1'), ('block', 'inner', '')),
+    'RPR': (('block', 'first', ''), ('bar', 'second', '')),
+    'RPP': (('block', 'first', ''), ('yoke', 'second', '')),
+    'PRP': (('block', 'inner', ''), ('block', 'inner', ''))}
 
 
 @cache
@@ -73,16 +77,10 @@ def _links(layout: Layout) -> list[Link]:
                   turns=layout.driven in turning)]
     for stage in layout.stages:
         joints = dict(stage.joints())
-        first = {'RRR': ('first', 'second'), 'RRP': ('first', 'inner'),
-                 'RPR': ('first', 'second'), 'RPP': ('first', 'second'),
-                 'PRP': ('inner', 'inner')}[stage.kind]
-        lengths = {'RRR': ('length_1', 'length_2'),
-                   'RRP': ('length_1', '')}.get(stage.kind, ('', ''))
-        found += [Link(link, role, joints[place], length and f'{stage.name}.{length}',
-                       turns=link in turning)
-                  if link != GROUND else Link(layout.links[0], 'frame', BASE)
-                  for link, role, place, length in zip(stage.links, ROLES[stage.kind], first,
-                                                       lengths)]
+        for link, (role, place, length) in zip(stage.links, LINKS_OF_DYADS[stage.kind]):
+            found.append(Link(layout.links[0], 'frame', BASE) if link == GROUND else Link(
+                link, role, joints[place], length and f'{stage.name}.{length}',
+                turns=link in turning))
     return found
 
 
