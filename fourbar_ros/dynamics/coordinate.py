@@ -33,7 +33,7 @@ from fourbar_ros.dynamics.equation import (
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.mechanism import DrivenLinks, Mechanism
 from fourbar_ros.numerics.arrays import Array, Value
-from fourbar_ros.numerics.number_types import Function, NumberType, REAL
+from fourbar_ros.numerics.number_types import Function, REAL
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -49,17 +49,8 @@ class MotionCoordinate:
     """
     Motion of a system in one coordinate p: the input, or the one that goes on at its toggles.
 
-    Parameters
-    ----------
-    coordinates : Coordinates
-    equation : Equation
-        In this coordinate.
-    mode : int
-        Assembly mode of the mechanism at ``start``, of another coordinate where the input grows
-        with it.
-    start : float
-        A value of the coordinate.
-
+    ``equation`` is in this coordinate; ``mode`` the assembly mode of the mechanism at ``start``, a
+    value of p, and of another coordinate than the input where the input grows with it.
     """
 
     def __init__(self, coordinates: Coordinates, equation: Equation, mode: int, start: float
@@ -67,6 +58,13 @@ class MotionCoordinate:
         self.all, self.equation, self.is_input = coordinates, equation, equation.is_input
         self._key = equation.coordinate.mode, mode, start
         self.mode, self.mode_beyond = mode, coordinates.partner(mode)
+        self.can_end = bool(coordinates.others)       # another coordinate may have to take over
+        # the links as the coordinate that takes over drives them, in one of its modes
+        links_of_next: DrivenLinks = equation.mechanism
+        if self.is_input:
+            links_of_next = next(iter(coordinates.others.values()), links_of_next)
+        self.make_other = make_reading(links_of_next)    # p -> that coordinate, its derivatives
+        self.unit_of_ratio = equation.coordinate.input_unit / links_of_next.input_unit
 
     def __reduce__(self) -> tuple[object, ...]:
         """Pickle the system and which of its coordinates this is."""
@@ -77,30 +75,10 @@ class MotionCoordinate:
         """Return (time, state) -> d state / dt."""
         return self.all.system.make_derivative(self)
 
-    @property
-    def can_end(self) -> bool:
-        """Return whether another coordinate may have to take over."""
-        return bool(self.all.others)
-
-    def make_other(self, links: DrivenLinks, n: NumberType) -> Function:
-        """Return the formula p -> the coordinate that takes over, its derivatives by p."""
-        return make_reading(self._taking_over)(links, n)
-
-    @property
-    def _taking_over(self) -> DrivenLinks:
-        """Return the links as the coordinate that takes over drives them, in one of its modes."""
-        return (next(iter(self.all.others.values())) if self.is_input
-                else self.equation.mechanism)
-
     @cached_property
     def other(self) -> InBothModes:
         """Return p -> the coordinate that takes over, and its first two derivatives by p."""
         return self.equation.in_both_modes(self.make_other)
-
-    @property
-    def unit_of_ratio(self) -> float:
-        """Return the unit of this coordinate in units of the one that takes over."""
-        return self.equation.coordinate.input_unit / self._taking_over.input_unit
 
     def excess(self, time: float, state: State) -> float:
         """
@@ -189,7 +167,8 @@ class Coordinates:
         alternate, every second interval between them shares a coordinate.
         """
         links = self._mechanism.in_mode(number) if is_input else self.others[number]
-        key = is_input, number, mode, interval_of(links, start) % 2
+        interval = interval_of(flat_positions(links), links.is_driven_by_slide, start)
+        key = is_input, number, mode, interval % 2
         if key not in self._known:
             equation = self.system.make_equation(self._mechanism.in_mode(mode), start,
                                                  None if is_input else links)

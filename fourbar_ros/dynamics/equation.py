@@ -112,17 +112,13 @@ def flat_positions(links: DrivenLinks) -> tuple[float, ...]:
     return tuple(sorted({value if links.is_driven_by_slide else value % tau for value in inside}))
 
 
-def interval_of(links: DrivenLinks, position: Any) -> Any:
+def interval_of(flats: Sequence[float], is_slide: bool, position: Any) -> Any:
     """
     Return the number of the interval between flat positions that an input, or each of many, is in.
 
     An angle counts on over whole turns: with one flat position at 2 rad, 1 rad is in interval -1,
     3 rad in interval 0 and 3 + 2 pi in interval 1. A flat position counts to the interval above.
     """
-    return _number_in(flat_positions(links), links.is_driven_by_slide, position)
-
-
-def _number_in(flats: Sequence[float], is_slide: bool, position: Any) -> Any:
     if is_slide:
         return sum(position >= place for place in flats)
     whole = floor if isinstance(position, float) else np.floor
@@ -309,7 +305,7 @@ class Equation:
             applied.couple for _, _, applied in self._bodies)
         self.has_dampers = any(spring.damping for spring in self._springs)
         self._flats = () if start is None else flat_positions(self.coordinate)
-        self._first = _number_in(self._flats, self.coordinate.is_driven_by_slide, start)
+        self._first = interval_of(self._flats, self.coordinate.is_driven_by_slide, start)
         self._terms = self.in_both_modes(self.make_terms)
         self.of_one = self._terms.of_one      # a float q -> (J, J'/2, Q, D, C), fast
 
@@ -321,8 +317,8 @@ class Equation:
 
     def is_alternate(self, position: Any) -> Any:
         """Return whether the mechanism is in the other mode at a q, or at each of many."""
-        number_there = _number_in(self._flats, self.coordinate.is_driven_by_slide, position)
-        return (number_there - self._first) % 2 != 0
+        interval = interval_of(self._flats, self.coordinate.is_driven_by_slide, position)
+        return (interval - self._first) % 2 != 0
 
     def links_in(self, is_other: bool) -> DrivenLinks:
         """Return the links driven by q in their own mode, or in that beyond flat positions."""
