@@ -63,19 +63,9 @@ class Attachment:
 @dataclass(frozen=True)
 class Spring:
     """
-    Linear spring and damper between two points.
+    Linear spring and damper between two points of different links.
 
-    Parameters
-    ----------
-    first, second : Attachment
-        On different links.
-    stiffness : float
-        [N/m], zero or more.
-    free_length : float
-        Length at which the spring exerts no force [m], zero or more.
-    damping : float
-        [N s/m], zero or more.
-
+    Stiffness [N/m], free length [m], at which it exerts no force, damping [N s/m]: zero or more.
     """
 
     first: Attachment
@@ -90,7 +80,6 @@ class Spring:
 
     @property
     def links(self) -> tuple[str, str]:
-        """Return the names of the two links it joins."""
         return self.first.link, self.second.link
 
     def tension(self, n: NumberType, links: LinkMotions) -> tuple[Scalar, Scalar, Scalar]:
@@ -101,7 +90,6 @@ class Spring:
         return self.stiffness * (1.0 - share), x * dx + y * dy, square
 
     def energy(self, n: NumberType, links: LinkMotions) -> Scalar:
-        """Return the potential energy [J]."""
         gap = _apart(self.first, self.second, links)
         stretch: Scalar = (gap.x * gap.x + gap.y * gap.y)**0.5 - self.free_length
         return 0.5 * self.stiffness * stretch * stretch
@@ -120,17 +108,9 @@ class TorsionSpring:
     """
     Torsion spring and damper between two links, or a link and the ground.
 
-    Parameters
-    ----------
-    first, second : str
-        Links; the angle is that of the second relative to the first.
-    stiffness : float
-        [N m/rad], zero or more.
-    free_angle : float
-        Angle at which the spring exerts no moment [rad]. The deflection counts within half a turn.
-    damping : float
-        [N m s/rad], zero or more.
-
+    It acts on the angle of the second relative to the first: stiffness [N m/rad] and damping
+    [N m s/rad], zero or more; free angle [rad], at which it exerts no moment. The deflection counts
+    within half a turn.
     """
 
     first: str
@@ -145,7 +125,6 @@ class TorsionSpring:
 
     @property
     def links(self) -> tuple[str, str]:
-        """Return the names of the two links it joins."""
         return self.first, self.second
 
     def _deflection(self, n: NumberType, links: LinkMotions) -> Scalar:
@@ -165,7 +144,6 @@ class TorsionSpring:
                 links[self.second].omega - links[self.first].omega, 1.0)
 
     def energy(self, n: NumberType, links: LinkMotions) -> Scalar:
-        """Return the potential energy [J]."""
         stretch = self._deflection(n, links)
         return 0.5 * self.stiffness * stretch * stretch
 
@@ -233,11 +211,9 @@ class LinkAngle:
 
     @property
     def links(self) -> tuple[str, str]:
-        """Return the names of both links."""
         return self.link, self.relative_to
 
     def of(self, n: NumberType, links: LinkMotions) -> Scalar:
-        """Return the angle in a pose."""
         cosine, sine = _turned(links[self.relative_to], links[self.link])
         angle: Scalar = n.atan2(sine, cosine)
         return angle
@@ -248,12 +224,7 @@ class Way:
     """
     How far a point has come along a line from its origin [m].
 
-    Parameters
-    ----------
-    point, origin : Attachment
-    direction : float
-        Of the line, from the direction of the origin's link, of the ground from x [rad].
-
+    The line's direction [rad] is from the direction of the origin's link, of the ground from x.
     """
 
     point: Attachment
@@ -267,11 +238,9 @@ class Way:
 
     @property
     def links(self) -> tuple[str, str]:
-        """Return the names of the links of its ends."""
         return self.point.link, self.origin.link
 
     def of(self, n: NumberType, links: LinkMotions) -> Scalar:
-        """Return the way in a pose."""
         gap, (x, y) = _apart(self.origin, self.point, links), _along(
             direction(self.direction), links[self.origin.link])
         return gap.x * x + gap.y * y
@@ -283,12 +252,12 @@ Place = Union[str, LinkAngle, Way]
 @dataclass(frozen=True)
 class PositionForce:
     """
-    A force or a couple on a link that depends on the position of the mechanism.
+    A force or a couple on a moving link that depends on the position of the mechanism.
 
     Parameters
     ----------
     point : Attachment
-        Where it acts, on a moving link; for a couple only its link counts.
+        Where it acts; for a couple only its link counts.
     value : ForceTable or callable
         s -> F(s): floats, [N] or [N m]. A table over an angle holds for all turns: its places
         count within half a turn of its middle, or it is periodic.
@@ -296,10 +265,8 @@ class PositionForce:
         The place s. The input of a crank counts on over whole turns, so a table of two turns
         serves a four-stroke engine; other angles are in (-pi, pi].
     direction : float, optional
-        Direction of the force, from that of ``axes`` [rad]; None: a couple, counter-clockwise
-        positive.
-    axes : str
-        Link with which the direction turns, or 'ground': along a slide or a link it is that link.
+        Direction of the force, from that of the link ``axes`` or of the ground [rad]; None: a
+        couple, counter-clockwise positive.
     factor : float
         Multiplies F(s): for a table of pressures the area [m^2], with its sign.
 
@@ -313,7 +280,6 @@ class PositionForce:
     factor: float = quantity(1.0)
 
     def __post_init__(self) -> None:
-        """Refuse a force on the ground, no function as its value, no angle or way to read."""
         _require_kind('point', self.point, Attachment)
         if self.point.link == GROUND:
             raise InvalidParameter('point', GROUND, 'a force acts on a moving link')

@@ -125,23 +125,21 @@ class ForceTable:
     @cached_property
     def _columns(self) -> Array:
         """Return coefficients and start of each piece, of shape (5, pieces)."""
-        return np.vstack([self._coefficients(), self.places[:-1]])
-
-    def _coefficients(self) -> Array:
-        """Return the coefficients of each piece, of shape (4, pieces), highest first."""
         places, values = np.array(self.places), np.array(self.values)
         count = places.size - 1
         with np.errstate(all='ignore'):
             if self.is_linear:
                 zero = np.zeros(count)
-                return np.array([zero, zero, np.diff(values) / np.diff(places), values[:-1]])
+                return np.array([zero, zero, np.diff(values) / np.diff(places), values[:-1],
+                                 places[:-1]])
             try:
                 from scipy.interpolate import PchipInterpolator
             except ModuleNotFoundError as error:
                 raise MissingPackage('a table of forces', error) from error
             if not self.is_periodic:
-                return np.asarray(PchipInterpolator(places, values).c, float)
+                return np.vstack([PchipInterpolator(places, values).c, places[:-1]])
             # repeated three times: the middle cycle has the right slopes at its ends
-            places = np.concatenate([places[:-1] - self.span, places, places[1:] + self.span])
+            cycles = np.concatenate([places[:-1] - self.span, places, places[1:] + self.span])
             values = np.concatenate([values[:-1], values, values[1:]])
-            return np.asarray(PchipInterpolator(places, values).c[:, count:2 * count], float)
+            of_middle = PchipInterpolator(cycles, values).c[:, count:2 * count]
+            return np.vstack([of_middle, places[:-1]])

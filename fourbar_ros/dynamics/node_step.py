@@ -113,34 +113,14 @@ class Mover:
     length, or shorter steps where its error is too large or a force table bends: stable whatever
     the stiffness, of bounded work. The next state follows from the state alone.
 
-    Parameters
-    ----------
-    system : System
-    tolerance : float
-        Allowed error of one step, in the coordinate and the twist, and in speeds times its length.
-    budget : int
-        Most evaluations of the equation of motion in one step.
-    takes_commands : bool
-        The torque comes from a topic.
-    acting : sequence of str
-        What acts from outside: names of links, and of the base. Unknown before :meth:`act`.
-
-    Attributes
-    ----------
-    mode : int
-        Assembly mode of the values that it gave last; 0: a message cannot tell it.
-    modes : tuple of int
-        The two modes between which it goes through toggles; () where it does not.
-    formulas : dict
-        {coordinate: its formulas}; the first is the input in the mode of the system.
-    taking_over : dict
-        {coordinate: (one that takes over where it falls with it, one where it grows)}.
-
+    ``tolerance``: allowed error of one step, in the coordinate and the twist, and in speeds times
+    its length; ``budget``: most evaluations of the equation of motion in a step;
+    ``takes_commands``: the torque comes from a topic; ``acting``: what acts from outside, names of
+    links and of the base, unknown before :meth:`act`.
     """
 
     def __init__(self, system: System, tolerance: float, budget: int,
                  takes_commands: bool = False, acting: Sequence[str] = ()) -> None:
-        """Set up steps within ``tolerance``, of at most ``budget`` evaluations each."""
         drive = system.drive or Drive(ConstantTorque())
         source = drive.source
         if not isinstance(source, Law):
@@ -148,11 +128,13 @@ class Mover:
                                    'torque, a motor or a controller')
         self.system, self._takes_commands = system, takes_commands
         self._torque = getattr(source, source.command) if source.command else 0.0
+        # between which it goes through toggles; () where it does not
         self.modes = modes_of(system.mechanism)
-        self.passes = bool(self.modes)            # through toggles
+        self.passes = bool(self.modes)
+        # {coordinate: (one that takes over where it falls with it, one where it grows)}
         self.taking_over = (system.coordinates.prepare() if self.passes
                             else {system.coordinates.first: ()})
-        # the formulas of each coordinate
+        # the first is the input in the mode of the system
         self.formulas = {coordinate: StepFormulas(coordinate, drive, self.passes, tolerance,
                                                   acting) for coordinate in self.taking_over}
         self._acting: dict[str, Sequence[float]] = {name: (nan,) * count_of(name)
@@ -163,6 +145,7 @@ class Mover:
         # the last message and its state: mostly the next step begins there; what is known of it
         self._last: tuple[DriveValues, At] | None = None
         self._known: tuple[At, Place] | None = None
+        # assembly mode of the values that it gave last; 0: a message cannot tell it
         self.mode = mode_number(system.mechanism.mode)
         self._has_shaft = drive.shaft is not None
         self._own = source.own if source.start else ''

@@ -100,18 +100,10 @@ class StepFormulas:
     """
     The formulas of a step in one coordinate, in the assembly mode of its equation.
 
-    Parameters
-    ----------
-    coordinate : MotionCoordinate
-    drive : Drive
-    passes : bool
-        Through toggles, where another coordinate takes over; else they are limits.
-    tolerance : float
-        Allowed error of a step, in the coordinate and the twist, and in speeds times its length.
-    acting : sequence of str
-        What acts from outside, in the order of the numbers that follow the other arguments of all
-        functions: four of the base, three of the wrench on a link.
-
+    ``passes``: through toggles, where another coordinate takes over; else they are limits.
+    ``tolerance``: allowed error of a step, in the coordinate and the twist, and in speeds times
+    its length. ``acting``: names of what acts from outside, in the order of the numbers that
+    follow the other arguments of all functions: four of the base, three of the wrench on a link.
     """
 
     def __init__(self, coordinate: MotionCoordinate, drive: Drive, passes: bool, tolerance: float,

@@ -140,41 +140,21 @@ class Run:
     """
     A simulated run.
 
-    Parameters
-    ----------
-    system : System
-    legs : tuple of Leg
-        Its stretches, each in one coordinate, with all steps of the integrator.
-    asked : array, optional
-        Times of the run [s]; None: the steps of the integrator.
-    status : str
-        :data:`REACHED`, :data:`LIMIT`, :data:`EVENT`, :data:`NOT_CONVERGED`, :data:`STOPPED` or
-        :data:`NOT_CHECKED`.
-    error : float
-        Largest difference of the position to a run at a looser tolerance [rad] or [m].
-    drift : float
-        Largest change of energy less work, which must be constant, beyond rounding, over the
-        energy in play.
-    method : str
-        Integrator of scipy.
-    tolerance : float
-        Tolerance of the integrator in the last run.
-    evaluations : int
-        How often the equation of motion was evaluated in all runs.
-    reason : str
-        Why it gave up; else nothing.
-
+    ``status`` is :data:`REACHED`, :data:`LIMIT`, :data:`EVENT`, :data:`NOT_CONVERGED`,
+    :data:`STOPPED` (``reason`` says why) or :data:`NOT_CHECKED`; ``error`` the largest difference
+    of the position to a run at a looser tolerance [rad] or [m]; ``drift`` the largest change of
+    energy less work, which must be constant, beyond rounding, over the energy in play.
     """
 
     system: System
-    legs: tuple[Leg, ...]
-    asked: Array | None
+    legs: tuple[Leg, ...]      # its stretches, each in one coordinate
+    asked: Array | None        # times of the run [s]; None: the steps of the integrator
     status: str
     error: float
     drift: float
-    method: str
-    tolerance: float
-    evaluations: int
+    method: str                # integrator of scipy
+    tolerance: float           # of the integrator
+    evaluations: int           # of the equation of motion, in all runs
     reason: str = ''
 
     @cached_property
@@ -250,19 +230,10 @@ class Run:
 
     def at(self, time: ArrayLike) -> Array:
         """
-        Return the states at any times, one or more, in any order, as a solution of scipy does.
+        Return the states at any times from 0 to the end of the run [s], in any order.
 
-        Interpolated between the steps of the integrator; the error is that of the run.
-
-        Parameters
-        ----------
-        time : float or array_like, shape (...)
-            [s], from 0 to the end of the run.
-
-        Returns
-        -------
-        ndarray, shape (states, ...)
-
+        Of times of shape (...) the result has the shape (states, ...). Interpolated between the
+        steps of the integrator; the error is that of the run.
         """
         given = array('time', time)
         if not given.size or not (np.min(given) >= 0.0 and np.max(given) <= self._end):
@@ -291,14 +262,7 @@ class Run:
         return record
 
     def plot(self) -> Figure:
-        """
-        Return a matplotlib figure of position, rate, acceleration and torque over time.
-
-        Raises
-        ------
-        MissingPackage
-
-        """
+        """Return a figure of position, rate, acceleration and torque over time, by matplotlib."""
         try:
             from matplotlib.figure import Figure
         except ModuleNotFoundError as error:

@@ -274,17 +274,10 @@ class InductionMotor(Law):
 @dataclass(frozen=True)
 class TorqueTable:
     """
-    Torque over time, (D6), as recorded from a topic.
+    Torque over time, (D6), as recorded from a topic: increasing times [s], torques [N m].
 
-    Parameters
-    ----------
-    times : sequence of float
-        Increasing [s]; before the first and after the last the torque is that at the end.
-    torques : sequence of float
-        [N m]
-    linear : bool
-        Linear between times; else each torque is held until the next time.
-
+    ``linear``: between two times; else each torque is held until the next time. Before the first
+    and after the last time the torque is that at the end.
     """
 
     times: Sequence[float]
@@ -342,18 +335,10 @@ class Drive:
     """
     A torque source with the inertia it brings, coupled rigidly or through an elastic shaft.
 
-    Parameters
-    ----------
-    source : Law, TorqueTable or any object with these
-        ``start``: its state at the beginning, a tuple; ``breaks``: times at which the torque jumps
-        or bends [s]; ``torque(time, speed, state)``: (torque on the output shaft [N m],
-        derivatives of the state).
-    rotor : float
-        Inertia of the motor side at the output shaft [kg m^2]; an elastic shaft needs one.
-    flywheel : float
-        Inertia on the input itself [kg m^2].
-    shaft : Shaft, optional
-
+    The source is a Law, a TorqueTable or any object with ``start``, its state at the beginning, a
+    tuple; ``breaks``, times at which the torque jumps or bends [s]; ``torque(time, speed, state)``
+    -> (torque on the output shaft [N m], derivatives of the state). ``rotor`` is the inertia of
+    the motor side at the output shaft, ``flywheel`` that on the input itself [kg m^2].
     """
 
     source: Any

@@ -30,19 +30,11 @@ NEAR_TOGGLE = 1e-3        # sine of the angle of the dyad at which an input coun
 
 class System:
     """
-    A mechanism, its springs, forces and drive.
+    A mechanism, its springs, forces over a position and drive.
 
-    Parameters
-    ----------
-    mechanism : Mechanism
-        With bodies; its assembly mode is that at the start.
-    position, rate : float
-        The input at the start and its rate: angle [rad] or slide [m], [rad/s] or [m/s].
-    elements : sequence of Spring, TorsionSpring or PositionForce
-    drive : Drive, optional
-        Without one the mechanism moves freely. Its motor starts at the position and rate of the
-        input.
-
+    The mechanism has bodies; its assembly mode is that at the start. There its input is at
+    ``position`` with ``rate``: [rad] or [m], [rad/s] or [m/s], and so is the motor of the drive.
+    Without a drive it moves freely.
     """
 
     def __init__(self, mechanism: Mechanism, position: float, rate: float = 0.0,
