@@ -13,7 +13,7 @@ from textwrap import wrap
 
 from fourbar_lab.export.drive import DriveCode, tables
 from fourbar_lab.export.model import GeneratedModel, Named
-from fourbar_lab.export.statements import literal, snippet, Statements
+from fourbar_lab.export.statements import filled, lines_of, literal, snippet, Statements
 from fourbar_ros import __version__
 
 FLAGS = '-std=c99 -O2'
@@ -233,7 +233,7 @@ class Code:
             f'void {name}_prepare(const {name}_parameters *from, {name}_constants *made)\n{{',
             *unused, *prepared, '}', '', *self._set_mode(), *self._guards(), *self._functions(),
             *(self.drive.source() if self.drive else ()),
-            *self._self_check(), ''])
+            self._self_check()])
 
     def _set_mode(self) -> list[str]:
         """
@@ -305,34 +305,23 @@ class Code:
         results are NaN, but for the inputs, which are copied.
         """
         name, model, found = self.name, self.model, list[str]()
-        given = [f'    values[{i}] = input->{mine.field};' for i, its in enumerate(model.motion)
-                 for mine in model.inputs if its.name == mine.name]
-        for with_loads, which in ((False, 'motion'), (True, 'step')):
-            if with_loads not in self.lines:
-                continue
-            has_both = with_loads and model.loads
+        x0, x1, x2 = (one.field for one in model.inputs)
+        inputs = [f'  values[{i}] = input->{mine.field};' for i, its in enumerate(model.motion)
+                  for mine in model.inputs if its.name == mine.name]
+        for with_loads in self.lines:
+            which = 'step' if with_loads else 'motion'
             loads = len(model.loads) if with_loads else 0
-            found += [
-                f'static int {which}_of(const double *k, double x0, double x1, double x2, '
-                'double *values,\n    double *closes)\n{', '  int refused = 0;', '  (void)k;',
-                *(f'  (void)x{i};' for i in range(3)),
-                *(f'  {text}' for text in self._results[with_loads]), '  return refused;', '}', '',
-                self._signature(which) + '\n{', f'  double values[{len(model.motion) + loads}];',
-                '  const double x0 = input->{}, x1 = input->{}, x2 = input->{};'.format(
-                    *(one.field for one in model.inputs)),
-                '  double closes = NAN;', '  int status = first_look(x0, x1, x2);',
-                f'  if (status != {STATUS.index("invalid_input")}) {{',
-                f'    int refused = {which}_of(with->k, x0, x1, x2, values, &closes);',
-                *self._at_zero(with_loads),
-                f'    status = judged(status, refused, closes, x0, values, {loads});', '  }',
-                f'  if (status != 0) without_answer(status, x1, x2, values, {loads});',
-                '  if (status == 1 || status == 2) {', *given, '  }',
-                '  memcpy(motion, values, sizeof *motion);',
-                *(['  memcpy(loads, values + MOTIONS, sizeof *loads);'] if has_both else []),
-                f'  return ({name}_status)status;', '}', '']
+            copy = ['memcpy(loads, values + MOTIONS, sizeof *loads);'] if loads else []
+            found.append(filled(snippet('model.c', 'function'), {
+                'WHICH': which, 'SIGNATURE': self._signature(which),
+                'RESULTS': len(model.motion) + loads, 'LOADS': loads, 'NAME': name,
+                'X0': x0, 'X1': x1, 'X2': x2, 'INVALID_INPUT': STATUS.index('invalid_input'),
+                'INPUTS': lines_of(inputs), 'COPY': lines_of(copy),
+                'AT_ZERO': lines_of(self._at_zero(with_loads)),
+                'STATEMENTS': lines_of(self._results[with_loads])}))
         if model.loads:
-            found += [self._signature('loads') + '\n{', f'  {name}_motion motion;',
-                      f'  return {name}_step(with, input, &motion, loads);', '}', '']
+            found.append(filled(snippet('model.c', 'loads'), {
+                'NAME': name, 'SIGNATURE': self._signature('loads')}))
         return found
 
     def _at_zero(self, with_loads: bool) -> list[str]:
@@ -345,14 +334,14 @@ class Code:
         wanted = [names.index(one.name) for one in (*model.motion, *model.loads * with_loads)
                   if one.name in names]
         closes = names.index('transmission_angle')
-        return ['    if (x0 == 0.0) {', '      int i;', '      refused = 0;',
-                *(f'      values[{i}] = limit_of({", ".join(map(literal, rows[place]))}, x1, x2);'
+        return ['  if (x0 == 0.0) {', '    int i;', '    refused = 0;',
+                *(f'    values[{i}] = limit_of({", ".join(map(literal, rows[place]))}, x1, x2);'
                   for i, place in enumerate(wanted)),
-                f'      closes = {literal(rows[closes][0])};',
-                '      for (i = MOTIONS; i < MOTIONS + ' f'{len(model.loads) * with_loads}; ++i)',
-                '        refused |= !is_finite(values[i]);', '    }']
+                f'    closes = {literal(rows[closes][0])};',
+                f'    for (i = MOTIONS; i < MOTIONS + {len(model.loads) * with_loads}; ++i)',
+                '      refused |= !is_finite(values[i]);', '  }']
 
-    def _self_check(self) -> list[str]:
+    def _self_check(self) -> str:
         """
         Return the C text of NAME_self_check: it counts results whose bits differ from Python's.
 
@@ -360,22 +349,22 @@ class Code:
         """
         name, model = self.name, self.model
         given, values = model.sample()
-        parts = [part for part in ('motion', 'loads') if getattr(model, part)]
-        expected = {part: [values[one.name] for one in getattr(model, part)] for part in parts}
-        which = 'step' if model.loads else 'motion'
-        return [
-            f'int {name}_self_check(void)\n{{',
-            *(f'  static const double {part}_of_python[] = {{' + self._list(expected[part]) + '};'
-              for part in parts),
-            f'  {name}_parameters parameters;', f'  {name}_constants constants;',
-            f'  {name}_input input;', *(f'  {name}_{part} {part};' for part in parts),
-            '  int differ = 0;', *(f'  input.{one.field} = {literal(value)};'
-                                   for one, value in zip(model.inputs, given)),
-            f'  {name}_defaults(&parameters);', f'  {name}_prepare(&parameters, &constants);',
-            f'  (void){name}_{CALLS[which]}(&constants, &input, &{", &".join(parts)});',
-            *(f'  differ += differing(&{part}, {part}_of_python, '
-              f'{len(expected[part])});' for part in parts),
-            *(self.drive.self_check() if self.drive else ()), '  return differ;', '}']
+        expected = {part: [values[one.name] for one in getattr(model, part)]
+                    for part in ('motion', 'loads') if getattr(model, part)}
+        compared = [f'differ += differing(&{part}, {part}_of_python, {len(numbers)});'
+                    for part, numbers in expected.items()]
+        return filled(snippet('model.c', 'self_check'), {
+            'EXPECTED': lines_of(f'static const double {part}_of_python[] = '
+                                 f'{{{self._list(numbers)}}};'
+                                 for part, numbers in expected.items()),
+            'RESULTS': lines_of(f'NAME_{part} {part};' for part in expected),
+            'INPUTS': lines_of(f'input.{one.field} = {literal(value)};'
+                               for one, value in zip(model.inputs, given)),
+            'CALL': CALLS['step' if model.loads else 'motion'],
+            'POINTERS': ', &'.join(expected),
+            'COMPARED': lines_of(compared) + ''.join(
+                f'{text}\n' for text in (self.drive.self_check() if self.drive else ())),
+            'NAME': name})
 
     @staticmethod
     def _list(values: Iterable[float]) -> str:

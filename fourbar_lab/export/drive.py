@@ -14,7 +14,7 @@ from math import inf, tau
 from typing import Any, NamedTuple
 
 from fourbar_lab.export.model import GeneratedModel, NotGenerated
-from fourbar_lab.export.statements import literal, snippet, Statements
+from fourbar_lab.export.statements import filled, literal, snippet, Statements
 from fourbar_ros.dynamics import node_step, rosenbrock
 from fourbar_ros.dynamics.coordinate import MotionCoordinate
 from fourbar_ros.dynamics.elements import LinkAngle, PositionForce, TableForce
@@ -192,19 +192,17 @@ class DriveCode:
                     if self.modes else []),
                   *([f'  {command.place} = {literal(command.start)};']
                     if command and command.field else [])]
-        text = snippet('drive.c')
-        for word, meaning in (
-                (' ARGUMENT', ', double torque' * self.takes_torque),
-                (' PASSED', ', torque' * self.takes_torque),
-                ('GIVEN_COMMAND', command.place if command else '0.0'),
-                ('OWN_FIELD', f'from->{own}' if own else '0.0'),
-                ('MODE_FIELD', 'from->mode' if self.modes else '0.0'),
-                ('  GIVE_OWN\n', f'  to->{own} = own;\n' if own else ''),
-                ('  TAKE_PLACE\n', TAKE_PLACE * bool(self.modes)),
-                ('  GIVE_PLACE\n', GIVE_PLACE * bool(self.modes)),
-                ('  FORGET_PLACE\n', '  drive->place[0] = 0.0;\n' * bool(self.modes)),
-                ('STARTS', '\n'.join(starts)), ('NAME', name)):
-            text = text.replace(word, meaning)
+        text = filled(snippet('drive.c'), {
+            ' ARGUMENT': ', double torque' * self.takes_torque,
+            ' PASSED': ', torque' * self.takes_torque,
+            'GIVEN_COMMAND': command.place if command else '0.0',
+            'OWN_FIELD': f'from->{own}' if own else '0.0',
+            'MODE_FIELD': 'from->mode' if self.modes else '0.0',
+            '  GIVE_OWN\n': f'  to->{own} = own;\n' if own else '',
+            '  TAKE_PLACE\n': TAKE_PLACE * bool(self.modes),
+            '  GIVE_PLACE\n': GIVE_PLACE * bool(self.modes),
+            '  FORGET_PLACE\n': '  drive->place[0] = 0.0;\n' * bool(self.modes),
+            'STARTS': '\n'.join(starts), 'NAME': name})
         return [*self._constants(), *self._functions, *self._of_tables(), snippet('step.c'),
                 text]
 

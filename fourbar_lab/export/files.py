@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from fourbar_lab.export.c_code import Code
 from fourbar_lab.export.model import GeneratedModel, word
-from fourbar_lab.export.statements import snippet
+from fourbar_lab.export.statements import filled, snippet
 from fourbar_ros.errors import InvalidParameter, one_of
 from fourbar_ros.scene.scene import load, Scene
 from fourbar_ros.scene.topics import TORQUE
@@ -72,11 +72,10 @@ def wrapper(model: GeneratedModel) -> str:
     """Return the C++ header around a generated C header."""
     torque = 'double torque' * (model.scene.drive.source == TORQUE.name)
     drive = snippet('wrapper.hpp', 'drive') if model.moves_by_torque else ''
-    for place, meaning in (('FIRST', torque), (' ARGUMENT', torque and f', {torque}'),
-                           (' PASSED', ', torque' if torque else '')):
-        drive = drive.replace(place, meaning)
-    text = snippet('wrapper.hpp').replace('DRIVE\n', drive).replace('NAME', model.name).replace(
-        'GUARD', f'FOURBAR_{model.name.upper()}_HPP')
+    drive = filled(drive, {'FIRST': torque, ' ARGUMENT': torque and f', {torque}',
+                           ' PASSED': ', torque' if torque else ''})
+    text = filled(snippet('wrapper.hpp'), {'DRIVE\n': drive, 'NAME': model.name,
+                                           'GUARD': f'FOURBAR_{model.name.upper()}_HPP'})
     if not model.loads:
         start, end = text.index('  Status step'), text.index('\nprivate:')
         text = '\n'.join(line for line in (text[:start] + text[end:]).split('\n')

@@ -36,6 +36,18 @@ def snippet(file: str, name: str = '') -> str:
     return _parts(file)[name]
 
 
+def filled(text: str, words: Mapping[str, object]) -> str:
+    """Return a text with each of these words replaced by its meaning, in turn."""
+    for word, meaning in words.items():
+        text = text.replace(word, str(meaning))
+    return text
+
+
+def lines_of(texts: Iterable[str]) -> str:
+    """Return statements as lines within a function."""
+    return ''.join([f'  {text}\n' for text in texts])
+
+
 def literal(value: float) -> str:
     """Return a number as C and C++ read it, to the last bit."""
     if value != value:
