@@ -20,11 +20,11 @@ from support.dynamics_problems import (
     near_change_point,
     near_lock_up,
     one_window,
-    one_window_exact,
     P2_POSITION,
     P4_POSITION,
     paper_linkage,
     sundials_slider_crank,
+    windows_exact,
 )
 
 TOLERANCES = (1e-6, 1e-10)
@@ -88,7 +88,7 @@ def by_quadrature(system, until):
 def scenes():
     """Yield all scenes, from soft to extreme."""
     with mp.workdps(30):
-        window = float(one_window_exact(mp.mpf(20)))
+        window = float(windows_exact(mp.mpf(20), 1))
     yield Scene('soft', 'P2', sundials_slider_crank(), 10.0, float(P2_POSITION), '29 digits')
     yield Scene('soft', 'P3, N = 1', one_window(), 20.0, window, 'elliptic functions')
     yield Scene('soft', 'P4', near_lock_up(), 4.99, float(P4_POSITION), '32 digits')

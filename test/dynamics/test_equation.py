@@ -87,16 +87,6 @@ def test_arrays_give_what_single_values_give(case):
             assert values[2, 3] == pytest.approx(function(one), rel=1e-12)
 
 
-def test_a_pendulum_of_the_ground_and_a_flywheel():
-    """Only the crank has mass: J = I + m l^2 + flywheel, Q = -m g l cos q."""
-    bodies = Bodies(Body(2.0, 0.25, 0.0, 0.1), Body(0.0), Body(0.0))
-    linkage = FourBar(0.4, 1.2, 0.8, 1.0, bodies=bodies, gravity=(0.0, -9.81))
-    terms = Equation(linkage, extra_inertia=3.0).terms(0.7)
-    assert terms.inertia == pytest.approx(0.1 + 2.0 * 0.0625 + 3.0, rel=4 * EPS)
-    assert terms.half_slope == 0.0
-    assert terms.force == pytest.approx(-2.0 * 9.81 * 0.25 * np.cos(0.7), rel=8 * EPS)
-
-
 def test_a_spring_of_no_length_and_no_free_length_pulls_nothing():
     """Its ends meet at q = 0, up to an infinitesimal: the force is k r.r', not 0/0."""
     bodies = Bodies(Body(1.0, 0.2, 0.0, 0.1), Body(0.0), Body(0.0))

@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Forces over a position against virtual work, springs of the same law and quadrature."""
-from math import cos, pi, sin
+from math import pi, sin
 import pickle
 
 from fourbar_ros import Bodies, FourBar, InvertedSlider, round_rod, SliderCrank
@@ -281,19 +281,6 @@ def test_a_press_works_against_its_cut_and_stalls_at_a_heavier_one():
     assert 0.18 < slide < 0.2 and abs(heavy.rate[-1]) < 1.0
 
 
-def test_equilibria_count_with_forces_over_a_position():
-    linkage = SliderCrank(0.3, 0.9, 0.0, bodies=BODIES, gravity=(0.0, -9.81))
-    table = ForceTable([0.0, 1.5], [0.5 * 200.0, -200.0], is_linear=True)
-    elements = ([PositionForce(Attachment('output'), table, Way(Attachment('output')))],
-                [Spring(Attachment('ground', 0.5), Attachment('output'), 200.0)])
-    found, wanted = (equilibria(Equation(linkage, each)) for each in elements)
-    assert len(found) == len(wanted) > 1
-    for one, other in zip(found, wanted):
-        assert one.position == pytest.approx(other.position, abs=1e-9)
-        assert one.is_stable == other.is_stable
-        assert one.stiffness == pytest.approx(other.stiffness, rel=1e-6, abs=1e-6)
-
-
 def test_two_turns_count_in_statics_and_are_refused_for_a_flywheel():
     """Equilibria of an engine at rest: all sign changes of Q over two turns."""
     equation = engine().equation
@@ -386,16 +373,6 @@ def test_a_force_of_a_user_that_fails_ends_the_run_with_a_status():
     broken = PositionForce(Attachment('output', 0.2), lambda q: 1.0 if q < 1.0 else float('inf'))
     run = simulate(System(linkage, 0.0, 5.0, [broken]), 1.0, 1e-6)
     assert run.status == STOPPED and run.position[-1] == pytest.approx(1.0, abs=1e-6)
-
-
-def test_a_direction_that_turns_with_a_link_does():
-    linkage, force = CRANKS[0], PositionForce(Attachment('output'), CYCLE, direction=0.4,
-                                              axes='coupler')
-    motion = linkage.motion(0.7)
-    loads = make_loaded(linkage, [force])(0.7, 0.0).external.output
-    value, angle = CYCLE(0.7), motion.beta + 0.4
-    assert loads.force_x == pytest.approx(value * cos(angle), rel=1e-13)
-    assert loads.force_y == pytest.approx(value * sin(angle), rel=1e-13)
 
 
 FLYWHEEL = 50.0         # [kg m^2] so heavy that steps are long

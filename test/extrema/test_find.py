@@ -335,19 +335,6 @@ def test_many_linkages_give_what_each_gives_alone():
                 assert e.kind == 'constant' or many[name].is_maximum[row] == (e.kind == 'maximum')
 
 
-def test_many_linkages_are_complete():
-    """Near change points, and anywhere."""
-    rng = np.random.default_rng(5)
-    lengths = rng.uniform(0.1, 1.0, (4, 150))
-    lengths[2, :75], lengths[3, :75] = lengths[0, :75], lengths[1, :75]
-    lengths[:, :75] *= 1.0 + 10.0**rng.uniform(-9.0, -1.0, 75) * rng.normal(size=(4, 75))
-    found = find_extrema_many(*lengths)
-    interior = [np.bincount(part.index[part.side == 0], minlength=150) for part in found.values()]
-    for j in range(150):
-        if interior[1][j]:
-            assert [int(part[j]) for part in interior] == count_extrema(lengths[:, j].tolist())
-
-
 def test_cranks_are_seldom_searched_one_by_one(monkeypatch):
     alone, search = [], many_module.find_extrema
     monkeypatch.setattr(many_module, 'find_extrema', lambda *arguments: alone.append(arguments)

@@ -84,11 +84,6 @@ def windows_exact(time, count):
     return 3 * mp.pi / 2 - 2 * half
 
 
-def one_window_exact(time):
-    """Return theta1 of P3, N = 1."""
-    return windows_exact(time, 1)
-
-
 def near_lock_up(crank=1.98):
     """P4: Haug 4.9.2, a slider-crank near lock-up, free at 10 rad/s; energy 1000 J."""
     slider_crank = SliderCrank(crank, 2.0, bodies=Bodies(Body(0.0, inertia=20.0), Body(0.0),
