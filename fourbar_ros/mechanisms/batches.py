@@ -5,8 +5,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cache, lru_cache
-from math import nan, prod
-from typing import Any, TYPE_CHECKING
+from math import nan
+from typing import TYPE_CHECKING
 
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.mechanics.bodies import Base
@@ -25,17 +25,16 @@ if TYPE_CHECKING:
     from fourbar_ros.mechanisms.mechanism import Mechanism
 
 
-def _set_limits(mechanism: Mechanism, inputs: Sequence[Any], rows: Sequence[Array],
+def _set_limits(mechanism: Mechanism, inputs: Sequence[Array], rows: Sequence[Array],
                 wanted: Sequence[int], with_loads: bool) -> None:
     """
     Overwrite samples at input 0, a flat position (0/0 in the formulas), by the limits there.
 
-    ``inputs``: position of shape (n,), rate and acceleration of shape (n,) or one number each;
-    ``rows``: of shape (n,), of the fields ``wanted``. Limits are computed once for each pair of
-    finite rates.
+    ``inputs``: position, rate and acceleration; ``rows``: of the fields ``wanted``, each of shape
+    (n,). Limits are computed once for each pair of finite rates.
     """
     at_zero = np.flatnonzero(inputs[0] == 0.0)
-    rates = np.stack([np.broadcast_to(v, inputs[0].shape)[at_zero] for v in inputs[1:]])
+    rates = np.stack([v[at_zero] for v in inputs[1:]])
     for rate, acceleration in np.unique(rates[:, np.isfinite(rates).all(axis=0)], axis=1).T:
         fields = limits_at_zero(mechanism, float(rate), float(acceleration), with_loads)
         samples = at_zero[(rates[0] == rate) & (rates[1] == acceleration)]
@@ -69,14 +68,11 @@ def evaluate(mechanism: Mechanism, given: tuple[ArrayLike, ...], wanted: tuple[i
         if any(v.dtype.kind == 'c' for v in inputs):
             rows = _complex_rows(mechanism, inputs, shape, wanted, with_loads)
         else:
-            # a rate that is one number stays one: all that follows from it is computed once
-            flattened = [float(v) if i and not v.ndim else np.broadcast_to(v, shape).reshape(-1)
-                         for i, v in enumerate(inputs)]
+            flattened = [np.broadcast_to(v, shape).reshape(-1) for v in inputs]
             trace, constants, zeros = (mechanism.record_with_loads if with_loads
                                        else mechanism.record_of_motion)
             wanted = range_of(trace) if wanted is None else wanted
-            rows = program(trace, wanted, tuple([type(v) is float for v in flattened]),
-                           zeros)(flattened, constants, prod(shape))
+            rows = program(trace, wanted, zeros)(flattened, constants)
             if mechanism.is_flat_at_zero:
                 _set_limits(mechanism, flattened, rows, wanted, with_loads)
     if reaches is not None:             # the position itself is known out of reach too

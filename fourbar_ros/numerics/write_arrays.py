@@ -37,15 +37,15 @@ ARRAYS: dict[str, Function] = {
 
 
 @lru_cache(maxsize=512)
-def program(trace: Trace, wanted: tuple[int, ...], single: tuple[bool, ...],
-            zeros: frozenset[int]) -> Callable[[Sequence[Any], Sequence[Any], int], list[Array]]:
+def program(trace: Trace, wanted: tuple[int, ...], zeros: frozenset[int]
+            ) -> Callable[[Sequence[Array], Sequence[Any]], list[Array]]:
     """
-    Return the function (inputs, constants, size) -> results ``wanted`` of a trace of three inputs.
+    Return the function (inputs, constants) -> results ``wanted`` of a trace of three inputs.
 
-    Results are arrays of shape (size,) with own memory, computed chunk by chunk; so are inputs, or
-    floats if ``single``; constants by place are those of :meth:`.Trace.constants`. ``zeros``:
-    places of numbers that do not depend on the inputs and are zero: what only adds zero is left
-    out, unless a result would then no longer be NaN where it should.
+    Results are arrays of shape (n,) with own memory, computed chunk by chunk; so are inputs;
+    constants by place are those of :meth:`.Trace.constants`. ``zeros``: places of numbers that do
+    not depend on the inputs and are zero: what only adds zero is left out, unless a result would
+    then no longer be NaN where it should.
     """
     simple = trace.simplified(dict.fromkeys(zeros, 0.0))
     full, places = ([flat(one.results)[i] for i in wanted] for one in (trace, simple))
@@ -53,12 +53,9 @@ def program(trace: Trace, wanted: tuple[int, ...], single: tuple[bool, ...],
         simple, places = trace, full
     steps = [place for place in simple.needed(places)
              if place in trace.varies and place >= trace.count]
-    arrays = {place for place in range(3) if not single[place]}
-    for place in steps:
-        if not arrays.isdisjoint(simple.steps[place].arguments):
-            arrays.add(place)
-    once = [place for place in steps if place not in arrays]
-    lines, kinds = array_statements(simple, places, [i for i in steps if i in arrays])
+    # differences of equal numbers, which do not depend on the inputs any more
+    fixed = {i: simple.steps[i].value for i in steps if simple.steps[i].is_given}
+    lines, kinds = array_statements(simple, places, [i for i in steps if i not in fixed])
     known = sorted({int(name[1:]) for name in re.findall(r'v\d+', ' '.join(lines))})
     names = [*(f'v{i}' for i in known), *(f'b{i}' for i in range(len(kinds))),
              *(f'r{i}' for i in range(len(places)))]
@@ -67,20 +64,17 @@ def program(trace: Trace, wanted: tuple[int, ...], single: tuple[bool, ...],
                                 *(f'        {one}' for one in lines or ['pass']),
                                 '    return line', '']), 'arrays')(*ARRAYS.values())
 
-    def run_on(inputs: Sequence[Any], constants: Sequence[Any], size: int) -> list[Array]:
-        """Return the results; single numbers are computed once."""
+    def run_on(inputs: Sequence[Array], constants: Sequence[Any]) -> list[Array]:
         keep_memory()
-        values = [*inputs, *constants[3:]]
-        for place in once:
-            step = simple.steps[place]
-            values[place] = step.value if step.is_given else step.of(
-                *[values[i] for i in step.arguments])
+        size, values = inputs[0].size, [*inputs, *constants[3:]]
+        for place, value in fixed.items():
+            values[place] = value
         rows: list[Array] = [np.empty(size) for _ in places]
         count = -(-size // -(-size // CHUNK)) if size else 1     # chunks of equal size
         buffers: list[Any] = [np.empty(count, kind) for kind in kinds]
         for start in range(0, size, count):
             part = slice(start, start + count)
-            line(*[values[i][part] if i in arrays else values[i] for i in known],
+            line(*[values[i][part] if i < trace.count else values[i] for i in known],
                  *(buffers if start + count <= size else [b[:size - start] for b in buffers]),
                  *[row[part] for row in rows])
         return rows
