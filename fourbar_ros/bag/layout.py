@@ -18,7 +18,6 @@ from rosbags.interfaces import Nodetype
 from rosbags.typesys.store import Typestore
 
 HEADER = 4          # [bytes] before the data of a message
-MOST = 100_000      # fields in a message: a wrong length must not fill the memory
 _OTHER_NAMES = {'bool': '?', 'byte': 'u1', 'octet': 'u1', 'char': 'u1'}
 
 
@@ -68,8 +67,6 @@ class MessageLayout:
 
     def _field(self, kind: Nodetype, what: Any, path: str) -> None:
         """Read one field; ``kind`` and ``what`` as in the field definitions of rosbags."""
-        if len(self._fields) > MOST:
-            raise IndexError
         if kind == Nodetype.NAME:
             self._walk(what, f'{path}.')
         elif kind == Nodetype.BASE:
@@ -96,8 +93,6 @@ class MessageLayout:
             self._align(dtype.itemsize)
         self._fields[path] = dtype if count is None else (dtype, (count,)), self._at
         self._at += dtype.itemsize * (1 if count is None else count)
-        if self._at > len(self._data):
-            raise IndexError
 
     def _length(self) -> int:
         """Read the length of a text or sequence: other lengths are another layout."""

@@ -30,7 +30,6 @@ ROOM = 32 * 2**20                       # [bytes] of free disk below which a bag
 NO_ROOM = f'less than {ROOM >> 20} MiB free'
 LEFT = 'what was flushed is in the file: fourbar bag recover'
 MOST_MESSAGES, MOST_BYTES = 100_000, 128 * 2**20    # that may wait; then the newest are dropped
-CDR_HEADER = 4      # [bytes] the shortest message
 MOST_FILES = 100    # that may wait for the disk, open, after a split
 BITE = 50           # messages after which the thread lets others run
 SPLIT = 'split'     # why a file ended: another one follows
@@ -78,8 +77,7 @@ class BagWriter:
     Raises
     ------
     BagError
-        The name is taken or leaves the directory, the directory cannot be written, or an argument
-        is bad.
+        The name is taken or leaves the directory, or the directory cannot be written.
 
     """
 
@@ -88,8 +86,6 @@ class BagWriter:
                  split_duration: float = 0.0, tell: Callable[[str], object] | None = None,
                  clock: Callable[[], int] | None = None) -> None:
         """Create the folder and its first file; start the threads that write and sync it."""
-        if len({channel.topic for channel in channels}) < len(channels):
-            raise BagError('a topic is given twice')
         offset = time.time_ns() - time.monotonic_ns()
         self.clock = clock or (lambda: offset + time.monotonic_ns())
         self.path = Path(directory) / (metadata.checked_name(name) or metadata.fresh_name())
@@ -137,16 +133,7 @@ class BagWriter:
         return len(self._queue)
 
     def write(self, channel: int, data: bytes | bytearray | memoryview) -> bool:
-        """
-        Take one serialised message of a channel, by its number, as :meth:`write_all`.
-
-        Raises BagError for an argument that would spoil the file, and leaves the bag as it was.
-        """
-        count = len(self._channels)
-        if type(channel) is not int or not 0 <= channel < count:
-            raise BagError(f'channel {channel!r}: must be a number from 0 to {count - 1}')
-        if not isinstance(data, (bytes, bytearray, memoryview)) or len(data) < CDR_HEADER:
-            raise BagError(f'data {type(data).__name__}: must be the bytes of a message')
+        """Take one serialised message of a channel, by its number, as :meth:`write_all`."""
         return self.write_all([(channel, bytes(data))])     # a copy: its owner may change it
 
     def write_all(self, messages: Sequence[tuple[int, bytes]]) -> bool:

@@ -65,24 +65,6 @@ def assert_every_reader_takes(path, count):
 
 # --- arguments, names ----------------------------------------------------------------------------
 
-@pytest.mark.parametrize('bad', [
-    (-1, motion(0)), (2, motion(0)), ('0', motion(0)), (None, motion(0)), (0.0, motion(0)),
-    (True, motion(0)), (0, 'text'), (0, None), (0, [1, 2]), (0, 7), (0, b''), (0, b'abc')])
-def test_a_bad_argument_is_refused_and_spoils_nothing(tmp_path, bad):
-    writer = open_bag(tmp_path)
-    writer.write(0, motion(0))
-    with pytest.raises(BagError, match='channel|data'):
-        writer.write(*bad)
-    assert writer.write(0, motion(1))
-    assert numbers(writer.close()) == [0, 1]
-
-
-def test_a_topic_given_twice_is_refused_before_anything_is_made(tmp_path):
-    with pytest.raises(BagError, match='twice'):
-        BagWriter(tmp_path, 'run', [MOTION, MOTION], {})
-    assert not list(tmp_path.iterdir())
-
-
 def test_buffers_are_copied(tmp_path):
     writer = open_bag(tmp_path)
     buffer = bytearray(motion(1))
