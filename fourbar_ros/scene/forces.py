@@ -8,7 +8,6 @@ was read holds the numbers themselves, so a bag needs no file.
 """
 from __future__ import annotations
 
-from collections.abc import Iterator
 import csv
 from math import atan2, isfinite, pi
 from pathlib import Path
@@ -26,7 +25,6 @@ from fourbar_ros.scene.parameters import names_in, point_in
 from fourbar_ros.scene.settings import COUPLE, OF_PLACES, OF_VALUES, ParameterValues, PRESSURES
 
 FAMILY = 'forces'
-MOST_ROWS, LARGEST = 10_000, 4_000_000      # of a table: rows, bytes
 HEADER = re.compile(r'\s*([^\[\],]*?)\s*\[\s*([^\[\]]*?)\s*\]\s*')
 # forces.NAME.acts: (whether the direction turns with the link, angle from its x axis [rad])
 ACTS = {'x': (False, 0.0), 'y': (False, 0.5 * pi), 'along': (True, 0.0),
@@ -58,68 +56,52 @@ def with_tables(values: ParameterValues) -> ParameterValues:
             if values.get(f'{force}.{field}'):
                 raise InvalidParameter(f'{force}.{field}', values[f'{force}.{field}'],
                                        f'is in the file already: {values[name]}')
-        columns = read_table(Path(values[name]), values.get(f'{force}.periodic') is True)
+        columns = read_table(Path(values[name]))
         del replaced[name]
         replaced.update((f'{force}.{field}', value) for field, value in columns._asdict().items())
     return replaced
 
 
-def read_table(path: Path, is_periodic: bool = False) -> TableColumns:
+def read_table(path: Path) -> TableColumns:
     """
     Return the table of a CSV file: a header with units, then a place and a value in each row.
 
-    Raises SceneError naming file and row: numbers that are missing, not finite, not increasing.
+    Raises SceneError naming file and row.
     """
     def refuse(row: int, why: str) -> SceneError:
         return SceneError(f'{path}, row {row}: {why}')
 
     rows = _rows(path)
-    row, header = next(rows, (1, []))
-    units = [match and match[2] for match in map(HEADER.fullmatch, header)]
-    for unit, known in zip((*units, None, None), (OF_PLACES, OF_VALUES)):
-        if len(units) != 2 or unit not in known:
-            raise refuse(row, 'must be two headings with units, as "theta1 [deg], pressure [bar]"'
-                         f'; units are {", ".join(OF_PLACES)} and {", ".join(OF_VALUES)}')
-    table = TableColumns([], str(units[0]), [], str(units[1]))
-    for row, texts in rows:
-        if len(texts) != 2:
-            raise refuse(row, f'{len(texts)} columns, must be a place and a value')
-        for text, column in zip(texts, (table.places, table.values)):
+    row, header = rows[0] if rows else (1, [])
+    units = [match[2] if match else '' for match in map(HEADER.fullmatch, header)]
+    if len(units) != 2 or units[0] not in OF_PLACES or units[1] not in OF_VALUES:
+        raise refuse(row, 'must be two headings with units, as "theta1 [deg], pressure [bar]"; '
+                          f'units are {", ".join(OF_PLACES)} and {", ".join(OF_VALUES)}')
+    table = TableColumns([], units[0], [], units[1])
+    for row, cells in rows[1:]:
+        if len(cells) != 2:
+            raise refuse(row, f'{len(cells)} columns, must be a place and a value')
+        for text, column in zip(cells, (table.places, table.values)):
             try:
                 column.append(float(text))
             except ValueError:
                 raise refuse(row, f'{text.strip()!r} must be a number') from None
             if not isfinite(column[-1]):
                 raise refuse(row, f'{text.strip()!r} must be a finite number')
-        if len(table.places) > 1 and not table.places[-1] > table.places[-2]:
-            raise refuse(row, f'{table.places[-1]!r} must be larger than the place before, '
-                              f'{table.places[-2]!r}')
-        if len(table.places) > MOST_ROWS:
-            raise refuse(row, f'a table has at most {MOST_ROWS} rows')
-    if len(table.places) < 2:
-        raise refuse(row, 'a table has at least two rows of numbers')
-    if is_periodic and table.values[0] != table.values[-1]:
-        raise refuse(row, f'{table.values[-1]!r} must be the first value again, '
-                          f'{table.values[0]!r}: the table is periodic')
     return table
 
 
-def _rows(path: Path) -> Iterator[tuple[int, list[str]]]:
-    """Yield (line number, cells) of the rows of a CSV file without empty rows and # comments."""
-    number = 1
-    if path.exists() and not (path.is_file() and path.stat().st_size <= LARGEST):
-        raise SceneError(f'{path}: must be a file of at most {LARGEST} bytes')
+def _rows(path: Path) -> list[tuple[int, list[str]]]:
+    """Return (line number, cells) of the rows of a CSV file without empty rows and # comments."""
     try:
         with path.open(encoding='utf-8-sig', newline='') as file:
             reader = csv.reader(file)
-            for row in reader:
-                number = reader.line_num
-                if any(map(str.strip, row)) and not row[0].lstrip().startswith('#'):
-                    yield number, row
+            return [(reader.line_num, row) for row in reader
+                    if any(map(str.strip, row)) and not row[0].lstrip().startswith('#')]
     except OSError as error:
         raise SceneError(f'{path}: {error.strerror}') from None
     except (UnicodeDecodeError, csv.Error) as error:
-        raise SceneError(f'{path}, row {number}: not a table as text: {error}') from None
+        raise SceneError(f'{path}: not a table as text: {error}') from None
 
 
 def forces_of(values: ParameterValues, linkage: Mechanism) -> tuple[PositionForce, ...]:
