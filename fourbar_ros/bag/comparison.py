@@ -3,6 +3,7 @@
 """Compare two bags message by message: the same stamp on the same topic is the same message."""
 from __future__ import annotations
 
+from collections import Counter, defaultdict
 from collections.abc import Sequence
 import json
 from math import inf
@@ -62,13 +63,14 @@ def diff(first: str | Path, second: str | Path, topics: Sequence[str] | None = N
 
 
 def _of_topic(topic: str, first: Sequence[Columns], second: Sequence[Columns]) -> TopicDiff:
-    largest: dict[str, float] = {}
-    of_first, of_second = _keyed(first), _keyed(second)
+    of_first, of_second = _places(first), _places(second)
     common = of_first.keys() & of_second.keys()
-    rows: dict[tuple[int, int], list[tuple[int, int]]] = {}     # by the columns on both sides
+    # numpy compares all rows that are in the same columns on both sides at once
+    rows: defaultdict[tuple[int, int], list[tuple[int, int]]] = defaultdict(list)
     for key in common:
         (i, row), (j, other) = of_first[key], of_second[key]
-        rows.setdefault((i, j), []).append((row, other))
+        rows[i, j].append((row, other))
+    largest: dict[str, float] = {}
     for (i, j), pairs in rows.items():
         one, two = np.array(pairs).T
         for field, apart in _differences(first[i].records[one], second[j].records[two]).items():
@@ -77,17 +79,23 @@ def _of_topic(topic: str, first: Sequence[Columns], second: Sequence[Columns]) -
                      len(of_second) - len(common), largest)
 
 
-def _keyed(parts: Sequence[Columns]) -> dict[tuple[int, int], tuple[int, int]]:
-    """Return {(stamp [ns], how many had it before): (number of the columns, row)}."""
-    found: dict[tuple[int, int], tuple[int, int]] = {}
-    seen: dict[int, int] = {}
+def _places(parts: Sequence[Columns]) -> dict[tuple[int, int], tuple[int, int]]:
+    """
+    Return {which message: where it is}, the number of its columns and its row there.
+
+    Messages of two bags are the same if they have one stamp [ns], or none (0), and as many before
+    them had it.
+    """
+    places: dict[tuple[int, int], tuple[int, int]] = {}
+    times_met: Counter[int] = Counter()
     for number, columns in enumerate(parts):
         stamps = columns.stamps
-        for row, stamp in enumerate([0] * len(columns.times) if stamps is None
-                                    else stamps.tolist()):
-            found[stamp, seen.get(stamp, 0)] = number, row
-            seen[stamp] = seen.get(stamp, 0) + 1
-    return found
+        if stamps is None:
+            stamps = np.zeros(len(columns.times), np.int64)
+        for row, stamp in enumerate(stamps.tolist()):
+            places[stamp, times_met[stamp]] = number, row
+            times_met[stamp] += 1
+    return places
 
 
 def _differences(one: Array, two: Array) -> dict[str, float]:

@@ -115,13 +115,14 @@ def _by_reading(bag: Bag) -> tuple[list[TopicInfo], list[int]]:
     """Return topics and log times by reading every message; count gaps in the numbers."""
     counts: Counter[str] = Counter()
     missing: Counter[str] = Counter()
-    last: dict[str, int] = {}
+    following: dict[str, int] = {}      # the number that is due
     start = end = None
     for raw in bag.raw():
-        gap = (raw.sequence - last.get(raw.topic, raw.sequence - 1) - 1) & 0xFFFFFFFF
-        missing[raw.topic] += gap if gap < 1 << 31 else 0       # numbers of 32 bits go round
+        gap = (raw.sequence - following.get(raw.topic, raw.sequence)) & 0xFFFFFFFF
+        if gap < 1 << 31:           # numbers of 32 bits go round: else it is a step back
+            missing[raw.topic] += gap
         counts[raw.topic] += 1
-        last[raw.topic] = raw.sequence
+        following[raw.topic] = raw.sequence + 1
         start = raw.time if start is None else min(start, raw.time)
         end = raw.time if end is None else max(end, raw.time)
     return [TopicInfo(topic, type_name, counts[topic], missing[topic])

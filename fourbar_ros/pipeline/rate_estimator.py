@@ -232,26 +232,25 @@ class RateEstimator:
 
         After a gap or a jump it is the first one again; else its distance from the fit is noted.
         """
-        step = nan
-        if self._samples:
-            last = self._samples[-1]
-            t, step = (sample.time - last.time) * NANOSECOND, sample.position - last.position
-            if not isnan(self._top_speed):
-                step = _without_turns(step, self._turn)
-            rates = [v for v in (self._estimate[0], sample.velocity) if isfinite(v)]
-            surprise = step - t * sum(rates) / max(len(rates), 1)
-            is_believed = (abs(step) <= self._jump and abs(surprise) <= self._jump
-                           and not t * self._top_speed >= 0.25 * self._turn)
-            if isfinite(sample.velocity):                # positions need not tell the rate
-                is_steady = abs(_without_turns(surprise, self._turn)) <= self._jump
-            else:
-                is_steady = is_believed
-            if not (is_steady and 0 < sample.time - last.time <= self._gap):
-                self._restart()
-            else:
-                self._note_scatter(t, step, sample.velocity)
-            step = step if is_believed else nan
-        self._samples.append(sample._replace(step=step))
+        if not self._samples:
+            self._samples.append(sample)
+            return
+        last = self._samples[-1]
+        t, step = (sample.time - last.time) * NANOSECOND, sample.position - last.position
+        if not isnan(self._top_speed):
+            step = _without_turns(step, self._turn)
+        rates = [v for v in (self._estimate[0], sample.velocity) if isfinite(v)]
+        surprise = step - t * sum(rates) / len(rates) if rates else step
+        is_believed = (abs(step) <= self._jump and abs(surprise) <= self._jump
+                       and not t * self._top_speed >= 0.25 * self._turn)
+        is_steady = is_believed
+        if isfinite(sample.velocity):                # positions need not tell the rate
+            is_steady = abs(_without_turns(surprise, self._turn)) <= self._jump
+        if is_steady and 0 < sample.time - last.time <= self._gap:
+            self._note_scatter(t, step, sample.velocity)
+        else:
+            self._restart()
+        self._samples.append(sample._replace(step=step if is_believed else nan))
 
     def _note_scatter(self, t: float, step: float, velocity: float) -> None:
         """Note how far a sample, ``t`` [s] and ``step`` after the last one, is from the fit."""

@@ -23,7 +23,6 @@ from fourbar_ros.scene.scene import Scene
 import numpy as np
 
 if TYPE_CHECKING:      # scenes with wrenches need it
-    from fourbar_ros.mechanisms.inertia import Rigid
     from fourbar_ros.pipeline.wrenches import ActingInput
 
 # The same numbers as the STATUS_ constants of fourbar_msgs/LinkageState (a test compares them).
@@ -137,12 +136,17 @@ class Stepper:
             str, Callable[[Mechanism, NamedFields, NamedFields], Iterable[float]],
             tuple[float, ...]]] = []
         self._carried = scene.carried
+        if self._carried or 'inertia' in scene.outputs:
+            from fourbar_ros.mechanisms import inertia  # other scenes do without
+            self._rest_of = inertia.rest_of
         if 'equation' in scene.outputs:
             self._of_linkage.append(('equation', partial(
                 _equation, scene.bare_linkage.weightless, scene.drive.carried_inertia),
                 (nan,) * len(EQUATION)))
         if 'inertia' in scene.outputs:
-            self._of_linkage.append(('inertia', _rigid, (nan,) * len(RIGID)))
+            self._of_linkage.append((
+                'inertia', lambda linkage, motion, _: inertia.held_rigid(linkage, motion),
+                (nan,) * len(RIGID)))
         own_joints = joint_values(len(scene.layout.joints)) if self._joints else ()
         # the values of a sample where nothing is known, without those of its joints
         self._nothing = (nan,) * (len(scene.layout.place) - len(own_joints))
@@ -189,7 +193,7 @@ class Stepper:
         if self._loads_unknown and status == OK:
             status = LOADS_UNKNOWN
         elif self._carried and with_loads and status == OK:
-            loads = _rest_of(loads, self._carried, linkage)
+            loads = self._rest_of(loads, self._carried, linkage)
             if not isfinite(loads.shaking_force + loads.shaking_moment):
                 status, loads = INVALID_INPUT, _none_of(linkage.LOADS)
                 motion = linkage.unknown(position, rate, acceleration)
@@ -255,17 +259,6 @@ def _equation(weightless: Mechanism, carried: float, linkage: Mechanism, motion:
     position, rate, acceleration = (getattr(motion, name) for name in linkage.input_coordinate)
     return [*input_equation(linkage, position, rate, weightless),
             getattr(loads, linkage.drive_load) - carried * acceleration]
-
-
-def _rigid(linkage: Mechanism, motion: NamedFields, loads: NamedFields) -> Iterable[float]:
-    from fourbar_ros.mechanisms.inertia import held_rigid  # other scenes do without
-    return held_rigid(linkage, motion)
-
-
-def _rest_of(loads: NamedFields, carried: Rigid, linkage: Mechanism) -> NamedFields:
-    """Return loads without what a simulator's own body gives."""
-    from fourbar_ros.mechanisms.inertia import rest_of  # other scenes do without
-    return rest_of(loads, carried, linkage)
 
 
 def _first_assembled(linkage: Mechanism, end: float, toward: float) -> float:

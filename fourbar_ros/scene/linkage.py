@@ -170,10 +170,10 @@ class Bodies:
 
     def _section_of_rods(self) -> tuple[str, ...]:
         """Return the fields of the section of the rods, one of SECTIONS; refuse half a section."""
-        given = [field for section in SECTIONS for field in section if self._has(RODS + field)]
-        section = SECTIONS[bool(given) and given[-1] in SECTIONS[1]]
-        if given and given[0] not in section:
-            raise InvalidParameter(RODS + given[0], self._values[RODS + given[0]],
+        of_round, of_flat = SECTIONS
+        section = of_flat if any(self._has(RODS + field) for field in of_flat) else of_round
+        if section == of_flat and self._has(RODS + 'radius'):
+            raise InvalidParameter(RODS + 'radius', self._values[RODS + 'radius'],
                                    'give either the radius of round rods or width and thickness')
         for field in ('density', *section):
             if not self._has(RODS + field):
