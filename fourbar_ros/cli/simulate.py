@@ -6,7 +6,6 @@ from __future__ import annotations
 from argparse import Namespace
 from math import inf, nan
 from pathlib import Path
-import time
 from typing import TYPE_CHECKING
 
 from fourbar_ros.cli.common import add_scene, add_verb, BAD, bar, Verbs
@@ -70,35 +69,32 @@ def _simulate(arguments: Namespace) -> int:
     from fourbar_ros.errors import BagError
     from fourbar_ros.scene.scene import load
     from fourbar_ros.scene.simulated import simulate_scene
-    scene, began, out = load(arguments.scene), time.process_time(), arguments.output
+    scene, out = load(arguments.scene), arguments.output
     if out is not None and out.exists():         # refused before the work is done, not after
         raise BagError(f'{out}: exists already')
     with bar('integrating', 1.0) as show:       # goes back when another run begins
         simulated = simulate_scene(scene, arguments.until, arguments.tolerance, arguments.method,
                                    arguments.torque, evaluations=arguments.evaluations,
                                    seconds=arguments.seconds, progress=show)
-    took = time.process_time() - began
     if out is not None:
         from fourbar_ros.ros.offline import write_bag
         with bar('writing the bag', simulated.run.time.size) as step:
             out = write_bag(simulated, out.absolute(), step)
-    print_summary(simulated, arguments.scene, arguments.tolerance, took)
+    print_summary(simulated, arguments.scene, arguments.tolerance)
     if out is not None:
         print(f'wrote {out}')
     return 0 if simulated.run.status == REACHED else BAD
 
 
-def print_summary(simulated: SimulatedScene, name: str, tolerance: float, took: float) -> None:
+def print_summary(simulated: SimulatedScene, name: str, tolerance: float) -> None:
     """
     Print how a run ended, how exact it is, the ripple of its speed, and its extrema.
 
-    ``took``: CPU time [s]; ``tolerance``: as the user asked for.
+    ``tolerance``: as the user asked for.
     """
     run, console = simulated.run, make_console()
     unit = simulated.scene.linkage.input_coordinate.unit
-    end = float(run.time[-1])
-    console.print(f'{name}: {end:g} s in {took:.2g} s of CPU time ({end / took:.3g} times real '
-                  f'time), {run.time.size} samples.')
+    console.print(f'{name}: {run.time[-1]:g} s, {run.time.size} samples.')
     checked = (f'error of the position up to {run.error:.2g} {unit}, energy constant within '
                f'{run.drift:.2g}; asked for {tolerance:g}')
     reason = f'{run.reason}; ' if run.reason else ''
