@@ -10,6 +10,7 @@ pose in which the loops are closed; the plane of the mechanism is x-y, gravity i
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 from fourbar_ros.description.model import (
     inertia_of,
@@ -18,7 +19,7 @@ from fourbar_ros.description.model import (
     NoDescription,
     RobotModel,
 )
-from fourbar_ros.description.shapes import Pin, Rod, Shape
+from fourbar_ros.description.shapes import Shape
 from fourbar_ros.description.xml import add, as_text, colour, comment, Element
 
 TIMESTEP = 0.0005      # [s]
@@ -34,7 +35,8 @@ def mjcf(model: RobotModel) -> str:
                                 'MuJoCo has no constraint: use SDF')
     root = Element('mujoco', model=model.name)
     comment(root, model.title)
-    add(root, 'compiler', angle='radian', autolimits='true')
+    # roll, pitch, yaw about fixed axes, as in URDF
+    add(root, 'compiler', angle='radian', autolimits='true', eulerseq='XYZ')
     add(root, 'option', gravity=(*model.gravity, 0.0), timestep=TIMESTEP)
     world = add(root, 'worldbody')
     base = add(world, 'body', name=model.root)
@@ -75,20 +77,11 @@ def _body(parent: Element, link: ModelLink, place: int, size: float) -> Element:
 def _geoms(body: Element, shapes: Sequence[Shape], place: int) -> None:
     """Add shapes without contacts; in a scene without masses they give the body its mass."""
     for shape in shapes:
-        add(body, 'geom', **_geometry(shape), rgba=colour(place), contype='0', conaffinity='0')
-
-
-def _geometry(shape: Shape) -> dict[str, str | float | tuple[float, ...]]:
-    """Return the attributes of a geom; MuJoCo has half lengths."""
-    if isinstance(shape, Rod):
-        return {'type': 'capsule', 'size': shape.radius,
-                'fromto': (*shape.start, 0.0, *shape.end, 0.0)}
-    if isinstance(shape, Pin):
-        return {'type': 'cylinder', 'size': (shape.radius, 0.5 * shape.length),
-                'pos': (*shape.at, 0.0)}
-    length, width, height = shape.size
-    return {'type': 'box', 'size': (0.5 * length, 0.5 * width, 0.5 * height),
-            'pos': (*shape.at, 0.0), 'euler': (0.0, 0.0, shape.angle)}
+        sizes: Any = shape.sizes
+        size = sizes['size'] if shape.form == 'box' else (2.0 * sizes['radius'], sizes['length'])
+        add(body, 'geom', type=shape.form, size=tuple([0.5 * length for length in size]),
+            pos=shape.pose[:3], euler=shape.pose[3:], rgba=colour(place), contype='0',
+            conaffinity='0')
 
 
 def _equality(root: Element, model: RobotModel, bodies: dict[str, Element]) -> None:

@@ -106,10 +106,9 @@ def _visuals(link: Element, shapes: Sequence[Shape], place: int) -> None:
     """Add the shapes of a link, in the colour of its place in the order of links."""
     for number, shape in enumerate(shapes):
         visual = add(link, 'visual', name=f'{link.get("name")}_visual_{number}')
-        form, sizes = shape.form
         add(visual, 'pose', numbers(*shape.pose))
-        geometry = add(add(visual, 'geometry'), form)
-        for name, value in sizes.items():
+        geometry = add(add(visual, 'geometry'), shape.form)
+        for name, value in shape.sizes.items():
             add(geometry, name, numbers(*(value if isinstance(value, tuple) else (value,))))
         material = add(visual, 'material')
         for name in ('ambient', 'diffuse'):

@@ -4,14 +4,13 @@
 Solids to draw links with: rods between their joints, pins, blocks on rails.
 
 They follow from the connections alone, so mechanisms of any kind have them. Sizes are in
-proportion to the radius of the rods. Each solid has a ``pose`` (x, y, z, roll, pitch, yaw) in the
-frame of its link, and a ``form``: a word of URDF and SDF with its sizes [m].
+proportion to the radius of the rods.
 """
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from math import atan2, hypot, pi
-from typing import NamedTuple, Union
+from typing import NamedTuple
 
 from fourbar_ros.description.connections import Connection
 from fourbar_ros.mechanisms.mechanism import Mechanism
@@ -19,72 +18,36 @@ from fourbar_ros.mechanisms.parts import GROUND
 import numpy as np
 
 Place = tuple[float, float]
-Pose = tuple[float, float, float, float, float, float]
-Sizes = Mapping[str, Union[float, tuple[float, ...]]]
-
-
-class Rod(NamedTuple):
-    """A round rod between two places of the plane [m]."""
-
-    start: Place
-    end: Place
-    radius: float
-
-    @property
-    def length(self) -> float:
-        """Return its length [m]."""
-        return hypot(self.end[0] - self.start[0], self.end[1] - self.start[1])
-
-    @property
-    def pose(self) -> Pose:
-        """Return the pose of its cylinder, which URDF and SDF have along z."""
-        (x, y), (u, v) = self.start, self.end
-        return 0.5 * (x + u), 0.5 * (y + v), 0.0, 0.0, 0.5 * pi, atan2(v - y, u - x)
-
-    @property
-    def form(self) -> tuple[str, Sizes]:
-        """Return its form and sizes."""
-        return 'cylinder', {'radius': self.radius, 'length': self.length}
-
-
-class Pin(NamedTuple):
-    """A cylinder square to the plane, ``length`` long."""
-
-    at: Place
-    radius: float
-    length: float
-
-    @property
-    def pose(self) -> Pose:
-        """Return its pose."""
-        return (*self.at, 0.0, 0.0, 0.0, 0.0)
-
-    @property
-    def form(self) -> tuple[str, Sizes]:
-        """Return its form and sizes."""
-        return 'cylinder', {'radius': self.radius, 'length': self.length}
-
-
-class Box(NamedTuple):
-    """A box: ``size`` along, across and out of the plane, turned by ``angle``."""
-
-    at: Place
-    angle: float
-    size: tuple[float, float, float]
-
-    @property
-    def pose(self) -> Pose:
-        """Return its pose."""
-        return (*self.at, 0.0, 0.0, 0.0, self.angle)
-
-    @property
-    def form(self) -> tuple[str, Sizes]:
-        """Return its form and sizes."""
-        return 'box', {'size': self.size}
-
-
-Shape = Rod | Pin | Box
 JointWithTravel = tuple[Connection, tuple[float, float] | None]    # with the travel of a slide [m]
+
+
+class Shape(NamedTuple):
+    """
+    A solid: a ``form``, cylinder or box, with its sizes, as words of URDF and SDF [m].
+
+    ``pose``: x, y, z, roll, pitch, yaw in the frame of its link; a cylinder lies along z of it.
+    """
+
+    form: str
+    sizes: Mapping[str, float | tuple[float, ...]]
+    pose: tuple[float, float, float, float, float, float]
+
+
+def _rod(start: Place, end: Place, radius: float) -> Shape:
+    """Return a round rod between two places of the plane."""
+    (x, y), (u, v) = start, end
+    return Shape('cylinder', {'radius': radius, 'length': hypot(u - x, v - y)},
+                 (0.5 * (x + u), 0.5 * (y + v), 0.0, 0.0, 0.5 * pi, atan2(v - y, u - x)))
+
+
+def _pin(at: Place, radius: float, length: float) -> Shape:
+    """Return a cylinder square to the plane."""
+    return Shape('cylinder', {'radius': radius, 'length': length}, (*at, 0.0, 0.0, 0.0, 0.0))
+
+
+def _block(at: Place, angle: float, size: tuple[float, float, float]) -> Shape:
+    """Return a box: ``size`` along, across and out of the plane, turned by an angle."""
+    return Shape('box', {'size': size}, (*at, 0.0, 0.0, 0.0, angle))
 
 
 def shapes_of(mechanism: Mechanism, joints: Iterable[JointWithTravel],
@@ -104,15 +67,15 @@ def shapes_of(mechanism: Mechanism, joints: Iterable[JointWithTravel],
         if connection.axis is None or travel is None:
             places[parent].append(connection.on_parent)
             places[child].append(connection.on_child)
-            shapes[parent].append(Pin(connection.on_parent, 1.3 * radius, 3.0 * radius))
+            shapes[parent].append(_pin(connection.on_parent, 1.3 * radius, 3.0 * radius))
         else:
             (x, y), (u, v) = connection.on_parent, connection.axis
             low, high = travel
             if low < high:
-                shapes[parent].append(Rod((x + low * u, y + low * v), (x + high * u, y + high * v),
-                                          0.6 * radius))
-            shapes[child].append(Box(connection.on_child, atan2(v, u) - turn,
-                                     (6.0 * radius, 3.5 * radius, 3.0 * radius)))
+                shapes[parent].append(_rod((x + low * u, y + low * v),
+                                           (x + high * u, y + high * v), 0.6 * radius))
+            shapes[child].append(_block(connection.on_child, atan2(v, u) - turn,
+                                        (6.0 * radius, 3.5 * radius, 3.0 * radius)))
     for name, along, across in points:
         places[name].append((along, across))
     for link in mechanism.LINKS:
@@ -120,8 +83,8 @@ def shapes_of(mechanism: Mechanism, joints: Iterable[JointWithTravel],
     return shapes
 
 
-def _rods(places: Sequence[Place], radius: float) -> list[Rod]:
+def _rods(places: Sequence[Place], radius: float) -> list[Shape]:
     """Return rods through the places of a link, from one to the next along it; none too short."""
     different = sorted(set(places))
-    return [Rod(start, end, radius) for start, end in zip(different, different[1:])
+    return [_rod(start, end, radius) for start, end in zip(different, different[1:])
             if np.hypot(end[0] - start[0], end[1] - start[1]) > 0.1 * radius]

@@ -78,8 +78,7 @@ def _visuals(link: Element, shapes: Sequence[Shape], place: int) -> None:
     """Add the shapes of a link, in the colour of its place in the order of links."""
     for shape in shapes:
         visual = add(link, 'visual')
-        form, sizes = shape.form
         add(visual, 'origin', xyz=shape.pose[:3], rpy=shape.pose[3:])
-        add(add(visual, 'geometry'), form, **sizes)
+        add(add(visual, 'geometry'), shape.form, **shape.sizes)
         add(add(visual, 'material', name=f'{link.get("name")}_colour'), 'color',
             rgba=colour(place))
