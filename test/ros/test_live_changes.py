@@ -15,15 +15,15 @@ LOADED = {**PAPER, **RODS, 'drive.source': 'motion', 'outputs': ['loads', 'state
 WAITING = """
 from pathlib import Path
 import time
-import fourbar_ros.ros.node.node as node
-make = node.from_values
-def make_late(values):
-    if values.get('gravity.y') == -2.0:
+from fourbar_ros.scene.scene import Scene
+make = Scene.with_values
+def make_late(scene, changes):
+    if changes.get('gravity.y') == -2.0:
         print('at work', flush=True)
         while not Path('go').exists():
             time.sleep(0.01)
-    return make(values)
-node.from_values = make_late
+    return make(scene, changes)
+Scene.with_values = make_late
 """
 
 

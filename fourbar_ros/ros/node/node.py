@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import Future, wait
 from math import inf
 from pathlib import Path
+import time
 from traceback import format_exc
 from typing import Any, TYPE_CHECKING, Union
 
@@ -39,6 +40,7 @@ if TYPE_CHECKING:      # only the scenes that want it
     from fourbar_ros.ros.node.topic_input import TopicInput
 
 CHANGES = 'changes'    # name of the thread that changes parameters, beside the stream
+PAUSE = 5e-5           # [s] between two pieces of a change, where inputs that came meanwhile go first
 LOOK = 0.1             # [s] between two looks whether the node stops
 PATIENCE = 0.5         # [s] for a search to see that it is abandoned: it looks every milliseconds
 
@@ -119,7 +121,9 @@ class FourBarNode(Node):
         callbacks of the executor and two steps, so that no input waits.
         """
         self._check(scene)
+        time.sleep(PAUSE)
         run = RunningScene(scene, self.stream.run, self.stream.run.stepper.acting)
+        time.sleep(PAUSE)
 
         def swap() -> None:
             self.stream.swap(run)
@@ -322,6 +326,7 @@ def watch(node: Node, current: Callable[[], Scene], apply: Callable[[Scene], Non
             elif value != node.get_parameter(name).value:    # one of rclpy's, as use_sim_time
                 raise InvalidParameter(name, value, 'only at start')
         if changes:
+            time.sleep(PAUSE)
             apply(current().with_values(changes))
 
     # The scene changes while rclpy asks whether it may: the callback after rclpy has set the
