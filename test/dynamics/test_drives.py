@@ -5,11 +5,7 @@ from math import exp, inf, pi
 
 from fourbar_ros import Applied, Bodies, Body, External, FourBar, InvalidParameter, SliderCrank
 from fourbar_ros.dynamics.elements import GROUND, TorsionSpring
-from fourbar_ros.dynamics.simulation import (
-    LIMIT,
-    REACHED,
-    simulate,
-)
+from fourbar_ros.dynamics.simulation import LIMIT, REACHED, simulate
 from fourbar_ros.dynamics.sources import (
     ConstantTorque,
     DCMotor,

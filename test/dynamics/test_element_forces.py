@@ -2,12 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Loads with springs against the equation of motion, which knows them as energies."""
 from fourbar_ros import Bodies, FourBar, InvertedSlider, round_rod, SliderCrank
-from fourbar_ros.dynamics.elements import (
-    Attachment,
-    PositionForce,
-    Spring,
-    TorsionSpring,
-)
+from fourbar_ros.dynamics.elements import Attachment, PositionForce, Spring, TorsionSpring
 from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.dynamics.forces import make_loaded
 from fourbar_ros.mechanics.bodies import Applied, External

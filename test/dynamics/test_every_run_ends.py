@@ -7,13 +7,7 @@ from math import pi
 from fourbar_ros.dynamics.elements import Attachment, GROUND, Spring, TorsionSpring
 from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.dynamics.node_step import Mover, NOT_FINITE, OK
-from fourbar_ros.dynamics.simulation import (
-    LIMIT,
-    NOT_CONVERGED,
-    REACHED,
-    simulate,
-    STOPPED,
-)
+from fourbar_ros.dynamics.simulation import LIMIT, NOT_CONVERGED, REACHED, simulate, STOPPED
 from fourbar_ros.dynamics.sources import (
     ConstantTorque,
     Drive,

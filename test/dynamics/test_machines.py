@@ -11,13 +11,7 @@ from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 import numpy as np
 import pytest
-from support.machines import (
-    andrews,
-    ANDREWS_ANGLE,
-    ANDREWS_BETA,
-    ANDREWS_RATE,
-    UNTIL,
-)
+from support.machines import andrews, ANDREWS_ANGLE, ANDREWS_BETA, ANDREWS_RATE, UNTIL
 from support.samples import some
 
 pytest.importorskip('scipy')

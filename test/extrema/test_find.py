@@ -4,23 +4,12 @@
 from itertools import pairwise
 from math import inf, isinf, pi
 
-from fourbar_ros import (
-    FourBar,
-    InvalidParameter,
-    InvertedSlider,
-    MissingBodies,
-    SliderCrank,
-)
+from fourbar_ros import FourBar, InvalidParameter, InvertedSlider, MissingBodies, SliderCrank
 from fourbar_ros.extrema import batch as many_module
 from fourbar_ros.extrema.batch import find_extrema_many
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.extrema.input_paths import TooNarrow
-from fourbar_ros.mechanisms.quantities import (
-    known_quantities,
-    Quantity,
-    select,
-    UnknownQuantity,
-)
+from fourbar_ros.mechanisms.quantities import known_quantities, Quantity, select, UnknownQuantity
 import mpmath
 import numpy as np
 import pytest

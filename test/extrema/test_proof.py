@@ -6,14 +6,7 @@ from itertools import islice
 import re
 import sys
 
-from fourbar_ros import (
-    Bodies,
-    Body,
-    FourBar,
-    InvertedSlider,
-    load_scene,
-    SliderCrank,
-)
+from fourbar_ros import Bodies, Body, FourBar, InvertedSlider, load_scene, SliderCrank
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.extrema.proof import Enclosing, polynomial, slopes

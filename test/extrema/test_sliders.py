@@ -11,9 +11,7 @@ from math import isfinite, isnan, pi
 from fourbar_ros import Bodies, Body, FourBar, InvalidParameter, InvertedSlider, SliderCrank
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.extrema.input_paths import TooNarrow
-from fourbar_ros.mechanisms.quantities import (
-    select,
-)
+from fourbar_ros.mechanisms.quantities import select
 import numpy as np
 import pytest
 from support import contract

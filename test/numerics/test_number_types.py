@@ -5,12 +5,7 @@ from fractions import Fraction
 from math import fsum
 
 from fourbar_ros.numerics.exact_sums import difference_of_squares, scaled
-from fourbar_ros.numerics.number_types import (
-    ARRAY,
-    converted,
-    power_of_two,
-    REAL,
-)
+from fourbar_ros.numerics.number_types import ARRAY, converted, power_of_two, REAL
 from fourbar_ros.numerics.tables import ARRAYS
 import mpmath as mp
 import numpy as np

@@ -4,13 +4,7 @@
 import re
 
 from fourbar_ros import FourBar, InvalidParameter, load_scene
-from fourbar_ros.transmission import (
-    branch_of,
-    CannotFollow,
-    ratio_of,
-    trajectory,
-    Transmission,
-)
+from fourbar_ros.transmission import branch_of, CannotFollow, ratio_of, trajectory, Transmission
 import numpy as np
 import pytest
 from support import contract
