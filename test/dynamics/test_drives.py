@@ -105,11 +105,7 @@ def test_couples_do_work_over_turns():
 
 
 def test_a_driven_slide_stops_at_the_end_of_its_stroke():
-    """
-    A constant force against a mass on the crank's pin.
-
-    The end of the stroke, at the time of the free run.
-    """
+    """At the end of the stroke at the time at which the free run is there."""
     bodies = Bodies(Body(1.0, 0.2, 0.0, 0.1), NOTHING, Body(3.0))
     options = {'input': 'slide', 'bodies': bodies}
     push = Drive(ConstantTorque(5.0))

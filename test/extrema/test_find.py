@@ -229,11 +229,7 @@ def test_function_with_abs_has_its_kinks_as_minima():
 @pytest.mark.parametrize('lengths', [(1.2, 0.5, 0.8, 1.0), (4.0, 2.0, 3.0, 5.5),
                                      (0.8, 0.5, 1.2, 1.4)])
 def test_function_with_abs_of_a_rocker_has_an_extremum_between_its_unbounded_ends(lengths):
-    """
-    Next to the toggles all derivatives are huge.
-
-    They must not hide in the trial that abs has no complex step.
-    """
+    """Huge derivatives next to toggles do not hide that abs has no complex step."""
     linkage = with_rods(lengths)
     found = find_extrema(linkage, lambda motion, loads: abs(loads.f41 - 1.0) + motion.omega_beta,
                          2.0, 0.5)

@@ -55,11 +55,7 @@ def test_extrema_at_theta1_0_and_180_degrees_are_counted(lengths, theta1, mode):
                          [(SliderCrank(0.1, 0.3, 0.02, bodies=MASSES), 'f43'),
                           (InvertedSlider(0.1, 0.3, 0.02, bodies=MASSES), 'f32')])
 def test_magnitudes_of_forces_that_change_their_sense_are_proved(mechanism, quantity):
-    """
-    A force along one line.
-
-    Its magnitude has kinks, where it is zero, and all of them are global minima.
-    """
+    """A force along one line: its magnitude has kinks where it is zero, all global minima."""
     found = find_extrema(mechanism, quantity, 3.0, 1.0, certify=True)
     assert proofs(found) == {'interval bounds'}
     zeros = [e for e in found if e.value == 0.0]
@@ -180,11 +176,7 @@ def test_a_narrow_pair_beside_a_toggle_is_found_without_a_proof():
 
 @pytest.mark.parametrize('place', [-0.33, 0.5, 1.234, 2.0, 3.0])
 def test_zeros_of_a_quantity_that_dips_below_zero_between_samples_are_no_extrema(place):
-    """
-    1 - cos(theta1 - place) - 1e-6.
-
-    It is least, -1e-6, at the place; its zeros 1.4e-3 rad away are none.
-    """
+    """1 - cos(theta1 - place) - 1e-6 is least at the place; zeros 1.4e-3 rad away are none."""
     found = find_extrema(FourBar(*PAPER), lambda motion, loads: 1.0 - 1e-6 - np.cos(
         motion.theta1 - place))
     low, high = sorted(found, key=lambda e: e.value)

@@ -49,11 +49,7 @@ def test_near_change_points_against_a_scan_that_looks_there(kind, driven, gap):
 
 
 def test_piston_of_a_centric_slider_crank():
-    """
-    The largest speed of the piston lies where, in the textbooks, crank and rod are nearly square.
-
-    Both ways alike.
-    """
+    """Its largest speeds are alike both ways; the largest acceleration: crank and rod in line."""
     mechanism = SliderCrank(0.06, 0.2)
     found = find_extrema(mechanism, ('slide_velocity', 'slide_acceleration'), 314.0)
     speeds = [e for e in found if e.quantity == 'slide_velocity']
@@ -99,11 +95,7 @@ def test_what_floats_cannot_hold_is_refused():
     (SliderCrank(0.1, 0.3, 0.25), 1e-4, 3),
     (FourBar(4.0, 3.0, 2.0, 8.0), 10.0**-4.4, 3), (FourBar(4.0, 3.0, 2.0, 8.0), 1e-5, 3)])
 def test_pairs_next_to_a_toggle_are_found(mechanism, rate, count):
-    """
-    Where velocity and acceleration terms of a reaction cancel.
-
-    The counts are proved by certify=True.
-    """
+    """Velocity and acceleration terms of a reaction cancel there; counts are proved."""
     bodies = Bodies(Body(1.0, 0.05, 0.0, 0.01), Body(1.0, 0.15, 0.0, 0.01),
                     Body(1.0, 0.0, 0.0, 0.01))
     found = find_extrema(replace(mechanism, bodies=bodies), ('f41',), rate, 1.3 if count == 6

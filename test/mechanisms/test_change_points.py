@@ -297,11 +297,7 @@ def test_functions_have_one_sided_values_too():
 
 @some('gap', [1e-6, 1e-7, 1e-9, 1e-12], 2)
 def test_rockers_next_to_a_change_point(gap, count=more(6, 30)):
-    """
-    A sum of lengths too short by this.
-
-    No NaN, infinite values at toggles, minima and maxima in turn.
-    """
+    """A sum of lengths is too short: no NaN, infinite at toggles, minima and maxima in turn."""
     rng = np.random.default_rng(17)
     while count:
         lengths = [*contract.at_change_point(rng, CASES[0])]

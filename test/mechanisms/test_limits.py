@@ -16,11 +16,7 @@ from support.contract import random_lengths
 
 
 def reachable(lengths, angles):
-    """
-    Return at which input angles the linkage closes.
-
-    The diagonal fits between a2 + a3 and |a2 - a3|.
-    """
+    """Return whether the diagonal is between |a2 - a3| and a2 + a3 at these input angles."""
     a1, a2, a3, a4 = lengths
     q = a1**2 + a4**2 - 2.0 * a1 * a4 * np.cos(angles)
     return ((a2 - a3)**2 < q) & (q < (a2 + a3)**2)
@@ -134,11 +130,7 @@ def test_limits_are_exact_to_the_last_bits(case):
 
 
 def test_toggle_raises_for_one_value_and_is_nan_in_arrays():
-    """
-    At a limit the angle is rounded.
-
-    It is called a toggle from both sides, and nothing is finite.
-    """
+    """A limit is rounded: a toggle from at least one side, and nothing there is finite."""
     for lengths in ((4.0, 3.0, 2.0, 8.0), (3.0, 2.0, 4.0, 3.5), (1.0, 0.5, 0.25, 0.5)):
         linkage = FourBar(*lengths)
         for end in (end for bounds in linkage.input_ranges for end in bounds):

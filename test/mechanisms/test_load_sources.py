@@ -95,11 +95,7 @@ def test_each_source_alone(case, family, request):
 
 
 def test_a_bag_recorded_with_other_sums_of_the_loads_recomputes_to_their_rounding():
-    """
-    Recorded before the kinds were machines of one dyad: all differs by rounding.
-
-    Accelerations are of the size of the squared speed of the crank.
-    """
+    """Recorded before kinds were machines of one dyad; accelerations are about speed squared."""
     bag = str(DATA / 'paper')
     scene = origin_of(bag).scene
     loads = scene.linkage.loads(np.linspace(0.0, 2.0 * np.pi, 721), 25.0)

@@ -64,11 +64,7 @@ def test_outside_of_the_stroke_there_is_no_pose():
 
 
 def test_extrema_in_a_stroke_are_those_inside_and_its_ends():
-    """
-    The interior ones of the same mechanism without a stroke, as far as inside.
-
-    Ends have finite values.
-    """
+    """Interior ones as without a stroke, as far as inside; values at the ends are finite."""
     for free, mechanism in mechanisms(402, 4):
         low, high = mechanism.stroke
         names = [quantity.name for quantity in select((), mechanism)]

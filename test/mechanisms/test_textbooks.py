@@ -25,11 +25,7 @@ MASSES = Bodies(Body(2.0, 0.0, 0.0, 0.1), Body(0.3), Body(4.0))
 
 
 def test_harmonic_motion_of_a_textbook():
-    """
-    Any textbook: s = r cos wt, v = -r w sin wt, a = -r w^2 cos wt.
-
-    The frame takes m a of yoke and block.
-    """
+    """Any textbook: s = r cos wt, v = -r w sin wt, a = -r w^2 cos wt; shaking of yoke, block."""
     r, w = 0.1, 30.0
     yoke = ScotchYoke(r, bodies=MASSES)
     for t in (0.0, 0.01, 0.04, 0.07):
@@ -82,11 +78,7 @@ def test_gas_force_on_the_piston():
 
 
 def test_an_excavator_at_rest():
-    """
-    A load on the boom (crank).
-
-    Cylinder force from moments about O1, no offset, so a two-force member.
-    """
+    """A load on the boom (crank): the cylinder is a two-force member, from moments about O1."""
     weight = Bodies(Body(100.0, 2.0), Body(0.0), Body(0.0))
     cylinder = InvertedSlider(1.0, 2.0, mode=2, input='slide', bodies=weight, gravity=(0.0, -9.81))
     m, loads = cylinder.step(2.1)

@@ -52,11 +52,7 @@ class Case(NamedTuple):
 
 
 def modes_of(kind, driven):
-    """
-    Return the assembly modes of a kind with this input.
-
-    Read from one whose lengths are all one metre.
-    """
+    """Return the assembly modes of a kind with this input, from one of lengths of one metre."""
     others = {'input': driven} if len(kind.INPUTS) > 1 else {}
     return tuple(kind(*[1.0 for _ in kind.LENGTHS], **others).modes)
 

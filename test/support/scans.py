@@ -86,11 +86,7 @@ def check_against_scan(mechanism, quantities, rate, acceleration, points, exact=
 
 
 def _is_below_its_bound(mechanism, name, at, rates):
-    """
-    Return whether an extremum is smaller than the bound of rounding errors, so left out.
-
-    Its value is, or its difference from that half the way to the next singular input.
-    """
+    """Return whether its value, or its rise above its surroundings, is below rounding errors."""
     sampler = Sampler(mechanism, select((name,), mechanism), rates)
     half = 0.5 * _to_singular(mechanism, at)
     x = np.array([at, at - half, at + half]) / sampler.unit

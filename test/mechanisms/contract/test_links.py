@@ -16,11 +16,7 @@ from support.contract import every_case, every_mechanism
 
 @every_mechanism
 def test_links_are_where_the_reference_has_them(case):
-    """
-    First joint and direction of every link, and the motion of a point of it.
-
-    Away from toggles the condition is at most some hundred.
-    """
+    """Place and direction of every link, motion of a point; conditions are some hundred."""
     for mechanism, given in contract.ordinary(case, 206, 20):
         motion = mechanism.motion(*given)
         near, size = exact(mechanism, given), max(map(abs, mechanism.lengths))

@@ -47,11 +47,7 @@ def test_some_fields_are_those_of_the_whole(case, count=more(1, 3)):
 @every_mechanism
 @some('power', [-498, 498], 1)
 def test_scaling_by_a_power_of_two_changes_no_bit(case, power):
-    """
-    Lengths times a power of two, masses that keep the forces.
-
-    Every field is the same times a power of it.
-    """
+    """Lengths times a power of two, masses that keep forces: each field times a power of it."""
     scale = 2.0**(power if case != contract.MACHINES else power // 5)
     for mechanism, given in contract.ordinary(case, 213, 5):
         bodies = [Body(b.mass / scale, b.cg_along * scale, b.cg_across * scale, b.inertia * scale)

@@ -13,11 +13,7 @@ from support.contract import every_case
 
 @every_case
 def test_ranges_are_where_it_closes(case):
-    """
-    Inside of the ranges every array has numbers, outside NaN.
-
-    Single values raise OutOfRange there.
-    """
+    """Inside of the ranges arrays have numbers, outside NaN; single values are refused."""
     rng, seen = np.random.default_rng(218), 0
     for _ in range(20):
         lengths, _ = contract.draw(rng, case)
@@ -58,11 +54,7 @@ def test_ranges_are_where_it_closes(case):
 
 @every_case
 def test_limits_are_singular(case):
-    """
-    Next to the ends of a range the mechanism is nearly in line.
-
-    The sine falls as the root of the distance.
-    """
+    """Next to the ends of a range the sine falls as the root of the distance."""
     rng, ends = np.random.default_rng(219), 0
     for _ in range(40):
         lengths, _ = contract.draw(rng, case)

@@ -30,11 +30,7 @@ def test_a_scene_keeps_every_digit(case):
 
 @every_case
 def test_messages_are_complete(case):
-    """
-    Every number of the messages has a source.
-
-    Every joint and load of the mechanism is in one.
-    """
+    """Each number of a message has a source, each joint and load of a mechanism is in one."""
     for mechanism, given in contract.ordinary(case, 222, 2):
         scene = scenes.from_values(values_of(mechanism, case.name, outputs=[
             'state', 'output', 'joint_states', 'loads', 'shaking_wrench']))
