@@ -17,6 +17,7 @@ from collections.abc import Callable, Collection, Sequence
 from functools import lru_cache
 import itertools
 import linecache
+from math import inf, nan
 import re
 from typing import Any
 
@@ -77,14 +78,14 @@ def lines_of(trace: Trace, zeros: Collection[int], name: str
 
 def _lines(trace: Trace, name: str) -> Callable[[Sequence[float]], Function]:
     """Return numbers of data -> compiled function of the inputs of a trace."""
-    text, values = _text_of(trace)
+    text, functions = _text_of(trace)
     make = compiled(text, name)
-    return lambda data: make(*data, *values)
+    return lambda data: make(*data, inf, nan, *[OPERATIONS[name] for name in _CALLED], *functions)
 
 
-def _text_of(trace: Trace) -> tuple[str, list[Any]]:
+def _text_of(trace: Trace) -> tuple[str, list[Function]]:
     """
-    Return the text of ``make(data, constants, functions)``, and its arguments after the data.
+    Return the text of ``make(data, functions)``, and those of users among the functions.
 
     ``make`` computes what depends on data alone, once, and returns the function ``line``, which
     takes the inputs and gets the results of ``make`` as default arguments: local names are the
@@ -92,23 +93,14 @@ def _text_of(trace: Trace) -> tuple[str, list[Any]]:
     """
     made, lines = list[str](), list[str]()
     texts = dict[int, tuple[str, int]]()          # of each place its expression, its depth
-    constants = dict[str, tuple[str, float]]()    # by all bits: 0.0 is not -0.0
     functions = list[Function]()                  # that are no formulas, as a table of forces
-    results = flat(trace.results)
-    needed = trace.needed(results, with_refusals=True)
-    uses, kept = Counter(results), set(results)   # kept: of data alone, what the line uses
-    for place in needed:
-        uses.update(trace.steps[place].arguments)
-        if place in trace.varies:
-            kept.update(trace.steps[place].arguments)
+    needed = trace.needed(flat(trace.results), with_refusals=True)
+    uses, kept = _uses_of(trace, needed)
     for place in needed:
         operation, arguments, value = trace.steps[place]
-        if operation in ('input', 'datum'):
-            texts[place] = f'{"x" if operation == "input" else "d"}{place}', 0
-            continue
-        if operation == 'constant':
-            texts[place] = constants.setdefault(
-                float(value).hex(), (f'c{len(constants)}', float(value)))[0], 0
+        if trace.steps[place].is_given:
+            letter = {'input': 'x', 'datum': 'd'}.get(operation)
+            texts[place] = f'{letter}{place}' if letter else f'({float(value)!r})', 0
             continue
         if operation == 'call':
             functions += [value] * (value not in functions)
@@ -133,8 +125,7 @@ def _text_of(trace: Trace) -> tuple[str, list[Any]]:
 
     answer = nested(trace.results)
     data = [f'd{i}' for i in range(trace.count, trace.count + trace.size)]
-    given = [*data, *[name for name, _ in constants.values()], *_CALLED,
-             *[f'f{i}' for i in range(len(functions))]]
+    given = [*data, 'inf', 'nan', *_CALLED, *[f'f{i}' for i in range(len(functions))]]
     inputs = [f'x{i}' for i in range(trace.count)]
     if data:
         used = set(_NAMES.findall(' '.join((*lines, answer))))
@@ -142,8 +133,18 @@ def _text_of(trace: Trace) -> tuple[str, list[Any]]:
                    if name in used]
     text = [f'def make({", ".join(given)}):', *made, f'    def line({", ".join(inputs)}):', *lines,
             f'        return {answer}', '    return line', '']
-    return '\n'.join(text), [*[value for _, value in constants.values()],
-                             *[OPERATIONS[name] for name in _CALLED], *functions]
+    return '\n'.join(text), functions
+
+
+def _uses_of(trace: Trace, needed: Sequence[int]) -> tuple[Counter[int], set[int]]:
+    """Return how often the result of each step is used, and which of data alone inputs meet."""
+    results = flat(trace.results)
+    uses, kept = Counter(results), set(results)
+    for place in needed:
+        uses.update(trace.steps[place].arguments)
+        if place in trace.varies:
+            kept.update(trace.steps[place].arguments)
+    return uses, kept
 
 
 @lru_cache(maxsize=KEPT)
