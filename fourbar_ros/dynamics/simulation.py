@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Motion over time by scipy's integrators, the result checked: no wrong answer is a success.
+Motion over time by scipy's solve_ivp, with the result checked: no wrong answer is a success.
 
 A run is integrated leg by leg. A leg is one coordinate (:mod:`fourbar_ros.dynamics.coordinate`)
 and one stretch between jumps of the torque; it ends at a limit, where another coordinate takes
@@ -19,7 +19,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 from math import inf, isfinite, nan, nextafter
 from threading import Lock
 import time as clock
@@ -63,16 +63,12 @@ _LSODA = Lock()            # before scipy 1.17 it serves one thread at a time
 
 
 class Event(NamedTuple):
-    """What ends a leg of a run where a function passes zero."""
+    """Something that ends a leg of a run."""
 
-    function: Stop                 # (time, state in the coordinate) -> number
-    end: str                       # how the leg then ends, as LIMIT
-    direction: float = 0.0         # 1: where it rises, -1: where it falls, 0: both
-
-    def passes(self, before: float, after: float) -> bool:
-        """Return whether it passes zero between two values."""
-        rises, falls = before <= 0.0 <= after, before >= 0.0 >= after
-        return rises and self.direction >= 0.0 or falls and self.direction <= 0.0
+    function: Callable[..., float]       # (time, state in the coordinate) -> number: at its zeros
+    end: str                             # how the leg then ends, as LIMIT
+    direction: float = 0.0               # 1: where it rises, -1: where it falls, 0: both
+    before: float | None = None          # its value at the start, if not that of the function
 
 
 class Leg(NamedTuple):
@@ -81,13 +77,11 @@ class Leg(NamedTuple):
     coordinate: MotionCoordinate
     time: Array                        # steps of the integrator [s], (n,)
     states: Array                      # there, in that coordinate, (states, n)
-    between: Callable[[Array], Array] | None   # times -> states, interpolated; None: no step
+    between: Callable[[Array], Array]  # times -> states, interpolated
     end: str                           # how it ended: REACHED, LIMIT, ...
 
     def at(self, times: Array) -> Array:
         """Return the states at times within the leg, at steps those of the integrator."""
-        if self.between is None:
-            return np.repeat(self.states, times.size, axis=1)
         found = self.between(times)
         steps = np.clip(np.searchsorted(self.time, times), 0, self.time.size - 1)
         is_step = self.time[steps] == times
@@ -340,9 +334,7 @@ def simulate(system: System, until: float, tolerance: float = 1e-8, method: str 
 
     def run(method: str, tolerance: float, is_finer: bool = False, share: float = 1.0) -> Run:
         work.most = share * work.evaluations
-        with warnings.catch_warnings(), _LSODA if method == 'LSODA' else nullcontext():
-            warnings.simplefilter('ignore')      # of what the end of a leg says
-            legs = tuple(_integrate(system, method, tolerance, work, stop_when, is_finer))
+        legs = tuple(_integrate(system, method, tolerance, work, stop_when, is_finer))
         found = Run(system, legs, wanted, legs[-1].end, inf, nan, method, tolerance,
                     work.used, work.reason)
         return replace(found, drift=energy_drift(found))
@@ -447,29 +439,26 @@ def _integrate(system: System, method: str, tolerance: float, work: Work, stop_w
 
     ``is_finer``: it also restarts between jumps of the torque, so that two runs differ.
     """
-    try:
-        from scipy import integrate
-    except ModuleNotFoundError as error:
-        raise MissingPackage('simulation', error) from error
-    make_solver = partial(getattr(integrate, method), rtol=max(tolerance, 100.0 * EPS),
-                          atol=tolerance)
-    restarts = _restarts(system, work.until, is_finer)
+    breaks = _restarts(system, work.until, is_finer)
     (coordinate, state), first = system.coordinates.at(system.start), 0.0
-    end, step, stop_value = REACHED, None, nan
+    stop_value = nan         # of stop_when; nothing stops at the start: a zero there is none
+    end, step = REACHED, None
     while first < work.until:
         if end == HANDED_OVER:
             coordinate, state = coordinate.next(state)
-        start = np.array(state)
-        events = _events(system, coordinate, state)
-        before = [event.function(first, start) for event in events]
+        events = [*_limits(system, coordinate), _watch(work, first)]
+        if coordinate.can_end:
+            events.append(Event(coordinate.excess, HANDED_OVER, 1.0))
+        if coordinate.equation.tables:
+            events.append(_kink(coordinate, state))
         if stop_when is not None:
             stop = _of_input(coordinate, stop_when)
-            # zero at the start of a leg is no crossing: the value from before tells the side
-            stop_value = stop(first, start) or stop_value
-            events.append(Event(stop, EVENT))
-            before.append(stop_value)
-        last = float(restarts[np.searchsorted(restarts, first, 'right')])
-        leg = _leg(coordinate, (first, last), start, make_solver, work, events, before, step)
+            if first == 0.0:
+                stop_value = stop(first, np.array(state)) or nan
+            events.append(Event(stop, EVENT, 0.0, stop_value))
+        after = int(np.searchsorted(breaks, first, 'right'))
+        last = float(breaks[after]) if after < breaks.size else work.until
+        leg = _leg(coordinate, (first, last), state, method, tolerance, work, events, step)
         # two coordinates that hand over to each other at one time: nothing goes on
         stands = leg.time[-1] <= nextafter(first, inf)
         if stands and leg.end in (HANDED_OVER, AT_KINK):
@@ -480,82 +469,55 @@ def _integrate(system: System, method: str, tolerance: float, work: Work, stop_w
         first, state, end = float(leg.time[-1]), leg.states[:, -1].tolist(), leg.end
         if end not in (REACHED, HANDED_OVER, AT_KINK):
             return
+        if stop_when is not None:
+            stop_value = stop(first, leg.states[:, -1]) or stop_value
 
 
-def _leg(coordinate: MotionCoordinate, span: tuple[float, float], start: Array,
-         make_solver: Callable[..., Any], work: Work, events: list[Event], before: list[float],
-         step: float | None) -> Leg:
-    """
-    Return the leg from a state on, to the end of its span or the first event.
-
-    ``before``: values of the events at the start; ``step``: the first one to try [s], if known.
-    """
-    from scipy.integrate import OdeSolution
-    rates, (first, last) = work.counted(coordinate.derivative, span[1]), span
-    solver = make_solver(rates, first, start, last,
-                         first_step=min(step, last - first) if step else None)
-    times, states, pieces, end = [first], [start], [], REACHED
-    while end == REACHED and solver.status == 'running':
-        if not _has_stepped(solver):
-            work.reason = f'no step is short enough at {times[-1]:.6g} s'
-            end = STOPPED
-            break
-        times.append(solver.t)
-        states.append(np.array(solver.y))
-        pieces.append(solver.dense_output())
-        if work.is_spent(times[-1]):
-            end = STOPPED
-            break
-        after = [event.function(times[-1], states[-1]) for event in events]
-        passed = [(_crossing(event, pieces[-1], {times[-2]: one, times[-1]: other}), event.end)
-                  for event, one, other in zip(events, before, after) if event.passes(one, other)]
-        if passed:
-            times[-1], end = min(passed, key=lambda found: found[0])
-            states[-1] = pieces[-1](times[-1])
-        before = after
-    if end in (HANDED_OVER, AT_KINK) and times[-1] > times[-2]:
-        # where the run goes on a step is more exact than the interpolant
-        again = make_solver(rates, times[-2], states[-2], times[-1],
-                            first_step=times[-1] - times[-2])
-        while again.status == 'running' and _has_stepped(again):
-            pass
-        if again.status == 'finished':
-            states[-1] = again.y
-    if len(times) > 2 and times[-1] == times[-2]:        # at the very end of the step before
-        del times[-1], states[-1], pieces[-1]
-    return Leg(coordinate, np.array(times), np.stack(states, axis=1),
-               OdeSolution(times, pieces) if pieces else None, end)
-
-
-def _has_stepped(solver: Any) -> bool:
-    """Return whether an integrator makes another step, to a state that is a number."""
+def _leg(coordinate: MotionCoordinate, span: tuple[float, float], state: list[float], method: str,
+         tolerance: float, work: Work, events: list[Event], step: float | None) -> Leg:
+    """Return the leg from a state on, to the end of its span or an event; ``step``: its first."""
     try:
-        solver.step()
-    except ArithmeticError:
-        return False
-    except ValueError as error:          # of a Jacobian
-        if 'infs or NaNs' not in str(error):
-            raise
-        return False
-    return solver.status != 'failed' and bool(np.all(np.abs(solver.y) < HUGE))
-
-
-def _crossing(event: Event, between: Callable[[float], Array], known: dict[float, float]) -> float:
-    """
-    Return the time at which an event passes zero within a step.
-
-    ``known``: its values at both ends, where the interpolant differs from the step by rounding.
-    """
-    from scipy.optimize import brentq
-    first, last = known
-    return float(brentq(lambda time: (known[time] if time in known else
-                                      event.function(time, between(time))),
-                        first, last, xtol=4.0 * EPS, rtol=4.0 * EPS))
+        from scipy.integrate import solve_ivp
+    except ModuleNotFoundError as error:
+        raise MissingPackage('simulation', error) from error
+    functions, start = [_remembered(event, span[0]) for event in events], np.array(state)
+    rates = work.counted(coordinate.derivative, span[1])
+    tolerances = {'rtol': max(tolerance, 100.0 * EPS), 'atol': tolerance}
+    with warnings.catch_warnings(), _LSODA if method == 'LSODA' else nullcontext():
+        warnings.simplefilter('ignore')      # of what the end of the leg says
+        try:
+            found = solve_ivp(rates, span, start, method, dense_output=True, events=functions,
+                              first_step=min(step, span[1] - span[0]) if step else None,
+                              **tolerances)
+            ends = [event.end for event, at in zip(events, found.t_events) if at.size]
+            length = found.t[-1] - found.t[-2] if found.t.size > 1 else 0.0
+            if length > 0.0 and (HANDED_OVER in ends or AT_KINK in ends):
+                # where the run goes on a step is more exact than the interpolant
+                last = solve_ivp(rates, found.t[-2:], found.y[:, -2], method, first_step=length,
+                                 **tolerances)
+                if last.status == 0:
+                    found.y[:, -1] = last.y[:, -1]
+        except ArithmeticError:
+            found = None
+        except ValueError as error:          # of a Jacobian
+            if 'infs or NaNs' not in str(error):
+                raise
+            found = None
+    if found is None or found.t.size < 2 or not np.all(np.abs(found.y) < HUGE):
+        work.reason = f'no step of {method} is short enough at {span[0]:.6g} s'
+        return Leg(coordinate, np.array(span[:1]), start[:, None],
+                   lambda times: np.repeat(start[:, None], times.size, 1), STOPPED)
+    end = REACHED
+    if found.status == 1:
+        end = ends[0]
+    elif found.status == -1:
+        end, work.reason = STOPPED, f'no step of {method} is short enough at {found.t[-1]:.6g} s'
+    return Leg(coordinate, found.t, found.y, found.sol, end)
 
 
 def _restarts(system: System, until: float, is_finer: bool) -> Array:
     """
-    Return the times at which integrations restart, where the torque jumps or bends, and the end.
+    Return the times at which integrations restart: where the torque jumps or bends.
 
     A finer run also restarts between them: otherwise both runs would take the same single step.
     """
@@ -565,29 +527,63 @@ def _restarts(system: System, until: float, is_finer: bool) -> Array:
     if is_finer and breaks.size:
         ends = np.concatenate([[0.0], breaks, [until]])
         breaks = np.unique(np.concatenate([breaks, 0.5 * (ends[1:] + ends[:-1])]))
-    return np.append(breaks, until)
+    return breaks
 
 
-def _events(system: System, coordinate: MotionCoordinate, state: list[float]) -> list[Event]:
-    """Return what ends a leg from a state on: limits, a toggle ahead, a place of a table."""
+def _limits(system: System, coordinate: MotionCoordinate) -> list[Event]:
+    """Return the events that end a run in a coordinate: limits of the input."""
     passes_toggles = coordinate.can_end or system.mechanism.turns_fully
-    distance = system.distance_to_end if passes_toggles else system.distance_to_limit
 
-    def limit(time: float, state: Array) -> float:
-        return distance(float(coordinate.states_of_input(state)[0]))
-    events = [] if passes_toggles and not system.has_stroke else [Event(limit, LIMIT, -1.0)]
-    if coordinate.can_end:
-        events.append(Event(coordinate.excess, HANDED_OVER, 1.0))
-    if coordinate.equation.tables:         # at whose places the force bends
-        excess = coordinate.equation.make_excess(state[0])
-        events.append(Event(lambda time, state: excess(float(state[0])) - SAME, AT_KINK, 1.0))
-    return events
+    def limit(time: float, state: Any) -> float:
+        position = float(coordinate.states_of_input(np.asarray(state))[0])
+        return (system.distance_to_end(position) if passes_toggles
+                else system.distance_to_limit(position))
+    is_limited = not passes_toggles or system.has_stroke
+    return [Event(limit, LIMIT, -1.0)] if is_limited else []
+
+
+def _remembered(event: Event, first: float) -> Callable[..., float]:
+    """
+    Return an event as solve_ivp takes it, with one value for each time.
+
+    Its search for the zero in a step then finds the values that it found at the ends of the step,
+    though the interpolant differs from the step by rounding.
+    """
+    known = {} if event.before is None else {first: event.before}
+
+    def function(time: float, state: Array) -> float:
+        if time not in known:
+            known[time] = event.function(time, state)
+        return known[time]
+    any_function: Any = function
+    any_function.terminal, any_function.direction = True, event.direction
+    return function
+
+
+def _watch(work: Work, first: float) -> Event:
+    """Return an event in the middle of the step in which the work that is allowed is done."""
+    before, stop = first, inf
+
+    def left(time: float, state: Array) -> float:
+        nonlocal before, stop
+        if time > before:          # the end of a step, not the search within it
+            if work.is_spent(time):
+                stop = 0.5 * (before + time)
+            before = time
+        return min(stop - time, 1.0)
+    return Event(left, STOPPED, -1.0)
+
+
+def _kink(coordinate: MotionCoordinate, state: list[float]) -> Event:
+    """Return the event where the force of a table bends: at the next place of one."""
+    excess = coordinate.equation.make_excess(state[0])
+    return Event(lambda time, state: excess(float(state[0])) - SAME, AT_KINK, 1.0)
 
 
 def _of_input(coordinate: MotionCoordinate, stop_when: Stop) -> Stop:
     """Return a function of time and state of the input as one of the state in a coordinate."""
     return lambda time, state: number('stop_when', stop_when(
-        time, coordinate.states_of_input(state)))
+        time, coordinate.states_of_input(np.asarray(state))))
 
 
 # --- checks --------------------------------------------------------------------------------------
