@@ -64,6 +64,11 @@ _T = TypeVar('_T')
 # Nearer to a limit that is a change point than this, in units of the input, accelerations are
 # noise: their error is some eps over the third power of the distance.
 BESIDE_FLAT_LIMITS = 2.0**-17
+# what tab completion shows besides the fields
+SHOWN = ('bias', 'change_point_margin', 'classification', 'dead_points', 'description', 'in_mode',
+         'inertia', 'input', 'input_ranges', 'lengths', 'loads', 'margins', 'modes', 'motion',
+         'output_ranges', 'outputs', 'reactions', 'step', 'turns_fully', 'with_base',
+         'with_external', 'with_lengths')
 
 
 class cached_by_lengths(cached_property[_T]):     # noqa: N801  (used as cached_property is)
@@ -468,6 +473,11 @@ class Mechanism(ABC):
     def record_with_loads(self) -> Recorded:
         """Return the trace of motion and loads, and this mechanism's constants in it."""
         return recorded(self, True)
+
+    def __dir__(self) -> list[str]:
+        """Return what tab completion shows: what a user asks of a mechanism."""
+        shown = {field.name for field in fields_of(self)}.union(SHOWN)
+        return sorted(name for name in shown if hasattr(type(self), name) or name in self.__dict__)
 
     @cached_property
     def _step_line(self) -> tuple[Function, Function, Function]:

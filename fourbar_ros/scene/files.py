@@ -14,6 +14,11 @@ import yaml
 
 NODE = '/fourbar'
 TABLE = re.compile(r'forces\.\w+\.table')
+# PyYAML's problems as a user sees them
+IN_WORDS = {'<block end>': 'it is indented unlike the lines above it',
+            "'<stream end>'": 'a bracket is open', 'end of stream': 'a quote is open',
+            'mapping values are not allowed': 'a second colon, or indented unlike the line above',
+            "'\\t'": 'a tab: YAML takes blanks only'}
 NO_BLANK = re.compile(r'(?:^|[\s{,])([A-Za-z][\w.]*):([^\s:/,}]+)')
 
 
@@ -135,6 +140,8 @@ def _why_no_yaml(text: str, error: Exception) -> str:
             where = f', line {at + 1}'
             why = f'a blank is missing behind the colon: {match[1]}: {match[2]}'
             break
+    else:
+        why = next((words for part, words in IN_WORDS.items() if part in why), why)
     return f'{where}: not YAML that ROS reads: {" ".join(str(why).split())}'
 
 

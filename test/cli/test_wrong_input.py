@@ -18,11 +18,11 @@ WRONG_FILES = [
      'line 4: not YAML that ROS reads: a blank is missing behind the colon: a1: 0.4'),
     ('/**:\n  ros__parameters:\n    linkage: {a1:0.4, a2: 1.2}\n', 'unknown parameter'),
     ('/**:\n  ros__parameters:\n    linkage:\n      a1:0.4\n', 'a blank is missing'),
-    ('/**:\n  ros__parameters:\n\tlinkage:\n', 'line 3: not YAML that ROS reads: found character'),
+    ('/**:\n  ros__parameters:\n\tlinkage:\n', 'line 3: not YAML that ROS reads: a tab'),
     ('/**:\n  ros__parameters:\n    linkage: {a1: 0.4\n',
-     "line 4: not YAML that ROS reads: expected ',' or '}'"),
+     'a bracket is open'),
     ('/**:\n  ros__parameters:\n    linkage:\n      a1: 0.4\n     a2: 1.2\n',
-     'line 5: not YAML that ROS reads: expected <block end>'),
+     'line 5: not YAML that ROS reads: it is indented unlike the lines above'),
     (GOOD + '    linkage.a1: 0.5\n', 'line 7: not YAML that ROS reads: linkage.a1 is '
      'given twice'),
     (GOOD + '    drive: {speed: 1.0}\n    drive: {rate: 2.0}\n', 'is given twice'),
@@ -30,7 +30,7 @@ WRONG_FILES = [
     (GOOD.replace('/**', 'other'), 'contains nothing for the node'),
     ('/**:\n  ros__parameters: {outputs: [state]}\n' + GOOD.replace('/**', 'left'),
      'has the nodes /left; name one: '),
-    ('\x00', 'not YAML'), ('"open', 'line 1: not YAML that ROS reads: found unexpected end')]
+    ('\x00', 'not YAML'), ('"open', 'line 1: not YAML that ROS reads: a quote is open')]
 
 
 def answer(capsys, *arguments):
