@@ -18,7 +18,7 @@ from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.quantities import point_acceleration, point_speed
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.number_types import ARRAY, NumberType, Scalar
-from fourbar_ros.scene.linkage import Bodies, external_of
+from fourbar_ros.scene.linkage import BodiesOfLinks, external_of
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.settings import MACHINE, ParameterValues
 import numpy as np
@@ -26,7 +26,7 @@ import numpy as np
 NEARLY = 1e-12      # sums of lengths that agree to this, relative to their sum, are the same
 
 
-class _BodiesOfAnyNumbers(Bodies):
+class _BodiesOfAnyNumbers(BodiesOfLinks):
     """The ``bodies.*`` of a scene whose values may be columns or recorded: not checked."""
 
     body = staticmethod(partial(unchecked, Body))
@@ -67,12 +67,12 @@ def constants_of(scene: Scene, values: ParameterValues, numbers: NumberType = AR
         assert isinstance(linkage, Machine)
         return constants._replace(
             lengths=machines.numbers_of(linkage, values, numbers),
-            bodies=machines.bodies_of(linkage, bodies.those_given() if bodies.are_given else None))
+            bodies=machines.bodies_of(linkage, bodies.made(False) if bodies.are_given else None))
     lengths = {name: values[f'linkage.{name}'] for name in linkage.length_names}
     bodies = _BodiesOfAnyNumbers(values, linkage.LINKS, lengths)
     return constants._replace(
         lengths=tuple(lengths.values()),
-        bodies=linkage.BODIES(**bodies.every()) if bodies.are_given else None)
+        bodies=linkage.BODIES(**bodies.made(True)) if bodies.are_given else None)
 
 
 def margin_signs(linkage: Mechanism) -> Array | None:

@@ -93,11 +93,11 @@ def _of_kind(values: ParameterValues) -> Mechanism:
                                    'only a driven slide has a stroke')
         arguments['stroke'] = tuple(values['linkage.range'])
     _check_links(values, kind)
-    bodies = Bodies(values, kind.LINKS,
-                    {length: values[f'linkage.{length}'] for length in LENGTHS})
+    bodies = BodiesOfLinks(values, kind.LINKS,
+                           {length: values[f'linkage.{length}'] for length in LENGTHS})
     linkage: Mechanism = kind(
         **arguments, mode=values['linkage.mode'],
-        bodies=kind.BODIES(**bodies.every()) if bodies.are_given else None,
+        bodies=kind.BODIES(**bodies.made(True)) if bodies.are_given else None,
         gravity=_gravity(values), external=kind.EXTERNAL(**external_of(values, kind)))
     return linkage
 
@@ -109,9 +109,9 @@ def _machine(values: ParameterValues) -> Mechanism:
     key = repr([item for item in values.items() if item[0].startswith(GEOMETRY)])
     machine = _newest.get(key) or machines.machine_of(values)
     _check_links(values, machine)
-    bodies = Bodies(values, machine.LINKS, dict(zip(machine.length_names, machine.lengths)))
+    bodies = BodiesOfLinks(values, machine.LINKS, dict(zip(machine.length_names, machine.lengths)))
     made = machine.with_loads(
-        bodies=bodies.those_given() if bodies.are_given else None, gravity=_gravity(values),
+        bodies=bodies.made(False) if bodies.are_given else None, gravity=_gravity(values),
         external=external_of(values, machine))
     if len(_newest) >= MEMORY:
         _newest.clear()
@@ -152,7 +152,7 @@ def external_of(values: ParameterValues, mechanism: Mechanism | type[Mechanism],
             for link in mechanism.EXTERNAL._fields}
 
 
-class Bodies:
+class BodiesOfLinks:
     """
     The bodies of the links of a scene: given one by one, or by a model of rods.
 
@@ -194,31 +194,26 @@ class Bodies:
         """Return whether the scene gives any mass at all."""
         return self._has_rods or any(map(self._has_mass, self._links))
 
-    def every(self) -> dict[str, Body]:
-        """Return {link: Body} for a kind that needs all its bodies; refuse a missing one."""
-        return {link.name: self._rod(link) if self._has_rods and link.length else self._one(link)
-                for link in self._links}
+    def made(self, are_all_needed: bool) -> dict[str, Body]:
+        """
+        Return {link: Body}: of a link with a mass its own, else a rod where there are rods.
 
-    def those_given(self) -> dict[str, Body]:
-        """Return {link: Body} of the links that have one: a body given in full, or a rod."""
+        Other links have none, which is refused if ``are_all_needed``.
+        """
         bodies = {}
         for link in self._links:
+            own = [f'bodies.{link.name}.{field}' for field in OWN_FIELDS]
+            given = [name for name in own if self._has(name)]
             if self._has_rods and link.length and not self._has_mass(link):
-                bodies[link.name] = self._rod(link)
-            elif any(self._has(f'bodies.{link.name}.{field}') for field in OWN_FIELDS):
+                if given:
+                    raise InvalidParameter(given[0], self._values[given[0]], 'needs the mass of '
+                                           'the link: it is a rod (bodies.rods)')
+                make = self.rod if self._section == SECTIONS[0] else self.bar
+                bodies[link.name] = make(self._lengths[link.length], *(
+                    self._values[RODS + field] for field in ('density', *self._section)))
+            elif given or are_all_needed:
                 bodies[link.name] = self._one(link)
         return bodies
-
-    def _rod(self, link: Link) -> Body:
-        """Return the body of a link as a rod of its length; refuse one that is given too."""
-        for field in OWN_FIELDS:
-            name = f'bodies.{link.name}.{field}'
-            if self._has(name):
-                raise InvalidParameter(name, self._values[name], 'give either bodies.rods or the '
-                                                                 'bodies one by one, not both')
-        make = self.rod if self._section == SECTIONS[0] else self.bar
-        return make(self._lengths[link.length],
-                    *(self._values[RODS + field] for field in ('density', *self._section)))
 
     def _one(self, link: Link) -> Body:
         """Return the body of a link by its own parameters, its centre half-way by default."""

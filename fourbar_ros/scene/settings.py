@@ -324,8 +324,8 @@ PARAMETERS = _table(
     Parameter('gravity.x', 'double', 0.0, 'm/s^2', 'gravitational acceleration: x component'),
     Parameter('gravity.y', 'double', 0.0, 'm/s^2', 'gravitational acceleration: y component'),
     Parameter('bodies.rods.density', 'double', nan, 'kg/m^3',
-              'model every link with two revolute joints as a solid cylinder, or a bar of '
-              'rectangular section, of this density', positive=True),
+              'model every link with two revolute joints and without a mass of its own as a solid '
+              'cylinder, or a bar of rectangular section, of this density', positive=True),
     Parameter('bodies.rods.radius', 'double', nan, 'm',
               'radius of these cylinders (with bodies.rods.density)', positive=True),
     Parameter('bodies.rods.width', 'double', nan, 'm',

@@ -225,7 +225,7 @@ TABLE = [
         ('bodies.rods.width', nan, ''),
         ('bodies.rods.thickness', nan, ''),
         ('bodies.rods.density', nan, ''),
-        ('bodies.crank.mass', 1.0, ''),
+        ('bodies.crank.mass', 1.0, 'must be given', 'bodies.crank.inertia'),
     ]),
 ]
 

@@ -50,8 +50,12 @@ def test_bodies_one_by_one():
     linkage = scene.from_values({**PAPER, **bodies, 'bodies.coupler.cg_along': 0.9}).linkage
     assert (linkage.bodies.crank.cg_along, linkage.bodies.coupler.cg_along) == (0.2, 0.9)
     assert linkage.bodies.output.cg_across == 0.01
-    with pytest.raises(InvalidParameter, match='bodies.crank.mass.*not both'):
-        scene.from_values({**PAPER, **bodies, **RODS})
+    rods = scene.from_values({**PAPER, **RODS}).linkage.bodies
+    own = {name: value for name, value in bodies.items() if 'coupler' in name}
+    mixed = scene.from_values({**PAPER, **RODS, **own}).linkage.bodies
+    assert mixed.coupler.mass == 2.0 and mixed == rods._replace(coupler=mixed.coupler)
+    with pytest.raises(InvalidParameter, match='bodies.crank.cg_along.*needs the mass'):
+        scene.from_values({**PAPER, **RODS, 'bodies.crank.cg_along': 0.1})
 
 
 def test_external_loads_and_gravity_reach_the_linkage():
