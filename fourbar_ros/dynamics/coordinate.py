@@ -155,8 +155,6 @@ class Coordinates:
             if not mechanism.is_driven_by_slide:
                 self.middle = start - remainder(start - self.middle, tau)
         self._known: dict[tuple[bool, int, int, int], MotionCoordinate] = {}
-        # (coordinate, whether the other one grows with it) -> coordinate that takes over
-        self._taking_over: dict[tuple[MotionCoordinate, bool], MotionCoordinate] = {}
         self.first = self.of(True, mechanism.mode, mechanism.mode, start)
 
     def of(self, is_input: bool, number: int, mode: int, start: float) -> MotionCoordinate:
@@ -205,24 +203,14 @@ class Coordinates:
         """
         Return the coordinate that goes on near a toggle: the input's, or the one in its place.
 
-        Parameters
-        ----------
-        last : MotionCoordinate
-            The one in use so far.
-        value, other : float
-            Of the last coordinate, and of the one that takes over.
-        ratio : float
-            d other / d value; where it is negative, the links pass into the other assembly mode.
-
+        ``value``: of the last coordinate; ``other``: of the one that takes over; ``ratio``:
+        d other / d value. Where it is negative, the links pass into the other assembly mode.
         """
-        key = last, ratio > 0.0
-        if last.equation.changes_mode or key not in self._taking_over:
-            mode = driven_mode = int(last.modes(value))
-            if last.is_input:
-                driven_mode = self._mode_at(last, value, other)
-                mode = mode if ratio > 0.0 else self.partner(mode)
-            self._taking_over[key] = self.of(not last.is_input, driven_mode, mode, other)
-        return self._taking_over[key]
+        mode = int(last.modes(value))
+        if not last.is_input:
+            return self.of(True, mode, mode, other)
+        beyond = mode if ratio > 0.0 else self.partner(mode)
+        return self.of(False, self._mode_at(last, value, other), beyond, other)
 
     def _mode_at(self, last: MotionCoordinate, value: float, other: float) -> int:
         """Return the mode in which the other coordinate has the links where they are now."""
@@ -243,24 +231,21 @@ class Coordinates:
         Of a pair the first takes over where it falls with the coordinate, the second where it
         grows.
         """
-        inside = (1.0 - NEXT_TO_TOGGLE) * self.half
-        for mode in self._mechanism.modes_passed:
-            coordinate = self.of(True, mode, mode, self._start)
+        inside, found = (1.0 - NEXT_TO_TOGGLE) * self.half, {}
+        inputs = {mode: self.of(True, mode, mode, self._start)
+                  for mode in self._mechanism.modes_passed}
+        for coordinate in inputs.values():
+            by_sign = {}
             for position in (self.middle - inside, self.middle + inside):
-                coordinate.next([position, 0.0])
-        found = {}
-        for coordinate in list(self._known.values()):
-            if coordinate.is_input:        # it may come to both of its toggles with one sign
-                falls, grows = (self._taking_over.get((coordinate, grows))
-                                for grows in (False, True))
-            else:
-                falls, grows = (self.of(True, mode, mode, self._start)
-                                for mode in (coordinate.mode_beyond, coordinate.mode))
-            falls, grows = falls or grows, grows or falls
-            assert falls and grows, 'an input between toggles comes to them'
-            found[coordinate] = falls, grows
-            self._taking_over |= {(coordinate, False): falls, (coordinate, True): grows}
-        return found
+                other, ratio, _ = coordinate.other.of_one(position)
+                by_sign[ratio > 0.0] = self.taking_over(coordinate, position, other, ratio)
+            # it may come to both of its toggles with one sign
+            one = next(iter(by_sign.values()))
+            found[coordinate] = by_sign.get(False, one), by_sign.get(True, one)
+        for coordinate in self._known.values():
+            if not coordinate.is_input:
+                found[coordinate] = inputs[coordinate.mode_beyond], inputs[coordinate.mode]
+        return {coordinate: found[coordinate] for coordinate in self._known.values()}
 
 
 def _pose(links: DrivenLinks, value: float) -> list[float]:

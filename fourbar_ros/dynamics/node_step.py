@@ -294,21 +294,18 @@ class Mover:
         """
         Return the state after ``left`` seconds, and whether its error is within the tolerance.
 
-        The step is made in parts, each in one coordinate, until no time is left. A second part in
-        a row that is not good means that no coordinate can finish.
+        The step is made in parts, each in one coordinate, until no time is left.
         """
-        is_good = True
-        if at.coordinate.is_input and self._place(at).room < 0.0 and self.passes:
+        if self.passes and at.coordinate.is_input and self._place(at).room < 0.0:
             at = self._handed_over(at)
-        while True:
-            at, left, is_part_good = self._part(at, left)
-            if not left > 0.0:
-                break
-            if not (self.passes and (is_good or is_part_good)):
+        at, left, is_good = self._part(at, left)
+        while left > 0.0:
+            if not self.passes:
                 raise Refused
+            at, left, is_part_good = self._part(self._handed_over(at), left)
+            if left > 0.0 and not (is_good or is_part_good):
+                raise Refused                   # neither coordinate can finish
             is_good = is_good and is_part_good
-            at = self._handed_over(at)
-        is_good = is_good and is_part_good
         if at.coordinate.is_input or not all(map(isfinite, at.state)):
             return at, is_good
         in_input = self._handed_over(at)
@@ -333,24 +330,25 @@ class Mover:
         there. Where the budget is used up, all that is left is one step of RODAS, or else of
         implicit Euler: stable, its error bounded.
         """
-        formulas, equation, h = self.formulas[at.coordinate], at.coordinate.equation, left
-        place, latest = self._place(at), LATE * left
+        formulas, equation = self.formulas[at.coordinate], at.coordinate.equation
+        place, latest, h = self._place(at), LATE * left, left
         while left > 0.0:
             self._evaluations += PLACE
             excess = equation.make_excess(at.state[0]) if equation.tables else None
-            while True:
+            new = None
+            while new is None:
                 longest = min(h, left)
-                h = min(longest, max(place.to_bend, latest))
+                h = min(longest, max(place.to_bend, latest))      # not far beyond a bend of the law
                 if excess:
                     h = h * _to_table(excess, at.state[0], h * at.state[1],
                                       0.5 * h * h * place.linear[1])
-                more = 0 if h == left else PLACE + ATTEMPT
-                if self._evaluations + ATTEMPT + more > self.budget:
+                # a step that leaves time over needs what another one takes
+                needed = ATTEMPT if h == left else ATTEMPT + PLACE + ATTEMPT
+                if self._evaluations + needed > self.budget:
                     return self._rest(formulas, at, place, left)
                 new, scale = self._attempted(formulas, at, place, h, 1.0)
-                if new:
-                    break
-                h *= scale
+                if new is None:
+                    h *= scale
             at, left, h = new, left - h, max(h * scale, longest)
             place = self._place(at)
             if left > 0.0 and place.room < 0.0:
