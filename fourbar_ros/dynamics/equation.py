@@ -307,7 +307,7 @@ class Equation:
         self._flats = () if start is None else flat_positions(self.coordinate)
         self._first = interval_of(self._flats, self.coordinate.is_driven_by_slide, start)
         self._terms = self.in_both_modes(self.make_terms)
-        self.of_one = self._terms.of_one      # a float q -> (J, J'/2, Q, D, C), fast
+        self.of_one = self._terms.of_one      # a float q -> its terms, fast
 
     def in_both_modes(self, make_formula: MakeFormula) -> InBothModes:
         """Return a formula, made by (coordinate, number type), in the mode that holds at q."""
@@ -334,20 +334,6 @@ class Equation:
     def is_input(self) -> bool:
         """Return whether q is the input of the mechanism."""
         return self.coordinate is self.mechanism
-
-    def make_with_ratio(self, coordinate: DrivenLinks, n: NumberType,
-                        outside: Outside | None = None) -> Function:
-        """
-        Return the formula q -> (J, J'/2, Q, D, C, r, r'), r = d(input)/dq, r' = dr/dq.
-
-        A drive acts on the input: its torque counts r times in another coordinate. Arguments as of
-        :meth:`make_terms`.
-        """
-        terms = self.make_terms(coordinate, n, outside)
-        if self.is_input:
-            return lambda position: (*terms(position), 1.0, 0.0)
-        reading = make_reading(self.mechanism)(coordinate, n)
-        return lambda position: (*terms(position), *reading(position)[1:])
 
     @property
     def turns(self) -> int:
@@ -378,10 +364,11 @@ class Equation:
     def make_terms(self, coordinate: DrivenLinks, n: NumberType,
                    outside: Outside | None = None) -> Function:
         """
-        Return the formula q -> (J, J'/2, Q, D, C) of (E1), for a coordinate and a number type.
+        Return the formula q -> (J, J'/2, Q, D, C, r, r'), for a coordinate and a number type.
 
-        C is the part of Q that has no potential: of couples, of forces over a position, of the
-        turning of the base. ``outside``: numbers of the type ``n`` in place of the mechanism's own
+        The first four are those of (E1). C is the part of Q that has no potential: of couples, of
+        forces over a position, of the turning of the base. r = d(input)/dq, r' = dr/dq: a drive
+        acts on the input, so its torque counts r times in another coordinate. ``outside``: numbers of the type ``n`` in place of the mechanism's own
         gravity and of the forces on some links.
         """
         pose, extra = self._make_pose(coordinate, n), self.extra_inertia
@@ -420,7 +407,7 @@ class Equation:
                 for element, size_at in forces:
                     pushed = pushed + element.generalised(n, size_at, motions, value)
                 force, couples = force + pushed, couples + pushed
-            return inertia, half_slope, force, damping, couples
+            return inertia, half_slope, force, damping, couples, turn, bend
         return terms
 
     def make_places(self, coordinate: DrivenLinks, n: NumberType) -> Function:

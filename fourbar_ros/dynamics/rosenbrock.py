@@ -148,10 +148,9 @@ class StepFormulas:
 
     def _make_terms(self, n: NumberType, acting: Sequence[Scalar]) -> Function:
         """Return the formula p -> :class:`StepTerms`."""
-        links = self._equation.coordinate
-        terms: Function = self._equation.make_with_ratio(links, n, self._outside(acting))
+        terms, coordinate = self._make_step_terms(n, acting), self._coordinate
         if self._passes:
-            other, coordinate = self._coordinate.make_other(links, n), self._coordinate
+            other = coordinate.make_other(self._equation.coordinate, n)
             middle, half = coordinate.all.middle, coordinate.all.half
 
             def between_toggles(p: Scalar) -> Any:
@@ -170,7 +169,7 @@ class StepFormulas:
 
     def _make_step_terms(self, n: NumberType, acting: Sequence[Scalar]) -> Function:
         """Return the formula p -> terms within a step, which do not ask what takes over."""
-        return self._equation.make_with_ratio(self._equation.coordinate, n, self._outside(acting))
+        return self._equation.make_terms(self._equation.coordinate, n, self._outside(acting))
 
     def make_tables(self, n: NumberType) -> Function:
         """Return the formula p -> the places of all forces with a table."""

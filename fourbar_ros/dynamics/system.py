@@ -129,7 +129,7 @@ class System:
 
         def conservative(time: float, state: State) -> tuple[float, ...]:
             position, rate = state
-            inertia, half_slope, force, _, _ = terms_of(position)
+            inertia, half_slope, force = terms_of(position)[:3]
             return rate, (force - half_slope * rate * rate) / inertia
 
         def driven(time: float, state: State) -> tuple[float, ...]:
@@ -138,7 +138,7 @@ class System:
                 value, ratio, _ = coordinate.input_of(position)
                 state = (value, ratio * rate, *state[2:])
             torque, change = self._drive(time, state) if self.drive else (0.0, ())
-            inertia, half_slope, force, damping, couples = terms_of(position)
+            inertia, half_slope, force, damping, couples, *_ = terms_of(position)
             torque = torque * ratio - damping * rate                                        # (T2)
             return (rate, (force + torque - half_slope * rate * rate) / inertia, *change,
                     (torque + couples) * rate)

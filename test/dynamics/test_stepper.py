@@ -85,7 +85,7 @@ def test_an_undamped_stiff_shaft_stays_stable_for_long():
 
 
 def test_work_is_counted_and_never_more_than_the_budget(monkeypatch):
-    calls, make = 0, Equation.make_with_ratio
+    calls, make = 0, Equation.make_terms
 
     def make_counted(*given):
         terms_at = make(*given)
@@ -96,7 +96,7 @@ def test_work_is_counted_and_never_more_than_the_budget(monkeypatch):
             return terms_at(position)
         return counted
 
-    monkeypatch.setattr(Equation, 'make_with_ratio', make_counted)
+    monkeypatch.setattr(Equation, 'make_terms', make_counted)
     system = System(PAPER, 0.0, drive=Drive(LINE, 0.5, shaft=Shaft(1e5, 0.0)))
     for budget in (12, 20, 60):
         mover = by_formulas(Mover(system, 1e-11, budget))
