@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.numerics.arrays import Array, sine_between
 import numpy as np
 
 # Samples of a kernel; widths of the kernels of a singular point; the least that is resolved.
@@ -144,8 +144,7 @@ class Range(NamedTuple):
 
     def to_input(self, phi: Array) -> Array:
         """Return x from the distance to the nearer end, which matters near a toggle."""
-        return np.where(phi < 0.0, self.low + 2.0 * self.half * np.sin(0.5 * (phi + 0.5 * pi))**2,
-                        self.high - 2.0 * self.half * np.sin(0.5 * (0.5 * pi - phi))**2)
+        return sine_between(self.low, self.high, phi)
 
     def phi(self, x: float) -> float:
         """Return the phi of an input."""

@@ -37,7 +37,7 @@ from fourbar_ros.mechanisms.machine.margins import (
 )
 from fourbar_ros.mechanisms.machine.solve.pairs import other_of
 from fourbar_ros.mechanisms.machine.structure import CYLINDER, Layout, Numbers
-from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.numerics.arrays import Array, sine_between
 from fourbar_ros.numerics.digits import in_decimals, MANY_DIGITS
 from fourbar_ros.numerics.newton import halve
 from fourbar_ros.numerics.number_types import ARRAY, Function, numbers_of, REAL
@@ -146,12 +146,8 @@ class _Path(NamedTuple):
         return cls(-pi, pi, True) if bound is None else cls(bound[0].x, bound[1].x, False)
 
     def to_input(self, phi: Any) -> Any:
-        """Return the inputs at phi, real or complex, from the nearer end, which keeps digits."""
-        if self.is_closed:
-            return phi
-        half = 0.5 * (self.high - self.low)
-        return np.where(phi.real < 0.0, self.low + 2.0 * half * np.sin(0.5 * (phi + 0.5 * pi))**2,
-                        self.high - 2.0 * half * np.sin(0.5 * (0.5 * pi - phi))**2)
+        """Return the inputs at phi, real or complex."""
+        return phi if self.is_closed else sine_between(self.low, self.high, phi)
 
     def start(self) -> Array:
         """Return the phi of the first samples, denser at both ends but not in these toggles."""
