@@ -194,12 +194,11 @@ def _bracketed(slopes: Array, spacing: float, mechanisms: int,
     changes, doubtful = changes_and_doubts(slopes, bends * (1.0 / 3.0), True)
     i, column = np.nonzero(changes)
     quantity, mechanism = np.divmod(column, mechanisms)
-    key = mechanism * (slopes.shape[1] // mechanisms) + quantity
-    order = np.argsort(key.astype(np.min_scalar_type(slopes.shape[1])), kind='stable')
-    i, column, quantity, mechanism, key = (v[order] for v in (i, column, quantity, mechanism, key))
+    order = np.lexsort((quantity, mechanism))
+    i, column, quantity, mechanism = (v[order] for v in (i, column, quantity, mechanism))
     # slope and bend at the samples a and b, before and after the root
-    before, after = i * slopes.shape[1] + column, (i + 1) % len(slopes) * slopes.shape[1] + column
-    fa, fb, bend_a, bend_b = (f.ravel().take(k) for f in (slopes, bends) for k in (before, after))
+    after = (i + 1) % len(slopes)
+    fa, fb, bend_a, bend_b = (f[k, column] for f in (slopes, bends) for k in (i, after))
     with np.errstate(all='ignore'):
         guess = first_guesses(np.zeros(fa.shape), np.ones(fa.shape), fa, fb, fa / bend_a,
                               fb / bend_b)
@@ -211,7 +210,8 @@ def _bracketed(slopes: Array, spacing: float, mechanisms: int,
     if phase is not None:
         x, slope = Phase(phase.turn[mechanism, 0], phase.pinch[mechanism, 0]).at(x)
         local *= slope
-    return _Roots(x, bend / local**2, local, mechanism, quantity, rank_of(key)), has_hidden
+    return _Roots(x, bend / local**2, local, mechanism, quantity,
+                  rank_of(mechanism * (slopes.shape[1] // mechanisms) + quantity)), has_hidden
 
 
 def rank_of(key: Array) -> Array:
