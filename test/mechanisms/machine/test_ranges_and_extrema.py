@@ -6,58 +6,12 @@ from math import isinf, pi
 from fourbar_ros import find_extrema, InvalidParameter
 from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
-from fourbar_ros.mechanisms.quantities import known_quantities, positions
+from fourbar_ros.mechanisms.quantities import positions
 import numpy as np
 import pytest
 from support.random_machines import random_machines
-from support.samples import some
 
 EPS = 2.0**-52
-
-
-def everything(machine):
-    """Return all its quantities."""
-    return list(known_quantities(machine, machine.input).values())
-
-
-def check_ranges(machine, points):
-    """Compare with a scan: poses inside the ranges and nowhere else, limits to some last bits."""
-    if machine.input == 'crank':
-        x = -pi + 2.0 * pi * (np.arange(points) + 0.5) / points
-    else:
-        low, high = machine.stroke or (machine.closing_ranges[0][0] - 1.0,
-                                       machine.closing_ranges[-1][1] + 1.0)
-        x = low + (high - low) * (np.arange(points) + 0.5) / points
-    motion = machine.motion(x)
-    works = np.isfinite(motion[len(motion) - len(machine.stages):]).all(axis=0)
-    inside = np.zeros(points, bool)
-    for low, high in machine.input_ranges:
-        for turn in (-2.0 * pi, 0.0, 2.0 * pi) if machine.input == 'crank' else (0.0,):
-            inside |= (x > low + turn) & (x < high + turn)
-    assert (works == inside).all(), machine
-    for bound in machine.limits:
-        for end, side in zip(bound or (), (1.0, -1.0)):
-            if machine.is_in_stroke(end.x):
-                stage = [dyad.name for dyad in machine.stages].index(end.dyad)
-                check_limit(machine, end.x, side, stage)
-
-
-def check_limit(machine, limit, side, stage):
-    """Next to a limit the sine of the dyad that it names falls as the root of the distance."""
-    unit = max(abs(limit), machine.input_unit)
-    near = machine.motion(limit + side * unit * np.array((1e-12, 1e-10)))
-    sine = np.abs(near[len(near) - len(machine.stages) + stage])
-    assert np.isfinite(sine).all()
-    assert sine[0] < 0.2 * sine[1] < 0.02
-
-
-@some('machines, points', [(16, 4001), (100, 40001)], 1)
-def test_ranges_of_random_machines(machines, points):
-    count = 0
-    for machine, _ in random_machines(601, machines, dyads=(1, 5)):
-        check_ranges(machine, points)
-        count += sum(bound is not None for bound in machine.limits)
-    assert count >= 6
 
 
 @pytest.mark.parametrize('rod, share', [(5456.6, 0.0), (5456.7, 0.21), (5456.71, 0.25)])
