@@ -82,7 +82,7 @@ def measured(folder):
             message.header.stamp.sec = k + 1
             data = bytes(serialize_message(message))
             counter.begin()
-            node.input._receive(data, {'publication_sequence_number': k})
+            node.input._subscription.callback(data, {'publication_sequence_number': k})
             found['input to loads'] = counter.end()
         counter.begin()
         done = node.set_parameters_atomically([Parameter('linkage.a1', value=0.41)])
