@@ -132,7 +132,7 @@ class Transmission:
                       self._effort_of_links(inputs, rate, acceleration)
                       + ratio * wanted.effort)
         return self._require_finite(Trajectory(inputs, rate, acceleration, effort), self._input,
-                                    wanted, at_toggle, outputs)
+                                    at_toggle, outputs)
 
     def to_output(self, driven: Trajectory) -> Trajectory:
         """
@@ -157,7 +157,7 @@ class Transmission:
         position = self._with_turns(inputs, position)
         return self._require_finite(
             Trajectory(position, rate, None if driven.acceleration is None else acceleration,
-                       effort), self._output, driven, ratio == 0.0, position)
+                       effort), self._output, ratio == 0.0, position)
 
     # --- what cannot be followed ----------------------------------------------------------------
 
@@ -193,28 +193,24 @@ class Transmission:
             raise CannotFollow(self._why_not(first, coordinate, positions[first], 'beyond'))
         return np.clip(positions, low, high)
 
-    def _require_finite(self, result: Trajectory, coordinate: Coordinate, asked: Trajectory,
-                        at_toggle: Array, outputs: Array) -> Trajectory:
+    def _require_finite(self, result: Trajectory, coordinate: Coordinate, at_toggle: Array,
+                        outputs: Array) -> Trajectory:
         """
         Return a result, or raise CannotFollow for its first sample that is not finite.
 
-        ``coordinate``: the input or the output that the result belongs to. ``asked``: the
-        trajectory it follows from. ``at_toggle``, ``outputs``: for each sample, whether the output
-        is at a toggle, and its position.
+        ``coordinate``: the input or the output that the result belongs to. ``at_toggle``,
+        ``outputs``: for each sample, whether the output is at a toggle, and its position.
         """
-        numbers = {name: values for name, values in zip(result._fields, result)
-                   if values is not None}
-        bad = np.flatnonzero(~np.isfinite([*numbers.values()]).all(axis=0))
+        is_finite = {name: np.isfinite(values) for name, values in result._asdict().items()
+                     if values is not None}
+        bad = np.flatnonzero(~np.all([*is_finite.values()], axis=0))
         if not len(bad):
             return result
         first = bad[0]
         if self.branch.ends and at_toggle[first]:
             raise CannotFollow(self._why_not(first, self._output, outputs[first], 'at'))
-        field = next(name for name, values in numbers.items() if not np.isfinite(values[first]))
-        sample = ', '.join(f'{name} {values[first]:.8g}'
-                           for name, values in zip(asked._fields, asked) if values is not None)
-        raise CannotFollow(f'sample {first}: the {field} of {coordinate.position} overflows, for '
-                           f'{sample}')
+        field = next(name for name, finite in is_finite.items() if not finite[first])
+        raise CannotFollow(f'sample {first}: the {field} of {coordinate.position} overflows')
 
     def _why_not(self, sample: int, coordinate: Coordinate, position: float, where: str) -> str:
         """

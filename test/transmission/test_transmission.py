@@ -160,7 +160,7 @@ def test_a_swinging_output_may_count_from_another_turn():
 @pytest.mark.parametrize('given, why', [
     (({'position': 1e308}), 'sample 0: theta. = 1e\\+308 rad tells no angle'),
     (({'position': [1.9, -1e12]}), 'sample 1: theta. = -1e\\+12 rad tells no angle: .* 0.00012'),
-    (({'rate': 1e308}), 'sample 0: the (rate|acceleration) of theta. overflows, for .* rate 1e'),
+    (({'rate': 1e308}), 'sample 0: the (rate|acceleration) of theta. overflows'),
     (({'rate': 1e200}), 'the acceleration of theta. overflows'),
     (({'effort': 1.7e308, 'acceleration': 1.7e308}), 'the (effort|acceleration) of'),
 ])
