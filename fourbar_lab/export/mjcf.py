@@ -68,8 +68,8 @@ def _body(parent: Element, link: ModelLink, place: int, size: float) -> Element:
     if link.joint.limits and link.joint.is_driven:
         joint.set('range', ' '.join(map(repr, link.joint.limits)))
     if link.body:
-        mass, x, y, *moments = inertia_of(link.body, size)
-        add(body, 'inertial', pos=(x, y, 0.0), mass=mass, diaginertia=tuple(moments))
+        mass, centre, moments = inertia_of(link.body, size)
+        add(body, 'inertial', pos=centre, mass=mass, diaginertia=moments)
     _geoms(body, link.shapes, place)
     return body
 

@@ -67,14 +67,14 @@ def _link(parent: Element, link: ModelLink, place: int, model: RobotModel) -> No
     element = add(parent, 'link', name=link.frame)
     add(element, 'pose', numbers(x, y, 0.0, 0.0, 0.0, angle))
     if link.body:
-        inertia = inertia_of(link.body, model.size)
+        mass, centre, moments = inertia_of(link.body, model.size)
         inertial = add(element, 'inertial')
-        add(inertial, 'pose', numbers(inertia.x, inertia.y, 0.0, 0.0, 0.0, 0.0))
-        add(inertial, 'mass', numbers(inertia.mass))
-        moments = add(inertial, 'inertia')
-        for name, value in (('ixx', inertia.about_x), ('iyy', inertia.about_y),
-                            ('izz', inertia.about_z), ('ixy', 0.0), ('ixz', 0.0), ('iyz', 0.0)):
-            add(moments, name, numbers(value))
+        add(inertial, 'pose', numbers(*centre, 0.0, 0.0, 0.0))
+        add(inertial, 'mass', numbers(mass))
+        inertia = add(inertial, 'inertia')
+        for name, value in zip(('ixx', 'iyy', 'izz', 'ixy', 'ixz', 'iyz'),
+                               (*moments, 0.0, 0.0, 0.0)):
+            add(inertia, name, numbers(value))
     _visuals(element, link.shapes, place)
 
 

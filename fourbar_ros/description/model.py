@@ -27,6 +27,7 @@ import numpy as np
 
 SAMPLES = 721          # over the range of the input, for the limits of passive slides
 MARGIN = 0.01          # share by which these limits are wider than the samples show
+Vector = tuple[float, float, float]
 LEAST = 1e-9           # [kg], or times mass and size squared: for a body without mass or inertia
 
 
@@ -296,25 +297,14 @@ def tree_of(mechanism: Mechanism) -> tuple[dict[str, int], list[int]]:
     return ordered, sorted(set(range(len(connections))) - set(ordered.values()))
 
 
-class Inertia(NamedTuple):
-    """Mass [kg], centre of gravity in the frame of the link [m], moments [kg m^2]."""
-
-    mass: float
-    x: float
-    y: float
-    about_x: float
-    about_y: float
-    about_z: float
-
-
-def inertia_of(body: Body, size: float) -> Inertia:
+def inertia_of(body: Body, size: float) -> tuple[float, Vector, Vector]:
     """
-    Return the :class:`Inertia` of a body.
+    Return mass [kg], centre of gravity in the frame of the link [m], moments of inertia [kg m^2].
 
     A planar mechanism gives the moment about z alone, and nothing in its plane depends on the
     other two. So a flat body's moments are written, I_xx = I_yy = I_zz / 2. No program takes a
     body without mass or inertia. ``size``: the size of the mechanism [m].
     """
-    mass = max(body.mass, LEAST)
     about_z = max(body.inertia, LEAST * (body.mass or 1.0) * size * size)
-    return Inertia(mass, body.cg_along, body.cg_across, 0.5 * about_z, 0.5 * about_z, about_z)
+    return (max(body.mass, LEAST), (body.cg_along, body.cg_across, 0.0),
+            (0.5 * about_z, 0.5 * about_z, about_z))

@@ -37,9 +37,9 @@ def _link(robot: Element, link: ModelLink, place: int, size: float) -> None:
     """Add a moving link with mass and shapes, and the joint it hangs on."""
     element = add(robot, 'link', name=link.frame)
     if link.body:
-        mass, x, y, about_x, about_y, about_z = inertia_of(link.body, size)
+        mass, centre, (about_x, about_y, about_z) = inertia_of(link.body, size)
         inertial = add(element, 'inertial')
-        add(inertial, 'origin', xyz=(x, y, 0.0))
+        add(inertial, 'origin', xyz=centre)
         add(inertial, 'mass', value=mass)
         add(inertial, 'inertia', ixx=about_x, iyy=about_y, izz=about_z, ixy=0.0, ixz=0.0, iyz=0.0)
     _visuals(element, link.shapes, place)
