@@ -132,7 +132,7 @@ def sections(path: str | Path) -> dict[str, YamlTree]:
 def _why_no_yaml(text: str, error: Exception) -> str:
     """Return ``, line N: not YAML that ROS reads: REASON``."""
     mark, lines = getattr(error, 'problem_mark', None), text.splitlines()
-    why = getattr(error, 'problem', None) or getattr(error, 'reason', 'nested too deeply')
+    why = str(getattr(error, 'problem', None) or getattr(error, 'reason', 'nested too deeply'))
     where = f', line {mark.line + 1}' if mark else ''
     for at in (mark.line, mark.line - 1) if mark else ():       # YAML often sees it a line later
         match = NO_BLANK.search(lines[at]) if 0 <= at < len(lines) else None
@@ -142,7 +142,7 @@ def _why_no_yaml(text: str, error: Exception) -> str:
             break
     else:
         why = next((words for part, words in IN_WORDS.items() if part in why), why)
-    return f'{where}: not YAML that ROS reads: {" ".join(str(why).split())}'
+    return f'{where}: not YAML that ROS reads: {" ".join(why.split())}'
 
 
 def parse(text: str) -> Any:
