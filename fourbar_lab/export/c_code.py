@@ -113,20 +113,19 @@ class Code:
                    ('motion', model.motion, 'Motion; fields as in Python.')]
         if model.loads:
             records.append(('loads', model.loads, 'Loads; fields as in Python.'))
-        guard = f'FOURBAR_{name.upper()}_H'
-        kept = max(1, len(self.formulas.kept))
-        return '\n'.join([
-            *self._about(), f'#ifndef {guard}', f'#define {guard}', '',
-            '#ifdef __cplusplus', 'extern "C" {', '#endif', '',
-            f'/* {self._meaning()} */',
-            'typedef enum {',
-            ',\n'.join(f'  {name}_{text} = {i}' for i, text in enumerate(STATUS)),
-            f'}} {name}_status;', '',
-            *(text for record in records for text in self._struct(*record)),
-            f'/* What follows from parameters alone; {name}_prepare makes it. */',
-            f'typedef struct {{ double k[{kept}]; }} {name}_constants;', '',
-            *self._declarations(), '', *(self.drive.declarations() if self.drive else ()),
-            '#ifdef __cplusplus', '}', '#endif', '#endif', ''])
+        loads = filled(snippet('model.c', 'header_of_loads'), {
+            'LOADS_AT': self._signature('loads'), 'STEP': self._signature('step')})
+        modes = filled(snippet('model.c', 'header_of_modes'), {'NAME': name})
+        return filled(snippet('model.c', 'header'), {
+            'ABOUT': '\n'.join(self._about()), 'GUARD': name.upper(),
+            'STATUS': ',\n'.join(f'  {name}_{text} = {i}' for i, text in enumerate(STATUS)),
+            'RECORDS': '\n'.join(text for record in records for text in self._struct(*record)),
+            'KEPT': max(1, len(self.formulas.kept)), 'MOTION_AT': self._signature('motion'),
+            'LOADS_AT': loads if model.loads else '',
+            'SET_MODE': modes if model.signs else '',
+            'DRIVE': ''.join(f'{text}\n' for text in (
+                self.drive.declarations() if self.drive else ())),
+            'NAME': name})
 
     def _about(self) -> list[str]:
         """Return the comment at the head of both files: results, costs and omissions."""
@@ -156,14 +155,6 @@ class Code:
                                                   loads, renamed) if part
                         for line in wrap(part, 92)), ' */']
 
-    @staticmethod
-    def _meaning() -> str:
-        return ('As in the node: a sample out of range has no pose, all but the input is NaN; '
-                'invalid\n   input is not finite, or so fast that a result overflows; at a toggle '
-                'rates are unbounded,\n   NaN, the pose is valid; where the rate or acceleration '
-                'is NaN, all that depends on it is. Loads\n   are NaN unless ok. With a length of '
-                '0 or less, a negative mass or inertia, no status is ok.')
-
     def _struct(self, which: str, named: Sequence[Named], about: str) -> list[str]:
         """
         Return the C text of the struct NAME_``which``: a double for each of ``named``.
@@ -179,22 +170,6 @@ class Code:
                   f'[{one.unit or "-"}] {one.text}'.rstrip() + ' */' for one in named),
                 f'}} {self.name}_{which};', '']
 
-    def _declarations(self) -> list[str]:
-        """Return the prototypes of all public functions but those of the drive, for the header."""
-        name = self.name
-        return [f'/* Parameters of the scene. */\nvoid {name}_defaults({name}_parameters *to);',
-                f'/* Once, and after each change of a parameter. */\nvoid {name}_prepare('
-                f'const {name}_parameters *from, {name}_constants *made);',
-                *(f'/* {about} */\n{self._signature(which)};'
-                  for which, about in (('motion', 'The motion.'), ('loads', 'The loads.'),
-                                       ('step', 'Both, at the cost of the loads.'))
-                  if which == 'motion' or self.model.loads),
-                *([f'/* Take an assembly mode, as of a drive that has passed a toggle. */\n'
-                   f'void {name}_set_mode({name}_parameters *to, double mode);']
-                  if self.model.signs else []),
-                '/* Return how many results differ in any bit from those of Python: 0. */\n'
-                f'int {name}_self_check(void);']
-
     def _signature(self, which: str) -> str:
         name = self.name
         to = [part for part in ('motion', 'loads') if which in (part, 'step')]
@@ -207,33 +182,29 @@ class Code:
     def source(self) -> str:
         """Return the text of NAME.c."""
         name, model = self.name, self.model
-        defaults = ([f'  to->{one.field} = {literal(one.value)};' for one in model.tunable]
-                    or ['  to->none = 0.0;'])
+        defaults = [f'to->{one.field} = {literal(one.value)};' for one in model.tunable]
+        unused = ['(void)from;'] if not (model.tunable and self.preparation) else []
         bounds = [f'from->{one.field} {bound} 0.0' for one in model.tunable
                   if (bound := model.bound_of(one.name))]
-        prepared = [f'  {text}' for text in self.preparation] or ['  made->k[0] = 0.0;']
-        prepared += [f'  if (!({line}))\n    for (i = 0; i < {max(1, len(self.formulas.kept))}; '
-                     '++i) made->k[i] = NAN;' for line in ['\n        && '.join(bounds)] if line]
-        unused = [] if model.tunable and self.preparation else ['  (void)from;']
-        unused = ['  int i;'] * bool(bounds) + unused
-        counts = len(model.motion), len(model.loads)
-        return '\n'.join([
-            *self._about(), '#ifdef __FAST_MATH__', '#error "-ffast-math changes the results"',
-            '#endif', '#ifdef __clang__', '#pragma STDC FP_CONTRACT OFF',
-            # gcc's vectorizer contracts a * b + c beside a * b - c all the same
-            '#elif defined(__GNUC__)',
-            '#pragma GCC optimize ("fp-contract=off", "no-tree-slp-vectorize")', '#endif',
-            f'#include "{name}.h"', '#include <float.h>', '#include <math.h>',
-            '#include <stdint.h>', '#include <string.h>', '',
-            *self._runtime(),
-            '/* Doubles alone: a struct is as long as its list of numbers. */',
-            *(f'typedef char {which}_has_no_gap[sizeof({name}_{which}) == {count} * sizeof(double)'
-              ' ? 1 : -1];' for which, count in zip(('motion', 'loads'), counts) if count), '',
-            f'void {name}_defaults({name}_parameters *to)\n{{', *defaults, '}', '',
-            f'void {name}_prepare(const {name}_parameters *from, {name}_constants *made)\n{{',
-            *unused, *prepared, '}', '', *self._set_mode(), *self._guards(), *self._functions(),
-            *(self.drive.source() if self.drive else ()),
-            self._self_check()])
+        count = max(1, len(self.formulas.kept))
+        preparation = [*unused, *(self.preparation or ['made->k[0] = 0.0;'])]
+        if bounds:
+            are_good = '\n        && '.join(bounds)
+            preparation = ['int i;', *preparation, f'if (!({are_good}))\n    '
+                           f'for (i = 0; i < {count}; ++i) made->k[i] = NAN;']
+        no_gaps = [f'typedef char {part}_has_no_gap[sizeof({name}_{part}) == {len(numbers)} * '
+                   'sizeof(double) ? 1 : -1];'
+                   for part, numbers in (('motion', model.motion), ('loads', model.loads))
+                   if numbers]
+        functions = [*self._set_mode(), *self._guards(), *self._functions(),
+                     *(self.drive.source() if self.drive else ()), self._self_check()]
+        # its pragmas: gcc's vectorizer contracts a * b + c beside a * b - c all the same
+        return filled(snippet('model.c', 'source'), {
+            'ABOUT': '\n'.join(self._about()), 'NAME': name,
+            'RUNTIME': ''.join(f'{text}\n' for text in self._runtime()),
+            'NO_GAPS': ''.join(f'{text}\n' for text in no_gaps),
+            'DEFAULTS': lines_of(defaults or ['to->none = 0.0;']),
+            'PREPARATION': lines_of(preparation), 'FUNCTIONS\n': '\n'.join(functions)})
 
     def _set_mode(self) -> list[str]:
         """
@@ -242,11 +213,12 @@ class Code:
         ``model.signs``: place of a sign among the data -> {mode: its number, +-1}.
         """
         fields = {one.place: one.field for one in self.model.tunable}
-        lines = [f'  to->{fields[place]} = mode == {literal(modes[1])} ? {literal(numbers[1])} : '
+        lines = [f'to->{fields[place]} = mode == {literal(modes[1])} ? {literal(numbers[1])} : '
                  f'{literal(numbers[0])};' for place, of in self.model.signs.items()
                  for modes, numbers in [(list(of), list(of.values()))]]
-        return [f'void {self.name}_set_mode({self.name}_parameters *to, double mode)\n{{', *lines,
-                '}', ''] if lines else []
+        return [filled(snippet('model.c', 'set_mode'), {'NAME': self.name,
+                                                        'SIGNS': lines_of(lines)})
+                ] if lines else []
 
     def _runtime(self) -> list[str]:
         used = sorted(self.writer.used)
@@ -357,7 +329,7 @@ class Code:
             'EXPECTED': lines_of(f'static const double {part}_of_python[] = '
                                  f'{{{self._list(numbers)}}};'
                                  for part, numbers in expected.items()),
-            'RESULTS': lines_of(f'NAME_{part} {part};' for part in expected),
+            'RESULTS': lines_of(f'{name}_{part} {part};' for part in expected),
             'INPUTS': lines_of(f'input.{one.field} = {literal(value)};'
                                for one, value in zip(model.inputs, given)),
             'CALL': CALLS['step' if model.loads else 'motion'],

@@ -73,7 +73,7 @@ def wrapper(model: GeneratedModel) -> str:
     torque = 'double torque' * (model.scene.drive.source == TORQUE.name)
     drive = snippet('wrapper.hpp', 'drive') if model.moves_by_torque else ''
     drive = filled(drive, {'FIRST': torque, ' ARGUMENT': torque and f', {torque}',
-                           ' PASSED': ', torque' if torque else ''})
+                           ' PASSED': ', torque' if torque else '', 'NAME': model.name})
     text = filled(snippet('wrapper.hpp'), {'DRIVE\n': drive, 'NAME': model.name,
                                            'GUARD': f'FOURBAR_{model.name.upper()}_HPP'})
     if not model.loads:

@@ -37,10 +37,8 @@ def snippet(file: str, name: str = '') -> str:
 
 
 def filled(text: str, words: Mapping[str, object]) -> str:
-    """Return a text with each of these words replaced by its meaning, in turn."""
-    for word, meaning in words.items():
-        text = text.replace(word, str(meaning))
-    return text
+    """Return a text with these words replaced by their meanings, which are left as they are."""
+    return re.sub('|'.join(map(re.escape, words)), lambda match: str(words[match[0]]), text)
 
 
 def lines_of(texts: Iterable[str]) -> str:

@@ -1,3 +1,76 @@
+// --- header
+ABOUT
+#ifndef FOURBAR_GUARD_H
+#define FOURBAR_GUARD_H
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* As in the node: a sample out of range has no pose, all but the input is NaN; invalid
+   input is not finite, or so fast that a result overflows; at a toggle rates are unbounded,
+   NaN, the pose is valid; where the rate or acceleration is NaN, all that depends on it is. Loads
+   are NaN unless ok. With a length of 0 or less, a negative mass or inertia, no status is ok. */
+typedef enum {
+STATUS
+} NAME_status;
+
+RECORDS
+/* What follows from parameters alone; NAME_prepare makes it. */
+typedef struct { double k[KEPT]; } NAME_constants;
+
+/* Parameters of the scene. */
+void NAME_defaults(NAME_parameters *to);
+/* Once, and after each change of a parameter. */
+void NAME_prepare(const NAME_parameters *from, NAME_constants *made);
+/* The motion. */
+MOTION_AT;
+LOADS_ATSET_MODE/* Return how many results differ in any bit from those of Python: 0. */
+int NAME_self_check(void);
+
+DRIVE#ifdef __cplusplus
+}
+#endif
+#endif
+// --- header_of_loads
+/* The loads. */
+LOADS_AT;
+/* Both, at the cost of the loads. */
+STEP;
+// --- header_of_modes
+/* Take an assembly mode, as of a drive that has passed a toggle. */
+void NAME_set_mode(NAME_parameters *to, double mode);
+// --- source
+ABOUT
+#ifdef __FAST_MATH__
+#error "-ffast-math changes the results"
+#endif
+#ifdef __clang__
+#pragma STDC FP_CONTRACT OFF
+#elif defined(__GNUC__)
+#pragma GCC optimize ("fp-contract=off", "no-tree-slp-vectorize")
+#endif
+#include "NAME.h"
+#include <float.h>
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+RUNTIME/* Doubles alone: a struct is as long as its list of numbers. */
+NO_GAPS
+void NAME_defaults(NAME_parameters *to)
+{
+DEFAULTS}
+
+void NAME_prepare(const NAME_parameters *from, NAME_constants *made)
+{
+PREPARATION}
+
+FUNCTIONS
+// --- set_mode
+void NAME_set_mode(NAME_parameters *to, double mode)
+{
+SIGNS}
 // --- function
 static int WHICH_of(const double *k, double x0, double x1, double x2, double *values,
     double *closes)
