@@ -4,47 +4,24 @@
 from fourbar_ros.extrema.full_turns import search_turns
 import numpy as np
 import pytest
+from support.waves import roots_in_a_turn, slope, value, waves
 
-optimize = pytest.importorskip('scipy.optimize')
 EPS = 2.0**-52
-
-
-def trigonometric(rng, count, orders):
-    """Return (a, b), shape (count, orders): coefficients of trigonometric polynomials."""
-    falling = 0.5 ** np.arange(orders)
-    return rng.normal(size=(2, count, orders)) * falling
-
-
-def values(coefficients, x):
-    a, b = coefficients[..., None, :]
-    k = np.arange(1, a.shape[-1] + 1)
-    angles = x[..., None] * k
-    return (a * np.cos(angles) + b * np.sin(angles)).sum(axis=-1)
-
-
-def slope_roots(a, b):
-    """Return the roots of the slope in [0, 2 pi), as eigenvalues of a companion matrix."""
-    k = np.arange(1, a.size + 1)
-    c = 0.5 * k * (b + 1j * a)
-    polynomial = np.concatenate((c[::-1], [0.0], np.conj(c)))
-    z = np.roots(polynomial)
-    on_circle = z[np.abs(np.abs(z) - 1.0) < 1e-7]
-    return np.sort(np.mod(np.angle(on_circle), 2.0 * np.pi))
 
 
 @pytest.mark.parametrize('count', [96, 128, 192])
 def test_all_extrema_of_random_functions_are_found_or_marked_as_doubtful(count):
     rng = np.random.default_rng(0)
-    coefficients = trigonometric(rng, 200, 6)
-    found = search_turns(lambda x, which: values(coefficients[:, which], x)[None], 200, count,
+    coefficients = waves(rng, 200, 6)
+    found = search_turns(lambda x, which: value(coefficients, x, which[:, None])[None], 200, count,
                          np.zeros(1, bool))
     assert found.is_doubtful.mean() < 0.1
     for i in np.nonzero(~found.is_doubtful)[0]:
         places = found.places[0, i][np.isfinite(found.places[0, i])]
-        expected = slope_roots(*coefficients[:, i])
+        expected = roots_in_a_turn(lambda x, i=i: slope(coefficients, x, i))
         assert places.size == found.counts[0, i] == expected.size
         assert np.abs(np.sort(places) - expected).max() < 1e-9
-        there = values(coefficients[:, [i]], expected[None])[0]
+        there = value(coefficients, expected, i)
         one = found.values[0, i][np.isfinite(found.values[0, i])]
         assert np.abs(np.sort(one) - np.sort(there)).max() < 64 * EPS * np.abs(there).max()
 

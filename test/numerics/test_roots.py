@@ -8,25 +8,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 from support.cartesian import EPS
-
-
-def waves(rng, count, order):
-    """Return coefficients (count, order) of sines and cosines, smaller for higher ones."""
-    size = 1.0 / (1.0 + np.arange(order))
-    return rng.normal(size=(2, count, order)) * size
-
-
-def value(coefficients, x, row):
-    angles = x[..., None] * np.arange(coefficients.shape[2])
-    return (coefficients[0, row] * np.cos(angles) + coefficients[1, row] * np.sin(angles)).sum(-1)
-
-
-def slope(coefficients, x, row):
-    n = np.arange(coefficients.shape[2])
-    angles = x[..., None] * n
-    return (
-        n * (coefficients[1, row] * np.cos(angles) - coefficients[0, row] * np.sin(angles))
-    ).sum(-1)
+from support.waves import roots_in_a_turn, slope, value, waves
 
 
 def sampled(coefficients, points):
@@ -36,18 +18,6 @@ def sampled(coefficients, points):
     at = np.broadcast_to(x[:, None], (points, len(rows)))
     f, df = (function(coefficients, at, rows) for function in (value, slope))
     return x, f, df * (2.0 * pi / points) / 3.0
-
-
-def expected_roots(coefficients, row):
-    """Return the roots in a turn by brentq, between samples denser than any two roots."""
-
-    def function(x):
-        return float(value(coefficients, np.array(x), row))
-
-    x = np.linspace(0.0, 2.0 * pi, 4001)
-    f = value(coefficients, x, row)
-    i = np.flatnonzero((f[1:] >= 0.0) != (f[:-1] >= 0.0))
-    return np.array([brentq(function, x[k], x[k + 1], xtol=1e-15, rtol=4 * EPS) for k in i])
 
 
 def test_all_roots_are_bracketed_and_found_to_the_last_bits():
@@ -72,7 +42,7 @@ def test_all_roots_are_bracketed_and_found_to_the_last_bits():
     for k in range(count):
         ours, theirs = (
             np.sort(roots.fold(found[row == k])),
-            np.sort(expected_roots(coefficients, k)),
+            np.sort(roots_in_a_turn(lambda x, k=k: value(coefficients, x, k))),
         )
         total += len(theirs)
         assert len(ours) == len(theirs), k
