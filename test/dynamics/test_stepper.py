@@ -45,19 +45,6 @@ def states_of(system, until, tick=TICK, tolerance=1e-6, budget=10_000, command=N
     return np.array([mover.first.state, *(done.at.state for done in went)]).T, went
 
 
-@pytest.mark.parametrize('drive', DRIVES.values(), ids=DRIVES)
-def test_the_order_is_four_at_least(drive):
-    system = System(PAPER, 0.0, drive=drive)
-    reference = simulate(system, 0.5, 1e-11, times=[0.5])
-    errors = []
-    for tick in (4e-3, 2e-3, 1e-3):
-        states, went = states_of(system, 0.5, tick, tolerance=1e9)
-        assert all(done.evaluations == 7 for done in went)
-        errors.append(abs(states[0, -1] - reference.position[-1]))
-    orders = np.log2(np.array(errors[:-1]) / errors[1:])
-    assert orders[-1] > 3.7 and errors[-1] < 1e-5, (errors, orders)
-
-
 @some('stiffness', [10.0**k for k in range(2, 10)], (1e9,))
 def test_stiff_shafts_against_scipy(stiffness):
     damping = 100.0 if stiffness > 1e4 else 1e-3 * stiffness
