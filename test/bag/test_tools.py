@@ -44,15 +44,6 @@ def mixed(tmp_path_factory):
     return writer.close()
 
 
-def test_functions_of_the_package_are_functions_whatever_was_imported_before():
-    code = ('import pkgutil, importlib, fourbar_ros.bag as bag\n'
-            'for module in pkgutil.iter_modules(bag.__path__):\n'
-            '    importlib.import_module(f"fourbar_ros.bag.{module.name}")\n'
-            'from fourbar_ros.bag import info, recover, recompute, export, diff, records\n'
-            'assert all(map(callable, (info, recover, recompute, export, diff, records)))')
-    subprocess.run([sys.executable, '-c', code], check=True)
-
-
 @pytest.mark.parametrize('policy', ['none', 'hold', 'clamp'])
 def test_bad_inputs_and_every_policy_recompute_exactly(tmp_path, policy):
     cranks = [(0.01 * k, 1.0, 0.0) for k in range(200)]

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Balancing beside closed forms, another optimiser, and the loads of the mechanism itself."""
 from dataclasses import replace
-from math import pi
+from math import inf, nan, pi
 
 from fourbar_lab.balancing import (
     BalanceError,
@@ -14,7 +14,7 @@ from fourbar_lab.balancing import (
     Places,
 )
 from fourbar_lab.balancing.cone import peak
-from fourbar_lab.balancing.loads import body_of, Loads, numbers_of
+from fourbar_lab.balancing.loads import Loads, numbers_of
 from fourbar_lab.balancing.result import scene_values
 from fourbar_lab.quadrature import nodes
 from fourbar_ros.cli.main import main
@@ -68,14 +68,6 @@ def test_loads_are_linear_in_masses_moments_and_inertias(name):
             terms = np.abs(matrix) @ np.abs(numbers)
             error = np.abs(matrix @ numbers - getattr(expected, field))
             assert (error <= 64 * EPS * condition * (terms.max() + 1e-300)).all(), field
-
-
-def test_bodies_and_their_numbers_are_the_same_thing():
-    body = Body(2.0, 0.3, -0.1, 0.5)
-    again = body_of(numbers_of(body))
-    for field in ('mass', 'cg_along', 'cg_across', 'inertia'):
-        assert getattr(again, field) == pytest.approx(getattr(body, field), rel=4 * EPS)
-    assert body_of(np.zeros(4)) == Body(0.0)
 
 
 @pytest.mark.parametrize(('name', 'links'), [
@@ -261,18 +253,12 @@ def test_the_command_shows_no_rounding(capsys):
     assert table.count('output') == 1
 
 
-@pytest.mark.parametrize('mass', [-1.0, float('nan'), float('inf')])
-def test_a_mass_below_zero_or_no_number_is_refused(mass):
-    places = Places(Loads(load('paper').linkage, 25.0), {'crank': 0.6})
-    with pytest.raises(InvalidParameter, match='mass'):
-        least_rms(places, ['force'], mass)
-
-
 @pytest.mark.parametrize('make, name', [
     (lambda: Loads(None, 25.0), 'mechanism'), (lambda: Loads(load('paper'), 25.0), 'mechanism'),
-    (lambda: least_rms(Places(Loads(load('paper').linkage, 25.0), {'crank': 0.6}), [], 1.0),
-     'minimize')])
-def test_wrong_objects_and_no_load_are_refused_by_name(make, name):
+    (lambda: least_rms(places_of(loads_of('paper')), [], 1.0), 'minimize'),
+    *[(lambda mass=mass: least_rms(places_of(loads_of('paper')), ['force'], mass), 'mass')
+      for mass in (-1.0, nan, inf)]])
+def test_what_is_no_mechanism_load_or_mass_is_refused_by_name(make, name):
     with pytest.raises(InvalidParameter) as caught:
         make()
     assert caught.value.name == name

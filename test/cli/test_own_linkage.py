@@ -63,7 +63,7 @@ def test_help_fits_eighty_columns_without_a_lost_word(verb, capsys, monkeypatch)
         assert columns != '80' or max(len(line) for line in text.splitlines()
                                       if line[:1] != ' ') <= 80
         words[columns] = sorted(text.split())
-    assert words['80'] == words['300']
+    assert words['80'] == words['300'] and (verb or 'examples:' in text)
 
 
 def test_a_file_that_is_there_is_not_written_over(capsys):

@@ -1,7 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """The tables of the documents are those of the code."""
-import subprocess
 import sys
 
 from support import ROOT
@@ -57,10 +56,3 @@ def test_every_module_and_message_field_is_named_as_in_the_core():
     assert sorted(fields('LinkageState')) == sorted((*STATE_FIELDS, 'change_point_margin'))
     assert sorted(fields('LinkageLoads')) == sorted(LOADS)
     assert tuple(fields('PointMotion')) == PointMotion._fields
-
-
-def test_the_help_of_the_command_teaches():
-    done = subprocess.run([sys.executable, '-m', 'fourbar_ros', '--help'], capture_output=True,
-                          text=True,
-                          cwd=ROOT, check=True)
-    assert 'examples:' in done.stdout and 'show' in done.stdout

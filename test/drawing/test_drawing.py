@@ -3,7 +3,6 @@
 """Polygons close and are to scale; pictures say what is in them."""
 from itertools import combinations, cycle
 from math import hypot
-import sys
 
 from fourbar_lab.drawing.labels import significant
 from fourbar_lab.drawing.mechanism_panel import renamed
@@ -20,7 +19,7 @@ from fourbar_ros.scene.files import shipped
 from fourbar_ros.scene.scene import load
 import numpy as np
 import pytest
-from support import contract, ROOT
+from support import contract
 from support.samples import some
 
 
@@ -172,38 +171,6 @@ def test_letters_of_another_document(label, expected):
                                          (123456789.0, '1.235e+08'), (0.0012346, '0.001235')])
 def test_numbers_in_pictures_are_readable(value, text):
     assert significant(value) == text
-
-
-def test_the_command(tmp_path, monkeypatch, capsys):
-    pytest.importorskip('matplotlib')
-    from fourbar_ros.cli.main import main
-    monkeypatch.chdir(ROOT)
-
-    def draw(name):
-        code = main(['draw', 'config/paper.yaml', '--at', '60', '-o', str(tmp_path / name)])
-        return code, *capsys.readouterr()
-
-    for name in ('pose.svg', 'pose.pdf'):
-        assert draw(name) == (0, f'{tmp_path / name}\n', '')
-        assert (tmp_path / name).stat().st_size > 10_000
-    code, _, error = draw('pose.xyz')
-    assert code == 1 and error.startswith('fourbar: ') and len(error.splitlines()) == 1
-    missing = tmp_path / 'missing' / 'pose.svg'
-    assert draw('missing/pose.svg')[::2] == (1, f'fourbar: {missing}: No such file or directory\n')
-
-
-@pytest.mark.parametrize('arguments',
-                         [('draw', 'config/paper.yaml', '--at', '60', '-o', 'pose.svg'),
-                          ('reproduce', '--html', 'page.html')],
-                         ids=lambda arguments: arguments[0])
-def test_without_matplotlib_one_line_says_what_to_install(monkeypatch, capsys, arguments):
-    from fourbar_ros.cli.main import main
-    monkeypatch.chdir(ROOT)
-    monkeypatch.setitem(sys.modules, 'matplotlib', None)
-    assert main(list(arguments)) == 1
-    said = capsys.readouterr().err
-    assert (said.endswith(' requires matplotlib: pip install matplotlib\n')
-            and len(said.splitlines()) == 1)
 
 
 QUICK = 'klann', 'paper'

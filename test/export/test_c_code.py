@@ -329,8 +329,12 @@ def test_what_cannot_be_generated_is_refused_by_name(tmp_path):
             generate('paper', tmp_path, **options)
     with pytest.raises(NotGenerated, match='a1.*motion by torque'):
         generate('released', tmp_path, parameters=['a1'])
-    with pytest.raises(InvalidParameter, match='parameters'):
-        generate('parallelogram', tmp_path, parameters=['loop.length_1'])
+    for name, parameter in (('parallelogram', 'loop.length_1'), ('motor', 'a9')):
+        with pytest.raises(InvalidParameter, match='parameters'):
+            generate(name, tmp_path, parameters=[parameter])
+    parallelogram = {'linkage.a1': 0.4, 'linkage.a2': 1.0, 'linkage.a3': 0.4, 'linkage.a4': 1.0}
+    with pytest.raises(NotGenerated, match='change point'):
+        generate(from_values({**load_scene('motor').values, **parallelogram}), tmp_path)
     assert not list(tmp_path.iterdir())
 
 

@@ -7,10 +7,8 @@ import subprocess
 
 from fourbar_lab.export import generate
 from fourbar_lab.export.fmu import build
-from fourbar_lab.export.model import NotGenerated
 from fourbar_ros import load_scene
 from fourbar_ros.dynamics.node_step import NOT_FINITE, OK, OUT_OF_BUDGET
-from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.pipeline.stepper import InModes
 from fourbar_ros.scene.scene import from_values
 import numpy as np
@@ -193,15 +191,3 @@ def test_a_state_without_a_number_is_held_as_such(rocker, field, value):
     for mover in (MoverOfC(scene, code), scene.mover):
         status, values = mover.next(mover.start()._replace(**{field: value}), 0.002)
         assert status == NOT_FINITE and values.velocity == 0.0
-
-
-def test_what_is_not_generated_is_refused_by_name(tmp_path):
-    parallelogram = from_values({**PUSHED, 'linkage.a1': 0.4, 'linkage.a2': 1.0,
-                                 'linkage.a3': 0.4, 'linkage.a4': 1.0})
-    with pytest.raises(NotGenerated, match='change point'):
-        generate(parallelogram, tmp_path)
-    with pytest.raises(NotGenerated, match='a1.*motion by torque'):
-        generate('motor', tmp_path, parameters=['a1'])
-    with pytest.raises(InvalidParameter, match='a9'):
-        generate('motor', tmp_path, parameters=['a9'])
-    assert not list(tmp_path.iterdir())

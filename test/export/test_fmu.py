@@ -111,16 +111,11 @@ def test_in_model_exchange_outputs_follow_inputs_at_once(paper):
 
 
 @needs_compiler
-def test_motion_by_torque_is_for_co_simulation_only(tmp_path):
-    unit = Unit(generate('motor', tmp_path, 'fmu2').files[0], tmp_path / 'motor')
-    assert unit.instantiate(unit.root.get('guid').encode(), kind=0) is None
-    assert unit.root.find('ModelExchange') is None
-
-
-@needs_compiler
 def test_a_unit_moves_by_torque_as_the_node_does(tmp_path):
     scene = load_scene('sundials')
     unit = Unit(generate(scene, tmp_path, 'fmu2', name='sundials').files[0], tmp_path / 'unit')
+    assert unit.root.find('ModelExchange') is None           # for co-simulation only
+    assert unit.instantiate(unit.root.get('guid').encode(), kind=0) is None
     mover, stepper, step = scene.mover, InModes(scene), 1.0 / scene.drive.rate
     names = [name for name, cause in unit.causality.items() if cause == 'output']
     assert {'torque'} == {name for name, cause in unit.causality.items() if cause == 'input'}

@@ -274,14 +274,6 @@ def test_figures_have_the_units_and_letters_of_their_tables(name, word):
     assert any(text.endswith((' ft/s', ' ft/s$^2$')) for text in words)
 
 
-@pytest.mark.slow
-def test_what_cannot_be_written_is_reported_before_the_tables(tmp_path):
-    done = subprocess.run([sys.executable, '-m', 'fourbar_ros', 'reproduce', '--html',
-                           str(tmp_path / 'no' / 'x.html')],
-                          capture_output=True, text=True, cwd=ROOT, check=False)
-    assert (done.returncode, done.stdout) == (1, '') and len(done.stderr.splitlines()) == 1
-
-
 def test_the_tables_number_their_reasons(sections, capsys):
     print_tables(sections)
     text = capsys.readouterr().out
