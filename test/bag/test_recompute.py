@@ -184,11 +184,7 @@ def test_the_last_step_of_a_cut_bag_need_not_be_whole(bag, tmp_path):
 
 def as_recorded_by_rosbag2(bag, directory, name='rosbag2', jitter=0, late_scene=0, seed=1,
                            keep=lambda topic: True):
-    """
-    Write a bag again as ``ros2 bag record -a`` does.
-
-    No word of the scene, messages as they came in.
-    """
+    """Write a bag again as ``ros2 bag record -a`` does: in the order of arrival, no scene."""
     rng = np.random.default_rng(seed)
     raws = [raw for raw in content(bag) if keep(raw[0])]
     moved = [(time + int(rng.integers(0, jitter + 1)) + (late_scene if topic.endswith('/scene')

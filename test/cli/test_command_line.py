@@ -107,11 +107,7 @@ def test_zeros_are_not_printed_as_rounding(capsys):
                                      (2.0, 6.0, 7.0, 5.0)])
 @pytest.mark.parametrize('mode', [1, 2])
 def test_the_output_range_is_that_of_the_mode(lengths, mode):
-    """
-    Against a fine grid of poses of this mode.
-
-    Both modes together are output_ranges of the linkage.
-    """
+    """Against a fine grid of poses of this mode; both modes together are those of the linkage."""
     linkage = FourBar(*lengths, mode=mode)
     for low, high in linkage.input_ranges:
         theta4 = np.unwrap(linkage.motion(np.linspace(low, high, 20001)[1:-1]).theta4)

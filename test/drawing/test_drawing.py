@@ -126,11 +126,7 @@ def test_an_arrow_is_as_long_as_its_scale_bar_says():
     ('slider_crank', 1.0, (r'\theta_1', r'\mathrm{middle}', 'T_{41}')),
     ('cylinder', 1.5, (r'\theta_1', r'\theta_4', r'\mathrm{tip}'))], 1)
 def test_a_scene_is_drawn_with_all_that_it_has(name, at, texts):
-    """
-    Angles, rates, torque, points, centres of gravity, both scales.
-
-    Arrows of forces over the pivots.
-    """
+    """Angles, rates, torque, points, centres of gravity, both scales; arrows over the pivots."""
     pytest.importorskip('matplotlib')
     from fourbar_lab.drawing.figure import make_figure
     from matplotlib.patches import Wedge

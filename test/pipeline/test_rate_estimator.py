@@ -34,11 +34,7 @@ def feed(estimator, times, angles, rates=None):
 @pytest.mark.parametrize('epoch', EPOCHS)
 @pytest.mark.parametrize('window', [3, 5, 9])
 def test_constant_acceleration_is_exact_on_any_spacing_and_through_the_wrap(window, epoch):
-    """
-    Only the rounding of the angles is left, whatever the clock.
-
-    Stamps are differences of whole nanoseconds.
-    """
+    """Only rounding of angles is left, whatever the clock: stamps are whole nanoseconds."""
     rng = np.random.default_rng(1)
     times = epoch + np.cumsum(rng.integers(2_000_000, 10_000_000, 300))
     t = (times - times[0]) * 1e-9
@@ -100,11 +96,7 @@ def test_a_clock_set_back_by_any_step_costs_no_more_than_a_start(back):
 
 
 def test_samples_overtaken_one_by_one_do_not_start_it_afresh():
-    """
-    Two publishers on one topic, one of them behind.
-
-    Its samples have no rates, the others lose none.
-    """
+    """Two publishers on one topic: samples of the one behind have no rates, the others all."""
     estimator = RateEstimator(window=5)
     t = np.arange(200) * 0.01
     times = np.column_stack((t, t - 0.015)).ravel()

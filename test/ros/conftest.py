@@ -17,11 +17,7 @@ def client():
 
 @pytest.fixture
 def diagnosed(client):
-    """
-    Return the function that gives (status, values) of the newest diagnostics.
-
-    ``messages`` of it are all that came.
-    """
+    """Return the function of the newest diagnostics, (status, values); all: its ``messages``."""
     messages = client.hear(DiagnosticArray, '/diagnostics')
 
     def newest():
@@ -47,11 +43,7 @@ def lockstep(monkeypatch):
 
 @pytest.fixture
 def run_node(tmp_path):
-    """
-    Return the function that starts a NodeProcess.
-
-    All are stopped afterwards and must exit with 0.
-    """
+    """Return the function that starts a NodeProcess; each must exit with 0 when it is stopped."""
     started = []
 
     def run(parameters, **kwargs):

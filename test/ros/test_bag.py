@@ -128,11 +128,7 @@ def test_the_file_is_what_the_mcap_library_and_rosbag2_expect(bag):
 @pytest.mark.parametrize('package', ['fourbar_msgs', 'geometry_msgs', 'sensor_msgs',
                                      'diagnostic_msgs', 'rcl_interfaces'])
 def test_definitions_of_installed_messages_hash_as_an_independent_parser_computes(package):
-    """
-    Whatever a .msg file holds.
-
-    Constants, bounds, defaults, nested types of its own and of other packages.
-    """
+    """Constants, bounds, defaults, nested types of its own and of other packages."""
     names = [f'{package}/msg/{file.stem}'
              for file in Path(get_package_share_directory(package)).glob('msg/*.msg')]
     assert names

@@ -152,11 +152,7 @@ JANSEN = {**read_values('config/jansen.yaml'), 'outputs': ['state']}
 
 
 def test_only_proofs_wait_for_a_proof_and_eight_of_them(run_node, client):
-    """
-    In order of events, not by the clock: a proof takes as long as hundreds of evaluations.
-
-    An evaluation after each request gives the node time to take it: a service keeps ten only.
-    """
+    """In order of events: a proof takes as long as hundreds of evaluations."""
     node, asked = run_node(JANSEN), 14
     wanted = {'quantities': ['driving_torque'], 'velocity': 10.0}
     service, alone = client.service('find_extrema'), client.call('find_extrema', **wanted)

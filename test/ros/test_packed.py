@@ -80,11 +80,7 @@ def test_packed_bytes_are_what_ros_serialises(name, monkeypatch):
 
 
 def same_but_for_padding(type_name, data, expected):
-    """
-    Compare without padding, which holds old memory.
-
-    Not even two messages that ROS serialises agree in it.
-    """
+    """Compare without padding, which holds old memory: that of ROS too."""
     (rows, records), = Layouts(STORE, type_name).arrays([expected, data])
     assert rows.tolist() == [0, 1]
     for name in records.dtype.names:
@@ -113,11 +109,7 @@ def swapped():
 
 
 def sealed():
-    """
-    Return a middleware whose bytes are not only numbers.
-
-    A checksum follows, and reading insists on it.
-    """
+    """Return a middleware that reads only what its checksum fits."""
     def read(data, kind):
         if zlib.crc32(data[:-4]) != int.from_bytes(data[-4:], 'little'):
             raise ValueError('checksum')

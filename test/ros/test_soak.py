@@ -26,7 +26,7 @@ from rclpy.serialization import serialize_message
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 from support.faults import Faults
-from support.harness import ALL_OUTPUTS, NodeProcess, PATIENCE, set_parameters
+from support.harness import ALL_OUTPUTS, NodeProcess, set_parameters
 from support.scenes import PAPER, RODS
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
@@ -45,17 +45,25 @@ def usage(process):
             len(os.listdir(proc / 'fd')), shared)
 
 
+def answered(client, send, angle):
+    """Send a good message until it is answered; return the answer."""
+    client.received['state'].clear()
+    found = []
+
+    def is_there():
+        send()
+        client.spin(0.05)            # all that came: one message at a time, the queue would grow
+        found.extend(s for s in client.received['state'] if s.theta1 == angle)
+        return found
+    client.until(is_there, 'an answer to a good message')
+    return found[0]
+
+
 def check_alive(client, publisher, linkage):
     """Send a good message and demand the exact answer."""
     angle = random.uniform(0.0, 6.0)
-    client.received['state'].clear()
-    deadline = time.monotonic() + PATIENCE
-    while not any(s.theta1 == angle for s in client.received['state']):
-        assert time.monotonic() < deadline, (
-            f'no answer to a good message; the newest: {client.received["state"][-1:]}')
-        publisher.publish(Motion(position=angle, velocity=2.0, acceleration=1.0))
-        client.spin(0.05)            # all that came: one message at a time, the queue would grow
-    state = next(s for s in client.received['state'] if s.theta1 == angle)
+    state = answered(client, lambda: publisher.publish(
+        Motion(position=angle, velocity=2.0, acceleration=1.0)), angle)
     expected = linkage.motion(angle, 2.0, 1.0)
     assert (state.status, state.theta4, state.alpha4) == (LinkageState.STATUS_OK, expected.theta4,
                                                           expected.alpha4)
@@ -144,13 +152,8 @@ def test_joint_states_of_every_shape(run_node, client):
     many = JointState(name=[f'joint_{k}' for k in range(1_000_000)] + ['motor'],
                       position=[0.0] * 1_000_001)
     publisher.publish(many)
-    client.received['state'].clear()
-    deadline = time.monotonic() + PATIENCE
-    while not any(s.theta1 == 1.25 for s in client.received['state']):
-        assert time.monotonic() < deadline, (
-            f'no answer to a good message; the newest: {client.received["state"][-1:]}')
-        publisher.publish(JointState(name=['motor'], position=[1.25], velocity=[0.5]))
-        client.executor.spin_once(timeout_sec=0.05)
+    assert answered(client, lambda: publisher.publish(
+        JointState(name=['motor'], position=[1.25], velocity=[0.5])), 1.25)
     assert 'Traceback' not in node.said
 
 
@@ -171,11 +174,7 @@ def test_a_parameter_storm_while_streaming_never_gives_a_mixed_answer(driven, cl
 
 
 class Beside:
-    """
-    A node for each round, moved by torque, that translates trajectories; it records too.
-
-    Its torques and trajectories are good ones, hard numbers, and bytes of any kind.
-    """
+    """A node for each round, moved by torque, that translates trajectories, good and bad ones."""
 
     def __init__(self, client, faults, folder, rng):
         self._client, self._faults, self._folder, self._rng = client, faults, folder, rng
@@ -227,12 +226,7 @@ class Beside:
 
 
 class Soak:
-    """
-    Rounds of every trouble in turn, for a node that records; :meth:`round` does one.
-
-    ``faults``: of the node and of the one beside it; the disk is slow and the clock is set in the
-    midst of it.
-    """
+    """Rounds of all troubles in turn, for a node that records and one beside it: :meth:`round`."""
 
     def __init__(self, driven, client, faults, tmp_path):
         (self.node, self.publisher, self.linkage), self.client = driven, client
@@ -307,11 +301,7 @@ class Soak:
         assert not any(result.successful or not result.reason for result in results), results
 
     def _check(self, path, ended):
-        """
-        Demand a whole bag that computes again to the bit.
-
-        A full queue may leave gaps that it tells of.
-        """
+        """Demand a whole bag that computes again; a full queue may leave gaps it tells of."""
         found = info(path, check=True)
         assert found.is_sound and found.is_finished, found
         assert found.ended == ended, found
@@ -328,11 +318,6 @@ class Soak:
 @pytest.mark.slow
 @pytest.mark.skipif(not shutil.which('cc'), reason='needs a C compiler')
 def test_all_troubles_in_turn_leave_nothing_behind(run_node, client, tmp_path):
-    """
-    Floods, garbage, readers that pass, a clock that is set, a slow disk, restarts beside.
-
-    Beside it torques and trajectories. Bags to the bit.
-    """
     faults = Faults(tmp_path)
     parameters = {**PAPER, **RODS, 'drive.source': 'motion', 'drive.timeout': 0.5,
                   'outputs': ALL_OUTPUTS}

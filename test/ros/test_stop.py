@@ -111,11 +111,7 @@ os.fsync = slow
 
 @pytest.mark.slow
 def test_a_slow_disk_at_the_end_of_a_bag_holds_up_no_input(run_node, client):
-    """
-    What is sent after the request to stop is answered before that.
-
-    In order of events, not by the clock.
-    """
+    """What is sent after the request to stop is answered before that: in order of events."""
     node = run_node({**PAPER, 'drive.source': 'motion', 'outputs': ['state']}, first=SLOW_DISK)
     client.listen(['state'])
     send = client.driving()
@@ -138,11 +134,7 @@ def test_a_slow_disk_at_the_end_of_a_bag_holds_up_no_input(run_node, client):
 
 
 def test_a_flag_takes_signals_from_within_signals():
-    """
-    Every tenth of a millisecond, also while the handler runs.
-
-    An Event would wait for its own lock.
-    """
+    """Each tenth of a millisecond, in the handler too: an Event would wait for its own lock."""
     before, numbers = signal.getsignal(signal.SIGALRM), [signal.Signals[name] for name in SIGNALS]
     signal.signal(signal.SIGALRM, lambda *_: [signal.raise_signal(number) for number in numbers])
     with caught_signals() as caught:

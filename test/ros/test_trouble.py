@@ -44,11 +44,7 @@ Stream.step = lambda self, *given: (time.sleep(0.001), step(self, *given))
 
 
 def test_what_is_lost_is_counted_to_the_last_message(run_node, client, diagnosed):
-    """
-    Inputs faster than a step, and more of them than are kept.
-
-    Received and lost are all that were sent.
-    """
+    """Inputs faster than a step, and more than are kept: received and lost are all."""
     run_node(DRIVEN, first=SLOW)
     client.listen(['state'])
     sending = [client.publisher() for _ in range(2)]
