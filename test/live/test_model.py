@@ -25,7 +25,7 @@ from fourbar_lab.live.picture import (
 )
 from fourbar_lab.live.svg import HEIGHT, WIDTH
 from fourbar_ros.cli.main import main
-from fourbar_ros.errors import FourBarError, InvalidParameter
+from fourbar_ros.errors import FourBarError
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.mechanisms.picture import diagram_of
 from fourbar_ros.mechanisms.points import point_motion
@@ -350,14 +350,6 @@ def test_what_is_no_port_is_one_line(port, capsys):
     assert main(['live', 'paper', '--no-browser', '--port', str(port)]) == 1
     said = capsys.readouterr().err
     assert f'--port {port}: must be an integer from 0 to 65535' in said and said.count('\n') == 1
-
-
-def test_impossible_values_say_why():
-    values = load(find('paper')).values
-    with pytest.raises(InvalidParameter, match='cannot close'):
-        shown(values | {'linkage.a2': 9.0})
-    with pytest.raises(FourBarError):
-        shown(values | {'linkage.a2': 'long'})
 
 
 def test_inputs_are_shown_in_the_unit_of_the_page():

@@ -138,7 +138,7 @@ def test_a_stamp_that_is_no_time_is_replaced_and_counted(run_node, client, diagn
     run_node(DRIVEN)
     client.listen(['state'])
     send = client.driving()
-    for sec, nanosec in ((-1, 5), (5, 10**9), (-2**31, 2**32 - 1)):
+    for sec, nanosec in ((0, 0), (-1, 5), (5, 10**9), (-2**31, 2**32 - 1)):   # 0 is none given
         message = Motion(position=0.3)
         message.header.stamp = Time(sec=sec, nanosec=nanosec)
         before = client.node.get_clock().now().nanoseconds

@@ -123,6 +123,7 @@ def test_a_live_change_is_taken_or_refused_as_the_whole_scene_would_be(file, dat
         try:
             whole = scene.from_values({**now.values, name: value})
         except FourBarError as error:
+            assert '\n' not in str(error)
             with pytest.raises(type(error), match=re.escape(str(error))):
                 now.with_values({name: value})
         else:
