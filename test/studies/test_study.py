@@ -37,7 +37,7 @@ BAD = [
     ('vary', {'drive.rate': {'range': [1, 2]}}, 'cannot vary'),
     ('vary', {'cylinder.base.along': {'range': [1, 2]}}, 'cannot vary in this study'),
     ('vary', {'bodies.crank.mass': {'uniform': 0.1}}, 'without a centre the scene must give'),
-    ('vary', {'bodies.crank.mass': {'uniform': [1.0, 0.1]}}, 'bodies.crank.inertia: must be given'),
+    ('vary', {'bodies.crank.mass': {'uniform': [1.0, 0.1]}}, 'crank.inertia: must be given'),
     ('vary', {'linkage.a2': {'range': [5.0, 6.0]}}, 'none of the first 100 designs can be built'),
     ('method', 'sobel', 'must be one of grid, sobol'),
     ('quantities', ['omega5.max'], 'did you mean omega4'),
