@@ -62,13 +62,13 @@ from fourbar_ros.mechanisms.machine.structure import (
     COEFFICIENTS,
     CYLINDER,
     Layout,
-    motion_fields,
     Numbers,
     PLACES,
     SLIDES,
     Stage,
     travel,
 )
+from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.numerics.number_types import NumberType, Scalar
 from fourbar_ros.numerics.vectors import Vector
 
@@ -77,10 +77,15 @@ AXIS = Vector(1.0, 0.0)
 
 def loads_of(n: NumberType, layout: Layout, numbers: Sequence[Numbers], bodies: Iterable[Body],
              gravity: Gravity, external: NamedTuple,
-             motion: Sequence[Scalar]) -> tuple[Scalar, ...]:
-    """Return the fields of :func:`.structure.load_fields` for those of a motion."""
-    curves, slides, sines, rate, acceleration = parts_of(layout, motion)
-    needs = [needs_of(body, 1.0, gravity, applied_to(external, name), curve, (rate, acceleration))
+             motion: NamedFields) -> tuple[Scalar, ...]:
+    """Return the fields of :func:`.structure.load_fields` for a motion."""
+    curves = [LinkMotion(*[getattr(motion, f'{name}_{link}') for name in COEFFICIENTS])
+              for link in layout.moving]
+    slides = [[getattr(motion, travel(link).position) for link in stage.slides()]
+              for stage in layout.stages]
+    sines = [getattr(motion, f'sine_{stage.name}') for stage in layout.stages]
+    rates = motion.rate, motion.acceleration
+    needs = [needs_of(body, 1.0, gravity, applied_to(external, name), curve, rates)
              for curve, name, body in zip(curves, layout.moving, bodies)]
     drive, shaking = drive_and_shaking(n, curves, needs)
     if layout.ground:
@@ -89,19 +94,6 @@ def loads_of(n: NumberType, layout: Layout, numbers: Sequence[Numbers], bodies: 
     forces = forces_of_dyads(n, layout, numbers, curves, slides, sines, needs, drive)
     return (*force_at_base(n, layout, needs[0], drive), *forces,
             *((drive, 0.0) if layout.driver == 'crank' else (0.0, drive)), *shaking)
-
-
-def parts_of(layout: Layout, motion: Sequence[Scalar]) -> tuple[
-        list[LinkMotion], list[list[Scalar]], Sequence[Scalar], Scalar, Scalar]:
-    """Return curves of the moving links, slides and sines of the dyads, rate, acceleration."""
-    fields = motion_fields(layout)
-    place = fields.index('rate')
-    first, width = place + 2, len(COEFFICIENTS)
-    last = first + width * len(layout.moving)
-    slides = [[motion[fields.index(travel(link).position)] for link in stage.slides()]
-              for stage in layout.stages]
-    return ([LinkMotion(*motion[i:i + width]) for i in range(first, last, width)], slides,
-            motion[last:], motion[place], motion[place + 1])
 
 
 def drive_and_shaking(n: NumberType, curves: Iterable[LinkMotion],

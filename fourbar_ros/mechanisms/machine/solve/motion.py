@@ -33,7 +33,17 @@ from fourbar_ros.mechanisms.curves import FIXED, LinkMotion
 from fourbar_ros.mechanisms.machine.solve.dyads import Driven, DyadMotion, ORIGIN
 from fourbar_ros.mechanisms.machine.solve.frames import hangings, Poses, seen_from
 from fourbar_ros.mechanisms.machine.solve.pairs import make_moves, turned_by
-from fourbar_ros.mechanisms.machine.structure import CYLINDER, Layout, Numbers, Stage
+from fourbar_ros.mechanisms.machine.structure import (
+    COEFFICIENTS,
+    coordinate,
+    CYLINDER,
+    Layout,
+    motion_fields,
+    Numbers,
+    Stage,
+    travel,
+)
+from fourbar_ros.mechanisms.parts import Coordinate
 from fourbar_ros.mechanisms.slides import triangle
 from fourbar_ros.numerics.number_types import NumberType, Scalar
 
@@ -123,38 +133,54 @@ def motion_of(n: NumberType, layout: Layout, numbers: Sequence[Numbers], signs: 
         dyads.append(moved)
         errors += errors_of(n, stage, numbers[number], errors[stage.first], errors[stage.second],
                             moved)
-    output, turning = layout.moving.index(layout.output) + 1, layout.turning()
-    place, turn = errors[output]
-    if layout.ground:       # errors of a link are those in the frame and those of the ground
+    if layout.ground:
+        turning = layout.turning()
         curves = seen_from(curves, layout.ground, [
             number for number, link in enumerate(layout.moving, 1) if link not in turning])
+    condition = condition_of(n, layout, errors, curves)
+    found, square = dict[str, Scalar](), rate * rate
+
+    def add(names: Coordinate, value: Scalar, slope: Scalar, bend: Scalar) -> None:
+        """Add a coordinate, its rate and acceleration, from its derivatives by the input."""
+        found.update(zip(names, (value, slope * rate, slope * acceleration + bend * square)))
+
+    for link, curve in zip(layout.moving, curves[1:]):
+        add(coordinate(link), n.atan2(curve.sine, curve.cosine), curve.omega, curve.alpha)
+        found.update(zip([f'{name}_{link}' for name in COEFFICIENTS], curve))
+    for stage, moved in zip(layout.stages, dyads):
+        found[f'sine_{stage.name}'] = moved.sine
+        for k, link in enumerate(stage.slides()):
+            slide, slope, bend = moved.slides[3 * k:3 * k + 3]
+            add(travel(link), slide, slope, bend)
+            found[f'slide_{link}_ratio'] = slope
+    if layout.driver == 'crank':        # the input is not computed, it is as it is given
+        found[coordinate(layout.driven).position] = position
+    else:
+        link = layout.stages[0].links[0] if layout.driver == CYLINDER else layout.driven
+        found.update(zip(travel(link), (position, rate, acceleration)))
+        found[f'slide_{link}_ratio'] = 1.0
+    of_pins = [(pin, poses.relation(j, i)) for pin, i, j in layout.pins()]
+    for pin, (c, s, slope, bend) in of_pins:
+        add(coordinate(pin), n.atan2(s, c), slope, bend)
+    sines = [n.fabs(moved.sine) for moved in dyads]
+    angles = [n.atan2(sine, moved.cosine) for sine, moved in zip(sines, dyads)]
+    found.update(zip([f'transmission_angle_{stage.name}' for stage in layout.stages], angles))
+    worst, *others = zip(sines, angles)         # of the least |sine|
+    for pair in others:
+        worst = n.where(pair[0].real < worst[0].real, pair, worst)
+    found.update(transmission_angle=worst[1], condition=condition, rate=rate,
+                 acceleration=acceleration)
+    return tuple([found[name] for name in motion_fields(layout)])
+
+
+def condition_of(n: NumberType, layout: Layout, errors: Sequence[Errors],
+                 curves: Sequence[LinkMotion]) -> Scalar:
+    """Return the error of the output, of its angle if it turns [rad], else of its place [m]."""
+    output = layout.moving.index(layout.output) + 1
+    place, turn = errors[output]
+    if layout.ground:       # errors of a link are those in the frame and those of the ground
         (of_place, of_turn), at = errors[layout.ground], curves[output]
         place, turn = (0.0, 0.0) if output == layout.ground else (place, turn)
         place = of_place + place + (n.fabs(at.x) + n.fabs(at.y)) * of_turn
         turn = of_turn + turn
-    square, given = rate * rate, (position, rate, acceleration, 1.0)
-    fields: list[Scalar] = []
-    for link in curves[1:]:
-        fields += (n.atan2(link.sine, link.cosine), link.omega * rate,
-                   link.omega * acceleration + link.alpha * square)
-    if layout.driver == 'crank':
-        fields[0] = position
-    if layout.driver == 'slide':
-        fields += given
-    for slid in [moved.slides[k:k + 3] for moved in dyads
-                 for k in range(0, len(moved.slides), 3)]:
-        fields += (slid[0], slid[1] * rate, slid[1] * acceleration + slid[2] * square, slid[1])
-    if layout.driver == CYLINDER:
-        fields[3 * len(curves) - 3:3 * len(curves) + 1] = given
-    for c, s, slope, bend in [poses.relation(j, i) for _, i, j in layout.pins()]:
-        fields += (n.atan2(s, c), slope * rate, slope * acceleration + bend * square)
-    # transmission angles, and again the worst one, of the least |sine|
-    sines = [n.fabs(moved.sine) for moved in dyads]
-    angles = [n.atan2(sine, moved.cosine) for sine, moved in zip(sines, dyads)]
-    least, *others = zip(sines, angles)
-    for pair in others:
-        least = n.where(pair[0].real < least[0].real, pair, least)
-    fields += (*angles, least[1],
-               turn if layout.output in turning else place, rate, acceleration)
-    return (*fields, *[part for curve in curves[1:] for part in curve],
-            *[moved.sine for moved in dyads])
+    return turn if layout.output in layout.turning() else place
