@@ -28,8 +28,10 @@ from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin
 from rosbags.rosbag2 import Writer as RosbagsWriter
 from support import bags
 from support.bags import MOTION, motion
+from support.scenes import PAPER
 
 STRING, COUNT, CHUNK = 'std_msgs/msg/String', 400, 11
+SCENE = {**PAPER, 'outputs': ['state'], 'drive.source': 'motion'}
 CRC = 33        # where the checksum of a chunk stands in its record
 BEFORE = Path(__file__).parent.parent / 'support' / 'data' / 'split_before'
 
@@ -208,19 +210,13 @@ def test_larger_damage_costs_what_it_hits(whole, tmp_path):
 
 def _with_scene(folder, data):
     """Return a damaged bag of a scene."""
-    path = bags.run(folder, 'scene', {**bags_scene(), 'drive.source': 'motion'},
-                    [(0.05 * k, 25.0, 0.1) for k in range(30)])
+    path = bags.run(folder, 'scene', SCENE, [(0.05 * k, 25.0, 0.1) for k in range(30)])
     file = path / 'scene_0.mcap'
     data = bytearray(file.read_bytes())
     _, begin, _ = [record for record in records_of(data) if record[0] == Opcode.CHUNK][0]
     data[begin + CRC] ^= 1
     file.write_bytes(data)
     return path
-
-
-def bags_scene():
-    from support.scenes import PAPER
-    return {**PAPER, 'outputs': ['state']}
 
 
 @pytest.mark.parametrize('content', [b'', b'\x89MCAP', b'not a bag' * 100, bytes(1000),
@@ -405,8 +401,7 @@ def test_a_killed_split_bag_of_version_1_is_recovered_without_losing_or_doubling
 # --- split bags ----------------------------------------------------------------------------------
 
 def test_files_are_in_the_order_of_their_numbers_and_metadata_may_be_lost(tmp_path):
-    scene = bags_scene() | {'drive.source': 'motion'}
-    path = bags.run(tmp_path, 'run', scene, [(0.05 * k, 25.0, 0.1) for k in range(300)],
+    path = bags.run(tmp_path, 'run', SCENE, [(0.05 * k, 25.0, 0.1) for k in range(300)],
                     {150: {'linkage.a1': 0.35}}, paced=True, step_ns=10**7)
     new = _resplit(path, tmp_path / 'new', 12)
     assert [metadata.number_of(file) for file in Bag(new).files] == list(range(12))

@@ -144,17 +144,6 @@ def test_the_least_rms_is_proven_and_no_other_optimiser_finds_less(names):
     assert best >= found.bound * (1.0 - 1e-12)
 
 
-@some('names', [('force',), ('moment',), ('f21',)], 1)
-def test_no_rms_is_below_its_bound(names):
-    """Up to masses that balance the linkage, where rounding is all that is left."""
-    places = places_of(loads_of('paper'))
-    found = front(places, names, np.geomspace(0.01, 100.0, 25))
-    assert all(0.0 <= one.bound <= one.value for one in found)
-    values = np.array([one.value for one in found])
-    # where the solver ends 1e-8 of the load is nothing
-    assert (values[1:] <= values[:-1] + 1e-8 * values[0]).all()
-
-
 def test_rms_is_that_of_the_mechanism():
     loads = loads_of('paper')
     found = least_rms(places_of(loads), ('moment',), 2.0)
@@ -163,9 +152,14 @@ def test_rms_is_that_of_the_mechanism():
     assert found.value == pytest.approx(np.sqrt(np.mean(moment**2)), rel=1e-10)
 
 
-@some('name', ['force', 'moment', 'torque'], 1)
+@some('name', ['force', 'moment', 'torque', 'f21'], 1)
 def test_a_front_falls_is_convex_and_every_point_is_proven(name):
     loads = loads_of('paper')
+    # up to masses that balance the linkage, where rounding is all that is left
+    found = front(places_of(loads), (name,), np.geomspace(0.01, 100.0, 25))
+    assert all(0.0 <= one.bound <= one.value for one in found)
+    values = np.array([one.value for one in found])
+    assert (np.diff(values) <= 1e-8 * values[0]).all()      # where the solver ends is nothing
     found = front(places_of(loads), (name,), np.linspace(0.0, 20.0, 30))
     values = np.array([one.value for one in found])
     size = values[0]

@@ -17,7 +17,7 @@ from fourbar_ros import load_scene, SliderCrank
 from fourbar_ros.cli.main import main
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Applied, Base
-from fourbar_ros.scene import from_values
+from fourbar_ros.scene import from_values, read_values
 import numpy as np
 import pytest
 from support import ROOT
@@ -33,6 +33,7 @@ from support.exported import (
 )
 from support.random_machines import random_machines
 from support.samples import more, some
+from support.scenes import file_of
 
 pytestmark = pytest.mark.skipif(not COMPILERS, reason='no C compiler')
 C = (COMPILERS[0], '-std=c99', '-O2') if COMPILERS else ()
@@ -339,15 +340,7 @@ def test_what_cannot_be_generated_is_refused_by_name(tmp_path):
 
 
 def test_words_of_c_are_changed_and_said(tmp_path, capsys):
-    text = (ROOT / 'config' / 'paper.yaml').read_text()
-    path = tmp_path / 'double.yaml'
-    indent = text[text.index('linkage'):].index('linkage')
-    assert not indent
-    lines = text.splitlines()
-    at = next(i for i, line in enumerate(lines) if line.strip().startswith('linkage'))
-    space = lines[at][:len(lines[at]) - len(lines[at].lstrip())]
-    lines[at:at] = [f'{space}points.int: {{link: coupler, along: 0.1}}']
-    path.write_text('\n'.join(lines) + '\n')
+    path = file_of({**read_values('paper'), 'points.int.link': 'coupler'}, tmp_path, 'double')
     assert main(['generate', str(path), '-o', str(tmp_path / 'code')]) == 0
     said = capsys.readouterr()
     assert 'double is double_' in said.err and 'operations' in said.out

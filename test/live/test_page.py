@@ -239,27 +239,18 @@ def test_layers_and_views(tab):
     assert not errors(tab.driver)
 
 
-def test_a_click_on_an_extremum_goes_there(tab):
-    tab.open('Extrema')
-    tab.until(lambda: tab.rows('quantity'), 'extrema')
-    row = next(row for row in tab.rows('quantity') if row[0] == 'omega4')
-    tab.driver.execute_script(
-        "[...document.querySelectorAll('tbody tr')].filter(r => r.innerText.includes("
-        'arguments[0]))[0].click()', row[2])
-    tab.until(lambda: abs(float(tab.now().get('omega4', 'nan')) - float(row[2])) < 1e-6,
-              'the extremum')
-
-
-@pytest.mark.slow
-def test_the_keyboard_goes_to_an_extremum(tab):
+@pytest.mark.parametrize('by', ['click', pytest.param('keyboard', marks=pytest.mark.slow)])
+def test_click_and_keyboard_go_to_an_extremum(tab, by):
     from selenium.webdriver.common.keys import Keys
     tab.open('Extrema')
     tab.until(lambda: tab.rows('quantity'), 'extrema')
     row = next(row for row in tab.rows('quantity') if row[0] == 'omega4')
-    tab.driver.execute_script(
-        "[...document.querySelectorAll('tbody button')].filter(b => b.innerText === "
-        'arguments[0])[0].focus()', row[4])
-    tab.keys(Keys.ENTER)
+    find = '[...document.querySelectorAll("tbody {}")].filter(e => e.innerText.includes({!r}))[0]'
+    if by == 'click':
+        tab.driver.execute_script(find.format('tr', row[2]) + '.click()')
+    else:
+        tab.driver.execute_script(find.format('button', row[4]) + '.focus()')
+        tab.keys(Keys.ENTER)
     tab.until(lambda: abs(float(tab.now().get('omega4', 'nan')) - float(row[2])) < 1e-6,
               'the extremum')
 
