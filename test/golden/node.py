@@ -126,9 +126,9 @@ def graph(node):
 
 def parameters(client):
     """Return {'parameter NAME': [type, value, unit and text, limits, live or not]}."""
-    names = sorted(call(client, ListParameters, ListParameters.Request()).result.names)
-    described = call(client, DescribeParameters, DescribeParameters.Request(names=names))
-    values = call(client, GetParameters, GetParameters.Request(names=names)).values
+    names = sorted(client.ask(ListParameters).result.names)
+    described = client.ask(DescribeParameters, names=names)
+    values = client.ask(GetParameters, names=names).values
     found = {}
     for value, one in zip(values, described.descriptors):
         shown = repr(parameter_value_to_python(value))
@@ -138,20 +138,6 @@ def parameters(client):
             one.type, one.description, one.additional_constraints, *limits,
             'read only' if one.read_only else 'live', re.sub(r'/tmp/\S+', 'FOLDER', shown)]
     return found
-
-
-def call(client, kind, request):
-    """Return the answer of a parameter service."""
-    name = re.sub(r'(?<!^)([A-Z])', r'_\1', kind.__name__).lower()
-    caller = client.node.create_client(kind, f'/{NODE}/{name}')
-    client.until(caller.service_is_ready, name)
-    while True:         # an answer to a client not yet discovered is dropped
-        future, end = caller.call_async(request), time.monotonic() + 5.0
-        while not future.done() and time.monotonic() < end:
-            client.executor.spin_once(timeout_sec=0.05)
-        if future.done():
-            client.node.destroy_client(caller)
-            return future.result()
 
 
 PARTS = {'messages': Messages(), 'node': Running()}

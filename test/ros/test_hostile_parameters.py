@@ -16,10 +16,9 @@ from fourbar_ros.scene.parameters import find_parameter, of_name
 from fourbar_ros.scene.scene import load
 from fourbar_ros.scene.topics import OUTPUTS
 import pytest
-from rcl_interfaces.srv import ListParameters, SetParametersAtomically
+from rcl_interfaces.srv import ListParameters
 import rclpy
-from rclpy.parameter import Parameter
-from support.harness import ALL_OUTPUTS
+from support.harness import ALL_OUTPUTS, set_parameters
 from support.strategies import hostile
 
 MINUTES = float(os.environ.get('SOAK_MINUTES', '0'))
@@ -54,29 +53,6 @@ def start(run_node, client, hearing, given, **more):
     return node
 
 
-def setter(client):
-    """Return the function that sets parameters together, {name: value}, and returns the result."""
-    caller = client.node.create_client(SetParametersAtomically,
-                                       '/fourbar/set_parameters_atomically')
-    client.until(caller.service_is_ready, 'the parameter service')
-
-    def put(values):
-        future = caller.call_async(SetParametersAtomically.Request(parameters=[
-            Parameter(name, value=value).to_parameter_msg() for name, value in values.items()]))
-        client.until(future.done, f'the answer to {values}'[:200])
-        return future.result().result
-    return put
-
-
-def declared_by(client):
-    """Return the names of the parameters of the node."""
-    caller = client.node.create_client(ListParameters, '/fourbar/list_parameters')
-    client.until(caller.service_is_ready, 'the parameter service')
-    future = caller.call_async(ListParameters.Request())
-    client.until(future.done, 'its parameters')
-    return future.result().result.names
-
-
 def attack(client, node, values, until, seed):
     """
     Set hostile values one by one; those that are taken pile up, and are taken back now and then.
@@ -84,9 +60,11 @@ def attack(client, node, values, until, seed):
     Return how many were taken, of how many.
     """
     rng, count, taken = random.Random(seed), 0, 0
-    declared = [name for name in declared_by(client)
+    declared = [name for name in client.ask(ListParameters).result.names
                 if (parameter := find_parameter(name)) and parameter.live]
-    put = setter(client)
+
+    def put(values):
+        return set_parameters(client, values, atomically=True)[0]
     while not until(count):
         name = rng.choice(declared)
         value = hostile(rng, name)

@@ -10,6 +10,8 @@ from fourbar_ros.ros.messages import to_stamp
 from fourbar_ros.scene import scene
 from fourbar_ros.scene.topics import OUTPUTS
 import pytest
+from rcl_interfaces.msg import Parameter, ParameterValue
+from rcl_interfaces.srv import SetParameters
 from sensor_msgs.msg import JointState
 from support.harness import (
     in_bag,
@@ -191,17 +193,11 @@ def test_outputs_change_while_subscribers_come_and_go(drive, client):
 @pytest.mark.slow
 def test_what_no_parameter_can_be_is_answered(drive, client):
     """A type that is none ends a bare rclpy node, and a name that is empty."""
-    from rcl_interfaces.msg import Parameter, ParameterValue
-    from rcl_interfaces.srv import SetParameters
     send, _ = drive({}, source='motion')
-    caller = client.node.create_client(SetParameters, '/fourbar/set_parameters')
-    client.until(caller.service_is_ready, 'the parameter service')
-    for name, kind in (('', 3), ('motor.gear', 3), ('outputs', 0), ('linkage.a1', 0),
+    for name, kind in (('', 3), ('motor.geer', 3), ('outputs', 0), ('linkage.a1', 0),
                        ('outputs', 5)):
-        future = caller.call_async(SetParameters.Request(parameters=[
-            Parameter(name=name, value=ParameterValue(type=kind))]))
-        client.until(future.done, 'the answer')
-        result, = future.result().results
+        result, = client.ask(SetParameters, parameters=[
+            Parameter(name=name, value=ParameterValue(type=kind))]).results
         # five is an empty list of bytes: no outputs at all
         assert result.successful == (kind == 5) and (kind == 5 or result.reason)
     assert set_parameters(client, {'outputs': ['state'], 'linkage.a2': 1},

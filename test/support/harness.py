@@ -1,9 +1,11 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """A real node in a process of its own and a real client beside it."""
+from contextlib import suppress
 from operator import attrgetter
 import os
 from pathlib import Path
+import re
 import resource
 import signal
 import subprocess
@@ -16,7 +18,9 @@ from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.ros.messages import resolve, to_stamp
 from fourbar_ros.scene.topics import DRIVEN, FAMILIES, OUTPUTS, PICTURES
+from rcl_interfaces.srv import SetParameters, SetParametersAtomically
 import rclpy
+from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rosgraph_msgs.msg import Clock
 from support.scenes import file_of
@@ -121,7 +125,7 @@ class Client(NodeClient):
     def __init__(self):
         rclpy.init()
         super().__init__(rclpy.create_node('tester'), PATIENCE)
-        self.received = {}
+        self.received, self._parameters = {}, {}
 
     def listen(self, names=ALL_OUTPUTS, node='fourbar', depth=1000):
         """Collect all messages in ``received``: of topics by name, or {name: topic}."""
@@ -199,6 +203,24 @@ class Client(NodeClient):
                     return
             assert time.monotonic() < end, f'no answer of {service_name}'
 
+    def ask(self, kind, node='fourbar', **fields):
+        """
+        Return the answer of a parameter service.
+
+        It is asked again: what leaves a server before it has found a new client is dropped.
+        """
+        name = f'/{node}/' + re.sub('(?<!^)([A-Z])', r'_\1', kind.__name__).lower()
+        if name not in self._parameters:
+            self._parameters[name] = self.node.create_client(kind, name)
+        caller = self._parameters[name]
+        self.until(caller.service_is_ready, name)
+        for _ in range(4):
+            future = caller.call_async(kind.Request(**fields))
+            with suppress(NoAnswer):
+                self.until(future.done, name, 0.25 * self.patience)
+                return future.result()
+        raise NoAnswer(f'{name}: no answer to {fields}'[:200])
+
     def close(self):
         """Leave the graph."""
         super().close()
@@ -231,25 +253,8 @@ class SimulatedClock:
 
 
 def set_parameters(client, values, atomically=False, node='fourbar'):
-    """
-    Change parameters of a node; return the results.
-
-    A request is repeated once: the middleware drops an answer that leaves the server before it has
-    found the reader of a client that is new.
-    """
-    from rcl_interfaces.srv import SetParameters, SetParametersAtomically
-    from rclpy.parameter import Parameter
-    kind = SetParametersAtomically if atomically else SetParameters
-    caller = client.node.create_client(kind, f'/{node}/set_parameters'
-                                       + ('_atomically' if atomically else ''))
-    client.until(caller.service_is_ready, 'the parameter service')
-    request = kind.Request(parameters=[Parameter(name, value=value).to_parameter_msg()
-                                       for name, value in values.items()])
-    future = caller.call_async(request)
-    try:
-        client.until(future.done, 'the answer', 0.25 * client.patience)
-    except NoAnswer:
-        future = caller.call_async(request)
-        client.until(future.done, 'the second answer')
-    client.node.destroy_client(caller)
-    return [future.result().result] if atomically else future.result().results
+    """Change parameters of a node; return the results."""
+    given = [Parameter(name, value=value).to_parameter_msg() for name, value in values.items()]
+    answer = client.ask(SetParametersAtomically if atomically else SetParameters, node,
+                        parameters=given)
+    return [answer.result] if atomically else answer.results
