@@ -88,7 +88,7 @@ def _simulate(arguments: Namespace) -> int:
 
 def print_summary(simulated: SimulatedScene, name: str, tolerance: float) -> None:
     """
-    Print how a run ended, how exact it is, the ripple of its speed, and its extrema.
+    Print how a run ended, how exact it is, the speeds of its last turn, and its extrema.
 
     ``tolerance``: as the user asked for.
     """
@@ -101,10 +101,11 @@ def print_summary(simulated: SimulatedScene, name: str, tolerance: float) -> Non
     console.print(f'{run.status}: {reason}{run.method}, {checked}.')
     console.print(f'At the end the input is at {run.position[-1]:.10g} {unit} with '
                   f'{run.rate[-1]:.10g} {unit}/s.')
-    ripple = simulated.ripple()
-    if ripple:
-        console.print(f'Speed over the last turn: {ripple.low:.6g} to {ripple.high:.6g} {unit}/s, '
-                      f'coefficient of fluctuation {ripple.coefficient:.4g}.')
+    speeds = simulated.speeds_of_last_turn()
+    if speeds:
+        low, high = speeds
+        console.print(f'Speed over the last turn: {low:.6g} to {high:.6g} {unit}/s, coefficient '
+                      f'of fluctuation {2.0 * (high - low) / abs(low + high):.4g}.')
     modes = sorted(set(run.modes.tolist()))
     if len(modes) > 1:
         console.print(f'The motion goes through both assembly modes, {modes[0]} and {modes[1]}.')

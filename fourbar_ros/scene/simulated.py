@@ -34,19 +34,6 @@ class Peak(NamedTuple):
     high_at: float
 
 
-class Ripple(NamedTuple):
-    """
-    Speed of the crank over its last turn [rad/s]: smallest, largest, mean of both.
-
-    ``coefficient``: of fluctuation, (high - low) / |mean|.
-    """
-
-    low: float
-    high: float
-    mean: float
-    coefficient: float
-
-
 class SimulatedScene(NamedTuple):
     """A scene and its Run at the samples of the node."""
 
@@ -105,16 +92,15 @@ class SimulatedScene(NamedTuple):
                                   float(values[high]), float(run.time[high])))
         return found
 
-    def ripple(self) -> Ripple | None:
-        """Return the Ripple over the last turn of a crank, None if it made none or stopped."""
+    def speeds_of_last_turn(self) -> tuple[float, float] | None:
+        """Return (lowest, highest) of a crank [rad/s]; None if it made no turn or stopped."""
         run = self.run
         before_last_turn = np.flatnonzero(np.abs(run.position - run.position[-1]) >= tau)
         if self.scene.linkage.is_driven_by_slide or not before_last_turn.size:
             return None
         rates = run.rate[before_last_turn[-1]:]
         low, high = float(rates.min()), float(rates.max())
-        mean = 0.5 * (low + high)
-        return Ripple(low, high, mean, (high - low) / abs(mean)) if low * high > 0.0 else None
+        return (low, high) if low * high > 0.0 else None
 
 
 def simulate_scene(scene: Scene, until: float, tolerance: float = 1e-8, method: str = 'auto',
