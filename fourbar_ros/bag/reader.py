@@ -155,8 +155,8 @@ class Bag:
         """Return the custom_data in a file's last metadata, in its first ones if it was cut."""
         summary = self.summaries[place]
         with open(self.files[place], 'rb') as stream:
-            places = [each for each in _places(stream, summary) if each[1] == Opcode.METADATA]
-            for each in reversed(places) if summary else places:
+            places = (each for each in _places(stream, summary) if each[1] == Opcode.METADATA)
+            for each in reversed([*places]) if summary else places:
                 with suppress(Exception):       # of any kind, for wrong bytes
                     record: Any = _record_at(stream, *each)
                     if record.name == metadata.RECORD:
@@ -272,16 +272,8 @@ class Bag:
         """Return the text that defines the type of a topic met so far."""
         return str(self._topics[topic][1].data.decode(errors='replace'))
 
-    def qos_of(self, topic: str) -> list[dict[str, Any]]:
-        """Return the QoS profiles under which a topic was offered; empty if not known."""
-        profiles = metadata.loaded(self._metadata_of(topic).get(metadata.QOS, '')) or []
-        return [profile for profile in profiles if isinstance(profile, dict)]
-
-    def hash_of(self, topic: str) -> str:
-        """Return the type hash of a topic, empty if the bag does not say."""
-        return self._metadata_of(topic).get(metadata.HASH, '')
-
-    def _metadata_of(self, topic: str) -> dict[str, str]:
+    def channel_of(self, topic: str) -> dict[str, str]:
+        """Return the metadata of a topic's channel: QoS profiles (YAML), type hash; {} without."""
         if topic not in self._topics:
             next(self.raw([topic]), None)
         return self._topics[topic][0].metadata if topic in self._topics else {}

@@ -9,6 +9,7 @@ from pathlib import Path
 from struct import unpack_from
 import time
 
+from fourbar_ros.bag import metadata
 from fourbar_ros.bag.reader import Bag, Raw
 from fourbar_ros.errors import BagError
 from fourbar_ros.ros.messages import resolve, to_stamp
@@ -141,17 +142,17 @@ def _publisher(node: Node, bag: Bag, topic: str, name: str) -> Publisher | None:
 
     A type installed with another definition would read recorded bytes as other numbers.
     """
-    type_name, recorded_hash = bag.types[topic], bag.hash_of(topic)
+    type_name, recorded = bag.types[topic], bag.channel_of(topic)
     try:
         message_class, installed_hash = resolve(type_name), type_hash(type_name)
     except (LookupError, ModuleNotFoundError, AttributeError, ValueError, OSError):
         node.get_logger().warning(f'{topic}: left out: {type_name} is not installed')
         return None
-    if recorded_hash and recorded_hash != installed_hash:
+    if recorded.get(metadata.HASH, installed_hash) not in ('', installed_hash):
         node.get_logger().warning(f'{topic}: left out: {type_name} was recorded by another '
                                   'definition than the one installed')
         return None
-    offered = (bag.qos_of(topic) or [{}])[0]
+    offered = (metadata.loaded(recorded.get(metadata.QOS, '')) or [{}])[0]
     # bags of Jazzy have words, older ones rmw's numbers
     is_latched = offered.get('durability') in ('transient_local', 1)
     is_best_effort = offered.get('reliability') in ('best_effort', 2)
